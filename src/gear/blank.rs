@@ -1,0 +1,121 @@
+//! One gear: basic rack, size, material, and what follows from them in closed form.
+
+use super::involute;
+
+/// Whether the teeth stand outward or inward.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GearKind {
+    /// Teeth outward, held at its bore.
+    External,
+    /// Internal teeth, held at its outer rim.
+    Ring,
+}
+
+/// Macrogeometry and material of one gear, SI.
+///
+/// Public fields are the independent data; everything else is a method. A `Gear` out of
+/// [`crate::pair`] has passed all checks there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gear {
+    /// External teeth or ring.
+    pub kind: GearKind,
+    /// Number of teeth, positive for a ring, too.
+    pub teeth: u32,
+    /// +1 right-handed, -1 left-handed; of no effect for a spur gear.
+    pub hand: f64,
+    /// Normal module, m.
+    pub normal_module: f64,
+    /// Normal pressure angle of the basic rack, rad.
+    pub normal_pressure_angle: f64,
+    /// Helix angle on the reference cylinder, rad, >= 0; its sense is `hand`.
+    pub helix_angle: f64,
+    /// Profile shift coefficient x; > 0 makes teeth thicker (ring: spaces wider).
+    pub profile_shift: f64,
+    /// Face width, m.
+    pub face_width: f64,
+    /// z of this gear's z = 0 face minus that of gear 1, m (0 for gear 1).
+    pub face_offset: f64,
+    /// Tip radius, m (ring: the inner radius).
+    pub tip_radius: f64,
+    /// Dedendum of the basic rack over the normal module.
+    pub dedendum_coefficient: f64,
+    /// Tip radius of the generating rack (ring: of the fillet) over the normal module.
+    pub tool_tip_radius_coefficient: f64,
+    /// Radius of the surface that is held, m: bore of an external gear, outer rim of a ring.
+    pub held_radius: f64,
+    /// Thinning of each tooth (ring: widening of each space) on the base circle, m, >= 0.
+    pub tooth_thinning: f64,
+    /// Young's modulus, Pa.
+    pub youngs_modulus: f64,
+    /// Poisson ratio.
+    pub poisson_ratio: f64,
+}
+
+impl Gear {
+    /// +1 for external teeth, -1 for a ring.
+    pub fn kappa(&self) -> f64 {
+        match self.kind {
+            GearKind::External => 1.0,
+            GearKind::Ring => -1.0,
+        }
+    }
+
+    /// Number of teeth as a real number.
+    pub fn z(&self) -> f64 {
+        f64::from(self.teeth)
+    }
+
+    /// Transverse module, m.
+    pub fn transverse_module(&self) -> f64 {
+        self.normal_module / self.helix_angle.cos()
+    }
+
+    /// Transverse pressure angle at the reference cylinder, rad.
+    pub fn transverse_pressure_angle(&self) -> f64 {
+        (self.normal_pressure_angle.tan() / self.helix_angle.cos()).atan()
+    }
+
+    /// Base helix angle, rad, >= 0.
+    pub fn base_helix_angle(&self) -> f64 {
+        (self.helix_angle.tan() * self.transverse_pressure_angle().cos()).atan()
+    }
+
+    /// Reference radius, m.
+    pub fn reference_radius(&self) -> f64 {
+        0.5 * self.z() * self.transverse_module()
+    }
+
+    /// Base radius, m.
+    pub fn base_radius(&self) -> f64 {
+        self.reference_radius() * self.transverse_pressure_angle().cos()
+    }
+
+    /// Root radius of the generated gear, m (ring: the outer end of the space).
+    pub fn root_radius(&self) -> f64 {
+        // A positive shift moves the rack outward on an external gear and widens a ring's spaces, so
+        // it moves the root circle outward on both.
+        self.reference_radius()
+            + self.normal_module * (self.profile_shift - self.kappa() * self.dedendum_coefficient)
+    }
+
+    /// Half angle of the tooth (ring: of the space) on the base cylinder, rad, thinning included:
+    /// psi = pi/(2z) + 2 x tan(alpha_n)/z + inv(alpha_t) - kappa j/(2 rb), j the thinning of this gear.
+    pub fn half_base_angle(&self) -> f64 {
+        std::f64::consts::FRAC_PI_2 / self.z()
+            + 2.0 * self.profile_shift * self.normal_pressure_angle.tan() / self.z()
+            + involute(self.transverse_pressure_angle())
+            - self.kappa() * self.tooth_thinning / (2.0 * self.base_radius())
+    }
+
+    /// Length of roll sqrt(r^2 - rb^2) at radius `r`, m: the radius of curvature of the involute in
+    /// the transverse plane. NaN below the base circle.
+    pub fn roll_length(&self, radius: f64) -> f64 {
+        let rb = self.base_radius();
+        ((radius - rb) * (radius + rb)).sqrt()
+    }
+
+    /// Radius at the length of roll `roll`, m.
+    pub fn radius_at_roll(&self, roll: f64) -> f64 {
+        roll.hypot(self.base_radius())
+    }
+}

@@ -1,0 +1,213 @@
+//! Two gears in mesh: what the transverse section and the face overlap say in closed form.
+
+use super::{Gear, GearKind, involute};
+
+/// The loaded flank of gear 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Flank {
+    /// Gear 1 pushes in its +theta sense (s = +1).
+    Drive,
+    /// Gear 1 pushes in its -theta sense (s = -1).
+    Coast,
+}
+
+impl Flank {
+    /// s of the formulas: +1 drive, -1 coast.
+    pub fn sign(self) -> f64 {
+        match self {
+            Flank::Drive => 1.0,
+            Flank::Coast => -1.0,
+        }
+    }
+}
+
+/// Limits of contact on the line of action, measured from the pitch point, positive in the sense in
+/// which contact moves while gear 1 turns in the sense of its loaded flank, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathOfContact {
+    /// Where gear 2's tip enters (negative).
+    pub start: f64,
+    /// Where gear 1's tip leaves (positive).
+    pub end: f64,
+}
+
+impl PathOfContact {
+    /// Length of the path of contact, m.
+    pub fn length(&self) -> f64 {
+        self.end - self.start
+    }
+}
+
+/// Two gears in mesh, SI. At most one of them is a ring.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairGeometry {
+    /// Gear 1 and gear 2.
+    pub gears: [Gear; 2],
+    /// Nominal centre distance, m, > 0.
+    pub center_distance: f64,
+}
+
+impl PairGeometry {
+    /// e: +1 external, -1 internal pair.
+    pub fn e(&self) -> f64 {
+        self.gears[0].kappa() * self.gears[1].kappa()
+    }
+
+    /// z1 + e z2.
+    fn tooth_sum(&self) -> f64 {
+        self.gears[0].z() + self.e() * self.gears[1].z()
+    }
+
+    /// sc = sign(z1 + e z2): the mesh lies at `sc` times the direction O1 -> O2, seen from O1.
+    pub fn sc(&self) -> f64 {
+        self.tooth_sum().signum()
+    }
+
+    /// abs(rb1 + e rb2), m: the sum (internal: the difference) of the base radii.
+    pub fn base_radius_sum(&self) -> f64 {
+        (self.gears[0].base_radius() + self.e() * self.gears[1].base_radius()).abs()
+    }
+
+    /// Index of the ring, if one of the gears is one.
+    pub fn ring(&self) -> Option<usize> {
+        self.gears.iter().position(|g| g.kind == GearKind::Ring)
+    }
+
+    /// Transverse base pitch, m.
+    pub fn base_pitch(&self) -> f64 {
+        2.0 * std::f64::consts::PI * self.gears[0].base_radius() / self.gears[0].z()
+    }
+
+    /// Base helix angle, rad, >= 0.
+    pub fn base_helix_angle(&self) -> f64 {
+        self.gears[0].base_helix_angle()
+    }
+
+    /// Operating transverse pressure angle at `center_distance`, rad, (15). NaN where the base
+    /// circles are farther apart than the centre distance allows.
+    pub fn operating_pressure_angle(&self, center_distance: f64) -> f64 {
+        (self.base_radius_sum() / center_distance).acos()
+    }
+
+    /// inv phi_0: involute of the pressure angle at which teeth without thinning mesh without
+    /// backlash, inv alpha_t + 2 tan alpha_n (x1 + e x2) / (z1 + e z2).
+    pub fn backlash_free_involute(&self) -> f64 {
+        let g = &self.gears;
+        involute(g[0].transverse_pressure_angle())
+            + 2.0 * g[0].normal_pressure_angle.tan()
+                * (g[0].profile_shift + self.e() * g[1].profile_shift)
+                / self.tooth_sum()
+    }
+
+    /// Operating pitch radius of gear `i` (0 or 1) at `center_distance`, m, (3).
+    pub fn operating_pitch_radius(&self, i: usize, center_distance: f64) -> f64 {
+        self.gears[i].z() * center_distance / self.tooth_sum().abs()
+    }
+
+    /// Backlash on the line of action at `center_distance`, m: the way from one flank to the other,
+    /// j + 2 e abs(rb1 + e rb2) (inv phi - inv phi_0).
+    pub fn backlash(&self, center_distance: f64) -> f64 {
+        let phi = self.operating_pressure_angle(center_distance);
+        self.gears[0].tooth_thinning
+            + self.gears[1].tooth_thinning
+            + 2.0
+                * self.e()
+                * self.base_radius_sum()
+                * (involute(phi) - self.backlash_free_involute())
+    }
+
+    /// Length of roll on gear `i` (0 or 1) at the distance `xi` from the pitch point, m:
+    /// rho_1 = rb1 tan phi + kappa_1 xi, rho_2 = rb2 tan phi - kappa_2 xi.
+    pub fn roll_at(&self, i: usize, center_distance: f64, xi: f64) -> f64 {
+        let gear = &self.gears[i];
+        let side = if i == 0 { gear.kappa() } else { -gear.kappa() };
+        gear.base_radius() * self.operating_pressure_angle(center_distance).tan() + side * xi
+    }
+
+    /// Path of contact at `center_distance`, tip to tip.
+    pub fn path_of_contact(&self, center_distance: f64) -> PathOfContact {
+        let tan_phi = self.operating_pressure_angle(center_distance).tan();
+        let beyond = |g: &Gear| g.kappa() * (g.roll_length(g.tip_radius) - g.base_radius() * tan_phi);
+        PathOfContact {
+            start: -beyond(&self.gears[1]),
+            end: beyond(&self.gears[0]),
+        }
+    }
+
+    /// Transverse contact ratio at `center_distance`.
+    pub fn transverse_contact_ratio(&self, center_distance: f64) -> f64 {
+        self.path_of_contact(center_distance).length() / self.base_pitch()
+    }
+
+    /// Overlap of both faces as (z of its lower end, width), m, in gear 1's frame.
+    pub fn face_overlap(&self) -> (f64, f64) {
+        let g = &self.gears;
+        let low = g[0].face_offset.max(g[1].face_offset);
+        let high = (g[0].face_offset + g[0].face_width).min(g[1].face_offset + g[1].face_width);
+        (low, high - low)
+    }
+
+    /// Mid-face of the overlap in gear 1's frame, m: the reference of delta, M and z_c.
+    pub fn z_ref(&self) -> f64 {
+        let (low, width) = self.face_overlap();
+        low + 0.5 * width
+    }
+
+    /// Overlap ratio: face overlap x tan beta_b / base pitch.
+    pub fn overlap_ratio(&self) -> f64 {
+        self.face_overlap().1 * self.base_helix_angle().tan() / self.base_pitch()
+    }
+
+    /// Distance from the pitch point on the line of action at which tooth pair `k` touches in the
+    /// plane `z` (gear 1's frame, m) at mesh position `tau`:
+    /// xi = (tau + k) p_bt + s h tan beta_b (z - z_ref). On gear 1 a larger z lies ahead in +theta
+    /// for a right-handed helix, so there contact has moved on.
+    pub fn contact_line(&self, flank: Flank, tau: f64, k: i32, z: f64) -> f64 {
+        (tau + f64::from(k)) * self.base_pitch()
+            + flank.sign()
+                * self.gears[0].hand
+                * self.base_helix_angle().tan()
+                * (z - self.z_ref())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    /// The paper's pair, Table 1, addendum 1.0 transverse module.
+    fn paper() -> PairGeometry {
+        let gear = |hand| Gear {
+            kind: GearKind::External,
+            teeth: 20,
+            hand,
+            normal_module: 4e-3,
+            normal_pressure_angle: 20f64.to_radians(),
+            helix_angle: 13f64.to_radians(),
+            profile_shift: 0.0,
+            face_width: 25e-3,
+            face_offset: 0.0,
+            tip_radius: 90.315e-3 / 2.0,
+            dedendum_coefficient: 1.25,
+            tool_tip_radius_coefficient: 0.38,
+            held_radius: 15e-3,
+            tooth_thinning: 0.0,
+            youngs_modulus: 206e9,
+            poisson_ratio: 0.3,
+        };
+        PairGeometry {
+            gears: [gear(1.0), gear(-1.0)],
+            center_distance: 82.104e-3,
+        }
+    }
+
+    #[test]
+    fn contact_ratios_are_those_of_the_papers_table_1() {
+        let p = paper();
+        let transverse = p.transverse_contact_ratio(p.center_distance);
+        assert_abs_diff_eq!(transverse, 1.540, epsilon = 1e-3);
+        assert_abs_diff_eq!(p.overlap_ratio(), 0.448, epsilon = 1e-3);
+        assert_abs_diff_eq!(transverse + p.overlap_ratio(), 1.988, epsilon = 1e-3);
+    }
+}

@@ -1,0 +1,54 @@
+//! gearmesh: the gear contact element that any simulator can load.
+//!
+//! An FMI 2.0 unit takes the poses and velocities of two meshing gears and returns contact force,
+//! moment and contact point. Behind it stand tables of static transmission error and shuttling
+//! that this crate computes by three-dimensional static tooth contact, after Palermo, Mundo, Hadjit,
+//! Desmet (2013), "Multibody element for spur and helical gear meshing based on detailed
+//! three-dimensional contact calculations", Mechanism and Machine Theory 62, 13-30.
+//!
+//! # How the data flow
+//!
+//! ```text
+//!  pair file ──> pair ──> gear ──> compliance ──> contact ──> table ──> tables.json (FMU resources)
+//!  (drawing)            geometry   of teeth       static      sweep          │
+//!                       + micro-   and blanks     solve                      v
+//!                       geometry                                  table::interpolation
+//!                                                                            │
+//!                     poses, velocities ──────────────> element <────────────┘
+//!                     (FMI inputs)                         │
+//!                                                          v
+//!                                             force, moment, contact point
+//! ```
+//!
+//! The preprocessing half never imports the element, the element never imports the contact
+//! solver: only the table joins them. The FMU's library is built from `gear`, `table`, `element`
+//! and `fmi` alone; the rest stands behind the feature `preprocess`.
+//!
+//! # Symbols
+//!
+//! SI inside; millimetres, micrometres and degrees only in pair files and printed output, with the
+//! unit in the name.
+//!
+//! | symbol | code | unit | meaning, equation of the paper |
+//! |---|---|---|---|
+//! | e | `e()` | 1 | +1 external, -1 internal pair |
+//! | s | `flank.sign()` | 1 | loaded flank, +1: gear 1 pushes in its +theta sense (drive) |
+//! | h | `hand` | 1 | +1 right-handed, -1 left-handed gear |
+//! | kappa | `kappa()` | 1 | +1 external teeth, -1 ring |
+//! | C | `center_distance` | m | distance of the axes in the transverse plane, (14) |
+//! | phi | `operating_pressure_angle()` | rad | transverse, cos phi = abs(rb1 + e rb2) / C, (15) |
+//! | rb | `base_radius()` | m | base radius |
+//! | r_w | `operating_pitch_radius()` | m | z C / abs(z1 + e z2), (3) |
+//! | beta_b | `base_helix_angle()` | rad | tan beta_b = tan beta cos alpha_t |
+//! | DTE | `transmission_error` | m | dynamic transmission error, tangential, (1) |
+//! | delta | `delta` | m | elongation on the line of action at mid-face, DTE cos phi |
+//! | STE | `ste` | m | static transmission error on the line of action at mid-face |
+//! | PMC | `mesh_position` | 1 | position on the mesh cycle, (13) |
+//! | M | `misalignment` | rad | in the plane of action, > 0: more penetration at larger z, (18) |
+//! | F_tt | `tangential_force` | N | transverse tangential force at the pitch circle, (8) |
+//! | F_bt | `loa_force` | N | transverse force on the line of action, F_tt / cos phi |
+//! | z_c | `contact_z` | m | axial position of the resultant, (26) |
+//! | z_ref | `z_ref()` | m | mid-face of the overlap, reference of delta, M and z_c |
+//! | W | `potential` | J | potential of one flank: F_bt = dW/d delta, F_bt (z_c - z_ref) = dW/dM |
+
+pub mod gear;

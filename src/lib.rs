@@ -51,4 +51,7 @@
 //! | z_ref | `z_ref()` | m | mid-face of the overlap, reference of delta, M and z_c |
 //! | W | `potential` | J | potential of one flank: F_bt = dW/d delta, F_bt (z_c - z_ref) = dW/dM |
 
+#[cfg(feature = "preprocess")]
+pub mod compliance;
 pub mod gear;
+pub mod table;

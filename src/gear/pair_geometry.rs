@@ -94,7 +94,8 @@ impl PairGeometry {
     pub fn backlash_free_involute(&self) -> f64 {
         let g = &self.gears;
         involute(g[0].transverse_pressure_angle())
-            + 2.0 * g[0].normal_pressure_angle.tan()
+            + 2.0
+                * g[0].normal_pressure_angle.tan()
                 * (g[0].profile_shift + self.e() * g[1].profile_shift)
                 / self.tooth_sum()
     }
@@ -127,7 +128,8 @@ impl PairGeometry {
     /// Path of contact at `center_distance`, tip to tip.
     pub fn path_of_contact(&self, center_distance: f64) -> PathOfContact {
         let tan_phi = self.operating_pressure_angle(center_distance).tan();
-        let beyond = |g: &Gear| g.kappa() * (g.roll_length(g.tip_radius) - g.base_radius() * tan_phi);
+        let beyond =
+            |g: &Gear| g.kappa() * (g.roll_length(g.tip_radius) - g.base_radius() * tan_phi);
         PathOfContact {
             start: -beyond(&self.gears[1]),
             end: beyond(&self.gears[0]),
@@ -164,10 +166,7 @@ impl PairGeometry {
     /// for a right-handed helix, so there contact has moved on.
     pub fn contact_line(&self, flank: Flank, tau: f64, k: i32, z: f64) -> f64 {
         (tau + f64::from(k)) * self.base_pitch()
-            + flank.sign()
-                * self.gears[0].hand
-                * self.base_helix_angle().tan()
-                * (z - self.z_ref())
+            + flank.sign() * self.gears[0].hand * self.base_helix_angle().tan() * (z - self.z_ref())
     }
 }
 

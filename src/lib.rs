@@ -54,4 +54,6 @@
 #[cfg(feature = "preprocess")]
 pub mod compliance;
 pub mod gear;
+#[cfg(feature = "preprocess")]
+pub mod pair;
 pub mod table;

@@ -1,0 +1,234 @@
+//! The pair file as it is written: JSON, the unit in every name.
+//!
+//! These types say which fields there are and what is optional; [`super::Pair`] is the checked result
+//! in SI. Defaults that are plain numbers stand here, those that follow from other fields in
+//! `resolve.rs`.
+
+use serde::{Deserialize, Serialize};
+
+/// The whole file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PairFile {
+    /// Name of the pair, used for files and titles.
+    pub name: String,
+    /// Where the numbers come from; free text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+    /// External or internal.
+    pub meshing: Meshing,
+    /// Normal module.
+    pub normal_module_mm: f64,
+    /// Normal pressure angle of the basic rack, degrees.
+    pub normal_pressure_angle_deg: f64,
+    /// Helix angle at the reference cylinder, degrees; > 0: gear 1 right-handed. Default 0.
+    #[serde(default)]
+    pub helix_angle_deg: f64,
+    /// Default: the centre distance without backlash that follows from the profile shifts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub center_distance_mm: Option<f64>,
+    /// Circumferential backlash at the operating pitch circle and nominal centre distance, both gears
+    /// together. Default: what centre distance and profile shifts leave.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub backlash_um: Option<f64>,
+    /// z of gear 2's z = 0 face minus gear 1's. Default 0.
+    #[serde(default)]
+    pub face_offset_mm: f64,
+    /// Gear 1.
+    pub gear1: GearFile,
+    /// Gear 2.
+    pub gear2: GearFile,
+    /// Loads and deviations to be covered.
+    pub operating: OperatingFile,
+    /// Elastic model. Default: finite elements, normal refinement.
+    #[serde(default)]
+    pub compliance: ComplianceFile,
+    /// Whether contact of tip corners outside the path of contact is counted. Default true.
+    #[serde(default = "yes")]
+    pub tip_corner_contact: bool,
+}
+
+/// `meshing` of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Meshing {
+    /// Two external gears.
+    External,
+    /// An external gear and a ring.
+    Internal,
+}
+
+/// One gear of the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GearFile {
+    /// Number of teeth, positive for a ring, too.
+    pub teeth: u32,
+    /// Profile shift coefficient; > 0 thickens teeth, widens the spaces of a ring. Default 0.
+    #[serde(default)]
+    pub profile_shift: f64,
+    /// Face width.
+    pub face_width_mm: f64,
+    /// Tip diameter (ring: inner). Default: from `addendum_coefficient`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip_diameter_mm: Option<f64>,
+    /// Addendum over the normal module. Default 1.0; only without `tip_diameter_mm`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub addendum_coefficient: Option<f64>,
+    /// Dedendum of the basic rack over the normal module. Default 1.25.
+    #[serde(default = "default_dedendum")]
+    pub dedendum_coefficient: f64,
+    /// Tip radius of the tool (ring: radius of the fillet) over the normal module. Default 0.38.
+    #[serde(default = "default_tool_tip_radius")]
+    pub tool_tip_radius_coefficient: f64,
+    /// Bore, held rigidly; external gears only. Default: half of the root diameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bore_diameter_mm: Option<f64>,
+    /// Outer diameter, held rigidly; makes this gear the ring of an internal pair. Default for gear 2
+    /// of an internal pair: root diameter + 7 normal modules, a rim of 3.5 modules.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rim_diameter_mm: Option<f64>,
+    /// Young's modulus. Default 206 (steel).
+    #[serde(default = "default_youngs_modulus")]
+    pub youngs_modulus_gpa: f64,
+    /// Poisson ratio. Default 0.3 (steel).
+    #[serde(default = "default_poisson_ratio")]
+    pub poisson_ratio: f64,
+    /// Tip relief. Default none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip_relief: Option<ReliefFile>,
+    /// Root relief. Default none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub root_relief: Option<ReliefFile>,
+    /// Profile crowning: removal at both ends of the active profile. Default 0.
+    #[serde(default)]
+    pub profile_crowning_um: f64,
+    /// Lead crowning: removal at both ends of the face. Default 0.
+    #[serde(default)]
+    pub lead_crowning_um: f64,
+    /// Removal at the z = face width end minus that at z = 0, both flanks alike. Default 0.
+    #[serde(default)]
+    pub lead_slope_um: f64,
+    /// End relief. Default none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_relief: Option<EndReliefFile>,
+}
+
+/// Tip or root relief of the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReliefFile {
+    /// Removal at the tip (root relief: at the start of the active profile).
+    pub amount_um: f64,
+    /// Where it starts. Default `pitch_point`.
+    #[serde(default)]
+    pub start: ReliefStart,
+    /// Growth. Default `linear`.
+    #[serde(default)]
+    pub shape: Shape,
+}
+
+/// `start` of a relief.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ReliefStart {
+    /// At the operating pitch circle of the nominal centre distance.
+    #[default]
+    PitchPoint,
+    /// At this diameter.
+    DiameterMm(f64),
+}
+
+/// `shape` of a relief.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shape {
+    /// In proportion to the distance from the start.
+    #[default]
+    Linear,
+    /// With its square.
+    Parabolic,
+}
+
+/// End relief of the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EndReliefFile {
+    /// Removal at both face ends.
+    pub amount_um: f64,
+    /// Reach into the face from each end.
+    pub length_mm: f64,
+    /// Growth. Default `linear`.
+    #[serde(default)]
+    pub shape: Shape,
+}
+
+/// `operating` of the file. Ranges hold zero and count from the nominal state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OperatingFile {
+    /// Nominal torque on gear 1.
+    pub nominal_torque_nm: f64,
+    /// Highest torque on gear 1 that tables cover.
+    pub maximum_torque_nm: f64,
+    /// Lowest and highest deviation from the nominal centre distance.
+    pub center_distance_offset_um: [f64; 2],
+    /// Lowest and highest misalignment in the plane of action.
+    pub misalignment_mrad: [f64; 2],
+}
+
+/// `compliance` of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComplianceFile {
+    /// Model. Default `finite-element`.
+    #[serde(default)]
+    pub method: ComplianceMethod,
+    /// Mesh of the finite-element model. Default `normal`.
+    #[serde(default)]
+    pub refinement: Refinement,
+}
+
+/// Elastic model of the teeth and blanks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ComplianceMethod {
+    /// Three-dimensional finite elements.
+    #[default]
+    FiniteElement,
+    /// Closed-form tooth, base and blank.
+    Analytical,
+}
+
+/// Fineness of the finite-element model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Refinement {
+    /// Quickest.
+    Coarse,
+    /// The default.
+    #[default]
+    Normal,
+    /// For convergence studies.
+    Fine,
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn default_dedendum() -> f64 {
+    1.25
+}
+
+fn default_tool_tip_radius() -> f64 {
+    0.38
+}
+
+fn default_youngs_modulus() -> f64 {
+    206.0
+}
+
+fn default_poisson_ratio() -> f64 {
+    0.3
+}

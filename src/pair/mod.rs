@@ -1,0 +1,145 @@
+//! The pair file: from a drawing in JSON to a checked gear pair in SI.
+//!
+//! [`Pair::from_json`] knows every field ([`file`]), fills in the defaults stated there and refuses what
+//! cannot work, naming field, value and remedy ([`Refusal`]). What is legal but worth knowing comes as
+//! [`Pair::warnings`].
+
+mod error;
+pub mod file;
+mod resolve;
+
+use std::path::Path;
+
+pub use error::{PairError, Refusal};
+use file::PairFile;
+pub use file::{ComplianceMethod, Refinement};
+
+use crate::gear::{Microgeometry, PairGeometry};
+
+/// Loads and deviations that tables are to cover.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Operating {
+    /// Nominal torque on gear 1, N m, > 0.
+    pub nominal_torque: f64,
+    /// Highest torque on gear 1, N m, >= nominal.
+    pub maximum_torque: f64,
+    /// Lowest (<= 0) and highest (>= 0) deviation from the nominal centre distance, m.
+    pub center_distance_offset: [f64; 2],
+    /// Lowest (<= 0) and highest (>= 0) misalignment in the plane of action, rad.
+    pub misalignment: [f64; 2],
+}
+
+/// How the teeth are modelled, as the pair file chooses it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ComplianceChoice {
+    /// Elastic model.
+    pub method: ComplianceMethod,
+    /// Fineness of the finite-element model.
+    pub refinement: Refinement,
+}
+
+/// A gear pair that has passed all checks, SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pair {
+    /// Name for files and titles.
+    pub name: String,
+    /// The two gears and their centre distance.
+    pub geometry: PairGeometry,
+    /// Modifications of gear 1 and gear 2.
+    pub microgeometry: [Microgeometry; 2],
+    /// Loads and deviations to be covered.
+    pub operating: Operating,
+    /// Elastic model.
+    pub compliance: ComplianceChoice,
+    /// Whether contact of tip corners outside the path of contact is counted.
+    pub tip_corner_contact: bool,
+    /// What is legal but worth knowing, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Pair {
+    /// Reads and checks the text of a pair file.
+    ///
+    /// # Errors
+    /// [`PairError::Form`] for text of another form (unknown, missing or mistyped field),
+    /// [`PairError::Refused`] for a pair that cannot work.
+    pub fn from_json(text: &str) -> Result<Pair, PairError> {
+        let mut json = serde_json::Deserializer::from_str(text);
+        let file: PairFile =
+            serde_path_to_error::deserialize(&mut json).map_err(|error| PairError::Form {
+                field: error.path().to_string(),
+                message: error.inner().to_string(),
+            })?;
+        json.end().map_err(|error| PairError::Form {
+            field: ".".into(),
+            message: error.to_string(),
+        })?;
+        Ok(resolve::resolve(&file)?)
+    }
+
+    /// Reads and checks the pair file at `path`.
+    ///
+    /// # Errors
+    /// [`PairError::Read`] when the file cannot be read, else as [`Pair::from_json`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Pair, PairError> {
+        let path = path.as_ref();
+        let text = std::fs::read_to_string(path).map_err(|source| PairError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Pair::from_json(&text)
+    }
+
+    /// Whether the coast flank is the drive flank seen with both gears turned end for end, so that one
+    /// table serves both (with M -> -M and z_c mirrored at mid-face): no lead slope on either gear, and
+    /// both faces share their middle.
+    pub fn coast_mirrors_drive(&self) -> bool {
+        let middle = |i: usize| {
+            let g = &self.geometry.gears[i];
+            g.face_offset + 0.5 * g.face_width
+        };
+        // Faces are given to a micrometre at best.
+        (middle(0) - middle(1)).abs() < 1e-9
+            && self.microgeometry.iter().all(Microgeometry::is_symmetric)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    const PAPER: &str = include_str!("../../resources/pairs/palermo2013.json");
+
+    #[test]
+    fn contact_ratios_from_the_pair_file_are_those_of_the_papers_table_1() {
+        let pair = Pair::from_json(PAPER).unwrap();
+        let g = &pair.geometry;
+        let transverse = g.transverse_contact_ratio(g.center_distance);
+        assert_abs_diff_eq!(transverse, 1.540, epsilon = 1e-3);
+        assert_abs_diff_eq!(g.overlap_ratio(), 0.448, epsilon = 1e-3);
+        assert_abs_diff_eq!(transverse + g.overlap_ratio(), 1.988, epsilon = 1e-3);
+    }
+
+    #[test]
+    fn the_papers_relief_starts_at_the_pitch_circle_and_is_whole_at_the_tip() {
+        let pair = Pair::from_json(PAPER).unwrap();
+        for i in 0..2 {
+            let gear = &pair.geometry.gears[i];
+            let removal = |radius: f64| {
+                pair.microgeometry[i].removal(gear, gear.roll_length(radius), 12.5e-3)
+            };
+            assert_abs_diff_eq!(removal(41.052e-3), 0.0, epsilon = 1e-12);
+            assert_abs_diff_eq!(removal(gear.tip_radius), 7e-6, epsilon = 1e-12);
+        }
+        assert!(pair.coast_mirrors_drive());
+    }
+
+    #[test]
+    fn the_papers_rounded_centre_distance_is_free_of_backlash() {
+        let g = Pair::from_json(PAPER).unwrap().geometry;
+        // 80 / cos 13 deg = 82.10433 mm is rounded to 82.104 mm.
+        assert_abs_diff_eq!(g.backlash(g.center_distance), 0.0, epsilon = 1e-15);
+        assert!(g.gears.iter().all(|gear| gear.tooth_thinning < 0.2e-6));
+    }
+}

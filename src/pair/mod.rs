@@ -1,6 +1,6 @@
 //! The pair file: from a drawing in JSON to a checked gear pair in SI.
 //!
-//! [`Pair::from_json`] knows every field ([`file`]), fills in the defaults stated there and refuses what
+//! [`Pair::from_json`] knows every field ([`mod@file`]), fills in the defaults stated there and refuses what
 //! cannot work, naming field, value and remedy ([`Refusal`]). What is legal but worth knowing comes as
 //! [`Pair::warnings`].
 

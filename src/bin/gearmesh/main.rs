@@ -1,3 +1,41 @@
-//! The command `gearmesh`.
+//! The command `gearmesh`: from the pair file to tables, an FMU and a report.
+//!
+//! One file per subcommand. Results go to standard output, progress and errors to standard error,
+//! and the exit status is 0 only when the whole thing was done.
 
-fn main() {}
+mod inspect;
+mod output;
+mod pair_summary;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Gear contact for multibody and system simulation: static tooth contact, tables, FMI 2.0 units.
+#[derive(Debug, Parser)]
+#[command(name = "gearmesh", version, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Inspect(inspect::Inspect),
+}
+
+/// Any error of a subcommand; its chain is printed on one line.
+type Error = Box<dyn std::error::Error>;
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Inspect(command) => command.run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("gearmesh: error: {}", output::chain(error.as_ref()));
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,46 @@
+# Everything from a clean clone: `make demo` shows the element at work, `make test` tests it.
+# Needs Rust, Python 3.11 or later, gcc and make; the rest is set up under .venv and target.
+
+SHELL := /bin/bash
+PYTHON ?= python3
+CARGO ?= cargo
+VENV := .venv
+GEARMESH := target/release/gearmesh
+export PYTHON
+
+.PHONY: all setup build demo test lint report bench clean distclean
+.DELETE_ON_ERROR:
+
+all: build
+
+# Python packages, and libclang for bindgen, under .venv.
+setup: $(VENV)/.complete
+
+$(VENV)/.complete: requirements.txt scripts/setup.sh
+	scripts/setup.sh
+
+# The command target/release/gearmesh and the FMU's library beside it.
+build: setup
+	$(CARGO) build --release
+
+# Cheapest first. The lints share their compiled dependencies, and so do build and tests.
+lint: setup
+	$(CARGO) fmt --check
+	$(CARGO) clippy --release --all-targets -- -D warnings
+	$(CARGO) clippy --release --lib --no-default-features -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps
+
+test: lint
+	$(CARGO) test --release
+	$(CARGO) build --release
+	$(VENV)/bin/python -m pytest -q tests/python
+
+bench: setup
+	$(CARGO) bench
+
+clean:
+	$(CARGO) clean
+
+# Python packages, too.
+distclean: clean
+	rm -rf $(VENV)

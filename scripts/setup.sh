@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# Makes .venv: the pinned Python packages of requirements.txt and, for bindgen, two links that
+# .cargo/config.toml names: .venv/libclang (the shared library that comes with the Python package
+# `libclang`) and .venv/c-include (the C compiler's own headers). Safe to call again.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+python=${PYTHON:-python3}
+venv=.venv
+
+fail() {
+    printf 'setup: %s\n' "$*" >&2
+    exit 1
+}
+
+have() { command -v "$1" >/dev/null 2>&1; }
+
+have cargo || fail "cargo is missing: install Rust 1.89 or later (https://rustup.rs)"
+have "$python" || fail "$python is missing: install Python 3.11 or later, or name one: make PYTHON=/path/to/python3"
+have gcc || fail "gcc is missing: install a C compiler (Debian: apt install gcc)"
+"$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
+    fail "$("$python" --version) is too old: Python 3.11 or later is needed, name one: make PYTHON=/path/to/python3"
+
+# Debian and Ubuntu split ensurepip off into python3-venv. Without it, a pip of the system can still
+# fill an environment that has none of its own; failing that, virtualenv brings its own pip.
+if [ ! -x "$venv/bin/python" ]; then
+    if "$python" -c 'import ensurepip' 2>/dev/null; then
+        "$python" -m venv "$venv"
+    elif "$python" -m pip --version >/dev/null 2>&1; then
+        "$python" -m venv --without-pip "$venv"
+    elif "$python" -m virtualenv --version >/dev/null 2>&1; then
+        "$python" -m virtualenv --quiet "$venv"
+    else
+        fail "this Python can make no environment with pip in it: install python3-venv (Debian: apt install python3-venv)"
+    fi
+fi
+
+if "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
+    pip=("$venv/bin/python" -m pip)
+else
+    pip=("$python" -m pip --python "$venv/bin/python")
+fi
+"${pip[@]}" install --quiet --disable-pip-version-check --requirement requirements.txt ||
+    fail "the packages of requirements.txt could not be installed: see pip's message above"
+
+native=$("$venv/bin/python" -c 'import pathlib, clang; print(pathlib.Path(clang.__file__).resolve().parent / "native")')
+headers=$(gcc -print-file-name=include)
+[ -d "$native" ] || fail "the Python package libclang brings no library for this platform: install libclang-dev and set LIBCLANG_PATH"
+[ -f "$headers/stddef.h" ] || fail "gcc names no folder with its own headers (gcc -print-file-name=include gives $headers)"
+ln -sfn "$native" "$venv/libclang"
+ln -sfn "$headers" "$venv/c-include"
+touch "$venv/.complete"

@@ -1,0 +1,195 @@
+//! What a pair is, in the figures an engineer checks first against the drawing.
+
+use std::fmt::Write;
+
+use gearmesh::gear::{GearKind, Microgeometry};
+use gearmesh::pair::Pair;
+
+use crate::output::Listing;
+
+/// The pair in text: geometry in mesh, each gear, its modifications, the ranges to be covered.
+pub fn pair_summary(pair: &Pair) -> String {
+    let mut text = format!("{}\n", pair.name);
+    let _ = write!(text, "{}", in_mesh(pair));
+    for i in 0..2 {
+        let _ = write!(text, "\ngear {}\n{}", i + 1, gear(pair, i));
+    }
+    let _ = write!(text, "\noperating\n{}", operating(pair));
+    for warning in &pair.warnings {
+        let _ = writeln!(text, "\nnote: {warning}");
+    }
+    text
+}
+
+/// Rows on the two gears in mesh.
+pub fn in_mesh(pair: &Pair) -> Listing {
+    let g = &pair.geometry;
+    let c = g.center_distance;
+    let transverse = g.transverse_contact_ratio(c);
+    let phi = g.operating_pressure_angle(c);
+    let loa_force = pair.operating.nominal_torque / g.gears[0].base_radius();
+    let mut rows = Listing::default();
+    rows.row(
+        "meshing",
+        if g.ring().is_some() {
+            "internal"
+        } else {
+            "external"
+        },
+    )
+    .row(
+        "normal module",
+        format!("{:.4} mm", g.gears[0].normal_module * 1e3),
+    )
+    .row(
+        "helix angle at the reference cylinder",
+        format!(
+            "{:.3} deg{}",
+            g.gears[0].helix_angle.to_degrees(),
+            match (g.gears[0].helix_angle > 0.0, g.gears[0].hand > 0.0) {
+                (false, _) => "",
+                (true, true) => ", gear 1 right-handed",
+                (true, false) => ", gear 1 left-handed",
+            }
+        ),
+    )
+    .row("centre distance", format!("{:.4} mm", c * 1e3))
+    .row(
+        "operating transverse pressure angle",
+        format!("{:.4} deg", phi.to_degrees()),
+    )
+    .row("transverse contact ratio", format!("{transverse:.4}"))
+    .row("overlap ratio", format!("{:.4}", g.overlap_ratio()))
+    .row(
+        "total contact ratio",
+        format!("{:.4}", transverse + g.overlap_ratio()),
+    )
+    .row(
+        "common face width",
+        format!("{:.3} mm", g.face_overlap().1 * 1e3),
+    )
+    .row(
+        "base pitch, transverse",
+        format!("{:.4} mm", g.base_pitch() * 1e3),
+    )
+    .row(
+        "backlash on the line of action",
+        format!("{:.1} um", g.backlash(c) * 1e6),
+    )
+    .row(
+        "normal force at nominal torque",
+        format!("{:.1} N", loa_force / g.base_helix_angle().cos()),
+    );
+    rows
+}
+
+fn gear(pair: &Pair, i: usize) -> Listing {
+    let g = &pair.geometry.gears[i];
+    let mm = |name: &str, radius: f64, rows: &mut Listing| {
+        rows.row(
+            format!("{name} diameter"),
+            format!("{:.4} mm", 2e3 * radius),
+        );
+    };
+    let mut rows = Listing::default();
+    rows.row(
+        "teeth",
+        match g.kind {
+            GearKind::External => format!("{}", g.teeth),
+            GearKind::Ring => format!("{}, ring", g.teeth),
+        },
+    )
+    .row(
+        "profile shift coefficient",
+        format!("{:.4}", g.profile_shift),
+    )
+    .row("face width", format!("{:.3} mm", g.face_width * 1e3));
+    mm("tip", g.tip_radius, &mut rows);
+    mm(
+        "operating pitch",
+        pair.geometry
+            .operating_pitch_radius(i, pair.geometry.center_distance),
+        &mut rows,
+    );
+    mm("base", g.base_radius(), &mut rows);
+    mm("root", g.root_radius(), &mut rows);
+    mm(
+        match g.kind {
+            GearKind::External => "bore (held)",
+            GearKind::Ring => "rim (held)",
+        },
+        g.held_radius,
+        &mut rows,
+    );
+    rows.row(
+        "material",
+        format!(
+            "E {:.1} GPa, Poisson ratio {}",
+            g.youngs_modulus * 1e-9,
+            g.poisson_ratio
+        ),
+    )
+    .row("modifications", modifications(&pair.microgeometry[i]));
+    rows
+}
+
+fn modifications(m: &Microgeometry) -> String {
+    let um = 1e6;
+    let mut parts = Vec::new();
+    if let Some(r) = m.tip_relief {
+        parts.push(format!("tip relief {:.1} um", r.amount * um));
+    }
+    if let Some(r) = m.root_relief {
+        parts.push(format!("root relief {:.1} um", r.amount * um));
+    }
+    if let Some(c) = m.profile_crowning {
+        parts.push(format!("profile crowning {:.1} um", c.amount * um));
+    }
+    if m.lead_crowning != 0.0 {
+        parts.push(format!("lead crowning {:.1} um", m.lead_crowning * um));
+    }
+    if m.lead_slope != 0.0 {
+        parts.push(format!("lead slope {:.1} um", m.lead_slope * um));
+    }
+    if let Some(r) = m.end_relief {
+        parts.push(format!(
+            "end relief {:.1} um over {:.1} mm",
+            r.amount * um,
+            r.length * 1e3
+        ));
+    }
+    if parts.is_empty() {
+        "none".into()
+    } else {
+        parts.join(", ")
+    }
+}
+
+fn operating(pair: &Pair) -> Listing {
+    let o = &pair.operating;
+    let mut rows = Listing::default();
+    rows.row(
+        "torque on gear 1",
+        format!(
+            "nominal {} Nm, up to {} Nm",
+            o.nominal_torque, o.maximum_torque
+        ),
+    )
+    .row(
+        "centre distance offset",
+        format!(
+            "{:.0} to {:.0} um",
+            o.center_distance_offset[0] * 1e6,
+            o.center_distance_offset[1] * 1e6
+        ),
+    )
+    .row(
+        "misalignment",
+        format!(
+            "{:.2} to {:.2} mrad",
+            o.misalignment[0] * 1e3,
+            o.misalignment[1] * 1e3
+        ),
+    );
+    rows
+}

@@ -7,10 +7,14 @@
 mod blank;
 mod microgeometry;
 mod pair_geometry;
+mod profile;
+mod ring_fillet;
+mod trochoid;
 
 pub use blank::{Gear, GearKind};
 pub use microgeometry::{EndRelief, Microgeometry, ProfileCrowning, ProfileRelief, ReliefShape};
 pub use pair_geometry::{Flank, PairGeometry, PathOfContact};
+pub use profile::{ProfileError, ProfilePoint, ToothProfile};
 
 /// Involute function inv(alpha) = tan(alpha) - alpha, rad.
 pub fn involute(alpha: f64) -> f64 {

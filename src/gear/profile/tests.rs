@@ -1,0 +1,303 @@
+use std::f64::consts::PI;
+
+use approx::assert_abs_diff_eq;
+
+use super::*;
+
+fn external(teeth: u32, profile_shift: f64, helix_angle_deg: f64) -> Gear {
+    let mut gear = Gear {
+        kind: GearKind::External,
+        teeth,
+        hand: 1.0,
+        normal_module: 4e-3,
+        normal_pressure_angle: 20f64.to_radians(),
+        helix_angle: helix_angle_deg.to_radians(),
+        profile_shift,
+        face_width: 25e-3,
+        face_offset: 0.0,
+        tip_radius: 0.0,
+        dedendum_coefficient: 1.25,
+        tool_tip_radius_coefficient: 0.38,
+        held_radius: 5e-3,
+        tooth_thinning: 0.0,
+        youngs_modulus: 206e9,
+        poisson_ratio: 0.3,
+    };
+    gear.tip_radius = gear.reference_radius() + 4e-3 * (1.0 + profile_shift);
+    gear
+}
+
+fn ring(teeth: u32, profile_shift: f64, helix_angle_deg: f64) -> Gear {
+    let mut gear = external(teeth, profile_shift, helix_angle_deg);
+    gear.kind = GearKind::Ring;
+    gear.tool_tip_radius_coefficient = 0.3;
+    gear.tip_radius = gear.reference_radius() + 4e-3 * (profile_shift - 0.9);
+    gear.held_radius = gear.reference_radius() + 20e-3;
+    gear
+}
+
+fn gears() -> Vec<Gear> {
+    let mut thinned = external(24, 0.1, 20.0);
+    thinned.tooth_thinning = 60e-6;
+    let mut sharp = external(24, 0.0, 10.0);
+    sharp.tool_tip_radius_coefficient = 0.0;
+    vec![
+        external(20, 0.0, 0.0),
+        external(20, 0.0, 13.0),
+        external(17, 0.5, 30.0),
+        external(12, 0.0, 0.0),
+        external(9, 0.0, 20.0),
+        external(100, -0.4, 0.0),
+        thinned,
+        sharp,
+    ]
+}
+
+fn rings() -> Vec<Gear> {
+    let mut widened = ring(60, 0.2, 0.0);
+    widened.tooth_thinning = 50e-6;
+    vec![ring(60, 0.0, 0.0), ring(72, 0.3, 15.0), widened]
+}
+
+/// Signed distance, m, from the rack in its normal section: rack tooth on the larger-s side of a
+/// straight flank, tip round and tip line written down as a solid, not as a parametric curve.
+fn distance_to_rack(gear: &Gear, s_transverse: f64, d: f64) -> f64 {
+    let (m, a) = (gear.normal_module, gear.normal_pressure_angle);
+    let cos_beta = gear.helix_angle.cos();
+    let s = s_transverse * cos_beta;
+    let thinning = gear.tooth_thinning / (2.0 * gear.transverse_pressure_angle().cos()) * cos_beta;
+    let s0 = m * (PI / 4.0 + gear.profile_shift * a.tan()) - thinning;
+    let height = m * (gear.dedendum_coefficient - gear.profile_shift);
+    let rho = gear.tool_tip_radius_coefficient * m;
+    let to_flank = s0 * a.cos() + d * a.sin() - s * a.cos();
+    let center_d = height - rho;
+    let center_s = s0 + center_d * a.tan() + rho / a.cos();
+    let (ds, dd) = (s - center_s, d - center_d);
+    // The corner region lies between the normals of flank and tip line.
+    if (a..=PI / 2.0).contains(&dd.atan2(-ds)) {
+        ds.hypot(dd) - rho
+    } else {
+        to_flank.max(d - height)
+    }
+}
+
+/// Distance of a point of the gear (polar) from the rack when the rack stands at `u`.
+fn distance_at(gear: &Gear, radius: f64, angle: f64, u: f64) -> f64 {
+    let r = gear.reference_radius();
+    let (y, x) = (angle + u / r).sin_cos();
+    distance_to_rack(gear, radius * y - u, r - radius * x)
+}
+
+/// Least distance over all positions of the rolling rack.
+fn least_distance(gear: &Gear, radius: f64, angle: f64) -> f64 {
+    let m = gear.normal_module;
+    let n = 4000;
+    let at = |u: f64| distance_at(gear, radius, angle, u);
+    let step = 10.0 * m / f64::from(n);
+    let best = (0..=n)
+        .map(|k| -5.0 * m + step * f64::from(k))
+        .min_by(|a, b| at(*a).total_cmp(&at(*b)))
+        .unwrap();
+    // Golden-section search around the best station.
+    let (mut low, mut high) = (best - step, best + step);
+    for _ in 0..80 {
+        let g = 0.381_966_011_250_105 * (high - low);
+        if at(low + g) < at(high - g) {
+            high -= g;
+        } else {
+            low += g;
+        }
+    }
+    at(0.5 * (low + high))
+}
+
+#[test]
+fn the_rolling_rack_touches_every_point_of_the_profile_and_cuts_none() {
+    for gear in gears() {
+        let profile = ToothProfile::new(&gear).unwrap();
+        let tip_roll = gear.roll_length(gear.tip_radius);
+        let fillet = (0..=12).map(|k| profile.fillet(f64::from(k) / 12.0));
+        let flank = (0..=12).map(|k| {
+            let form = profile.form_roll();
+            profile.point_on_flank(form + (tip_roll - form) * f64::from(k) / 12.0)
+        });
+        for (k, point) in fillet.chain(flank).enumerate() {
+            let distance = least_distance(&gear, point.radius(), point.angle());
+            assert!(
+                distance.abs() < 1e-9,
+                "{} teeth, x {}, point {k}: {distance:e} m",
+                gear.teeth,
+                gear.profile_shift
+            );
+        }
+    }
+}
+
+#[test]
+fn the_fillet_ends_on_the_root_circle_and_on_the_involute() {
+    for gear in gears().into_iter().chain(rings()) {
+        let profile = ToothProfile::new(&gear).unwrap();
+        let root = profile.fillet(0.0);
+        assert_abs_diff_eq!(root.radius(), gear.root_radius(), epsilon = 1e-14);
+        assert_abs_diff_eq!(root.angle(), profile.root_angle(), epsilon = 1e-13);
+        assert!(profile.root_angle() <= profile.half_pitch());
+        let (top, form) = (
+            profile.fillet(1.0),
+            profile.point_on_flank(profile.form_roll()),
+        );
+        for c in 0..2 {
+            assert_abs_diff_eq!(top.position[c], form.position[c], epsilon = 1e-12);
+        }
+    }
+}
+
+#[test]
+fn without_undercut_the_fillet_runs_smoothly_into_root_circle_and_involute() {
+    for gear in gears().into_iter().chain(rings()) {
+        let profile = ToothProfile::new(&gear).unwrap();
+        let root = profile.fillet(0.0);
+        let radial = [root.position[0], root.position[1]].map(|c| gear.kappa() * c / root.radius());
+        let (top, form) = (
+            profile.fillet(1.0),
+            profile.point_on_flank(profile.form_roll()),
+        );
+        for c in 0..2 {
+            assert_abs_diff_eq!(root.normal[c], radial[c], epsilon = 1e-12);
+            if !profile.is_undercut() {
+                assert_abs_diff_eq!(top.normal[c], form.normal[c], epsilon = 1e-10);
+            }
+        }
+    }
+}
+
+#[test]
+fn normals_are_square_to_the_outline_and_point_into_the_space() {
+    for gear in gears().into_iter().chain(rings()) {
+        let profile = ToothProfile::new(&gear).unwrap();
+        let tip_roll = gear.roll_length(gear.tip_radius);
+        let middle_roll = 0.5 * (profile.form_roll() + tip_roll);
+        let h = 1e-5;
+        let pieces: [(ProfilePoint, [ProfilePoint; 2]); 2] = [
+            (
+                profile.fillet(0.6),
+                [profile.fillet(0.6 - h), profile.fillet(0.6 + h)],
+            ),
+            (
+                profile.point_on_flank(middle_roll),
+                [-h, h].map(|t| profile.point_on_flank(middle_roll * (1.0 + t))),
+            ),
+        ];
+        for (at, [before, after]) in pieces {
+            let along = [0, 1].map(|c| after.position[c] - before.position[c]);
+            let n = at.normal;
+            assert_abs_diff_eq!(n[0].hypot(n[1]), 1.0, epsilon = 1e-14);
+            let slope = (along[0] * n[0] + along[1] * n[1]) / along[0].hypot(along[1]);
+            assert_abs_diff_eq!(slope, 0.0, epsilon = 1e-8);
+            let towards_space = -n[0] * at.angle().sin() + n[1] * at.angle().cos();
+            assert!(towards_space > 0.0);
+        }
+    }
+}
+
+#[test]
+fn undercut_sets_in_at_the_classical_tooth_number_and_shift() {
+    // x_min = h - z sin^2(alpha_t) / (2 cos beta) with h = 1.25 - 0.38 (1 - sin alpha_n), the height of
+    // the straight part of the rack's flank over the normal module.
+    for (teeth, beta) in [(10, 0.0), (17, 0.0), (14, 20.0), (25, 0.0)] {
+        let g = external(teeth, 0.0, beta);
+        let h = 1.25 - 0.38 * (1.0 - g.normal_pressure_angle.sin());
+        let limit = h - f64::from(teeth) * g.transverse_pressure_angle().sin().powi(2)
+            / (2.0 * g.helix_angle.cos());
+        let undercut = |x: f64| {
+            let profile = ToothProfile::new(&external(teeth, x, beta)).unwrap();
+            (profile.is_undercut(), profile.form_radius())
+        };
+        let rb = g.base_radius();
+        let (is, form) = undercut(limit - 1e-4);
+        assert!(is && form > rb);
+        let (is, form) = undercut(limit + 1e-4);
+        assert!(!is && form >= rb);
+    }
+}
+
+#[test]
+fn a_strongly_undercut_tooth_is_thinner_at_its_root_than_above() {
+    let profile = ToothProfile::new(&external(9, -0.2, 0.0)).unwrap();
+    let width = |r: f64| r * profile.half_thickness_angle(r).unwrap().sin();
+    let rb = profile.gear().base_radius();
+    assert!(profile.form_radius() > rb);
+    assert!(width(rb * 0.99) < width(profile.form_radius()));
+    // Fillet and flank meet in a corner there, without a jump.
+    let r = profile.form_radius();
+    assert_abs_diff_eq!(width(r - 1e-10), width(r), epsilon = 1e-9);
+}
+
+#[test]
+fn tooth_thickness_on_the_reference_circle_follows_from_the_shift() {
+    for x in [-0.1, 0.0, 0.3] {
+        // m (pi/2 + 2 x tan alpha) for the tooth of an external gear and for the space of a ring.
+        let half = 0.5 * 4e-3 * (PI / 2.0 + 2.0 * x * 20f64.to_radians().tan());
+        let gear = external(30, x, 0.0);
+        let profile = ToothProfile::new(&gear).unwrap();
+        let r = gear.reference_radius();
+        let angle = profile.half_thickness_angle(r).unwrap();
+        assert_abs_diff_eq!(r * angle, half, epsilon = 1e-15);
+        let gear = ring(60, x, 0.0);
+        let profile = ToothProfile::new(&gear).unwrap();
+        let r = gear.reference_radius();
+        let angle = profile.half_pitch() - profile.half_thickness_angle(r).unwrap();
+        assert_abs_diff_eq!(r * angle, half, epsilon = 1e-15);
+    }
+}
+
+#[test]
+fn the_fillet_of_a_ring_is_an_arc_of_its_radius() {
+    for gear in rings() {
+        let profile = ToothProfile::new(&gear).unwrap();
+        let [a, b, c] = [0.0, 0.5, 1.0].map(|t| profile.fillet(t).position);
+        // Radius of the circle through three points: abc / (4 area).
+        let side = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+        let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+        let radius = side(a, b) * side(b, c) * side(c, a) / (4.0 * area);
+        assert_abs_diff_eq!(radius, 0.3 * 4e-3, epsilon = 1e-12);
+    }
+}
+
+#[test]
+fn the_outline_is_single_valued_from_root_to_tip() {
+    for gear in gears().into_iter().chain(rings()) {
+        let profile = ToothProfile::new(&gear).unwrap();
+        let radii: Vec<f64> = (0..=100)
+            .map(|k| gear.kappa() * profile.fillet(f64::from(k) / 100.0).radius())
+            .collect();
+        assert!(radii.windows(2).all(|w| w[0] < w[1]));
+        let angle = profile.half_thickness_angle(gear.root_radius()).unwrap();
+        // The fillet is level at the root: an error of 1e-16 in radius is 1e-8 in place.
+        assert_abs_diff_eq!(angle, profile.root_angle(), epsilon = 1e-5);
+        let t = profile.fillet(0.37);
+        let angle = profile.half_thickness_angle(t.radius()).unwrap();
+        assert_abs_diff_eq!(angle, t.angle(), epsilon = 1e-12);
+        assert!(
+            profile
+                .half_thickness_angle(2.0 * gear.tip_radius)
+                .is_none()
+        );
+        assert!(profile.half_thickness_angle(f64::NAN).is_none());
+    }
+}
+
+#[test]
+fn teeth_that_cannot_be_are_refused() {
+    let mut pointed = external(12, 0.6, 0.0);
+    pointed.tip_radius += 4e-3;
+    assert_eq!(ToothProfile::new(&pointed), Err(ProfileError::PointedTooth));
+    let mut round = external(20, 0.0, 0.0);
+    round.tool_tip_radius_coefficient = 0.6;
+    assert_eq!(ToothProfile::new(&round), Err(ProfileError::RoundTooLarge));
+    let mut low = external(20, 0.0, 0.0);
+    low.tip_radius = low.base_radius() * 0.99;
+    assert_eq!(ToothProfile::new(&low), Err(ProfileError::NoInvolute));
+    let mut inside = ring(40, 0.0, 0.0);
+    inside.tip_radius = inside.base_radius() * 0.99;
+    assert_eq!(ToothProfile::new(&inside), Err(ProfileError::TipInsideBase));
+}

@@ -1,9 +1,12 @@
 //! One gear: basic rack, size, material, and what follows from them in closed form.
 
+use serde::{Deserialize, Serialize};
+
 use super::involute;
 
 /// Whether the teeth stand outward or inward.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum GearKind {
     /// Teeth outward, held at its bore.
     External,
@@ -15,7 +18,8 @@ pub enum GearKind {
 ///
 /// Public fields are the independent data; everything else is a method. A `Gear` out of
 /// [`crate::pair`] has passed all checks there.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Gear {
     /// External teeth or ring.
     pub kind: GearKind,

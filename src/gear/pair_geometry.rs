@@ -1,5 +1,7 @@
 //! Two gears in mesh: what the transverse section and the face overlap say in closed form.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Gear, GearKind, involute};
 
 /// The loaded flank of gear 1.
@@ -38,8 +40,10 @@ impl PathOfContact {
     }
 }
 
-/// Two gears in mesh, SI. At most one of them is a ring.
-#[derive(Debug, Clone, PartialEq)]
+/// Two gears in mesh, SI. At most one of them is a ring. Its serialised form is what tables and
+/// packed units carry: plain SI values, nothing derived.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PairGeometry {
     /// Gear 1 and gear 2.
     pub gears: [Gear; 2],

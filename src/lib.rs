@@ -53,6 +53,7 @@
 
 #[cfg(feature = "preprocess")]
 pub mod compliance;
+pub mod element;
 pub mod gear;
 #[cfg(feature = "preprocess")]
 pub mod pair;

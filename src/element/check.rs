@@ -1,0 +1,79 @@
+//! Poses that have no meaning are refused here.
+
+use super::error::{Body, ElementError};
+use super::geometry::Constants;
+use super::motion::{Inputs, Motion};
+
+/// Departure from an orthonormal right-handed matrix above which an orientation is refused.
+const ROTATION_TOLERANCE: f64 = 1e-6;
+
+/// All inputs finite, both orientations rotations; the carrier only if `with_carrier`.
+pub(crate) fn inputs(inputs: &Inputs, with_carrier: bool) -> Result<(), ElementError> {
+    motion(Body::Gear1, &inputs.gears[0])?;
+    motion(Body::Gear2, &inputs.gears[1])?;
+    if with_carrier {
+        motion(Body::Carrier, &inputs.carrier)?;
+    }
+    Ok(())
+}
+
+fn motion(body: Body, m: &Motion) -> Result<(), ElementError> {
+    // One comparison on the usual path: a sum is finite only if all its terms are.
+    let total = m.p.sum() + m.v.sum() + m.w.sum() + m.r.sum();
+    if !total.is_finite() {
+        let quantity = [
+            ("position", m.p.sum()),
+            ("orientation", m.r.sum()),
+            ("velocity", m.v.sum()),
+            ("angular velocity", m.w.sum()),
+        ]
+        .into_iter()
+        .find(|(_, sum)| !sum.is_finite())
+        .map_or("their sum", |(name, _)| name);
+        return Err(ElementError::NotFinite { body, quantity });
+    }
+    let [x, y, z] = [0, 1, 2].map(|i| m.r.column(i));
+    let departure = (x.norm_squared() - 1.0)
+        .abs()
+        .max((y.norm_squared() - 1.0).abs())
+        .max(x.dot(&y).abs())
+        .max((x.cross(&y) - z).amax());
+    if departure > ROTATION_TOLERANCE {
+        return Err(ElementError::NotARotation { body, departure });
+    }
+    Ok(())
+}
+
+/// The axes of `body` and `reference`, whose unit vectors have the product `cosine`, run alike.
+pub(crate) fn tilt(
+    body: Body,
+    reference: Body,
+    cosine: f64,
+    limit: f64,
+) -> Result<(), ElementError> {
+    if cosine < limit.cos() {
+        return Err(ElementError::Tilt {
+            body,
+            reference,
+            tilt_deg: cosine.clamp(-1.0, 1.0).acos().to_degrees(),
+            limit_deg: limit.to_degrees(),
+        });
+    }
+    Ok(())
+}
+
+/// There is a line of action at the centre distance `c`.
+pub(crate) fn center_distance(k: &Constants, c: f64) -> Result<(), ElementError> {
+    if c <= k.base_sum {
+        return Err(no_line_of_action(k, c));
+    }
+    Ok(())
+}
+
+/// The error of [`center_distance`].
+pub(crate) fn no_line_of_action(k: &Constants, c: f64) -> ElementError {
+    ElementError::NoLineOfAction {
+        center_distance_mm: 1e3 * c,
+        limit_mm: 1e3 * k.base_sum,
+    }
+}

@@ -1,0 +1,96 @@
+//! What the element refuses.
+
+/// A gear, for messages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Body {
+    /// Gear 1.
+    Gear1,
+    /// Gear 2.
+    Gear2,
+    /// The carrier (paper's formulation alone).
+    Carrier,
+}
+
+impl std::fmt::Display for Body {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Body::Gear1 => "gear1",
+            Body::Gear2 => "gear2",
+            Body::Carrier => "carrier",
+        })
+    }
+}
+
+/// Why an element cannot be made, or has no meaning at a pose.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ElementError {
+    /// A parameter has no meaning.
+    #[error("{name} = {value}: {remedy}")]
+    Parameter {
+        /// Name of the parameter as in the FMU.
+        name: &'static str,
+        /// The value given, with its unit.
+        value: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The parameters ask for a table and none was given.
+    #[error(
+        "stiffnessModel = table, but there is no table: pack one with `gearmesh tables`, or set stiffnessModel = constant"
+    )]
+    NoTable,
+    /// An input is NaN or infinite.
+    #[error(
+        "{body}: {quantity} is not finite; every position and velocity must be a finite number"
+    )]
+    NotFinite {
+        /// Which body.
+        body: Body,
+        /// position, orientation, velocity or angular velocity.
+        quantity: &'static str,
+    },
+    /// A rotation matrix is none.
+    #[error(
+        "{body}: the orientation is no rotation (it departs from an orthonormal, right-handed matrix by {departure:.1e}); normalise the quaternion or rebuild the matrix"
+    )]
+    NotARotation {
+        /// Which body.
+        body: Body,
+        /// Largest departure of lengths and products of the columns.
+        departure: f64,
+    },
+    /// The axes do not run alike.
+    #[error(
+        "the axis of {body} is tilted by {tilt_deg:.3} deg against {reference}; the element holds up to {limit_deg:.1} deg and both z axes must point alike"
+    )]
+    Tilt {
+        /// Which body.
+        body: Body,
+        /// The body it is measured against.
+        reference: Body,
+        /// Angle between both z axes, degrees.
+        tilt_deg: f64,
+        /// The largest one allowed, degrees.
+        limit_deg: f64,
+    },
+    /// No line of action: the base circles overlap (external) or do not contain one another (internal).
+    #[error(
+        "centre distance {center_distance_mm:.6} mm is below {limit_mm:.6} mm, where the base circles leave no common tangent; move the gears apart or check which gear is which"
+    )]
+    NoLineOfAction {
+        /// Distance of the axes in the transverse plane, mm.
+        center_distance_mm: f64,
+        /// abs(rb1 + e rb2), mm.
+        limit_mm: f64,
+    },
+    /// In the absolute phase reference the start pose lets teeth overlap.
+    #[error(
+        "phaseReference = absolute: at the initial pose the flanks overlap by {overlap_mm:.3} mm; turn gear 1 by {turn_rad:+.6} rad, or set phaseReference = fromInitialPose"
+    )]
+    TeethOverlap {
+        /// Penetration on the line of action, mm.
+        overlap_mm: f64,
+        /// Rotation of gear 1 after which its loaded flank just touches, rad.
+        turn_rad: f64,
+    },
+}

@@ -1,0 +1,126 @@
+//! Numbers of a pair that never change, worked out once.
+
+use super::error::ElementError;
+use super::parameters::Parameters;
+use crate::gear::{Flank, PairGeometry, involute};
+
+/// Largest angle between the axes, rad. The misalignment enters to first order (residual C tilt^2),
+/// so this is far beyond where the result is good, yet near enough to stop a wrong frame.
+pub(crate) const TILT_LIMIT: f64 = 0.1;
+
+/// Constants of the pair for the element, symbols as in the crate's table.
+#[derive(Debug, Clone)]
+pub(crate) struct Constants {
+    /// e: +1 external, -1 internal.
+    pub e: f64,
+    /// sc: side of O1 on which the mesh lies.
+    pub sc: f64,
+    /// Teeth.
+    pub z: [f64; 2],
+    /// Base radii, m.
+    pub rb: [f64; 2],
+    /// kappa: +1 external teeth, -1 ring.
+    pub kappa: [f64; 2],
+    /// h: hand of gear 1 (gear 2 has -e h).
+    pub hand: f64,
+    /// abs(z1 + e z2).
+    pub tooth_sum: f64,
+    /// Pitch point over O1 -> O2: z1 / (z1 + e z2).
+    pub pitch_fraction: f64,
+    /// abs(rb1 + e rb2), m.
+    pub base_sum: f64,
+    /// Nominal centre distance, m.
+    pub center_distance: f64,
+    /// cos phi at the nominal centre distance.
+    pub cos_phi: f64,
+    /// tan beta_b.
+    pub tan_beta_b: f64,
+    /// cos beta_b.
+    pub cos_beta_b: f64,
+    /// tan beta / r1, 1/m: times r_w1 it is tan beta_w.
+    pub tan_beta_per_radius: f64,
+    /// Mid-face of the nominal overlap in gear 1's frame, m.
+    pub z_ref: f64,
+    /// Nominal axial position of gear 2 against gear 1, m.
+    pub face_offset: f64,
+    /// Face widths, m.
+    pub face_width: [f64; 2],
+    /// theta_p1 = 2 pi / z1, rad.
+    pub pitch_angle: f64,
+    /// -sum kappa rb psi, m, backlash override included: half the gap on the line of action is this
+    /// plus sum kappa rb inv(rho).
+    pub half_gap: f64,
+    /// Circumferential backlash at the nominal operating pitch circle, m.
+    pub backlash: f64,
+    /// Mesh position of both flanks where theta1 = gamma, in the `absolute` reference.
+    pub mesh_zero: [f64; 2],
+    /// Nominal force on the line of action, N.
+    pub nominal_force: f64,
+}
+
+/// Index of the flank in arrays: drive, coast.
+pub(crate) const FLANKS: [Flank; 2] = [Flank::Drive, Flank::Coast];
+
+impl Constants {
+    pub(crate) fn new(pair: &PairGeometry, parameters: &Parameters) -> Result<Self, ElementError> {
+        let g = &pair.gears;
+        let e = pair.e();
+        let c = pair.center_distance;
+        let phi = pair.operating_pressure_angle(c);
+        if phi.is_nan() {
+            return Err(ElementError::NoLineOfAction {
+                center_distance_mm: 1e3 * c,
+                limit_mm: 1e3 * pair.base_radius_sum(),
+            });
+        }
+        let [z1, z2] = [g[0].z(), g[1].z()];
+        let tooth_sum = z1 + e * z2;
+        let nominal_backlash = pair.backlash(c);
+        let backlash = parameters
+            .backlash
+            .map_or(nominal_backlash, |j| j * phi.cos());
+        let half_gap = -g
+            .iter()
+            .map(|g| g.kappa() * g.base_radius() * g.half_base_angle())
+            .sum::<f64>()
+            + 0.5 * (backlash - nominal_backlash);
+        let pitch_angle = std::f64::consts::TAU / z1;
+        let tan_beta_b = pair.base_helix_angle().tan();
+        let z_ref = pair.z_ref();
+        // The flank of gear 1 stands at theta = eta + h z tan(beta_b)/rb - sigma kappa inv(rho) in its
+        // body; PMC = 0 where that is the direction of the pitch point at mid-face.
+        let helix_turn = g[0].hand * z_ref * tan_beta_b / g[0].base_radius();
+        let behind = if tooth_sum < 0.0 {
+            std::f64::consts::PI
+        } else {
+            0.0
+        };
+        let half_tooth = g[0].kappa() * (g[0].half_base_angle() - involute(phi));
+        let mesh_zero =
+            FLANKS.map(|f| (f.sign() * (helix_turn - behind) + half_tooth) / pitch_angle);
+        Ok(Self {
+            e,
+            sc: pair.sc(),
+            z: [z1, z2],
+            rb: [g[0].base_radius(), g[1].base_radius()],
+            kappa: [g[0].kappa(), g[1].kappa()],
+            hand: g[0].hand,
+            tooth_sum: tooth_sum.abs(),
+            pitch_fraction: z1 / tooth_sum,
+            base_sum: pair.base_radius_sum(),
+            center_distance: c,
+            cos_phi: phi.cos(),
+            tan_beta_b,
+            cos_beta_b: pair.base_helix_angle().cos(),
+            tan_beta_per_radius: g[0].helix_angle.tan() / g[0].reference_radius(),
+            z_ref,
+            face_offset: g[1].face_offset,
+            face_width: [g[0].face_width, g[1].face_width],
+            pitch_angle,
+            half_gap,
+            backlash: backlash / phi.cos(),
+            mesh_zero,
+            nominal_force: parameters.nominal_torque / g[0].base_radius(),
+        })
+    }
+}

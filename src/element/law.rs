@@ -1,0 +1,164 @@
+//! Elastic law of one flank: from the four mesh coordinates to the derivatives of the potential.
+
+use super::scalar::{Scalar, lift};
+use crate::table::{COORDINATES, Potential, Query};
+use std::sync::Arc;
+
+/// Anything that gives the potential W(delta, C, M, PMC) of a loaded flank: the interpolated table,
+/// or a closed form in tests and experiments.
+///
+/// `W` is zero, with all derivatives, while the flank does not touch; `Query` is in the flank's own
+/// sense (coast tables: M > 0 still means more penetration at larger z).
+pub trait Elasticity: Send + Sync {
+    /// Potential and first derivatives at `query`; second derivatives if `want_hessian`.
+    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential;
+}
+
+/// The elastic laws of the drive flank and the coast flank.
+#[derive(Clone)]
+pub struct FlankLaws {
+    /// Drive flank.
+    pub drive: Arc<dyn Elasticity>,
+    /// Coast flank; `None`: that of the drive flank, mirrored (M -> -M, z_c - z_ref -> -(z_c - z_ref)),
+    /// which is exact where the microgeometry is mirror-symmetric.
+    pub coast: Option<Arc<dyn Elasticity>>,
+}
+
+/// Linear spring on the line of action.
+struct Linear {
+    /// N/m on the line of action.
+    stiffness: f64,
+}
+
+impl Elasticity for Linear {
+    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
+        let mut w = Potential::default();
+        if query.delta > 0.0 {
+            w.gradient[0] = self.stiffness * query.delta;
+            w.value = 0.5 * w.gradient[0] * query.delta;
+            if want_hessian {
+                w.hessian[0][0] = self.stiffness;
+            }
+        }
+        w
+    }
+}
+
+/// Which coordinates and terms are on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Effects {
+    pub center_distance: bool,
+    pub misalignment: bool,
+    pub shuttling: bool,
+}
+
+/// Law of one flank as the formulations use it.
+#[derive(Clone)]
+pub(crate) struct Law {
+    surface: Arc<dyn Elasticity>,
+    mirrored: bool,
+    effects: Effects,
+}
+
+/// Derivatives of the potential, as numbers that carry derivatives on.
+pub(crate) struct Response<T> {
+    /// W, J.
+    pub energy: T,
+    /// dW/d(delta, C, M, PMC): `[0]` is F_bt, `[2]` is F_bt (z_c - z_ref).
+    pub gradient: [T; COORDINATES],
+    /// Tangent stiffness on the line of action, N/m.
+    pub stiffness: T,
+    /// A coordinate lies outside the table.
+    pub out_of_range: bool,
+}
+
+impl Law {
+    /// Linear spring of `stiffness` N/m on the line of action.
+    pub(crate) fn linear(stiffness: f64) -> Self {
+        Self {
+            surface: Arc::new(Linear { stiffness }),
+            mirrored: false,
+            effects: Effects {
+                center_distance: false,
+                misalignment: false,
+                shuttling: false,
+            },
+        }
+    }
+
+    /// A table; `mirrored` for the coast flank of a pair whose table holds the drive flank alone.
+    pub(crate) fn table(surface: Arc<dyn Elasticity>, mirrored: bool, effects: Effects) -> Self {
+        Self {
+            surface,
+            mirrored,
+            effects,
+        }
+    }
+
+    /// Potential at the coordinates (delta, C - C_nominal, M, PMC), effects that are off left out.
+    pub(crate) fn respond<T: Scalar>(&self, coordinates: [T; COORDINATES]) -> Response<T> {
+        let mut q = coordinates;
+        if !self.effects.center_distance {
+            q[1] = T::from(0.0);
+        }
+        if !self.effects.misalignment {
+            q[2] = T::from(0.0);
+        }
+        if self.mirrored {
+            q[2] = -q[2];
+        }
+        let at = q.map(|x| x.re());
+        // The tangent stiffness is an output, so the value path asks for second derivatives, too.
+        let w = self.surface.evaluate(&query(at), true);
+        let mut gradient = [T::from(0.0); COORDINATES];
+        for (i, g) in gradient.iter_mut().enumerate() {
+            *g = lift(w.gradient[i], &w.hessian[i], &q);
+        }
+        if self.mirrored {
+            gradient[2] = -gradient[2];
+        }
+        if !self.effects.center_distance {
+            gradient[1] = T::from(0.0);
+        }
+        if !self.effects.shuttling {
+            gradient[2] = T::from(0.0);
+        }
+        let stiffness = if T::NDERIV > 0 && w.gradient[0] > 0.0 {
+            lift(w.hessian[0][0], &self.stiffness_gradient(at), &q)
+        } else {
+            T::from(w.hessian[0][0])
+        };
+        Response {
+            energy: lift(w.value, &w.gradient, &q),
+            gradient,
+            stiffness,
+            out_of_range: w.out_of_range,
+        }
+    }
+
+    /// Gradient of the tangent stiffness by central differences: a third derivative of W, of which
+    /// tables hold no closed form. Only the derivative of the output `mesh.stiffness` uses it.
+    fn stiffness_gradient(&self, at: [f64; COORDINATES]) -> [f64; COORDINATES] {
+        const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
+        let mut slope = [0.0; COORDINATES];
+        for (i, slope) in slope.iter_mut().enumerate() {
+            let mut side = [0.0; 2];
+            for (side, sign) in side.iter_mut().zip([1.0, -1.0]) {
+                let mut x = at;
+                x[i] += sign * STEP[i];
+                *side = self.surface.evaluate(&query(x), true).hessian[0][0];
+            }
+            *slope = (side[0] - side[1]) / (2.0 * STEP[i]);
+        }
+        slope
+    }
+}
+
+fn query(x: [f64; COORDINATES]) -> Query {
+    Query {
+        delta: x[0],
+        center_distance_offset: x[1],
+        misalignment: x[2],
+        mesh_position: x[3],
+    }
+}

@@ -1,0 +1,133 @@
+//! What goes into the element and what comes out of it.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Pose and velocity of one body in the world frame W, SI.
+///
+/// The body frame of a gear has its origin on the axis in the z = 0 face and z along the axis; the z
+/// axes of both gears point alike. Body +x at z = 0 passes through a tooth centre (ring: a space
+/// centre); only the `absolute` phase reference looks at that.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion<T = f64> {
+    /// p_WG: origin of the body, m.
+    pub p: Vector3<T>,
+    /// R_WG: columns are the body's axes in W.
+    pub r: Matrix3<T>,
+    /// Velocity of the origin, m/s.
+    pub v: Vector3<T>,
+    /// Angular velocity in W, rad/s.
+    pub w: Vector3<T>,
+}
+
+impl Motion {
+    /// At rest at `p` with axes parallel to the world's.
+    pub fn at(p: Vector3<f64>) -> Self {
+        Self {
+            p,
+            r: Matrix3::identity(),
+            v: Vector3::zeros(),
+            w: Vector3::zeros(),
+        }
+    }
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        Self::at(Vector3::zeros())
+    }
+}
+
+/// Motion of everything the element looks at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inputs<T = f64> {
+    /// Gear 1 and gear 2.
+    pub gears: [Motion<T>; 2],
+    /// The carrier; looked at by [`super::Formulation::Paper`] alone.
+    pub carrier: Motion<T>,
+}
+
+/// Contact loads and diagnostics.
+///
+/// Forces and moments are those on the gears by the contact, in world axes; `force[0] = -force[1]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outputs<T = f64> {
+    /// Force on gear 1 and gear 2, N.
+    pub force: [Vector3<T>; 2],
+    /// Moment on each gear about that gear's own origin, N m.
+    pub moment: [Vector3<T>; 2],
+    /// Point of application of the resultant, m, W. Out of contact: the pitch point at mid-face.
+    pub contact_point: Vector3<T>,
+    /// Transmission error, m, tangential at the operating pitch circle; > 0: gear 1 is ahead in its
+    /// positive sense, so the drive flank is compressed. Zero where the unmodified involutes of the loaded
+    /// flank just touch (both flanks: of the drive flank).
+    pub transmission_error: T,
+    /// Its rate, m/s.
+    pub transmission_error_rate: T,
+    /// Position on the mesh cycle of the flank in `flank` (none: of the loaded flank), 0..1.
+    pub mesh_position: T,
+    /// Distance of the axes in the transverse plane, m.
+    pub center_distance: T,
+    /// Misalignment in the plane of action of the flank in `flank`, rad.
+    pub misalignment: T,
+    /// Transverse tangential force at the operating pitch circle, N, >= 0; with both flanks pressed
+    /// the sum of both.
+    pub tangential_force: T,
+    /// Force normal to the flanks, N, >= 0; both flanks pressed: the sum.
+    pub normal_force: T,
+    /// Tangent stiffness dF_tt/dDTE, N/m, without damping.
+    pub stiffness: T,
+    /// Axial position of the resultant in gear 1's frame, m.
+    pub contact_z: T,
+    /// Flank of gear 1 that carries (the larger force): +1 drive, -1 coast, 0 none.
+    pub flank: i32,
+    /// An operating condition lies outside the table, or the gears are on their way out of mesh.
+    pub out_of_range: bool,
+}
+
+/// Number of continuous outputs, in the order of [`Outputs::to_array`].
+pub const CONTINUOUS_OUTPUTS: usize = 24;
+
+impl<T: nalgebra::Scalar + Copy> Outputs<T> {
+    /// All continuous outputs in the FMU's order: force and moment of gear 1, force and moment of
+    /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z`.
+    pub fn to_array(&self) -> [T; CONTINUOUS_OUTPUTS] {
+        let [f1, f2] = self.force;
+        let [m1, m2] = self.moment;
+        let p = self.contact_point;
+        [
+            f1.x,
+            f1.y,
+            f1.z,
+            m1.x,
+            m1.y,
+            m1.z,
+            f2.x,
+            f2.y,
+            f2.z,
+            m2.x,
+            m2.y,
+            m2.z,
+            p.x,
+            p.y,
+            p.z,
+            self.transmission_error,
+            self.transmission_error_rate,
+            self.mesh_position,
+            self.center_distance,
+            self.misalignment,
+            self.tangential_force,
+            self.normal_force,
+            self.stiffness,
+            self.contact_z,
+        ]
+    }
+}
+
+/// Phase zeros, taken once from the initial pose. They belong to the state of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Latch {
+    /// Added to the tooth angle z1 (theta1 - gamma) + e z2 (theta2 - gamma), rad; 2 pi is one pitch.
+    pub tooth_angle: f64,
+    /// Added to the mesh position of the drive flank (taken off the coast flank's), base pitches.
+    pub mesh_position: f64,
+}

@@ -1,0 +1,161 @@
+//! The choices a user makes, named as in the FMU.
+
+use super::error::ElementError;
+
+/// Where the stiffness comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StiffnessModel {
+    /// [`Parameters::constant_stiffness`].
+    Constant,
+    /// The pair's table.
+    Table,
+}
+
+/// How displacement and force follow from the poses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Formulation {
+    /// The paper's (1)-(26), corrected.
+    Paper,
+    /// Exact involute helicoids with the force along the exact gradient; keeps energy.
+    Conjugate,
+}
+
+/// Interpolant of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Multilinear.
+    Linear,
+    /// C2 tensor spline.
+    Spline,
+    /// Modified Shepard method, the paper's.
+    Shepard,
+}
+
+/// Which flanks of gear 1 can carry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoadedFlank {
+    /// s = +1 alone: gear 1 pushes in its +theta sense.
+    Drive,
+    /// s = -1 alone.
+    Coast,
+    /// Both, with the backlash between them.
+    Both,
+}
+
+/// What the phases of the teeth refer to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PhaseReference {
+    /// The initial pose is the touching one on the loaded flank (both flanks: on the drive flank) at
+    /// no load: there the unmodified involutes just touch, with the mesh position
+    /// [`Parameters::mesh_phase`] / theta_p.
+    FromInitialPose,
+    /// The teeth stand where the body frames say: a tooth centre (ring: space centre) on body +x.
+    Absolute,
+}
+
+/// Parameters of one element, SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// Where the stiffness comes from.
+    pub stiffness_model: StiffnessModel,
+    /// Tangential stiffness at the nominal operating pitch circle, N/m, for
+    /// [`StiffnessModel::Constant`].
+    pub constant_stiffness: f64,
+    /// Table: force over displacement (variable load) instead of the secant stiffness at
+    /// [`Parameters::nominal_torque`] (constant load, (21)).
+    pub load_dependent: bool,
+    /// Nominal torque on gear 1, N m, > 0.
+    pub nominal_torque: f64,
+    /// Table: look it up at the actual centre distance.
+    pub center_distance_effect: bool,
+    /// Table: look it up at the actual misalignment.
+    pub misalignment_effect: bool,
+    /// The resultant moves along the face, (25)-(26).
+    pub shuttling_effect: bool,
+    /// How displacement and force follow from the poses.
+    pub formulation: Formulation,
+    /// Interpolant of the table.
+    pub interpolation: Interpolation,
+    /// Viscous damping c, N s/m, tangential, >= 0. See [`Parameters::damping_onset`].
+    pub damping: f64,
+    /// Conjugate formulation: elastic force, as a fraction of the nominal one, from which on damping
+    /// acts in full, > 0. Below it the coefficient rises from zero with a cubic step, so that meeting
+    /// teeth feel no jump; the total force never pulls. This is the law of Adams' IMPACT function with
+    /// force in place of penetration. The paper's formulation takes the constant c at once.
+    pub damping_onset: f64,
+    /// Circumferential backlash at the nominal operating pitch circle, m, >= 0; `None`: the pair's.
+    pub backlash: Option<f64>,
+    /// Which flanks can carry.
+    pub loaded_flank: LoadedFlank,
+    /// What the phases refer to.
+    pub phase_reference: PhaseReference,
+    /// Angle of gear 1 into its mesh cycle at the initial pose, rad, on the loaded flank; used by
+    /// [`PhaseReference::FromInitialPose`].
+    pub mesh_phase: f64,
+}
+
+impl Default for Parameters {
+    /// Constant stiffness of the paper's pair, conjugate formulation, both flanks.
+    fn default() -> Self {
+        Self {
+            stiffness_model: StiffnessModel::Constant,
+            constant_stiffness: 4.35e8,
+            load_dependent: true,
+            nominal_torque: 100.0,
+            center_distance_effect: true,
+            misalignment_effect: true,
+            shuttling_effect: true,
+            formulation: Formulation::Conjugate,
+            interpolation: Interpolation::Spline,
+            damping: 1e5,
+            damping_onset: 0.1,
+            backlash: None,
+            loaded_flank: LoadedFlank::Both,
+            phase_reference: PhaseReference::FromInitialPose,
+            mesh_phase: 0.0,
+        }
+    }
+}
+
+impl Parameters {
+    /// Every number has a meaning.
+    pub(crate) fn check(&self) -> Result<(), ElementError> {
+        let positive = "give a finite number above zero";
+        let not_negative = "give a finite number, zero or above";
+        let refuse = |name, value: f64, unit: &str, remedy| {
+            Err(ElementError::Parameter {
+                name,
+                value: format!("{value} {unit}"),
+                remedy,
+            })
+        };
+        let above_zero = |x: f64| x.is_finite() && x > 0.0;
+        let at_least_zero = |x: f64| x.is_finite() && x >= 0.0;
+        if !above_zero(self.constant_stiffness) {
+            return refuse(
+                "constantStiffness",
+                self.constant_stiffness,
+                "N/m",
+                positive,
+            );
+        }
+        if !above_zero(self.nominal_torque) {
+            return refuse("nominalTorque", self.nominal_torque, "N m", positive);
+        }
+        if !at_least_zero(self.damping) {
+            return refuse("damping", self.damping, "N s/m", not_negative);
+        }
+        if !above_zero(self.damping_onset) {
+            return refuse("dampingOnset", self.damping_onset, "", positive);
+        }
+        if let Some(j) = self.backlash
+            && !at_least_zero(j)
+        {
+            return refuse("backlash", j, "m", not_negative);
+        }
+        if !self.mesh_phase.is_finite() {
+            return refuse("meshPhase", self.mesh_phase, "rad", "give a finite angle");
+        }
+        Ok(())
+    }
+}

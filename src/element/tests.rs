@@ -1,0 +1,199 @@
+//! Claims about the whole element with constant stiffness.
+
+use super::testing::{Noise, compressed, moved, paper_pair, random_pose, three_pairs};
+use super::{Element, Formulation, Inputs, LoadedFlank, Outputs, Parameters};
+use approx::{assert_abs_diff_eq, assert_relative_eq};
+use nalgebra::{Rotation3, Vector3};
+
+const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
+
+fn undamped(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
+    Parameters {
+        formulation,
+        loaded_flank,
+        damping: 0.0,
+        ..Parameters::default()
+    }
+}
+
+fn at(element: &Element, inputs: &Inputs) -> Outputs {
+    let latch = element.latch(&element.nominal_inputs()).unwrap();
+    element.evaluate(&latch, inputs).unwrap()
+}
+
+#[test]
+fn the_papers_pair_at_100_newton_metres_has_a_normal_force_of_2660_newton() {
+    for formulation in FORMULATIONS {
+        let element = Element::new(
+            &paper_pair(1.0),
+            &undamped(formulation, LoadedFlank::Drive),
+            None,
+        )
+        .unwrap();
+        // Independent: T / (rb1 cos beta_b), and the force follows the torque linearly.
+        let out = at(&element, &compressed(&element, 1.0, 5e-6));
+        let normal = out.normal_force * 100.0 / out.moment[1].z.abs();
+        assert_abs_diff_eq!(normal, 2660.4, epsilon = 0.1);
+    }
+}
+
+#[test]
+fn force_direction_and_torques_are_those_of_the_closed_form() {
+    for formulation in FORMULATIONS {
+        for hand in [1.0, -1.0] {
+            for pair in three_pairs(hand) {
+                for (s, flank) in [(1.0, LoadedFlank::Drive), (-1.0, LoadedFlank::Coast)] {
+                    let element = Element::new(&pair, &undamped(formulation, flank), None).unwrap();
+                    let out = at(&element, &compressed(&element, s, 4e-6));
+                    let (e, sc, c) = (pair.e(), pair.sc(), pair.center_distance);
+                    let phi = pair.operating_pressure_angle(c);
+                    let g1 = &pair.gears[0];
+                    let r_w: Vec<f64> = (0..2).map(|i| pair.operating_pitch_radius(i, c)).collect();
+                    let tan_beta_w = g1.helix_angle.tan() * r_w[0] / g1.reference_radius();
+                    let f_tt = 4e-6 / phi.cos() * 4.35e8;
+                    let expected = Vector3::new(
+                        e * phi.tan() * f_tt,
+                        s * sc * f_tt,
+                        -s * hand * tan_beta_w * f_tt,
+                    );
+                    assert_relative_eq!(out.force[1], expected, max_relative = 1e-9);
+                    assert_relative_eq!(out.moment[0].z, -s * r_w[0] * f_tt, max_relative = 1e-9);
+                    assert_relative_eq!(
+                        out.moment[1].z / out.moment[0].z,
+                        e * g1_ratio(&pair),
+                        max_relative = 1e-10
+                    );
+                    assert_eq!(f64::from(out.flank), s);
+                }
+            }
+        }
+    }
+}
+
+fn g1_ratio(pair: &crate::gear::PairGeometry) -> f64 {
+    pair.gears[1].z() / pair.gears[0].z()
+}
+
+#[test]
+fn the_gears_push_each_other_with_opposite_wrenches() {
+    let mut noise = Noise::new(7);
+    for formulation in FORMULATIONS {
+        for pair in three_pairs(1.0) {
+            let element =
+                Element::new(&pair, &undamped(formulation, LoadedFlank::Both), None).unwrap();
+            let latch = element.latch(&element.nominal_inputs()).unwrap();
+            let mut touching = 0;
+            for _ in 0..50 {
+                let inputs = random_pose(&element, &mut noise);
+                let out = element.evaluate(&latch, &inputs).unwrap();
+                let scale = out.force[0].norm();
+                if scale == 0.0 {
+                    continue;
+                }
+                touching += 1;
+                assert!((out.force[0] + out.force[1]).norm() <= 1e-13 * scale);
+                let arm = inputs.gears[1].p - inputs.gears[0].p;
+                let total = out.moment[0] + out.moment[1] + arm.cross(&out.force[1]);
+                assert!(total.norm() <= 1e-13 * (out.moment[0].norm() + out.moment[1].norm()));
+            }
+            assert!(touching > 30);
+        }
+    }
+}
+
+#[test]
+fn rotating_and_moving_the_world_rotates_the_wrench() {
+    let mut noise = Noise::new(11);
+    for formulation in FORMULATIONS {
+        for pair in three_pairs(-1.0) {
+            let element =
+                Element::new(&pair, &undamped(formulation, LoadedFlank::Both), None).unwrap();
+            let start = element.nominal_inputs();
+            for _ in 0..20 {
+                let inputs = random_pose(&element, &mut noise);
+                let r = Rotation3::new(noise.vector(3.0));
+                let p = noise.vector(1.0);
+                let here = element
+                    .evaluate(&element.latch(&start).unwrap(), &inputs)
+                    .unwrap();
+                let there = element
+                    .evaluate(
+                        &element.latch(&moved(&start, &r, &p)).unwrap(),
+                        &moved(&inputs, &r, &p),
+                    )
+                    .unwrap();
+                // An ulp of a coordinate (1 m) times the stiffness, some of them.
+                let rounding = 40.0 * f64::EPSILON * 6e8;
+                for i in 0..2 {
+                    let f = r * here.force[i];
+                    assert!((there.force[i] - f).norm() <= 1e-12 * f.norm() + rounding);
+                    let m = r * here.moment[i];
+                    assert!((there.moment[i] - m).norm() <= 1e-12 * m.norm() + rounding);
+                }
+            }
+        }
+    }
+}
+
+/// Potential of constant stiffness from the elongation that the element reports.
+fn energy(element: &Element, latch: &super::Latch, inputs: &Inputs) -> f64 {
+    let out = element.evaluate(latch, inputs).unwrap();
+    // TE tangential -> line of action by cos phi = base sum / C.
+    let k = &element.constants;
+    let delta = out.transmission_error * k.base_sum / out.center_distance
+        * super::geometry::FLANKS[element.reference_flank].sign();
+    0.5 * 4.35e8 / k.cos_phi.powi(2) * delta.max(0.0).powi(2)
+}
+
+#[test]
+fn the_conjugate_wrench_is_the_negative_gradient_of_its_energy() {
+    let mut noise = Noise::new(3);
+    for hand in [1.0, -1.0] {
+        for pair in three_pairs(hand) {
+            for flank in [LoadedFlank::Drive, LoadedFlank::Coast] {
+                let element =
+                    Element::new(&pair, &undamped(Formulation::Conjugate, flank), None).unwrap();
+                let latch = element.latch(&element.nominal_inputs()).unwrap();
+                let mut tried = 0;
+                while tried < 10 {
+                    let inputs = random_pose(&element, &mut noise);
+                    let out = element.evaluate(&latch, &inputs).unwrap();
+                    if out.flank == 0 {
+                        continue;
+                    }
+                    tried += 1;
+                    for dof in 0..12 {
+                        let (i, axis) = (dof / 6, dof % 3);
+                        let translation = dof % 6 < 3;
+                        let step = if translation { 1e-7 } else { 2e-6 };
+                        let side = |h: f64| {
+                            let mut x = inputs;
+                            let mut direction = Vector3::zeros();
+                            direction[axis] = h;
+                            if translation {
+                                x.gears[i].p += direction;
+                            } else {
+                                x.gears[i].r = Rotation3::new(direction).matrix() * x.gears[i].r;
+                            }
+                            energy(&element, &latch, &x)
+                        };
+                        // Fourth-order central difference.
+                        let slope = (8.0 * (side(step) - side(-step))
+                            - (side(2.0 * step) - side(-2.0 * step)))
+                            / (12.0 * step);
+                        let (load, scale) = if translation {
+                            (out.force[i][axis], out.force[i].norm())
+                        } else {
+                            (out.moment[i][axis], out.moment[i].norm())
+                        };
+                        assert!(
+                            (load + slope).abs() <= 1e-7 * scale,
+                            "dof {dof}: {load} against {}",
+                            -slope
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

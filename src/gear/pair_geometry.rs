@@ -140,6 +140,17 @@ impl PairGeometry {
         }
     }
 
+    /// Length of roll on gear `i` (0 or 1) where the mate's tip touches, m: the start of its active
+    /// profile at `center_distance`.
+    pub fn active_start_roll(&self, i: usize, center_distance: f64) -> f64 {
+        let path = self.path_of_contact(center_distance);
+        self.roll_at(
+            i,
+            center_distance,
+            if i == 0 { path.start } else { path.end },
+        )
+    }
+
     /// Transverse contact ratio at `center_distance`.
     pub fn transverse_contact_ratio(&self, center_distance: f64) -> f64 {
         self.path_of_contact(center_distance).length() / self.base_pitch()

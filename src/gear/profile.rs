@@ -230,6 +230,12 @@ impl ToothProfile {
         Some(self.fillet(0.5 * (low + high)).angle())
     }
 
+    /// Thickness of the tooth at its tip circle, m, along the arc.
+    pub fn tip_land(&self) -> f64 {
+        let tip = self.gear.tip_radius;
+        2.0 * tip * self.involute_half_angle(self.gear.roll_length(tip))
+    }
+
     /// Half angle of the tooth's material at the length of roll `roll` on the involute, rad.
     fn involute_half_angle(&self, roll: f64) -> f64 {
         let t = roll / self.gear.base_radius();

@@ -4,8 +4,12 @@
 //! cannot work, naming field, value and remedy ([`Refusal`]). What is legal but worth knowing comes as
 //! [`Pair::warnings`].
 
+mod checks;
 mod error;
 pub mod file;
+mod interference;
+mod mesh_checks;
+mod modifications;
 mod resolve;
 
 use std::path::Path;
@@ -105,41 +109,4 @@ impl Pair {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use approx::assert_abs_diff_eq;
-
-    const PAPER: &str = include_str!("../../resources/pairs/palermo2013.json");
-
-    #[test]
-    fn contact_ratios_from_the_pair_file_are_those_of_the_papers_table_1() {
-        let pair = Pair::from_json(PAPER).unwrap();
-        let g = &pair.geometry;
-        let transverse = g.transverse_contact_ratio(g.center_distance);
-        assert_abs_diff_eq!(transverse, 1.540, epsilon = 1e-3);
-        assert_abs_diff_eq!(g.overlap_ratio(), 0.448, epsilon = 1e-3);
-        assert_abs_diff_eq!(transverse + g.overlap_ratio(), 1.988, epsilon = 1e-3);
-    }
-
-    #[test]
-    fn the_papers_relief_starts_at_the_pitch_circle_and_is_whole_at_the_tip() {
-        let pair = Pair::from_json(PAPER).unwrap();
-        for i in 0..2 {
-            let gear = &pair.geometry.gears[i];
-            let removal = |radius: f64| {
-                pair.microgeometry[i].removal(gear, gear.roll_length(radius), 12.5e-3)
-            };
-            assert_abs_diff_eq!(removal(41.052e-3), 0.0, epsilon = 1e-12);
-            assert_abs_diff_eq!(removal(gear.tip_radius), 7e-6, epsilon = 1e-12);
-        }
-        assert!(pair.coast_mirrors_drive());
-    }
-
-    #[test]
-    fn the_papers_rounded_centre_distance_is_free_of_backlash() {
-        let g = Pair::from_json(PAPER).unwrap().geometry;
-        // 80 / cos 13 deg = 82.10433 mm is rounded to 82.104 mm.
-        assert_abs_diff_eq!(g.backlash(g.center_distance), 0.0, epsilon = 1e-15);
-        assert!(g.gears.iter().all(|gear| gear.tooth_thinning < 0.2e-6));
-    }
-}
+mod tests;

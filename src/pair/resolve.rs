@@ -1,15 +1,17 @@
 //! From the file's units and defaults to a [`Pair`] in SI.
 
+use super::checks::{check_fields, require};
 use super::error::Refusal;
-use super::file::{EndReliefFile, GearFile, Meshing, PairFile, ReliefFile, ReliefStart, Shape};
-use super::{ComplianceChoice, Operating, Pair};
-use crate::gear::{
-    EndRelief, Gear, GearKind, Microgeometry, PairGeometry, ProfileCrowning, ProfileRelief,
-    ReliefShape, inverse_involute,
+use super::file::{GearFile, Meshing, PairFile};
+use super::mesh_checks::{
+    Place, check_clearance, check_contact, check_gear, check_tooth_difference, field, warnings,
 };
+use super::modifications::microgeometry;
+use super::{ComplianceChoice, Operating, Pair};
+use crate::gear::{Gear, GearKind, PairGeometry, ToothProfile, inverse_involute};
 
-const MM: f64 = 1e-3;
-const UM: f64 = 1e-6;
+pub(super) const MM: f64 = 1e-3;
+pub(super) const UM: f64 = 1e-6;
 
 /// A centre distance on a drawing is rounded to a micrometre: one that is short of the backlash-free
 /// one by less is taken as that without backlash.
@@ -17,20 +19,23 @@ const ROUNDING_OF_CENTER_DISTANCE: f64 = 1e-6;
 
 /// Fills in defaults, checks, converts.
 pub(super) fn resolve(file: &PairFile) -> Result<Pair, Refusal> {
-    let ring = ring_index(file);
-    let mut geometry = PairGeometry {
-        gears: [
-            gear(file, 0, ring == Some(0)),
-            gear(file, 1, ring == Some(1)),
-        ],
-        center_distance: 0.0,
-    };
-    geometry.center_distance = match file.center_distance_mm {
-        Some(mm) => mm * MM,
-        None => backlash_free_center_distance(&geometry),
-    };
+    check_fields(file)?;
+    let mut geometry = unplaced_gears(file)?;
+    place(file, &mut geometry)?;
     set_backlash(file, &mut geometry)?;
-    let microgeometry = [0, 1].map(|i| microgeometry(file, &geometry, i));
+    shorten_default_ring(file, &mut geometry)?;
+    let profiles = [
+        check_gear(file, &geometry.gears[0], 0)?,
+        check_gear(file, &geometry.gears[1], 1)?,
+    ];
+    check_overlap(file, &geometry)?;
+    let mut notes = warnings(&geometry, &profiles);
+    check_center_distances(file, &geometry, &profiles, &mut notes)?;
+    check_tooth_difference(&geometry)?;
+    let microgeometry = [
+        microgeometry(file, &geometry, 0)?,
+        microgeometry(file, &geometry, 1)?,
+    ];
     Ok(Pair {
         name: file.name.clone(),
         operating: Operating {
@@ -44,10 +49,156 @@ pub(super) fn resolve(file: &PairFile) -> Result<Pair, Refusal> {
             refinement: file.compliance.refinement,
         },
         tip_corner_contact: file.tip_corner_contact,
-        warnings: Vec::new(),
+        warnings: notes,
         geometry,
         microgeometry,
     })
+}
+
+/// Gear `i` (0 or 1) of the file.
+pub(super) fn gear_file(file: &PairFile, i: usize) -> &GearFile {
+    if i == 0 { &file.gear1 } else { &file.gear2 }
+}
+
+/// Both gears, the centre distance still open.
+fn unplaced_gears(file: &PairFile) -> Result<PairGeometry, Refusal> {
+    let ring = ring_index(file);
+    if let Some(ring) = ring {
+        let (teeth, mate) = (gear_file(file, ring).teeth, gear_file(file, 1 - ring).teeth);
+        require(
+            teeth > mate,
+            field(ring, "teeth"),
+            teeth,
+            format!("the ring needs more teeth than the gear in it, {mate}"),
+            "choose a larger tooth difference, or give `rim_diameter_mm` to the other gear",
+        )?;
+    }
+    Ok(PairGeometry {
+        gears: [
+            gear(file, 0, ring == Some(0)),
+            gear(file, 1, ring == Some(1)),
+        ],
+        center_distance: f64::NAN,
+    })
+}
+
+/// Sets the centre distance: the file's, or that without backlash.
+fn place(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
+    let least = geometry.base_radius_sum();
+    match file.center_distance_mm {
+        Some(mm) => {
+            geometry.center_distance = mm * MM;
+            require(
+                geometry.center_distance > least,
+                "center_distance_mm",
+                mm,
+                format!("the base circles allow no mesh below {:.4} mm", least / MM),
+                "check centre distance, module and tooth numbers",
+            )
+        }
+        None => {
+            geometry.center_distance = backlash_free_center_distance(geometry);
+            require(
+                geometry.center_distance > least,
+                "gear1.profile_shift",
+                geometry.gears[0].profile_shift,
+                "the profile shifts of both gears leave no centre distance without backlash",
+                "choose a larger sum of profile shifts (internal: gear 2's minus gear 1's for a ring \
+                 as gear 2), or give `center_distance_mm`",
+            )
+        }
+    }
+}
+
+/// The ring's default tip: where an addendum of one module would run into the pinion's fillet at some
+/// centre distance of the range, the ring's teeth are shortened so that contact starts at least 0.02
+/// modules of roll above it.
+fn shorten_default_ring(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
+    let Some(ring) = geometry.ring() else {
+        return Ok(());
+    };
+    let given = gear_file(file, ring);
+    if given.tip_diameter_mm.is_some() || given.addendum_coefficient.is_some() {
+        return Ok(());
+    }
+    let pinion = 1 - ring;
+    let form = check_gear(file, &geometry.gears[pinion], pinion)?.form_roll();
+    let start = form + 0.02 * geometry.gears[pinion].normal_module;
+    for um in file.operating.center_distance_offset_um {
+        let c = geometry.center_distance + um * UM;
+        // Not a number where the addendum ends inside the ring's base circle: shortened, too.
+        if geometry.active_start_roll(pinion, c) >= start {
+            continue;
+        }
+        let side = if pinion == 0 { 1.0 } else { -1.0 };
+        let xi = (start - geometry.roll_at(pinion, c, 0.0)) * side;
+        let tip = geometry.gears[ring].radius_at_roll(geometry.roll_at(ring, c, xi));
+        geometry.gears[ring].tip_radius = tip;
+    }
+    Ok(())
+}
+
+fn check_overlap(file: &PairFile, geometry: &PairGeometry) -> Result<(), Refusal> {
+    require(
+        geometry.face_overlap().1 > 0.0,
+        "face_offset_mm",
+        file.face_offset_mm,
+        format!(
+            "the faces, {} mm and {} mm wide, do not overlap",
+            file.gear1.face_width_mm, file.gear2.face_width_mm
+        ),
+        "give gear 2's z = 0 face minus gear 1's, so that the faces share a part",
+    )
+}
+
+/// Checks the mesh at the nominal centre distance and at both ends of its range. What would be refused
+/// at nominal is a warning at the ends, unless the gears cannot mesh there at all.
+fn check_center_distances(
+    file: &PairFile,
+    geometry: &PairGeometry,
+    profiles: &[ToothProfile; 2],
+    notes: &mut Vec<String>,
+) -> Result<(), Refusal> {
+    let nominal = format!("{:.4}", geometry.center_distance / MM);
+    let place = Place {
+        center_distance: geometry.center_distance,
+        field: "center_distance_mm",
+        value: &nominal,
+    };
+    check_clearance(file, geometry, &place)?;
+    check_contact(file, geometry, profiles, &place)?;
+    for um in file.operating.center_distance_offset_um {
+        let value = format!("{um}");
+        let place = Place {
+            center_distance: geometry.center_distance + um * UM,
+            field: "operating.center_distance_offset_um",
+            value: &value,
+        };
+        require(
+            place.center_distance > geometry.base_radius_sum(),
+            place.field,
+            &value,
+            "the base circles allow no mesh there",
+            "narrow the range",
+        )?;
+        check_clearance(file, geometry, &place)?;
+        if let Err(refusal) = check_contact(file, geometry, profiles, &place) {
+            notes.push(format!(
+                "at a centre distance offset of {um} um: {}",
+                refusal.problem
+            ));
+        }
+        // Below a micrometre it is the rounding of a drawing.
+        let backlash = geometry.backlash(place.center_distance);
+        if backlash < -UM {
+            notes.push(format!(
+                "at a centre distance offset of {um} um both flanks press: the backlash on the line of \
+                 action is {:.1} um",
+                backlash / UM
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Which gear is the ring: gear 2 of an internal pair, or gear 1 when it alone has a rim.
@@ -62,7 +213,7 @@ fn ring_index(file: &PairFile) -> Option<usize> {
 }
 
 fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
-    let g = [&file.gear1, &file.gear2][i];
+    let g = gear_file(file, i);
     let e = match file.meshing {
         Meshing::External => 1.0,
         Meshing::Internal => -1.0,
@@ -172,52 +323,4 @@ fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refu
         gear.tooth_thinning = 0.5 * thinning.max(0.0);
     }
     Ok(())
-}
-
-fn microgeometry(file: &PairFile, geometry: &PairGeometry, i: usize) -> Microgeometry {
-    let g = [&file.gear1, &file.gear2][i];
-    let gear = &geometry.gears[i];
-    let tip_roll = gear.roll_length(gear.tip_radius);
-    let path = geometry.path_of_contact(geometry.center_distance);
-    // Where the mate's tip touches: gear 1 at the start of the path, gear 2 at its end.
-    let active_start = geometry.roll_at(
-        i,
-        geometry.center_distance,
-        if i == 0 { path.start } else { path.end },
-    );
-    let relief = |r: &ReliefFile, end_roll: f64| ProfileRelief {
-        amount: r.amount_um * UM,
-        start_roll: match r.start {
-            ReliefStart::PitchPoint => geometry.roll_at(i, geometry.center_distance, 0.0),
-            ReliefStart::DiameterMm(d) => gear.roll_length(0.5 * d * MM),
-        },
-        end_roll,
-        shape: shape(r.shape),
-    };
-    Microgeometry {
-        tip_relief: g.tip_relief.as_ref().map(|r| relief(r, tip_roll)),
-        root_relief: g.root_relief.as_ref().map(|r| relief(r, active_start)),
-        profile_crowning: (g.profile_crowning_um != 0.0).then_some(ProfileCrowning {
-            amount: g.profile_crowning_um * UM,
-            rolls: [active_start, tip_roll],
-        }),
-        lead_crowning: g.lead_crowning_um * UM,
-        lead_slope: g.lead_slope_um * UM,
-        end_relief: g.end_relief.as_ref().map(end_relief),
-    }
-}
-
-fn end_relief(r: &EndReliefFile) -> EndRelief {
-    EndRelief {
-        amount: r.amount_um * UM,
-        length: r.length_mm * MM,
-        shape: shape(r.shape),
-    }
-}
-
-fn shape(shape: Shape) -> ReliefShape {
-    match shape {
-        Shape::Linear => ReliefShape::Linear,
-        Shape::Parabolic => ReliefShape::Parabolic,
-    }
 }

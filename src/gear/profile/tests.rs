@@ -156,16 +156,14 @@ fn without_undercut_the_fillet_runs_smoothly_into_root_circle_and_involute() {
     for gear in gears().into_iter().chain(rings()) {
         let profile = ToothProfile::new(&gear).unwrap();
         let root = profile.fillet(0.0);
-        let radial = [root.position[0], root.position[1]].map(|c| gear.kappa() * c / root.radius());
+        let radial = root.position.map(|c| gear.kappa() * c / root.radius());
         let (top, form) = (
             profile.fillet(1.0),
             profile.point_on_flank(profile.form_roll()),
         );
-        for c in 0..2 {
-            assert_abs_diff_eq!(root.normal[c], radial[c], epsilon = 1e-12);
-            if !profile.is_undercut() {
-                assert_abs_diff_eq!(top.normal[c], form.normal[c], epsilon = 1e-10);
-            }
+        assert_abs_diff_eq!(root.normal[..], radial[..], epsilon = 1e-12);
+        if !profile.is_undercut() {
+            assert_abs_diff_eq!(top.normal[..], form.normal[..], epsilon = 1e-10);
         }
     }
 }

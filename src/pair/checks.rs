@@ -1,0 +1,258 @@
+//! What can be said of each field on its own, before any geometry is built from it.
+
+use super::error::Refusal;
+use super::file::{GearFile, Meshing, PairFile};
+
+/// Refuses unless `ok`; a comparison with NaN is not ok.
+pub(super) fn require(
+    ok: bool,
+    field: impl Into<String>,
+    value: impl std::fmt::Display,
+    problem: impl Into<String>,
+    remedy: impl Into<String>,
+) -> Result<(), Refusal> {
+    if ok {
+        Ok(())
+    } else {
+        Err(Refusal::new(field, value, problem, remedy))
+    }
+}
+
+/// A number within [low, high], both as the file writes them.
+fn within(field: impl Into<String>, value: f64, low: f64, high: f64) -> Result<(), Refusal> {
+    require(
+        (low..=high).contains(&value),
+        field,
+        value,
+        format!("lies outside {low} to {high}"),
+        "give a value in that range, in the unit of the name",
+    )
+}
+
+/// A number in (0, high].
+fn positive(field: impl Into<String>, value: f64, high: f64) -> Result<(), Refusal> {
+    require(
+        value > 0.0 && value <= high,
+        field,
+        value,
+        format!("must be above 0 and at most {high}"),
+        "give a positive value in the unit of the name",
+    )
+}
+
+/// Checks every field of the file by itself.
+pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
+    let printable = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
+    require(
+        !file.name.trim().is_empty() && file.name.len() <= 100 && file.name.chars().all(printable),
+        "name",
+        format!("{:?}", file.name),
+        "cannot serve as a file name",
+        "give 1 to 100 characters without / \\ : * ? \" < > |",
+    )?;
+    positive("normal_module_mm", file.normal_module_mm, 1000.0)?;
+    within(
+        "normal_pressure_angle_deg",
+        file.normal_pressure_angle_deg,
+        10.0,
+        35.0,
+    )?;
+    within("helix_angle_deg", file.helix_angle_deg, -60.0, 60.0)?;
+    if let Some(mm) = file.center_distance_mm {
+        positive("center_distance_mm", mm, 1e5)?;
+    }
+    if let Some(um) = file.backlash_um {
+        within("backlash_um", um, 0.0, 250.0 * file.normal_module_mm)?;
+    }
+    within("face_offset_mm", file.face_offset_mm, -1e4, 1e4)?;
+    for (name, gear) in [("gear1", &file.gear1), ("gear2", &file.gear2)] {
+        check_gear(name, gear, file.normal_module_mm)?;
+    }
+    check_held_surfaces(file)?;
+    check_operating(file)
+}
+
+fn check_gear(name: &str, g: &GearFile, module_mm: f64) -> Result<(), Refusal> {
+    let field = |f: &str| format!("{name}.{f}");
+    require(
+        (4..=5000).contains(&g.teeth),
+        field("teeth"),
+        g.teeth,
+        "lies outside 4 to 5000",
+        "give the number of teeth, positive for a ring, too",
+    )?;
+    within(field("profile_shift"), g.profile_shift, -3.0, 3.0)?;
+    positive(field("face_width_mm"), g.face_width_mm, 1e4)?;
+    if let Some(mm) = g.tip_diameter_mm {
+        positive(field("tip_diameter_mm"), mm, 1e5)?;
+        if let Some(addendum) = g.addendum_coefficient {
+            return Err(Refusal::new(
+                field("addendum_coefficient"),
+                addendum,
+                format!("`tip_diameter_mm` = {mm} says the same"),
+                "give only one of them",
+            ));
+        }
+    }
+    if let Some(addendum) = g.addendum_coefficient {
+        positive(field("addendum_coefficient"), addendum, 3.0)?;
+    }
+    positive(field("dedendum_coefficient"), g.dedendum_coefficient, 3.0)?;
+    within(
+        field("tool_tip_radius_coefficient"),
+        g.tool_tip_radius_coefficient,
+        0.0,
+        1.0,
+    )?;
+    if let Some(mm) = g.bore_diameter_mm {
+        positive(field("bore_diameter_mm"), mm, 1e5)?;
+    }
+    if let Some(mm) = g.rim_diameter_mm {
+        positive(field("rim_diameter_mm"), mm, 1e5)?;
+    }
+    positive(field("youngs_modulus_gpa"), g.youngs_modulus_gpa, 2000.0)?;
+    within(field("poisson_ratio"), g.poisson_ratio, 0.0, 0.49)?;
+    check_amounts(name, g, module_mm)
+}
+
+/// Amounts of microgeometry: not negative, and no more than a twentieth of the module, beyond which the
+/// flank is another flank and no modification.
+fn check_amounts(name: &str, g: &GearFile, module_mm: f64) -> Result<(), Refusal> {
+    let most = 50.0 * module_mm;
+    let amount = |field: &str, um: f64, low: f64| {
+        require(
+            um >= low && um <= most,
+            format!("{name}.{field}"),
+            um,
+            if um < low {
+                "adds material".into()
+            } else {
+                format!("exceeds a twentieth of the normal module, {most} um")
+            },
+            "give the removal normal to the flank in micrometres, positive, as for a \
+             modification of the flank",
+        )
+    };
+    for (field, relief) in [
+        ("tip_relief", &g.tip_relief),
+        ("root_relief", &g.root_relief),
+    ] {
+        if let Some(r) = relief {
+            amount(&format!("{field}.amount_um"), r.amount_um, 0.0)?;
+        }
+    }
+    amount("profile_crowning_um", g.profile_crowning_um, 0.0)?;
+    amount("lead_crowning_um", g.lead_crowning_um, 0.0)?;
+    amount("lead_slope_um", g.lead_slope_um, -most)?;
+    if let Some(r) = &g.end_relief {
+        amount("end_relief.amount_um", r.amount_um, 0.0)?;
+        require(
+            r.length_mm > 0.0 && r.length_mm <= 0.5 * g.face_width_mm,
+            format!("{name}.end_relief.length_mm"),
+            r.length_mm,
+            format!(
+                "must be above 0 and at most half of the face width, {} mm",
+                0.5 * g.face_width_mm
+            ),
+            "shorten the end relief, or use `lead_crowning_um` over the whole face",
+        )?;
+    }
+    Ok(())
+}
+
+/// Bore or rim: which of them a gear may have says whether it is a ring.
+fn check_held_surfaces(file: &PairFile) -> Result<(), Refusal> {
+    let gears = [("gear1", &file.gear1), ("gear2", &file.gear2)];
+    for (name, g) in gears {
+        if let (Some(bore), Some(rim)) = (g.bore_diameter_mm, g.rim_diameter_mm) {
+            return Err(Refusal::new(
+                format!("{name}.rim_diameter_mm"),
+                rim,
+                format!("the gear also has a `bore_diameter_mm` = {bore}"),
+                "give a bore for an external gear, a rim for a ring",
+            ));
+        }
+    }
+    match (
+        file.meshing,
+        file.gear1.rim_diameter_mm,
+        file.gear2.rim_diameter_mm,
+    ) {
+        (Meshing::External, Some(rim), _) => Err(rim_of_external("gear1", rim)),
+        (Meshing::External, _, Some(rim)) => Err(rim_of_external("gear2", rim)),
+        (Meshing::Internal, Some(rim), Some(_)) => Err(Refusal::new(
+            "gear1.rim_diameter_mm",
+            rim,
+            "gear 2 has a rim, too, and an internal pair has one ring",
+            "give the external gear a `bore_diameter_mm` instead",
+        )),
+        (Meshing::Internal, None, None) => match file.gear2.bore_diameter_mm {
+            Some(bore) => Err(Refusal::new(
+                "gear2.bore_diameter_mm",
+                bore,
+                "gear 2 is the ring of this internal pair and is held at its outer rim",
+                "give it `rim_diameter_mm`, or give that to gear 1 if gear 1 is the ring",
+            )),
+            None => Ok(()),
+        },
+        _ => Ok(()),
+    }
+}
+
+fn rim_of_external(name: &str, rim: f64) -> Refusal {
+    Refusal::new(
+        format!("{name}.rim_diameter_mm"),
+        rim,
+        "both gears of an external pair are held at their bore",
+        "give `bore_diameter_mm`, or say `\"meshing\": \"internal\"`",
+    )
+}
+
+fn check_operating(file: &PairFile) -> Result<(), Refusal> {
+    let o = &file.operating;
+    positive("operating.nominal_torque_nm", o.nominal_torque_nm, 1e9)?;
+    require(
+        o.maximum_torque_nm >= o.nominal_torque_nm && o.maximum_torque_nm <= 1e9,
+        "operating.maximum_torque_nm",
+        o.maximum_torque_nm,
+        format!(
+            "is no limit above the nominal torque, {}",
+            o.nominal_torque_nm
+        ),
+        "give at least the nominal torque, on gear 1",
+    )?;
+    let ranges = [
+        (
+            "center_distance_offset_um",
+            o.center_distance_offset_um,
+            1e4,
+        ),
+        ("misalignment_mrad", o.misalignment_mrad, 20.0),
+    ];
+    for (name, [low, high], most) in ranges {
+        let field = format!("operating.{name}");
+        let value = format!("[{low}, {high}]");
+        require(
+            low <= high,
+            &field,
+            &value,
+            "is reversed",
+            "give the lower end first",
+        )?;
+        require(
+            low <= 0.0 && high >= 0.0,
+            &field,
+            &value,
+            "does not contain zero, the nominal state",
+            "give deviations from nominal, such as [-1.0, 1.0] or [0.0, 0.0]",
+        )?;
+        require(
+            low >= -most && high <= most,
+            &field,
+            &value,
+            format!("goes beyond {most} on one side"),
+            "narrow the range; check the unit in the name",
+        )?;
+    }
+    Ok(())
+}

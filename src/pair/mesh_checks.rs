@@ -1,0 +1,287 @@
+//! What can only be said of the gears as built and of the pair in mesh.
+
+use super::checks::require;
+use super::error::Refusal;
+use super::file::PairFile;
+use super::interference::{assembles_radially, tip_corner_clearance};
+use super::resolve::{MM, gear_file};
+use crate::gear::{Gear, GearKind, PairGeometry, ProfileError, ToothProfile, inverse_involute};
+
+/// "gear1.<field>" or "gear2.<field>".
+pub(super) fn field(i: usize, name: &str) -> String {
+    format!("gear{}.{name}", i + 1)
+}
+
+/// The field that sets the tip circle, and its value.
+fn tip_field(file: &PairFile, gear: &Gear, i: usize) -> (String, String) {
+    match gear_file(file, i) {
+        g if g.tip_diameter_mm.is_some() => (
+            field(i, "tip_diameter_mm"),
+            format!("{}", g.tip_diameter_mm.unwrap_or_default()),
+        ),
+        g if g.addendum_coefficient.is_some() => (
+            field(i, "addendum_coefficient"),
+            format!("{}", g.addendum_coefficient.unwrap_or_default()),
+        ),
+        _ => (
+            field(i, "tip_diameter_mm"),
+            format!("{:.3} (default)", 2.0 * gear.tip_radius / MM),
+        ),
+    }
+}
+
+/// Builds the tooth profile of gear `i` and checks it against bore or rim.
+pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<ToothProfile, Refusal> {
+    let profile = ToothProfile::new(gear).map_err(|error| profile_refusal(file, gear, i, error))?;
+    let (root, held) = (2.0 * gear.root_radius() / MM, 2.0 * gear.held_radius / MM);
+    match gear.kind {
+        GearKind::External => require(
+            held < root,
+            field(i, "bore_diameter_mm"),
+            held,
+            format!("is no smaller than the root diameter, {root:.3} mm"),
+            "give the diameter of the hub or shaft at which the gear is held",
+        )?,
+        GearKind::Ring => require(
+            held > root,
+            field(i, "rim_diameter_mm"),
+            held,
+            format!("is no larger than the root diameter of the ring, {root:.3} mm"),
+            "give the outer diameter at which the ring is held",
+        )?,
+    }
+    Ok(profile)
+}
+
+fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) -> Refusal {
+    let (tip, tip_value) = tip_field(file, gear, i);
+    let problem = error.to_string();
+    match error {
+        ProfileError::PointedTooth => {
+            let limit = match gear.kind {
+                GearKind::External => {
+                    let alpha = inverse_involute(gear.half_base_angle());
+                    format!("below {:.3}", 2.0 * gear.base_radius() / alpha.cos() / MM)
+                }
+                GearKind::Ring => "larger".into(),
+            };
+            let remedy = format!("choose a tip diameter {limit} mm, or another `profile_shift`");
+            Refusal::new(tip, tip_value, problem, remedy)
+        }
+        ProfileError::NoInvolute => Refusal::new(
+            tip,
+            tip_value,
+            problem,
+            "check the tip diameter, `dedendum_coefficient` and `profile_shift`",
+        ),
+        ProfileError::TipInsideBase => Refusal::new(
+            tip,
+            tip_value,
+            problem,
+            format!(
+                "choose a tip diameter above {:.3} mm, or more teeth",
+                2.0 * gear.base_radius() / MM
+            ),
+        ),
+        ProfileError::RoundTooLarge => Refusal::new(
+            field(i, "tool_tip_radius_coefficient"),
+            gear.tool_tip_radius_coefficient,
+            problem,
+            "choose a smaller radius or a smaller `dedendum_coefficient`",
+        ),
+        ProfileError::RootCircle => Refusal::new(
+            field(i, "dedendum_coefficient"),
+            gear.dedendum_coefficient,
+            problem,
+            "choose another dedendum, more teeth or another `profile_shift`",
+        ),
+    }
+}
+
+/// A centre distance, m, with the field and value of the file that set it.
+pub(super) struct Place<'a> {
+    pub center_distance: f64,
+    pub field: &'a str,
+    pub value: &'a str,
+}
+
+/// A tip of gear `i` may dip this far below the start of the involute, in normal modules of roll: the
+/// fillet leaves the involute as a tangent, which is far below a micrometre there. A corner left by
+/// undercut gets no such allowance.
+const DIP_INTO_FILLET: f64 = 0.01;
+
+/// Contact on the involutes of both gears, and enough of it.
+pub(super) fn check_contact(
+    file: &PairFile,
+    geometry: &PairGeometry,
+    profiles: &[ToothProfile; 2],
+    place: &Place,
+) -> Result<(), Refusal> {
+    for i in 0..2 {
+        check_active_profile(file, geometry, profiles, place.center_distance, i)?;
+    }
+    let transverse = geometry.transverse_contact_ratio(place.center_distance);
+    let total = transverse + geometry.overlap_ratio();
+    require(
+        transverse > 0.0 && total >= 1.0,
+        place.field,
+        place.value,
+        format!("the total contact ratio is {total:.3}, and below 1 teeth lose contact"),
+        "choose larger tip diameters, a smaller centre distance or, with helical teeth, a wider face",
+    )
+}
+
+/// Tip circle against the mate's root circle.
+pub(super) fn check_clearance(
+    file: &PairFile,
+    geometry: &PairGeometry,
+    place: &Place,
+) -> Result<(), Refusal> {
+    let center_distance = place.center_distance;
+    for i in 0..2 {
+        let (gear, mate) = (&geometry.gears[i], &geometry.gears[1 - i]);
+        // Distance of the axes from which the tip reaches the root: external C - ra - rf, pinion in ring
+        // rf - C - ra, ring on pinion ra - C - rf.
+        let clearance = match (gear.kind, mate.kind) {
+            (GearKind::External, GearKind::External) => {
+                center_distance - gear.tip_radius - mate.root_radius()
+            }
+            (GearKind::External, GearKind::Ring) => {
+                mate.root_radius() - center_distance - gear.tip_radius
+            }
+            (GearKind::Ring, _) => gear.tip_radius - center_distance - mate.root_radius(),
+        };
+        let (tip, value) = tip_field(file, gear, i);
+        require(
+            clearance > 0.0,
+            tip,
+            value,
+            format!(
+                "the tip clearance to gear {} is {:.3} mm at `{}` = {}",
+                2 - i,
+                clearance / MM,
+                place.field,
+                place.value
+            ),
+            "shorten the tooth, deepen the mate's `dedendum_coefficient` or change the centre distance",
+        )?;
+    }
+    Ok(())
+}
+
+/// The mate's tip must meet the involute of gear `i`, not its fillet.
+fn check_active_profile(
+    file: &PairFile,
+    geometry: &PairGeometry,
+    profiles: &[ToothProfile; 2],
+    center_distance: f64,
+    i: usize,
+) -> Result<(), Refusal> {
+    let (gear, mate) = (&geometry.gears[i], &geometry.gears[1 - i]);
+    let form_roll = profiles[i].form_roll();
+    let start = geometry.active_start_roll(i, center_distance);
+    let dip = if profiles[i].is_undercut() {
+        0.0
+    } else {
+        DIP_INTO_FILLET * gear.normal_module
+    };
+    if gear.kappa() * (start - form_roll) >= -dip {
+        return Ok(());
+    }
+    // The mate's tip diameter that would just reach the start of the involute.
+    let side = if i == 0 { gear.kappa() } else { -gear.kappa() };
+    let xi = (form_roll - geometry.roll_at(i, center_distance, 0.0)) / side;
+    let limit = mate.radius_at_roll(geometry.roll_at(1 - i, center_distance, xi).max(0.0));
+    let limit = format!(
+        "a `tip_diameter_mm` of {} {:.3} mm for gear {}",
+        if mate.kind == GearKind::External {
+            "at most"
+        } else {
+            "at least"
+        },
+        2.0 * limit / MM,
+        2 - i
+    );
+    let at = format!(
+        "{:.3} mm, contact at {:.3} mm",
+        2.0 * profiles[i].form_radius() / MM,
+        2.0 * gear.base_radius().hypot(start) / MM
+    );
+    Err(if profiles[i].is_undercut() {
+        Refusal::new(
+            field(i, "profile_shift"),
+            gear.profile_shift,
+            format!("undercut reaches the active profile: the involute starts at diameter {at}"),
+            format!("choose a larger profile shift, more teeth, or {limit}"),
+        )
+    } else {
+        let (tip, value) = tip_field(file, mate, 1 - i);
+        Refusal::new(
+            tip,
+            value,
+            format!(
+                "tip interference: it runs into the fillet of gear {}, whose involute starts at \
+                 diameter {at}",
+                i + 1
+            ),
+            format!("choose {limit}, or another `profile_shift`"),
+        )
+    })
+}
+
+/// Tooth difference of an internal pair, once the mesh itself is in order.
+pub(super) fn check_tooth_difference(geometry: &PairGeometry) -> Result<(), Refusal> {
+    let Some(ring) = geometry.ring() else {
+        return Ok(());
+    };
+    let (z_ring, z_pinion) = (geometry.gears[ring].teeth, geometry.gears[1 - ring].teeth);
+    let clearance = tip_corner_clearance(geometry).unwrap_or(0.0);
+    require(
+        clearance >= 0.0,
+        field(ring, "teeth"),
+        z_ring,
+        format!(
+            "the tooth difference, {} - {z_pinion} = {}, is too small: tip corners foul each other by \
+             {:.3} mm where the tip circles cross",
+            z_ring,
+            i64::from(z_ring) - i64::from(z_pinion),
+            -clearance * geometry.gears[ring].tip_radius / MM
+        ),
+        "choose a larger difference, shorter teeth or a larger operating pressure angle",
+    )
+}
+
+/// What is legal but worth knowing.
+pub(super) fn warnings(geometry: &PairGeometry, profiles: &[ToothProfile; 2]) -> Vec<String> {
+    let mut out = Vec::new();
+    for (i, gear) in geometry.gears.iter().enumerate() {
+        let land = profiles[i].tip_land();
+        if land < 0.2 * gear.normal_module {
+            out.push(format!(
+                "gear {}: the tip land is {:.3} mm, below 0.2 modules",
+                i + 1,
+                land / MM
+            ));
+        }
+        let wall = gear.kappa() * (gear.root_radius() - gear.held_radius);
+        if wall < gear.normal_module {
+            out.push(format!(
+                "gear {}: only {:.3} mm, less than a module, between root and {}, which is held rigidly",
+                i + 1,
+                wall / MM,
+                if gear.kind == GearKind::Ring { "rim" } else { "bore" }
+            ));
+        }
+        if profiles[i].is_undercut() {
+            out.push(format!(
+                "gear {}: undercut, the involute starts at diameter {:.3} mm",
+                i + 1,
+                2.0 * profiles[i].form_radius() / MM
+            ));
+        }
+    }
+    if !assembles_radially(geometry) {
+        out.push("the pinion can be assembled with the ring axially only".into());
+    }
+    out
+}

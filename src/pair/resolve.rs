@@ -159,7 +159,10 @@ fn check_center_distances(
     profiles: &[ToothProfile; 2],
     notes: &mut Vec<String>,
 ) -> Result<(), Refusal> {
-    let nominal = format!("{:.4}", geometry.center_distance / MM);
+    let nominal = match file.center_distance_mm {
+        Some(mm) => format!("{mm}"),
+        None => format!("{:.4} (default)", geometry.center_distance / MM),
+    };
     let place = Place {
         center_distance: geometry.center_distance,
         field: "center_distance_mm",

@@ -186,42 +186,4 @@ impl PairGeometry {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use approx::assert_abs_diff_eq;
-
-    /// The paper's pair, Table 1, addendum 1.0 transverse module.
-    fn paper() -> PairGeometry {
-        let gear = |hand| Gear {
-            kind: GearKind::External,
-            teeth: 20,
-            hand,
-            normal_module: 4e-3,
-            normal_pressure_angle: 20f64.to_radians(),
-            helix_angle: 13f64.to_radians(),
-            profile_shift: 0.0,
-            face_width: 25e-3,
-            face_offset: 0.0,
-            tip_radius: 90.315e-3 / 2.0,
-            dedendum_coefficient: 1.25,
-            tool_tip_radius_coefficient: 0.38,
-            held_radius: 15e-3,
-            tooth_thinning: 0.0,
-            youngs_modulus: 206e9,
-            poisson_ratio: 0.3,
-        };
-        PairGeometry {
-            gears: [gear(1.0), gear(-1.0)],
-            center_distance: 82.104e-3,
-        }
-    }
-
-    #[test]
-    fn contact_ratios_are_those_of_the_papers_table_1() {
-        let p = paper();
-        let transverse = p.transverse_contact_ratio(p.center_distance);
-        assert_abs_diff_eq!(transverse, 1.540, epsilon = 1e-3);
-        assert_abs_diff_eq!(p.overlap_ratio(), 0.448, epsilon = 1e-3);
-        assert_abs_diff_eq!(transverse + p.overlap_ratio(), 1.988, epsilon = 1e-3);
-    }
-}
+mod tests;

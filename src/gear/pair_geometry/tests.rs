@@ -1,0 +1,165 @@
+use std::f64::consts::PI;
+
+use approx::assert_abs_diff_eq;
+
+use super::*;
+use crate::gear::ToothProfile;
+
+fn gear(kind: GearKind, teeth: u32, hand: f64, helix_angle_deg: f64, x: f64) -> Gear {
+    let mut gear = Gear {
+        kind,
+        teeth,
+        hand,
+        normal_module: 4e-3,
+        normal_pressure_angle: 20f64.to_radians(),
+        helix_angle: helix_angle_deg.to_radians(),
+        profile_shift: x,
+        face_width: 25e-3,
+        face_offset: 0.0,
+        tip_radius: 0.0,
+        dedendum_coefficient: 1.25,
+        tool_tip_radius_coefficient: 0.38,
+        held_radius: 15e-3,
+        tooth_thinning: 0.0,
+        youngs_modulus: 206e9,
+        poisson_ratio: 0.3,
+    };
+    let addendum = if kind == GearKind::Ring { 0.8 } else { 1.0 };
+    gear.tip_radius = gear.reference_radius() + 4e-3 * (x + gear.kappa() * addendum);
+    gear
+}
+
+/// External, internal and ring as gear 1, spur and helical, thinned teeth, off the reference centre
+/// distance.
+fn pairs() -> Vec<PairGeometry> {
+    use GearKind::{External, Ring};
+    let mut out = Vec::new();
+    for beta in [0.0, 18.0] {
+        for (kinds, teeth) in [
+            ([External, External], [20, 33]),
+            ([External, Ring], [20, 60]),
+            ([Ring, External], [60, 20]),
+        ] {
+            let e = if kinds == [External; 2] { 1.0 } else { -1.0 };
+            let mut gears = [
+                gear(kinds[0], teeth[0], 1.0, beta, 0.1),
+                gear(kinds[1], teeth[1], -e, beta, 0.25),
+            ];
+            gears[0].tooth_thinning = 30e-6;
+            gears[1].tooth_thinning = 50e-6;
+            let reference = (gears[0].reference_radius() + e * gears[1].reference_radius()).abs();
+            out.push(PairGeometry {
+                gears,
+                center_distance: reference + 1.1e-3,
+            });
+        }
+    }
+    out
+}
+
+#[test]
+fn contact_ratios_are_those_of_the_papers_table_1() {
+    let mut gears = [1.0, -1.0].map(|hand| gear(GearKind::External, 20, hand, 13.0, 0.0));
+    for g in &mut gears {
+        g.tip_radius = 90.315e-3 / 2.0;
+    }
+    let p = PairGeometry {
+        gears,
+        center_distance: 82.104e-3,
+    };
+    let transverse = p.transverse_contact_ratio(p.center_distance);
+    assert_abs_diff_eq!(transverse, 1.540, epsilon = 1e-3);
+    assert_abs_diff_eq!(p.overlap_ratio(), 0.448, epsilon = 1e-3);
+    assert_abs_diff_eq!(transverse + p.overlap_ratio(), 1.988, epsilon = 1e-3);
+}
+
+#[test]
+fn contact_ratios_agree_with_an_iso_6336_calculation() {
+    // 17/43 teeth, module 1, spur and with beta 20 deg, b 10: computed elsewhere after ISO 6336-1.
+    for (beta, transverse, overlap) in [(0.0, 1.6211, 0.0), (20.0, 1.491_878_5, 1.088_68)] {
+        let gears = [(17, 1.0), (43, -1.0)].map(|(teeth, hand)| {
+            let mut g = gear(GearKind::External, teeth, hand, beta, 0.0);
+            g.normal_module = 1e-3;
+            g.face_width = 10e-3;
+            g.tip_radius = g.reference_radius() + 1e-3;
+            g
+        });
+        let center_distance = gears[0].reference_radius() + gears[1].reference_radius();
+        let p = PairGeometry {
+            gears,
+            center_distance,
+        };
+        let digits = if beta == 0.0 { 5e-5 } else { 5e-8 };
+        let ratio = p.transverse_contact_ratio(center_distance);
+        assert_abs_diff_eq!(ratio, transverse, epsilon = digits);
+        assert_abs_diff_eq!(p.overlap_ratio(), overlap, epsilon = 5e-6);
+    }
+}
+
+#[test]
+fn both_gears_have_their_roll_length_at_every_point_of_the_line_of_action() {
+    for p in pairs() {
+        let (e, c) = (p.e(), p.center_distance);
+        let phi = p.operating_pressure_angle(c);
+        let w = p.gears[0].z() / (p.gears[0].z() + e * p.gears[1].z());
+        for s in [1.0, -1.0] {
+            for xi in [-3e-3, 0.0, 4e-3] {
+                // Pitch point and direction of the force on gear 2, O1 at the origin, O2 at (c, 0).
+                let x = w * c + xi * e * phi.sin();
+                let y = xi * s * p.sc() * phi.cos();
+                for (i, distance) in [x.hypot(y), (x - c).hypot(y)].into_iter().enumerate() {
+                    let radius = p.gears[i].radius_at_roll(p.roll_at(i, c, xi));
+                    assert_abs_diff_eq!(radius, distance, epsilon = 1e-14);
+                }
+            }
+        }
+        let path = p.path_of_contact(c);
+        assert!(path.start < 0.0 && path.end > 0.0);
+        for (i, xi) in [path.end, path.start].into_iter().enumerate() {
+            let tip = p.gears[i].radius_at_roll(p.roll_at(i, c, xi));
+            assert_abs_diff_eq!(tip, p.gears[i].tip_radius, epsilon = 1e-14);
+        }
+    }
+}
+
+#[test]
+fn teeth_and_backlash_fill_the_pitch_on_the_operating_pitch_circles() {
+    for p in pairs() {
+        let c = p.center_distance;
+        let teeth: f64 = (0..2)
+            .map(|i| {
+                let r = p.operating_pitch_radius(i, c);
+                let profile = ToothProfile::new(&p.gears[i]).unwrap();
+                2.0 * r * profile.half_thickness_angle(r).unwrap()
+            })
+            .sum();
+        let pitch = 2.0 * PI * p.operating_pitch_radius(0, c) / p.gears[0].z();
+        let backlash = p.backlash(c) / p.operating_pressure_angle(c).cos();
+        assert_abs_diff_eq!(pitch - teeth, backlash, epsilon = 1e-14);
+    }
+}
+
+#[test]
+fn backlash_vanishes_where_the_shifts_say() {
+    for mut p in pairs() {
+        for g in &mut p.gears {
+            g.tooth_thinning = 0.0;
+        }
+        let phi = crate::gear::inverse_involute(p.backlash_free_involute());
+        let c = p.base_radius_sum() / phi.cos();
+        assert_abs_diff_eq!(p.backlash(c), 0.0, epsilon = 1e-14);
+        // External pairs open with the centre distance, internal ones close.
+        assert!(p.e() * p.backlash(c + 1e-4) > 0.0);
+    }
+}
+
+#[test]
+fn contact_moves_forward_on_gear_1_and_towards_the_leading_end_of_its_helix() {
+    for p in pairs() {
+        let at = |tau, z| p.contact_line(Flank::Drive, tau, 0, z);
+        assert_abs_diff_eq!(at(0.0, p.z_ref()), 0.0);
+        assert_abs_diff_eq!(at(1.0, p.z_ref()), p.base_pitch(), epsilon = 1e-18);
+        let slope = (at(0.0, p.z_ref() + 1e-3) - at(0.0, p.z_ref())) / 1e-3;
+        assert_abs_diff_eq!(slope, p.base_helix_angle().tan(), epsilon = 1e-12);
+    }
+}

@@ -54,6 +54,8 @@
 #[cfg(feature = "preprocess")]
 pub mod compliance;
 pub mod element;
+#[cfg(feature = "preprocess")]
+pub mod contact;
 pub mod gear;
 #[cfg(feature = "preprocess")]
 pub mod pair;

@@ -1,0 +1,379 @@
+//! The frictionless contact problem of many strips: forces that press only, gaps that are not negative.
+//!
+//! Strips i with normal forces F_i >= 0 and a load cos beta_b sum F_i = F_bt at the approach delta:
+//!
+//! x_i = cos beta_b (delta - g_i) - (A F)_i is what the local contact has to take up, F_i = phi_i(x_i),
+//!
+//! A the bulk influence matrix, g the gaps along the line of action and phi the inverse of the local
+//! law, zero for x <= 0. Eliminating the local contact like this leaves no inequality: the solution
+//! is the minimum over (y, delta) of the convex function with a continuous gradient
+//!
+//! J = y' A y / 2 + sum Phi_i(x_i(y, delta)) - F_bt delta, Phi' = phi,
+//!
+//! at which y = F. Newton's method on it needs a symmetric positive definite system over the strips in
+//! contact, D + A with D = 1 / phi', bordered by the load. A search along each step for the zero of the
+//! (monotone) directional derivative makes it descend from any start.
+
+use super::cholesky::{Cholesky, dot};
+use super::error::ContactError;
+use super::hertz::LocalContact;
+
+/// One frictionless contact problem.
+pub struct Problem<'a> {
+    /// Bulk influence matrix, m/N, row by row, symmetric.
+    pub bulk: &'a [f64],
+    /// Local law of each strip.
+    pub local: &'a [LocalContact],
+    /// Gap along the line of action, m, misalignment included.
+    pub gap: &'a [f64],
+    /// cos beta_b: normal over transverse.
+    pub cos_beta_b: f64,
+}
+
+/// What is prescribed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Target {
+    /// Transverse force on the line of action, N, > 0.
+    Force(f64),
+    /// Approach on the line of action, m.
+    Approach(f64),
+}
+
+/// Forces and approach, and the factor at the last iterate.
+#[derive(Debug, Clone, Default)]
+pub struct Solution {
+    /// Normal force on each strip, N.
+    pub force: Vec<f64>,
+    /// Approach on the line of action, m.
+    pub approach: f64,
+    /// Newton steps.
+    pub iterations: usize,
+    /// Largest violation of equilibrium, gap or sign, relative to the largest penetration or force.
+    pub kkt_residual: f64,
+    /// Indices of the strips in contact.
+    pub active: Vec<usize>,
+    /// Factor of D + A over the strips in contact, at the solution.
+    pub factor: Cholesky,
+}
+
+/// Newton steps after which the solve gives up with an error. Twenty are seldom needed.
+const MAXIMUM_ITERATIONS: usize = 200;
+/// Relative change of the forces at which the iteration ends.
+const TOLERANCE: f64 = 1e-10;
+
+/// State of the iteration.
+struct Iterate {
+    y: Vec<f64>,
+    /// A y.
+    ay: Vec<f64>,
+    delta: f64,
+    x: Vec<f64>,
+    /// Force of the local law at x, and its derivative.
+    phi: Vec<(f64, f64)>,
+}
+
+impl Problem<'_> {
+    fn len(&self) -> usize {
+        self.gap.len()
+    }
+
+    fn row(&self, i: usize) -> &[f64] {
+        &self.bulk[i * self.len()..(i + 1) * self.len()]
+    }
+
+    fn multiply(&self, y: &[f64]) -> Vec<f64> {
+        (0..self.len()).map(|i| dot(self.row(i), y)).collect()
+    }
+
+    /// Solves from `start` (forces, approach), or from an elastic foundation of the stiffness
+    /// `foundation` (N/m per m of contact line) where there is none.
+    ///
+    /// # Errors
+    /// [`ContactError::NotPositiveDefinite`], [`ContactError::NotConverged`],
+    /// [`ContactError::ContactTooWide`].
+    pub fn solve(
+        &self,
+        target: Target,
+        start: Option<(&[f64], f64)>,
+        foundation: f64,
+    ) -> Result<Solution, ContactError> {
+        let mut at = self.start(target, start, foundation);
+        let mut solution = Solution::default();
+        let mut residual = f64::INFINITY;
+        let (mut dy, mut q) = (vec![0.0; self.len()], vec![0.0; self.len()]);
+        for iteration in 0..MAXIMUM_ITERATIONS {
+            solution.active.clear();
+            solution
+                .active
+                .extend((0..self.len()).filter(|&i| at.phi[i].1 > 0.0));
+            if solution.active.is_empty() {
+                if let Target::Force(force) = target {
+                    // Nothing touches: close up until the foundation alone would carry the load.
+                    at = self.start(Target::Force(force), None, foundation);
+                    at.y.fill(0.0);
+                    at.ay.fill(0.0);
+                    self.refresh(&mut at);
+                    continue;
+                }
+                if at.y.iter().all(|y| *y == 0.0) {
+                    solution.force = at.y;
+                    solution.approach = at.delta;
+                    solution.iterations = iteration;
+                    return Ok(solution);
+                }
+            }
+            let d_delta = self.newton_step(target, &at, &mut solution, &mut dy)?;
+            q.copy_from_slice(&self.multiply(&dy));
+            let t = self.step_length(target, &at, &dy, &q, d_delta);
+            for i in 0..self.len() {
+                at.y[i] += t * dy[i];
+                at.ay[i] += t * q[i];
+            }
+            at.delta += t * d_delta;
+            self.refresh(&mut at);
+            let largest = at.phi.iter().map(|p| p.0).fold(0.0, f64::max);
+            residual =
+                at.y.iter()
+                    .zip(&at.phi)
+                    .map(|(y, p)| (y - p.0).abs())
+                    .fold(0.0, f64::max)
+                    / largest;
+            if t == 1.0 && residual <= TOLERANCE {
+                solution.iterations = iteration + 1;
+                return self.finish(target, at, solution);
+            }
+        }
+        Err(ContactError::NotConverged {
+            iterations: MAXIMUM_ITERATIONS,
+            residual,
+        })
+    }
+
+    fn start(&self, target: Target, start: Option<(&[f64], f64)>, foundation: f64) -> Iterate {
+        let c = self.cos_beta_b;
+        let mut at = Iterate {
+            y: vec![0.0; self.len()],
+            ay: vec![0.0; self.len()],
+            delta: 0.0,
+            x: vec![0.0; self.len()],
+            phi: vec![(0.0, 0.0); self.len()],
+        };
+        match start {
+            Some((force, delta)) if force.len() == self.len() => {
+                at.y.copy_from_slice(force);
+                at.delta = match target {
+                    Target::Force(_) => delta,
+                    Target::Approach(approach) => approach,
+                };
+            }
+            _ => {
+                at.delta = match target {
+                    Target::Approach(approach) => approach,
+                    Target::Force(force) => self.foundation_approach(force, foundation),
+                };
+                for i in 0..self.len() {
+                    at.y[i] = foundation
+                        * self.local[i].length()
+                        * (c * (at.delta - self.gap[i])).max(0.0);
+                }
+            }
+        }
+        at.ay = self.multiply(&at.y);
+        self.refresh(&mut at);
+        at
+    }
+
+    /// Approach at which independent springs of the stiffness `foundation` per length carry `force`.
+    fn foundation_approach(&self, force: f64, foundation: f64) -> f64 {
+        let c = self.cos_beta_b;
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.sort_by(|&a, &b| self.gap[a].total_cmp(&self.gap[b]));
+        let (mut stiffness, mut moment) = (0.0, 0.0);
+        for (rank, &i) in order.iter().enumerate() {
+            let k = c * c * foundation * self.local[i].length();
+            stiffness += k;
+            moment += k * self.gap[i];
+            let delta = (force + moment) / stiffness;
+            if rank + 1 == order.len() || delta <= self.gap[order[rank + 1]] {
+                return delta;
+            }
+        }
+        0.0
+    }
+
+    fn refresh(&self, at: &mut Iterate) {
+        for i in 0..self.len() {
+            at.x[i] = self.cos_beta_b * (at.delta - self.gap[i]) - at.ay[i];
+            at.phi[i] = self.local[i].force(at.x[i]);
+        }
+    }
+
+    /// Newton step of the forces into `dy`; returns that of the approach.
+    fn newton_step(
+        &self,
+        target: Target,
+        at: &Iterate,
+        solution: &mut Solution,
+        dy: &mut [f64],
+    ) -> Result<f64, ContactError> {
+        let c = self.cos_beta_b;
+        self.factor(at, solution)?;
+        let active = &solution.active;
+        // Strips out of contact give up what they still carry.
+        let mut is_active = vec![false; self.len()];
+        for &i in active {
+            is_active[i] = true;
+        }
+        let released: Vec<usize> = (0..self.len())
+            .filter(|&i| !is_active[i] && at.y[i] != 0.0)
+            .collect();
+        dy.fill(0.0);
+        for &i in &released {
+            dy[i] = -at.y[i];
+        }
+        let mut right: Vec<f64> = active
+            .iter()
+            .map(|&i| {
+                let freed: f64 = released.iter().map(|&j| self.row(i)[j] * at.y[j]).sum();
+                (at.phi[i].0 - at.y[i]) / at.phi[i].1 + freed
+            })
+            .collect();
+        solution.factor.solve(&mut right);
+        let mut d_delta = 0.0;
+        if let Target::Force(force) = target {
+            let mut unit = vec![c; active.len()];
+            solution.factor.solve(&mut unit);
+            let carried: f64 = active.iter().zip(&right).map(|(&i, r)| at.y[i] + r).sum();
+            d_delta = (force - c * carried) / (c * unit.iter().sum::<f64>());
+            for (r, u) in right.iter_mut().zip(&unit) {
+                *r += u * d_delta;
+            }
+        }
+        for (&i, r) in active.iter().zip(&right) {
+            dy[i] = *r;
+        }
+        Ok(d_delta)
+    }
+
+    fn factor(&self, at: &Iterate, solution: &mut Solution) -> Result<(), ContactError> {
+        let active = &solution.active;
+        solution
+            .factor
+            .factor(active.len(), |r, s| {
+                let bulk = self.bulk[active[r] * self.len() + active[s]];
+                if r == s {
+                    bulk + at.phi[active[r]].1.recip()
+                } else {
+                    bulk
+                }
+            })
+            .map_err(|pivot| ContactError::NotPositiveDefinite { pivot })
+    }
+
+    /// dJ/dt at the fraction `t` of the step.
+    fn slope(
+        &self,
+        target: Target,
+        at: &Iterate,
+        dy: &[f64],
+        q: &[f64],
+        d_delta: f64,
+        t: f64,
+    ) -> f64 {
+        let c = self.cos_beta_b;
+        let (mut slope, mut carried) = (0.0, 0.0);
+        for i in 0..self.len() {
+            let phi = self.local[i].force(at.x[i] + t * (c * d_delta - q[i])).0;
+            slope += q[i] * (at.y[i] + t * dy[i] - phi);
+            carried += c * phi;
+        }
+        match target {
+            Target::Force(force) => slope + d_delta * (carried - force),
+            Target::Approach(_) => slope,
+        }
+    }
+
+    /// Fraction of the step to go: all of it unless J rises too much at its end, where the zero of dJ/dt
+    /// is sought.
+    fn step_length(
+        &self,
+        target: Target,
+        at: &Iterate,
+        dy: &[f64],
+        q: &[f64],
+        d_delta: f64,
+    ) -> f64 {
+        let slope = |t: f64| self.slope(target, at, dy, q, d_delta, t);
+        let initial = slope(0.0);
+        // At the level of rounding the sign of the slope means nothing.
+        if initial >= 0.0 || slope(1.0) <= -0.9 * initial {
+            return 1.0;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            let at_middle = slope(middle);
+            if at_middle.abs() <= -0.2 * initial {
+                return middle;
+            }
+            if at_middle > 0.0 {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// Cleans the forces up and judges them by the original conditions.
+    fn finish(
+        &self,
+        target: Target,
+        at: Iterate,
+        mut solution: Solution,
+    ) -> Result<Solution, ContactError> {
+        let c = self.cos_beta_b;
+        let mut force: Vec<f64> =
+            at.y.iter()
+                .zip(&at.phi)
+                .map(|(y, phi)| if phi.0 > 0.0 { y.max(0.0) } else { 0.0 })
+                .collect();
+        if let Target::Force(wanted) = target {
+            // Clipping can take off the last digits.
+            let scale = wanted / (c * force.iter().sum::<f64>());
+            force.iter_mut().for_each(|f| *f *= scale);
+        }
+        if let Some(strip) = (0..self.len()).find(|&i| self.local[i].is_too_wide(force[i])) {
+            return Err(ContactError::ContactTooWide {
+                strip,
+                pressure_mpa: 1e-6 * self.local[strip].pressure(force[strip]),
+            });
+        }
+        let deflection = self.multiply(&force);
+        let largest = at.x.iter().copied().fold(0.0, f64::max);
+        solution.kkt_residual = (0..self.len())
+            .map(|i| {
+                let gap = deflection[i] + self.local[i].penetration(force[i])
+                    - c * (at.delta - self.gap[i]);
+                if force[i] > 0.0 {
+                    gap.abs()
+                } else {
+                    (-gap).max(0.0)
+                }
+            })
+            .fold(0.0, f64::max)
+            / largest;
+        if let Target::Force(wanted) = target {
+            let carried = c * force.iter().sum::<f64>();
+            solution.kkt_residual = solution.kkt_residual.max((carried / wanted - 1.0).abs());
+        }
+        solution.active.clear();
+        solution
+            .active
+            .extend((0..self.len()).filter(|&i| force[i] > 0.0));
+        self.factor(&at, &mut solution)?;
+        solution.force = force;
+        solution.approach = at.delta;
+        Ok(solution)
+    }
+}

@@ -1,0 +1,179 @@
+//! Local contact of one strip: force over penetration in closed form.
+
+/// Force of one strip over the approach of its two flanks that the local contact takes up.
+///
+/// The penetration under the force per length w is, summed over both gears (see
+/// [`crate::compliance::ToothCompliance`]),
+/// h(w) = sum_g c_g w (ln(2 L_g / b) + 1/2), c_g = 2 (1 - nu_g^2) / (pi E_g), b = sqrt(kappa w),
+/// kappa = 4 rho (1/E'_1 + 1/E'_2) / pi (Hertz). h rises from zero with an infinite slope, so that its
+/// inverse starts with slope zero: contact begins smoothly. With u = ln w - 2 B / c the inverse is the
+/// lower branch of Lambert's W, -u e^u = y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalContact {
+    /// Length of the strip along the contact line, m.
+    length: f64,
+    /// c_1 + c_2, 1/Pa.
+    c: f64,
+    /// ln(2 exp(-2 B / c) / c): turns a penetration into ln y.
+    log_scale: f64,
+    /// kappa, m^2 per N/m.
+    kappa: f64,
+}
+
+/// Elastic constants and reference length of one gear at a strip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalBody {
+    /// (1 - nu^2) / E, 1/Pa.
+    pub plane_compliance: f64,
+    /// Reference length L of the local contact, m.
+    pub reference_length: f64,
+}
+
+/// u at which b equals the (weighted mean) reference length. Beyond, the half-plane has lost its
+/// meaning; the law goes on along its tangent, so that it stays convex and every iterate defined, and
+/// a solution there is refused.
+const U_WIDE: f64 = -1.0 - 2.0 * std::f64::consts::LN_2;
+
+impl LocalContact {
+    /// Law of a strip of `length` (m, along the contact line) between two bodies of the relative
+    /// radius of curvature `radius` (m, normal section).
+    pub fn new(bodies: [LocalBody; 2], radius: f64, length: f64) -> LocalContact {
+        let scale = 2.0 / std::f64::consts::PI;
+        let kappa =
+            2.0 * scale * radius * (bodies[0].plane_compliance + bodies[1].plane_compliance);
+        let c: f64 = bodies.iter().map(|g| scale * g.plane_compliance).sum();
+        let b: f64 = bodies
+            .iter()
+            .map(|g| {
+                scale
+                    * g.plane_compliance
+                    * ((2.0 * g.reference_length).ln() - 0.5 * kappa.ln() + 0.5)
+            })
+            .sum();
+        LocalContact {
+            length,
+            c,
+            log_scale: (2.0 / c).ln() - 2.0 * b / c,
+            kappa,
+        }
+    }
+
+    /// Force (N) and its derivative (N/m) at the penetration `x` (m); zero for x <= 0.
+    pub fn force(&self, x: f64) -> (f64, f64) {
+        if x <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let log_y = x.ln() + self.log_scale;
+        let log_y_wide = (-U_WIDE).ln() + U_WIDE;
+        if log_y >= log_y_wide {
+            let slope = self.length / self.slope_at(U_WIDE);
+            let x_wide = (log_y_wide - self.log_scale).exp();
+            let f_wide = self.length * 2.0 * x_wide / (self.c * -U_WIDE);
+            return (f_wide + slope * (x - x_wide), slope);
+        }
+        // ln(-u) + u = ln y by Newton, from the leading terms of the expansion at y -> 0.
+        let mut u = log_y - (-log_y).ln().max(0.0);
+        u = u.min(U_WIDE);
+        for _ in 0..20 {
+            let step = ((-u).ln() + u - log_y) / (1.0 + 1.0 / u);
+            u -= step;
+            if step.abs() <= 4.0 * f64::EPSILON * u.abs() {
+                break;
+            }
+        }
+        (
+            self.length * 2.0 * x / (self.c * -u),
+            self.length / self.slope_at(u),
+        )
+    }
+
+    /// dh/dw at u.
+    fn slope_at(&self, u: f64) -> f64 {
+        -0.5 * self.c * (u + 1.0)
+    }
+
+    /// Penetration, m, under the force `f` (N), f >= 0: the inverse of [`LocalContact::force`].
+    pub fn penetration(&self, f: f64) -> f64 {
+        if f <= 0.0 {
+            return 0.0;
+        }
+        // u = ln w - 2 B / c = ln w + log_scale - ln(2 / c).
+        let u = (0.5 * self.c * f / self.length).ln() + self.log_scale;
+        if u >= U_WIDE {
+            let x_wide = ((-U_WIDE).ln() + U_WIDE - self.log_scale).exp();
+            let f_wide = self.length * 2.0 * x_wide / (self.c * -U_WIDE);
+            return x_wide + (f - f_wide) * self.slope_at(U_WIDE) / self.length;
+        }
+        0.5 * self.c * -u * f / self.length
+    }
+
+    /// Whether the Hertz half-width under the force `f` exceeds the reference length.
+    pub fn is_too_wide(&self, f: f64) -> bool {
+        f > 0.0 && (0.5 * self.c * f / self.length).ln() + self.log_scale >= U_WIDE
+    }
+
+    /// Hertz half-width, m, under the force `f`, N.
+    pub fn half_width(&self, f: f64) -> f64 {
+        (self.kappa * f.max(0.0) / self.length).sqrt()
+    }
+
+    /// Largest Hertz pressure, Pa, under the force `f`, N: 2 w / (pi b).
+    pub fn pressure(&self, f: f64) -> f64 {
+        if f <= 0.0 {
+            return 0.0;
+        }
+        2.0 * f / (self.length * std::f64::consts::PI * self.half_width(f))
+    }
+
+    /// Length of the strip along the contact line, m.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    const STEEL: f64 = (1.0 - 0.09) / 206e9;
+
+    fn law() -> LocalContact {
+        let body = |reference_length| LocalBody {
+            plane_compliance: STEEL,
+            reference_length,
+        };
+        LocalContact::new([body(1.2e-3), body(2.0e-3)], 7e-3, 0.6e-3)
+    }
+
+    #[test]
+    fn the_inverse_satisfies_the_stated_law() {
+        let law = law();
+        for w in [1e-3, 1.0, 1e3, 1e5, 5e5] {
+            let b = (4.0 * w * 7e-3 * 2.0 * STEEL / std::f64::consts::PI).sqrt();
+            let h: f64 = [1.2e-3, 2.0e-3]
+                .iter()
+                .map(|l| 2.0 * STEEL / std::f64::consts::PI * w * ((2.0 * l / b).ln() + 0.5))
+                .sum();
+            assert_relative_eq!(law.force(h).0, w * 0.6e-3, max_relative = 1e-13);
+            assert_relative_eq!(law.penetration(w * 0.6e-3), h, max_relative = 1e-13);
+        }
+    }
+
+    #[test]
+    fn the_derivative_is_that_of_the_force() {
+        let law = law();
+        for x in [1e-9, 1e-7, 2e-6, 1e-5, 1e-3, 1e-2] {
+            let d = 1e-5 * x;
+            let numeric = (law.force(x + d).0 - law.force(x - d).0) / (2.0 * d);
+            assert_relative_eq!(law.force(x).1, numeric, max_relative = 1e-8);
+        }
+    }
+
+    #[test]
+    fn pressure_is_that_of_hertz_for_two_cylinders() {
+        // p = sqrt(w E* / (pi R)), 1/E* = 2 (1 - nu^2) / E.
+        let p = (1e5 / (2.0 * STEEL) / (std::f64::consts::PI * 7e-3)).sqrt();
+        assert_relative_eq!(law().pressure(1e5 * 0.6e-3), p, max_relative = 1e-13);
+    }
+}

@@ -1,0 +1,28 @@
+//! Static tooth contact: where teeth may touch, what separates them there, and the forces that follow.
+//!
+//! ```text
+//! transverse section ──> candidates: strips of all ──> position: influence matrix, gaps ──> complementarity
+//! (path, tip corners)    contact lines in reach        local contact law                     (load or approach)
+//! ```
+//!
+//! Everything is measured on the line of action at mid-face: the approach delta (STE) counts from where
+//! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z.
+//! The gap of a strip is the removal of both flanks over cos beta_b, plus the separation off the path of
+//! contact, minus M (z - z_ref). F_bt = cos beta_b sum F_i and the torque on gear 1 is F_bt rb1, on tip
+//! edges, too, where its arm differs by the few hundredths of a radian between edge and line of action.
+
+mod candidates;
+mod cholesky;
+mod complementarity;
+mod error;
+mod hertz;
+mod mesh_cycle;
+mod position;
+mod solver;
+mod transverse;
+
+pub use candidates::Candidate;
+pub use error::ContactError;
+pub use mesh_cycle::{CycleInput, HARMONICS, MeshCycle};
+pub use position::{ContactResult, PositionProblem, StripLoad, Tangent};
+pub use solver::{ContactSettings, ContactSolver};

@@ -1,0 +1,319 @@
+//! Contact at one position of the mesh, for any load and misalignment.
+
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+
+use super::candidates::Candidate;
+use super::complementarity::{Problem, Solution, Target};
+use super::error::ContactError;
+use super::hertz::{LocalBody, LocalContact};
+use crate::compliance::{Strip, ToothCompliance};
+use crate::gear::PairGeometry;
+
+/// Derivatives of load and moment at a solution.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tangent {
+    /// d F_bt / d approach, N/m.
+    pub force_by_approach: f64,
+    /// d F_bt / d misalignment = d (F_bt (z_c - z_ref)) / d approach, N/rad.
+    pub force_by_misalignment: f64,
+    /// d (F_bt (z_c - z_ref)) / d misalignment, N m/rad.
+    pub moment_by_misalignment: f64,
+}
+
+/// One strip in a solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StripLoad {
+    /// Tooth pair (see [`Candidate::tooth_pair`]).
+    pub tooth_pair: i32,
+    /// Ends in gear 1's frame, m.
+    pub z: [f64; 2],
+    /// Length of roll on gear 1 and gear 2, m.
+    pub roll: [f64; 2],
+    /// Normal force, N.
+    pub force: f64,
+    /// Largest Hertz pressure, Pa. On a tip edge that of the flanks' radii, a lower bound.
+    pub pressure: f64,
+}
+
+/// Static contact at one operating point.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ContactResult {
+    /// STE: approach on the line of action at mid-face from unmodified involutes that just touch, m.
+    pub approach: f64,
+    /// Transverse force on the line of action F_bt, N.
+    pub loa_force: f64,
+    /// Shuttling moment F_bt (z_c - z_ref), N m.
+    pub moment: f64,
+    /// z of the resultant in gear 1's frame, m; mid-face where nothing touches.
+    pub contact_z: f64,
+    /// Fraction of the load on each tooth pair in reach, ascending.
+    pub load_share: Vec<(i32, f64)>,
+    /// Largest Hertz pressure, Pa.
+    pub max_pressure: f64,
+    /// Largest violation of equilibrium, gap or sign over the largest penetration or force.
+    pub kkt_residual: f64,
+    /// Newton steps it took.
+    pub iterations: usize,
+    /// Derivatives at the solution.
+    pub tangent: Tangent,
+    /// Normal force on each strip, N, in the order of [`PositionProblem::candidates`].
+    pub forces: Vec<f64>,
+}
+
+/// The contact problem at one position and centre distance: influence matrix and gaps.
+pub struct PositionProblem {
+    candidates: Vec<Candidate>,
+    /// Bulk influence matrix of both gears, row by row.
+    bulk: Vec<f64>,
+    local: Vec<LocalContact>,
+    /// Middle of each strip from mid-face, m.
+    lever: Vec<f64>,
+    cos_beta_b: f64,
+    base_radius: f64,
+    z_ref: f64,
+    reach: Option<f64>,
+    foundation: f64,
+}
+
+impl PositionProblem {
+    pub(super) fn new(
+        geometry: &PairGeometry,
+        compliance: &[Arc<dyn ToothCompliance>; 2],
+        candidates: Vec<Candidate>,
+        reach: Option<f64>,
+        foundation: f64,
+    ) -> PositionProblem {
+        let n = candidates.len();
+        let mut bulk = DMatrix::zeros(n, n);
+        let mut lengths = Vec::new();
+        for (i, model) in compliance.iter().enumerate() {
+            let strips: Vec<Strip> = candidates.iter().map(|c| c.strips[i]).collect();
+            bulk += model.bulk(&strips);
+            lengths.push(model.reference_lengths(&strips));
+        }
+        // Rounding must not break the symmetry that the energy rests on.
+        let symmetric = (0..n * n)
+            .map(|at| 0.5 * (bulk[(at / n, at % n)] + bulk[(at % n, at / n)]))
+            .collect();
+        let cos_beta_b = geometry.base_helix_angle().cos();
+        let local = candidates
+            .iter()
+            .enumerate()
+            .map(|(strip, candidate)| {
+                let bodies = [0, 1].map(|i| {
+                    let gear = &geometry.gears[i];
+                    LocalBody {
+                        plane_compliance: (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus,
+                        reference_length: lengths[i][strip],
+                    }
+                });
+                let length = (candidate.z[1] - candidate.z[0]) / cos_beta_b;
+                LocalContact::new(bodies, candidate.radius, length)
+            })
+            .collect();
+        let z_ref = geometry.z_ref();
+        PositionProblem {
+            lever: candidates.iter().map(|c| c.middle() - z_ref).collect(),
+            candidates,
+            bulk: symmetric,
+            local,
+            cos_beta_b,
+            base_radius: geometry.gears[0].base_radius(),
+            z_ref,
+            reach,
+            foundation,
+        }
+    }
+
+    /// The strips that may touch.
+    pub fn candidates(&self) -> &[Candidate] {
+        &self.candidates
+    }
+
+    /// Bulk influence matrix of both gears over the strips, m/N, row by row.
+    pub fn bulk(&self) -> &[f64] {
+        &self.bulk
+    }
+
+    /// Gaps along the line of action under `misalignment`, m.
+    fn gaps(&self, misalignment: f64) -> Vec<f64> {
+        self.candidates
+            .iter()
+            .zip(&self.lever)
+            .map(|(c, lever)| c.gap - misalignment * lever)
+            .collect()
+    }
+
+    /// Approach at which the first strip touches, m: the no-load transmission error.
+    pub fn no_load_approach(&self, misalignment: f64) -> f64 {
+        self.gaps(misalignment)
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Equilibrium under `torque` (N m on gear 1, >= 0) and `misalignment` (rad), from the forces of
+    /// `warm`, a solution at the same position, where there is one. Without torque the flanks just touch.
+    ///
+    /// # Errors
+    /// [`ContactError::Input`] for a torque that is negative or not finite, else as
+    /// [`PositionProblem::solve_approach`].
+    pub fn solve_torque(
+        &self,
+        torque: f64,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        if !(torque.is_finite() && torque >= 0.0) {
+            return Err(ContactError::Input {
+                field: "torque",
+                value: torque,
+                remedy: "give a finite torque on gear 1 that is not negative; \
+                         the coast flank is a flank of its own",
+            });
+        }
+        if torque == 0.0 {
+            finite("misalignment", misalignment)?;
+            return self.solve_approach(self.no_load_approach(misalignment), misalignment, None);
+        }
+        self.solve(Target::Force(torque / self.base_radius), misalignment, warm)
+    }
+
+    /// Contact at the given `approach` (m on the line of action at mid-face) and `misalignment` (rad),
+    /// from the forces of `warm` where there is one.
+    ///
+    /// # Errors
+    /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::BeyondReach`] where tip
+    /// corners would have to be followed farther than was set, and what the solve itself can refuse
+    /// ([`ContactError::ContactTooWide`], [`ContactError::NotPositiveDefinite`],
+    /// [`ContactError::NotConverged`]).
+    pub fn solve_approach(
+        &self,
+        approach: f64,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        finite("approach", approach)?;
+        self.solve(Target::Approach(approach), misalignment, warm)
+    }
+
+    fn solve(
+        &self,
+        target: Target,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        finite("misalignment", misalignment)?;
+        let gap = self.gaps(misalignment);
+        let problem = Problem {
+            bulk: &self.bulk,
+            local: &self.local,
+            gap: &gap,
+            cos_beta_b: self.cos_beta_b,
+        };
+        let start = warm.map(|w| (w.forces.as_slice(), w.approach));
+        let solution = problem.solve(target, start, self.foundation)?;
+        if let Some(reach) = self.reach {
+            let needed = self
+                .lever
+                .iter()
+                .map(|lever| solution.approach + misalignment * lever)
+                .fold(f64::NEG_INFINITY, f64::max);
+            if needed > reach {
+                return Err(ContactError::BeyondReach {
+                    needed_um: 1e6 * needed,
+                    reach_um: 1e6 * reach,
+                });
+            }
+        }
+        Ok(self.result(solution))
+    }
+
+    fn result(&self, solution: Solution) -> ContactResult {
+        let c = self.cos_beta_b;
+        let loa_force = c * solution.force.iter().sum::<f64>();
+        let moment = c * dot(&solution.force, &self.lever);
+        let mut load_share: Vec<(i32, f64)> = Vec::new();
+        for (candidate, force) in self.candidates.iter().zip(&solution.force) {
+            let share = if loa_force > 0.0 {
+                c * force / loa_force
+            } else {
+                0.0
+            };
+            match load_share.last_mut() {
+                Some((k, sum)) if *k == candidate.tooth_pair => *sum += share,
+                _ => load_share.push((candidate.tooth_pair, share)),
+            }
+        }
+        let max_pressure = self
+            .local
+            .iter()
+            .zip(&solution.force)
+            .map(|(local, force)| local.pressure(*force))
+            .fold(0.0, f64::max);
+        ContactResult {
+            approach: solution.approach,
+            loa_force,
+            moment,
+            contact_z: self.z_ref
+                + if loa_force > 0.0 {
+                    moment / loa_force
+                } else {
+                    0.0
+                },
+            load_share,
+            max_pressure,
+            kkt_residual: solution.kkt_residual,
+            iterations: solution.iterations,
+            tangent: self.tangent(&solution),
+            forces: solution.force,
+        }
+    }
+
+    /// With K the matrix over the strips in contact and c = cos beta_b, dF = K^-1 c (d delta + lever dM).
+    fn tangent(&self, solution: &Solution) -> Tangent {
+        let c = self.cos_beta_b;
+        let levers: Vec<f64> = solution.active.iter().map(|&i| self.lever[i]).collect();
+        let mut by_approach = vec![c; levers.len()];
+        let mut by_misalignment: Vec<f64> = levers.iter().map(|l| c * l).collect();
+        solution.factor.solve(&mut by_approach);
+        solution.factor.solve(&mut by_misalignment);
+        Tangent {
+            force_by_approach: c * by_approach.iter().sum::<f64>(),
+            force_by_misalignment: c * by_misalignment.iter().sum::<f64>(),
+            moment_by_misalignment: c * dot(&by_misalignment, &levers),
+        }
+    }
+
+    /// Every strip with what it carries in `result`, for plots of the pressure.
+    pub fn strip_loads(&self, result: &ContactResult) -> Vec<StripLoad> {
+        self.candidates
+            .iter()
+            .zip(&self.local)
+            .zip(&result.forces)
+            .map(|((candidate, local), &force)| StripLoad {
+                tooth_pair: candidate.tooth_pair,
+                z: candidate.z,
+                roll: candidate.roll,
+                force,
+                pressure: local.pressure(force),
+            })
+            .collect()
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn finite(field: &'static str, value: f64) -> Result<(), ContactError> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(ContactError::Input {
+        field,
+        value,
+        remedy: "give a finite number",
+    })
+}

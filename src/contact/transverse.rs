@@ -1,0 +1,170 @@
+//! Where tooth pairs touch in the transverse section, on the path of contact and beyond its ends.
+
+use crate::gear::{Gear, PairGeometry};
+
+/// A point that may touch: lengths of roll on both gears and what separates the flanks there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TransversePoint {
+    /// Length of roll on gear 1 and gear 2, m.
+    pub roll: [f64; 2],
+    /// Gap between the unmodified flanks along the line of action, m: zero on the path of contact.
+    pub separation: f64,
+}
+
+/// The transverse section at one centre distance.
+///
+/// Coordinates: pitch point as origin, x along the line of action in the sense in which contact moves,
+/// y normal to it towards the side on which gear 1's base tangent point sees its centre behind (O1 lies
+/// at y = -rb1). Both base circles carry their tangent points along +x while the pair turns. With
+/// q = kappa_1 for gear 1 and -kappa_2 for gear 2, the length of roll is rb tan phi + q xi on either.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TransverseSection {
+    sides: [Side; 2],
+    tan_phi: f64,
+    /// Ends of the path of contact, m from the pitch point.
+    path: [f64; 2],
+    /// How far candidates go, m from the pitch point: beyond the path where tip corners count.
+    reach: [f64; 2],
+}
+
+/// One gear in the transverse section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Side {
+    rb: f64,
+    kappa: f64,
+    /// Length of roll grows by q per unit of xi.
+    q: f64,
+    /// y of the base tangent point seen from the centre, over rb.
+    up: f64,
+    tip_roll: f64,
+    /// Length of roll at which the involute ends at the root.
+    form_roll: f64,
+}
+
+impl TransverseSection {
+    /// Section at `center_distance`. With `separation_limit` (m) tip corners are followed beyond the
+    /// path of contact until the flanks are that far apart; without it candidates end with the path.
+    /// `form_rolls` are the lengths of roll at which the involutes of both gears end at the root.
+    /// None where the centre distance leaves no path of contact.
+    pub fn new(
+        geometry: &PairGeometry,
+        center_distance: f64,
+        form_rolls: [f64; 2],
+        separation_limit: Option<f64>,
+    ) -> Option<TransverseSection> {
+        let side = |i: usize| {
+            let g: &Gear = &geometry.gears[i];
+            Side {
+                rb: g.base_radius(),
+                kappa: g.kappa(),
+                q: if i == 0 { g.kappa() } else { -g.kappa() },
+                up: if i == 0 { 1.0 } else { -geometry.e() },
+                tip_roll: g.roll_length(g.tip_radius),
+                form_roll: form_rolls[i],
+            }
+        };
+        let path = geometry.path_of_contact(center_distance);
+        // Not `<=`: NaN (base circles too far apart) means no contact, too.
+        if !(path.length() > 0.0) {
+            return None;
+        }
+        let mut section = TransverseSection {
+            sides: [side(0), side(1)],
+            tan_phi: geometry.operating_pressure_angle(center_distance).tan(),
+            path: [path.start, path.end],
+            reach: [path.start, path.end],
+        };
+        if let Some(limit) = separation_limit {
+            for end in 0..2 {
+                section.reach[end] = section.reach_beyond(end, limit);
+            }
+        }
+        Some(section)
+    }
+
+    /// Limits of the candidates, m from the pitch point.
+    pub fn reach(&self) -> [f64; 2] {
+        self.reach
+    }
+
+    /// Ends of the path of contact, m from the pitch point.
+    pub fn path(&self) -> [f64; 2] {
+        self.path
+    }
+
+    /// The point that may touch while the conjugate position of the tooth pair is `xi`.
+    pub fn point(&self, xi: f64) -> TransversePoint {
+        if xi < self.path[0] {
+            self.tip_corner(0, xi)
+        } else if xi > self.path[1] {
+            self.tip_corner(1, xi)
+        } else {
+            TransversePoint {
+                roll: [0, 1].map(|i| self.roll(i, xi)),
+                separation: 0.0,
+            }
+        }
+    }
+
+    fn roll(&self, i: usize, xi: f64) -> f64 {
+        self.sides[i].rb * self.tan_phi + self.sides[i].q * xi
+    }
+
+    /// The tip edge of the gear whose tip ends the path at `end` (0: gear 2, at the start; 1: gear 1)
+    /// against the flank of its mate, both turned to the conjugate position `xi` beyond that end.
+    ///
+    /// The gap is the signed distance G / cos beta_b of the mate's involute (formulation.md) at the tip
+    /// edge: base radius times the angle by which the mate would have to turn to touch it.
+    fn tip_corner(&self, end: usize, xi: f64) -> TransversePoint {
+        let (tip, mate) = (1 - end, end);
+        let (a, b) = (&self.sides[tip], &self.sides[mate]);
+        let turn = (xi - self.path[end]) / a.rb;
+        let (sin, cos) = turn.sin_cos();
+        // Seen from the centre of the tip's gear: towards its base tangent point, and along x.
+        let (normal, along) = (
+            a.rb * cos - a.q * a.tip_roll * sin,
+            a.rb * sin + a.q * a.tip_roll * cos,
+        );
+        let x = along - a.q * a.rb * self.tan_phi;
+        let y = a.up * (normal - a.rb);
+        // Seen from the centre of the mate.
+        let (normal, along) = (b.up * y + b.rb, x + b.q * b.rb * self.tan_phi);
+        let radius = normal.hypot(along);
+        let roll = ((radius - b.rb).max(0.0) * (radius + b.rb)).sqrt();
+        let involute_angle =
+            (xi - b.q * (roll - b.rb * self.tan_phi)) / b.rb + b.q * (roll / b.rb).atan();
+        let behind = b.rb * (involute_angle - along.atan2(normal));
+        let mut rolls = [0.0; 2];
+        rolls[tip] = a.tip_roll;
+        rolls[mate] = roll;
+        TransversePoint {
+            roll: rolls,
+            // Gear 2's flank has to lie ahead, gear 1's behind.
+            separation: if mate == 1 { behind } else { -behind },
+        }
+    }
+
+    /// Farthest conjugate position beyond the path's `end` whose separation stays below `limit` and
+    /// whose tip edge still faces the mate's involute. The separation rises monotonically.
+    fn reach_beyond(&self, end: usize, limit: f64) -> f64 {
+        let sign = if end == 0 { -1.0 } else { 1.0 };
+        let mate = &self.sides[end];
+        let allowed = |beyond: f64| {
+            let point = self.tip_corner(end, self.path[end] + sign * beyond);
+            point.separation <= limit && mate.kappa * (point.roll[end] - mate.form_roll) >= 0.0
+        };
+        let (mut low, mut high) = (0.0, 0.5 * (self.path[1] - self.path[0]));
+        if allowed(high) {
+            return self.path[end] + sign * high;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if allowed(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        self.path[end] + sign * low
+    }
+}

@@ -1,6 +1,8 @@
 //! How far a loaded flank gives way: bulk compliance (bending, shear, base, blank, neighbours) apart
 //! from the local contact, whose width depends on the load.
 
+pub mod analytical;
+
 use nalgebra::DMatrix;
 
 /// A piece of a contact line as one gear sees it, in canonical coordinates of that gear: a

@@ -48,8 +48,7 @@ impl Cholesky {
                 row[j] = (entry(i, j) - dot(&row[..j], other)) * above[j * n + j];
             }
             let pivot = entry(i, i) - dot(&row[..i], &row[..i]);
-            // Not `<= 0`: NaN must fail, too.
-            if !(pivot > 0.0) {
+            if pivot.is_nan() || pivot <= 0.0 {
                 return Err(i);
             }
             row[i] = pivot.sqrt().recip();

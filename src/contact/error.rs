@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::gear::ProfileError;
+
 /// Errors of the contact solver.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ContactError {
@@ -15,6 +17,9 @@ pub enum ContactError {
         /// What it must be.
         remedy: &'static str,
     },
+    /// A gear has no usable tooth.
+    #[error("no tooth to touch: {0}; check module, profile shift and tip diameter")]
+    Profile(#[from] ProfileError),
     /// A load, approach, misalignment or mesh position that is not a usable number.
     #[error("contact input `{field}` = {value}: {remedy}")]
     Input {

@@ -26,3 +26,6 @@ pub use error::ContactError;
 pub use mesh_cycle::{CycleInput, HARMONICS, MeshCycle};
 pub use position::{ContactResult, PositionProblem, StripLoad, Tangent};
 pub use solver::{ContactSettings, ContactSolver};
+
+#[cfg(test)]
+mod tests;

@@ -7,7 +7,7 @@ use super::error::ContactError;
 use super::position::PositionProblem;
 use super::transverse::TransverseSection;
 use crate::compliance::ToothCompliance;
-use crate::gear::{Flank, Gear, Microgeometry, PairGeometry};
+use crate::gear::{Flank, Microgeometry, PairGeometry, ToothProfile};
 use crate::pair::Pair;
 
 /// Stiffness of a tooth pair per length of contact line over Young's modulus, a rule of thumb (14
@@ -46,13 +46,15 @@ pub struct ContactSolver {
     compliance: [Arc<dyn ToothCompliance>; 2],
     settings: ContactSettings,
     reach: f64,
+    form_rolls: [f64; 2],
 }
 
 impl ContactSolver {
     /// A solver for `pair` on the elastic models of gear 1 and gear 2.
     ///
     /// # Errors
-    /// [`ContactError::Setting`] for no stations or a reach that is not positive.
+    /// [`ContactError::Setting`] for no stations or a reach that is not positive,
+    /// [`ContactError::Profile`] for a gear without a usable tooth.
     pub fn new(
         pair: &Pair,
         compliance: [Arc<dyn ToothCompliance>; 2],
@@ -73,7 +75,15 @@ impl ContactSolver {
                 remedy: "give a positive length in m",
             });
         }
+        let mut form_rolls = [0.0; 2];
+        for (roll, gear) in form_rolls.iter_mut().zip(&pair.geometry.gears) {
+            // The tip edge of the mate stays off the base circle, where the involute has its cusp.
+            *roll = ToothProfile::new(gear)?
+                .form_roll()
+                .max(1e-3 * gear.base_radius());
+        }
         Ok(ContactSolver {
+            form_rolls,
             geometry: pair.geometry.clone(),
             microgeometry: pair.microgeometry,
             compliance,
@@ -124,7 +134,7 @@ impl ContactSolver {
         let section = TransverseSection::new(
             &self.geometry,
             center_distance,
-            [0, 1].map(|i| form_roll(&self.geometry.gears[i])),
+            self.form_rolls,
             self.settings.tip_corner_contact.then_some(self.reach),
         )
         .ok_or_else(out_of_mesh)?;
@@ -163,19 +173,4 @@ fn default_reach(pair: &Pair) -> f64 {
         .iter()
         .fold(0.0f64, |m, v| m.max(v.abs()));
     2.0 * force / (STIFFNESS_OVER_MODULUS * modulus * width) + 0.5 * misalignment * width
-}
-
-/// Length of roll at which the generated involute ends at the root, m: where the rack's straight
-/// flank (ring: the fillet arc) ends.
-fn form_roll(gear: &Gear) -> f64 {
-    let alpha = gear.transverse_pressure_angle();
-    let round = gear.tool_tip_radius_coefficient * (1.0 - gear.normal_pressure_angle.sin());
-    let depth = gear.normal_module
-        * (gear.dedendum_coefficient - round - gear.kappa() * gear.profile_shift);
-    if gear.kappa() > 0.0 {
-        // A positive floor keeps the tip edge of the mate off the base circle.
-        (gear.base_radius() * alpha.tan() - depth / alpha.sin()).max(1e-3 * gear.base_radius())
-    } else {
-        gear.roll_length(gear.reference_radius() + depth)
-    }
 }

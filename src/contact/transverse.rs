@@ -64,8 +64,8 @@ impl TransverseSection {
             }
         };
         let path = geometry.path_of_contact(center_distance);
-        // Not `<=`: NaN (base circles too far apart) means no contact, too.
-        if !(path.length() > 0.0) {
+        // NaN: base circles too far apart.
+        if path.length().is_nan() || path.length() <= 0.0 {
             return None;
         }
         let mut section = TransverseSection {
@@ -85,11 +85,6 @@ impl TransverseSection {
     /// Limits of the candidates, m from the pitch point.
     pub fn reach(&self) -> [f64; 2] {
         self.reach
-    }
-
-    /// Ends of the path of contact, m from the pitch point.
-    pub fn path(&self) -> [f64; 2] {
-        self.path
     }
 
     /// The point that may touch while the conjugate position of the tooth pair is `xi`.

@@ -53,9 +53,9 @@
 
 #[cfg(feature = "preprocess")]
 pub mod compliance;
-pub mod element;
 #[cfg(feature = "preprocess")]
 pub mod contact;
+pub mod element;
 pub mod gear;
 #[cfg(feature = "preprocess")]
 pub mod pair;

@@ -1,4 +1,29 @@
 //! Tables of force and shuttling over (displacement, centre distance, misalignment, mesh position).
+//!
+//! # Coordinates
+//! The displacement delta is scaled between the no-load approach D0(C, M, PMC) and the top-load approach D1(C, M, PMC):
+//! u = (delta - D0) / (D1 - D0). The onset of contact is u = 0 everywhere, never inside a cell.
+//!
+//! # One potential
+//! A flank is a potential W(delta, C, M, PMC) (see [`Potential`]): the force is dW/d delta, shuttling dW/dM, and
+//! dW/dC and dW/dPMC close the energy balance.
+
+mod check;
+mod error;
+mod file;
+mod file_geometry;
+mod grid;
+mod interpolation;
+mod runtime;
+#[cfg(test)]
+mod samples;
+
+pub use error::TableError;
+pub use file::{AxesRecord, FlankRecord, InterpolationError, TableFile, VERSION};
+pub use file_geometry::GeometryRecord;
+pub use grid::{Axes, FlankGrid, SlicedAxis};
+pub use interpolation::{Checks, FlankTable, Interpolation};
+pub use runtime::{Effects, Load, Table};
 
 /// Where the table is asked, for one flank (coast flank: after mapping to its own table).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,8 +49,9 @@ pub struct Potential {
     pub value: f64,
     /// First derivatives: F_bt = `gradient[0]`, shuttling moment F_bt (z_c - z_ref) = `gradient[2]`.
     pub gradient: [f64; COORDINATES],
-    /// Second derivatives, symmetric; `hessian[0][0]` is the tangent stiffness on the line of action.
-    /// Zero unless asked for.
+    /// `hessian[i][j]` = d `gradient[i]` / d coordinate j. `hessian[0][0]`, the tangent stiffness on the
+    /// line of action, is always there, the rest zero unless asked for. Symmetric, but for row 2 where
+    /// the moment is not dW/dM: tables without a misalignment axis, and constant load.
     pub hessian: [[f64; COORDINATES]; COORDINATES],
     /// True where a coordinate lies outside the table's range (continued linearly).
     pub out_of_range: bool,

@@ -1,0 +1,148 @@
+//! What a grid must fulfil before an interpolant is put on it.
+
+use super::{Axes, FlankGrid, TableError};
+
+/// Fewest nodes of an axis that is there: the C2 spline needs four.
+const FEWEST: usize = 4;
+
+impl FlankGrid {
+    /// Checks lengths, order and finiteness of all that is there, and that the force does not fall
+    /// over the displacement. `flank` names it in messages.
+    ///
+    /// # Errors
+    /// The first defect, by field and index.
+    pub fn check(&self, flank: &str) -> Result<(), TableError> {
+        let axes = &self.axes;
+        axes.check()?;
+        let [nc, nm, nu, np] = axes.lengths();
+        let named = |name: &str| format!("{flank}.{name}");
+        check_values(
+            &named("no_load_approach_m"),
+            &self.no_load_approach,
+            nc * nm * np,
+        )?;
+        check_values(
+            &named("top_load_approach_m"),
+            &self.top_load_approach,
+            nc * nm * np,
+        )?;
+        check_values(&named("loa_force_n"), &self.loa_force, nc * nm * nu * np)?;
+        if let Some(moment) = &self.moment {
+            check_values(&named("moment_nm"), moment, nc * nm * nu * np)?;
+        }
+        for (i, (low, high)) in self
+            .no_load_approach
+            .iter()
+            .zip(&self.top_load_approach)
+            .enumerate()
+        {
+            if high <= low {
+                return Err(TableError::field(
+                    named(&format!("top_load_approach_m[{i}]")),
+                    high,
+                    format!("not above the no-load approach {low}"),
+                    "make the tables again; of imported samples, check the sign of ste_loa_um",
+                ));
+            }
+        }
+        for block in 0..nc * nm {
+            for p in 0..np {
+                let mut below = 0.0;
+                for u in 0..nu {
+                    let i = (block * nu + u) * np + p;
+                    let force = self.loa_force[i];
+                    if force < below || (u + 1 == nu && force <= 0.0) {
+                        return Err(TableError::field(
+                            named(&format!("loa_force_n[{i}]")),
+                            force,
+                            format!(
+                                "the force must not fall with the displacement (before it: {below})"
+                            ),
+                            "make the tables again; of imported samples, remove the falling one",
+                        ));
+                    }
+                    below = force;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Axes {
+    fn check(&self) -> Result<(), TableError> {
+        let u = &self.displacement_fraction;
+        check_axis("displacement_fraction", u)?;
+        if u.len() < FEWEST {
+            return Err(too_few("displacement_fraction", u.len()));
+        }
+        if u[0] <= 0.0 || u[u.len() - 1] != 1.0 {
+            return Err(TableError::field(
+                "axes.displacement_fraction",
+                format!("{} ... {}", u[0], u[u.len() - 1]),
+                "it must begin above 0 and end at 1",
+                "make the tables again",
+            ));
+        }
+        check_axis("center_distance_offset_m", &self.center_distance_offset)?;
+        check_axis("misalignment_rad", &self.misalignment)?;
+        check_axis("mesh_position", &self.mesh_position)?;
+        let p = &self.mesh_position;
+        if p[0] < 0.0 || p[p.len() - 1] >= 1.0 {
+            return Err(TableError::field(
+                "axes.mesh_position",
+                format!("{} ... {}", p[0], p[p.len() - 1]),
+                "a mesh position lies in [0, 1)",
+                "leave out the repeated end 1; the axis is periodic",
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn too_few(name: &str, count: usize) -> TableError {
+    TableError::field(
+        format!("axes.{name}"),
+        format!("{count} values"),
+        format!("a cubic spline needs at least {FEWEST}"),
+        "add values, or give a single one to leave this axis out",
+    )
+}
+
+fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
+    if nodes.is_empty() || (2..FEWEST).contains(&nodes.len()) {
+        return Err(too_few(name, nodes.len()));
+    }
+    check_values(&format!("axes.{name}"), nodes, nodes.len())?;
+    for (i, pair) in nodes.windows(2).enumerate() {
+        if pair[1] <= pair[0] {
+            return Err(TableError::field(
+                format!("axes.{name}[{}]", i + 1),
+                pair[1],
+                format!("not above the value before it, {}", pair[0]),
+                "sort the axis ascending and let each value stand once",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn check_values(name: &str, values: &[f64], length: usize) -> Result<(), TableError> {
+    if values.len() != length {
+        return Err(TableError::field(
+            name,
+            format!("{} values", values.len()),
+            format!("the axes ask for {length}"),
+            "the file is incomplete; make the tables again",
+        ));
+    }
+    match values.iter().position(|v| !v.is_finite()) {
+        Some(i) => Err(TableError::field(
+            format!("{name}[{i}]"),
+            values[i],
+            "not a finite number",
+            "make the tables again",
+        )),
+        None => Ok(()),
+    }
+}

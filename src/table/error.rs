@@ -1,0 +1,84 @@
+//! What can be wrong with a table, said with field, value and remedy.
+
+use thiserror::Error;
+
+/// Refusal of a table, of samples, or of a choice that a table cannot serve.
+#[derive(Debug, Error)]
+pub enum TableError {
+    /// The file could not be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// File as given.
+        path: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Not JSON, or a field is missing, unknown or of the wrong type.
+    #[error("tables file: {0}; make it again with `gearmesh tables` or `gearmesh import`")]
+    Json(#[from] serde_json::Error),
+    /// A field holds what it must not.
+    #[error("{field} = {value}: {reason}; {remedy}")]
+    Field {
+        /// Name of the field, with the index where it is an array.
+        field: String,
+        /// What it holds.
+        value: String,
+        /// What is wrong with that.
+        reason: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// The content does not belong to the checksum.
+    #[error(
+        "checksum_sha256 = {found}: the content gives {expected}, so the file was changed or cut \
+         after it was made; make it again with `gearmesh tables` or `gearmesh import`"
+    )]
+    Checksum {
+        /// Checksum in the file.
+        found: String,
+        /// Checksum of the content.
+        expected: String,
+    },
+    /// An effect is switched on whose axis the table lacks.
+    #[error(
+        "{effect} = true: the table has no axis `{axis}` (one value only); switch the effect off or make \
+         tables with this axis"
+    )]
+    MissingAxis {
+        /// FMU parameter.
+        effect: &'static str,
+        /// Axis in the file.
+        axis: &'static str,
+    },
+    /// External samples that cannot become a table.
+    #[error("samples: {0}")]
+    Samples(String),
+    /// The static solver failed at a point of the grid.
+    #[error("static solve at {point}: {message}")]
+    Solve {
+        /// Operating point, with units.
+        point: String,
+        /// What the solver said.
+        message: String,
+    },
+    /// The user stopped the sweep.
+    #[error("stopped on request; nothing was written")]
+    Cancelled,
+}
+
+impl TableError {
+    /// A [`TableError::Field`].
+    pub(crate) fn field(
+        field: impl Into<String>,
+        value: impl ToString,
+        reason: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        TableError::Field {
+            field: field.into(),
+            value: value.to_string(),
+            reason: reason.into(),
+            remedy: remedy.into(),
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! The tables file: versioned JSON with units in its names, the pair it came from, the solver's
+//! settings, the interpolation error, and a checksum over all of it.
+
+use super::file_geometry::GeometryRecord;
+use super::{Axes, FlankGrid, TableError};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// What `format` says.
+pub const FORMAT: &str = "gearmesh-tables";
+/// The version this program reads and writes.
+pub const VERSION: u32 = 1;
+
+/// Everything in a tables file. Arrays run over (centre distance, misalignment, displacement, mesh
+/// position), the last index fastest; the approaches have no displacement index.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableFile {
+    /// [`FORMAT`].
+    pub format: String,
+    /// [`VERSION`].
+    pub version: u32,
+    /// Name of the pair.
+    pub name: String,
+    /// Program and version that made it.
+    pub generator: String,
+    /// Where the samples come from, in words.
+    pub source: String,
+    /// SHA-256 in hexadecimal of the file's content with this field empty.
+    pub checksum_sha256: String,
+    /// The pair.
+    pub geometry: GeometryRecord,
+    /// Torque on gear 1 to which errors are related, N m.
+    pub nominal_torque_nm: f64,
+    /// Largest torque of the table, N m.
+    pub maximum_torque_nm: f64,
+    /// Settings of the static solver, by name.
+    pub solver: BTreeMap<String, serde_json::Value>,
+    /// Error of the interpolation against the solver, where it was measured.
+    pub interpolation_error: Option<InterpolationError>,
+    /// Nodes.
+    pub axes: AxesRecord,
+    /// Samples of the drive flank.
+    pub drive: FlankRecord,
+    /// Samples of the coast flank, if its microgeometry differs; otherwise it is the mirrored drive flank.
+    pub coast: Option<FlankRecord>,
+}
+
+/// Error of the default interpolant at operating points that are no nodes, relative to the nominal force.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InterpolationError {
+    /// Number of random operating points.
+    pub points: usize,
+    /// Force error, root of the mean square, over the nominal force.
+    pub force_rms: f64,
+    /// Largest force error over the nominal force.
+    pub force_maximum: f64,
+    /// Error of the shuttling moment, root of the mean square, over nominal force times half the face.
+    pub moment_rms: f64,
+    /// Largest error of the shuttling moment, likewise.
+    pub moment_maximum: f64,
+}
+
+/// Nodes; see [`Axes`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxesRecord {
+    /// Displacement between no-load and top-load approach, 0 to 1.
+    pub displacement_fraction: Vec<f64>,
+    /// Actual minus nominal centre distance.
+    pub center_distance_offset_m: Vec<f64>,
+    /// In the plane of action.
+    pub misalignment_rad: Vec<f64>,
+    /// In base pitches.
+    pub mesh_position: Vec<f64>,
+}
+
+/// Samples of one flank; see [`FlankGrid`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlankRecord {
+    /// D0.
+    pub no_load_approach_m: Vec<f64>,
+    /// D1.
+    pub top_load_approach_m: Vec<f64>,
+    /// Transverse force on the line of action.
+    pub loa_force_n: Vec<f64>,
+    /// Force times (z_c - z_ref).
+    pub moment_nm: Vec<f64>,
+}
+
+impl FlankRecord {
+    /// From a grid in memory (a grid without moment: zero), rounded to nine digits: a millionth of the
+    /// error that interpolation makes, and half the size on disk.
+    pub fn new(grid: &FlankGrid) -> Self {
+        let rounded = |v: &[f64]| v.iter().map(|&x| round(x)).collect::<Vec<f64>>();
+        FlankRecord {
+            no_load_approach_m: rounded(&grid.no_load_approach),
+            top_load_approach_m: rounded(&grid.top_load_approach),
+            loa_force_n: rounded(&grid.loa_force),
+            moment_nm: grid
+                .moment
+                .as_ref()
+                .map_or_else(|| vec![0.0; grid.loa_force.len()], |m| rounded(m)),
+        }
+    }
+}
+
+fn round(x: f64) -> f64 {
+    // Formatting and parsing rounds to decimal digits without a case for each magnitude.
+    format!("{x:.8e}").parse().unwrap_or(x)
+}
+
+impl From<&Axes> for AxesRecord {
+    fn from(axes: &Axes) -> Self {
+        AxesRecord {
+            displacement_fraction: axes.displacement_fraction.clone(),
+            center_distance_offset_m: axes.center_distance_offset.clone(),
+            misalignment_rad: axes.misalignment.clone(),
+            mesh_position: axes.mesh_position.clone(),
+        }
+    }
+}
+
+impl TableFile {
+    /// A file around the samples of one or two flanks on the same axes, sealed. `nominal_torque` and
+    /// `maximum_torque` in N m on gear 1.
+    pub fn new(
+        name: &str,
+        source: &str,
+        geometry: &crate::gear::PairGeometry,
+        [nominal_torque, maximum_torque]: [f64; 2],
+        drive: &FlankGrid,
+        coast: Option<&FlankGrid>,
+    ) -> Self {
+        let mut file = TableFile {
+            format: FORMAT.into(),
+            version: VERSION,
+            name: name.into(),
+            generator: concat!("gearmesh ", env!("CARGO_PKG_VERSION")).into(),
+            source: source.into(),
+            checksum_sha256: String::new(),
+            geometry: geometry.into(),
+            nominal_torque_nm: nominal_torque,
+            maximum_torque_nm: maximum_torque,
+            solver: BTreeMap::new(),
+            interpolation_error: None,
+            axes: (&drive.axes).into(),
+            drive: FlankRecord::new(drive),
+            coast: coast.map(FlankRecord::new),
+        };
+        file.seal();
+        file
+    }
+
+    /// Puts the checksum of the present content in. Call it after every change.
+    pub fn seal(&mut self) {
+        self.checksum_sha256 = self.content_checksum();
+    }
+
+    fn content_checksum(&self) -> String {
+        let unsealed = TableFile {
+            checksum_sha256: String::new(),
+            ..self.clone()
+        };
+        let text = serde_json::to_string(&unsealed).expect("plain structs become JSON");
+        hex(&Sha256::digest(text.as_bytes()))
+    }
+
+    /// Reads and checks the text of a tables file.
+    ///
+    /// # Errors
+    /// Anything that is not as this program writes it, by field.
+    pub fn from_json(text: &str) -> Result<Self, TableError> {
+        // Format and version first: a newer file must not fail on a field that this version lacks.
+        #[derive(Deserialize)]
+        struct Head {
+            format: String,
+            version: u32,
+        }
+        let head: Head = serde_json::from_str(text)?;
+        if head.format != FORMAT {
+            return Err(TableError::field(
+                "format",
+                head.format,
+                format!("a tables file says {FORMAT}"),
+                "give the file that `gearmesh tables` wrote",
+            ));
+        }
+        if head.version != VERSION {
+            return Err(TableError::field(
+                "version",
+                head.version,
+                format!("this program reads version {VERSION}"),
+                "make the tables again with this program, or use the one that made them",
+            ));
+        }
+        let file: TableFile = serde_json::from_str(text)?;
+        let expected = file.content_checksum();
+        if file.checksum_sha256 != expected {
+            return Err(TableError::Checksum {
+                found: file.checksum_sha256,
+                expected,
+            });
+        }
+        file.check()?;
+        Ok(file)
+    }
+
+    /// Reads and checks a tables file.
+    ///
+    /// # Errors
+    /// As [`TableFile::from_json`], and what the system says.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, TableError> {
+        let path = path.as_ref();
+        let text = fs::read_to_string(path).map_err(|e| io(path, e))?;
+        Self::from_json(&text)
+    }
+
+    /// Checks the content, not the checksum.
+    ///
+    /// # Errors
+    /// The first defect, by field.
+    pub fn check(&self) -> Result<(), TableError> {
+        self.geometry.pair_geometry()?;
+        let (nominal, top) = (self.nominal_torque_nm, self.maximum_torque_nm);
+        for (field, torque) in [("nominal_torque_nm", nominal), ("maximum_torque_nm", top)] {
+            if !(torque > 0.0 && torque.is_finite()) {
+                return Err(TableError::field(
+                    field,
+                    torque,
+                    "a torque of a table is positive",
+                    "make the tables again",
+                ));
+            }
+        }
+        self.drive_grid().check("drive")?;
+        if let Some(grid) = self.coast_grid() {
+            grid.check("coast")?;
+        }
+        Ok(())
+    }
+
+    /// Samples of the drive flank.
+    pub fn drive_grid(&self) -> FlankGrid {
+        self.grid(&self.drive)
+    }
+
+    /// Samples of the coast flank, if it has its own.
+    pub fn coast_grid(&self) -> Option<FlankGrid> {
+        self.coast.as_ref().map(|r| self.grid(r))
+    }
+
+    fn grid(&self, record: &FlankRecord) -> FlankGrid {
+        FlankGrid {
+            axes: Axes {
+                displacement_fraction: self.axes.displacement_fraction.clone(),
+                center_distance_offset: self.axes.center_distance_offset_m.clone(),
+                misalignment: self.axes.misalignment_rad.clone(),
+                mesh_position: self.axes.mesh_position.clone(),
+            },
+            no_load_approach: record.no_load_approach_m.clone(),
+            top_load_approach: record.top_load_approach_m.clone(),
+            loa_force: record.loa_force_n.clone(),
+            moment: Some(record.moment_nm.clone()),
+        }
+    }
+
+    /// The text of the file.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("plain structs become JSON") + "\n"
+    }
+
+    /// Writes the file whole or not at all: to a neighbour of it first, then renamed.
+    ///
+    /// # Errors
+    /// What the system says; nothing is left behind then.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), TableError> {
+        let path = path.as_ref();
+        let mut neighbour = path.as_os_str().to_owned();
+        neighbour.push(format!(".{}.part", std::process::id()));
+        let written =
+            fs::write(&neighbour, self.to_json()).and_then(|()| fs::rename(&neighbour, path));
+        if written.is_err() {
+            // Nothing more can be done if this fails, too.
+            let _ = fs::remove_file(&neighbour);
+        }
+        written.map_err(|e| io(path, e))
+    }
+}
+
+fn io(path: &Path, source: std::io::Error) -> TableError {
+    TableError::Io {
+        path: path.display().to_string(),
+        source,
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+#[cfg(test)]
+#[path = "file_tests.rs"]
+mod tests;

@@ -1,0 +1,182 @@
+//! The file round-trips and every defect is refused by name.
+
+use super::*;
+use crate::gear::{Gear, GearKind, PairGeometry};
+use crate::table::samples::Spring;
+use crate::table::{Effects, Interpolation, Load, Table};
+use std::sync::Arc;
+
+fn geometry() -> PairGeometry {
+    let gear = |hand| Gear {
+        kind: GearKind::External,
+        teeth: 20,
+        hand,
+        normal_module: 4e-3,
+        normal_pressure_angle: 20f64.to_radians(),
+        helix_angle: 13f64.to_radians(),
+        profile_shift: 0.0,
+        face_width: 25e-3,
+        face_offset: 0.0,
+        tip_radius: 90.315e-3 / 2.0,
+        dedendum_coefficient: 1.25,
+        tool_tip_radius_coefficient: 0.38,
+        held_radius: 15e-3,
+        tooth_thinning: 0.0,
+        youngs_modulus: 206e9,
+        poisson_ratio: 0.3,
+    };
+    PairGeometry {
+        gears: [gear(1.0), gear(-1.0)],
+        center_distance: 82.104e-3,
+    }
+}
+
+fn file() -> TableFile {
+    let grid = Spring::grid([8, 1, 5, 6]);
+    TableFile::new(
+        "spring",
+        "a formula",
+        &geometry(),
+        [100.0, 200.0],
+        &grid,
+        None,
+    )
+}
+
+const EFFECTS: Effects = Effects {
+    interpolation: Interpolation::Spline,
+    load: Load::Variable,
+    center_distance: false,
+    misalignment: true,
+    shuttling: true,
+};
+
+#[test]
+fn what_is_written_is_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tables with ü.json");
+    file().write(&path).unwrap();
+    let read = TableFile::read(&path).unwrap();
+    assert_eq!(read, file());
+    assert_eq!(read.geometry.pair_geometry().unwrap(), geometry());
+    assert_eq!(
+        std::fs::read_dir(folder.path()).unwrap().count(),
+        1,
+        "no half file is left"
+    );
+}
+
+#[test]
+fn a_failed_write_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    // A folder that is not empty stands where the file should go.
+    let target = folder.path().join("tables.json");
+    std::fs::create_dir_all(target.join("inside")).unwrap();
+    let error = file().write(&target).unwrap_err().to_string();
+    assert!(error.contains("tables.json"), "{error}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn each_change_of_a_sealed_file_is_noticed() {
+    let text = file().to_json();
+    for (from, to) in [
+        ("\"teeth\":20", "\"teeth\":21"),
+        ("\"nominal_torque_nm\":100.0", "\"nominal_torque_nm\":101.0"),
+        ("\"spring\"", "\"Spring\""),
+    ] {
+        let changed = text.replacen(from, to, 1);
+        assert_ne!(changed, text);
+        let error = TableFile::from_json(&changed).unwrap_err();
+        assert!(matches!(error, TableError::Checksum { .. }), "{error}");
+    }
+}
+
+#[test]
+fn defects_are_refused_by_field_even_with_a_good_checksum() {
+    let refused = |change: fn(&mut TableFile)| {
+        let mut f = file();
+        change(&mut f);
+        f.seal();
+        TableFile::from_json(&f.to_json()).unwrap_err().to_string()
+    };
+    assert!(refused(|f| f.version = 2).contains("version = 2"));
+    assert!(refused(|f| f.format = "other".into()).contains("format = other"));
+    assert!(refused(|f| f.drive.loa_force_n[0] = -1.0).contains("drive.loa_force_n[0] = -1"));
+    assert!(refused(|f| f.drive.loa_force_n.clear()).contains("drive.loa_force_n = 0 values"));
+    assert!(refused(|f| f.axes.mesh_position[2] = 0.0).contains("axes.mesh_position[2] = 0"));
+    assert!(refused(|f| f.nominal_torque_nm = -1.0).contains("nominal_torque_nm = -1"));
+    // JSON has no NaN: it is written as null and refused as no number.
+    assert!(refused(|f| f.drive.moment_nm[1] = f64::NAN).contains("null"));
+    assert!(
+        TableFile::from_json("{}")
+            .unwrap_err()
+            .to_string()
+            .contains("format")
+    );
+    assert!(TableFile::from_json("").is_err());
+}
+
+#[test]
+fn damaged_geometry_is_refused_by_field() {
+    let text = file().to_json();
+    for (from, to, name) in [
+        ("\"hand\":1.0", "\"hand\":0.5", "gear1.hand = 0.5"),
+        ("\"teeth\":20", "\"teeth\":0", "gear1.teeth = 0"),
+        (
+            "\"center_distance_m\":0.082104",
+            "\"center_distance_m\":0.01",
+            "center_distance_m = 0.01",
+        ),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let mut f: TableFile = serde_json::from_str(&text.replacen(from, to, 1)).unwrap();
+        f.seal();
+        let error = TableFile::from_json(&f.to_json()).unwrap_err().to_string();
+        assert!(error.contains(name), "{error}");
+    }
+}
+
+#[test]
+fn an_effect_without_its_axis_is_refused_by_name() {
+    let table = Table::from_file(file()).unwrap();
+    let error = table
+        .sliced(&Effects {
+            center_distance: true,
+            ..EFFECTS
+        })
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("centerDistanceEffect") && error.contains("center_distance_offset_m"),
+        "{error}"
+    );
+    let error = table
+        .sliced(&Effects {
+            load: Load::Constant { loa_force: 1e9 },
+            ..EFFECTS
+        })
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("nominalTorque"), "{error}");
+}
+
+#[test]
+fn instances_of_one_pair_share_one_table() {
+    let one = Table::shared(file(), &EFFECTS).unwrap();
+    let two = Table::shared(file(), &EFFECTS).unwrap();
+    assert!(Arc::ptr_eq(&one, &two));
+    let fewer = Table::shared(
+        file(),
+        &Effects {
+            misalignment: false,
+            ..EFFECTS
+        },
+    )
+    .unwrap();
+    assert!(!Arc::ptr_eq(&one, &fewer));
+    assert!(
+        std::ptr::eq(one.file(), fewer.file()),
+        "the samples are shared even then"
+    );
+}

@@ -1,0 +1,75 @@
+//! From the scaled displacement back to the coordinates of [`Query`](crate::table::Query).
+//!
+//! With the no-load approach D0 and the span S = D1 - D0 over y = (C, M, PMC):
+//! u = (delta - D0) / S and W(delta, y) = S(y) w(u, y), hence F = dW/d delta = dw/du.
+
+use super::kernel::{Jet, SECOND};
+use crate::table::Potential;
+
+/// Position of the coordinates y in the arrays of [`Potential`].
+const Y: [usize; 3] = [1, 2, 3];
+
+/// Derivatives of u by y.
+#[inline(always)]
+fn scaled_gradient(u: f64, no_load: &Jet, span: &Jet) -> [f64; 3] {
+    std::array::from_fn(|i| -(no_load.gradient[i] + u * span.gradient[i]) / span.value)
+}
+
+/// W and its derivatives from w, dw/du and d²w/du² (`shape`) with theirs by y.
+#[inline(always)]
+pub fn potential<const H: bool>(u: f64, shape: &[Jet; 3], no_load: &Jet, span: &Jet) -> Potential {
+    let [w, f, k] = shape;
+    let s = span.value;
+    let u_y = scaled_gradient(u, no_load, span);
+    let mut out = Potential {
+        value: s * w.value,
+        ..Potential::default()
+    };
+    out.gradient[0] = f.value;
+    out.hessian[0][0] = k.value / s;
+    let complement = w.value - u * f.value;
+    for i in 0..3 {
+        // s du/dy = -(D0_y + u S_y) turns the chain rule into this.
+        out.gradient[Y[i]] =
+            span.gradient[i] * complement - no_load.gradient[i] * f.value + s * w.gradient[i];
+    }
+    if H {
+        for i in 0..3 {
+            let mixed = k.value * u_y[i] + f.gradient[i];
+            out.hessian[0][Y[i]] = mixed;
+            out.hessian[Y[i]][0] = mixed;
+            for j in i..3 {
+                let n = SECOND[i][j];
+                let second = span.second[n] * complement - no_load.second[n] * f.value
+                    + span.gradient[i] * w.gradient[j]
+                    + span.gradient[j] * w.gradient[i]
+                    + s * (k.value * u_y[i] * u_y[j]
+                        + f.gradient[i] * u_y[j]
+                        + f.gradient[j] * u_y[i]
+                        + w.second[n]);
+                out.hessian[Y[i]][Y[j]] = second;
+                out.hessian[Y[j]][Y[i]] = second;
+            }
+        }
+    }
+    out
+}
+
+/// Puts a moment of its own, mu(u, y) with its derivative by u in `shape[1]` and `shape[2]`, in place of dW/dM.
+#[inline(always)]
+pub fn set_moment<const H: bool>(
+    out: &mut Potential,
+    u: f64,
+    [_, moment, slope]: &[Jet; 3],
+    no_load: &Jet,
+    span: &Jet,
+) {
+    out.gradient[2] = moment.value;
+    if H {
+        let u_y = scaled_gradient(u, no_load, span);
+        out.hessian[2][0] = slope.value / span.value;
+        for i in 0..3 {
+            out.hessian[2][Y[i]] = slope.value * u_y[i] + moment.gradient[i];
+        }
+    }
+}

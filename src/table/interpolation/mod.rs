@@ -1,0 +1,171 @@
+//! Interpolants on the grid of a table: linear, C2 spline, Shepard, each one potential with analytic
+//! derivatives, periodic in mesh position.
+
+mod basis;
+mod chain;
+mod fit;
+mod kernel;
+mod secant;
+mod tensor;
+
+pub(crate) use basis::{Basis, Ends};
+pub(crate) use fit::{Block, breaks, stored_from_values};
+
+use super::{FlankGrid, Potential, Query, TableError};
+use secant::Secant;
+use tensor::Tensor;
+
+/// How values between the nodes are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Interpolation {
+    /// Multilinear force: continuous, kinks at the nodes.
+    Linear,
+    /// Tensor cubic spline: force twice continuously differentiable.
+    Spline,
+}
+
+/// What was found when the interpolant was made. Forces over displacement are taken relative to the
+/// top force of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Checks {
+    /// Lower bound of dF/du (u: displacement scaled to 1 at top load) through the samples as they
+    /// are, before the correction below; negative where the samples would make the spline swing back.
+    pub minimum_slope: f64,
+    /// Largest change of a spline coefficient that made the force monotone.
+    pub monotone_correction: f64,
+}
+
+impl Default for Checks {
+    fn default() -> Self {
+        Checks {
+            minimum_slope: f64::INFINITY,
+            monotone_correction: 0.0,
+        }
+    }
+}
+
+/// One flank's potential over the coordinates of [`Query`].
+pub(super) trait Interpolant: std::fmt::Debug + Send + Sync {
+    /// See [`FlankTable::evaluate`].
+    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential;
+    /// What was found when it was made.
+    fn checks(&self) -> Checks;
+    /// Memory of the coefficients.
+    fn bytes(&self) -> usize;
+}
+
+/// The potential of one flank as the element asks it, with just the dimensions that are switched on.
+#[derive(Debug)]
+pub struct FlankTable {
+    interpolant: Box<dyn Interpolant>,
+    dimensions: usize,
+}
+
+impl FlankTable {
+    /// Variable load: the potential over displacement and whatever axes `grid` has.
+    ///
+    /// # Errors
+    /// Nodes through which no spline passes; a span that is not positive everywhere.
+    pub fn new(grid: &FlankGrid, interpolation: Interpolation) -> Result<Self, TableError> {
+        grid.check("samples")?;
+        macro_rules! choose {
+            ($nu:literal, $nf:literal, $n:literal) => {
+                match grid.axes.present() {
+                    [false, false, false] => boxed(Tensor::<$nu, 1, 1, 1>::new::<$nf>(grid)?),
+                    [false, false, true] => boxed(Tensor::<$nu, 1, 1, $n>::new::<$nf>(grid)?),
+                    [false, true, false] => boxed(Tensor::<$nu, 1, $n, 1>::new::<$nf>(grid)?),
+                    [false, true, true] => boxed(Tensor::<$nu, 1, $n, $n>::new::<$nf>(grid)?),
+                    [true, false, false] => boxed(Tensor::<$nu, $n, 1, 1>::new::<$nf>(grid)?),
+                    [true, false, true] => boxed(Tensor::<$nu, $n, 1, $n>::new::<$nf>(grid)?),
+                    [true, true, false] => boxed(Tensor::<$nu, $n, $n, 1>::new::<$nf>(grid)?),
+                    [true, true, true] => boxed(Tensor::<$nu, $n, $n, $n>::new::<$nf>(grid)?),
+                }
+            };
+        }
+        let interpolant = match interpolation {
+            Interpolation::Linear => choose!(3, 2, 2),
+            Interpolation::Spline => choose!(5, 4, 4),
+        };
+        Ok(FlankTable {
+            interpolant,
+            dimensions: 1 + grid.axes.dimensions(),
+        })
+    }
+
+    /// Constant load: the stiffness is the secant at the force `loa_force` (N, transverse, line of
+    /// action), paper (21)-(22): F = `loa_force` (delta - O) / (STE - O) with STE(C, M, PMC) at that force.
+    ///
+    /// O is zero without misalignment, as in the paper. With it, O is the way by which the misalignment moves
+    /// the first touch of the mesh cycle: measured at mid-face, STE is negative for a few tenths of
+    /// a milliradian already, and a secant through delta = 0 would have a negative stiffness.
+    ///
+    /// The moment of shuttling is F (z_c - z_ref) with z_c at that force; it is not dW/dM, since a secant
+    /// law does not follow the contact.
+    ///
+    /// # Errors
+    /// A force that is not positive or above the range; an STE that is not positive.
+    pub fn constant_load(
+        grid: &FlankGrid,
+        interpolation: Interpolation,
+        loa_force: f64,
+    ) -> Result<Self, TableError> {
+        grid.check("samples")?;
+        macro_rules! choose {
+            ($n:literal) => {
+                match grid.axes.present() {
+                    [false, false, false] => boxed(Secant::<1, 1, 1>::new(grid, loa_force)?),
+                    [false, false, true] => boxed(Secant::<1, 1, $n>::new(grid, loa_force)?),
+                    [false, true, false] => boxed(Secant::<1, $n, 1>::new(grid, loa_force)?),
+                    [false, true, true] => boxed(Secant::<1, $n, $n>::new(grid, loa_force)?),
+                    [true, false, false] => boxed(Secant::<$n, 1, 1>::new(grid, loa_force)?),
+                    [true, false, true] => boxed(Secant::<$n, 1, $n>::new(grid, loa_force)?),
+                    [true, true, false] => boxed(Secant::<$n, $n, 1>::new(grid, loa_force)?),
+                    [true, true, true] => boxed(Secant::<$n, $n, $n>::new(grid, loa_force)?),
+                }
+            };
+        }
+        let interpolant = match interpolation {
+            Interpolation::Linear => choose!(2),
+            Interpolation::Spline => choose!(4),
+        };
+        Ok(FlankTable {
+            interpolant,
+            dimensions: grid.axes.dimensions(),
+        })
+    }
+
+    /// The potential at `query`, with first derivatives and the tangent stiffness `hessian[0][0]`; the
+    /// other second derivatives only if asked for. Exactly zero out of contact.
+    ///
+    /// Outside the range of an axis the force goes on linearly with a continuous slope, and
+    /// `out_of_range` is set. Beyond a quarter of the range of C or M (less where that would make a stiffness
+    /// negative) the stiffness levels out; the onset of contact goes on linearly.
+    ///
+    /// A NaN in the query gives NaN or zero, never a panic.
+    #[inline]
+    pub fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
+        self.interpolant.evaluate(query, want_hessian)
+    }
+
+    /// What was found when the interpolant was made.
+    pub fn checks(&self) -> Checks {
+        self.interpolant.checks()
+    }
+
+    /// Memory of the coefficients, bytes.
+    pub fn bytes(&self) -> usize {
+        self.interpolant.bytes()
+    }
+
+    /// Number of coordinates that are switched on, displacement included (constant load: not).
+    pub fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+}
+
+fn boxed(interpolant: impl Interpolant + 'static) -> Box<dyn Interpolant> {
+    Box::new(interpolant)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,214 @@
+//! Constant load: a secant stiffness over (C, M, PMC), paper (21)-(22).
+
+use super::basis::{Basis, Ends};
+use super::fit::{Block, breaks, stored_from_values};
+use super::kernel::{Coefficients, Jet, contract, fields};
+use super::tensor::axis_basis;
+use super::{Checks, Interpolant, chain};
+use crate::table::{FlankGrid, Potential, Query, TableError};
+
+/// W = F_n (delta - O)² / (2 (STE - O)), that is S w(u) with u = (delta - O)/S, S = STE - O, w = F_n u²/2.
+#[derive(Debug, Clone)]
+pub struct Secant<const NC: usize, const NM: usize, const NP: usize> {
+    c: Basis<NC>,
+    m: Basis<NM>,
+    p: Basis<NP>,
+    /// O and S over (c, m, row, mesh position).
+    fields: Coefficients,
+    /// z_c - z_ref likewise.
+    lever: Option<Coefficients>,
+    loa_force: f64,
+}
+
+impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
+    /// From the samples of one flank at the force `loa_force`, N.
+    pub fn new(grid: &FlankGrid, loa_force: f64) -> Result<Self, TableError> {
+        let at = at_force(grid, loa_force)?;
+        let axes = &grid.axes;
+        let c = axis_basis::<NC>(&axes.center_distance_offset, Ends::Bounded);
+        let m = axis_basis::<NM>(&axes.misalignment, Ends::Bounded);
+        let p = axis_basis::<NP>(&axes.mesh_position, Ends::Periodic);
+        let along = [
+            stored_from_values(
+                &c,
+                &axes.center_distance_offset,
+                Ends::Bounded,
+                "center_distance_offset_m",
+            )?,
+            stored_from_values(&m, &axes.misalignment, Ends::Bounded, "misalignment_rad")?,
+            stored_from_values(&p, &axes.mesh_position, Ends::Periodic, "mesh_position")?,
+        ];
+        let fit = |b: Block| {
+            b.transformed(0, &along[0])
+                .transformed(1, &along[1])
+                .transformed(3, &along[2])
+        };
+        let stiffness = fit(at.fields);
+        let row = stiffness.stride(2);
+        for (k, &span) in stiffness.values.iter().enumerate() {
+            if (k / row) % 2 == 1 && span <= 0.0 {
+                return Err(TableError::field(
+                    "nominalTorque",
+                    format!("{loa_force} N on the line of action"),
+                    "STE at this load is not positive everywhere, so there is no secant stiffness",
+                    "raise nominalTorque or set loadDependent = true",
+                ));
+            }
+        }
+        Ok(Secant {
+            c,
+            m,
+            p,
+            fields: Coefficients::new(stiffness),
+            lever: at.lever.map(|b| Coefficients::new(fit(b))),
+            loa_force,
+        })
+    }
+
+    #[inline(always)]
+    fn at<const H: bool>(&self, q: &Query) -> Potential {
+        let (wc, c_outside) = self.c.weights(q.center_distance_offset);
+        let (wm, m_outside) = self.m.weights(q.misalignment);
+        let (wp, _) = self.p.weights(q.mesh_position);
+        let [mut origin, span] = fields::<NC, NM, NP, H>(&self.fields, &wc, &wm, &wp);
+        let out_of_range = c_outside || m_outside;
+        if out_of_range {
+            let (wc, wm) = (
+                self.c.linear(q.center_distance_offset),
+                self.m.linear(q.misalignment),
+            );
+            [origin, _] = fields::<NC, NM, NP, H>(&self.fields, &wc, &wm, &wp);
+        }
+        let u = (q.delta - origin.value) / span.value;
+        if u <= 0.0 {
+            return Potential {
+                out_of_range,
+                ..Potential::default()
+            };
+        }
+        let jet = |value| Jet {
+            value,
+            ..Jet::default()
+        };
+        let f = self.loa_force;
+        let mut out = chain::potential::<H>(
+            u,
+            &[jet(0.5 * f * u * u), jet(f * u), jet(f)],
+            &origin,
+            &span,
+        );
+        if let Some(lever) = &self.lever {
+            let [z] = contract::<1, NC, NM, NP, H>(
+                |i, j| {
+                    let [row]: [&[f64; NP]; 1] =
+                        lever.rows([wc.first + i, wm.first + j, 0, wp.first]);
+                    [*row]
+                },
+                &wc,
+                &wm,
+                &wp,
+            );
+            let moment = Jet {
+                value: f * u * z.value,
+                gradient: z.gradient.map(|g| f * u * g),
+                ..Jet::default()
+            };
+            chain::set_moment::<H>(
+                &mut out,
+                u,
+                &[Jet::default(), moment, jet(f * z.value)],
+                &origin,
+                &span,
+            );
+        }
+        out.out_of_range = out_of_range;
+        out
+    }
+}
+
+impl<const NC: usize, const NM: usize, const NP: usize> Interpolant for Secant<NC, NM, NP> {
+    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
+        if want_hessian {
+            self.at::<true>(query)
+        } else {
+            self.at::<false>(query)
+        }
+    }
+
+    fn checks(&self) -> Checks {
+        Checks {
+            // A secant is a straight line from u = 0 to 1.
+            minimum_slope: 1.0,
+            monotone_correction: 0.0,
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        let lever = self.lever.as_ref().map_or(0, |m| m.values.len());
+        8 * (self.fields.values.len() + lever)
+    }
+}
+
+struct AtForce {
+    /// Rows O and S.
+    fields: Block,
+    /// z_c - z_ref, m.
+    lever: Option<Block>,
+}
+
+/// STE and lever at every node for the force `loa_force`, by inversion of the spline over u.
+fn at_force(grid: &FlankGrid, loa_force: f64) -> Result<AtForce, TableError> {
+    let nodes = &grid.axes.displacement_fraction;
+    let u_breaks = breaks(nodes, 3, Ends::Onset);
+    let basis = Basis::<4>::new(&u_breaks, Ends::Onset);
+    let matrix = stored_from_values(&basis, nodes, Ends::Onset, "displacement_fraction")?;
+    let force = grid.force_block().transformed(2, &matrix);
+    let moment = grid.moment_block().map(|b| b.transformed(2, &matrix));
+    let fields = grid.field_block();
+    let at = |block: &Block, start: usize, u: f64| {
+        let w = basis.inside(u);
+        let stride = block.stride(2);
+        (0..4)
+            .map(|k| w.value[k] * block.values[start + (w.first + k) * stride])
+            .sum::<f64>()
+    };
+    let [nc, nm, _, np] = force.lengths;
+    let origin = grid.touch_shift()?;
+    let mut out = Block::zeros([nc, nm, 2, np]);
+    let mut lever = moment.as_ref().map(|_| Block::zeros([nc, nm, 1, np]));
+    for c in 0..nc {
+        for m in 0..nm {
+            for p in 0..np {
+                let start = c * force.stride(0) + m * force.stride(1) + p;
+                let top = at(&force, start, 1.0);
+                if !(loa_force > 0.0 && loa_force <= top * (1.0 + 1e-9)) {
+                    return Err(TableError::field(
+                        "nominalTorque",
+                        format!("{loa_force} N on the line of action"),
+                        format!("the table holds forces above 0 up to {top} N"),
+                        "choose a torque in this range or make tables with a larger maximum_torque_nm",
+                    ));
+                }
+                let (mut low, mut high) = (0.0, 1.0);
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    if at(&force, start, middle) < loa_force {
+                        low = middle;
+                    } else {
+                        high = middle;
+                    }
+                }
+                let u = 0.5 * (low + high);
+                let field = c * fields.stride(0) + m * fields.stride(1) + p;
+                let ste = fields.values[field] + u * fields.values[field + np];
+                let o = origin[c * nm + m];
+                out.values[field] = o;
+                out.values[field + np] = ste - o;
+                if let (Some(lever), Some(moment)) = (&mut lever, &moment) {
+                    lever.values[(c * nm + m) * np + p] = at(moment, start, u) / loa_force;
+                }
+            }
+        }
+    }
+    Ok(AtForce { fields: out, lever })
+}

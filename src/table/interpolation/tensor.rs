@@ -1,0 +1,268 @@
+//! Tensor-product interpolants, linear and C2, of any number of dimensions: one potential each.
+//!
+//! The force over the scaled displacement u is a B-spline whose coefficients vanish before u = 0 and
+//! never decrease over u: it is exactly zero out of contact, as smooth at the onset as elsewhere, and
+//! monotone for any (C, M, PMC), since the functions of those are non-negative and add up to one. Its
+//! integral over u is again a B-spline, one degree higher; only that one is stored, and force, shuttling
+//! and the other gradients are its derivatives.
+
+use super::basis::{Basis, Ends};
+use super::fit::{Block, breaks, integrated, make_monotone, stored_from_values};
+use super::kernel::{Coefficients, fields, over_displacement};
+use super::{Checks, Interpolant, chain};
+use crate::table::{FlankGrid, Potential, Query, TableError};
+
+/// `NU`, `NC`, `NM`, `NP`: functions at one point per coordinate (1: no such axis). Spline 5, 4, 4, 4;
+/// linear 3, 2, 2, 2.
+#[derive(Debug, Clone)]
+pub struct Tensor<const NU: usize, const NC: usize, const NM: usize, const NP: usize> {
+    u: Basis<NU>,
+    c: Basis<NC>,
+    m: Basis<NM>,
+    p: Basis<NP>,
+    /// w over (c, m, u, mesh position).
+    shape: Coefficients,
+    /// Integral over u of the moment, likewise, where it is not dW/dM.
+    moment: Option<Coefficients>,
+    /// No-load approach and span.
+    fields: Coefficients,
+    checks: Checks,
+}
+
+/// The force's own basis, one degree below the potential's, has one function fewer; const generics
+/// cannot say NU - 1, so `NF` is a parameter of the constructor.
+impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<NU, NC, NM, NP> {
+    /// Fits the samples of one flank.
+    pub fn new<const NF: usize>(grid: &FlankGrid) -> Result<Self, TableError> {
+        assert_eq!(NF + 1, NU, "the potential is one degree above the force");
+        let axes = &grid.axes;
+        let u_breaks = breaks(&axes.displacement_fraction, NF - 1, Ends::Onset);
+        let force_basis = Basis::<NF>::new(&u_breaks, Ends::Onset);
+        let c = axis_basis::<NC>(&axes.center_distance_offset, Ends::Bounded);
+        let m = axis_basis::<NM>(&axes.misalignment, Ends::Bounded);
+        let p = axis_basis::<NP>(&axes.mesh_position, Ends::Periodic);
+        let along = [
+            stored_from_values(
+                &c,
+                &axes.center_distance_offset,
+                Ends::Bounded,
+                "center_distance_offset_m",
+            )?,
+            stored_from_values(&m, &axes.misalignment, Ends::Bounded, "misalignment_rad")?,
+            stored_from_values(
+                &force_basis,
+                &axes.displacement_fraction,
+                Ends::Onset,
+                "displacement_fraction",
+            )?,
+            stored_from_values(&p, &axes.mesh_position, Ends::Periodic, "mesh_position")?,
+        ];
+        let fit = |block: Block, u_axis: bool| {
+            along.iter().enumerate().fold(block, |b, (axis, matrix)| {
+                if axis == 2 && !u_axis {
+                    b
+                } else {
+                    b.transformed(axis, matrix)
+                }
+            })
+        };
+
+        let mut force = fit(grid.force_block(), true);
+        let top = grid.top_force();
+        let mut checks = Checks::default();
+        let (lines, stride) = (force.lines(2), force.stride(2));
+        for start in lines {
+            let index = |r: usize| start + r * stride;
+            let mut line: Vec<f64> = (0..force.lengths[2])
+                .map(|r| force.values[index(r)])
+                .collect();
+            let degree = NF - 1;
+            for j in 0..line.len() - degree {
+                // B-spline coefficients of dF/du, which bound it from below (de Boor, X (15)).
+                let width = u_breaks[(j + degree).min(u_breaks.len() - 1)] - u_breaks[j];
+                let slope = (line[degree + j] - line[degree + j - 1]) * degree as f64 / width;
+                checks.minimum_slope = checks.minimum_slope.min(slope / top);
+            }
+            let change = make_monotone(&mut line[NF - 1..]);
+            checks.monotone_correction = checks.monotone_correction.max(change / top);
+            for (r, v) in line.into_iter().enumerate() {
+                force.values[index(r)] = v;
+            }
+        }
+        let shape = integrate(&force, &u_breaks, NF - 1);
+        let moment = grid
+            .moment_block()
+            .filter(|_| NM == 1)
+            .map(|b| Coefficients::new(integrate(&fit(b, true), &u_breaks, NF - 1)));
+        let fields = fit(grid.field_block(), false);
+        let mut tensor = Tensor {
+            u: Basis::new(&u_breaks, Ends::Onset),
+            c,
+            m,
+            p,
+            shape: Coefficients::new(shape),
+            moment,
+            fields: Coefficients::new(fields),
+            checks,
+        };
+        tensor.set_guards(&force)?;
+        Ok(tensor)
+    }
+
+    /// Shortens the linear part of the continuation beyond the ends of C and M until, at its very
+    /// end, the span keeps at least half of its least value and no force decreases over u.
+    fn set_guards(&mut self, force: &Block) -> Result<(), TableError> {
+        let spans = |f: &Coefficients| {
+            let row = f.strides[2];
+            f.values
+                .chunks(2 * row)
+                .flat_map(move |c| c[row..].to_vec())
+                .collect::<Vec<f64>>()
+        };
+        let span = Block {
+            lengths: [force.lengths[0], force.lengths[1], 1, force.lengths[3]],
+            values: spans(&self.fields),
+        };
+        let least = span.values.iter().copied().fold(f64::INFINITY, f64::min);
+        if least <= 0.0 {
+            return Err(TableError::field(
+                "top_load_approach_m",
+                least,
+                "the spline through top-load minus no-load approach is not positive everywhere",
+                "space the axes closer",
+            ));
+        }
+        for _ in 0..30 {
+            let legal = self.beyond_corners().iter().all(|(wc, wm)| {
+                let s = span.transformed(0, wc).transformed(1, wm);
+                let f = force.transformed(0, wc).transformed(1, wm);
+                let (n, stride) = (f.lengths[2], f.stride(2));
+                s.values.iter().all(|&v| v >= 0.5 * least)
+                    && f.lines(2).all(|start| {
+                        (1..n).all(|r| {
+                            f.values[start + r * stride] >= f.values[start + (r - 1) * stride]
+                        })
+                    })
+            });
+            if legal {
+                return Ok(());
+            }
+            self.c.guard *= 0.5;
+            self.m.guard *= 0.5;
+        }
+        // A plateau of equal coefficients may leave no room at all: then hold the edge.
+        self.c.guard = f64::MIN_POSITIVE;
+        self.m.guard = f64::MIN_POSITIVE;
+        Ok(())
+    }
+
+    /// Matrices that take coefficients along C and M to the two ends of the continuation, one
+    /// coordinate or both beyond its range (the inside of the other: its coefficients as they are).
+    fn beyond_corners(&self) -> Vec<(nalgebra::DMatrix<f64>, nalgebra::DMatrix<f64>)> {
+        let ends_c = far_ends(&self.c);
+        let ends_m = far_ends(&self.m);
+        let identity = |n| nalgebra::DMatrix::identity(n, n);
+        let mut corners = Vec::new();
+        for c in ends_c.iter().map(Some).chain([None]) {
+            for m in ends_m.iter().map(Some).chain([None]) {
+                corners.push((
+                    c.cloned().unwrap_or_else(|| identity(self.c.stored())),
+                    m.cloned().unwrap_or_else(|| identity(self.m.stored())),
+                ));
+            }
+        }
+        corners
+    }
+
+    #[inline(always)]
+    fn at<const H: bool>(&self, q: &Query) -> Potential {
+        let (wc, c_outside) = self.c.weights(q.center_distance_offset);
+        let (wm, m_outside) = self.m.weights(q.misalignment);
+        let (wp, _) = self.p.weights(q.mesh_position);
+        let [mut no_load, span] = fields::<NC, NM, NP, H>(&self.fields, &wc, &wm, &wp);
+        if c_outside || m_outside {
+            // The onset follows the coordinate however far it goes; only stiffness levels out.
+            let wc = self.c.linear(q.center_distance_offset);
+            let wm = self.m.linear(q.misalignment);
+            [no_load, _] = fields::<NC, NM, NP, H>(&self.fields, &wc, &wm, &wp);
+        }
+        let u = (q.delta - no_load.value) / span.value;
+        if u <= 0.0 {
+            return Potential {
+                out_of_range: c_outside || m_outside,
+                ..Potential::default()
+            };
+        }
+        let (wu, u_outside) = self.u.weights(u);
+        let shape = over_displacement::<NU, NC, NM, NP, H>(&self.shape, &wu, &wc, &wm, &wp);
+        let mut out = chain::potential::<H>(u, &shape, &no_load, &span);
+        if let Some(moment) = &self.moment {
+            let shape = over_displacement::<NU, NC, NM, NP, H>(moment, &wu, &wc, &wm, &wp);
+            chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span);
+        }
+        out.out_of_range = c_outside || m_outside || u_outside;
+        out
+    }
+}
+
+impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Interpolant
+    for Tensor<NU, NC, NM, NP>
+{
+    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
+        if want_hessian {
+            self.at::<true>(query)
+        } else {
+            self.at::<false>(query)
+        }
+    }
+
+    fn checks(&self) -> Checks {
+        self.checks
+    }
+
+    fn bytes(&self) -> usize {
+        let moment = self.moment.as_ref().map_or(0, |m| m.values.len());
+        8 * (self.shape.values.len() + self.fields.values.len() + moment)
+    }
+}
+
+/// Basis of an axis that is not the displacement.
+pub(super) fn axis_basis<const N: usize>(nodes: &[f64], ends: Ends) -> Basis<N> {
+    if N == 1 {
+        // A single point: the nodes say where, nothing depends on it.
+        return Basis::new(&[], ends);
+    }
+    Basis::new(&breaks(nodes, N - 1, ends), ends)
+}
+
+fn far_ends<const N: usize>(basis: &Basis<N>) -> Vec<nalgebra::DMatrix<f64>> {
+    let [Some(&low), Some(&high)] = [basis.breaks().first(), basis.breaks().last()] else {
+        return vec![];
+    };
+    [low - 3.0 * basis.guard, high + 3.0 * basis.guard]
+        .map(|x| {
+            let (w, _) = basis.weights(x);
+            let mut row = nalgebra::DMatrix::zeros(1, basis.stored());
+            for k in 0..N {
+                row[(0, w.first + k)] = w.value[k];
+            }
+            row
+        })
+        .to_vec()
+}
+
+fn integrate(force: &Block, breaks: &[f64], degree: usize) -> Block {
+    let mut lengths = force.lengths;
+    lengths[2] += 1;
+    let mut out = Block::zeros(lengths);
+    let (from_stride, to_stride) = (force.stride(2), out.stride(2));
+    for (from, to) in force.lines(2).zip(out.lines(2)) {
+        let line: Vec<f64> = (0..force.lengths[2])
+            .map(|r| force.values[from + r * from_stride])
+            .collect();
+        for (r, v) in integrated(&line, breaks, degree).into_iter().enumerate() {
+            out.values[to + r * to_stride] = v;
+        }
+    }
+    out
+}

@@ -1,0 +1,461 @@
+//! Claims of the interpolants, against a spring with a known potential and finite differences.
+
+use super::*;
+use crate::table::samples::Spring;
+use crate::table::{Axes, SlicedAxis};
+use proptest::prelude::*;
+
+/// A fixed sequence of numbers in [0, 1) (additive recurrence; no seed to forget).
+fn sequence(n: usize, k: usize) -> f64 {
+    let root = [
+        0.856_674_883_854_502_9,
+        0.733_891_856_627_126_8,
+        0.628_706_721_037_080_8,
+        0.538_597_257_223_611_3,
+    ];
+    (0.5 + root[k] * n as f64).fract()
+}
+
+/// The n-th point inside, or `spread` times as far out, with delta from before the onset to the top.
+fn point(n: usize, spread: f64) -> Query {
+    let s = |k| spread * (2.0 * sequence(n, k) - 1.0);
+    let mut q = Query {
+        delta: 0.0,
+        center_distance_offset: 100e-6 * s(1),
+        misalignment: 3e-3 * s(2),
+        mesh_position: s(3),
+    };
+    let onset = q.center_distance_offset * 3e-3 - 0.2 * q.misalignment.powi(2);
+    q.delta = onset + 8e-6 * sequence(n, 0) * spread;
+    q
+}
+
+fn moved(q: &Query, i: usize, by: f64) -> Query {
+    let mut q = *q;
+    match i {
+        0 => q.delta += by,
+        1 => q.center_distance_offset += by,
+        2 => q.misalignment += by,
+        _ => q.mesh_position += by,
+    }
+    q
+}
+
+/// Size of each coordinate.
+const SCALE: [f64; 4] = [1e-6, 1e-4, 3e-3, 1.0];
+
+/// All combinations of axes, by their counts.
+fn shapes() -> impl Iterator<Item = [usize; 4]> {
+    (0..8).map(|bits: usize| {
+        let n = |bit: usize, count| if bits & bit != 0 { count } else { 1 };
+        [10, n(1, 5), n(2, 7), n(4, 12)]
+    })
+}
+
+/// Largest difference between derivative and central difference over the points, relative to the
+/// scale of that derivative.
+fn worst_difference(
+    table: &FlankTable,
+    spread: f64,
+    step: f64,
+    f: impl Fn(&Potential) -> Vec<f64>,
+    df: impl Fn(&Potential, usize) -> Vec<f64>,
+    coordinates: &[usize],
+) -> f64 {
+    let mut worst: f64 = 0.0;
+    let mut size = vec![1e-300_f64; 16];
+    let mut differences = vec![];
+    // From 1: point 0 is the very middle, a node, where the linear interpolant has a kink.
+    for n in 1..300 {
+        let q = point(n, spread);
+        for &i in coordinates {
+            let h = step * SCALE[i];
+            let (a, b) = (
+                table.evaluate(&moved(&q, i, -h), true),
+                table.evaluate(&moved(&q, i, h), true),
+            );
+            let exact = df(&table.evaluate(&q, true), i);
+            for (k, (fa, fb)) in f(&a).iter().zip(f(&b)).enumerate() {
+                let slot = &mut size[4 * i + k];
+                *slot = slot.max(exact[k].abs());
+                differences.push((4 * i + k, ((fb - fa) / (2.0 * h) - exact[k]).abs()));
+            }
+        }
+    }
+    for (slot, difference) in differences {
+        worst = worst.max(difference / size[slot].max(1e-12));
+    }
+    worst
+}
+
+#[test]
+fn gradient_is_that_of_the_potential_in_every_dimension() {
+    for shape in shapes() {
+        for interpolation in [Interpolation::Linear, Interpolation::Spline] {
+            let mut grid = Spring::grid(shape);
+            grid.moment = None;
+            let table = FlankTable::new(&grid, interpolation).unwrap();
+            for spread in [1.0, 2.5] {
+                let worst = worst_difference(
+                    &table,
+                    spread,
+                    4e-7,
+                    |w| vec![w.value],
+                    |w, i| vec![w.gradient[i]],
+                    &[0, 1, 2, 3],
+                );
+                assert!(
+                    worst < 2e-7,
+                    "{shape:?} {interpolation:?} {spread}: {worst}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn second_derivatives_are_those_of_the_gradient() {
+    for shape in shapes() {
+        // Every coordinate, with the separate moment where there is no misalignment axis.
+        let table = FlankTable::new(&Spring::grid(shape), Interpolation::Spline).unwrap();
+        for spread in [1.0, 2.5] {
+            let worst = worst_difference(
+                &table,
+                spread,
+                1e-5,
+                |w| w.gradient.to_vec(),
+                |w, i| w.hessian.iter().map(|row| row[i]).collect(),
+                &[0, 1, 2, 3],
+            );
+            assert!(worst < 2e-4, "{shape:?} {spread}: {worst}");
+        }
+    }
+}
+
+#[test]
+fn constant_load_has_consistent_second_derivatives_and_passes_through_its_load() {
+    for shape in shapes() {
+        let grid = Spring::grid(shape);
+        let table = FlankTable::constant_load(&grid, Interpolation::Spline, 60.0).unwrap();
+        let worst = worst_difference(
+            &table,
+            2.0,
+            1e-5,
+            |w| w.gradient.to_vec(),
+            |w, i| w.hessian.iter().map(|row| row[i]).collect(),
+            &[0, 1, 2, 3],
+        );
+        assert!(worst < 2e-5, "{shape:?}: {worst}");
+        let variable = FlankTable::new(&grid, Interpolation::Spline).unwrap();
+        for &c in &grid.axes.center_distance_offset {
+            for &m in &grid.axes.misalignment {
+                for &p in &grid.axes.mesh_position {
+                    let at = |delta| Query {
+                        delta,
+                        center_distance_offset: c,
+                        misalignment: m,
+                        mesh_position: p,
+                    };
+                    let (mut low, mut high) = (-1e-5, 2e-5);
+                    for _ in 0..60 {
+                        let middle = 0.5 * (low + high);
+                        if variable.evaluate(&at(middle), false).gradient[0] < 60.0 {
+                            low = middle;
+                        } else {
+                            high = middle;
+                        }
+                    }
+                    let force = table.evaluate(&at(low), false).gradient[0];
+                    assert!((force - 60.0).abs() < 1e-5, "{force} N at {c} {m} {p}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn spline_finds_a_smooth_springs_force_shuttling_and_other_gradients() {
+    let table = FlankTable::new(&Spring::grid([12, 9, 9, 32]), Interpolation::Spline).unwrap();
+    let linear = FlankTable::new(&Spring::grid([12, 9, 9, 32]), Interpolation::Linear).unwrap();
+    let mut errors = [[0.0_f64; 4]; 2];
+    let mut size = [0.0_f64; 4];
+    for n in 0..3000 {
+        let q = point(n, 1.0);
+        let exact = Spring::potential(&q);
+        for (t, error) in [&table, &linear].iter().zip(&mut errors) {
+            let found = t.evaluate(&q, false);
+            if found.out_of_range {
+                continue;
+            }
+            for i in 0..4 {
+                error[i] = error[i].max((found.gradient[i] - exact.gradient[i]).abs());
+            }
+        }
+        for i in 0..4 {
+            size[i] = size[i].max(exact.gradient[i].abs());
+        }
+    }
+    for i in 0..4 {
+        assert!(
+            errors[0][i] < 1e-3 * size[i],
+            "coordinate {i}: {} of {}",
+            errors[0][i],
+            size[i]
+        );
+        assert!(
+            errors[0][i] < 0.1 * errors[1][i],
+            "coordinate {i}: linear {}",
+            errors[1][i]
+        );
+    }
+}
+
+#[test]
+fn spline_reproduces_cubics_exactly() {
+    // No mesh position: a cubic is not periodic.
+    let mut grid = Spring::grid([9, 6, 7, 1]);
+    let (mut k, mut n) = (0, 0);
+    let shape = |c: f64, m: f64| {
+        let (x, y) = (c / 1e-4, m / 3e-3);
+        let low = 1e-6 * (x.powi(3) - 2.0 * x * y * y + y.powi(3));
+        (
+            low,
+            1e-6 * (8.0 + x * x * y + y),
+            100.0 * (3.0 + x.powi(3) * y - y * y),
+        )
+    };
+    let axes = grid.axes.clone();
+    for &c in &axes.center_distance_offset {
+        for &m in &axes.misalignment {
+            let (low, span, force) = shape(c, m);
+            grid.no_load_approach[n] = low;
+            grid.top_load_approach[n] = low + span;
+            n += 1;
+            for &u in &axes.displacement_fraction {
+                grid.loa_force[k] = force * u.powi(3);
+                k += 1;
+            }
+        }
+    }
+    let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
+    for n in 0..500 {
+        let mut q = point(n, 1.0);
+        let (low, span, force) = shape(q.center_distance_offset, q.misalignment);
+        let u = sequence(n, 0);
+        q.delta = low + u * span;
+        let w = table.evaluate(&q, false);
+        assert!((w.gradient[0] - force * u.powi(3)).abs() < 1e-9);
+        assert!((w.value - span * force * u.powi(4) / 4.0).abs() < 1e-15);
+        assert!((w.hessian[0][0] * span - 3.0 * force * u * u).abs() < 1e-7);
+    }
+}
+
+#[test]
+fn force_is_exactly_zero_up_to_the_onset_and_starts_without_a_kink() {
+    for interpolation in [Interpolation::Linear, Interpolation::Spline] {
+        let table = FlankTable::new(&Spring::grid([10, 5, 5, 16]), interpolation).unwrap();
+        for n in 0..500 {
+            let mut q = point(n, 1.5);
+            q.delta = -1.0;
+            assert_eq!(table.evaluate(&q, true).gradient, [0.0; 4]);
+            let (mut low, mut high) = (-1e-4, 1e-4);
+            for _ in 0..200 {
+                q.delta = 0.5 * (low + high);
+                if table.evaluate(&q, false).gradient[0] > 0.0 {
+                    high = q.delta;
+                } else {
+                    low = q.delta;
+                }
+            }
+            if interpolation == Interpolation::Spline {
+                q.delta = high + 1e-10;
+                let w = table.evaluate(&q, true);
+                assert!(w.gradient[0] < 1e-6 && w.hessian[0][0] < 1e5, "{w:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn spline_force_is_twice_continuously_differentiable_across_every_cell() {
+    let grid = Spring::grid([8, 6, 6, 12]);
+    let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
+    let step = 1e-9;
+    let mut largest: f64 = 0.0;
+    let ways: [(usize, Vec<f64>); 3] = [
+        (1, grid.axes.center_distance_offset.clone()),
+        (2, grid.axes.misalignment.clone()),
+        (3, grid.axes.mesh_position.clone()),
+    ];
+    for (i, nodes) in ways {
+        for &node in &nodes {
+            for n in 0..20 {
+                let mut q = point(n, 1.0);
+                match i {
+                    1 => q.center_distance_offset = node,
+                    2 => q.misalignment = node,
+                    _ => q.mesh_position = node,
+                }
+                if node == nodes[0] && i != 3 || node == *nodes.last().unwrap() && i != 3 {
+                    continue;
+                }
+                let a = table.evaluate(&moved(&q, i, -step * SCALE[i]), true);
+                let b = table.evaluate(&moved(&q, i, step * SCALE[i]), true);
+                for r in 0..4 {
+                    for c in 0..4 {
+                        let jump = (a.hessian[r][c] - b.hessian[r][c]) * SCALE[r] * SCALE[c];
+                        largest = largest.max(jump.abs() / 1e-3);
+                    }
+                }
+            }
+        }
+    }
+    // Relative to 1 mJ, the size of W: a jump of a second derivative would be of order 1.
+    assert!(largest < 1e-6, "{largest}");
+}
+
+#[test]
+fn everything_is_periodic_in_mesh_position() {
+    for interpolation in [Interpolation::Linear, Interpolation::Spline] {
+        let table = FlankTable::new(&Spring::grid([8, 1, 5, 16]), interpolation).unwrap();
+        for n in 0..200 {
+            let mut q = point(n, 1.0);
+            // A multiple of 2^-10, so that adding whole turns rounds nothing.
+            q.mesh_position = (q.mesh_position * 1024.0).round() / 1024.0;
+            let turned = moved(&q, 3, 4_000_000.0 * (sequence(n, 1) - 0.5).round() + 7.0);
+            assert_eq!(table.evaluate(&q, true), table.evaluate(&turned, true));
+        }
+    }
+}
+
+#[test]
+fn continuation_is_linear_with_a_continuous_slope_and_says_so() {
+    let table = FlankTable::new(&Spring::grid([10, 9, 9, 16]), Interpolation::Spline).unwrap();
+    let inside = Query {
+        delta: 6e-6,
+        center_distance_offset: 0.0,
+        misalignment: 1e-3,
+        mesh_position: 0.3,
+    };
+    assert!(!table.evaluate(&inside, false).out_of_range);
+    let force = |d: f64| {
+        table
+            .evaluate(&Query { delta: d, ..inside }, false)
+            .gradient[0]
+    };
+    let second = force(20e-6) - 2.0 * force(30e-6) + force(40e-6);
+    assert!(second.abs() < 1e-9 * force(40e-6));
+    for i in [1, 2] {
+        let edge = moved(&inside, i, if i == 1 { 100e-6 } else { 2e-3 });
+        let (a, b) = (
+            table.evaluate(&moved(&edge, i, -1e-9 * SCALE[i]), false),
+            table.evaluate(&moved(&edge, i, 1e-9 * SCALE[i]), false),
+        );
+        assert!(b.out_of_range && !a.out_of_range);
+        for k in 0..4 {
+            assert!((a.gradient[k] - b.gradient[k]).abs() <= 1e-6 * (1e-9 + a.gradient[k].abs()));
+        }
+    }
+    let far = Query {
+        misalignment: 1.0,
+        ..inside
+    };
+    assert!(table.evaluate(&far, true).out_of_range);
+}
+
+#[test]
+fn tables_cut_at_nominal_agree_with_the_whole() {
+    let grid = Spring::grid([10, 7, 8, 16]);
+    let cut = grid
+        .sliced(SlicedAxis::CenterDistance)
+        .unwrap()
+        .sliced(SlicedAxis::Misalignment)
+        .unwrap();
+    let whole = FlankTable::new(&grid, Interpolation::Spline).unwrap();
+    let small = FlankTable::new(&cut, Interpolation::Spline).unwrap();
+    assert_eq!((whole.dimensions(), small.dimensions()), (4, 2));
+    assert!(small.bytes() * 10 < whole.bytes());
+    for n in 0..200 {
+        let q = Query {
+            center_distance_offset: 0.0,
+            misalignment: 0.0,
+            ..point(n, 1.0)
+        };
+        let (a, b) = (whole.evaluate(&q, false), small.evaluate(&q, false));
+        assert!((a.value - b.value).abs() < 1e-12);
+        assert!((a.gradient[0] - b.gradient[0]).abs() < 1e-8);
+        assert!((a.gradient[3] - b.gradient[3]).abs() < 1e-12);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+    #[test]
+    fn force_never_falls_over_displacement_whatever_the_samples(steps in prop::collection::vec(0.0..1.0_f64, 8 * 4 * 4 * 6)) {
+        // Steep, flat and jagged: cubes of random steps, independent from node to node.
+        let mut grid = Spring::grid([8, 4, 4, 6]);
+        for (block, forces) in grid.loa_force.chunks_mut(8 * 6).enumerate() {
+            for p in 0..6 {
+                let mut sum = 0.0;
+                for u in 0..8 {
+                    sum += steps[(block * 8 + u) * 6 + p].powi(6);
+                    forces[u * 6 + p] = 100.0 * sum + 1e-9;
+                }
+            }
+        }
+        for interpolation in [Interpolation::Linear, Interpolation::Spline] {
+            let table = FlankTable::new(&grid, interpolation).unwrap();
+            for n in 0..30 {
+                let mut q = point(n, 1.8);
+                let mut below = 0.0;
+                for k in 0..200 {
+                    q.delta = -5e-6 + 0.15e-6 * f64::from(k);
+                    let w = table.evaluate(&q, false);
+                    prop_assert!(w.gradient[0] >= below - 1e-9, "{interpolation:?} {q:?}");
+                    prop_assert!(w.hessian[0][0] >= -1e-3);
+                    below = w.gradient[0];
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_nan_gives_no_panic() {
+    let table = FlankTable::new(&Spring::grid([8, 4, 4, 6]), Interpolation::Spline).unwrap();
+    for i in 0..4 {
+        let _ = table.evaluate(&moved(&point(3, 1.0), i, f64::NAN), true);
+    }
+}
+
+#[test]
+fn samples_that_fall_or_have_the_wrong_shape_are_refused_by_name() {
+    let refused = |change: fn(&mut FlankGrid)| {
+        let mut grid = Spring::grid([8, 4, 4, 6]);
+        change(&mut grid);
+        FlankTable::new(&grid, Interpolation::Spline)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(refused(|g| g.loa_force[6] = -1.0).contains("loa_force_n[6] = -1"));
+    assert!(refused(|g| g.loa_force[6] = f64::NAN).contains("loa_force_n[6] = NaN"));
+    assert!(
+        refused(|g| g.axes = Axes {
+            misalignment: vec![0.0, 0.0, 1.0, 2.0],
+            ..g.axes.clone()
+        })
+        .contains("misalignment_rad[1] = 0")
+    );
+    assert!(refused(|g| g.axes.mesh_position.push(1.0)).contains("mesh_position"));
+    assert!(
+        refused(|g| g.axes.center_distance_offset = vec![0.0, 1e-6])
+            .contains("center_distance_offset_m")
+    );
+    assert!(
+        refused(|g| {
+            g.moment.as_mut().unwrap().pop();
+        })
+        .contains("moment_nm")
+    );
+    assert!(refused(|g| g.top_load_approach[3] = -1.0).contains("top_load_approach_m[3] = -1"));
+}

@@ -1,0 +1,185 @@
+//! A tables file made ready for the element: both flanks, reduced to the effects that are on.
+
+use super::{FlankGrid, FlankTable, Interpolation, SlicedAxis, TableError, TableFile};
+use crate::gear::{Flank, PairGeometry};
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+/// How the stiffness depends on the load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// Force over displacement as tabulated.
+    Variable,
+    /// Secant stiffness at this transverse force on the line of action, N, paper (21)-(22).
+    Constant {
+        /// F_bt.
+        loa_force: f64,
+    },
+}
+
+/// What a table is asked to answer to. An effect that is off costs neither time nor memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effects {
+    /// Between the nodes.
+    pub interpolation: Interpolation,
+    /// Load dependence.
+    pub load: Load,
+    /// Actual centre distance; off: nominal.
+    pub center_distance: bool,
+    /// Misalignment; off: parallel axes.
+    pub misalignment: bool,
+    /// Moment of the axial position of the contact. With misalignment on and variable load it comes with
+    /// the potential, otherwise from a table of its own.
+    pub shuttling: bool,
+}
+
+/// Everything of one pair at run time. Read-only; share it by `Arc`.
+#[derive(Debug)]
+pub struct Table {
+    file: Arc<TableFile>,
+    geometry: PairGeometry,
+    effects: Effects,
+    drive: FlankTable,
+    coast: Option<FlankTable>,
+}
+
+impl Table {
+    /// With all axes of the file, the spline, variable load and shuttling.
+    ///
+    /// # Errors
+    /// As [`TableFile::from_json`].
+    pub fn from_json(text: &str) -> Result<Self, TableError> {
+        Self::from_file(TableFile::from_json(text)?)
+    }
+
+    /// As [`Table::from_json`], from a path.
+    ///
+    /// # Errors
+    /// As [`TableFile::read`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, TableError> {
+        Self::from_file(TableFile::read(path)?)
+    }
+
+    /// As [`Table::from_json`], from checked content.
+    ///
+    /// # Errors
+    /// As [`FlankTable::new`].
+    pub fn from_file(file: TableFile) -> Result<Self, TableError> {
+        let effects = Effects {
+            interpolation: Interpolation::Spline,
+            load: Load::Variable,
+            center_distance: file.axes.center_distance_offset_m.len() > 1,
+            misalignment: file.axes.misalignment_rad.len() > 1,
+            shuttling: true,
+        };
+        Self::with_effects(Arc::new(file), effects)
+    }
+
+    /// The same tables with only the dimensions that `effects` switch on.
+    ///
+    /// # Errors
+    /// An effect whose axis is missing; a constant load outside the range.
+    pub fn sliced(&self, effects: &Effects) -> Result<Self, TableError> {
+        Self::with_effects(self.file.clone(), *effects)
+    }
+
+    fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
+        let geometry = file.geometry.pair_geometry()?;
+        let flank = |grid: FlankGrid| flank_table(grid, &effects);
+        Ok(Table {
+            drive: flank(file.drive_grid())?,
+            coast: file.coast_grid().map(flank).transpose()?,
+            geometry,
+            effects,
+            file,
+        })
+    }
+
+    /// As [`Table::sliced`] of the file with this text, but one table in memory for all who ask for
+    /// the same content and effects while one of them still holds it.
+    ///
+    /// # Errors
+    /// As [`Table::from_json`] and [`Table::sliced`].
+    pub fn shared(file: TableFile, effects: &Effects) -> Result<Arc<Self>, TableError> {
+        static TABLES: Mutex<Vec<Weak<Table>>> = Mutex::new(Vec::new());
+        // The list is whole even if a thread panicked while it held the lock.
+        let mut tables = TABLES.lock().unwrap_or_else(PoisonError::into_inner);
+        tables.retain(|t| t.strong_count() > 0);
+        let same_file = tables
+            .iter()
+            .filter_map(Weak::upgrade)
+            .filter(|t| t.file.checksum_sha256 == file.checksum_sha256)
+            .collect::<Vec<_>>();
+        if let Some(table) = same_file.iter().find(|t| t.effects == *effects) {
+            return Ok(table.clone());
+        }
+        let file = same_file
+            .first()
+            .map_or_else(|| Arc::new(file), |t| t.file.clone());
+        let table = Arc::new(Self::with_effects(file, *effects)?);
+        tables.push(Arc::downgrade(&table));
+        Ok(table)
+    }
+
+    /// The pair these tables belong to.
+    pub fn geometry(&self) -> &PairGeometry {
+        &self.geometry
+    }
+
+    /// The file, with samples, settings and measured error.
+    pub fn file(&self) -> &TableFile {
+        &self.file
+    }
+
+    /// What this table answers to.
+    pub fn effects(&self) -> &Effects {
+        &self.effects
+    }
+
+    /// The table of `flank`, and whether it is the drive flank's mirrored: then ask it at -M and take
+    /// the opposite moment.
+    pub fn flank(&self, flank: Flank) -> (&FlankTable, bool) {
+        match (flank, &self.coast) {
+            (Flank::Drive, _) => (&self.drive, false),
+            (Flank::Coast, Some(own)) => (own, false),
+            (Flank::Coast, None) => (&self.drive, true),
+        }
+    }
+}
+
+fn flank_table(mut grid: FlankGrid, effects: &Effects) -> Result<FlankTable, TableError> {
+    let [has_center_distance, has_misalignment, _] = grid.axes.present();
+    let axes = [
+        (
+            effects.center_distance,
+            has_center_distance,
+            SlicedAxis::CenterDistance,
+            "centerDistanceEffect",
+            "center_distance_offset_m",
+        ),
+        (
+            effects.misalignment,
+            has_misalignment,
+            SlicedAxis::Misalignment,
+            "misalignmentEffect",
+            "misalignment_rad",
+        ),
+    ];
+    for (on, there, axis, effect, name) in axes {
+        if on && !there {
+            return Err(TableError::MissingAxis { effect, axis: name });
+        }
+        if !on {
+            grid = grid.sliced(axis)?;
+        }
+    }
+    if !effects.shuttling {
+        grid.moment = None;
+    }
+    match effects.load {
+        Load::Variable => FlankTable::new(&grid, effects.interpolation),
+        Load::Constant { loa_force } => {
+            FlankTable::constant_load(&grid, effects.interpolation, loa_force)
+        }
+    }
+}

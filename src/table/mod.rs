@@ -15,8 +15,7 @@ mod file_geometry;
 mod grid;
 mod interpolation;
 mod runtime;
-#[cfg(test)]
-mod samples;
+pub mod samples;
 
 pub use error::TableError;
 pub use file::{AxesRecord, FlankRecord, InterpolationError, TableFile, VERSION};

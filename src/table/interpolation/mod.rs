@@ -1,6 +1,9 @@
 //! Interpolants on the grid of a table: linear, C2 spline, Shepard, each one potential with analytic
 //! derivatives, periodic in mesh position.
 
+// Loops over the few lanes of a register read best by index, in step through several arrays.
+#![allow(clippy::needless_range_loop)]
+
 mod basis;
 mod chain;
 mod fit;

@@ -1,0 +1,127 @@
+//! Stiffness matrix of one sector, in elimination order.
+
+use super::element;
+use super::mesh::Mesh;
+use rayon::prelude::*;
+
+/// Lower triangle of a symmetric matrix in compressed columns, rows ascending.
+pub(super) struct LowerTriangle {
+    pub column_starts: Vec<usize>,
+    pub rows: Vec<usize>,
+    pub values: Vec<f64>,
+}
+
+/// Number of the first unknown of each node, `usize::MAX` for held nodes.
+pub(super) fn number_unknowns(mesh: &Mesh, order: &[usize]) -> Vec<usize> {
+    let mut first = vec![usize::MAX; mesh.points.len()];
+    for (position, node) in order.iter().enumerate() {
+        first[*node] = mesh.dimension * position;
+    }
+    first
+}
+
+/// Assembles the stiffness of the free nodes of `mesh`, N/m, with the unknowns numbered by `order`;
+/// displacements in each node's cylindrical axes.
+pub(super) fn assemble(
+    mesh: &Mesh,
+    order: &[usize],
+    youngs_modulus: f64,
+    poisson_ratio: f64,
+) -> LowerTriangle {
+    let d = mesh.dimension;
+    let per_element = mesh.nodes_per_element();
+    let first = number_unknowns(mesh, order);
+    let (column_starts, rows, neighbours) = pattern(mesh, order, &first);
+    let mut values = vec![0.0; rows.len()];
+    let (lambda, mu) = element::lame(youngs_modulus, poisson_ratio);
+    // Element matrices in parallel, a batch at a time so that few are alive; scattering is serial.
+    for batch in mesh.elements.chunks(256 * per_element) {
+        let matrices: Vec<Vec<f64>> = batch
+            .par_chunks(per_element)
+            .map(|nodes| cylindrical_stiffness(mesh, nodes, lambda, mu))
+            .collect();
+        for (nodes, k) in batch.chunks(per_element).zip(&matrices) {
+            for (a, column_node) in nodes.iter().enumerate() {
+                let column = first[*column_node];
+                if column == usize::MAX {
+                    continue;
+                }
+                let list = &neighbours[column / d];
+                for (b, row_node) in nodes.iter().enumerate() {
+                    let row = first[*row_node];
+                    if row == usize::MAX || row < column {
+                        continue;
+                    }
+                    let place = list.partition_point(|n| *n < row / d);
+                    for i in 0..d {
+                        // Column i of the diagonal block starts at its own diagonal.
+                        let start = column_starts[column + i] + d * place - i;
+                        for m in (if place == 0 { i } else { 0 })..d {
+                            values[start + m] += k[(d * a + i) * d * per_element + d * b + m];
+                        }
+                    }
+                }
+            }
+        }
+    }
+    LowerTriangle { column_starts, rows, values }
+}
+
+type Pattern = (Vec<usize>, Vec<usize>, Vec<Vec<usize>>);
+
+/// Column starts, rows, and for each position in the order the positions at or after it that share an
+/// element, ascending.
+fn pattern(mesh: &Mesh, order: &[usize], first: &[usize]) -> Pattern {
+    let d = mesh.dimension;
+    let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); order.len()];
+    for nodes in mesh.connectivity() {
+        for a in nodes.iter().map(|n| first[*n]).filter(|p| *p != usize::MAX) {
+            let list = &mut neighbours[a / d];
+            list.extend(
+                nodes
+                    .iter()
+                    .map(|n| first[*n])
+                    .filter(|p| *p != usize::MAX && *p >= a)
+                    .map(|p| p / d),
+            );
+        }
+    }
+    let mut column_starts = Vec::with_capacity(d * order.len() + 1);
+    let mut rows = Vec::new();
+    column_starts.push(0);
+    for list in &mut neighbours {
+        list.sort_unstable();
+        list.dedup();
+        for i in 0..d {
+            rows.extend(list.iter().flat_map(|n| d * n..d * n + d).skip(i));
+            column_starts.push(rows.len());
+        }
+    }
+    (column_starts, rows, neighbours)
+}
+
+/// Element stiffness with the displacements of each node in its own cylindrical axes.
+fn cylindrical_stiffness(mesh: &Mesh, nodes: &[usize], lambda: f64, mu: f64) -> Vec<f64> {
+    let d = mesh.dimension;
+    let mut k = element::stiffness(&mesh.coordinates(nodes), lambda, mu);
+    let size = d * nodes.len();
+    let rotations: Vec<(f64, f64)> = nodes.iter().map(|n| mesh.angles[*n].sin_cos()).collect();
+    // u_x = c u_r - s u_t, u_y = s u_r + c u_t, on rows and on columns.
+    for (a, (s, c)) in rotations.iter().enumerate() {
+        for row in 0..size {
+            let at = row * size + d * a;
+            let (x, y) = (k[at], k[at + 1]);
+            k[at] = c * x + s * y;
+            k[at + 1] = c * y - s * x;
+        }
+    }
+    for (a, (s, c)) in rotations.iter().enumerate() {
+        for column in 0..size {
+            let at = d * a * size + column;
+            let (x, y) = (k[at], k[at + size]);
+            k[at] = c * x + s * y;
+            k[at + size] = c * y - s * x;
+        }
+    }
+    k
+}

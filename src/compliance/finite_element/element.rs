@@ -1,0 +1,300 @@
+//! Serendipity elements: the 8-node quadrilateral and the 20-node hexahedron.
+//!
+//! Both follow one formula (Zienkiewicz, Taylor, The Finite Element Method, vol. 1, section 8.7): a
+//! node is given by its local coordinates c in {-1, 0, 1}^d; a corner has no zero among them, a
+//! mid-edge node exactly one.
+
+/// Local coordinates of the nodes of the 8-node quadrilateral: corners, then mid-edges.
+pub(super) const QUAD8: [[f64; 3]; 8] = [
+    [-1.0, -1.0, 0.0],
+    [1.0, -1.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [-1.0, 1.0, 0.0],
+    [0.0, -1.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [-1.0, 0.0, 0.0],
+];
+
+/// Local coordinates of the nodes of the 20-node hexahedron: the quadrilateral's nodes at
+/// zeta = -1, the same at zeta = +1, then the four mid-edges along zeta.
+pub(super) const HEX20: [[f64; 3]; 20] = {
+    let mut nodes = [[0.0; 3]; 20];
+    let mut i = 0;
+    while i < 8 {
+        nodes[i] = [QUAD8[i][0], QUAD8[i][1], -1.0];
+        nodes[i + 8] = [QUAD8[i][0], QUAD8[i][1], 1.0];
+        if i < 4 {
+            nodes[16 + i] = [QUAD8[i][0], QUAD8[i][1], 0.0];
+        }
+        i += 1;
+    }
+    nodes
+};
+
+/// Abscissae and weights of the three-point Gauss rule on [-1, 1], exact to degree 5.
+pub(super) const GAUSS3: [(f64, f64); 3] = [
+    (-0.774_596_669_241_483_4, 5.0 / 9.0),
+    (0.0, 8.0 / 9.0),
+    (0.774_596_669_241_483_4, 5.0 / 9.0),
+];
+
+/// Lame's constants (lambda, mu), Pa.
+pub(super) fn lame(youngs_modulus: f64, poisson_ratio: f64) -> (f64, f64) {
+    let mu = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
+    (
+        2.0 * mu * poisson_ratio / (1.0 - 2.0 * poisson_ratio),
+        mu,
+    )
+}
+
+/// Value of the shape function of the node at `c`, and its gradient in local coordinates, at `xi`.
+pub(super) fn shape(dimension: usize, c: &[f64; 3], xi: &[f64; 3]) -> (f64, [f64; 3]) {
+    let mut factor = [1.0; 3];
+    let mut slope = [0.0; 3];
+    let mut sum = -(dimension as f64 - 1.0);
+    let mut corner = true;
+    for d in 0..dimension {
+        if c[d] == 0.0 {
+            corner = false;
+            factor[d] = 1.0 - xi[d] * xi[d];
+            slope[d] = -2.0 * xi[d];
+        } else {
+            factor[d] = 0.5 * (1.0 + xi[d] * c[d]);
+            slope[d] = 0.5 * c[d];
+            sum += xi[d] * c[d];
+        }
+    }
+    let others = |d: usize| factor[(d + 1) % 3] * factor[(d + 2) % 3];
+    let product = factor[0] * factor[1] * factor[2];
+    let mut gradient = [0.0; 3];
+    for d in 0..dimension {
+        gradient[d] = slope[d] * others(d);
+        if corner {
+            gradient[d] = gradient[d] * sum + product * c[d];
+        }
+    }
+    (if corner { product * sum } else { product }, gradient)
+}
+
+/// Shape functions, their gradients in space and the volume weight at one integration point.
+pub(super) struct IntegrationPoint {
+    /// Gradients in space, 1/m, one per node.
+    pub gradient: Vec<[f64; 3]>,
+    /// Weight times determinant of the Jacobian, m^d; <= 0 on a folded element.
+    pub volume: f64,
+}
+
+/// Local coordinates and weights of the 3^d Gauss points.
+fn gauss_points(dimension: usize) -> Vec<([f64; 3], f64)> {
+    let depth: &[(f64, f64)] = if dimension == 3 { &GAUSS3 } else { &[(0.0, 1.0)] };
+    let mut points = Vec::with_capacity(27);
+    for &(zeta, w2) in depth {
+        for &(eta, w1) in &GAUSS3 {
+            for &(xi, w0) in &GAUSS3 {
+                points.push(([xi, eta, zeta], w0 * w1 * w2));
+            }
+        }
+    }
+    points
+}
+
+/// Weights of the points of [`integration_points`], in the same order.
+pub(super) fn integration_weights(dimension: usize) -> Vec<f64> {
+    gauss_points(dimension).iter().map(|(_, w)| *w).collect()
+}
+
+/// All 3^d integration points of an element with the nodes `x`, m (8 nodes: plane, 20: solid).
+pub(super) fn integration_points(x: &[[f64; 3]]) -> Vec<IntegrationPoint> {
+    let (dimension, nodes): (usize, &[[f64; 3]]) = if x.len() == 8 {
+        (2, &QUAD8)
+    } else {
+        (3, &HEX20)
+    };
+    gauss_points(dimension)
+        .iter()
+        .map(|(xi, weight)| integration_point(dimension, nodes, x, xi, *weight))
+        .collect()
+}
+
+fn integration_point(
+    dimension: usize,
+    nodes: &[[f64; 3]],
+    x: &[[f64; 3]],
+    xi: &[f64; 3],
+    weight: f64,
+) -> IntegrationPoint {
+    let local: Vec<[f64; 3]> = nodes.iter().map(|c| shape(dimension, c, xi).1).collect();
+    // jacobian[i][j] = dx_j / dxi_i; a plane element is one unit deep.
+    let mut j = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    for d in 0..dimension {
+        for k in 0..dimension {
+            j[d][k] = local.iter().zip(x).map(|(g, p)| g[d] * p[k]).sum();
+        }
+    }
+    let cofactor = |r: usize, c: usize| {
+        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
+        j[r1][c1] * j[r2][c2] - j[r1][c2] * j[r2][c1]
+    };
+    let determinant: f64 = (0..3).map(|c| j[0][c] * cofactor(0, c)).sum();
+    let gradient = local
+        .iter()
+        .map(|g| {
+            let mut out = [0.0; 3];
+            for k in 0..dimension {
+                out[k] = (0..dimension).map(|d| g[d] * cofactor(d, k)).sum::<f64>() / determinant;
+            }
+            out
+        })
+        .collect();
+    IntegrationPoint {
+        gradient,
+        volume: determinant * weight,
+    }
+}
+
+/// Stiffness matrix of an isotropic element, N/m (plane strain: N/m per metre of depth), row major,
+/// `dimension` displacements per node; `x` as in [`integration_points`].
+pub(super) fn stiffness(x: &[[f64; 3]], lambda: f64, mu: f64) -> Vec<f64> {
+    let dimension = if x.len() == 8 { 2 } else { 3 };
+    let size = dimension * x.len();
+    let mut k = vec![0.0; size * size];
+    for point in integration_points(x) {
+        for (a, ga) in point.gradient.iter().enumerate() {
+            for (b, gb) in point.gradient.iter().enumerate().skip(a) {
+                let dot = mu * point.volume * (ga[0] * gb[0] + ga[1] * gb[1] + ga[2] * gb[2]);
+                for i in 0..dimension {
+                    let row = (dimension * a + i) * size + dimension * b;
+                    for m in 0..dimension {
+                        k[row + m] += point.volume * (lambda * ga[i] * gb[m] + mu * ga[m] * gb[i]);
+                    }
+                    k[row + i] += dot;
+                }
+            }
+        }
+    }
+    for row in 0..size {
+        for column in 0..row {
+            // Blocks below the diagonal were skipped; inside a diagonal block both halves agree.
+            if row / dimension != column / dimension {
+                k[row * size + column] = k[column * size + row];
+            }
+        }
+    }
+    k
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    /// A hexahedron or quadrilateral bent out of shape, unit size.
+    fn distorted(nodes: &[[f64; 3]], dimension: usize) -> Vec<[f64; 3]> {
+        nodes
+            .iter()
+            .map(|c| {
+                let mut x = [
+                    c[0] + 0.1 * c[1] + 0.05 * c[0] * c[1],
+                    c[1] - 0.07 * c[2] + 0.04 * c[0] * c[2],
+                    c[2] + 0.06 * c[0] * c[1],
+                ];
+                if dimension == 2 {
+                    x[2] = 0.0;
+                }
+                x
+            })
+            .collect()
+    }
+
+    #[test]
+    fn shape_functions_are_one_at_their_node_and_sum_to_one() {
+        for (nodes, dimension) in [(&QUAD8[..], 2), (&HEX20[..], 3)] {
+            for (i, at) in nodes.iter().enumerate() {
+                for (j, c) in nodes.iter().enumerate() {
+                    let expected = f64::from(u8::from(i == j));
+                    assert_abs_diff_eq!(shape(dimension, c, at).0, expected, epsilon = 1e-15);
+                }
+            }
+            let xi = [0.31, -0.57, if dimension == 3 { 0.83 } else { 0.0 }];
+            let sum: f64 = nodes.iter().map(|c| shape(dimension, c, &xi).0).sum();
+            assert_abs_diff_eq!(sum, 1.0, epsilon = 1e-14);
+        }
+    }
+
+    #[test]
+    fn gradients_are_the_derivatives_of_the_shape_functions() {
+        let xi = [0.31, -0.57, 0.83];
+        let h = 1e-6;
+        for c in &HEX20 {
+            let (_, gradient) = shape(3, c, &xi);
+            for d in 0..3 {
+                let at = |step: f64| {
+                    let mut moved = xi;
+                    moved[d] += step;
+                    shape(3, c, &moved).0
+                };
+                assert_abs_diff_eq!(gradient[d], (at(h) - at(-h)) / (2.0 * h), epsilon = 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn rigid_body_motion_needs_no_force() {
+        let (lambda, mu) = lame(1.0, 0.3);
+        for (nodes, dimension) in [(&QUAD8[..], 2), (&HEX20[..], 3)] {
+            let x = distorted(nodes, dimension);
+            let k = stiffness(&x, lambda, mu);
+            let size = dimension * x.len();
+            let mut motions: Vec<Vec<f64>> = Vec::new();
+            for axis in 0..dimension {
+                motions.push((0..size).map(|i| f64::from(u8::from(i % dimension == axis))).collect());
+                let (p, q) = (axis, (axis + 1) % dimension);
+                motions.push(
+                    (0..size)
+                        .map(|i| match i % dimension {
+                            d if d == p => -x[i / dimension][q],
+                            d if d == q => x[i / dimension][p],
+                            _ => 0.0,
+                        })
+                        .collect(),
+                );
+            }
+            for u in motions {
+                for row in k.chunks(size) {
+                    let force: f64 = row.iter().zip(&u).map(|(a, b)| a * b).sum();
+                    assert_abs_diff_eq!(force, 0.0, epsilon = 1e-13);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn patch_of_constant_strain_stores_the_exact_energy() {
+        // u = G x with a constant G on a distorted element: the energy density is exact where the
+        // integration is.
+        let (lambda, mu) = lame(1.0, 0.3);
+        let g = [[0.3, 0.1, -0.2], [0.05, -0.4, 0.15], [0.25, 0.0, 0.2]];
+        let x = distorted(&HEX20, 3);
+        let k = stiffness(&x, lambda, mu);
+        let u: Vec<f64> = x
+            .iter()
+            .flat_map(|p| (0..3).map(|i| (0..3).map(|j| g[i][j] * p[j]).sum()).collect::<Vec<f64>>())
+            .collect();
+        let energy: f64 = k
+            .chunks(60)
+            .zip(&u)
+            .map(|(row, ui)| 0.5 * ui * row.iter().zip(&u).map(|(a, b)| a * b).sum::<f64>())
+            .sum();
+        let volume: f64 = integration_points(&x).iter().map(|p| p.volume).sum();
+        let trace = g[0][0] + g[1][1] + g[2][2];
+        let mut density = 0.5 * lambda * trace * trace;
+        for i in 0..3 {
+            for j in 0..3 {
+                let strain: f64 = 0.5 * (g[i][j] + g[j][i]);
+                density += mu * strain * strain;
+            }
+        }
+        assert_abs_diff_eq!(energy, density * volume, epsilon = 1e-12 * energy.abs());
+    }
+}

@@ -1,0 +1,134 @@
+//! The kernel that spreads a line load across its contact line, and its logarithmic self-displacement.
+//!
+//! phi(t) = 15/16 (1 - t²)² / w for abs(t) < 1, t the distance over the half-width w; cut off at the edges
+//! of the flank and scaled back to unit mass.
+
+/// Half-width and the part of [-1, 1] that lies on the flank.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Kernel {
+    half_width: f64,
+    low: f64,
+    high: f64,
+    mass: f64,
+}
+
+/// Gauss-Legendre abscissae and weights on [0, 1], 5 points, exact to degree 9.
+pub(super) const GAUSS5: [(f64, f64); 5] = [
+    (0.046_910_077_030_668_0, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
+    (0.5, 0.284_444_444_444_444_4),
+    (0.769_234_655_052_841_6, 0.239_314_335_249_683_24),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];
+
+impl Kernel {
+    /// Kernel centred at `center` on a flank from `flank[0]` to `flank[1]`, all arc lengths in m. A
+    /// centre beyond an edge of the flank is taken at that edge.
+    pub fn new(half_width: f64, center: f64, flank: [f64; 2]) -> Kernel {
+        let low = ((flank[0] - center) / half_width).clamp(-1.0, 0.0);
+        let high = ((flank[1] - center) / half_width).clamp(0.0, 1.0);
+        Kernel {
+            half_width,
+            low,
+            high,
+            mass: cumulative(high) - cumulative(low),
+        }
+    }
+
+    /// Ends of the support relative to the centre, m.
+    pub fn support(&self) -> [f64; 2] {
+        [self.low * self.half_width, self.high * self.half_width]
+    }
+
+    /// Density at `distance` (m) from the centre inside the support, 1/m.
+    pub fn density(&self, distance: f64) -> f64 {
+        shape(distance / self.half_width) / (self.mass * self.half_width)
+    }
+
+    /// exp of the double integral of phi(x) phi(y) ln abs(x - y), m: the line load spread by the kernel
+    /// displaces itself, in the kernel's own average, like a half-plane at this distance.
+    pub fn reference_length(&self) -> f64 {
+        // With the autocorrelation g of the kernel this is 2 int g(t) ln t dt over [0, span]; t = span v^3
+        // takes the logarithm's singularity away.
+        let span = self.high - self.low;
+        let panels = 4;
+        let mut sum = 0.0;
+        for panel in 0..panels {
+            for (x, weight) in GAUSS5 {
+                let v = (f64::from(panel) + x) / f64::from(panels);
+                let t = span * v * v * v;
+                let jacobian = 3.0 * span * v * v / f64::from(panels);
+                sum += 2.0 * weight * jacobian * self.autocorrelation(t) * t.ln();
+            }
+        }
+        self.half_width * sum.exp()
+    }
+
+    /// int phi(x) phi(x + t) dx over the support, in units of the half-width; degree 8, so exact.
+    fn autocorrelation(&self, t: f64) -> f64 {
+        let length = self.high - self.low - t;
+        GAUSS5
+            .iter()
+            .map(|(x, weight)| {
+                let at = self.low + length * x;
+                weight * length * shape(at) * shape(at + t)
+            })
+            .sum::<f64>()
+            / (self.mass * self.mass)
+    }
+}
+
+fn shape(t: f64) -> f64 {
+    let inside = (1.0 - t * t).max(0.0);
+    15.0 / 16.0 * inside * inside
+}
+
+/// Integral of [`shape`] from 0 to t.
+fn cumulative(t: f64) -> f64 {
+    15.0 / 16.0 * (t - 2.0 / 3.0 * t.powi(3) + 0.2 * t.powi(5))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    /// The double integral by brute force: midpoint rule on both axes, offset so that x != y.
+    fn brute_force(kernel: &Kernel, steps: usize) -> f64 {
+        let [low, high] = kernel.support();
+        let h = (high - low) / steps as f64;
+        let mut sum = 0.0;
+        for i in 0..steps {
+            let x = low + (i as f64 + 0.5) * h;
+            for j in 0..steps {
+                let y = low + (j as f64 + 0.5) * h;
+                // The mean of ln abs(x - y) over one cell with itself is ln h - 3/2.
+                let logarithm = if i == j { h.ln() - 1.5 } else { (x - y).abs().ln() };
+                sum += kernel.density(x) * kernel.density(y) * logarithm * h * h;
+            }
+        }
+        sum.exp()
+    }
+
+    #[test]
+    fn reference_length_is_the_logarithmic_self_distance_also_at_an_edge() {
+        for to_edge in [5.0, 0.4, 0.1, 0.0] {
+            let kernel = Kernel::new(0.6, 0.0, [-3.0, to_edge]);
+            let expected = brute_force(&kernel, 1500);
+            assert_abs_diff_eq!(kernel.reference_length() / expected, 1.0, epsilon = 2e-5);
+        }
+    }
+
+    #[test]
+    fn mass_is_one_also_at_an_edge() {
+        for to_edge in [5.0, 0.3, 0.0] {
+            let kernel = Kernel::new(0.6, 0.0, [-3.0, to_edge]);
+            let [low, high] = kernel.support();
+            let mass: f64 = GAUSS5
+                .iter()
+                .map(|(x, w)| w * (high - low) * kernel.density(low + x * (high - low)))
+                .sum();
+            assert_abs_diff_eq!(mass, 1.0, epsilon = 1e-14);
+        }
+    }
+}

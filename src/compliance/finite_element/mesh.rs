@@ -1,0 +1,166 @@
+//! The mesh of one sector: the section itself (plane strain) or the section extruded along the helix.
+
+use super::element;
+use super::outline::Outline;
+use super::section::Section;
+
+/// A node of the loaded flank and the outward unit normal there in the node's own cylindrical axes
+/// (radial, circumferential, axial).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FlankNode {
+    pub node: usize,
+    pub normal: [f64; 3],
+}
+
+/// One sector of the gear; displacements are in each node's own cylindrical axes, so that both sides of
+/// the sector match without a rotation.
+#[derive(Debug, Clone)]
+pub(super) struct Mesh {
+    /// 2: plane strain, per metre of depth; 3: solid.
+    pub dimension: usize,
+    /// Cartesian coordinates, m.
+    pub points: Vec<[f64; 3]>,
+    /// Polar angle of each node, rad.
+    pub angles: Vec<f64>,
+    /// Nodes of each element, [`Mesh::nodes_per_element`] at a time.
+    pub elements: Vec<usize>,
+    /// (column, row, layer) of each element.
+    pub cells: Vec<[i32; 3]>,
+    /// Whether a node is held.
+    pub held: Vec<bool>,
+    /// Nodes of both sides in the same order.
+    pub sides: [Vec<usize>; 2],
+    /// Nodes of the loaded flank, in the order of [`super::flank::FlankGrid`].
+    pub flank: Vec<FlankNode>,
+}
+
+impl Mesh {
+    /// The plane section.
+    pub fn plane(section: &Section, outline: &Outline) -> Mesh {
+        let mut held = vec![false; section.nodes.len()];
+        section.held.iter().for_each(|node| held[*node] = true);
+        Mesh {
+            dimension: 2,
+            points: (0..section.nodes.len()).map(|i| section.cartesian(i)).collect(),
+            angles: section.nodes.iter().map(|p| p[1]).collect(),
+            elements: section.quads.iter().flatten().copied().collect(),
+            cells: section.cells.iter().map(|c| [c[0], c[1], 0]).collect(),
+            held,
+            sides: section.sides.clone(),
+            flank: section
+                .flank
+                .iter()
+                .map(|(node, arc)| {
+                    let n = outline.normal(*arc);
+                    FlankNode { node: *node, normal: [n[0], n[1], 0.0] }
+                })
+                .collect(),
+        }
+    }
+
+    /// The section swept from station to station of `stations` (m, ascending), turned by `twist`
+    /// rad per metre (tan beta_b / rb; right-handed).
+    pub fn extruded(section: &Section, outline: &Outline, stations: &[f64], twist: f64) -> Mesh {
+        let layers = stations.len() - 1;
+        let in_plane = section.nodes.len();
+        let mut corner = vec![usize::MAX; in_plane];
+        let mut corners = 0;
+        for quad in &section.quads {
+            for node in &quad[..4] {
+                if corner[*node] == usize::MAX {
+                    corner[*node] = corners;
+                    corners += 1;
+                }
+            }
+        }
+        // Planes of all nodes alternate with planes of corner nodes alone, halfway between them.
+        let stride = in_plane + corners;
+        let number = |node: usize, half: usize| {
+            let base = (half / 2) * stride;
+            if half.is_multiple_of(2) { base + node } else { base + in_plane + corner[node] }
+        };
+        let total = layers * stride + in_plane;
+        let mut mesh = Mesh {
+            dimension: 3,
+            points: vec![[0.0; 3]; total],
+            angles: vec![0.0; total],
+            elements: Vec::with_capacity(20 * layers * section.quads.len()),
+            cells: Vec::with_capacity(layers * section.quads.len()),
+            held: vec![false; total],
+            sides: [Vec::new(), Vec::new()],
+            flank: Vec::new(),
+        };
+        for half in 0..=2 * layers {
+            let middle = half % 2 == 1;
+            let low = stations[half / 2];
+            let z = if middle { 0.5 * (low + stations[half / 2 + 1]) } else { low };
+            let present = |node: &usize| !middle || corner[*node] != usize::MAX;
+            for node in (0..in_plane).filter(|n| present(n)) {
+                let [r, theta] = section.nodes[node];
+                let angle = theta + twist * z;
+                let at = number(node, half);
+                mesh.points[at] = [r * angle.cos(), r * angle.sin(), z];
+                mesh.angles[at] = angle;
+            }
+            for node in section.held.iter().filter(|n| present(n)) {
+                mesh.held[number(*node, half)] = true;
+            }
+            for (side, nodes) in mesh.sides.iter_mut().zip(&section.sides) {
+                side.extend(nodes.iter().filter(|n| present(n)).map(|n| number(*n, half)));
+            }
+            for (node, arc) in section.flank.iter().filter(|(n, _)| present(n)) {
+                // The surface contains the helix direction (0, r twist, 1).
+                let [n_r, n_t] = outline.normal(*arc);
+                let n_z = -n_t * section.nodes[*node][0] * twist;
+                let norm = n_z.hypot(1.0);
+                mesh.flank.push(FlankNode {
+                    node: number(*node, half),
+                    normal: [n_r / norm, n_t / norm, n_z / norm],
+                });
+            }
+        }
+        for layer in 0..layers {
+            for (quad, cell) in section.quads.iter().zip(&section.cells) {
+                for plane in [2 * layer, 2 * layer + 2] {
+                    mesh.elements.extend(quad.iter().map(|n| number(*n, plane)));
+                }
+                mesh.elements.extend(quad[..4].iter().map(|n| number(*n, 2 * layer + 1)));
+                mesh.cells.push([cell[0], cell[1], layer as i32]);
+            }
+        }
+        mesh
+    }
+
+    /// 8 (plane) or 20 (solid).
+    pub fn nodes_per_element(&self) -> usize {
+        if self.dimension == 2 { 8 } else { 20 }
+    }
+
+    /// Nodes of each element.
+    pub fn connectivity(&self) -> impl Iterator<Item = &[usize]> {
+        self.elements.chunks(self.nodes_per_element())
+    }
+
+    /// Coordinates of the nodes of one element, m.
+    pub fn coordinates(&self, element: &[usize]) -> Vec<[f64; 3]> {
+        element.iter().map(|node| self.points[*node]).collect()
+    }
+
+    /// Volume (plane: area) of the mesh, and the smallest ratio of an integration point's Jacobian to
+    /// the largest one of the same element: positive on a sound mesh.
+    pub fn volume_and_quality(&self) -> (f64, f64) {
+        let mut volume = 0.0;
+        let mut quality = f64::INFINITY;
+        let weights: Vec<f64> = element::integration_weights(self.dimension);
+        for nodes in self.connectivity() {
+            let points = element::integration_points(&self.coordinates(nodes));
+            let jacobian: Vec<f64> =
+                points.iter().zip(&weights).map(|(p, w)| p.volume / w).collect();
+            let largest = jacobian.iter().copied().fold(f64::MIN, f64::max);
+            let smallest = jacobian.iter().copied().fold(f64::MAX, f64::min);
+            volume += points.iter().map(|p| p.volume).sum::<f64>();
+            quality = quality.min(smallest / largest.abs());
+        }
+        (volume, quality)
+    }
+}

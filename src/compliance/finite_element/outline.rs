@@ -1,0 +1,147 @@
+//! Half a tooth in the transverse section as a curve by arc length: what the mesh needs of a gear.
+
+use crate::gear::{Gear, GearKind};
+use std::f64::consts::PI;
+
+/// A point of the outline in polar coordinates about the tooth's centre line: radius m, angle rad.
+pub(super) type Polar = [f64; 2];
+
+/// The loaded half of a tooth: involute from the form point to the tip, fillet from the form point
+/// to the root circle, root circle to the middle of the space.
+///
+/// The arc length s is zero at the form point, positive on the involute, negative below. On the
+/// involute s = (roll² - roll_form²) / (2 rb).
+#[derive(Debug, Clone)]
+pub(super) struct Outline {
+    /// +1 external teeth, -1 ring.
+    pub kappa: f64,
+    /// Half the angular pitch, rad.
+    pub half_pitch: f64,
+    pub base_radius: f64,
+    pub tip_radius: f64,
+    pub held_radius: f64,
+    /// Roll length at the form point, m.
+    pub form_roll: f64,
+    /// Arc length at the tip, m.
+    pub tip_arc: f64,
+    /// Half tooth angle at the base circle, rad.
+    base_half_angle: f64,
+    /// From the form point to the middle of the space, with the arc length (<= 0) of each point.
+    below: Vec<(f64, Polar)>,
+}
+
+impl Outline {
+    /// Outline of `gear` with the `fillet` as (radius, half tooth angle) from the form point to the
+    /// root circle.
+    pub fn new(gear: &Gear, fillet: &[Polar]) -> Outline {
+        let half_pitch = PI / gear.z();
+        let base_half_angle = match gear.kind {
+            GearKind::External => gear.half_base_angle(),
+            GearKind::Ring => half_pitch - gear.half_base_angle(),
+        };
+        let form_roll = gear.roll_length(fillet[0][0].max(gear.base_radius()));
+        let mut outline = Outline {
+            kappa: gear.kappa(),
+            half_pitch,
+            base_radius: gear.base_radius(),
+            tip_radius: gear.tip_radius,
+            held_radius: gear.held_radius,
+            form_roll,
+            tip_arc: 0.0,
+            base_half_angle,
+            below: Vec::new(),
+        };
+        outline.tip_arc = outline.arc_at_roll(gear.roll_length(gear.tip_radius));
+        let mut arc = 0.0;
+        outline.below.push((0.0, outline.involute(0.0)));
+        let root = *fillet.last().expect("a fillet has points");
+        let land = half_pitch - root[1];
+        let steps = 8;
+        let root_arc = (1..=steps)
+            .map(|i| [root[0], root[1] + land * f64::from(i) / f64::from(steps)])
+            .filter(|_| land * root[0] > 1e-9 * gear.normal_module);
+        for point in fillet[1..].iter().copied().chain(root_arc) {
+            let (_, last) = outline.below[outline.below.len() - 1];
+            let step = distance(last, point);
+            if step > 1e-12 * gear.normal_module {
+                arc -= step;
+                outline.below.push((arc, point));
+            }
+        }
+        // The boundary of the sector must lie exactly in the middle of the space.
+        if let Some(end) = outline.below.last_mut() {
+            end.1[1] = half_pitch;
+        }
+        outline
+    }
+
+    /// Arc length at the length of roll `roll`, m. Above the base circle this is also how a contact
+    /// just below the form point is placed.
+    pub fn arc_at_roll(&self, roll: f64) -> f64 {
+        // A ring's tip is the inner end, so that its arc length counts against the roll.
+        self.kappa * (roll * roll - self.form_roll * self.form_roll) / (2.0 * self.base_radius)
+    }
+
+    /// Arc length at the middle of the space, m (negative).
+    pub fn space_arc(&self) -> f64 {
+        self.below[self.below.len() - 1].0
+    }
+
+    fn involute(&self, arc: f64) -> Polar {
+        let roll_squared =
+            self.form_roll * self.form_roll + self.kappa * 2.0 * self.base_radius * arc;
+        let roll = roll_squared.max(0.0).sqrt();
+        let tangent = roll / self.base_radius;
+        [
+            roll.hypot(self.base_radius),
+            self.base_half_angle - self.kappa * (tangent - tangent.atan()),
+        ]
+    }
+
+    /// Point at the arc length `arc`, m, between the middle of the space and the tip.
+    pub fn point(&self, arc: f64) -> Polar {
+        if arc >= 0.0 {
+            return self.involute(arc);
+        }
+        let after = self.below.partition_point(|(s, _)| *s > arc);
+        let after = after.clamp(1, self.below.len() - 1);
+        let ((s0, p0), (s1, p1)) = (self.below[after - 1], self.below[after]);
+        let t = (arc - s0) / (s1 - s0);
+        [p0[0] + t * (p1[0] - p0[0]), p0[1] + t * (p1[1] - p0[1])]
+    }
+
+    /// Outward unit normal in the transverse section, (radial, circumferential), at `arc`.
+    pub fn normal(&self, arc: f64) -> [f64; 2] {
+        if arc >= 0.0 {
+            let [radius, _] = self.involute(arc);
+            let roll = ((radius - self.base_radius) * (radius + self.base_radius))
+                .max(0.0)
+                .sqrt();
+            return [self.kappa * roll / radius, self.base_radius / radius];
+        }
+        let step = (1e-3 * self.tip_arc).min(-arc);
+        let (low, high) = (self.point(arc - step), self.point(arc + step));
+        let mid = 0.5 * (low[0] + high[0]);
+        let (dr, dt) = (high[0] - low[0], mid * (high[1] - low[1]));
+        let length = dr.hypot(dt);
+        // Turned from the tangent towards the outside: +theta where the tangent runs to the tip.
+        [-self.kappa * dt / length, self.kappa * dr / length]
+    }
+
+    /// Arc length (negative) of the point of the fillet where its tangent has turned halfway from the
+    /// radial to the circumferential direction.
+    pub fn fillet_middle(&self) -> f64 {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        self.below
+            .windows(2)
+            .find(|w| {
+                let (p, q) = (w[0].1, w[1].1);
+                (q[0] - p[0]).abs() < half * distance(p, q)
+            })
+            .map_or(0.5 * self.space_arc(), |w| w[0].0)
+    }
+}
+
+fn distance(p: Polar, q: Polar) -> f64 {
+    (q[0] - p[0]).hypot(0.5 * (p[0] + q[0]) * (q[1] - p[1]))
+}

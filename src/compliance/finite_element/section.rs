@@ -1,0 +1,274 @@
+//! Structured mesh of one tooth sector in the transverse section: 8-node quadrilaterals.
+//!
+//! ```text
+//!        tip
+//!       +---+
+//!       | A |  <- loaded flank, elements graded towards it
+//!   CL _/---\_ CR
+//!  +---+-----+---+   root circle; the blocks meet in the middle of the fillets
+//!  |   |  B  |   |
+//!  +---+-----+---+   held surface
+//! ```
+//!
+//! Both sides of the sector lie in the middle of a space and carry the same radii, so that the
+//! sector repeats around the gear. In a ring the same figure stands on its head.
+
+use super::outline::{Outline, Polar};
+
+/// Element sizes in the section, m.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SectionSizes {
+    /// Along the loaded flank, and of the first elements behind it.
+    pub flank: f64,
+    /// Growth from one element to the next, away from the flank and towards the held surface.
+    pub growth: f64,
+    /// Largest element inside the tooth.
+    pub tooth: f64,
+    /// Elements below the root circle, the first row.
+    pub root: f64,
+}
+
+/// Mesh of the section of one sector, tooth centre line at angle 0.
+#[derive(Debug, Clone)]
+pub(super) struct Section {
+    /// Nodes in polar coordinates (m, rad).
+    pub nodes: Vec<Polar>,
+    /// Corners, then mid-edges, as [`super::element::QUAD8`].
+    pub quads: Vec<[usize; 8]>,
+    /// (column, row) of each quadrilateral in the figure above: whole columns and rows of it are what
+    /// the matrix ordering cuts along.
+    pub cells: Vec<[i32; 2]>,
+    /// Nodes along the loaded flank from the middle of the fillet to the tip (corner, mid-edge,
+    /// corner, ...) with their arc length.
+    pub flank: Vec<(usize, f64)>,
+    /// Nodes on the sector's sides at -half pitch and +half pitch in the same order, held ones
+    /// left out.
+    pub sides: [Vec<usize>; 2],
+    /// Nodes on the held surface.
+    pub held: Vec<usize>,
+}
+
+/// A block of (columns + 1) x (rows + 1) node numbers at half-element steps.
+type Grid = Vec<Vec<usize>>;
+
+impl Section {
+    /// Meshes the sector of `outline`.
+    pub fn new(outline: &Outline, sizes: &SectionSizes) -> Section {
+        let mut section = Section {
+            nodes: Vec::new(),
+            quads: Vec::new(),
+            cells: Vec::new(),
+            flank: Vec::new(),
+            sides: [Vec::new(), Vec::new()],
+            held: Vec::new(),
+        };
+        let corner_arc = outline.fillet_middle();
+        let corner = outline.point(corner_arc);
+
+        // Block A, the tooth. Arc lengths along the flank: the form point is a node.
+        let mut arcs = halved(&divide(corner_arc, 0.0, sizes.flank));
+        arcs.extend(&halved(&divide(0.0, outline.tip_arc, sizes.flank))[1..]);
+        let width = 2.0 * corner[0] * corner[1];
+        let across = graded(width, sizes.flank, sizes.growth, sizes.tooth);
+        let across: Vec<f64> = across.iter().rev().map(|t| 1.0 - t).collect();
+        let across = halved(&across);
+        let sag = 0.067 * width * outline.kappa;
+        let bottom =
+            |u: f64| [corner[0] - 4.0 * sag * u * (1.0 - u), corner[1] * (2.0 * u - 1.0)];
+        let tip = outline.point(outline.tip_arc);
+        let top = |u: f64| [tip[0], tip[1] * (2.0 * u - 1.0)];
+        let height = outline.tip_arc - corner_arc;
+        let tooth = section.block([0, 1], across.len(), arcs.len(), |i, j| {
+            let right = outline.point(arcs[j]);
+            let (u, v) = (across[i], (arcs[j] - corner_arc) / height);
+            let ends = [
+                [bottom(0.0), bottom(u), bottom(1.0)],
+                [top(0.0), top(u), top(1.0)],
+            ];
+            Ok(transfinite(u, v, [[right[0], -right[1]], right], ends))
+        });
+        section.flank = arcs
+            .iter()
+            .enumerate()
+            .map(|(j, arc)| (tooth[across.len() - 1][j], *arc))
+            .collect();
+
+        // Rows below the root, from the surface down to the held radius.
+        let depth = (corner[0] - outline.held_radius).abs();
+        let rows = halved(&graded(depth, sizes.root, sizes.growth, depth));
+        let down = |from: f64, t: f64| from + t * (outline.held_radius - from);
+
+        // Block B under the tooth shares A's lowest row.
+        let under = section.block([0, -1], across.len(), rows.len(), |i, j| {
+            let u = across[i];
+            if j == 0 {
+                return Err(tooth[i][0]);
+            }
+            let surface = bottom(u);
+            Ok([down(surface[0], rows[j]), surface[1]])
+        });
+
+        // Blocks C left and right of it.
+        let land = corner_arc - outline.space_arc();
+        let columns = halved(&divide(0.0, land, sizes.root.min(0.5 * land)));
+        let space = outline.point(outline.space_arc());
+        let beside = |side: f64, shared: usize| {
+            let under = &under;
+            let columns = &columns;
+            let rows = &rows;
+            move |i: usize, j: usize| {
+                if i == 0 {
+                    return Err(under[shared][j]);
+                }
+                let w = columns[i] / land;
+                let surface = outline.point(corner_arc - columns[i]);
+                let t = rows[j];
+                let blend = |end: f64| surface[1] + t * (end - surface[1]);
+                let angle = blend(corner[1] + w * (space[1] - corner[1]));
+                Ok([down(surface[0], t), side * angle])
+            }
+        };
+        let last = across.len() - 1;
+        let right = section.block([last as i32 / 2, -1], columns.len(), rows.len(), beside(1.0, last));
+        let left = section.block([-1, -1], columns.len(), rows.len(), beside(-1.0, 0));
+        section.sides = [&left, &right].map(|grid| {
+            let end = &grid[columns.len() - 1];
+            end[..rows.len() - 1].to_vec()
+        });
+        let lowest = rows.len() - 1;
+        section.held = [&left, &under, &right]
+            .iter()
+            .flat_map(|grid| grid.iter().map(|column| column[lowest]))
+            .collect();
+        section.held.sort_unstable();
+        section.held.dedup();
+        section.drop_unused();
+        section
+    }
+
+    /// Adds a block whose first cell has the number `first`; columns and rows count on away from cell
+    /// (0, 0). `point` gives a new node's place or the number of one that exists.
+    fn block(
+        &mut self,
+        first: [i32; 2],
+        columns: usize,
+        rows: usize,
+        point: impl Fn(usize, usize) -> Result<Polar, usize>,
+    ) -> Grid {
+        let mut grid = vec![vec![usize::MAX; rows]; columns];
+        for (i, column) in grid.iter_mut().enumerate() {
+            for (j, number) in column.iter_mut().enumerate() {
+                *number = match point(i, j) {
+                    Err(existing) => existing,
+                    Ok(place) => {
+                        self.nodes.push(place);
+                        self.nodes.len() - 1
+                    }
+                };
+            }
+        }
+        for i in (0..columns - 1).step_by(2) {
+            for j in (0..rows - 1).step_by(2) {
+                let at = |a: usize, b: usize| grid[i + a][j + b];
+                let mut quad = [
+                    at(0, 0), at(2, 0), at(2, 2), at(0, 2),
+                    at(1, 0), at(2, 1), at(1, 2), at(0, 1),
+                ];
+                if self.signed_area(&quad) < 0.0 {
+                    quad = [
+                        quad[0], quad[3], quad[2], quad[1], quad[7], quad[6], quad[5], quad[4],
+                    ];
+                }
+                self.quads.push(quad);
+                let away = |from: i32, steps: usize| {
+                    let steps = steps as i32 / 2;
+                    if from < 0 { from - steps } else { from + steps }
+                };
+                self.cells.push([away(first[0], i), away(first[1], j)]);
+            }
+        }
+        grid
+    }
+
+    /// Cartesian coordinates of a node, m.
+    pub fn cartesian(&self, node: usize) -> [f64; 3] {
+        let [r, theta] = self.nodes[node];
+        [r * theta.cos(), r * theta.sin(), 0.0]
+    }
+
+    fn signed_area(&self, quad: &[usize; 8]) -> f64 {
+        (0..4)
+            .map(|k| {
+                let (p, q) = (self.cartesian(quad[k]), self.cartesian(quad[(k + 1) % 4]));
+                0.5 * (p[0] * q[1] - p[1] * q[0])
+            })
+            .sum()
+    }
+
+    /// The grids count element centres, too; a serendipity element has no node there.
+    fn drop_unused(&mut self) {
+        let mut new_number = vec![usize::MAX; self.nodes.len()];
+        for node in self.quads.iter().flatten() {
+            new_number[*node] = 0;
+        }
+        let mut count = 0;
+        let mut kept = Vec::new();
+        for (old, number) in new_number.iter_mut().enumerate() {
+            if *number == 0 {
+                *number = count;
+                count += 1;
+                kept.push(self.nodes[old]);
+            }
+        }
+        self.nodes = kept;
+        let rename = |node: &mut usize| *node = new_number[*node];
+        self.quads.iter_mut().flatten().for_each(rename);
+        self.flank.iter_mut().for_each(|(node, _)| rename(node));
+        self.sides.iter_mut().flatten().for_each(rename);
+        self.held.iter_mut().for_each(rename);
+    }
+}
+
+/// Transfinite interpolation (Gordon, Hall 1973) between two sides and two ends; `ends[k]` holds
+/// the bottom (0) and top (1) curve at u = 0, u and 1.
+fn transfinite(u: f64, v: f64, sides: [Polar; 2], ends: [[Polar; 3]; 2]) -> Polar {
+    std::array::from_fn(|d| {
+        let across = (1.0 - u) * sides[0][d] + u * sides[1][d];
+        let along = (1.0 - v) * ends[0][1][d] + v * ends[1][1][d];
+        let corners = (1.0 - v) * ((1.0 - u) * ends[0][0][d] + u * ends[0][2][d])
+            + v * ((1.0 - u) * ends[1][0][d] + u * ends[1][2][d]);
+        across + along - corners
+    })
+}
+
+/// `from` to `to` in equal steps of about `size`.
+fn divide(from: f64, to: f64, size: f64) -> Vec<f64> {
+    let steps = (((to - from).abs() / size).round() as usize).max(1);
+    (0..=steps)
+        .map(|i| from + (to - from) * i as f64 / steps as f64)
+        .collect()
+}
+
+/// Fractions 0 to 1 of `length`, starting with steps of `first` that grow by `growth` up to
+/// `largest`; at least two steps.
+fn graded(length: f64, first: f64, growth: f64, largest: f64) -> Vec<f64> {
+    let mut ends = vec![0.0];
+    let mut step = first;
+    let mut reached = 0.0;
+    while reached < length - 0.4 * step || ends.len() < 3 {
+        reached += step;
+        ends.push(reached);
+        step = (step * growth).min(largest);
+    }
+    ends.iter().map(|x| x / reached).collect()
+}
+
+/// The same stations with the middle of each step put in between.
+fn halved(stations: &[f64]) -> Vec<f64> {
+    let mut out = vec![stations[0]];
+    for w in stations.windows(2) {
+        out.push(0.5 * (w[0] + w[1]));
+        out.push(w[1]);
+    }
+    out
+}

@@ -1,0 +1,115 @@
+//! What the caller chooses: level of refinement, plane strain or solid, kernel width.
+
+use super::section::SectionSizes;
+
+/// Level of refinement of the finite-element model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Refinement {
+    /// About a tenth of the cost of `Normal`; for trials.
+    Coarse,
+    /// The default.
+    #[default]
+    Normal,
+    /// For the estimate of the discretisation error of `Normal`.
+    Fine,
+}
+
+/// Sizes of the mesh and of the load kernel, all in normal modules.
+///
+/// [`Discretization::of`] gives those of a level of refinement; studies vary single ones.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Discretization {
+    /// Elements along the loaded flank and first elements behind it.
+    pub flank_element: f64,
+    /// Growth of the elements behind the flank and towards the held surface.
+    pub growth: f64,
+    /// Largest element inside the tooth.
+    pub tooth_element: f64,
+    /// First element below the root circle.
+    pub root_element: f64,
+    /// Layers in the middle of the face.
+    pub layer: f64,
+    /// Outermost layers.
+    pub end_layer: f64,
+    /// Half-width of the kernel that spreads a line load over the flank.
+    pub kernel_half_width: f64,
+}
+
+impl Discretization {
+    /// Sizes of a level of refinement.
+    pub fn of(refinement: Refinement) -> Discretization {
+        let normal = Discretization {
+            flank_element: 0.15,
+            growth: 1.4,
+            tooth_element: 0.45,
+            root_element: 0.25,
+            layer: 0.75,
+            end_layer: 0.3,
+            kernel_half_width: 0.15,
+        };
+        let scaled = |by: f64, kernel: f64| Discretization {
+            flank_element: by * normal.flank_element,
+            growth: normal.growth.powf(by),
+            tooth_element: by * normal.tooth_element,
+            root_element: by * normal.root_element,
+            layer: by * normal.layer,
+            end_layer: by * normal.end_layer,
+            kernel_half_width: kernel,
+        };
+        match refinement {
+            Refinement::Coarse => scaled(1.8, 0.2),
+            Refinement::Normal => normal,
+            Refinement::Fine => scaled(0.7, 0.15),
+        }
+    }
+
+    pub(super) fn section(&self, normal_module: f64) -> SectionSizes {
+        SectionSizes {
+            flank: self.flank_element * normal_module,
+            growth: self.growth,
+            tooth: self.tooth_element * normal_module,
+            root: self.root_element * normal_module,
+        }
+    }
+
+    /// Ends of the layers from z = 0 to `face_width`, m, graded to both faces.
+    pub(super) fn stations(&self, face_width: f64, normal_module: f64) -> Vec<f64> {
+        let half = 0.5 * face_width / normal_module;
+        let mut ends = vec![0.0];
+        let mut step = self.end_layer;
+        let mut reached = 0.0;
+        while reached < half - 0.4 * step || ends.len() < 2 {
+            reached += step;
+            ends.push(reached);
+            step = (1.6 * step).min(self.layer);
+        }
+        let scale = 0.5 * face_width / reached;
+        let mut stations: Vec<f64> = ends.iter().map(|x| x * scale).collect();
+        let mirrored: Vec<f64> =
+            ends[..ends.len() - 1].iter().rev().map(|x| face_width - x * scale).collect();
+        stations.extend(mirrored);
+        stations
+    }
+}
+
+/// How a compliance is computed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Mesh and kernel.
+    pub discretization: Discretization,
+    /// Axial displacement held everywhere: independent transverse slices.
+    pub plane_strain: bool,
+    /// Largest difference of tooth numbers among strips that bear load at the same time.
+    pub reach: usize,
+}
+
+impl Settings {
+    /// Solid model at `refinement` for contact on up to `reach` + 1 neighbouring teeth.
+    pub fn new(refinement: Refinement, reach: usize) -> Settings {
+        Settings {
+            discretization: Discretization::of(refinement),
+            plane_strain: false,
+            reach,
+        }
+    }
+}

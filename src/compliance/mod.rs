@@ -2,6 +2,7 @@
 //! from the local contact, whose width depends on the load.
 
 pub mod analytical;
+pub mod finite_element;
 
 use nalgebra::DMatrix;
 

@@ -1,10 +1,13 @@
 //! Half a tooth in the transverse section as a curve by arc length: what the mesh needs of a gear.
 
-use crate::gear::{Gear, GearKind};
-use std::f64::consts::PI;
+use crate::gear::{GearKind, ToothProfile};
 
 /// A point of the outline in polar coordinates about the tooth's centre line: radius m, angle rad.
 pub(super) type Polar = [f64; 2];
+
+/// Chords that stand for the fillet and for the root circle beside it; 400 leave 1e-6 of its radius.
+const FILLET_STEPS: u32 = 400;
+const ROOT_STEPS: u32 = 20;
 
 /// The loaded half of a tooth: involute from the form point to the tip, fillet from the form point
 /// to the root circle, root circle to the middle of the space.
@@ -31,40 +34,43 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Outline of `gear` with the `fillet` as (radius, half tooth angle) from the form point to the
-    /// root circle.
-    pub fn new(gear: &Gear, fillet: &[Polar]) -> Outline {
-        let half_pitch = PI / gear.z();
+    /// Outline of the tooth `profile`.
+    pub fn new(profile: &ToothProfile) -> Outline {
+        let gear = profile.gear();
+        let half_pitch = profile.half_pitch();
         let base_half_angle = match gear.kind {
             GearKind::External => gear.half_base_angle(),
             GearKind::Ring => half_pitch - gear.half_base_angle(),
         };
-        let form_roll = gear.roll_length(fillet[0][0].max(gear.base_radius()));
         let mut outline = Outline {
             kappa: gear.kappa(),
             half_pitch,
             base_radius: gear.base_radius(),
             tip_radius: gear.tip_radius,
             held_radius: gear.held_radius,
-            form_roll,
+            form_roll: profile.form_roll(),
             tip_arc: 0.0,
             base_half_angle,
             below: Vec::new(),
         };
         outline.tip_arc = outline.arc_at_roll(gear.roll_length(gear.tip_radius));
+        let fillet = (0..FILLET_STEPS).rev().map(|i| {
+            let point = profile.fillet(f64::from(i) / f64::from(FILLET_STEPS));
+            [point.radius(), point.angle()]
+        });
+        let (from, land) = (profile.root_angle(), half_pitch - profile.root_angle());
+        let root_land = (1..=ROOT_STEPS).map(|i| {
+            let share = f64::from(i) / f64::from(ROOT_STEPS);
+            [gear.root_radius(), from + land * share]
+        });
         let mut arc = 0.0;
-        outline.below.push((0.0, outline.involute(0.0)));
-        let root = *fillet.last().expect("a fillet has points");
-        let land = half_pitch - root[1];
-        let steps = 8;
-        let root_arc = (1..=steps)
-            .map(|i| [root[0], root[1] + land * f64::from(i) / f64::from(steps)])
-            .filter(|_| land * root[0] > 1e-9 * gear.normal_module);
-        for point in fillet[1..].iter().copied().chain(root_arc) {
-            let (_, last) = outline.below[outline.below.len() - 1];
+        let mut last = outline.involute(0.0);
+        outline.below.push((0.0, last));
+        for point in fillet.chain(root_land) {
             let step = distance(last, point);
-            if step > 1e-12 * gear.normal_module {
+            if step > 1e-9 * gear.normal_module {
                 arc -= step;
+                last = point;
                 outline.below.push((arc, point));
             }
         }

@@ -1,18 +1,7 @@
 //! What the caller chooses: level of refinement, plane strain or solid, kernel width.
 
 use super::section::SectionSizes;
-
-/// Level of refinement of the finite-element model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Refinement {
-    /// About a tenth of the cost of `Normal`; for trials.
-    Coarse,
-    /// The default.
-    #[default]
-    Normal,
-    /// For the estimate of the discretisation error of `Normal`.
-    Fine,
-}
+use crate::pair::Refinement;
 
 /// Sizes of the mesh and of the load kernel, all in normal modules.
 ///

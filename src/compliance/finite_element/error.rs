@@ -1,0 +1,46 @@
+//! Why a finite-element compliance could not be computed.
+
+use crate::gear::ProfileError;
+
+/// Why a finite-element compliance could not be computed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FiniteElementError {
+    /// The gear has no usable tooth.
+    #[error("the tooth cannot be generated: {0}")]
+    Profile(#[from] ProfileError),
+    /// No material between the root circle and the held surface.
+    #[error(
+        "the held surface (bore_diameter_mm or rim_diameter_mm) at the radius {held_mm:.3} mm leaves less \
+         than {least_mm:.3} mm of rim to the root circle at {root_mm:.3} mm; change that diameter"
+    )]
+    Rim {
+        /// Radius of the held surface, mm.
+        held_mm: f64,
+        /// Root radius, mm.
+        root_mm: f64,
+        /// Least rim that can be meshed, mm.
+        least_mm: f64,
+    },
+    /// An element is folded.
+    #[error(
+        "the mesh of this tooth has a folded element (quality {quality:.3}); choose another refinement, or \
+         a larger tip thickness, tool tip radius or rim"
+    )]
+    FoldedElement {
+        /// Smallest ratio of the Jacobian inside an element to its largest value.
+        quality: f64,
+    },
+    /// The stiffness matrix could not be factored.
+    #[error(
+        "the stiffness matrix is not positive definite; check youngs_modulus_gpa (> 0) and poisson_ratio \
+         (above -1, below 0.5)"
+    )]
+    NotPositiveDefinite,
+    /// Out of memory.
+    #[error("not enough memory for the finite-element model; choose a coarser refinement")]
+    Memory,
+    /// The caller asked to stop.
+    #[error("the computation was cancelled")]
+    Cancelled,
+}

@@ -1,0 +1,145 @@
+//! Finite-element compliance of one gear: all teeth, rim and web down to the held surface.
+//!
+//! ```text
+//!  gear::ToothProfile ─> outline ─> section ─> mesh ─> assembly ─> condensation ─> cyclic ─> influence
+//!                        by arc     one tooth   along   sparse      Cholesky,       whole      of flank
+//!                        length     sector      helix   stiffness   sides left      ring       nodes
+//! ```
+//!
+//! One tooth sector is meshed with 20-node hexahedra (plane strain: 8-node quadrilaterals) and reduced
+//! to the displacements of its two sides and of the loaded flank; the ring of equal sectors then follows
+//! by a Fourier transform, so that every tooth of the gear is a real one at the cost of one. The result
+//! are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on
+//! the flank nodes of tooth 0.
+//!
+//! A [`Strip`] is a line load spread across its contact line by a smooth kernel ([`mod@kernel`]); weights f
+//! on the flank nodes give the influence f_i^T C f_j. It contains the kernel's own local displacement, and
+//! [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact
+//! does not depend on the kernel's width.
+
+mod assembly;
+mod condensation;
+mod cyclic;
+mod dissection;
+mod element;
+mod error;
+mod flank;
+mod kernel;
+mod mesh;
+mod model;
+mod outline;
+mod section;
+mod settings;
+
+pub use error::FiniteElementError;
+pub use model::{Cost, Stage};
+pub use settings::{Discretization, Settings};
+
+use super::{Strip, ToothCompliance};
+use crate::gear::Gear;
+use flank::{FlankGrid, Weights};
+use nalgebra::DMatrix;
+
+/// Progress of a computation: called with the stage and the share of it that is done; returns false to
+/// stop with [`FiniteElementError::Cancelled`].
+pub type Progress<'a> = dyn Fn(Stage, f64) -> bool + Sync + 'a;
+
+/// Finite-element model of one gear, reduced to its loaded flank.
+#[derive(Debug, Clone)]
+pub struct FiniteElementCompliance {
+    grid: FlankGrid,
+    /// C_k, m/N (plane strain: m²/N, per force per metre of depth): rows tooth k, columns tooth 0.
+    influence: Vec<DMatrix<f64>>,
+    plane_strain: bool,
+    /// Of the base helix; plane strain alone needs it.
+    cos_base_helix: f64,
+    cost: Cost,
+}
+
+impl FiniteElementCompliance {
+    /// Computes the model of `gear`; microgeometry plays no part.
+    ///
+    /// # Errors
+    /// [`FiniteElementError`]: no usable tooth, too thin a rim, memory, or cancelled by `progress`.
+    pub fn new(
+        gear: &Gear,
+        settings: &Settings,
+        progress: &Progress<'_>,
+    ) -> Result<Self, FiniteElementError> {
+        let model = model::Model::new(gear, settings)?;
+        let (influence, cost) = model.solve(settings.reach, progress)?;
+        Ok(FiniteElementCompliance {
+            grid: model.grid,
+            influence,
+            plane_strain: settings.plane_strain,
+            cos_base_helix: gear.base_helix_angle().cos(),
+            cost,
+        })
+    }
+
+    /// What the computation took.
+    pub fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
+    /// Largest difference of tooth numbers that [`ToothCompliance::bulk`] accepts.
+    pub fn reach(&self) -> usize {
+        self.influence.len() - 1
+    }
+
+    /// Factor of the influence of strip `j` on strip `i` beyond that of their weights.
+    fn slice_factor(&self, a: &Strip, b: &Strip) -> f64 {
+        if !self.plane_strain {
+            return 1.0;
+        }
+        // Independent slices: strips act on each other as far as they lie in the same slices. The force
+        // per length of contact line is cos beta_b times that per metre of depth; so is the displacement
+        // along the flank normal seen from the transverse plane, but one of the two factors is left
+        // to the shorter path of the line load, as the local contact of `ToothCompliance` counts it.
+        let overlap = (a.z[1].min(b.z[1]) - a.z[0].max(b.z[0])).max(0.0);
+        let lengths = (a.z[1] - a.z[0]) * (b.z[1] - b.z[0]);
+        self.cos_base_helix * overlap / lengths
+    }
+}
+
+impl ToothCompliance for FiniteElementCompliance {
+    /// # Panics
+    /// When two strips lie on teeth farther apart than [`FiniteElementCompliance::reach`].
+    fn bulk(&self, strips: &[Strip]) -> DMatrix<f64> {
+        let weights: Vec<Weights> = strips.iter().map(|s| self.grid.weights(s)).collect();
+        let mut teeth: Vec<i32> = strips.iter().map(|s| s.tooth).collect();
+        teeth.sort_unstable();
+        teeth.dedup();
+        let mut matrix = DMatrix::zeros(strips.len(), strips.len());
+        let mut displacement = vec![0.0; self.grid.len()];
+        for (j, load) in weights.iter().enumerate() {
+            for tooth in teeth.iter().filter(|t| **t >= strips[j].tooth) {
+                let offset = (tooth - strips[j].tooth) as usize;
+                displacement.fill(0.0);
+                for (node, weight) in load {
+                    let column = self.influence[offset].column(*node);
+                    for (u, c) in displacement.iter_mut().zip(column.as_slice()) {
+                        *u += weight * c;
+                    }
+                }
+                for (i, response) in weights.iter().enumerate() {
+                    if strips[i].tooth != *tooth || (offset == 0 && i < j) {
+                        continue;
+                    }
+                    let value: f64 = response.iter().map(|(node, w)| w * displacement[*node]).sum();
+                    let value = value * self.slice_factor(&strips[i], &strips[j]);
+                    matrix[(i, j)] = value;
+                    matrix[(j, i)] = value;
+                }
+            }
+        }
+        matrix
+    }
+
+    fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
+        strips.iter().map(|s| self.grid.reference_length(s)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

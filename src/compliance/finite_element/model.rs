@@ -1,0 +1,159 @@
+//! From a gear to the influence matrices of its flank nodes.
+
+use super::assembly;
+use super::condensation::{self, LoadColumn};
+use super::cyclic;
+use super::dissection;
+use super::flank::FlankGrid;
+use super::mesh::Mesh;
+use super::outline::Outline;
+use super::section::Section;
+use super::{FiniteElementError, Progress, Settings};
+use crate::gear::{Gear, ToothProfile};
+use nalgebra::DMatrix;
+use std::time::Instant;
+
+/// What a computation is busy with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Mesh and stiffness matrix of one sector.
+    Assembly,
+    /// Sparse Cholesky factor and elimination of the inside of the sector.
+    Condensation,
+    /// Harmonics of the whole ring.
+    Ring,
+}
+
+/// What a computation took.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Cost {
+    /// Elements of one sector.
+    pub elements: usize,
+    /// Free displacements of one sector.
+    pub unknowns: usize,
+    /// Entries of the sparse Cholesky factor.
+    pub factor_entries: usize,
+    /// Loaded flank nodes.
+    pub flank_nodes: usize,
+    /// Wall-clock time of assembly, condensation and ring, s.
+    pub seconds: [f64; 3],
+    /// Estimate of the largest working memory, bytes.
+    pub memory_bytes: usize,
+}
+
+/// Mesh and matrices of one gear.
+pub(super) struct Model {
+    pub mesh: Mesh,
+    pub grid: FlankGrid,
+    gear: Gear,
+}
+
+impl Model {
+    /// Meshes one sector of `gear`.
+    pub fn new(gear: &Gear, settings: &Settings) -> Result<Model, FiniteElementError> {
+        let profile = ToothProfile::new(gear)?;
+        let outline = Outline::new(&profile);
+        let m = gear.normal_module;
+        let least = 0.25 * m;
+        let rim = gear.kappa() * (gear.root_radius() - gear.held_radius);
+        if rim.is_nan() || rim < least {
+            return Err(FiniteElementError::Rim {
+                held_mm: 1e3 * gear.held_radius,
+                root_mm: 1e3 * gear.root_radius(),
+                least_mm: 1e3 * least,
+            });
+        }
+        let sizes = settings.discretization;
+        let section = Section::new(&outline, &sizes.section(m));
+        let (mesh, stations) = if settings.plane_strain {
+            (Mesh::plane(&section, &outline), vec![0.0])
+        } else {
+            let stations = sizes.stations(gear.face_width, m);
+            let twist = gear.base_helix_angle().tan() / gear.base_radius();
+            (Mesh::extruded(&section, &outline, &stations, twist), stations)
+        };
+        let arcs: Vec<f64> = section.flank.iter().map(|(_, arc)| *arc).collect();
+        let half_width = sizes.kernel_half_width * m;
+        Ok(Model {
+            grid: FlankGrid::new(&outline, &arcs, &stations, half_width),
+            mesh,
+            gear: gear.clone(),
+        })
+    }
+
+    /// Unit normal loads on the flank nodes, in the numbering `first` of the unknowns.
+    fn load_columns(&self, first: &[usize]) -> Vec<LoadColumn> {
+        self.mesh
+            .flank
+            .iter()
+            .map(|flank| {
+                (0..self.mesh.dimension)
+                    .map(|d| (first[flank.node] + d, flank.normal[d]))
+                    .collect()
+            })
+            .collect()
+    }
+
+    /// Influence of the flank nodes, see [`super::FiniteElementCompliance`].
+    pub fn solve(
+        &self,
+        reach: usize,
+        progress: &Progress<'_>,
+    ) -> Result<(Vec<DMatrix<f64>>, Cost), FiniteElementError> {
+        let (_, quality) = self.mesh.volume_and_quality();
+        if quality.is_nan() || quality <= 0.0 {
+            return Err(FiniteElementError::FoldedElement { quality });
+        }
+        let order = dissection::elimination_order(&self.mesh);
+        let first = assembly::number_unknowns(&self.mesh, &order);
+        self.influence_of(&order, &self.load_columns(&first), reach, progress)
+    }
+
+    /// Influence of any load columns of sector 0 on the same functionals of sectors 0 to `reach`.
+    pub fn influence_of(
+        &self,
+        order: &[usize],
+        columns: &[LoadColumn],
+        reach: usize,
+        progress: &Progress<'_>,
+    ) -> Result<(Vec<DMatrix<f64>>, Cost), FiniteElementError> {
+        if !progress(Stage::Assembly, 0.0) {
+            return Err(FiniteElementError::Cancelled);
+        }
+        let mut clock = Instant::now();
+        let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
+        let stiffness = assembly::assemble(
+            &self.mesh,
+            order,
+            self.gear.youngs_modulus,
+            self.gear.poisson_ratio,
+        );
+        let assembled = lap();
+        let side_unknowns = self.mesh.dimension * (self.mesh.sides[0].len() + self.mesh.sides[1].len());
+        let sector = condensation::condense(&stiffness, side_unknowns, columns, &|share| {
+            progress(Stage::Condensation, share)
+        })?;
+        let unknowns = stiffness.column_starts.len() - 1;
+        let entries = stiffness.values.len();
+        drop(stiffness);
+        let condensed = lap();
+        let teeth = self.gear.teeth as usize;
+        let influence =
+            cyclic::ring_influence(&sector, teeth, reach, &|share| progress(Stage::Ring, share))?;
+        let ring = lap();
+        let n = columns.len();
+        let cost = Cost {
+            elements: self.mesh.cells.len(),
+            unknowns,
+            factor_entries: sector.factor_entries,
+            flank_nodes: n,
+            seconds: [assembled, condensed, ring],
+            memory_bytes: 8 * (sector.factor_entries + 2 * entries + unknowns * n + n * n),
+        };
+        let matrices = influence
+            .into_iter()
+            .map(|c| DMatrix::from_fn(n, n, |i, j| c[(i, j)]))
+            .collect();
+        Ok((matrices, cost))
+    }
+}

@@ -64,7 +64,11 @@ pub(super) fn assemble(
             }
         }
     }
-    LowerTriangle { column_starts, rows, values }
+    LowerTriangle {
+        column_starts,
+        rows,
+        values,
+    }
 }
 
 type Pattern = (Vec<usize>, Vec<usize>, Vec<Vec<usize>>);

@@ -54,9 +54,8 @@ fn symbolic(
         }
     }
     let upper = SymbolicSparseColMatRef::new_checked(n, n, &column_starts, None, &rows);
-    let scratch = simplicial::prefactorize_symbolic_cholesky_scratch::<usize>(n, rows.len()).or(
-        supernodal::factorize_supernodal_symbolic_cholesky_scratch::<usize>(n),
-    );
+    let scratch = simplicial::prefactorize_symbolic_cholesky_scratch::<usize>(n, rows.len())
+        .or(supernodal::factorize_supernodal_symbolic_cholesky_scratch::<usize>(n));
     let mut memory = MemBuffer::try_new(scratch).map_err(|_| FiniteElementError::Memory)?;
     let mut parents = vec![0; n];
     let mut counts = vec![0; n];
@@ -142,7 +141,14 @@ pub(super) fn condense(
     );
     let last = last_block(&factor, inside, side_unknowns);
     let mut side_loads = Mat::zeros(side_unknowns, columns.len());
-    faer::linalg::matmul::matmul(side_loads.as_mut(), Accum::Replace, &last, y_sides, 1.0, par);
+    faer::linalg::matmul::matmul(
+        side_loads.as_mut(),
+        Accum::Replace,
+        &last,
+        y_sides,
+        1.0,
+        par,
+    );
     let mut sides = Mat::zeros(side_unknowns, side_unknowns);
     triangular::matmul(
         sides.as_mut(),

@@ -44,7 +44,11 @@ impl<'a> Dissection<'a> {
     }
 
     fn cut(&mut self, elements: Vec<usize>) {
-        let best = if elements.len() > LEAF { self.best_cut(&elements) } else { None };
+        let best = if elements.len() > LEAF {
+            self.best_cut(&elements)
+        } else {
+            None
+        };
         let Some((axis, limit)) = best else {
             for element in elements {
                 for node in self.nodes(element) {
@@ -58,8 +62,9 @@ impl<'a> Dissection<'a> {
         };
         let separator = self.shared(&elements, axis, limit);
         separator.iter().for_each(|node| self.placed[*node] = true);
-        let (low, high): (Vec<usize>, Vec<usize>) =
-            elements.iter().partition(|e| self.mesh.cells[**e][axis] < limit);
+        let (low, high): (Vec<usize>, Vec<usize>) = elements
+            .iter()
+            .partition(|e| self.mesh.cells[**e][axis] < limit);
         self.cut(low);
         self.cut(high);
         self.order.extend(separator);
@@ -70,12 +75,18 @@ impl<'a> Dissection<'a> {
         self.stamp += 2;
         let (below, taken) = (self.stamp, self.stamp + 1);
         let mut shared = Vec::new();
-        for element in elements.iter().filter(|e| self.mesh.cells[**e][axis] < limit) {
+        for element in elements
+            .iter()
+            .filter(|e| self.mesh.cells[**e][axis] < limit)
+        {
             for node in self.nodes(*element) {
                 self.seen[*node] = below;
             }
         }
-        for element in elements.iter().filter(|e| self.mesh.cells[**e][axis] >= limit) {
+        for element in elements
+            .iter()
+            .filter(|e| self.mesh.cells[**e][axis] >= limit)
+        {
             for node in self.nodes(*element) {
                 if self.seen[*node] == below && !self.placed[*node] {
                     self.seen[*node] = taken;

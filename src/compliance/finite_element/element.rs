@@ -42,10 +42,7 @@ pub(super) const GAUSS3: [(f64, f64); 3] = [
 /// Lame's constants (lambda, mu), Pa.
 pub(super) fn lame(youngs_modulus: f64, poisson_ratio: f64) -> (f64, f64) {
     let mu = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
-    (
-        2.0 * mu * poisson_ratio / (1.0 - 2.0 * poisson_ratio),
-        mu,
-    )
+    (2.0 * mu * poisson_ratio / (1.0 - 2.0 * poisson_ratio), mu)
 }
 
 /// Value of the shape function of the node at `c`, and its gradient in local coordinates, at `xi`.
@@ -87,7 +84,11 @@ pub(super) struct IntegrationPoint {
 
 /// Local coordinates and weights of the 3^d Gauss points.
 fn gauss_points(dimension: usize) -> Vec<([f64; 3], f64)> {
-    let depth: &[(f64, f64)] = if dimension == 3 { &GAUSS3 } else { &[(0.0, 1.0)] };
+    let depth: &[(f64, f64)] = if dimension == 3 {
+        &GAUSS3
+    } else {
+        &[(0.0, 1.0)]
+    };
     let mut points = Vec::with_capacity(27);
     for &(zeta, w2) in depth {
         for &(eta, w1) in &GAUSS3 {
@@ -248,7 +249,11 @@ mod tests {
             let size = dimension * x.len();
             let mut motions: Vec<Vec<f64>> = Vec::new();
             for axis in 0..dimension {
-                motions.push((0..size).map(|i| f64::from(u8::from(i % dimension == axis))).collect());
+                motions.push(
+                    (0..size)
+                        .map(|i| f64::from(u8::from(i % dimension == axis)))
+                        .collect(),
+                );
                 let (p, q) = (axis, (axis + 1) % dimension);
                 motions.push(
                     (0..size)
@@ -279,7 +284,11 @@ mod tests {
         let k = stiffness(&x, lambda, mu);
         let u: Vec<f64> = x
             .iter()
-            .flat_map(|p| (0..3).map(|i| (0..3).map(|j| g[i][j] * p[j]).sum()).collect::<Vec<f64>>())
+            .flat_map(|p| {
+                (0..3)
+                    .map(|i| (0..3).map(|j| g[i][j] * p[j]).sum())
+                    .collect::<Vec<f64>>()
+            })
             .collect();
         let energy: f64 = k
             .chunks(60)

@@ -22,7 +22,7 @@ pub(super) struct FlankGrid {
     pub form_roll: f64,
     /// kappa / (2 rb), 1/m: arc = this * (roll² - form_roll²).
     pub arc_per_roll_squared: f64,
-    /// Half-width of the kernel, m.
+    /// Half-width of the kernel away from the tip edge, m.
     pub kernel_half_width: f64,
 }
 
@@ -48,7 +48,11 @@ impl FlankGrid {
     fn node(&self, i: usize, k: usize) -> usize {
         let elements = self.arcs.len() - 1;
         let base = (k / 2) * (3 * elements + 2);
-        if k.is_multiple_of(2) { base + i } else { base + 2 * elements + 1 + i / 2 }
+        if k.is_multiple_of(2) {
+            base + i
+        } else {
+            base + 2 * elements + 1 + i / 2
+        }
     }
 
     /// Kernel of a line at `roll` and the arc length of its centre.
@@ -56,12 +60,18 @@ impl FlankGrid {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
         let arc = self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll);
         let center = arc.clamp(edges[0], edges[1]);
-        (Kernel::new(self.kernel_half_width, center, edges), center)
+        // Cutting the kernel off at the tip edge moves its centre of mass away from the line, so that it
+        // narrows towards the edge, down to half its width.
+        let width = self.kernel_half_width;
+        let width = (edges[1] - center).clamp(0.5 * width, width);
+        (Kernel::new(width, center, edges), center)
     }
 
     /// Reference length of the kernel at the middle of `strip`, m.
     pub fn reference_length(&self, strip: &Strip) -> f64 {
-        self.kernel(0.5 * (strip.roll[0] + strip.roll[1])).0.reference_length()
+        self.kernel(0.5 * (strip.roll[0] + strip.roll[1]))
+            .0
+            .reference_length()
     }
 
     /// Weights of `strip`.
@@ -82,14 +92,7 @@ impl FlankGrid {
     }
 
     /// Adds `part` of a unit load at `z` and `roll`.
-    fn spread(
-        &self,
-        layer: usize,
-        z: f64,
-        roll: f64,
-        part: f64,
-        sum: &mut BTreeMap<usize, f64>,
-    ) {
+    fn spread(&self, layer: usize, z: f64, roll: f64, part: f64, sum: &mut BTreeMap<usize, f64>) {
         let (kernel, center) = self.kernel(roll);
         let support = kernel.support().map(|edge| center + edge);
         let plane = self.stations.len() == 1;

@@ -98,7 +98,11 @@ mod tests {
         let [low, high] = kernel.support();
         let h = (high - low) / steps as f64;
         let twice_integrated = |x: f64| {
-            if x == 0.0 { 0.0 } else { x * x * (0.5 * x.abs().ln() - 0.75) }
+            if x == 0.0 {
+                0.0
+            } else {
+                x * x * (0.5 * x.abs().ln() - 0.75)
+            }
         };
         let mean_logarithm: Vec<f64> = (0..steps)
             .map(|k| {
@@ -107,8 +111,9 @@ mod tests {
                     / (h * h)
             })
             .collect();
-        let mass: Vec<f64> =
-            (0..steps).map(|i| kernel.density(low + (i as f64 + 0.5) * h) * h).collect();
+        let mass: Vec<f64> = (0..steps)
+            .map(|i| kernel.density(low + (i as f64 + 0.5) * h) * h)
+            .collect();
         let mut sum = 0.0;
         for (i, p) in mass.iter().enumerate() {
             for (j, q) in mass.iter().enumerate() {

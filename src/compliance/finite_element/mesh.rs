@@ -41,7 +41,9 @@ impl Mesh {
         section.held.iter().for_each(|node| held[*node] = true);
         Mesh {
             dimension: 2,
-            points: (0..section.nodes.len()).map(|i| section.cartesian(i)).collect(),
+            points: (0..section.nodes.len())
+                .map(|i| section.cartesian(i))
+                .collect(),
             angles: section.nodes.iter().map(|p| p[1]).collect(),
             elements: section.quads.iter().flatten().copied().collect(),
             cells: section.cells.iter().map(|c| [c[0], c[1], 0]).collect(),
@@ -52,7 +54,10 @@ impl Mesh {
                 .iter()
                 .map(|(node, arc)| {
                     let n = outline.normal(*arc);
-                    FlankNode { node: *node, normal: [n[0], n[1], 0.0] }
+                    FlankNode {
+                        node: *node,
+                        normal: [n[0], n[1], 0.0],
+                    }
                 })
                 .collect(),
         }
@@ -77,7 +82,11 @@ impl Mesh {
         let stride = in_plane + corners;
         let number = |node: usize, half: usize| {
             let base = (half / 2) * stride;
-            if half.is_multiple_of(2) { base + node } else { base + in_plane + corner[node] }
+            if half.is_multiple_of(2) {
+                base + node
+            } else {
+                base + in_plane + corner[node]
+            }
         };
         let total = layers * stride + in_plane;
         let mut mesh = Mesh {
@@ -93,7 +102,11 @@ impl Mesh {
         for half in 0..=2 * layers {
             let middle = half % 2 == 1;
             let low = stations[half / 2];
-            let z = if middle { 0.5 * (low + stations[half / 2 + 1]) } else { low };
+            let z = if middle {
+                0.5 * (low + stations[half / 2 + 1])
+            } else {
+                low
+            };
             let present = |node: &usize| !middle || corner[*node] != usize::MAX;
             for node in (0..in_plane).filter(|n| present(n)) {
                 let [r, theta] = section.nodes[node];
@@ -106,7 +119,12 @@ impl Mesh {
                 mesh.held[number(*node, half)] = true;
             }
             for (side, nodes) in mesh.sides.iter_mut().zip(&section.sides) {
-                side.extend(nodes.iter().filter(|n| present(n)).map(|n| number(*n, half)));
+                side.extend(
+                    nodes
+                        .iter()
+                        .filter(|n| present(n))
+                        .map(|n| number(*n, half)),
+                );
             }
             for (node, arc) in section.flank.iter().filter(|(n, _)| present(n)) {
                 // The surface contains the helix direction (0, r twist, 1).
@@ -124,7 +142,8 @@ impl Mesh {
                 for plane in [2 * layer, 2 * layer + 2] {
                     mesh.elements.extend(quad.iter().map(|n| number(*n, plane)));
                 }
-                mesh.elements.extend(quad[..4].iter().map(|n| number(*n, 2 * layer + 1)));
+                mesh.elements
+                    .extend(quad[..4].iter().map(|n| number(*n, 2 * layer + 1)));
                 mesh.cells.push([cell[0], cell[1], layer as i32]);
             }
         }
@@ -154,8 +173,11 @@ impl Mesh {
         let weights: Vec<f64> = element::integration_weights(self.dimension);
         for nodes in self.connectivity() {
             let points = element::integration_points(&self.coordinates(nodes));
-            let jacobian: Vec<f64> =
-                points.iter().zip(&weights).map(|(p, w)| p.volume / w).collect();
+            let jacobian: Vec<f64> = points
+                .iter()
+                .zip(&weights)
+                .map(|(p, w)| p.volume / w)
+                .collect();
             let largest = jacobian.iter().copied().fold(f64::MIN, f64::max);
             let smallest = jacobian.iter().copied().fold(f64::MAX, f64::min);
             volume += points.iter().map(|p| p.volume).sum::<f64>();

@@ -126,7 +126,10 @@ impl ToothCompliance for FiniteElementCompliance {
                     if strips[i].tooth != *tooth || (offset == 0 && i < j) {
                         continue;
                     }
-                    let value: f64 = response.iter().map(|(node, w)| w * displacement[*node]).sum();
+                    let value: f64 = response
+                        .iter()
+                        .map(|(node, w)| w * displacement[*node])
+                        .sum();
                     let value = value * self.slice_factor(&strips[i], &strips[j]);
                     matrix[(i, j)] = value;
                     matrix[(j, i)] = value;
@@ -137,7 +140,10 @@ impl ToothCompliance for FiniteElementCompliance {
     }
 
     fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
-        strips.iter().map(|s| self.grid.reference_length(s)).collect()
+        strips
+            .iter()
+            .map(|s| self.grid.reference_length(s))
+            .collect()
     }
 }
 

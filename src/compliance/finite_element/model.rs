@@ -70,7 +70,10 @@ impl Model {
         } else {
             let stations = sizes.stations(gear.face_width, m);
             let twist = gear.base_helix_angle().tan() / gear.base_radius();
-            (Mesh::extruded(&section, &outline, &stations, twist), stations)
+            (
+                Mesh::extruded(&section, &outline, &stations, twist),
+                stations,
+            )
         };
         let arcs: Vec<f64> = section.flank.iter().map(|(_, arc)| *arc).collect();
         let half_width = sizes.kernel_half_width * m;
@@ -121,7 +124,11 @@ impl Model {
             return Err(FiniteElementError::Cancelled);
         }
         let mut clock = Instant::now();
-        let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
+        let mut lap = || {
+            std::mem::replace(&mut clock, Instant::now())
+                .elapsed()
+                .as_secs_f64()
+        };
         let stiffness = assembly::assemble(
             &self.mesh,
             order,
@@ -129,7 +136,8 @@ impl Model {
             self.gear.poisson_ratio,
         );
         let assembled = lap();
-        let side_unknowns = self.mesh.dimension * (self.mesh.sides[0].len() + self.mesh.sides[1].len());
+        let side_unknowns =
+            self.mesh.dimension * (self.mesh.sides[0].len() + self.mesh.sides[1].len());
         let sector = condensation::condense(&stiffness, side_unknowns, columns, &|share| {
             progress(Stage::Condensation, share)
         })?;

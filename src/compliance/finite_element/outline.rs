@@ -18,10 +18,7 @@ const ROOT_STEPS: u32 = 20;
 pub(super) struct Outline {
     /// +1 external teeth, -1 ring.
     pub kappa: f64,
-    /// Half the angular pitch, rad.
-    pub half_pitch: f64,
     pub base_radius: f64,
-    pub tip_radius: f64,
     pub held_radius: f64,
     /// Roll length at the form point, m.
     pub form_roll: f64,
@@ -44,9 +41,7 @@ impl Outline {
         };
         let mut outline = Outline {
             kappa: gear.kappa(),
-            half_pitch,
             base_radius: gear.base_radius(),
-            tip_radius: gear.tip_radius,
             held_radius: gear.held_radius,
             form_roll: profile.form_roll(),
             tip_arc: 0.0,

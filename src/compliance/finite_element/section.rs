@@ -67,14 +67,22 @@ impl Section {
 
         // Block A, the tooth. Arc lengths along the flank: the form point is a node.
         let mut arcs = halved(&divide(corner_arc, 0.0, sizes.flank));
-        arcs.extend(&halved(&divide(0.0, outline.tip_arc, sizes.flank))[1..]);
+        let mut involute = divide(0.0, outline.tip_arc, sizes.flank);
+        // Half an element at the tip edge, where the load kernel is narrower.
+        let last = involute.len() - 1;
+        involute.insert(last, 0.5 * (involute[last - 1] + involute[last]));
+        arcs.extend(&halved(&involute)[1..]);
         let width = 2.0 * corner[0] * corner[1];
         let across = graded(width, sizes.flank, sizes.growth, sizes.tooth);
         let across: Vec<f64> = across.iter().rev().map(|t| 1.0 - t).collect();
         let across = halved(&across);
         let sag = 0.067 * width * outline.kappa;
-        let bottom =
-            |u: f64| [corner[0] - 4.0 * sag * u * (1.0 - u), corner[1] * (2.0 * u - 1.0)];
+        let bottom = |u: f64| {
+            [
+                corner[0] - 4.0 * sag * u * (1.0 - u),
+                corner[1] * (2.0 * u - 1.0),
+            ]
+        };
         let tip = outline.point(outline.tip_arc);
         let top = |u: f64| [tip[0], tip[1] * (2.0 * u - 1.0)];
         let height = outline.tip_arc - corner_arc;
@@ -129,7 +137,12 @@ impl Section {
             }
         };
         let last = across.len() - 1;
-        let right = section.block([last as i32 / 2, -1], columns.len(), rows.len(), beside(1.0, last));
+        let right = section.block(
+            [last as i32 / 2, -1],
+            columns.len(),
+            rows.len(),
+            beside(1.0, last),
+        );
         let left = section.block([-1, -1], columns.len(), rows.len(), beside(-1.0, 0));
         section.sides = [&left, &right].map(|grid| {
             let end = &grid[columns.len() - 1];
@@ -171,8 +184,14 @@ impl Section {
             for j in (0..rows - 1).step_by(2) {
                 let at = |a: usize, b: usize| grid[i + a][j + b];
                 let mut quad = [
-                    at(0, 0), at(2, 0), at(2, 2), at(0, 2),
-                    at(1, 0), at(2, 1), at(1, 2), at(0, 1),
+                    at(0, 0),
+                    at(2, 0),
+                    at(2, 2),
+                    at(0, 2),
+                    at(1, 0),
+                    at(2, 1),
+                    at(1, 2),
+                    at(0, 1),
                 ];
                 if self.signed_area(&quad) < 0.0 {
                     quad = [
@@ -244,8 +263,10 @@ fn transfinite(u: f64, v: f64, sides: [Polar; 2], ends: [[Polar; 3]; 2]) -> Pola
 /// `from` to `to` in equal steps of about `size`.
 fn divide(from: f64, to: f64, size: f64) -> Vec<f64> {
     let steps = (((to - from).abs() / size).round() as usize).max(1);
-    (0..=steps)
+    // The last station exactly: rounding must not put it on the other side of a corner.
+    (0..steps)
         .map(|i| from + (to - from) * i as f64 / steps as f64)
+        .chain([to])
         .collect()
 }
 

@@ -1,6 +1,8 @@
 use super::*;
 use crate::gear::GearKind;
 use crate::pair::Refinement;
+use approx::assert_relative_eq;
+use condensation::LoadColumn;
 
 fn spur(teeth: u32, module: f64, bore_ratio: f64) -> Gear {
     let mut gear = Gear {
@@ -25,15 +27,262 @@ fn spur(teeth: u32, module: f64, bore_ratio: f64) -> Gear {
     gear
 }
 
-#[test]
-fn timing() {
-    for refinement in [Refinement::Coarse, Refinement::Normal] {
-        let mut gear = spur(20, 4e-3, 0.5);
-        gear.helix_angle = 13f64.to_radians();
-        gear.tip_radius = 90.315e-3/2.0; gear.held_radius=15e-3; gear.face_width=25e-3;
-        let c = FiniteElementCompliance::new(&gear, &Settings::new(refinement, 2), &|_, _| true).unwrap();
-        println!("{:?} {:?}", refinement, c.cost());
-        let c0=&c.influence[0];
-        println!("asym {}", (c0-c0.transpose()).norm()/c0.norm());
+/// Settings of a plane model at `refinement`.
+fn plane(refinement: Refinement) -> Settings {
+    Settings {
+        plane_strain: true,
+        ..Settings::new(refinement, 2)
     }
+}
+
+/// Shape functions at the point (x, y) of a plane mesh.
+fn shape_functions_at(mesh: &mesh::Mesh, x: f64, y: f64) -> Vec<(usize, f64)> {
+    for nodes in mesh.connectivity() {
+        let at = mesh.coordinates(nodes);
+        let mut xi = [0.0; 3];
+        for _ in 0..20 {
+            let (mut p, mut j) = ([-x, -y], [[0.0; 2]; 2]);
+            for (c, at) in element::QUAD8.iter().zip(&at) {
+                let (n, g) = element::shape(2, c, &xi);
+                for d in 0..2 {
+                    p[d] += n * at[d];
+                    j[d][0] += g[0] * at[d];
+                    j[d][1] += g[1] * at[d];
+                }
+            }
+            let det = j[0][0] * j[1][1] - j[0][1] * j[1][0];
+            xi[0] -= (j[1][1] * p[0] - j[0][1] * p[1]) / det;
+            xi[1] -= (j[0][0] * p[1] - j[1][0] * p[0]) / det;
+            xi = xi.map(|v: f64| v.clamp(-2.0, 2.0));
+        }
+        if xi[0].abs() <= 1.0 + 1e-9 && xi[1].abs() <= 1.0 + 1e-9 {
+            return nodes
+                .iter()
+                .zip(&element::QUAD8)
+                .map(|(node, c)| (*node, element::shape(2, c, &xi).0))
+                .collect();
+        }
+    }
+    panic!("({x}, {y}) lies outside the mesh");
+}
+
+/// Displacement along the load line where it crosses the tooth's centre line, m²/N, for a load on the
+/// flank at the radius `r`.
+fn tooth_compliance(gear: &Gear, settings: &Settings, r: f64) -> f64 {
+    let model = model::Model::new(gear, settings).unwrap();
+    let order = dissection::elimination_order(&model.mesh);
+    let first = assembly::number_unknowns(&model.mesh, &order);
+    let roll = gear.roll_length(r);
+    let strip = Strip {
+        tooth: 0,
+        z: [0.0, 1.0],
+        roll: [roll; 2],
+    };
+    let mut load = Vec::new();
+    for (node, weight) in model.grid.weights(&strip) {
+        let flank = model.mesh.flank[node];
+        for d in 0..2 {
+            load.push((first[flank.node] + d, weight * flank.normal[d]));
+        }
+    }
+    let rb = gear.base_radius();
+    let angle = gear.half_base_angle() - ((roll / rb) - (roll / rb).atan());
+    // Direction of the normal, from the x axis; the load line touches the base circle.
+    let direction = angle + std::f64::consts::FRAC_PI_2 - (roll / rb).atan();
+    let crossing = rb / direction.sin();
+    let observed: LoadColumn = shape_functions_at(&model.mesh, crossing, 0.0)
+        .into_iter()
+        .flat_map(|(node, n)| {
+            // Components in the node's own axes.
+            let turned = direction - model.mesh.angles[node];
+            [
+                (first[node], n * turned.cos()),
+                (first[node] + 1, n * turned.sin()),
+            ]
+        })
+        .collect();
+    let (influence, _) = model
+        .influence_of(&order, &[load, observed], 0, &|_, _| true)
+        .unwrap();
+    influence[0][(1, 0)]
+}
+
+/// A kernel too narrow to matter, in place of a point load.
+fn nearly_point_load() -> Settings {
+    let mut settings = plane(Refinement::Fine);
+    settings.discretization.flank_element = 0.06;
+    settings.discretization.kernel_half_width = 0.06;
+    settings
+}
+
+#[test]
+fn tooth_compliance_in_plane_strain_is_that_of_two_independent_codes() {
+    // docs: bore = root radius / 1.4, module 1 mm, micrometres per N/mm.
+    for (teeth, radius, expected) in [
+        (17, 8.0023, 0.01626),
+        (17, 8.5, 0.02226),
+        (43, 21.5, 0.02085),
+        (43, 22.4434, 0.05411),
+    ] {
+        let gear = spur(teeth, 1e-3, 1.0 / 1.4);
+        let found = 1e9 * tooth_compliance(&gear, &nearly_point_load(), 1e-3 * radius);
+        assert_relative_eq!(found, expected, max_relative = 5e-3);
+    }
+}
+
+/// Displacement of line loads at `radii` (m) on their own flank, Hertz contact of half-width 50 um
+/// included, m²/N.
+fn with_hertz(gear: &Gear, element: f64, kernel: f64, radii: &[f64]) -> Vec<f64> {
+    let mut settings = plane(Refinement::Normal);
+    settings.discretization.flank_element = element;
+    settings.discretization.kernel_half_width = kernel;
+    let model = FiniteElementCompliance::new(gear, &settings, &|_, _| true).unwrap();
+    let strips: Vec<Strip> = radii
+        .iter()
+        .map(|r| Strip {
+            tooth: 0,
+            z: [0.0, 1.0],
+            roll: [gear.roll_length(*r); 2],
+        })
+        .collect();
+    let bulk = model.bulk(&strips);
+    let nu = gear.poisson_ratio;
+    let local = 2.0 * (1.0 - nu * nu) / (std::f64::consts::PI * gear.youngs_modulus);
+    let lengths = model.reference_lengths(&strips);
+    (0..radii.len())
+        .map(|i| bulk[(i, i)] + local * ((2.0 * lengths[i] / 50e-6).ln() + 0.5))
+        .collect()
+}
+
+#[test]
+fn kernel_width_from_0_3_to_1_mm_does_not_matter() {
+    // Module 4 mm, tip at 44 mm. Inside 0.2 %, within 0.7 mm of the tip edge 1 %.
+    let gear = spur(20, 4e-3, 0.5);
+    let radii = [38e-3, 39e-3, 40e-3, 41e-3, 42e-3, 43.0e-3, 43.8e-3];
+    let narrow = with_hertz(&gear, 0.05, 0.075, &radii);
+    for width in [0.1, 0.15, 0.25] {
+        let wide = with_hertz(&gear, 0.05, width, &radii);
+        for (i, (a, b)) in wide.iter().zip(&narrow).enumerate() {
+            let bar = if radii[i] < 43.2e-3 { 2e-3 } else { 1e-2 };
+            assert_relative_eq!(a, b, max_relative = bar);
+        }
+    }
+}
+
+#[test]
+fn normal_mesh_resolves_its_kernel() {
+    let gear = spur(20, 4e-3, 0.5);
+    let radii = [38e-3, 39e-3, 40e-3, 41e-3, 42e-3, 43.0e-3, 43.5e-3];
+    let reference = with_hertz(&gear, 0.03, 0.1, &radii);
+    let sizes = Discretization::of(Refinement::Normal);
+    let normal = with_hertz(&gear, sizes.flank_element, sizes.kernel_half_width, &radii);
+    for (a, b) in normal.iter().zip(&reference) {
+        assert_relative_eq!(a, b, max_relative = 1.5e-3);
+    }
+}
+
+#[test]
+fn loads_on_a_tooth_displace_the_other_way_round_alike() {
+    // C_k for tooth z - k is C_-k = C_k^T: Maxwell-Betti on the whole ring.
+    let gear = spur(17, 1e-3, 0.6);
+    let settings = Settings {
+        reach: 16,
+        ..plane(Refinement::Coarse)
+    };
+    let model = FiniteElementCompliance::new(&gear, &settings, &|_, _| true).unwrap();
+    let scale = model.influence[1].amax();
+    for k in 1..17 {
+        let difference = &model.influence[k] - model.influence[17 - k].transpose();
+        assert!(difference.amax() < 1e-10 * scale);
+    }
+}
+
+#[test]
+fn influence_matrix_of_strips_on_three_teeth_is_positive_definite() {
+    let mut gear = spur(20, 4e-3, 0.5);
+    gear.helix_angle = 13f64.to_radians();
+    let settings = Settings::new(Refinement::Coarse, 2);
+    let model = FiniteElementCompliance::new(&gear, &settings, &|_, _| true).unwrap();
+    let tip = gear.roll_length(gear.tip_radius);
+    let strips: Vec<Strip> = (0..3)
+        .flat_map(|tooth| {
+            (0..30).map(move |i| {
+                let end = |k: i32| 24e-3 * f64::from(k) / 30.0;
+                let roll = |z: f64| tip - 1e-3 - 3e-3 * f64::from(tooth) - 0.2 * z;
+                Strip {
+                    tooth,
+                    z: [end(i), end(i + 1)],
+                    roll: [roll(end(i)), roll(end(i + 1))],
+                }
+            })
+        })
+        .collect();
+    let matrix = model.bulk(&strips);
+    assert_eq!(matrix, matrix.transpose());
+    let least = matrix.symmetric_eigenvalues().min();
+    assert!(least > 0.0, "least eigenvalue {least:e} m/N");
+}
+
+#[test]
+fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
+    // With nu = 0 nothing happens along z: the solid spur gear repeats its section.
+    let mut gear = spur(20, 4e-3, 0.5);
+    gear.poisson_ratio = 0.0;
+    let solid = Settings::new(Refinement::Coarse, 0);
+    let plane = Settings {
+        plane_strain: true,
+        ..solid
+    };
+    let roll = [gear.roll_length(41e-3); 2];
+    let solid = FiniteElementCompliance::new(&gear, &solid, &|_, _| true).unwrap();
+    let plane = FiniteElementCompliance::new(&gear, &plane, &|_, _| true).unwrap();
+    let whole = Strip {
+        tooth: 0,
+        z: [0.0, gear.face_width],
+        roll,
+    };
+    let part = Strip {
+        tooth: 0,
+        z: [3e-3, 5e-3],
+        roll,
+    };
+    let expected = plane.bulk(&[whole])[(0, 0)];
+    let matrix = solid.bulk(&[whole, part]);
+    // Loads act along the normals at the nodes; 20-node elements weigh them unevenly along z, which
+    // costs 2e-5.
+    assert_relative_eq!(matrix[(0, 0)], expected, max_relative = 1e-4);
+    // The whole face moves evenly under it.
+    assert_relative_eq!(matrix[(0, 1)], expected, max_relative = 1e-4);
+}
+
+#[test]
+fn mirrored_strips_on_a_spur_gear_have_the_same_influence() {
+    let gear = spur(20, 4e-3, 0.5);
+    let model =
+        FiniteElementCompliance::new(&gear, &Settings::new(Refinement::Coarse, 1), &|_, _| true)
+            .unwrap();
+    let strips = |mirror: bool| -> Vec<Strip> {
+        [(0, 0.0, 1e-3), (0, 7e-3, 8.3e-3), (1, 2e-3, 2.7e-3)]
+            .map(|(tooth, low, high)| Strip {
+                tooth,
+                z: if mirror {
+                    [gear.face_width - high, gear.face_width - low]
+                } else {
+                    [low, high]
+                },
+                roll: [gear.roll_length(40e-3 + 1e-3 * f64::from(tooth)); 2],
+            })
+            .to_vec()
+    };
+    let difference = model.bulk(&strips(false)) - model.bulk(&strips(true));
+    assert!(difference.amax() < 1e-9 * model.bulk(&strips(false)).amax());
+}
+
+#[test]
+fn cancelling_stops_with_that_error() {
+    let gear = spur(20, 4e-3, 0.5);
+    let stopped = FiniteElementCompliance::new(&gear, &plane(Refinement::Coarse), &|stage, _| {
+        stage != Stage::Ring
+    });
+    assert!(matches!(stopped, Err(FiniteElementError::Cancelled)));
 }

@@ -142,8 +142,8 @@ fn integration_point(
         .iter()
         .map(|g| {
             let mut out = [0.0; 3];
-            for k in 0..dimension {
-                out[k] = (0..dimension).map(|d| g[d] * cofactor(d, k)).sum::<f64>() / determinant;
+            for (k, out) in out.iter_mut().enumerate().take(dimension) {
+                *out = (0..dimension).map(|d| g[d] * cofactor(d, k)).sum::<f64>() / determinant;
             }
             out
         })
@@ -298,11 +298,9 @@ mod tests {
         let volume: f64 = integration_points(&x).iter().map(|p| p.volume).sum();
         let trace = g[0][0] + g[1][1] + g[2][2];
         let mut density = 0.5 * lambda * trace * trace;
-        for i in 0..3 {
-            for j in 0..3 {
-                let strain: f64 = 0.5 * (g[i][j] + g[j][i]);
-                density += mu * strain * strain;
-            }
+        for (i, j) in (0..9).map(|n| (n / 3, n % 3)) {
+            let strain: f64 = 0.5 * (g[i][j] + g[j][i]);
+            density += mu * strain * strain;
         }
         assert_abs_diff_eq!(energy, density * volume, epsilon = 1e-12 * energy.abs());
     }

@@ -81,6 +81,26 @@ fn an_unknown_field_is_refused_by_name_in_one_line_on_standard_error() {
 }
 
 #[test]
+fn an_error_is_one_line_on_standard_error_with_field_value_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("wrong.json");
+    let text = std::fs::read_to_string(pair_file("palermo2013.json")).unwrap();
+    let wrong = text.replace("\"normal_module_mm\": 4.0", "\"normal_module_mm\": -4.0");
+    assert_ne!(text, wrong);
+    std::fs::write(&file, wrong).unwrap();
+
+    let output = gearmesh(&["inspect", file.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(stdout(&output), "");
+    let error = stderr(&output);
+    assert_eq!(error.lines().count(), 1, "{error}");
+    assert!(error.contains("normal_module_mm"), "{error}");
+    assert!(error.contains("-4"), "{error}");
+    // Field = value: problem; remedy.
+    assert!(error.contains(';'), "{error}");
+}
+
+#[test]
 fn a_file_that_is_not_there_is_named() {
     let output = gearmesh(&["inspect", "no-such-pair.json"]);
     assert_eq!(output.status.code(), Some(1));
@@ -97,4 +117,153 @@ fn a_reader_that_goes_away_is_no_failure() {
         .unwrap();
     drop(child.stdout.take());
     assert!(child.wait().unwrap().success());
+}
+
+fn solve_json(arguments: &[&str]) -> serde_json::Value {
+    let pair = paper();
+    let mut all = vec!["solve", &pair, "--json", "--compliance", "analytical"];
+    all.extend(arguments);
+    let output = gearmesh(&all);
+    assert!(output.status.success(), "{}", stderr(&output));
+    serde_json::from_str(stdout(&output)).expect("JSON")
+}
+
+fn numbers(value: &serde_json::Value) -> Vec<f64> {
+    let array = value.as_array().expect("an array");
+    array
+        .iter()
+        .map(|v| v.as_f64().expect("a number"))
+        .collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+#[test]
+fn a_solve_reports_every_agreed_key_for_every_position() {
+    let json = solve_json(&["--torque-nm", "100", "--positions", "12"]);
+    let positions = numbers(&json["mesh_position"]);
+    assert_eq!(positions.len(), 12);
+    assert!((positions[3] - 0.25).abs() < 1e-15);
+    for key in ["ste_loa_um", "contact_z_mm", "maximum_pressure_mpa"] {
+        assert_eq!(numbers(&json[key]).len(), 12, "{key}");
+    }
+    for share in json["load_share"].as_array().unwrap() {
+        assert!((numbers(share).iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    }
+    let ste = numbers(&json["ste_loa_um"]);
+    let number = |key: &str| json[key].as_f64().unwrap_or_else(|| panic!("{key}"));
+    assert!((number("mean_ste_loa_um") - mean(&ste)).abs() < 1e-9);
+    let span =
+        ste.iter().copied().fold(f64::MIN, f64::max) - ste.iter().copied().fold(f64::MAX, f64::min);
+    assert!((number("peak_to_peak_ste_loa_um") - span).abs() < 1e-9);
+    assert_eq!(numbers(&json["harmonics_loa_um"]).len(), 5);
+    assert!((number("transverse_contact_ratio") - 1.540).abs() < 1e-3);
+    assert!((number("overlap_ratio") - 0.448).abs() < 1e-3);
+    assert!(number("solve_seconds") > 0.0);
+}
+
+#[test]
+fn harmonics_that_the_positions_cannot_tell_apart_are_null() {
+    let json = solve_json(&["--positions", "4"]);
+    let harmonics = json["harmonics_loa_um"].as_array().unwrap();
+    assert!(harmonics[0].is_f64());
+    assert!(harmonics[1..].iter().all(serde_json::Value::is_null));
+}
+
+#[test]
+fn the_sign_of_the_misalignment_moves_the_contact_to_that_side() {
+    let at = |m: &str| {
+        mean(&numbers(
+            &solve_json(&["--positions", "8", "--misalignment-mrad", m])["contact_z_mm"],
+        ))
+    };
+    // Mid-face is at 12.5 mm; M > 0 closes the side of larger z.
+    assert!(at("-1") < 12.0);
+    assert!(at("1") > 13.0);
+}
+
+#[test]
+fn the_coast_flank_of_a_symmetric_pair_is_as_stiff_as_the_drive_flank() {
+    let ste = |flank: &str| {
+        solve_json(&["--positions", "8", "--flank", flank])["mean_ste_loa_um"]
+            .as_f64()
+            .unwrap()
+    };
+    assert!((ste("drive") - ste("coast")).abs() < 1e-6);
+}
+
+#[test]
+fn the_table_for_people_shows_the_numbers_of_the_json() {
+    let pair = paper();
+    let output = gearmesh(&[
+        "solve",
+        &pair,
+        "--compliance",
+        "analytical",
+        "--positions",
+        "8",
+    ]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let json = solve_json(&["--positions", "8"]);
+    let mean = json["mean_ste_loa_um"].as_f64().unwrap();
+    assert!(
+        stdout(&output).contains(&format!("{mean:.4} um")),
+        "{}",
+        stdout(&output)
+    );
+}
+
+#[test]
+fn a_torque_that_cannot_be_is_refused_by_name() {
+    for torque in ["-5", "nan"] {
+        let flag = format!("--torque-nm={torque}");
+        let output = gearmesh(&["solve", &paper(), "--compliance", "analytical", &flag]);
+        assert_eq!(output.status.code(), Some(1), "{torque}");
+        assert!(stderr(&output).contains("torque"), "{}", stderr(&output));
+        assert_eq!(stderr(&output).lines().count(), 1);
+    }
+}
+
+#[test]
+fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("report.html");
+    let output = gearmesh(&[
+        "report",
+        &paper(),
+        "--compliance",
+        "analytical",
+        "--positions",
+        "8",
+        "-o",
+        file.to_str().unwrap(),
+    ]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let html = std::fs::read_to_string(&file).unwrap();
+    assert!(html.matches("<svg").count() >= 8);
+    for reference in ["src=", "href=", "url(", "@import"] {
+        assert!(!html.contains(reference), "{reference}");
+    }
+    // The name space of SVG is a name, not an address to be loaded.
+    let addresses = html.replace("http://www.w3.org/2000/svg", "");
+    assert!(!addresses.contains("http"), "an address in the page");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_report_that_cannot_be_written_is_a_failure_that_names_the_file() {
+    let output = gearmesh(&[
+        "report",
+        &paper(),
+        "--compliance",
+        "analytical",
+        "--positions",
+        "2",
+        "-o",
+        "/no/such/folder/report.html",
+    ]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("/no/such/folder/report.html"));
 }

@@ -4,8 +4,11 @@
 //! and the exit status is 0 only when the whole thing was done.
 
 mod inspect;
+mod model;
 mod output;
 mod pair_summary;
+mod report;
+mod solve;
 
 use std::process::ExitCode;
 
@@ -21,7 +24,9 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Solve(solve::Solve),
     Inspect(inspect::Inspect),
+    Report(report::Report),
 }
 
 /// Any error of a subcommand; its chain is printed on one line.
@@ -29,7 +34,9 @@ type Error = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
+        Command::Solve(command) => command.run(),
         Command::Inspect(command) => command.run(),
+        Command::Report(command) => command.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

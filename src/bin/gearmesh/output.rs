@@ -1,6 +1,39 @@
-//! Text to standard output, errors in one line.
+//! Text to standard output, whole files to disk, errors in one line.
 
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// A file that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}; name a file in a folder that exists and can be written", path.display())]
+pub struct WriteError {
+    path: PathBuf,
+    source: io::Error,
+}
+
+/// Writes `bytes` to `path`, whole or not at all: to a temporary file in the same folder, which then
+/// takes the name.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let write = || -> io::Result<()> {
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let mut builder = tempfile::Builder::new();
+        // The user's umask decides, as for any other file.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut file = builder.prefix(".gearmesh-").tempfile_in(folder)?;
+        file.write_all(bytes)?;
+        file.as_file().sync_all()?;
+        file.persist(path)?;
+        Ok(())
+    };
+    write().map_err(|source| WriteError {
+        path: path.to_owned(),
+        source,
+    })
+}
 
 /// Prints `text` to standard output. A reader that has gone away (`gearmesh ... | head`) is no error.
 pub fn print(text: &str) -> io::Result<()> {
@@ -52,5 +85,38 @@ impl std::fmt::Display for Listing {
             writeln!(f, "  {name:width$}  {value}")?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.json");
+        write_whole(&path, b"first").unwrap();
+        write_whole(&path, b"second").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"second");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_file_in_a_missing_folder_is_refused_by_name() {
+        let error = write_whole(Path::new("/no/such/folder/out.json"), b"x").unwrap_err();
+        assert!(error.to_string().contains("/no/such/folder/out.json"));
+    }
+
+    #[test]
+    fn a_chain_of_errors_is_one_line_and_says_nothing_twice() {
+        let inner = io::Error::other("disk\nfull");
+        let outer = WriteError {
+            path: "a.fmu".into(),
+            source: inner,
+        };
+        let line = chain(&outer);
+        assert_eq!(line.matches("disk full").count(), 1, "{line}");
+        assert!(!line.contains('\n'));
     }
 }

@@ -1,7 +1,6 @@
 use super::*;
 
 mod accepted;
-mod mutated;
 mod refused;
 
 const PAPER: &str = include_str!("../../../resources/pairs/palermo2013.json");

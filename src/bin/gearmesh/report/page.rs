@@ -1,0 +1,94 @@
+//! The HTML around the pictures.
+
+use std::fmt::Write;
+
+const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;max-width:64rem;margin:2rem auto;padding:0 1rem;\
+color:#222}h1{font-size:1.6rem}h2{font-size:1.2rem;margin-top:2.2rem}svg{max-width:100%;height:auto}\
+pre{background:#f6f6f4;padding:1rem;overflow-x:auto;font-size:.85rem}.row{display:flex;flex-wrap:wrap}\
+p.note{color:#555}table{border-collapse:collapse}td,th{padding:.2rem .8rem;text-align:right;\
+border-bottom:1px solid #ddd}";
+
+/// A page under construction.
+pub struct Page {
+    title: String,
+    body: String,
+}
+
+/// Text with the characters that HTML reserves replaced.
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+impl Page {
+    /// A page with nothing but its title.
+    pub fn new(title: &str) -> Page {
+        Page {
+            title: title.into(),
+            body: String::new(),
+        }
+    }
+
+    /// Adds a heading and a paragraph that says what follows.
+    pub fn section(&mut self, heading: &str, note: &str) {
+        let _ = writeln!(
+            self.body,
+            "<h2>{}</h2>\n<p class=\"note\">{}</p>",
+            escape(heading),
+            escape(note)
+        );
+    }
+
+    /// Adds text as it stands.
+    pub fn preformatted(&mut self, text: &str) {
+        let _ = writeln!(self.body, "<pre>{}</pre>", escape(text));
+    }
+
+    /// Adds pictures side by side.
+    pub fn pictures(&mut self, svgs: &[String]) {
+        let _ = writeln!(self.body, "<div class=\"row\">{}</div>", svgs.join("\n"));
+    }
+
+    /// Adds a table; cells are text.
+    pub fn table(&mut self, head: &[&str], rows: &[Vec<String>]) {
+        let line = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
+            let cells: String = cells
+                .map(|c| format!("<{tag}>{}</{tag}>", escape(c)))
+                .collect();
+            format!("<tr>{cells}</tr>\n")
+        };
+        let mut text = line("th", &mut head.iter().copied());
+        for row in rows {
+            text += &line("td", &mut row.iter().map(String::as_str));
+        }
+        let _ = writeln!(self.body, "<table>{text}</table>");
+    }
+
+    /// The finished page.
+    pub fn finish(self) -> String {
+        let title = escape(&self.title);
+        format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\n\
+             <meta name=\"viewport\" content=\"width=device-width\"><style>{STYLE}</style></head><body>\n\
+             <h1>{title}</h1>\n{}</body></html>\n",
+            self.body
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_cannot_break_out_of_the_page() {
+        let mut page = Page::new("<script>");
+        page.section("a & b", "\"c\"");
+        page.table(&["<i>"], &[vec!["1 < 2".into()]]);
+        let html = page.finish();
+        assert!(!html.contains("<script>") && !html.contains("<i>"));
+        assert!(html.contains("a &amp; b") && html.contains("1 &lt; 2"));
+    }
+}

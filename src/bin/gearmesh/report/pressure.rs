@@ -1,0 +1,96 @@
+//! Pressures of the contact solver, laid out for drawing.
+
+use gearmesh::contact::{ContactSolver, StripLoad};
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use rayon::prelude::*;
+
+use super::chart::Curve;
+use super::flank_map::{FlankView, Patch};
+use crate::Error;
+
+/// Pressures below this are left white, MPa.
+const VISIBLE: f64 = 1.0;
+
+/// Face of gear 1 and its diameters from the lowest point that gear 2 reaches to the tip.
+pub fn view(pair: &Pair) -> FlankView {
+    let g = &pair.geometry;
+    let gear = &g.gears[0];
+    let path = g.path_of_contact(g.center_distance);
+    let diameter = |xi: f64| 2e3 * gear.radius_at_roll(g.roll_at(0, g.center_distance, xi));
+    let (a, b) = (diameter(path.start), diameter(path.end));
+    let margin = 0.04 * (a - b).abs();
+    FlankView {
+        z: 1e3 * gear.face_offset..1e3 * (gear.face_offset + gear.face_width),
+        diameter: a.min(b) - margin..a.max(b) + margin,
+    }
+}
+
+/// The strips at one position.
+fn strips(
+    solver: &ContactSolver,
+    torque: f64,
+    misalignment: f64,
+    tau: f64,
+) -> Result<Vec<StripLoad>, Error> {
+    let problem = solver.position(Flank::Drive, tau, 0.0)?;
+    let result = problem.solve_torque(torque, misalignment, None)?;
+    Ok(problem.strip_loads(&result))
+}
+
+/// Every loaded strip of the mesh cycle as a patch of gear 1's flank: as long as the strip, and as high
+/// as the contact moves from one position to the next.
+pub fn pattern(
+    solver: &ContactSolver,
+    torque: f64,
+    misalignment: f64,
+    positions: usize,
+) -> Result<Vec<Patch>, Error> {
+    let geometry = solver.geometry();
+    let gear = &geometry.gears[0];
+    let half_step = 0.5 * geometry.base_pitch() / positions as f64;
+    let diameter = |roll: f64| 2e3 * gear.radius_at_roll(roll);
+    let patches: Result<Vec<Vec<Patch>>, String> = (0..positions)
+        .into_par_iter()
+        .map(|i| {
+            // Errors as text: they cross threads.
+            let strips = strips(solver, torque, misalignment, i as f64 / positions as f64)
+                .map_err(|error| error.to_string())?;
+            Ok(strips
+                .iter()
+                .filter(|strip| strip.pressure > VISIBLE * 1e6)
+                .map(|strip| {
+                    let [z0, z1] = strip.z.map(|z| 1e3 * z);
+                    let roll = strip.roll[0];
+                    let (low, high) = (diameter(roll - half_step), diameter(roll + half_step));
+                    Patch {
+                        corners: [(z0, low), (z1, low), (z1, high), (z0, high)],
+                        pressure: strip.pressure * 1e-6,
+                    }
+                })
+                .collect())
+        })
+        .collect();
+    Ok(patches?.into_iter().flatten().collect())
+}
+
+/// Pressure along z for every tooth pair in contact at the mesh position `tau`.
+pub fn contact_lines(solver: &ContactSolver, torque: f64, tau: f64) -> Result<Vec<Curve>, Error> {
+    let strips = strips(solver, torque, 0.0, tau)?;
+    let mut curves: Vec<(i32, Vec<(f64, f64)>)> = Vec::new();
+    for strip in strips {
+        let point = (500.0 * (strip.z[0] + strip.z[1]), strip.pressure * 1e-6);
+        match curves.last_mut() {
+            Some((pair, points)) if *pair == strip.tooth_pair => points.push(point),
+            _ => curves.push((strip.tooth_pair, vec![point])),
+        }
+    }
+    Ok(curves
+        .into_iter()
+        .filter(|(_, points)| points.iter().any(|p| p.1 > VISIBLE))
+        .map(|(pair, points)| Curve {
+            label: format!("pair {pair}"),
+            points,
+        })
+        .collect())
+}

@@ -1,0 +1,244 @@
+//! `gearmesh solve PAIR.json`: one mesh cycle, quasi-static.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use gearmesh::contact::{CycleInput, MeshCycle};
+use gearmesh::gear::{self, PairGeometry};
+use gearmesh::pair::Pair;
+use serde::Serialize;
+
+use crate::model::{Model, ModelArgs};
+use crate::output::{self, Listing};
+
+/// The loaded flank of gear 1 on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Flank {
+    /// In contact when gear 1 turns in its + sense and drives
+    Drive,
+    /// The other one
+    Coast,
+}
+
+impl From<Flank> for gear::Flank {
+    fn from(flank: Flank) -> Self {
+        match flank {
+            Flank::Drive => gear::Flank::Drive,
+            Flank::Coast => gear::Flank::Coast,
+        }
+    }
+}
+
+/// Solve the static contact over one mesh cycle.
+#[derive(Debug, Args)]
+pub struct Solve {
+    /// Pair file
+    pair: PathBuf,
+
+    /// Torque on gear 1, N m [default: the pair's nominal torque]
+    #[arg(long)]
+    torque_nm: Option<f64>,
+
+    /// Number of positions over the mesh cycle
+    #[arg(long, default_value_t = 32)]
+    positions: usize,
+
+    /// Actual minus nominal centre distance, um
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    center_distance_offset_um: f64,
+
+    /// Misalignment in the plane of action, mrad; > 0: more penetration at larger z
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    misalignment_mrad: f64,
+
+    /// Loaded flank of gear 1
+    #[arg(long, value_enum, default_value_t = Flank::Drive)]
+    flank: Flank,
+
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    model: ModelArgs,
+}
+
+impl Solve {
+    /// Solves and prints.
+    pub fn run(self) -> Result<(), crate::Error> {
+        let pair = Pair::read(&self.pair)?;
+        let model = self.model.solver(&pair)?;
+        let input = CycleInput {
+            flank: self.flank.into(),
+            torque: self.torque_nm.unwrap_or(pair.operating.nominal_torque),
+            center_distance_offset: self.center_distance_offset_um * 1e-6,
+            misalignment: self.misalignment_mrad * 1e-3,
+            positions: self.positions,
+        };
+        let cycle = MeshCycle::solve(&model.solver, &input)?;
+        let report = Report::new(&pair.geometry, &input, &cycle);
+        let text = if self.json {
+            serde_json::to_string_pretty(&report)? + "\n"
+        } else {
+            text(&pair, &model, &input, &cycle, &report)
+        };
+        output::print(&text)?;
+        Ok(())
+    }
+}
+
+/// What `--json` prints. Arrays run over the positions.
+#[derive(Debug, Serialize)]
+struct Report {
+    /// Base pitches; 0: a tooth pair touches at the pitch point at mid-face.
+    mesh_position: Vec<f64>,
+    /// Static transmission error on the line of action at mid-face.
+    ste_loa_um: Vec<f64>,
+    /// Resultant force, from gear 1's z = 0 face.
+    contact_z_mm: Vec<f64>,
+    /// Share of each of `tooth_pairs` in the load, one list per position.
+    load_share: Vec<Vec<f64>>,
+    /// Largest Hertz pressure.
+    maximum_pressure_mpa: Vec<f64>,
+    /// The tooth pairs of `load_share`; number 0 touches at the pitch point at mesh position 0, the
+    /// next one to come into mesh has the number below.
+    tooth_pairs: Vec<i32>,
+    mean_ste_loa_um: f64,
+    peak_to_peak_ste_loa_um: f64,
+    /// Amplitudes of harmonics 1 to 5; null where the positions are too few.
+    harmonics_loa_um: Vec<Option<f64>>,
+    transverse_contact_ratio: f64,
+    overlap_ratio: f64,
+    /// Wall clock of the contact solves.
+    solve_seconds: f64,
+}
+
+impl Report {
+    fn new(geometry: &PairGeometry, input: &CycleInput, cycle: &MeshCycle) -> Report {
+        let shares = |result: &gearmesh::contact::ContactResult, pair: i32| {
+            let of_pair = result.load_share.iter().find(|(k, _)| *k == pair);
+            of_pair.map_or(0.0, |(_, share)| *share)
+        };
+        let mut tooth_pairs: Vec<i32> = cycle
+            .results
+            .iter()
+            .flat_map(|r| r.load_share.iter().filter(|(_, share)| *share > 0.0))
+            .map(|(k, _)| *k)
+            .collect();
+        tooth_pairs.sort_unstable();
+        tooth_pairs.dedup();
+        let um = |values: Vec<f64>| values.into_iter().map(|v| v * 1e6).collect();
+        Report {
+            mesh_position: cycle.mesh_position.clone(),
+            ste_loa_um: um(cycle.ste()),
+            contact_z_mm: cycle.results.iter().map(|r| r.contact_z * 1e3).collect(),
+            load_share: cycle
+                .results
+                .iter()
+                .map(|r| tooth_pairs.iter().map(|&k| shares(r, k)).collect())
+                .collect(),
+            maximum_pressure_mpa: cycle
+                .results
+                .iter()
+                .map(|r| r.max_pressure * 1e-6)
+                .collect(),
+            tooth_pairs,
+            mean_ste_loa_um: cycle.mean_ste() * 1e6,
+            peak_to_peak_ste_loa_um: cycle.peak_to_peak_ste() * 1e6,
+            harmonics_loa_um: cycle
+                .harmonics()
+                .iter()
+                .map(|h| h.is_finite().then_some(h * 1e6))
+                .collect(),
+            transverse_contact_ratio: geometry
+                .transverse_contact_ratio(geometry.center_distance + input.center_distance_offset),
+            overlap_ratio: geometry.overlap_ratio(),
+            solve_seconds: cycle.solve_seconds,
+        }
+    }
+}
+
+fn text(
+    pair: &Pair,
+    model: &Model,
+    input: &CycleInput,
+    cycle: &MeshCycle,
+    report: &Report,
+) -> String {
+    let mut text = format!(
+        "{}: {} N m on gear 1, {} flank, centre distance offset {:.1} um, misalignment {:.3} mrad\n\n",
+        pair.name,
+        input.torque,
+        if input.flank.sign() > 0.0 {
+            "drive"
+        } else {
+            "coast"
+        },
+        input.center_distance_offset * 1e6,
+        input.misalignment * 1e3,
+    );
+    let _ = write!(
+        text,
+        "{:>9} {:>11} {:>9} {:>9}",
+        "mesh", "STE (loa)", "z_c", "p_max"
+    );
+    for k in &report.tooth_pairs {
+        let _ = write!(text, " {:>8}", format!("pair {k}"));
+    }
+    let _ = write!(
+        text,
+        "\n{:>9} {:>11} {:>9} {:>9}",
+        "position", "um", "mm", "MPa"
+    );
+    for _ in &report.tooth_pairs {
+        let _ = write!(text, " {:>8}", "share");
+    }
+    text.push('\n');
+    for i in 0..report.mesh_position.len() {
+        let _ = write!(
+            text,
+            "{:>9.4} {:>11.4} {:>9.4} {:>9.1}",
+            report.mesh_position[i],
+            report.ste_loa_um[i],
+            report.contact_z_mm[i],
+            report.maximum_pressure_mpa[i]
+        );
+        for share in &report.load_share[i] {
+            let _ = write!(text, " {share:>8.4}");
+        }
+        text.push('\n');
+    }
+    let harmonics: Vec<String> = report
+        .harmonics_loa_um
+        .iter()
+        .map(|h| h.map_or("-".into(), |h| format!("{h:.4}")))
+        .collect();
+    let mut rows = Listing::default();
+    rows.row("mean STE", format!("{:.4} um", report.mean_ste_loa_um))
+        .row(
+            "peak-to-peak STE",
+            format!("{:.4} um", report.peak_to_peak_ste_loa_um),
+        )
+        .row("harmonics 1 to 5", format!("{} um", harmonics.join(" ")))
+        .row(
+            "transverse contact ratio",
+            format!("{:.4}", report.transverse_contact_ratio),
+        )
+        .row("overlap ratio", format!("{:.4}", report.overlap_ratio))
+        .row(
+            "largest KKT residual",
+            format!("{:.1e}", cycle.kkt_residual()),
+        )
+        .row("elastic model", &model.description)
+        .row(
+            "time for the elastic model",
+            format!("{:.3} s", model.compliance_seconds),
+        )
+        .row(
+            "time for the contact",
+            format!("{:.3} s", report.solve_seconds),
+        );
+    let _ = write!(text, "\n{rows}");
+    text
+}

@@ -13,7 +13,7 @@ use num_dual::{Derivative, Dual64, DualSVec64};
 pub struct MotionChange {
     /// Of the position, m.
     pub p: Vector3<f64>,
-    /// Rotation vector, rad: dR = [rotation]x R.
+    /// Rotation vector, rad: dR = rotation x R.
     pub rotation: Vector3<f64>,
     /// Of the velocity, m/s.
     pub v: Vector3<f64>,

@@ -19,7 +19,7 @@ pub const VERSION: u32 = 1;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableFile {
-    /// [`FORMAT`].
+    /// `FORMAT`.
     pub format: String,
     /// [`VERSION`].
     pub version: u32,

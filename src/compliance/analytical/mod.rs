@@ -1,9 +1,9 @@
 //! Analytical tooth compliance: milliseconds per gear, labelled with its measured error.
 //!
-//! - **Tooth**: a tapered Mindlin plate of the true profile ([`plate`]), so that neighbouring slices
+//! - **Tooth**: a tapered Mindlin plate of the true profile (`plate`), so that neighbouring slices
 //!   carry each other and free ends are softer.
-//! - **Base**: an elastic ring from root circle to held surface, loaded where the teeth stand ([`annulus`],
-//!   [`base`]): base rotation, blank torsion and the coupling to all other teeth follow from one exact plane
+//! - **Base**: an elastic ring from root circle to held surface, loaded where the teeth stand (`annulus`,
+//!   `base`): base rotation, blank torsion and the coupling to all other teeth follow from one exact plane
 //!   solution, where Sainsot and Velex (2004) fit curves to a part of it. Along the face it is resolved
 //!   into cosine waves, whose flexibility tends to that of a half-space.
 //! - **Local contact**: Weber and Banaschek (1953): ln(2 t / b) - nu / (2 (1 - nu)) per gear, t the depth of

@@ -65,3 +65,103 @@ pub(super) fn assembles_radially(geometry: &PairGeometry) -> bool {
     // Not a number: the corners never pass each other on the way in.
     pinion >= ring || pinion.is_nan() || ring.is_nan()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear::{Gear, GearKind, ToothProfile};
+
+    /// Pinion of `teeth` in a ring of 60, module 1, without backlash.
+    fn internal(teeth: u32) -> PairGeometry {
+        let gear = |kind, teeth, tip_radius| Gear {
+            kind,
+            teeth,
+            hand: 1.0,
+            normal_module: 1e-3,
+            normal_pressure_angle: 20f64.to_radians(),
+            helix_angle: 0.0,
+            profile_shift: 0.0,
+            face_width: 10e-3,
+            face_offset: 0.0,
+            tip_radius,
+            dedendum_coefficient: 1.25,
+            tool_tip_radius_coefficient: 0.2,
+            held_radius: 1e-3,
+            tooth_thinning: 0.0,
+            youngs_modulus: 206e9,
+            poisson_ratio: 0.3,
+        };
+        PairGeometry {
+            gears: [
+                gear(GearKind::External, teeth, 0.5e-3 * f64::from(teeth) + 1e-3),
+                gear(GearKind::Ring, 60, 29.2e-3),
+            ],
+            center_distance: 0.5e-3 * (60.0 - f64::from(teeth)),
+        }
+    }
+
+    /// Half angles at the tips of pinion tooth and ring space.
+    fn half_angles(p: &PairGeometry) -> [f64; 2] {
+        let half = |i: usize| {
+            let gear = &p.gears[i];
+            ToothProfile::new(gear)
+                .unwrap()
+                .half_thickness_angle(gear.tip_radius)
+                .unwrap()
+        };
+        [half(0), std::f64::consts::PI / 60.0 - half(1)]
+    }
+
+    /// Least clearance, as an angle of the ring, of the leading pinion corner from the wall of its space,
+    /// found by turning both gears; ring centre at the origin, pinion at (C, 0), mesh on the +x side.
+    fn clearance_by_turning(p: &PairGeometry) -> f64 {
+        let [tooth, _] = half_angles(p);
+        let ring = ToothProfile::new(&p.gears[1]).unwrap();
+        let (ratio, r) = (p.gears[0].z() / 60.0, p.gears[0].tip_radius);
+        (0..200_000)
+            .filter_map(|k| {
+                let turned = 1e-5 * f64::from(k);
+                let (y, x) = (turned + tooth).sin_cos();
+                let (x, y) = (p.center_distance + r * x, r * y);
+                // None: inside the ring's tip circle, where the corner is free.
+                let tooth_of_ring = ring.half_thickness_angle(x.hypot(y))?;
+                let space = ring.half_pitch() - tooth_of_ring;
+                Some(space - (y.atan2(x) - turned * ratio))
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn tip_corners_foul_where_turning_the_gears_shows_it() {
+        let mut seen = [false; 2];
+        for teeth in (24..=54).step_by(2) {
+            let p = internal(teeth);
+            let formula = tip_corner_clearance(&p).unwrap();
+            let turned = clearance_by_turning(&p);
+            assert_eq!(formula < 0.0, turned < -1e-7, "{teeth}: {formula} {turned}");
+            seen[usize::from(formula < 0.0)] = true;
+        }
+        assert_eq!(seen, [true; 2]);
+    }
+
+    #[test]
+    fn radial_assembly_agrees_with_pushing_the_pinion_in() {
+        let mut seen = [false; 2];
+        for teeth in (24..=54).step_by(2) {
+            let p = internal(teeth);
+            let [tooth, space] = half_angles(&p);
+            let (ratio, r) = (
+                p.gears[0].z() / 60.0,
+                p.gears.each_ref().map(|g| g.tip_radius),
+            );
+            // Corners move parallel to the line of centres: none may stand wider than the corner of its
+            // space, wherever on the pinion the tooth stands.
+            let free = (0..=10_000)
+                .map(|k| f64::from(k) * 1e-4 * (std::f64::consts::FRAC_PI_2 - tooth))
+                .all(|t| r[1] * (t * ratio + space).sin() >= r[0] * (t + tooth).sin() - 1e-12);
+            assert_eq!(assembles_radially(&p), free, "{teeth}");
+            seen[usize::from(free)] = true;
+        }
+        assert_eq!(seen, [true; 2]);
+    }
+}

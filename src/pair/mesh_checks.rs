@@ -14,20 +14,16 @@ pub(super) fn field(i: usize, name: &str) -> String {
 
 /// The field that sets the tip circle, and its value.
 fn tip_field(file: &PairFile, gear: &Gear, i: usize) -> (String, String) {
-    match gear_file(file, i) {
-        g if g.tip_diameter_mm.is_some() => (
-            field(i, "tip_diameter_mm"),
-            format!("{}", g.tip_diameter_mm.unwrap_or_default()),
-        ),
-        g if g.addendum_coefficient.is_some() => (
-            field(i, "addendum_coefficient"),
-            format!("{}", g.addendum_coefficient.unwrap_or_default()),
-        ),
-        _ => (
-            field(i, "tip_diameter_mm"),
+    let g = gear_file(file, i);
+    let (name, value) = match (g.tip_diameter_mm, g.addendum_coefficient) {
+        (Some(mm), _) => ("tip_diameter_mm", mm.to_string()),
+        (None, Some(addendum)) => ("addendum_coefficient", addendum.to_string()),
+        (None, None) => (
+            "tip_diameter_mm",
             format!("{:.3} (default)", 2.0 * gear.tip_radius / MM),
         ),
-    }
+    };
+    (field(i, name), value)
 }
 
 /// Builds the tooth profile of gear `i` and checks it against bore or rim.

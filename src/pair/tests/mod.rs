@@ -1,6 +1,7 @@
 use super::*;
 
 mod accepted;
+mod mutated;
 mod refused;
 
 const PAPER: &str = include_str!("../../../resources/pairs/palermo2013.json");

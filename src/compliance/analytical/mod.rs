@@ -15,6 +15,8 @@ mod legendre;
 mod plate;
 mod section;
 
+use std::borrow::Cow;
+
 use nalgebra::DMatrix;
 
 use self::annulus::Annulus;
@@ -24,6 +26,9 @@ use self::plate::{LoadVector, Material, Plate, PlateLoad};
 use self::section::ToothSection;
 use super::{Strip, ToothCompliance};
 use crate::gear::{Gear, ProfileError};
+
+/// Distance in teeth up to which the coupling of loaded teeth is kept ready; beyond it is summed anew.
+const NEIGHBOURS: i32 = 5;
 
 /// What happens along the face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -43,6 +48,8 @@ pub struct AnalyticalCompliance {
     plate: Plate,
     /// Response of the roots to root loads for each tooth harmonic 0 ..= z/2, plate and base together.
     harmonics: Vec<DMatrix<f64>>,
+    /// Root response between teeth that are up to `NEIGHBOURS` apart, from -`NEIGHBOURS` on.
+    neighbours: Vec<DMatrix<f64>>,
     /// Polynomials along the face.
     polynomials: usize,
 }
@@ -114,14 +121,19 @@ impl AnalyticalCompliance {
                 0.5 * (&response + response.transpose())
             })
             .collect();
-        Ok(AnalyticalCompliance {
+        let mut model = AnalyticalCompliance {
             gear: gear.clone(),
             axial,
             section,
             plate,
             harmonics,
+            neighbours: Vec::new(),
             polynomials,
-        })
+        };
+        model.neighbours = (-NEIGHBOURS..=NEIGHBOURS)
+            .map(|ahead| model.root_response(ahead))
+            .collect();
+        Ok(model)
     }
 
     /// The gear it models.
@@ -196,12 +208,16 @@ impl ToothCompliance for AnalyticalCompliance {
         for &source in &teeth {
             for &target in &teeth {
                 // Teeth count in +theta, the push goes the other way.
-                let response = self.root_response(source - target);
+                let ahead = source - target;
+                let response = self
+                    .neighbours
+                    .get((ahead + NEIGHBOURS) as usize)
+                    .map_or_else(|| Cow::Owned(self.root_response(ahead)), Cow::Borrowed);
                 for (j, load) in loads.iter().enumerate() {
                     if strips[j].tooth != source {
                         continue;
                     }
-                    let moved = &response * &load.root;
+                    let moved = response.as_ref() * &load.root;
                     for (i, other) in loads.iter().enumerate() {
                         if strips[i].tooth != target {
                             continue;

@@ -7,8 +7,11 @@ use crate::compliance::ToothCompliance;
 use crate::compliance::analytical::{AnalyticalCompliance, AxialState};
 use crate::pair::Pair;
 
+mod mechanics;
 mod paper;
 mod plane_strain;
+mod separation;
+mod symmetry;
 
 /// Spur pair of equal basic rack, bore radius = root radius / 1.4, face 10 mm.
 pub(super) fn spur_pair(

@@ -11,14 +11,12 @@ mod interference;
 mod mesh_checks;
 mod modifications;
 mod resolve;
-mod summary;
 
 use std::path::Path;
 
 pub use error::{PairError, Refusal};
 use file::PairFile;
 pub use file::{ComplianceMethod, Refinement};
-pub use summary::{GearSummary, Summary};
 
 use crate::gear::{Microgeometry, PairGeometry};
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use gearmesh::gear::{GearKind, Microgeometry};
+use gearmesh::gear::{GearKind, Microgeometry, ToothProfile};
 use gearmesh::pair::Pair;
 
 use crate::output::Listing;
@@ -77,6 +77,10 @@ pub fn in_mesh(pair: &Pair) -> Listing {
         format!("{:.1} um", g.backlash(c) * 1e6),
     )
     .row(
+        "backlash at the operating pitch circle",
+        format!("{:.1} um", g.backlash(c) / phi.cos() * 1e6),
+    )
+    .row(
         "normal force at nominal torque",
         format!("{:.1} N", loa_force / g.base_helix_angle().cos()),
     );
@@ -111,6 +115,22 @@ fn gear(pair: &Pair, i: usize) -> Listing {
             .operating_pitch_radius(i, pair.geometry.center_distance),
         &mut rows,
     );
+    mm(
+        "active profile start",
+        g.radius_at_roll(
+            pair.geometry
+                .active_start_roll(i, pair.geometry.center_distance),
+        ),
+        &mut rows,
+    );
+    // A pair that was read has passed the checks that generate this profile.
+    if let Ok(profile) = ToothProfile::new(g) {
+        mm("involute start", profile.form_radius(), &mut rows);
+        rows.row("tip land", format!("{:.4} mm", profile.tip_land() * 1e3));
+        if profile.is_undercut() {
+            rows.row("undercut", "yes");
+        }
+    }
     mm("base", g.base_radius(), &mut rows);
     mm("root", g.root_radius(), &mut rows);
     mm(

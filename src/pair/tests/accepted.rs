@@ -16,6 +16,14 @@ fn contact_ratios_from_the_pair_file_are_those_of_the_papers_table_1() {
 }
 
 #[test]
+fn the_papers_nominal_normal_force_follows_from_torque_and_base_cylinder() {
+    let pair = Pair::from_json(PAPER).unwrap();
+    let [gear, _] = &pair.geometry.gears;
+    let force = pair.operating.nominal_torque / gear.base_radius() / gear.base_helix_angle().cos();
+    assert_abs_diff_eq!(force, 2660.4, epsilon = 0.1);
+}
+
+#[test]
 fn the_papers_relief_starts_at_the_pitch_circle_and_is_whole_at_the_tip() {
     let pair = Pair::from_json(PAPER).unwrap();
     for i in 0..2 {

@@ -62,18 +62,31 @@ pub(crate) fn tilt(
     Ok(())
 }
 
-/// There is a line of action at the centre distance `c`.
-pub(crate) fn center_distance(k: &Constants, c: f64) -> Result<(), ElementError> {
-    if c <= k.base_sum {
-        return Err(no_line_of_action(k, c));
+/// What the centre distance `c` allows.
+///
+/// # Errors
+/// Base circles without a common tangent, except for an internal pair pulled apart so far that its
+/// teeth have already left each other.
+pub(crate) fn center_distance(k: &Constants, c: f64) -> Result<Distance, ElementError> {
+    if c > k.base_sum {
+        return Ok(Distance::HasLineOfAction);
     }
-    Ok(())
-}
-
-/// The error of [`center_distance`].
-pub(crate) fn no_line_of_action(k: &Constants, c: f64) -> ElementError {
-    ElementError::NoLineOfAction {
+    let apart = k.e < 0.0 && k.reach.none > k.base_sum * (1.0 + 1e-6);
+    // The direction O1 -> O2 must be more than rounding.
+    if apart && c > 1e-6 * k.center_distance {
+        return Ok(Distance::OutOfReach);
+    }
+    Err(ElementError::NoLineOfAction {
         center_distance_mm: 1e3 * c,
         limit_mm: 1e3 * k.base_sum,
-    }
+    })
+}
+
+/// Answer of [`center_distance`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Distance {
+    /// The usual case.
+    HasLineOfAction,
+    /// No line of action, and no tooth within reach of another.
+    OutOfReach,
 }

@@ -21,14 +21,23 @@
 //! y_i, the velocity of X relative to the material of gear i; the loads are the negative transpose of
 //! the same linear map (virtual work), which makes the undamped element conservative.
 
+use super::Element;
+use super::check::{self, Distance};
 use super::engagement::engagement;
 use super::error::{Body, ElementError};
 use super::geometry::{FLANKS, TILT_LIMIT};
 use super::load::{FlankLoad, carrying_flank};
 use super::motion::{Inputs, Latch, Outputs};
 use super::scalar::{Scalar, fraction, wrap};
-use super::{Element, check};
 use nalgebra::Vector3;
+
+/// Where the gears stand.
+enum Placed<T> {
+    /// In mesh or near it.
+    Near(Geometry<T>),
+    /// Out of reach: c1 + w u - p1 and the centre distance.
+    Far(Vector3<T>, T),
+}
 
 /// Everything about the poses that both flanks share.
 struct Geometry<T> {
@@ -60,7 +69,7 @@ struct Geometry<T> {
     half_gap: T,
 }
 
-fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Geometry<T>, ElementError> {
+fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Placed<T>, ElementError> {
     let k = &el.constants;
     let [g1, g2] = &inputs.gears;
     let a = [g1.r.column(2).into_owned(), g2.r.column(2).into_owned()];
@@ -71,8 +80,10 @@ fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Geometry<T>, 
     let lambda = (k1 - rel).dot(&a[0]) / aa;
     let u = rel + a[1] * lambda - k1;
     let c = u.dot(&u).sqrt();
-    check::center_distance(k, c.re())?;
     let w = k.pitch_fraction;
+    if check::center_distance(k, c.re())? == Distance::OutOfReach {
+        return Ok(Placed::Far(k1 + u * T::from(w), c));
+    }
     let xh = u / c;
     let yh = a[0].cross(&xh);
 
@@ -95,10 +106,12 @@ fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Geometry<T>, 
     for i in 0..2 {
         let ratio = rho[i] / k.rb[i];
         let square = ratio * ratio - 1.0;
-        if square.re() < 0.0 {
-            return Err(check::no_line_of_action(k, c.re()));
-        }
-        let t = square.sqrt();
+        // Tilt shortens rho_2 by its square; at C = abs(rb1 + e rb2) that can cross the base circle.
+        let t = if square.re() > 0.0 {
+            square.sqrt()
+        } else {
+            T::from(0.0)
+        };
         half_gap += (t - t.atan()) * (k.kappa[i] * k.rb[i]);
         let r = &inputs.gears[i].r;
         theta[i] = radial[i]
@@ -115,7 +128,7 @@ fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Geometry<T>, 
     // sum of sigma_i/s [theta_i - h_i zeta_i tan(beta_b)/rb_i] in units of 2 pi per pitch; h2 = -e h.
     let helix = (zeta2 - k.z_ref) * (k.hand * k.tan_beta_b * k.z[0] / k.rb[0]);
     let tooth_angle = -(theta[0] * k.z[0] + theta[1] * (k.e * k.z[1])) - helix;
-    Ok(Geometry {
+    Ok(Placed::Near(Geometry {
         a,
         aa,
         k1,
@@ -130,13 +143,15 @@ fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Geometry<T>, 
         theta1: theta[0],
         tooth_angle,
         half_gap,
-    })
+    }))
 }
 
 /// Tooth angle, half gap in radians of it, and mesh positions without a latch.
 pub(crate) fn phase(el: &Element, inputs: &Inputs) -> Result<super::latch::Phase, ElementError> {
     let k = &el.constants;
-    let g = geometry(el, inputs)?;
+    let Placed::Near(g) = geometry(el, inputs)? else {
+        return Err(ElementError::OutOfReach);
+    };
     Ok(super::latch::Phase {
         tooth_angle: g.tooth_angle,
         half_gap: g.half_gap * k.z[0] / k.rb[0],
@@ -165,7 +180,12 @@ pub(crate) fn evaluate<T: Scalar>(
 ) -> Result<Outputs<T>, ElementError> {
     let k = &el.constants;
     let [g1, g2] = &inputs.gears;
-    let g = geometry(el, inputs)?;
+    let g = match geometry(el, inputs)? {
+        Placed::Near(g) => g,
+        Placed::Far(point, c) => {
+            return Ok(Outputs::out_of_reach(g1.p + point, c, T::from(k.z_ref)));
+        }
+    };
     let zero = T::from(0.0);
     let w = k.pitch_fraction;
     let x = wrap(g.tooth_angle + latch.tooth_angle) * (k.rb[0] / k.z[0]);
@@ -279,6 +299,7 @@ pub(crate) fn evaluate<T: Scalar>(
         normal_force: p / k.cos_beta_b,
         stiffness: stiffness * cos_phi * cos_phi,
         contact_z: axial + k.z_ref,
+        energy: loads[0].energy + loads[1].energy,
         flank,
         out_of_range,
     })

@@ -1,7 +1,15 @@
-//! How far the gears are in mesh: one over the whole legal range, fading to zero where they leave it.
+//! How far the gears are in mesh: fully over the working range, fading to zero where they leave it.
+//!
+//! Tables know small departures from the nominal position. Gears that are pulled apart, radially or
+//! along their axes, must still end without force, and without a jump on the way. So the potential of
+//! each flank is multiplied by a factor that is one as long as at least half of the nominal face
+//! overlap and half of the path of contact (at most half a base pitch of it) are left, and zero
+//! where nothing is left; between them a quintic step, C2. Its slopes enter the loads, so energy is
+//! kept on the way out, too. [`Engagement::leaving`] tells when it is at work.
 
 use super::geometry::Constants;
 use super::scalar::Scalar;
+use crate::gear::PairGeometry;
 
 /// Factor on the potential and its slopes.
 pub(crate) struct Engagement<T> {
@@ -15,13 +23,93 @@ pub(crate) struct Engagement<T> {
     pub leaving: bool,
 }
 
+/// Centre distances between which the teeth come out of mesh, m.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reach {
+    /// Where the factor starts to fall.
+    pub full: f64,
+    /// Where it is zero: farther out for external pairs, nearer for internal ones.
+    pub none: f64,
+}
+
+impl Reach {
+    /// From the lengths of the path of contact at the centre distances of `pair`.
+    pub(crate) fn new(pair: &PairGeometry) -> Self {
+        let nominal = pair.center_distance;
+        let half = 0.5 * pair.transverse_contact_ratio(nominal).min(1.0);
+        // Outwards: external gears part, internal ones come together until the base circles touch.
+        let end = if pair.e() > 0.0 {
+            2.0 * nominal
+        } else {
+            pair.base_radius_sum() * (1.0 + 1e-9)
+        };
+        Self {
+            full: crossing(pair, half, nominal, end),
+            none: crossing(pair, 0.0, nominal, end),
+        }
+    }
+}
+
+/// Where the transverse contact ratio falls to `ratio` between `near` and `far`; `far` if it does not.
+fn crossing(pair: &PairGeometry, ratio: f64, near: f64, far: f64) -> f64 {
+    if pair.transverse_contact_ratio(far) > ratio {
+        return far;
+    }
+    let (mut inside, mut outside) = (near, far);
+    for _ in 0..60 {
+        let middle = 0.5 * (inside + outside);
+        if pair.transverse_contact_ratio(middle) > ratio {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    0.5 * (inside + outside)
+}
+
 /// Engagement at centre distance `c` with c2 at the axial position `lambda` in gear 2's frame.
 pub(crate) fn engagement<T: Scalar>(k: &Constants, c: T, lambda: T) -> Engagement<T> {
-    let _ = (k, c, lambda);
+    let one = T::from(1.0);
+    let zero = T::from(0.0);
+    let span = k.reach.full - k.reach.none;
+    let (radial, radial_slope) = step((c - k.reach.none) / span);
+
+    // Gear 2's face lies from `offset` to `offset + b2` in gear 1's frame.
+    let offset = -lambda + k.z_ref;
+    let [b1, b2] = k.face_width;
+    let (low, low_slope) = if offset.re() > 0.0 {
+        (offset, -1.0)
+    } else {
+        (zero, 0.0)
+    };
+    let (high, high_slope) = if offset.re() + b2 < b1 {
+        (offset + b2, -1.0)
+    } else {
+        (T::from(b1), 0.0)
+    };
+    let half_overlap = 0.5 * k.overlap;
+    let (axial, axial_slope) = step((high - low) / half_overlap);
+    let leaving = radial < one || axial < one;
     Engagement {
-        factor: T::from(1.0),
-        by_center_distance: T::from(0.0),
-        by_axial_position: T::from(0.0),
-        leaving: false,
+        factor: radial * axial,
+        by_center_distance: radial_slope * axial / span,
+        by_axial_position: radial * axial_slope * ((high_slope - low_slope) / half_overlap),
+        leaving,
     }
+}
+
+/// Quintic step from 0 at 0 to 1 at 1, and its slope.
+fn step<T: Scalar>(x: T) -> (T, T) {
+    if x.re() >= 1.0 {
+        return (T::from(1.0), T::from(0.0));
+    }
+    if x.re() <= 0.0 {
+        return (T::from(0.0), T::from(0.0));
+    }
+    let square = x * x;
+    let rest = -x + 1.0;
+    (
+        square * x * (x * (x * 6.0 - 15.0) + 10.0),
+        square * rest * rest * 30.0,
+    )
 }

@@ -83,6 +83,19 @@ pub enum ElementError {
         /// abs(rb1 + e rb2), mm.
         limit_mm: f64,
     },
+    /// The initial pose of an internal pair lies out of mesh, where no phase can be taken.
+    #[error(
+        "at the initial pose the gears are out of reach of one another; start from a pose in mesh"
+    )]
+    OutOfReach,
+    /// Constant load, and the table never reaches the nominal force.
+    #[error(
+        "loadDependent = false with nominalTorque = {torque_nm} N m: the table reaches that force at no positive displacement; choose a torque within the table's loads"
+    )]
+    NominalTorque {
+        /// The torque asked for, N m.
+        torque_nm: f64,
+    },
     /// In the absolute phase reference the start pose lets teeth overlap.
     #[error(
         "phaseReference = absolute: at the initial pose the flanks overlap by {overlap_mm:.3} mm; turn gear 1 by {turn_rad:+.6} rad, or set phaseReference = fromInitialPose"

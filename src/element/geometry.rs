@@ -1,5 +1,6 @@
 //! Numbers of a pair that never change, worked out once.
 
+use super::engagement::Reach;
 use super::error::ElementError;
 use super::parameters::Parameters;
 use crate::gear::{Flank, PairGeometry, involute};
@@ -43,6 +44,10 @@ pub(crate) struct Constants {
     pub z_ref: f64,
     /// Nominal axial position of gear 2 against gear 1, m.
     pub face_offset: f64,
+    /// Width of the nominal face overlap, m.
+    pub overlap: f64,
+    /// Where the teeth come out of mesh.
+    pub reach: Reach,
     /// Face widths, m.
     pub face_width: [f64; 2],
     /// theta_p1 = 2 pi / z1, rad.
@@ -115,6 +120,8 @@ impl Constants {
             tan_beta_per_radius: g[0].helix_angle.tan() / g[0].reference_radius(),
             z_ref,
             face_offset: g[1].face_offset,
+            overlap: pair.face_overlap().1,
+            reach: Reach::new(pair),
             face_width: [g[0].face_width, g[1].face_width],
             pitch_angle,
             half_gap,

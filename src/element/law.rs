@@ -10,7 +10,8 @@ use std::sync::Arc;
 /// `W` is zero, with all derivatives, while the flank does not touch; `Query` is in the flank's own
 /// sense (coast tables: M > 0 still means more penetration at larger z).
 pub trait Elasticity: Send + Sync {
-    /// Potential and first derivatives at `query`; second derivatives if `want_hessian`.
+    /// Potential, first derivatives and `hessian[0][0]`, the tangent stiffness, at `query`; the other
+    /// second derivatives only if `want_hessian`.
     fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential;
 }
 
@@ -31,14 +32,12 @@ struct Linear {
 }
 
 impl Elasticity for Linear {
-    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
+    fn evaluate(&self, query: &Query, _want_hessian: bool) -> Potential {
         let mut w = Potential::default();
         if query.delta > 0.0 {
             w.gradient[0] = self.stiffness * query.delta;
             w.value = 0.5 * w.gradient[0] * query.delta;
-            if want_hessian {
-                w.hessian[0][0] = self.stiffness;
-            }
+            w.hessian[0][0] = self.stiffness;
         }
         w
     }
@@ -108,8 +107,7 @@ impl Law {
             q[2] = -q[2];
         }
         let at = q.map(|x| x.re());
-        // The tangent stiffness is an output, so the value path asks for second derivatives, too.
-        let w = self.surface.evaluate(&query(at), true);
+        let w = self.surface.evaluate(&query(at), T::NDERIV > 0);
         let mut gradient = [T::from(0.0); COORDINATES];
         for (i, g) in gradient.iter_mut().enumerate() {
             *g = lift(w.gradient[i], &w.hessian[i], &q);
@@ -146,7 +144,7 @@ impl Law {
             for (side, sign) in side.iter_mut().zip([1.0, -1.0]) {
                 let mut x = at;
                 x[i] += sign * STEP[i];
-                *side = self.surface.evaluate(&query(x), true).hessian[0][0];
+                *side = self.surface.evaluate(&query(x), false).hessian[0][0];
             }
             *slope = (side[0] - side[1]) / (2.0 * STEP[i]);
         }

@@ -32,6 +32,8 @@ pub(crate) struct FlankLoad<T> {
     pub by_mesh_position: T,
     /// dU/d lambda, N.
     pub by_axial_position: T,
+    /// Elastic energy, J.
+    pub energy: T,
     /// Elastic tangent stiffness on the line of action, N/m.
     pub stiffness: T,
 }
@@ -48,6 +50,7 @@ impl<T: Scalar> FlankLoad<T> {
             by_center_distance: zero,
             by_mesh_position: zero,
             by_axial_position: zero,
+            energy: zero,
             stiffness: zero,
         }
     }
@@ -71,6 +74,8 @@ impl<T: Scalar> FlankLoad<T> {
         if elastic.re() <= 0.0 {
             return;
         }
+        self.energy = response.energy * mesh.factor;
+        self.stiffness = response.stiffness * mesh.factor;
         let axial = response.gradient[2] / response.gradient[0];
         let share = elastic / damping.full_at;
         let ramp = if share.re() < 1.0 {
@@ -94,7 +99,6 @@ impl<T: Scalar> FlankLoad<T> {
             response.gradient[1] * scale + response.energy * mesh.by_center_distance * fading;
         self.by_mesh_position = response.gradient[3] * scale;
         self.by_axial_position = response.energy * mesh.by_axial_position * fading;
-        self.stiffness = response.stiffness * mesh.factor;
     }
 
     /// As [`FlankLoad::carry`] with the paper's constant damping `c` (8), N s/m on the line of action:
@@ -110,13 +114,14 @@ impl<T: Scalar> FlankLoad<T> {
         if elastic.re() <= 0.0 {
             return;
         }
+        self.energy = response.energy * mesh.factor;
+        self.stiffness = response.stiffness * mesh.factor;
         let total = elastic + rate * c;
         if total.re() <= 0.0 {
             return;
         }
         self.force = total;
         self.tilt_moment = total * response.gradient[2] / response.gradient[0];
-        self.stiffness = response.stiffness * mesh.factor;
     }
 
     /// z_c - z_ref, m; zero out of contact.

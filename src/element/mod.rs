@@ -31,6 +31,7 @@ mod motion;
 mod paper;
 mod parameters;
 mod scalar;
+mod secant;
 
 pub use error::{Body, ElementError};
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
@@ -51,6 +52,8 @@ use geometry::Constants;
 use law::{Effects, Law};
 use load::Damping;
 use nalgebra::Vector3;
+use secant::Secant;
+use std::sync::Arc;
 
 /// The contact element of one gear pair. Immutable: instances can share it between threads.
 #[derive(Clone)]
@@ -88,12 +91,23 @@ impl Element {
             }
             StiffnessModel::Table => {
                 let laws = laws.ok_or(ElementError::NoTable)?;
-                let drive = Law::table(laws.drive.clone(), false, effects);
-                let coast = match &laws.coast {
-                    Some(own) => Law::table(own.clone(), false, effects),
-                    None => Law::table(laws.drive.clone(), true, effects),
+                let surface = |table: &Arc<dyn Elasticity>| -> Result<_, ElementError> {
+                    if parameters.load_dependent {
+                        return Ok(table.clone());
+                    }
+                    let secant = Secant::new(table.clone(), constants.nominal_force).ok_or(
+                        ElementError::NominalTorque {
+                            torque_nm: parameters.nominal_torque,
+                        },
+                    )?;
+                    Ok(Arc::new(secant))
                 };
-                [drive, coast]
+                let drive = surface(&laws.drive)?;
+                let coast = match &laws.coast {
+                    Some(own) => Law::table(surface(own)?, false, effects),
+                    None => Law::table(drive.clone(), true, effects),
+                };
+                [Law::table(drive, false, effects), coast]
             }
         };
         let laws = match parameters.loaded_flank {

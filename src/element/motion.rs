@@ -78,6 +78,9 @@ pub struct Outputs<T = f64> {
     pub stiffness: T,
     /// Axial position of the resultant in gear 1's frame, m.
     pub contact_z: T,
+    /// Elastic energy stored in the mesh, J; in the paper's formulation that of the law, though the
+    /// loads there are not its gradient.
+    pub energy: T,
     /// Flank of gear 1 that carries (the larger force): +1 drive, -1 coast, 0 none.
     pub flank: i32,
     /// An operating condition lies outside the table, or the gears are on their way out of mesh.
@@ -87,9 +90,39 @@ pub struct Outputs<T = f64> {
 /// Number of continuous outputs, in the order of [`Outputs::to_array`].
 pub const CONTINUOUS_OUTPUTS: usize = 24;
 
+impl<T: super::Scalar> Outputs<T> {
+    /// No load, for gears so far apart that phase and transmission error have no meaning (zero).
+    pub(crate) fn out_of_reach(
+        contact_point: Vector3<T>,
+        center_distance: T,
+        contact_z: T,
+    ) -> Self {
+        let zero = T::from(0.0);
+        let none = [Vector3::zeros(); 2];
+        Self {
+            force: none,
+            moment: none,
+            contact_point,
+            transmission_error: zero,
+            transmission_error_rate: zero,
+            mesh_position: zero,
+            center_distance,
+            misalignment: zero,
+            tangential_force: zero,
+            normal_force: zero,
+            stiffness: zero,
+            contact_z,
+            energy: zero,
+            flank: 0,
+            out_of_range: true,
+        }
+    }
+}
+
 impl<T: nalgebra::Scalar + Copy> Outputs<T> {
     /// All continuous outputs in the FMU's order: force and moment of gear 1, force and moment of
-    /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z`.
+    /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z` (`energy` is left
+    /// out: the FMU does not show it).
     pub fn to_array(&self) -> [T; CONTINUOUS_OUTPUTS] {
         let [f1, f2] = self.force;
         let [m1, m2] = self.moment;

@@ -5,6 +5,8 @@
 //! radial and axial displacement are left out, as in the paper, though the force has both components.
 //! So this law does work on closed loops; [`super::conjugate`] does not.
 
+use super::Element;
+use super::check::{self, Distance};
 use super::engagement::engagement;
 use super::error::{Body, ElementError};
 use super::geometry::{Constants, FLANKS, TILT_LIMIT};
@@ -14,7 +16,6 @@ use super::load::carrying_flank;
 use super::motion::{Inputs, Latch, Motion, Outputs};
 use super::parameters::StiffnessModel;
 use super::scalar::{Scalar, fraction, wrap};
-use super::{Element, check};
 use nalgebra::{Matrix3, Vector3};
 
 /// Motion of one gear relative to the carrier, in carrier axes.
@@ -53,6 +54,14 @@ fn relative<T: Scalar>(
     })
 }
 
+/// Where the gears stand.
+enum Placed<T> {
+    /// In mesh or near it.
+    Near(Geometry<T>),
+    /// Out of reach: pitch point at the nominal mid-face from O1, in W, and the centre distance.
+    Far(Vector3<T>, T),
+}
+
 /// What the equations share.
 struct Geometry<T> {
     gears: [Relative<T>; 2],
@@ -63,17 +72,21 @@ struct Geometry<T> {
     mesh_position: [T; 2],
 }
 
-fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Geometry<T>, ElementError> {
+fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Placed<T>, ElementError> {
     let k = &el.constants;
     let g1 = relative(Body::Gear1, &inputs.gears[0], &inputs.carrier)?;
     let g2 = relative(Body::Gear2, &inputs.gears[1], &inputs.carrier)?;
     let d = g2.p - g1.p;
     let c = (d.x * d.x + d.y * d.y).sqrt(); // (14)
-    check::center_distance(k, c.re())?;
     let zero = T::from(0.0);
+    if check::center_distance(k, c.re())? == Distance::OutOfReach {
+        let w = k.pitch_fraction;
+        let point = Vector3::new(d.x * w, d.y * w, T::from(k.z_ref));
+        return Ok(Placed::Far(inputs.carrier.r * point, c));
+    }
     let gamma = d.y.atan2(d.x);
     let angle = (g1.theta - gamma) / k.pitch_angle;
-    Ok(Geometry {
+    Ok(Placed::Near(Geometry {
         c,
         xh: Vector3::new(d.x / c, d.y / c, zero),
         yh: Vector3::new(-d.y / c, d.x / c, zero),
@@ -82,7 +95,7 @@ fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Geometry<T>, 
             + tooth_angle_zero(k),
         mesh_position: [angle + k.mesh_zero[0], -angle + k.mesh_zero[1]], // (13)
         gears: [g1, g2],
-    })
+    }))
 }
 
 /// Tooth angle of the `absolute` reference at theta1 = theta2 = gamma, rad, mid-face, nominal faces.
@@ -100,7 +113,9 @@ fn half_gap(k: &Constants) -> f64 {
 
 /// Tooth angle, half gap and mesh positions without a latch.
 pub(crate) fn phase(el: &Element, inputs: &Inputs) -> Result<Phase, ElementError> {
-    let g = geometry(el, inputs)?;
+    let Placed::Near(g) = geometry(el, inputs)? else {
+        return Err(ElementError::OutOfReach);
+    };
     Ok(Phase {
         tooth_angle: g.tooth_angle,
         half_gap: half_gap(&el.constants),
@@ -115,7 +130,13 @@ pub(crate) fn evaluate<T: Scalar>(
     inputs: &Inputs<T>,
 ) -> Result<Outputs<T>, ElementError> {
     let k = &el.constants;
-    let g = geometry(el, inputs)?;
+    let g = match geometry(el, inputs)? {
+        Placed::Near(g) => g,
+        Placed::Far(point, c) => {
+            let point = inputs.gears[0].p + point;
+            return Ok(Outputs::out_of_reach(point, c, T::from(k.z_ref)));
+        }
+    };
     let [g1, g2] = &g.gears;
     let zero = T::from(0.0);
     let radius = g.c / k.tooth_sum; // r_wi / z_i
@@ -222,6 +243,7 @@ pub(crate) fn evaluate<T: Scalar>(
         normal_force: total / k.cos_beta_b,
         stiffness: (loads[0].stiffness + loads[1].stiffness) * cos_phi * cos_phi,
         contact_z: middle + shown.axial_offset(),
+        energy: loads[0].energy + loads[1].energy,
         flank,
         out_of_range,
     })

@@ -1,8 +1,11 @@
 //! Pairs and poses for the tests of the element.
 
-use super::{Element, Inputs, Motion};
+use super::{Elasticity, Element, FlankLaws, Inputs, Motion};
 use crate::gear::{Gear, GearKind, PairGeometry};
+use crate::table::{Potential, Query};
 use nalgebra::{Rotation3, Vector3};
+use num_dual::{DualNum, HyperDual64};
+use std::f64::consts::TAU;
 
 fn gear(kind: GearKind, teeth: u32, hand: f64, shift: f64) -> Gear {
     let kappa = if kind == GearKind::Ring { -1.0 } else { 1.0 };
@@ -146,4 +149,53 @@ pub(crate) fn random_pose(element: &Element, noise: &mut Noise) -> Inputs {
         m.r = *(tilt * spin).matrix();
     }
     inputs
+}
+
+/// A smooth potential in all four coordinates with closed derivatives, near a real table in size:
+/// with x = delta + M z(tau) - d(tau, M) and k = k0 (1 + a sin 2 pi tau)(1 - b C),
+/// W = k x^3 / (3 l) for x > 0.
+pub(crate) struct Smooth;
+
+impl Elasticity for Smooth {
+    fn evaluate(&self, q: &Query, _want_hessian: bool) -> Potential {
+        type D = HyperDual64;
+        let at = [
+            q.delta,
+            q.center_distance_offset,
+            q.misalignment,
+            q.mesh_position,
+        ];
+        let energy = |v: [D; 4]| {
+            let [delta, c, m, tau] = v;
+            let (sine, cosine) = (tau * TAU).sin_cos();
+            let x = delta + m * (cosine * 4e-3 + 1e-3) - (sine * 0.5e-6 + m * m * 0.2 + 1e-6);
+            let k = (sine * 0.2 + 1.0) * (-c * 500.0 + 1.0) * 4.7e8;
+            if x.re > 0.0 {
+                k * x * x * x / (3.0 * 10e-6)
+            } else {
+                D::from(0.0)
+            }
+        };
+        let mut w = Potential::default();
+        for i in 0..4 {
+            for j in 0..4 {
+                let mut v = at.map(D::from_re);
+                v[i].eps1 = 1.0;
+                v[j].eps2 = 1.0;
+                let y = energy(v);
+                w.value = y.re;
+                w.gradient[i] = y.eps1;
+                w.hessian[i][j] = y.eps1eps2;
+            }
+        }
+        w
+    }
+}
+
+/// [`Smooth`] on both flanks, mirrored on the coast flank.
+pub(crate) fn smooth_laws() -> FlankLaws {
+    FlankLaws {
+        drive: std::sync::Arc::new(Smooth),
+        coast: None,
+    }
 }

@@ -1,7 +1,7 @@
 //! Claims about the whole element with constant stiffness.
 
-use super::testing::{Noise, compressed, moved, paper_pair, random_pose, three_pairs};
-use super::{Element, Formulation, Inputs, LoadedFlank, Outputs, Parameters};
+use super::testing::{Noise, compressed, moved, paper_pair, random_pose, smooth_laws, three_pairs};
+use super::{Element, Formulation, Inputs, LoadedFlank, Outputs, Parameters, StiffnessModel};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Rotation3, Vector3};
 
@@ -135,65 +135,158 @@ fn rotating_and_moving_the_world_rotates_the_wrench() {
     }
 }
 
-/// Potential of constant stiffness from the elongation that the element reports.
-fn energy(element: &Element, latch: &super::Latch, inputs: &Inputs) -> f64 {
-    let out = element.evaluate(latch, inputs).unwrap();
-    // TE tangential -> line of action by cos phi = base sum / C.
-    let k = &element.constants;
-    let delta = out.transmission_error * k.base_sum / out.center_distance
-        * super::geometry::FLANKS[element.reference_flank].sign();
-    0.5 * 4.35e8 / k.cos_phi.powi(2) * delta.max(0.0).powi(2)
+fn with_table(parameters: Parameters) -> Parameters {
+    Parameters {
+        stiffness_model: StiffnessModel::Table,
+        ..parameters
+    }
+}
+
+/// Elements whose wrench must be a gradient: constant stiffness and all table effects, every flank.
+fn conservative_elements() -> Vec<Element> {
+    let mut elements = Vec::new();
+    for hand in [1.0, -1.0] {
+        for pair in three_pairs(hand) {
+            for flank in [LoadedFlank::Drive, LoadedFlank::Coast, LoadedFlank::Both] {
+                let constant = undamped(Formulation::Conjugate, flank);
+                let table = with_table(constant);
+                elements.push(Element::new(&pair, &constant, None).unwrap());
+                elements.push(Element::new(&pair, &table, Some(&smooth_laws())).unwrap());
+            }
+        }
+    }
+    elements
 }
 
 #[test]
 fn the_conjugate_wrench_is_the_negative_gradient_of_its_energy() {
     let mut noise = Noise::new(3);
-    for hand in [1.0, -1.0] {
-        for pair in three_pairs(hand) {
-            for flank in [LoadedFlank::Drive, LoadedFlank::Coast] {
-                let element =
-                    Element::new(&pair, &undamped(Formulation::Conjugate, flank), None).unwrap();
-                let latch = element.latch(&element.nominal_inputs()).unwrap();
-                let mut tried = 0;
-                while tried < 10 {
-                    let inputs = random_pose(&element, &mut noise);
-                    let out = element.evaluate(&latch, &inputs).unwrap();
-                    if out.flank == 0 {
-                        continue;
+    for element in conservative_elements() {
+        let latch = element.latch(&element.nominal_inputs()).unwrap();
+        let mut tried = 0;
+        while tried < 6 {
+            let inputs = random_pose(&element, &mut noise);
+            let out = element.evaluate(&latch, &inputs).unwrap();
+            if out.flank == 0 {
+                continue;
+            }
+            tried += 1;
+            for dof in 0..12 {
+                let (i, axis) = (dof / 6, dof % 3);
+                let translation = dof % 6 < 3;
+                let step = if translation { 1e-7 } else { 2e-6 };
+                let side = |h: f64| {
+                    let mut x = inputs;
+                    let mut direction = Vector3::zeros();
+                    direction[axis] = h;
+                    if translation {
+                        x.gears[i].p += direction;
+                    } else {
+                        x.gears[i].r = Rotation3::new(direction).matrix() * x.gears[i].r;
                     }
-                    tried += 1;
-                    for dof in 0..12 {
-                        let (i, axis) = (dof / 6, dof % 3);
-                        let translation = dof % 6 < 3;
-                        let step = if translation { 1e-7 } else { 2e-6 };
-                        let side = |h: f64| {
-                            let mut x = inputs;
-                            let mut direction = Vector3::zeros();
-                            direction[axis] = h;
-                            if translation {
-                                x.gears[i].p += direction;
-                            } else {
-                                x.gears[i].r = Rotation3::new(direction).matrix() * x.gears[i].r;
-                            }
-                            energy(&element, &latch, &x)
-                        };
-                        // Fourth-order central difference.
-                        let slope = (8.0 * (side(step) - side(-step))
-                            - (side(2.0 * step) - side(-2.0 * step)))
-                            / (12.0 * step);
-                        let (load, scale) = if translation {
-                            (out.force[i][axis], out.force[i].norm())
-                        } else {
-                            (out.moment[i][axis], out.moment[i].norm())
-                        };
-                        assert!(
-                            (load + slope).abs() <= 1e-7 * scale,
-                            "dof {dof}: {load} against {}",
-                            -slope
-                        );
-                    }
-                }
+                    element.evaluate(&latch, &x).unwrap().energy
+                };
+                // Fourth-order central difference.
+                let slope = (8.0 * (side(step) - side(-step))
+                    - (side(2.0 * step) - side(-2.0 * step)))
+                    / (12.0 * step);
+                let (load, scale) = if translation {
+                    (out.force[i][axis], out.force[i].norm())
+                } else {
+                    (out.moment[i][axis], out.moment[i].norm())
+                };
+                assert!(
+                    (load + slope).abs() <= 1e-7 * scale,
+                    "dof {dof}: {load} against {}",
+                    -slope
+                );
             }
         }
     }
+}
+
+/// Work of the contact over the elliptic loop in the freedoms `i` and `j` (0-11: translation and
+/// rotation of gear 1, then of gear 2) with these amplitudes, and the mean energy on it.
+fn loop_work(element: &Element, start: &Inputs, i: usize, j: usize, size: [f64; 2]) -> (f64, f64) {
+    let latch = element.latch(&element.nominal_inputs()).unwrap();
+    let points = 96;
+    let (mut work, mut energy) = (0.0, 0.0);
+    for n in 0..points {
+        // Trapezoidal rule: of spectral accuracy on a smooth closed loop.
+        let t = std::f64::consts::TAU * f64::from(n) / f64::from(points);
+        let mut x = [0.0; 12];
+        let mut rate = [0.0; 12];
+        x[i] += size[0] * t.cos();
+        rate[i] -= size[0] * t.sin();
+        x[j] += size[1] * t.sin();
+        rate[j] += size[1] * t.cos();
+        let mut inputs = *start;
+        for (body, m) in inputs.gears.iter_mut().enumerate() {
+            let part =
+                |v: &[f64; 12], k: usize| Vector3::from_column_slice(&v[6 * body + k..][..3]);
+            m.p += part(&x, 0);
+            let turn = part(&x, 3);
+            m.r = Rotation3::new(turn).matrix() * m.r;
+            m.v = part(&rate, 0);
+            // Rate of a rotation vector to angular velocity, to third order in it (1e-16 here).
+            let turn_rate = part(&rate, 3);
+            let bracket = turn.cross(&turn_rate);
+            m.w = turn_rate + bracket / 2.0 + turn.cross(&bracket) / 6.0;
+        }
+        let out = element.evaluate(&latch, &inputs).unwrap();
+        assert_ne!(out.flank, 0, "the loop must stay in contact");
+        for (body, m) in inputs.gears.iter().enumerate() {
+            work += out.force[body].dot(&m.v) + out.moment[body].dot(&m.w);
+        }
+        energy += out.energy;
+    }
+    let step = std::f64::consts::TAU / f64::from(points);
+    (work * step, energy / f64::from(points))
+}
+
+#[test]
+fn closed_loops_in_every_pair_of_freedoms_do_no_work() {
+    for pair in three_pairs(1.0) {
+        let parameters = with_table(undamped(Formulation::Conjugate, LoadedFlank::Both));
+        let element = Element::new(&pair, &parameters, Some(&smooth_laws())).unwrap();
+        let mut start = compressed(&element, 1.0, 80e-6);
+        start.gears[1].r =
+            Rotation3::from_euler_angles(1e-3, -0.5e-3, 0.0).matrix() * start.gears[1].r;
+        for i in 0..12 {
+            for j in 0..i {
+                let size = [i, j].map(|k| if k % 6 < 3 { 10e-6 } else { 5e-6 / 40e-3 });
+                let (work, energy) = loop_work(&element, &start, i, j, size);
+                assert!(
+                    work.abs() < 1e-9 * energy,
+                    "freedoms {i}, {j}: {work:.2e} J of {energy:.2e} J"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_papers_formulation_does_work_on_a_radial_loop() {
+    // Area times d F_r / d s = k_tt tan(phi); a rectangle of 5 um by 10 um gives 8.15 mJ.
+    let pair = paper_pair(1.0);
+    let element = Element::new(
+        &pair,
+        &undamped(Formulation::Paper, LoadedFlank::Drive),
+        None,
+    )
+    .unwrap();
+    let start = compressed(&element, 1.0, 30e-6);
+    let half = [2.5e-6 / 41.052e-3, 5e-6];
+    let (work, _) = loop_work(&element, &start, 5, 6, half);
+    let phi = pair.operating_pressure_angle(pair.center_distance);
+    let area = std::f64::consts::PI * 2.5e-6 * 5e-6;
+    assert_relative_eq!(work.abs(), area * 4.35e8 * phi.tan(), max_relative = 1e-2);
+    let conjugate = Element::new(
+        &pair,
+        &undamped(Formulation::Conjugate, LoadedFlank::Drive),
+        None,
+    )
+    .unwrap();
+    let (none, energy) = loop_work(&conjugate, &start, 5, 6, half);
+    assert!(none.abs() < 1e-9 * energy);
 }

@@ -55,6 +55,8 @@
 pub mod compliance;
 #[cfg(feature = "preprocess")]
 pub mod contact;
+#[cfg(feature = "driver")]
+pub mod driver;
 pub mod element;
 pub mod gear;
 #[cfg(feature = "preprocess")]

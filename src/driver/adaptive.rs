@@ -35,19 +35,23 @@ pub fn integrate(
     times: &[f64],
     tolerance: f64,
 ) -> Result<Vec<State>, AdaptiveError> {
-    let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
-        return Ok(Vec::new());
-    };
     let equations = Equations(scene);
-    let solution = IVP::ode(&equations, first, last, *start)
-        .t_eval(times.to_vec())
-        .method(
-            ExplicitRungeKutta::dop853()
-                .rtol(tolerance)
-                .atol(tolerance)
-                .max_steps(100_000_000),
-        )
-        .solve()
-        .map_err(|e| AdaptiveError::Solver(format!("{e:?}")))?;
-    Ok(solution.y)
+    let mut states = vec![*start];
+    for span in times.windows(2) {
+        // One solve for every span: the solver's dense output is less accurate than its steps.
+        let solution = IVP::ode(&equations, span[0], span[1], states[states.len() - 1])
+            .method(
+                ExplicitRungeKutta::dop853()
+                    .rtol(tolerance)
+                    .atol(tolerance)
+                    .max_steps(100_000_000),
+            )
+            .solve()
+            .map_err(|e| AdaptiveError::Solver(format!("{e:?}")))?;
+        match solution.y.last() {
+            Some(y) => states.push(*y),
+            None => return Err(AdaptiveError::Solver("no step was taken".into())),
+        }
+    }
+    Ok(states)
 }

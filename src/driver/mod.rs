@@ -18,8 +18,11 @@ mod fixed_step;
 mod scene;
 mod state;
 
+#[cfg(test)]
+mod tests;
+
 pub use adaptive::{AdaptiveError, integrate};
 pub use cosimulation::{Coupling, Extrapolation, Master};
 pub use fixed_step::Method;
-pub use scene::{Bearing, Freedoms, Gear, Scene, Spin};
+pub use scene::{Bearing, Freedoms, Gear, Scene, Spin, twist};
 pub use state::{GEAR_STATES, GearState, STATES, State, gear_state, set_gear_state};

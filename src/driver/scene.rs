@@ -8,7 +8,8 @@ use std::sync::Arc;
 /// What moves or loads a gear about its axis.
 #[derive(Clone)]
 pub enum Spin {
-    /// Free, under a torque about its axis: f(t, spin rate in rad/s), N m.
+    /// Free, under a torque f(t, spin rate in rad/s), N m, that works on the twist about world z (half-way
+    /// between both axes where the gear is tilted), so that a constant one has a potential.
     Torque(Arc<dyn Fn(f64, f64) -> f64 + Send + Sync>),
     /// The spin rate is imposed: f(t), rad/s.
     Speed(Arc<dyn Fn(f64) -> f64 + Send + Sync>),
@@ -206,13 +207,17 @@ impl Scene {
             let tilt_rate = w - a * w.dot(&a);
             let mut about = moment[i] + (a * gear.center_of_mass).cross(&force[i]) * -1.0;
             about += a.cross(&Vector3::z()) * b.tilt_stiffness - tilt_rate * b.tilt_damping;
-            about -= a * (b.spin_stiffness * twist(&g.q));
+            let twist_axis = (a + Vector3::z()) / (1.0 + a.z);
+            let mut torque = -b.spin_stiffness * twist(&g.q);
+            if let Spin::Torque(f) = &gear.spin {
+                torque += f(t, w.dot(&a));
+            }
+            about += twist_axis * torque;
             if !gear.freedoms.tilt {
                 about = a * about.dot(&a);
             }
-            match &gear.spin {
-                Spin::Torque(f) => about += a * f(t, w.dot(&a)),
-                Spin::Speed(_) => about -= a * about.dot(&a),
+            if matches!(gear.spin, Spin::Speed(_)) {
+                about -= a * about.dot(&a);
             }
             let turn = nalgebra::Quaternion::from_imag(w * 0.5) * g.q.quaternion();
             let s = &mut rates[i * GEAR_STATES..(i + 1) * GEAR_STATES];
@@ -262,8 +267,8 @@ impl Scene {
     }
 }
 
-/// Angle of rotation about world z (twist of the swing-twist decomposition), (-pi, pi].
-fn twist(q: &UnitQuaternion<f64>) -> f64 {
+/// Angle of rotation about world z (twist of the swing-twist decomposition), [-pi, pi).
+pub fn twist(q: &UnitQuaternion<f64>) -> f64 {
     let angle = 2.0 * q.k.atan2(q.w);
     angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round()
 }

@@ -127,7 +127,7 @@ fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Placed<T>, El
     }
     // sum of sigma_i/s [theta_i - h_i zeta_i tan(beta_b)/rb_i] in units of 2 pi per pitch; h2 = -e h.
     let helix = (zeta2 - k.z_ref) * (k.hand * k.tan_beta_b * k.z[0] / k.rb[0]);
-    let tooth_angle = -(theta[0] * k.z[0] + theta[1] * (k.e * k.z[1])) - helix;
+    let tooth_angle = -(theta[0] * k.z[0] + theta[1] * (k.e * k.z[1])) - helix + k.tooth_zero;
     Ok(Placed::Near(Geometry {
         a,
         aa,

@@ -22,7 +22,7 @@ impl std::fmt::Display for Body {
 }
 
 /// Why an element cannot be made, or has no meaning at a pose.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum ElementError {
     /// A parameter has no meaning.
     #[error("{name} = {value}: {remedy}")]
@@ -88,14 +88,9 @@ pub enum ElementError {
         "at the initial pose the gears are out of reach of one another; start from a pose in mesh"
     )]
     OutOfReach,
-    /// Constant load, and the table never reaches the nominal force.
-    #[error(
-        "loadDependent = false with nominalTorque = {torque_nm} N m: the table reaches that force at no positive displacement; choose a torque within the table's loads"
-    )]
-    NominalTorque {
-        /// The torque asked for, N m.
-        torque_nm: f64,
-    },
+    /// The table cannot give what the parameters ask for.
+    #[error(transparent)]
+    Table(#[from] crate::table::TableError),
     /// In the absolute phase reference the start pose lets teeth overlap.
     #[error(
         "phaseReference = absolute: at the initial pose the flanks overlap by {overlap_mm:.3} mm; turn gear 1 by {turn_rad:+.6} rad, or set phaseReference = fromInitialPose"

@@ -52,9 +52,11 @@ pub(crate) struct Constants {
     pub face_width: [f64; 2],
     /// theta_p1 = 2 pi / z1, rad.
     pub pitch_angle: f64,
-    /// -sum kappa rb psi, m, backlash override included: half the gap on the line of action is this
-    /// plus sum kappa rb inv(rho).
+    /// -sum kappa rb psi, m, less whole half pitches, backlash override included: half the gap on the
+    /// line of action is this plus sum kappa rb inv(rho).
     pub half_gap: f64,
+    /// The half pitches taken from it, rad of tooth angle.
+    pub tooth_zero: f64,
     /// Circumferential backlash at the nominal operating pitch circle, m.
     pub backlash: f64,
     /// Mesh position of both flanks where theta1 = gamma, in the `absolute` reference.
@@ -84,11 +86,23 @@ impl Constants {
         let backlash = parameters
             .backlash
             .map_or(nominal_backlash, |j| j * phi.cos());
-        let half_gap = -g
+        // H = sum kappa rb (inv - psi) is half the backlash up to whole half pitches: at zero angles a tooth
+        // may face a tooth. Those go into the tooth angle, so that the gap is centred on it.
+        let turn_to_gap: f64 = -g
             .iter()
             .map(|g| g.kappa() * g.base_radius() * g.half_base_angle())
-            .sum::<f64>()
-            + 0.5 * (backlash - nominal_backlash);
+            .sum::<f64>();
+        let involutes: f64 = (0..2)
+            .map(|i| {
+                let ratio = pair.operating_pitch_radius(i, c) / g[i].base_radius();
+                g[i].kappa() * g[i].base_radius() * involute((1.0 / ratio).acos())
+            })
+            .sum();
+        let half_pitch = 0.5 * pair.base_pitch();
+        let half_pitches =
+            ((turn_to_gap + involutes - 0.5 * nominal_backlash) / half_pitch).round();
+        let half_gap =
+            turn_to_gap - half_pitches * half_pitch + 0.5 * (backlash - nominal_backlash);
         let pitch_angle = std::f64::consts::TAU / z1;
         let tan_beta_b = pair.base_helix_angle().tan();
         let z_ref = pair.z_ref();
@@ -125,6 +139,7 @@ impl Constants {
             face_width: [g[0].face_width, g[1].face_width],
             pitch_angle,
             half_gap,
+            tooth_zero: half_pitches * std::f64::consts::PI,
             backlash: backlash / phi.cos(),
             mesh_zero,
             nominal_force: parameters.nominal_torque / g[0].base_radius(),

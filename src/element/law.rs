@@ -1,7 +1,9 @@
 //! Elastic law of one flank: from the four mesh coordinates to the derivatives of the potential.
 
+use super::parameters::Parameters;
 use super::scalar::{Scalar, lift};
-use crate::table::{COORDINATES, Potential, Query};
+use crate::gear::Flank;
+use crate::table::{COORDINATES, Potential, Query, Table};
 use std::sync::Arc;
 
 /// Anything that gives the potential W(delta, C, M, PMC) of a loaded flank: the interpolated table,
@@ -23,6 +25,19 @@ pub struct FlankLaws {
     /// Coast flank; `None`: that of the drive flank, mirrored (M -> -M, z_c - z_ref -> -(z_c - z_ref)),
     /// which is exact where the microgeometry is mirror-symmetric.
     pub coast: Option<Arc<dyn Elasticity>>,
+}
+
+/// One flank of a pair's table.
+struct TableFlank {
+    table: Arc<Table>,
+    flank: Flank,
+}
+
+impl Elasticity for TableFlank {
+    #[inline]
+    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
+        self.table.flank(self.flank).0.evaluate(query, want_hessian)
+    }
 }
 
 /// Linear spring on the line of action.
@@ -49,6 +64,17 @@ pub(crate) struct Effects {
     pub center_distance: bool,
     pub misalignment: bool,
     pub shuttling: bool,
+}
+
+impl Effects {
+    /// Those of `parameters`.
+    pub(crate) fn of(parameters: &Parameters) -> Self {
+        Self {
+            center_distance: parameters.center_distance_effect,
+            misalignment: parameters.misalignment_effect,
+            shuttling: parameters.shuttling_effect,
+        }
+    }
 }
 
 /// Law of one flank as the formulations use it.
@@ -85,8 +111,15 @@ impl Law {
         }
     }
 
-    /// A table; `mirrored` for the coast flank of a pair whose table holds the drive flank alone.
-    pub(crate) fn table(surface: Arc<dyn Elasticity>, mirrored: bool, effects: Effects) -> Self {
+    /// `flank` of the pair's table, which has the dimensions of `effects` alone.
+    pub(crate) fn of_table(table: &Arc<Table>, flank: Flank, effects: Effects) -> Self {
+        let mirrored = table.flank(flank).1;
+        let table = table.clone();
+        Self::new(Arc::new(TableFlank { table, flank }), mirrored, effects)
+    }
+
+    /// Any law; `mirrored` for the coast flank of a pair whose table holds the drive flank alone.
+    pub(crate) fn new(surface: Arc<dyn Elasticity>, mirrored: bool, effects: Effects) -> Self {
         Self {
             surface,
             mirrored,

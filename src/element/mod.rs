@@ -31,28 +31,26 @@ mod motion;
 mod paper;
 mod parameters;
 mod scalar;
-mod secant;
 
+pub use crate::table::Interpolation;
 pub use error::{Body, ElementError};
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
 pub use law::{Elasticity, FlankLaws};
 pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
-pub use parameters::{
-    Formulation, Interpolation, LoadedFlank, Parameters, PhaseReference, StiffnessModel,
-};
+pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 pub use scalar::Scalar;
 
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 
 use crate::gear::PairGeometry;
-use geometry::Constants;
+use crate::table::Table;
+use geometry::{Constants, FLANKS};
 use law::{Effects, Law};
 use load::Damping;
 use nalgebra::Vector3;
-use secant::Secant;
 use std::sync::Arc;
 
 /// The contact element of one gear pair. Immutable: instances can share it between threads.
@@ -67,49 +65,63 @@ pub struct Element {
 }
 
 impl Element {
-    /// The element of `pair` with `parameters`; `laws` are needed for [`StiffnessModel::Table`].
+    /// The element of `pair` with `parameters`, under the laws of `laws` (drive, coast) whatever
+    /// [`Parameters::stiffness_model`] says. Effects that are off leave out their coordinate.
     ///
     /// # Errors
-    /// Parameters without meaning (named as in the FMU), a missing table, a pair without a line of
-    /// action.
+    /// Parameters without meaning (named as in the FMU), a pair without a line of action.
+    pub fn with_laws(
+        pair: &PairGeometry,
+        parameters: &Parameters,
+        laws: &FlankLaws,
+    ) -> Result<Self, ElementError> {
+        let effects = Effects::of(parameters);
+        let drive = Law::new(laws.drive.clone(), false, effects);
+        let coast = match &laws.coast {
+            Some(own) => Law::new(own.clone(), false, effects),
+            None => Law::new(laws.drive.clone(), true, effects),
+        };
+        Self::build(pair, parameters, [drive, coast])
+    }
+
+    /// The element of `pair` with `parameters`; `table` is needed for [`StiffnessModel::Table`]. A table
+    /// that does not have the effects of [`Parameters::table_effects`] is cut to them first.
+    ///
+    /// # Errors
+    /// Parameters without meaning (named as in the FMU), a missing table, an effect whose axis the table
+    /// does not have, a pair without a line of action.
     pub fn new(
         pair: &PairGeometry,
         parameters: &Parameters,
-        laws: Option<&FlankLaws>,
+        table: Option<Arc<Table>>,
+    ) -> Result<Self, ElementError> {
+        parameters.check()?;
+        match parameters.stiffness_model {
+            StiffnessModel::Table => {
+                let mut table = table.ok_or(ElementError::NoTable)?;
+                let wanted = parameters.table_effects(pair);
+                if *table.effects() != wanted {
+                    table = Arc::new(table.sliced(&wanted)?);
+                }
+                let effects = Effects::of(parameters);
+                let laws = FLANKS.map(|flank| Law::of_table(&table, flank, effects));
+                Self::build(pair, parameters, laws)
+            }
+            StiffnessModel::Constant => {
+                let phi = pair.operating_pressure_angle(pair.center_distance);
+                let law = Law::linear(parameters.constant_stiffness / phi.cos().powi(2));
+                Self::build(pair, parameters, [law.clone(), law])
+            }
+        }
+    }
+
+    fn build(
+        pair: &PairGeometry,
+        parameters: &Parameters,
+        [drive, coast]: [Law; 2],
     ) -> Result<Self, ElementError> {
         parameters.check()?;
         let constants = Constants::new(pair, parameters)?;
-        let effects = Effects {
-            center_distance: parameters.center_distance_effect,
-            misalignment: parameters.misalignment_effect,
-            shuttling: parameters.shuttling_effect,
-        };
-        let [drive, coast] = match parameters.stiffness_model {
-            StiffnessModel::Constant => {
-                let law = Law::linear(parameters.constant_stiffness / constants.cos_phi.powi(2));
-                [law.clone(), law]
-            }
-            StiffnessModel::Table => {
-                let laws = laws.ok_or(ElementError::NoTable)?;
-                let surface = |table: &Arc<dyn Elasticity>| -> Result<_, ElementError> {
-                    if parameters.load_dependent {
-                        return Ok(table.clone());
-                    }
-                    let secant = Secant::new(table.clone(), constants.nominal_force).ok_or(
-                        ElementError::NominalTorque {
-                            torque_nm: parameters.nominal_torque,
-                        },
-                    )?;
-                    Ok(Arc::new(secant))
-                };
-                let drive = surface(&laws.drive)?;
-                let coast = match &laws.coast {
-                    Some(own) => Law::table(surface(own)?, false, effects),
-                    None => Law::table(drive.clone(), true, effects),
-                };
-                [Law::table(drive, false, effects), coast]
-            }
-        };
         let laws = match parameters.loaded_flank {
             LoadedFlank::Drive => [Some(drive), None],
             LoadedFlank::Coast => [None, Some(coast)],

@@ -102,7 +102,7 @@ fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Placed<T>, El
 fn tooth_angle_zero(k: &Constants) -> f64 {
     let w = k.pitch_fraction;
     let behind = |is: bool| if is { std::f64::consts::PI } else { 0.0 };
-    -k.z[0] * behind(w < 0.0) - k.e * k.z[1] * behind(w < 1.0)
+    k.tooth_zero - k.z[0] * behind(w < 0.0) - k.e * k.z[1] * behind(w < 1.0)
         + k.hand * k.face_offset * k.tan_beta_b * k.z[0] / k.rb[0]
 }
 

@@ -1,6 +1,8 @@
 //! The choices a user makes, named as in the FMU.
 
 use super::error::ElementError;
+use crate::gear::PairGeometry;
+use crate::table::{Effects, Interpolation, Load};
 
 /// Where the stiffness comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,17 +20,6 @@ pub enum Formulation {
     Paper,
     /// Exact involute helicoids with the force along the exact gradient; keeps energy.
     Conjugate,
-}
-
-/// Interpolant of the table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Interpolation {
-    /// Multilinear.
-    Linear,
-    /// C2 tensor spline.
-    Spline,
-    /// Modified Shepard method, the paper's.
-    Shepard,
 }
 
 /// Which flanks of gear 1 can carry.
@@ -118,6 +109,23 @@ impl Default for Parameters {
 }
 
 impl Parameters {
+    /// What these parameters ask of the table of `pair`.
+    pub fn table_effects(&self, pair: &PairGeometry) -> Effects {
+        Effects {
+            interpolation: self.interpolation,
+            load: if self.load_dependent {
+                Load::Variable
+            } else {
+                Load::Constant {
+                    loa_force: self.nominal_torque / pair.gears[0].base_radius(),
+                }
+            },
+            center_distance: self.center_distance_effect,
+            misalignment: self.misalignment_effect,
+            shuttling: self.shuttling_effect,
+        }
+    }
+
     /// Every number has a meaning.
     pub(crate) fn check(&self) -> Result<(), ElementError> {
         let positive = "give a finite number above zero";

@@ -151,7 +151,7 @@ fn conservative_elements() -> Vec<Element> {
                 let constant = undamped(Formulation::Conjugate, flank);
                 let table = with_table(constant);
                 elements.push(Element::new(&pair, &constant, None).unwrap());
-                elements.push(Element::new(&pair, &table, Some(&smooth_laws())).unwrap());
+                elements.push(Element::with_laws(&pair, &table, &smooth_laws()).unwrap());
             }
         }
     }
@@ -248,7 +248,7 @@ fn loop_work(element: &Element, start: &Inputs, i: usize, j: usize, size: [f64; 
 fn closed_loops_in_every_pair_of_freedoms_do_no_work() {
     for pair in three_pairs(1.0) {
         let parameters = with_table(undamped(Formulation::Conjugate, LoadedFlank::Both));
-        let element = Element::new(&pair, &parameters, Some(&smooth_laws())).unwrap();
+        let element = Element::with_laws(&pair, &parameters, &smooth_laws()).unwrap();
         let mut start = compressed(&element, 1.0, 80e-6);
         start.gears[1].r =
             Rotation3::from_euler_angles(1e-3, -0.5e-3, 0.0).matrix() * start.gears[1].r;

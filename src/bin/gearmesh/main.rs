@@ -7,6 +7,7 @@ mod inspect;
 mod model;
 mod output;
 mod pair_summary;
+mod progress;
 mod report;
 mod solve;
 

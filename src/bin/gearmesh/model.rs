@@ -6,36 +6,56 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use gearmesh::compliance::ToothCompliance;
 use gearmesh::compliance::analytical::{AnalyticalCompliance, AxialState};
+use gearmesh::compliance::finite_element::{FiniteElementCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
-use gearmesh::pair::Pair;
+use gearmesh::gear::Gear;
+use gearmesh::pair::{ComplianceMethod, Pair, Refinement};
 
 use crate::Error;
+use crate::progress::Progress;
 
 /// `on` or `off`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Switch {
-    /// Yes.
+    /// Yes
     On,
-    /// No.
+    /// No
     Off,
 }
 
 /// Elastic model of the teeth on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Method {
-    /// Closed form: milliseconds.
+    /// Three-dimensional finite elements
+    FiniteElement,
+    /// Closed form: milliseconds, for first looks
     Analytical,
 }
 
+/// Fineness of the finite-element model on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Level {
+    /// Quickest
+    Coarse,
+    /// The default
+    Normal,
+    /// For convergence studies
+    Fine,
+}
+
 /// How teeth are modelled.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Model")]
 pub struct ModelArgs {
-    /// Elastic model of teeth and blanks
+    /// Elastic model of teeth and blanks [default: as the pair file says, finite-element]
     #[arg(long, value_enum)]
-    compliance: Method,
+    compliance: Option<Method>,
 
-    /// Whether tip corners may touch outside the path of contact [default: as the pair file says]
+    /// Fineness of the finite elements [default: as the pair file says, normal]
+    #[arg(long, value_enum)]
+    refinement: Option<Level>,
+
+    /// Whether tip corners may touch outside the path of contact [default: as the pair file says, on]
     #[arg(long, value_enum)]
     tip_corner_contact: Option<Switch>,
 
@@ -50,59 +70,143 @@ pub struct ModelArgs {
     /// Threads to use [default: one per core]
     #[arg(long)]
     threads: Option<usize>,
+
+    /// No progress on standard error
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 /// A contact solver and what it took to make it.
 pub struct Model {
     /// The solver.
     pub solver: ContactSolver,
-    /// Seconds for the elastic models.
+    /// Seconds for the elastic models of both gears.
     pub compliance_seconds: f64,
     /// The elastic model in words.
     pub description: String,
 }
 
+type Compliance = [Arc<dyn ToothCompliance>; 2];
+
 impl ModelArgs {
-    /// The solver for `pair`.
-    pub fn solver(&self, pair: &Pair) -> Result<Model, Error> {
+    /// The pair with the choices of the command line in place of those of the file.
+    pub fn applied_to(&self, mut pair: Pair) -> Pair {
+        if let Some(method) = self.compliance {
+            pair.compliance.method = match method {
+                Method::FiniteElement => ComplianceMethod::FiniteElement,
+                Method::Analytical => ComplianceMethod::Analytical,
+            };
+        }
+        if let Some(level) = self.refinement {
+            pair.compliance.refinement = match level {
+                Level::Coarse => Refinement::Coarse,
+                Level::Normal => Refinement::Normal,
+                Level::Fine => Refinement::Fine,
+            };
+        }
+        if let Some(switch) = self.tip_corner_contact {
+            pair.tip_corner_contact = switch == Switch::On;
+        }
+        pair
+    }
+
+    /// How much is said on standard error.
+    pub fn progress(&self) -> Progress {
+        Progress::new(self.quiet)
+    }
+
+    /// Sets the number of threads. Once per run.
+    pub fn use_threads(&self) -> Result<(), Error> {
         if let Some(threads) = self.threads {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build_global()?;
         }
+        Ok(())
+    }
+
+    /// The solver for `pair`, to which the command line has been applied.
+    pub fn solver(&self, pair: &Pair) -> Result<Model, Error> {
         let begin = Instant::now();
-        let axial = if self.plane_strain {
-            AxialState::PlaneStrain
-        } else {
-            AxialState::Free
+        let compliance = match pair.compliance.method {
+            ComplianceMethod::Analytical => self.analytical(pair)?,
+            ComplianceMethod::FiniteElement => self.finite_element(pair)?,
         };
-        let model = |i: usize| -> Result<Arc<dyn ToothCompliance>, Error> {
-            let gear = &pair.geometry.gears[i];
-            Ok(match self.compliance {
-                Method::Analytical => Arc::new(AnalyticalCompliance::new(gear, axial)?),
-            })
-        };
-        let compliance = [model(0)?, model(1)?];
         let compliance_seconds = begin.elapsed().as_secs_f64();
         let settings = ContactSettings {
             stations: self.stations,
-            tip_corner_contact: match self.tip_corner_contact {
-                Some(switch) => switch == Switch::On,
-                None => pair.tip_corner_contact,
-            },
+            tip_corner_contact: pair.tip_corner_contact,
             ..ContactSettings::default()
         };
         Ok(Model {
             solver: ContactSolver::new(pair, compliance, settings)?,
             compliance_seconds,
-            description: format!(
-                "analytical{}",
-                if self.plane_strain {
-                    ", plane strain"
-                } else {
-                    ""
+            description: self.description(pair),
+        })
+    }
+
+    fn description(&self, pair: &Pair) -> String {
+        let mut words = match pair.compliance.method {
+            ComplianceMethod::Analytical => "analytical".to_owned(),
+            ComplianceMethod::FiniteElement => format!(
+                "finite elements, {}",
+                match pair.compliance.refinement {
+                    Refinement::Coarse => "coarse",
+                    Refinement::Normal => "normal",
+                    Refinement::Fine => "fine",
                 }
             ),
-        })
+        };
+        if self.plane_strain {
+            words.push_str(", plane strain");
+        }
+        if !pair.tip_corner_contact {
+            words.push_str(", contact on the path only");
+        }
+        words
+    }
+
+    fn analytical(&self, pair: &Pair) -> Result<Compliance, Error> {
+        let axial = if self.plane_strain {
+            AxialState::PlaneStrain
+        } else {
+            AxialState::Free
+        };
+        let model = |gear: &Gear| -> Result<Arc<dyn ToothCompliance>, Error> {
+            Ok(Arc::new(AnalyticalCompliance::new(gear, axial)?))
+        };
+        let [first, second] = &pair.geometry.gears;
+        Ok([model(first)?, model(second)?])
+    }
+
+    fn finite_element(&self, pair: &Pair) -> Result<Compliance, Error> {
+        let settings = Settings {
+            plane_strain: self.plane_strain,
+            ..Settings::for_pair(&pair.geometry, pair.compliance.refinement)
+        };
+        let progress = self.progress();
+        let model = |i: usize| -> Result<Arc<dyn ToothCompliance>, Error> {
+            let bar = progress.share(&format!("finite elements of gear {}", i + 1));
+            let told = |stage, share| {
+                bar.set(&format!("{stage:?}").to_lowercase(), share);
+                true
+            };
+            Ok(Arc::new(FiniteElementCompliance::new(
+                &pair.geometry.gears[i],
+                &settings,
+                &told,
+            )?))
+        };
+        let first = model(0)?;
+        let [a, b] = &pair.geometry.gears;
+        // In canonical coordinates hand and axial position play no part.
+        let equal = *a
+            == Gear {
+                hand: a.hand,
+                face_offset: a.face_offset,
+                ..b.clone()
+            };
+        let second = if equal { first.clone() } else { model(1)? };
+        Ok([first, second])
     }
 }

@@ -67,7 +67,8 @@ pub struct Solve {
 impl Solve {
     /// Solves and prints.
     pub fn run(self) -> Result<(), crate::Error> {
-        let pair = Pair::read(&self.pair)?;
+        let pair = self.model.applied_to(Pair::read(&self.pair)?);
+        self.model.use_threads()?;
         let model = self.model.solver(&pair)?;
         let input = CycleInput {
             flank: self.flank.into(),

@@ -47,7 +47,8 @@ pub struct Report {
 impl Report {
     /// Solves, draws and writes.
     pub fn run(self) -> Result<(), Error> {
-        let pair = Pair::read(&self.pair)?;
+        let pair = self.model.applied_to(Pair::read(&self.pair)?);
+        self.model.use_threads()?;
         let model = self.model.solver(&pair)?;
         let cycles = self.cycles(&pair, &model)?;
 

@@ -4,6 +4,10 @@ use super::transverse::TransverseSection;
 use crate::compliance::Strip;
 use crate::gear::{Flank, Gear, Microgeometry, PairGeometry};
 
+/// Points of a strip at which the local contact is evaluated apart, so that the edge of the contact crosses
+/// a strip in small steps: at the middles of equal parts.
+pub const POINTS: usize = 4;
+
 /// A strip of one contact line that may carry load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
@@ -14,9 +18,9 @@ pub struct Candidate {
     pub z: [f64; 2],
     /// Length of roll on gear 1 and gear 2 at mid-strip, m.
     pub roll: [f64; 2],
-    /// Gap along the line of action before load and misalignment, m: microgeometry of both flanks and
-    /// the separation off the path of contact.
-    pub gap: f64,
+    /// Gaps along the line of action before load and misalignment at the points of the strip, ascending in z,
+    /// m: microgeometry of both flanks and the separation off the path of contact.
+    pub gap: [f64; POINTS],
     /// Relative radius of curvature in the normal section, m.
     pub radius: f64,
     /// The strip in the canonical coordinates of gear 1 and gear 2.
@@ -28,6 +32,15 @@ impl Candidate {
     pub fn middle(&self) -> f64 {
         0.5 * (self.z[0] + self.z[1])
     }
+
+    /// Points at which [`Candidate::gap`] is given, in gear 1's frame, m.
+    pub fn points(&self) -> [f64; POINTS] {
+        points(self.z)
+    }
+}
+
+fn points(z: [f64; 2]) -> [f64; POINTS] {
+    std::array::from_fn(|q| z[0] + (z[1] - z[0]) * (q as f64 + 0.5) / POINTS as f64)
 }
 
 /// What does not change with the position of the mesh.
@@ -102,13 +115,16 @@ impl ContactLines<'_> {
         let middle = point(0.5 * (z[0] + z[1]));
         let ends = z.map(point);
         let cos_beta_b = g.base_helix_angle().cos();
-        let removal: f64 = (0..2)
-            .map(|i| {
-                let gear = &g.gears[i];
-                let own_z = 0.5 * (z[0] + z[1]) - gear.face_offset;
-                self.microgeometry[i].removal(gear, middle.roll[i], own_z)
-            })
-            .sum();
+        let gap = points(z).map(|z| {
+            let at = point(z);
+            let removal: f64 = (0..2)
+                .map(|i| {
+                    let gear = &g.gears[i];
+                    self.microgeometry[i].removal(gear, at.roll[i], z - gear.face_offset)
+                })
+                .sum();
+            removal / cos_beta_b + at.separation
+        });
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
             .map(|i| g.gears[i].kappa() * cos_beta_b / middle.roll[i])
@@ -117,7 +133,7 @@ impl ContactLines<'_> {
             tooth_pair: k,
             z,
             roll: middle.roll,
-            gap: removal / cos_beta_b + middle.separation,
+            gap,
             radius: curvature.recip(),
             strips: [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]])),
         }

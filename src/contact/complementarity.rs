@@ -2,10 +2,10 @@
 //!
 //! Strips i with normal forces F_i >= 0 and a load cos beta_b sum F_i = F_bt at the approach delta:
 //!
-//! x_i = cos beta_b (delta - g_i) - (A F)_i is what the local contact has to take up, F_i = phi_i(x_i),
+//! x_i = cos beta_b delta - (A F)_i is what local contact and gaps have to take up, F_i = phi_i(x_i),
 //!
-//! A the bulk influence matrix, g the gaps along the line of action and phi the inverse of the local
-//! law, zero for x <= 0. Eliminating the local contact like this leaves no inequality: the solution
+//! A the bulk influence matrix, phi_i(x) = sum_q l_q(x - cos beta_b g_iq) over the points q of the strip, g
+//! the gaps along the line of action and l_q the inverse of the local law, zero for arguments <= 0. Eliminating the local contact like this leaves no inequality: the solution
 //! is the minimum over (y, delta) of the convex function with a continuous gradient
 //!
 //! J = y' A y / 2 + sum Phi_i(x_i(y, delta)) - F_bt delta, Phi' = phi,
@@ -14,6 +14,7 @@
 //! contact, D + A with D = 1 / phi', bordered by the load. A search along each step for the zero of the
 //! (monotone) directional derivative makes it descend from any start.
 
+use super::candidates::POINTS;
 use super::cholesky::{Cholesky, dot};
 use super::error::ContactError;
 use super::hertz::LocalContact;
@@ -22,10 +23,10 @@ use super::hertz::LocalContact;
 pub struct Problem<'a> {
     /// Bulk influence matrix, m/N, row by row, symmetric.
     pub bulk: &'a [f64],
-    /// Local law of each strip.
+    /// Local law of one point of each strip.
     pub local: &'a [LocalContact],
-    /// Gap along the line of action, m, misalignment included.
-    pub gap: &'a [f64],
+    /// Gaps along the line of action at the points of each strip, m, misalignment included.
+    pub gap: &'a [[f64; POINTS]],
     /// cos beta_b: normal over transverse.
     pub cos_beta_b: f64,
 }
@@ -46,9 +47,12 @@ pub struct Solution {
     pub force: Vec<f64>,
     /// Approach on the line of action, m.
     pub approach: f64,
+    /// What local contact and gap have to take up together on each strip, m.
+    pub closing: Vec<f64>,
     /// Newton steps.
     pub iterations: usize,
-    /// Largest violation of equilibrium, gap or sign, relative to the largest penetration or force.
+    /// Largest violation of equilibrium or of the contact conditions: force on a strip less what its gaps
+    /// and local contact ask for under the displacement of all forces, over the largest force.
     pub kkt_residual: f64,
     /// Indices of the strips in contact.
     pub active: Vec<usize>,
@@ -117,6 +121,7 @@ impl Problem<'_> {
                 }
                 if at.y.iter().all(|y| *y == 0.0) {
                     solution.force = at.y;
+                    solution.closing = at.x;
                     solution.approach = at.delta;
                     solution.iterations = iteration;
                     return Ok(solution);
@@ -172,9 +177,8 @@ impl Problem<'_> {
                     Target::Force(force) => self.foundation_approach(force, foundation),
                 };
                 for i in 0..self.len() {
-                    at.y[i] = foundation
-                        * self.local[i].length()
-                        * (c * (at.delta - self.gap[i])).max(0.0);
+                    let closed: f64 = self.gap[i].iter().map(|g| (at.delta - g).max(0.0)).sum();
+                    at.y[i] = foundation * self.local[i].length() * c * closed;
                 }
             }
         }
@@ -186,25 +190,40 @@ impl Problem<'_> {
     /// Approach at which independent springs of the stiffness `foundation` per length carry `force`.
     fn foundation_approach(&self, force: f64, foundation: f64) -> f64 {
         let c = self.cos_beta_b;
-        let mut order: Vec<usize> = (0..self.len()).collect();
-        order.sort_by(|&a, &b| self.gap[a].total_cmp(&self.gap[b]));
+        let mut order: Vec<(f64, f64)> = self
+            .gap
+            .iter()
+            .zip(self.local)
+            .flat_map(|(gaps, local)| gaps.map(|g| (g, c * c * foundation * local.length())))
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (mut stiffness, mut moment) = (0.0, 0.0);
-        for (rank, &i) in order.iter().enumerate() {
-            let k = c * c * foundation * self.local[i].length();
+        for (rank, (gap, k)) in order.iter().enumerate() {
             stiffness += k;
-            moment += k * self.gap[i];
+            moment += k * gap;
             let delta = (force + moment) / stiffness;
-            if rank + 1 == order.len() || delta <= self.gap[order[rank + 1]] {
+            if order.get(rank + 1).is_none_or(|next| delta <= next.0) {
                 return delta;
             }
         }
         0.0
     }
 
+    /// Force on strip `i` and its derivative where local contact and gaps take up `x`.
+    fn law(&self, i: usize, x: f64) -> (f64, f64) {
+        let mut sum = (0.0, 0.0);
+        for gap in &self.gap[i] {
+            let (force, slope) = self.local[i].force(x - self.cos_beta_b * gap);
+            sum.0 += force;
+            sum.1 += slope;
+        }
+        sum
+    }
+
     fn refresh(&self, at: &mut Iterate) {
         for i in 0..self.len() {
-            at.x[i] = self.cos_beta_b * (at.delta - self.gap[i]) - at.ay[i];
-            at.phi[i] = self.local[i].force(at.x[i]);
+            at.x[i] = self.cos_beta_b * at.delta - at.ay[i];
+            at.phi[i] = self.law(i, at.x[i]);
         }
     }
 
@@ -283,7 +302,7 @@ impl Problem<'_> {
         let c = self.cos_beta_b;
         let (mut slope, mut carried) = (0.0, 0.0);
         for i in 0..self.len() {
-            let phi = self.local[i].force(at.x[i] + t * (c * d_delta - q[i])).0;
+            let phi = self.law(i, at.x[i] + t * (c * d_delta - q[i])).0;
             slope += q[i] * (at.y[i] + t * dy[i] - phi);
             carried += c * phi;
         }
@@ -343,26 +362,23 @@ impl Problem<'_> {
             let scale = wanted / (c * force.iter().sum::<f64>());
             force.iter_mut().for_each(|f| *f *= scale);
         }
-        if let Some(strip) = (0..self.len()).find(|&i| self.local[i].is_too_wide(force[i])) {
-            return Err(ContactError::ContactTooWide {
-                strip,
-                pressure_mpa: 1e-6 * self.local[strip].pressure(force[strip]),
-            });
-        }
         let deflection = self.multiply(&force);
-        let largest = at.x.iter().copied().fold(0.0, f64::max);
-        solution.kkt_residual = (0..self.len())
-            .map(|i| {
-                let gap = deflection[i] + self.local[i].penetration(force[i])
-                    - c * (at.delta - self.gap[i]);
-                if force[i] > 0.0 {
-                    gap.abs()
-                } else {
-                    (-gap).max(0.0)
+        let largest = force.iter().copied().fold(0.0, f64::max);
+        for (strip, (deflection, force)) in deflection.iter().zip(&force).enumerate() {
+            let x = c * at.delta - deflection;
+            let error = (force - self.law(strip, x).0).abs() / largest;
+            solution.kkt_residual = solution.kkt_residual.max(error);
+            let local = &self.local[strip];
+            for gap in &self.gap[strip] {
+                let point = local.force(x - c * gap).0;
+                if local.is_too_wide(point) {
+                    return Err(ContactError::ContactTooWide {
+                        strip,
+                        pressure_mpa: 1e-6 * local.pressure(point),
+                    });
                 }
-            })
-            .fold(0.0, f64::max)
-            / largest;
+            }
+        }
         if let Target::Force(wanted) = target {
             let carried = c * force.iter().sum::<f64>();
             solution.kkt_residual = solution.kkt_residual.max((carried / wanted - 1.0).abs());
@@ -373,6 +389,7 @@ impl Problem<'_> {
             .extend((0..self.len()).filter(|&i| force[i] > 0.0));
         self.factor(&at, &mut solution)?;
         solution.force = force;
+        solution.closing = at.x;
         solution.approach = at.delta;
         Ok(solution)
     }

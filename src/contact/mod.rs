@@ -8,7 +8,8 @@
 //! Everything is measured on the line of action at mid-face: the approach delta (STE) counts from where
 //! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z.
 //! The gap of a strip is the removal of both flanks over cos beta_b, plus the separation off the path of
-//! contact, minus M (z - z_ref). F_bt = cos beta_b sum F_i and the torque on gear 1 is F_bt rb1, on tip
+//! contact, minus M (z - z_ref). It is taken at several points of each strip, so that the edge of the
+//! contact moves in small steps; forces and bulk displacements are those of whole strips. F_bt = cos beta_b sum F_i and the torque on gear 1 is F_bt rb1, on tip
 //! edges, too, where its arm differs by the few hundredths of a radian between edge and line of action.
 
 mod candidates;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::candidates::Candidate;
+use super::candidates::{Candidate, POINTS};
 use super::complementarity::{Problem, Solution, Target};
 use super::error::ContactError;
 use super::hertz::{LocalBody, LocalContact};
@@ -52,7 +52,8 @@ pub struct ContactResult {
     pub load_share: Vec<(i32, f64)>,
     /// Largest Hertz pressure, Pa.
     pub max_pressure: f64,
-    /// Largest violation of equilibrium, gap or sign over the largest penetration or force.
+    /// Largest violation of equilibrium or of the contact conditions over the largest force: force on a
+    /// strip less what its gaps and local contact ask for under the displacement of all forces.
     pub kkt_residual: f64,
     /// Newton steps it took.
     pub iterations: usize,
@@ -60,6 +61,8 @@ pub struct ContactResult {
     pub tangent: Tangent,
     /// Normal force on each strip, N, in the order of [`PositionProblem::candidates`].
     pub forces: Vec<f64>,
+    /// Largest Hertz pressure on each strip, Pa.
+    pub pressures: Vec<f64>,
 }
 
 /// The contact problem at one position and centre distance: influence matrix and gaps.
@@ -67,9 +70,10 @@ pub struct PositionProblem {
     candidates: Vec<Candidate>,
     /// Bulk influence matrix of both gears, row by row.
     bulk: Vec<f64>,
+    /// Law of one point of each strip.
     local: Vec<LocalContact>,
-    /// Middle of each strip from mid-face, m.
-    lever: Vec<f64>,
+    /// Points of each strip from mid-face, m.
+    lever: Vec<[f64; POINTS]>,
     cos_beta_b: f64,
     base_radius: f64,
     z_ref: f64,
@@ -109,13 +113,16 @@ impl PositionProblem {
                         reference_length: lengths[i][strip],
                     }
                 });
-                let length = (candidate.z[1] - candidate.z[0]) / cos_beta_b;
+                let length = (candidate.z[1] - candidate.z[0]) / cos_beta_b / POINTS as f64;
                 LocalContact::new(bodies, candidate.radius, length)
             })
             .collect();
         let z_ref = geometry.z_ref();
         PositionProblem {
-            lever: candidates.iter().map(|c| c.middle() - z_ref).collect(),
+            lever: candidates
+                .iter()
+                .map(|c| c.points().map(|z| z - z_ref))
+                .collect(),
             candidates,
             bulk: symmetric,
             local,
@@ -137,12 +144,12 @@ impl PositionProblem {
         &self.bulk
     }
 
-    /// Gaps along the line of action under `misalignment`, m.
-    fn gaps(&self, misalignment: f64) -> Vec<f64> {
+    /// Gaps at the points of each strip along the line of action under `misalignment`, m.
+    fn gaps(&self, misalignment: f64) -> Vec<[f64; POINTS]> {
         self.candidates
             .iter()
             .zip(&self.lever)
-            .map(|(c, lever)| c.gap - misalignment * lever)
+            .map(|(c, lever)| std::array::from_fn(|q| c.gap[q] - misalignment * lever[q]))
             .collect()
     }
 
@@ -150,6 +157,7 @@ impl PositionProblem {
     pub fn no_load_approach(&self, misalignment: f64) -> f64 {
         self.gaps(misalignment)
             .into_iter()
+            .flatten()
             .fold(f64::INFINITY, f64::min)
     }
 
@@ -218,6 +226,7 @@ impl PositionProblem {
             let needed = self
                 .lever
                 .iter()
+                .flatten()
                 .map(|lever| solution.approach + misalignment * lever)
                 .fold(f64::NEG_INFINITY, f64::max);
             if needed > reach {
@@ -227,13 +236,29 @@ impl PositionProblem {
                 });
             }
         }
-        Ok(self.result(solution))
+        Ok(self.result(solution, &gap))
     }
 
-    fn result(&self, solution: Solution) -> ContactResult {
+    fn result(&self, solution: Solution, gap: &[[f64; POINTS]]) -> ContactResult {
         let c = self.cos_beta_b;
         let loa_force = c * solution.force.iter().sum::<f64>();
-        let moment = c * dot(&solution.force, &self.lever);
+        let mut moment = 0.0;
+        let mut pressures = vec![0.0f64; solution.force.len()];
+        // Sums of the derivatives of the forces at the points, times powers 0, 1, 2 of their levers.
+        let mut slopes = vec![[0.0; 3]; solution.force.len()];
+        for i in 0..solution.force.len() {
+            if solution.force[i] == 0.0 {
+                continue;
+            }
+            for (gap, lever) in gap[i].iter().zip(&self.lever[i]) {
+                let (force, slope) = self.local[i].force(solution.closing[i] - c * gap);
+                moment += c * force * lever;
+                pressures[i] = pressures[i].max(self.local[i].pressure(force));
+                for (power, sum) in (0..).zip(&mut slopes[i]) {
+                    *sum += slope * lever.powi(power);
+                }
+            }
+        }
         let mut load_share: Vec<(i32, f64)> = Vec::new();
         for (candidate, force) in self.candidates.iter().zip(&solution.force) {
             let share = if loa_force > 0.0 {
@@ -246,12 +271,7 @@ impl PositionProblem {
                 _ => load_share.push((candidate.tooth_pair, share)),
             }
         }
-        let max_pressure = self
-            .local
-            .iter()
-            .zip(&solution.force)
-            .map(|(local, force)| local.pressure(*force))
-            .fold(0.0, f64::max);
+        let max_pressure = pressures.iter().copied().fold(0.0, f64::max);
         ContactResult {
             approach: solution.approach,
             loa_force,
@@ -266,23 +286,28 @@ impl PositionProblem {
             max_pressure,
             kkt_residual: solution.kkt_residual,
             iterations: solution.iterations,
-            tangent: self.tangent(&solution),
+            tangent: self.tangent(&solution, &slopes),
+            pressures,
             forces: solution.force,
         }
     }
 
-    /// With K the matrix over the strips in contact and c = cos beta_b, dF = K^-1 c (d delta + lever dM).
-    fn tangent(&self, solution: &Solution) -> Tangent {
+    /// With K the matrix over the strips in contact, c = cos beta_b, and s_n the sums of phi' times the
+    /// n-th power of the lever over the points of a strip: dF = K^-1 c (d delta + s_1 / s_0 dM), and the
+    /// moment changes by c (s_1 / s_0 dF + c (s_2 - s_1^2 / s_0) dM).
+    fn tangent(&self, solution: &Solution, slopes: &[[f64; 3]]) -> Tangent {
         let c = self.cos_beta_b;
-        let levers: Vec<f64> = solution.active.iter().map(|&i| self.lever[i]).collect();
+        let active = || solution.active.iter().map(|&i| slopes[i]);
+        let levers: Vec<f64> = active().map(|s| s[1] / s[0]).collect();
         let mut by_approach = vec![c; levers.len()];
         let mut by_misalignment: Vec<f64> = levers.iter().map(|l| c * l).collect();
         solution.factor.solve(&mut by_approach);
         solution.factor.solve(&mut by_misalignment);
+        let within: f64 = active().map(|s| s[2] - s[1] * s[1] / s[0]).sum();
         Tangent {
             force_by_approach: c * by_approach.iter().sum::<f64>(),
             force_by_misalignment: c * by_misalignment.iter().sum::<f64>(),
-            moment_by_misalignment: c * dot(&by_misalignment, &levers),
+            moment_by_misalignment: c * (dot(&by_misalignment, &levers) + c * within),
         }
     }
 
@@ -290,14 +315,14 @@ impl PositionProblem {
     pub fn strip_loads(&self, result: &ContactResult) -> Vec<StripLoad> {
         self.candidates
             .iter()
-            .zip(&self.local)
             .zip(&result.forces)
-            .map(|((candidate, local), &force)| StripLoad {
+            .zip(&result.pressures)
+            .map(|((candidate, &force), &pressure)| StripLoad {
                 tooth_pair: candidate.tooth_pair,
                 z: candidate.z,
                 roll: candidate.roll,
                 force,
-                pressure: local.pressure(force),
+                pressure,
             })
             .collect()
     }

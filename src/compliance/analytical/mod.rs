@@ -8,6 +8,10 @@
 //!   into cosine waves, whose flexibility tends to that of a half-space.
 //! - **Local contact**: Weber and Banaschek (1953): ln(2 t / b) - nu / (2 (1 - nu)) per gear, t the depth of
 //!   the centre line under the flank, which makes L = t exp(-1/2 - nu / (2 (1 - nu))).
+//!
+//! Measured against plane finite elements (plane strain, spur, 17 to 50 teeth, bore radius = root radius /
+//! 1.4, contact on the path): tooth compliance -1 to +4 %, mean STE -5 to 0 %, peak-to-peak STE -6 to +2 %.
+//! The one fitted constant is the place of the root section on the fillet.
 
 mod annulus;
 mod base;

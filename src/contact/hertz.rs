@@ -92,21 +92,6 @@ impl LocalContact {
         -0.5 * self.c * (u + 1.0)
     }
 
-    /// Penetration, m, under the force `f` (N), f >= 0: the inverse of [`LocalContact::force`].
-    pub fn penetration(&self, f: f64) -> f64 {
-        if f <= 0.0 {
-            return 0.0;
-        }
-        // u = ln w - 2 B / c = ln w + log_scale - ln(2 / c).
-        let u = (0.5 * self.c * f / self.length).ln() + self.log_scale;
-        if u >= U_WIDE {
-            let x_wide = ((-U_WIDE).ln() + U_WIDE - self.log_scale).exp();
-            let f_wide = self.length * 2.0 * x_wide / (self.c * -U_WIDE);
-            return x_wide + (f - f_wide) * self.slope_at(U_WIDE) / self.length;
-        }
-        0.5 * self.c * -u * f / self.length
-    }
-
     /// Whether the Hertz half-width under the force `f` exceeds the reference length.
     pub fn is_too_wide(&self, f: f64) -> bool {
         f > 0.0 && (0.5 * self.c * f / self.length).ln() + self.log_scale >= U_WIDE
@@ -156,7 +141,6 @@ mod tests {
                 .map(|l| 2.0 * STEEL / std::f64::consts::PI * w * ((2.0 * l / b).ln() + 0.5))
                 .sum();
             assert_relative_eq!(law.force(h).0, w * 0.6e-3, max_relative = 1e-13);
-            assert_relative_eq!(law.penetration(w * 0.6e-3), h, max_relative = 1e-13);
         }
     }
 

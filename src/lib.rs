@@ -58,6 +58,7 @@ pub mod contact;
 #[cfg(feature = "driver")]
 pub mod driver;
 pub mod element;
+pub mod fmi;
 pub mod gear;
 #[cfg(feature = "preprocess")]
 pub mod pair;

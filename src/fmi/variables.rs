@@ -177,7 +177,9 @@ mod tests {
         assert_eq!(before.len(), after.len());
         let changed = before.iter().zip(&after).filter(|(a, b)| a != b).count();
         assert_eq!(changed, 5);
-        assert!(text.contains("<Real unit=\"m\" displayUnit=\"mm\" nominal=\"0.1\" start=\"0.25\"/>"));
+        assert!(
+            text.contains("<Real unit=\"m\" displayUnit=\"mm\" nominal=\"0.1\" start=\"0.25\"/>")
+        );
         assert!(text.contains("<Boolean start=\"true\"/>"));
         assert!(text.contains("declaredType=\"StiffnessModel\" start=\"2\""));
     }

@@ -1,0 +1,565 @@
+//! The C interface of FMI 2.0: the one file with unsafe code.
+//!
+//! Every function runs inside [`call`], which refuses null components and wrong states, turns a
+//! panic into fmi2Fatal, and reports to the host's logger. The compiler compares each signature with
+//! the type that the standard's header gives it (`TYPE`).
+//!
+//! # Safety
+//! All functions ask of the host what the standard asks: a component is null or came from
+//! fmi2Instantiate and was not freed, arrays hold as many items as said (null only with none), strings
+//! end with a zero byte, and one instance is used by one thread at a time. This is the safety contract
+//! of every `unsafe fn` below, and what each of them relies on where it follows a pointer.
+#![allow(unsafe_code, unsafe_op_in_unsafe_fn, non_snake_case)]
+#![allow(clippy::missing_safety_doc)] // stated once, above
+
+use std::any::Any;
+use std::ffi::{CStr, CString, c_char};
+use std::mem::MaybeUninit;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr;
+
+use ::fmi::fmi2::binding::*;
+
+use super::instance::Instance;
+use super::lifecycle::{Function, State};
+use super::report::{EVENTS, Refusal, Severity, Wanted};
+use super::resources;
+use super::variables::Kind;
+
+/// What a fmi2Component points to.
+struct Component {
+    instance: Instance,
+    log: Log,
+}
+
+/// The host's logger. The callbacks are copied: their struct is valid during fmi2Instantiate alone.
+struct Log {
+    logger: fmi2CallbackLogger,
+    environment: fmi2ComponentEnvironment,
+    name: CString,
+    wanted: Wanted,
+}
+
+impl Log {
+    fn write(&self, status: fmi2Status, category: &str, text: &str) {
+        let (Some(logger), true) = (self.logger, self.wanted.contains(category)) else {
+            return;
+        };
+        // '#' starts a reference to a variable in a message, '##' is the character.
+        let text = c_string(&text.replace('#', "##"));
+        let category = c_string(category);
+        // Safety: the logger is the host's; the format takes one string, and all strings outlive it.
+        unsafe {
+            logger(
+                self.environment,
+                self.name.as_ptr(),
+                status,
+                category.as_ptr(),
+                c"%s".as_ptr(),
+                text.as_ptr(),
+            );
+        }
+    }
+}
+
+/// `text` as a C string; a zero byte inside it ends it.
+fn c_string(text: &str) -> CString {
+    CString::new(text.split('\0').next().unwrap_or("")).unwrap_or_default()
+}
+
+const fn status(severity: Severity) -> fmi2Status {
+    match severity {
+        Severity::Warning => fmi2Status_fmi2Warning,
+        Severity::Discard => fmi2Status_fmi2Discard,
+        Severity::Error => fmi2Status_fmi2Error,
+        Severity::Fatal => fmi2Status_fmi2Fatal,
+    }
+}
+
+/// Runs `body` for the function `name` on the component `c`.
+unsafe fn call(
+    c: fmi2Component,
+    function: Function,
+    name: &str,
+    body: impl FnOnce(&mut Component) -> Result<(), Refusal>,
+) -> fmi2Status {
+    let Some(component) = c.cast::<Component>().as_mut() else {
+        return fmi2Status_fmi2Error;
+    };
+    if component.instance.state() == State::Fatal {
+        return fmi2Status_fmi2Fatal;
+    }
+    let outcome = catch_unwind(AssertUnwindSafe(|| {
+        component.instance.admit(function, name)?;
+        body(component)
+    }))
+    .unwrap_or_else(|panic| {
+        Err(Refusal {
+            severity: Severity::Fatal,
+            message: format!("{name}: internal error: {}", panic_text(&panic)),
+        })
+    });
+    for event in component.instance.take_events() {
+        component.log.write(fmi2Status_fmi2OK, EVENTS, &event);
+    }
+    let Err(refusal) = outcome else {
+        return fmi2Status_fmi2OK;
+    };
+    match refusal.severity {
+        Severity::Error => component.instance.fail(State::Error),
+        Severity::Fatal => component.instance.fail(State::Fatal),
+        Severity::Warning | Severity::Discard => {}
+    }
+    let status = status(refusal.severity);
+    let category = refusal.severity.category();
+    component.log.write(status, category, &refusal.message);
+    status
+}
+
+fn panic_text(panic: &Box<dyn Any + Send>) -> &str {
+    let text = panic.downcast_ref::<&str>().copied();
+    text.or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("unknown cause")
+}
+
+/// The host's array of `count` items at `data`; null is legal for none.
+unsafe fn array<'a, T>(data: *const T, count: usize, what: &str) -> Result<&'a [T], Refusal> {
+    check_array(data, count, what)?;
+    if count == 0 {
+        return Ok(&[]);
+    }
+    Ok(std::slice::from_raw_parts(data, count))
+}
+
+/// As [`array`], to be written.
+unsafe fn array_mut<'a, T>(
+    data: *mut T,
+    count: usize,
+    what: &str,
+) -> Result<&'a mut [MaybeUninit<T>], Refusal> {
+    check_array(data, count, what)?;
+    if count == 0 {
+        return Ok(&mut []);
+    }
+    // MaybeUninit asks nothing of what is there.
+    Ok(std::slice::from_raw_parts_mut(data.cast(), count))
+}
+
+fn check_array<T>(data: *const T, count: usize, what: &str) -> Result<(), Refusal> {
+    let most = isize::MAX as usize / size_of::<T>().max(1);
+    if count > 0 && (data.is_null() || !data.is_aligned() || count > most) {
+        return Err(Refusal::error(format!(
+            "{what} is no array of {count} items: null, not aligned, or too long"
+        )));
+    }
+    Ok(())
+}
+
+/// The host's place for one result.
+unsafe fn place<'a, T>(data: *mut T, what: &str) -> Result<&'a mut MaybeUninit<T>, Refusal> {
+    Ok(&mut array_mut(data, 1, what)?[0])
+}
+
+/// The host's string.
+unsafe fn text<'a>(data: *const c_char, what: &str) -> Result<&'a str, Refusal> {
+    if data.is_null() {
+        return Err(Refusal::error(format!("{what} is null")));
+    }
+    CStr::from_ptr(data)
+        .to_str()
+        .map_err(|_| Refusal::error(format!("{what} is not UTF-8")))
+}
+
+/// Exports functions that take a component and return a status, each checked against its type in the
+/// standard's header.
+macro_rules! export {
+    ($($(#[$doc:meta])* fn $name:ident: $type:ident, $function:ident
+        ($c:ident $(, $arg:ident: $arg_type:ty)* $(,)?) $body:block)*) => {$(
+        $(#[$doc])*
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name(c: fmi2Component $(, $arg: $arg_type)*) -> fmi2Status {
+            call(c, Function::$function, stringify!($name), |$c| $body)
+        }
+        const _: $type = Some($name);
+    )*};
+}
+
+/// The platform of the types, "default".
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
+    fmi2TypesPlatform.as_ptr().cast()
+}
+const _: fmi2GetTypesPlatformTYPE = Some(fmi2GetTypesPlatform);
+
+/// The version of the interface, "2.0".
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2GetVersion() -> *const c_char {
+    fmi2Version.as_ptr().cast()
+}
+const _: fmi2GetVersionTYPE = Some(fmi2GetVersion);
+
+/// A new instance, or null with the reason in the log.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2Instantiate(
+    instanceName: fmi2String,
+    fmuType: fmi2Type,
+    fmuGUID: fmi2String,
+    fmuResourceLocation: fmi2String,
+    functions: *const fmi2CallbackFunctions,
+    _visible: fmi2Boolean,
+    loggingOn: fmi2Boolean,
+) -> fmi2Component {
+    let made = catch_unwind(|| {
+        // Null or the host's callbacks, valid during this call.
+        let callbacks = functions.as_ref();
+        let name = text(instanceName, "instanceName");
+        let log = Log {
+            logger: callbacks.and_then(|f| f.logger),
+            environment: callbacks.map_or(ptr::null_mut(), |f| f.componentEnvironment),
+            name: c_string(name.as_ref().map_or("", |n| n)),
+            wanted: Wanted::all(loggingOn != 0),
+        };
+        let instance = name.and_then(|name| {
+            if name.is_empty() {
+                return Err(Refusal::error(
+                    "instanceName is empty; give the instance a name",
+                ));
+            }
+            instantiate(fmuType, fmuGUID, fmuResourceLocation)
+        });
+        match instance {
+            Ok(instance) => Box::into_raw(Box::new(Component { instance, log })).cast(),
+            Err(refusal) => {
+                let message = format!("fmi2Instantiate: {refusal}");
+                log.write(fmi2Status_fmi2Error, Severity::Error.category(), &message);
+                ptr::null_mut()
+            }
+        }
+    });
+    made.unwrap_or(ptr::null_mut())
+}
+
+const _: fmi2InstantiateTYPE = Some(fmi2Instantiate);
+
+unsafe fn instantiate(
+    kind: fmi2Type,
+    guid: fmi2String,
+    location: fmi2String,
+) -> Result<Instance, Refusal> {
+    if kind != fmi2Type_fmi2CoSimulation {
+        return Err(Refusal::error(format!(
+            "fmuType = {kind}; this unit is for co-simulation ({fmi2Type_fmi2CoSimulation})"
+        )));
+    }
+    let (guid, location) = (
+        text(guid, "fmuGUID")?,
+        text(location, "fmuResourceLocation")?,
+    );
+    let resources =
+        resources::load(location, guid).map_err(|error| Refusal::error(error.to_string()))?;
+    Ok(Instance::new(resources))
+}
+
+/// Frees the instance with all its stored states; null is no instance and nothing happens.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
+    if c.is_null() {
+        return;
+    }
+    // From Box::into_raw in fmi2Instantiate, not freed before. A panic ends here: the function has no
+    // status to return.
+    let _ = catch_unwind(AssertUnwindSafe(|| {
+        drop(Box::from_raw(c.cast::<Component>()));
+        resources::release();
+    }));
+}
+const _: fmi2FreeInstanceTYPE = Some(fmi2FreeInstance);
+
+/// Copies values of variables to the host.
+unsafe fn get<T>(
+    c: &mut Component,
+    function: &str,
+    kind: Kind,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut T,
+    convert: impl Fn(f64) -> T,
+) -> Result<(), Refusal> {
+    let references = array(vr, nvr, "vr")?.iter().copied();
+    let mut places = array_mut(value, nvr, "value")?.iter_mut();
+    c.instance.get(function, kind, references, |v| {
+        if let Some(place) = places.next() {
+            place.write(convert(v));
+        }
+    })
+}
+
+/// Sets variables to the host's values.
+unsafe fn set<T: Copy + Into<f64>>(
+    c: &mut Component,
+    function: &str,
+    kind: Kind,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const T,
+) -> Result<(), Refusal> {
+    let values = array(value, nvr, "value")?.iter().map(|v| (*v).into());
+    let references = array(vr, nvr, "vr")?.iter().copied();
+    c.instance.set(function, kind, references.zip(values))
+}
+
+/// The unit has no variable of type String: any reference is refused.
+unsafe fn no_strings(function: &str, vr: *const u32, nvr: usize) -> Result<(), Refusal> {
+    match array(vr, nvr, "vr")?.first() {
+        None => Ok(()),
+        Some(vr) => Err(Refusal::error(format!(
+            "{function}: value reference {vr} belongs to no variable of type String"
+        ))),
+    }
+}
+
+/// The handle that a fmi2FMUstate stands for: a number, not an address.
+fn handle(state: fmi2FMUstate) -> usize {
+    state.addr()
+}
+
+export! {
+    /// Switches log categories, all of them if none is named.
+    fn fmi2SetDebugLogging: fmi2SetDebugLoggingTYPE, SetDebugLogging
+        (c, on: fmi2Boolean, count: usize, categories: *const fmi2String) {
+        let names = array(categories, count, "categories")?
+            .iter()
+            .map(|name| text(*name, "a log category"))
+            .collect::<Result<Vec<_>, _>>()?;
+        c.log.wanted.switch(on != 0, &names)
+    }
+
+    /// Start and stop time; the tolerance is of no use here, since nothing is integrated.
+    fn fmi2SetupExperiment: fmi2SetupExperimentTYPE, SetupExperiment
+        (c, _tolerance_defined: fmi2Boolean, _tolerance: fmi2Real, start: fmi2Real,
+         stop_defined: fmi2Boolean, stop: fmi2Real) {
+        c.instance.setup(start, (stop_defined != 0).then_some(stop))
+    }
+
+    /// Opens the initialization.
+    fn fmi2EnterInitializationMode: fmi2EnterInitializationModeTYPE, EnterInitializationMode (c) {
+        c.instance.enter_initialization();
+        Ok(())
+    }
+
+    /// Closes the initialization: checks the parameters and latches the phases of the teeth.
+    fn fmi2ExitInitializationMode: fmi2ExitInitializationModeTYPE, ExitInitializationMode (c) {
+        c.instance.exit_initialization()
+    }
+
+    /// Ends the simulation.
+    fn fmi2Terminate: fmi2TerminateTYPE, Terminate (c) {
+        c.instance.terminate();
+        Ok(())
+    }
+
+    /// Back to the state after fmi2Instantiate.
+    fn fmi2Reset: fmi2ResetTYPE, Reset (c) {
+        c.instance.reset();
+        Ok(())
+    }
+
+    /// Values of Real variables.
+    fn fmi2GetReal: fmi2GetRealTYPE, Get
+        (c, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Real) {
+        get(c, "fmi2GetReal", Kind::Real, vr, nvr, value, |v| v)
+    }
+
+    /// Values of Integer and Enumeration variables.
+    fn fmi2GetInteger: fmi2GetIntegerTYPE, Get
+        (c, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Integer) {
+        get(c, "fmi2GetInteger", Kind::Integer, vr, nvr, value, |v| v as fmi2Integer)
+    }
+
+    /// Values of Boolean variables.
+    fn fmi2GetBoolean: fmi2GetBooleanTYPE, Get
+        (c, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Boolean) {
+        get(c, "fmi2GetBoolean", Kind::Boolean, vr, nvr, value, |v| fmi2Boolean::from(v != 0.0))
+    }
+
+    /// Refuses any variable: there are none of type String.
+    fn fmi2GetString: fmi2GetStringTYPE, Get
+        (_c, vr: *const fmi2ValueReference, nvr: usize, _value: *mut fmi2String) {
+        no_strings("fmi2GetString", vr, nvr)
+    }
+
+    /// Sets Real inputs and parameters.
+    fn fmi2SetReal: fmi2SetRealTYPE, Set
+        (c, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Real) {
+        set(c, "fmi2SetReal", Kind::Real, vr, nvr, value)
+    }
+
+    /// Sets Enumeration parameters.
+    fn fmi2SetInteger: fmi2SetIntegerTYPE, Set
+        (c, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Integer) {
+        set(c, "fmi2SetInteger", Kind::Integer, vr, nvr, value)
+    }
+
+    /// Sets Boolean parameters.
+    fn fmi2SetBoolean: fmi2SetBooleanTYPE, Set
+        (c, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Boolean) {
+        set(c, "fmi2SetBoolean", Kind::Boolean, vr, nvr, value)
+    }
+
+    /// Refuses any variable: there are none of type String.
+    fn fmi2SetString: fmi2SetStringTYPE, Set
+        (_c, vr: *const fmi2ValueReference, nvr: usize, _value: *const fmi2String) {
+        no_strings("fmi2SetString", vr, nvr)
+    }
+
+    /// Keeps the state, in the place of the given one if that is not null.
+    fn fmi2GetFMUstate: fmi2GetFMUstateTYPE, FmuState (c, state: *mut fmi2FMUstate) {
+        check_array(state, 1, "FMUstate")?;
+        let kept = c.instance.store(Some(handle(*state)).filter(|h| *h != 0))?;
+        *state = ptr::without_provenance_mut(kept);
+        Ok(())
+    }
+
+    /// Goes back to a kept state.
+    fn fmi2SetFMUstate: fmi2SetFMUstateTYPE, FmuState (c, state: fmi2FMUstate) {
+        c.instance.restore(handle(state))
+    }
+
+    /// Frees a kept state and sets it to null; null is no state and nothing happens.
+    fn fmi2FreeFMUstate: fmi2FreeFMUstateTYPE, FmuState (c, state: *mut fmi2FMUstate) {
+        if !state.is_null() && !(*state).is_null() {
+            c.instance.discard(handle(*state))?;
+            *state = ptr::null_mut();
+        }
+        Ok(())
+    }
+
+    /// Bytes that a kept state takes.
+    fn fmi2SerializedFMUstateSize: fmi2SerializedFMUstateSizeTYPE, FmuState
+        (c, state: fmi2FMUstate, size: *mut usize) {
+        place(size, "size")?.write(c.instance.serialized_size(handle(state))?);
+        Ok(())
+    }
+
+    /// Writes a kept state as bytes.
+    fn fmi2SerializeFMUstate: fmi2SerializeFMUstateTYPE, FmuState
+        (c, state: fmi2FMUstate, bytes: *mut fmi2Byte, size: usize) {
+        let written = c.instance.serialize(handle(state))?;
+        if size < written.len() {
+            let needed = written.len();
+            return Err(Refusal::error(format!("size = {size}; the state takes {needed} bytes")));
+        }
+        for (place, byte) in array_mut(bytes, size, "serializedState")?.iter_mut().zip(written) {
+            place.write(byte as fmi2Byte);
+        }
+        Ok(())
+    }
+
+    /// Reads a state that this unit wrote, in this process or another one.
+    fn fmi2DeSerializeFMUstate: fmi2DeSerializeFMUstateTYPE, FmuState
+        (c, bytes: *const fmi2Byte, size: usize, state: *mut fmi2FMUstate) {
+        let bytes = array(bytes.cast::<u8>(), size, "serializedState")?;
+        let place = place(state, "FMUstate")?;
+        place.write(ptr::without_provenance_mut(c.instance.deserialize(bytes)?));
+        Ok(())
+    }
+
+    /// Exact partial derivatives of outputs by inputs, times the seed.
+    fn fmi2GetDirectionalDerivative: fmi2GetDirectionalDerivativeTYPE, GetDerivative
+        (c, unknown: *const fmi2ValueReference, nUnknown: usize, known: *const fmi2ValueReference,
+         nKnown: usize, dvKnown: *const fmi2Real, dvUnknown: *mut fmi2Real) {
+        let known = array(known, nKnown, "vKnown_ref")?.iter().copied();
+        let seed = array(dvKnown, nKnown, "dvKnown")?.iter().copied();
+        let unknown = array(unknown, nUnknown, "vUnknown_ref")?;
+        let derivative = c.instance.directional_derivative(unknown, known.zip(seed))?;
+        for (place, value) in array_mut(dvUnknown, nUnknown, "dvUnknown")?.iter_mut().zip(derivative) {
+            place.write(value);
+        }
+        Ok(())
+    }
+
+    /// Time derivatives of inputs at the start of the next step.
+    fn fmi2SetRealInputDerivatives: fmi2SetRealInputDerivativesTYPE, Set
+        (c, vr: *const fmi2ValueReference, nvr: usize, order: *const fmi2Integer,
+         value: *const fmi2Real) {
+        let orders = array(order, nvr, "order")?.iter().copied();
+        let values = array(value, nvr, "value")?.iter().copied();
+        let items = array(vr, nvr, "vr")?.iter().copied().zip(orders).zip(values);
+        c.instance.set_input_derivatives(items.map(|((vr, order), value)| (vr, order, value)))
+    }
+
+    /// First time derivatives of outputs at the end of the last step.
+    fn fmi2GetRealOutputDerivatives: fmi2GetRealOutputDerivativesTYPE, GetOutputDerivatives
+        (c, vr: *const fmi2ValueReference, nvr: usize, order: *const fmi2Integer,
+         value: *mut fmi2Real) {
+        let orders = array(order, nvr, "order")?.iter().copied();
+        let items = array(vr, nvr, "vr")?.iter().copied().zip(orders);
+        let derivatives = c.instance.output_derivatives(items)?;
+        for (place, value) in array_mut(value, nvr, "value")?.iter_mut().zip(derivatives) {
+            place.write(value);
+        }
+        Ok(())
+    }
+
+    /// One communication step.
+    fn fmi2DoStep: fmi2DoStepTYPE, DoStep
+        (c, point: fmi2Real, step: fmi2Real, _no_set_state_prior: fmi2Boolean) {
+        c.instance.do_step(point, step)
+    }
+
+    /// Refused: a step is never in progress when a call returns.
+    fn fmi2CancelStep: fmi2CancelStepTYPE, CancelStep (_c) {
+        Ok(())
+    }
+
+    /// Status of the last step; pending steps there are none.
+    fn fmi2GetStatus: fmi2GetStatusTYPE, GetStatus
+        (c, kind: fmi2StatusKind, value: *mut fmi2Status) {
+        expect_status(kind, fmi2StatusKind_fmi2DoStepStatus, "fmi2GetStatus")?;
+        let failed = c.instance.state() == State::Error;
+        place(value, "value")?.write(if failed { fmi2Status_fmi2Error } else { fmi2Status_fmi2OK });
+        Ok(())
+    }
+
+    /// Time up to which the last step came.
+    fn fmi2GetRealStatus: fmi2GetRealStatusTYPE, GetStatus
+        (c, kind: fmi2StatusKind, value: *mut fmi2Real) {
+        expect_status(kind, fmi2StatusKind_fmi2LastSuccessfulTime, "fmi2GetRealStatus")?;
+        place(value, "value")?.write(c.instance.time());
+        Ok(())
+    }
+
+    /// Discards: there is no status of type Integer.
+    fn fmi2GetIntegerStatus: fmi2GetIntegerStatusTYPE, GetStatus
+        (_c, kind: fmi2StatusKind, _value: *mut fmi2Integer) {
+        expect_status(kind, fmi2StatusKind::MAX, "fmi2GetIntegerStatus")
+    }
+
+    /// Whether the unit wants to end the simulation: never.
+    fn fmi2GetBooleanStatus: fmi2GetBooleanStatusTYPE, GetStatus
+        (_c, kind: fmi2StatusKind, value: *mut fmi2Boolean) {
+        expect_status(kind, fmi2StatusKind_fmi2Terminated, "fmi2GetBooleanStatus")?;
+        place(value, "value")?.write(0);
+        Ok(())
+    }
+
+    /// Discards: there is no pending step to tell about.
+    fn fmi2GetStringStatus: fmi2GetStringStatusTYPE, GetStatus
+        (_c, kind: fmi2StatusKind, _value: *mut fmi2String) {
+        expect_status(kind, fmi2StatusKind::MAX, "fmi2GetStringStatus")
+    }
+}
+
+/// Discards a question for a status that the unit has no answer to.
+fn expect_status(
+    kind: fmi2StatusKind,
+    known: fmi2StatusKind,
+    function: &str,
+) -> Result<(), Refusal> {
+    if kind == known {
+        return Ok(());
+    }
+    Err(Refusal::discard(format!(
+        "{function}: the unit has no status of kind {kind}"
+    )))
+}

@@ -1,0 +1,128 @@
+//! What a call has to say: its status and the text for the host's log.
+
+use super::variables::LOG_CATEGORIES;
+
+/// Status of a call that did not just succeed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// fmi2Warning.
+    Warning,
+    /// fmi2Discard: not available, state unchanged.
+    Discard,
+    /// fmi2Error.
+    Error,
+    /// fmi2Fatal.
+    Fatal,
+}
+
+/// A call that is refused, with the reason.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct Refusal {
+    /// Status to return.
+    pub severity: Severity,
+    /// Names the field, the value and the remedy.
+    pub message: String,
+}
+
+impl Refusal {
+    /// fmi2Error with `message`.
+    pub fn error(message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Error,
+            message: message.into(),
+        }
+    }
+
+    /// fmi2Discard with `message`.
+    pub fn discard(message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Discard,
+            message: message.into(),
+        }
+    }
+}
+
+/// Log category of events.
+pub const EVENTS: &str = "logEvents";
+
+impl Severity {
+    /// Its log category, one of [`LOG_CATEGORIES`].
+    pub const fn category(self) -> &'static str {
+        match self {
+            Severity::Warning => "logStatusWarning",
+            Severity::Discard => "logStatusDiscard",
+            Severity::Error => "logStatusError",
+            Severity::Fatal => "logStatusFatal",
+        }
+    }
+}
+
+/// Which categories the host wants to hear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wanted([bool; LOG_CATEGORIES.len()]);
+
+impl Wanted {
+    /// All categories or none.
+    pub const fn all(on: bool) -> Self {
+        Self([on; LOG_CATEGORIES.len()])
+    }
+
+    /// Whether `category` is wanted.
+    pub fn contains(&self, category: &str) -> bool {
+        LOG_CATEGORIES
+            .iter()
+            .position(|c| *c == category)
+            .is_some_and(|i| self.0[i])
+    }
+
+    /// fmi2SetDebugLogging: switches `categories`, or all of them if there are none.
+    ///
+    /// # Errors
+    /// A category that modelDescription.xml does not declare; nothing is changed.
+    pub fn switch(&mut self, on: bool, categories: &[&str]) -> Result<(), Refusal> {
+        if categories.is_empty() {
+            *self = Self::all(on);
+            return Ok(());
+        }
+        let mut wanted = *self;
+        for category in categories {
+            let i = LOG_CATEGORIES
+                .iter()
+                .position(|c| c == category)
+                .ok_or_else(|| {
+                    let known = LOG_CATEGORIES.join(", ");
+                    Refusal::error(format!("log category '{category}' is none of {known}"))
+                })?;
+            wanted.0[i] = on;
+        }
+        *self = wanted;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_category_in_use_is_declared() {
+        use Severity::*;
+        for category in [Warning, Discard, Error, Fatal].map(Severity::category) {
+            assert!(LOG_CATEGORIES.contains(&category), "{category}");
+        }
+        assert!(LOG_CATEGORIES.contains(&EVENTS));
+    }
+
+    #[test]
+    fn an_undeclared_category_changes_nothing() {
+        let mut wanted = Wanted::all(false);
+        let error = wanted
+            .switch(true, &["logEvents", "logNonsense"])
+            .unwrap_err();
+        assert!(error.message.contains("logNonsense"));
+        assert_eq!(wanted, Wanted::all(false));
+        wanted.switch(true, &["logEvents"]).unwrap();
+        assert!(wanted.contains("logEvents") && !wanted.contains("logStatusError"));
+    }
+}

@@ -1,0 +1,299 @@
+//! What a packed unit carries in its resources: the pair, the tables, and its GUID.
+//!
+//! One compiled library serves every pair, so nothing of a pair is compiled in. All instances of
+//! one unit in a process share one copy.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+use serde::{Deserialize, Serialize};
+
+use super::variables::{VARIABLE_COUNT, index_by_name, template_starts};
+use crate::gear::PairGeometry;
+
+/// File with the pair and the GUID.
+pub const UNIT_FILE: &str = "unit.json";
+
+/// File with the tables; absent in a unit of constant stiffness.
+pub const TABLES_FILE: &str = "tables.json";
+
+/// Version of [`Unit`] that this library reads and writes.
+pub const UNIT_VERSION: u32 = 1;
+
+/// Contents of [`UNIT_FILE`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unit {
+    /// Version of this layout, [`UNIT_VERSION`].
+    pub version: u32,
+    /// The guid of modelDescription.xml.
+    pub guid: String,
+    /// Name of the pair.
+    pub name: String,
+    /// Start values that differ from the template of modelDescription.xml, by name; a Boolean is 0 or 1.
+    pub starts: BTreeMap<String, f64>,
+    /// The pair, SI.
+    pub geometry: PairGeometry,
+}
+
+/// The resources of one packed unit, read and checked.
+#[derive(Debug)]
+pub struct Resources {
+    /// The pair and the GUID.
+    pub unit: Unit,
+    /// The tables, if the unit has any.
+    pub table: Option<Arc<crate::table::Table>>,
+}
+
+impl Resources {
+    /// Start values of all variables as modelDescription.xml of this unit gives them.
+    pub fn starts(&self) -> [f64; VARIABLE_COUNT] {
+        let mut starts = template_starts();
+        for (name, value) in &self.unit.starts {
+            if let Some(i) = index_by_name(name) {
+                starts[i] = *value;
+            }
+        }
+        starts
+    }
+}
+
+/// Why the resources cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ResourceError {
+    /// Not a location this machine can open.
+    #[error("resource location '{uri}': {reason}; pass the file URI of the unpacked resources")]
+    Location {
+        /// As the host gave it.
+        uri: String,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// A file cannot be read.
+    #[error("cannot read {path}: {source}; unpack the whole archive and pass its resources")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// A file has not the contents that packing wrote.
+    #[error("{path}: {reason}; pack the unit again")]
+    Contents {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        reason: String,
+    },
+    /// modelDescription.xml and the resources come from different units.
+    #[error("the host passed GUID {given}, but {path} belongs to {found}; unpack the unit again")]
+    Guid {
+        /// As the host gave it.
+        given: String,
+        /// In the resources.
+        found: String,
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// Units in use, so that the instances of one unit share its table. Dead entries go at each load.
+static LOADED: Mutex<Vec<(String, PathBuf, Weak<Resources>)>> = Mutex::new(Vec::new());
+
+/// Reads the resources at `location` (a file URI) and compares their GUID with `guid`.
+///
+/// # Errors
+/// [`ResourceError`] if the location is no local folder, a file is missing or altered, or the GUID
+/// is not the host's.
+pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, ResourceError> {
+    let folder = folder(location)?;
+    let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+    loaded.retain(|(_, _, resources)| resources.strong_count() > 0);
+    if let Some(shared) = loaded
+        .iter()
+        .find(|(g, f, _)| g == guid && *f == folder)
+        .and_then(|(_, _, resources)| resources.upgrade())
+    {
+        return Ok(shared);
+    }
+    let resources = Arc::new(read(&folder, guid)?);
+    loaded.push((guid.to_owned(), folder, Arc::downgrade(&resources)));
+    Ok(resources)
+}
+
+/// Forgets units that no instance uses, so that a library that is unloaded leaves no memory behind.
+pub fn release() {
+    let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+    loaded.retain(|(_, _, resources)| resources.strong_count() > 0);
+    if loaded.is_empty() {
+        *loaded = Vec::new();
+    }
+}
+
+fn read(folder: &Path, guid: &str) -> Result<Resources, ResourceError> {
+    let path = folder.join(UNIT_FILE);
+    let unit = parse_unit(&read_text(&path)?).map_err(|reason| ResourceError::Contents {
+        path: path.clone(),
+        reason,
+    })?;
+    if unit.guid != guid {
+        return Err(ResourceError::Guid {
+            given: guid.to_owned(),
+            found: unit.guid,
+            path,
+        });
+    }
+    let path = folder.join(TABLES_FILE);
+    let table = if path.exists() {
+        let table = crate::table::Table::from_json(&read_text(&path)?).map_err(|e| {
+            ResourceError::Contents {
+                path: path.clone(),
+                reason: e.to_string(),
+            }
+        })?;
+        Some(Arc::new(table))
+    } else {
+        None
+    };
+    Ok(Resources { unit, table })
+}
+
+/// Reads the text of a [`UNIT_FILE`].
+///
+/// # Errors
+/// What is wrong with it, as text.
+pub fn parse_unit(text: &str) -> Result<Unit, String> {
+    let unit: Unit = serde_json::from_str(text).map_err(|e| e.to_string())?;
+    if unit.version != UNIT_VERSION {
+        let found = unit.version;
+        return Err(format!(
+            "version {found}, this library reads {UNIT_VERSION}"
+        ));
+    }
+    Ok(unit)
+}
+
+fn read_text(path: &Path) -> Result<String, ResourceError> {
+    fs::read_to_string(path).map_err(|source| ResourceError::Read {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// The folder a host means by `uri`, on this machine.
+fn folder(uri: &str) -> Result<PathBuf, ResourceError> {
+    match decode(uri, cfg!(windows)) {
+        Ok(path) => Ok(PathBuf::from(path)),
+        Err(reason) => Err(ResourceError::Location {
+            uri: uri.to_owned(),
+            reason,
+        }),
+    }
+}
+
+/// Path of a file URI (RFC 8089): `file:///p`, `file:/p`, `file://localhost/p`, percent-encoded
+/// UTF-8, on Windows with a drive letter or a host. A plain absolute path is taken as it is, since
+/// some hosts pass one.
+fn decode(uri: &str, windows: bool) -> Result<String, &'static str> {
+    let scheme = uri.get(..5).unwrap_or("");
+    if !scheme.eq_ignore_ascii_case("file:") {
+        let absolute = uri.starts_with('/') || (windows && is_drive(uri));
+        return if absolute {
+            Ok(uri.to_owned())
+        } else {
+            Err("it is neither a file URI nor an absolute path")
+        };
+    }
+    let rest = &uri[5..];
+    let (host, path) = match rest.strip_prefix("//") {
+        Some(authority) => authority.split_at(authority.find('/').unwrap_or(authority.len())),
+        None => ("", rest),
+    };
+    let path = percent_decode(path)?;
+    if !host.is_empty() && !host.eq_ignore_ascii_case("localhost") {
+        return if windows {
+            Ok(format!("//{}{path}", percent_decode(host)?))
+        } else {
+            Err("it names another host")
+        };
+    }
+    if !path.starts_with('/') {
+        return Err("its path is not absolute");
+    }
+    if windows && is_drive(&path[1..]) {
+        return Ok(path[1..].replacen('|', ":", 1));
+    }
+    Ok(path)
+}
+
+/// Whether `path` starts with a drive: `C:` or the old `C|`.
+fn is_drive(path: &str) -> bool {
+    let bytes = path.as_bytes();
+    bytes.len() >= 2 && bytes[0].is_ascii_alphabetic() && matches!(bytes[1], b':' | b'|')
+}
+
+fn percent_decode(text: &str) -> Result<String, &'static str> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
+    while let Some(byte) = rest.next() {
+        if byte != b'%' {
+            bytes.push(byte);
+            continue;
+        }
+        let mut digit = || rest.next().and_then(|b| char::from(b).to_digit(16));
+        match (digit(), digit()) {
+            (Some(high), Some(low)) => bytes.push((16 * high + low) as u8),
+            _ => return Err("a % is not followed by two hexadecimal digits"),
+        }
+    }
+    String::from_utf8(bytes).map_err(|_| "its percent-encoded bytes are not UTF-8")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_legal_file_uri_leads_to_its_folder() {
+        for (uri, path) in [
+            ("file:///tmp/fmu/resources", "/tmp/fmu/resources"),
+            ("file:/tmp/fmu/resources", "/tmp/fmu/resources"),
+            ("FILE://localhost/tmp/a", "/tmp/a"),
+            ("file:///tmp/with%20space/a", "/tmp/with space/a"),
+            ("file:///tmp/%C3%BCml%c3%a4ut", "/tmp/ümläut"),
+            ("file:///tmp/ümläut", "/tmp/ümläut"),
+            ("file:///tmp/100%25/a+b", "/tmp/100%/a+b"),
+            ("/tmp/plain path", "/tmp/plain path"),
+        ] {
+            assert_eq!(decode(uri, false).as_deref(), Ok(path), "{uri}");
+        }
+        for (uri, path) in [
+            ("file:///C:/a%20b/r", "C:/a b/r"),
+            ("file:/C:/a/r", "C:/a/r"),
+            ("file:///c|/a/r", "c:/a/r"),
+            ("file://server/share/r", "//server/share/r"),
+            ("C:\\a\\r", "C:\\a\\r"),
+        ] {
+            assert_eq!(decode(uri, true).as_deref(), Ok(path), "{uri}");
+        }
+    }
+
+    #[test]
+    fn a_location_that_is_no_local_folder_is_refused() {
+        for uri in [
+            "",
+            "http://host/a",
+            "relative/path",
+            "file:relative",
+            "file://server/share",
+            "file:///a%2",
+            "file:///a%zz",
+            "file:///a%ff",
+        ] {
+            let error = folder(uri).unwrap_err().to_string();
+            assert!(error.contains("file URI"), "{uri}: {error}");
+        }
+    }
+}

@@ -60,6 +60,7 @@ pub mod driver;
 pub mod element;
 pub mod fmi;
 pub mod gear;
+pub mod package;
 #[cfg(feature = "preprocess")]
 pub mod pair;
 pub mod table;

@@ -10,7 +10,9 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use serde::{Deserialize, Serialize};
 
+use super::report::Refusal;
 use super::variables::{VARIABLE_COUNT, index_by_name, template_starts};
+use crate::element::{Element, Parameters};
 use crate::gear::PairGeometry;
 
 /// File with the pair and the GUID.
@@ -43,8 +45,6 @@ pub struct Unit {
 pub struct Resources {
     /// The pair and the GUID.
     pub unit: Unit,
-    /// The tables, if the unit has any.
-    pub table: Option<Arc<crate::table::Table>>,
 }
 
 impl Resources {
@@ -57,6 +57,15 @@ impl Resources {
             }
         }
         starts
+    }
+
+    /// The element of this unit with `parameters`.
+    ///
+    /// # Errors
+    /// Parameters without meaning; an effect whose axis the tables lack.
+    pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
+        Element::new(&self.unit.geometry, parameters, None)
+            .map_err(|e| Refusal::error(e.to_string()))
     }
 }
 
@@ -145,19 +154,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, ResourceError> {
             path,
         });
     }
-    let path = folder.join(TABLES_FILE);
-    let table = if path.exists() {
-        let table = crate::table::Table::from_json(&read_text(&path)?).map_err(|e| {
-            ResourceError::Contents {
-                path: path.clone(),
-                reason: e.to_string(),
-            }
-        })?;
-        Some(Arc::new(table))
-    } else {
-        None
-    };
-    Ok(Resources { unit, table })
+    Ok(Resources { unit })
 }
 
 /// Reads the text of a [`UNIT_FILE`].

@@ -1,0 +1,74 @@
+//! What a packed unit holds.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use zip::ZipArchive;
+
+use super::PackageError;
+use crate::fmi::resources::{TABLES_FILE, UNIT_FILE, Unit, parse_unit};
+
+/// Contents of a packed unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inspection {
+    /// Name, GUID, pair and start values.
+    pub unit: Unit,
+    /// Text of the tables, if there are any.
+    pub tables: Option<String>,
+    /// Platforms there are libraries for.
+    pub platforms: Vec<String>,
+    /// Every file with its size in bytes.
+    pub files: Vec<(String, u64)>,
+}
+
+/// Reads the unit at `path`.
+///
+/// # Errors
+/// A file that cannot be read or is no unit that this program packed.
+pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
+    let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
+    let mut archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
+    let mut files = Vec::new();
+    for i in 0..archive.len() {
+        let entry = archive
+            .by_index(i)
+            .map_err(|e| PackageError::archive(path, e))?;
+        files.push((entry.name().to_owned(), entry.size()));
+    }
+    let mut text = |name: &str| -> Result<Option<String>, PackageError> {
+        let mut entry = match archive.by_name(name) {
+            Ok(entry) => entry,
+            Err(zip::result::ZipError::FileNotFound) => return Ok(None),
+            Err(e) => return Err(PackageError::archive(path, e)),
+        };
+        let mut text = String::new();
+        entry
+            .read_to_string(&mut text)
+            .map_err(|e| PackageError::file(path, e))?;
+        Ok(Some(text))
+    };
+    let unit_name = format!("resources/{UNIT_FILE}");
+    let unit = text(&unit_name)?.ok_or_else(|| {
+        PackageError::contents(
+            path,
+            format!("has no {unit_name}; it was not packed by gearmesh"),
+        )
+    })?;
+    let unit = parse_unit(&unit)
+        .map_err(|reason| PackageError::contents(path, format!("{unit_name}: {reason}")))?;
+    let tables = text(&format!("resources/{TABLES_FILE}"))?;
+    let mut platforms: Vec<String> = files
+        .iter()
+        .filter_map(|(name, _)| name.strip_prefix("binaries/")?.split('/').next())
+        .map(str::to_owned)
+        .collect();
+    platforms.sort();
+    platforms.dedup();
+    Ok(Inspection {
+        unit,
+        tables,
+        platforms,
+        files,
+    })
+}

@@ -1,0 +1,126 @@
+//! The compiled library that goes into the archive.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::PackageError;
+
+/// A compiled library of the unit for one platform.
+#[derive(Debug, Clone)]
+pub struct Library {
+    /// Name of the platform in the standard: `linux64`, `win64`, `darwin64`, ...
+    pub platform: &'static str,
+    /// Where it came from.
+    pub path: PathBuf,
+    pub(super) bytes: Vec<u8>,
+}
+
+impl Library {
+    /// Reads the library at `path` and tells its platform from its header.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no shared library of a platform of FMI 2.0, or has not the
+    /// functions of the interface.
+    pub fn read(path: &Path) -> Result<Self, PackageError> {
+        let bytes = fs::read(path).map_err(|e| PackageError::file(path, e))?;
+        let platform = platform(&bytes).ok_or_else(|| {
+            PackageError::contents(
+                path,
+                "no shared library for 64-bit Linux, Windows or macOS; give the one that cargo built",
+            )
+        })?;
+        if !bytes.windows(11).any(|w| w == b"fmi2DoStep\0") {
+            return Err(PackageError::contents(
+                path,
+                "a library without fmi2DoStep; give the library gearmesh, built as cdylib",
+            ));
+        }
+        Ok(Self {
+            platform,
+            path: path.to_owned(),
+            bytes,
+        })
+    }
+
+    /// Extension of library files on this platform.
+    pub(super) fn extension(&self) -> &'static str {
+        match self.platform {
+            "win64" => "dll",
+            "darwin64" => "dylib",
+            _ => "so",
+        }
+    }
+}
+
+/// Platform name of a library by the first bytes of its file.
+fn platform(bytes: &[u8]) -> Option<&'static str> {
+    const X86_64_ELF: [u8; 2] = [62, 0];
+    const X86_64_PE: [u8; 2] = [0x64, 0x86];
+    if bytes.starts_with(b"\x7fELF\x02") && bytes.get(18..20)? == X86_64_ELF {
+        return Some("linux64");
+    }
+    if bytes.starts_with(b"MZ") {
+        let at = u32::from_le_bytes(bytes.get(60..64)?.try_into().ok()?) as usize;
+        let header = bytes.get(at..at.checked_add(6)?)?;
+        return (header[..4] == *b"PE\0\0" && header[4..] == X86_64_PE).then_some("win64");
+    }
+    bytes
+        .starts_with(&[0xcf, 0xfa, 0xed, 0xfe])
+        .then_some("darwin64")
+}
+
+/// The library that the build left beside the program `executable`: `libgearmesh.so` beside
+/// `target/release/gearmesh`.
+///
+/// # Errors
+/// There is none, or it is not usable.
+pub fn library_beside(executable: &Path) -> Result<Library, PackageError> {
+    let name = if cfg!(windows) {
+        "gearmesh.dll"
+    } else if cfg!(target_os = "macos") {
+        "libgearmesh.dylib"
+    } else {
+        "libgearmesh.so"
+    };
+    let path = executable.with_file_name(name);
+    if !path.exists() {
+        return Err(PackageError::contents(
+            &path,
+            "the unit's library is not there; build it with cargo build --release, or name one with --library",
+        ));
+    }
+    Library::read(&path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_platform_is_told_from_the_header() {
+        let mut elf = vec![0u8; 64];
+        elf[..5].copy_from_slice(b"\x7fELF\x02");
+        elf[18] = 62;
+        assert_eq!(platform(&elf), Some("linux64"));
+        elf[18] = 183; // AArch64: FMI 2.0 has no name for it
+        assert_eq!(platform(&elf), None);
+        let mut pe = vec![0u8; 128];
+        pe[..2].copy_from_slice(b"MZ");
+        pe[60] = 64;
+        pe[64..70].copy_from_slice(b"PE\0\0\x64\x86");
+        assert_eq!(platform(&pe), Some("win64"));
+        pe[60..64].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert_eq!(platform(&pe), None);
+        assert_eq!(platform(b"#!/bin/sh"), None);
+        assert_eq!(platform(b""), None);
+    }
+
+    #[test]
+    fn a_file_that_is_no_library_is_refused_by_name() {
+        let error = Library::read(Path::new(file!())).unwrap_err().to_string();
+        assert!(
+            error.contains("library.rs") && error.contains("no shared library"),
+            "{error}"
+        );
+    }
+}

@@ -18,6 +18,7 @@ pub mod report;
 pub mod resources;
 mod signals;
 mod snapshot;
+mod stiffness;
 mod stored;
 mod values;
 pub mod variables;

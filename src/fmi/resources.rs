@@ -11,9 +11,11 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use serde::{Deserialize, Serialize};
 
 use super::report::Refusal;
+use super::stiffness;
 use super::variables::{VARIABLE_COUNT, index_by_name, template_starts};
-use crate::element::{Element, Parameters};
+use crate::element::{Element, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
+use crate::table::TableFile;
 
 /// File with the pair and the GUID.
 pub const UNIT_FILE: &str = "unit.json";
@@ -45,6 +47,8 @@ pub struct Unit {
 pub struct Resources {
     /// The pair and the GUID.
     pub unit: Unit,
+    /// The tables; `None` in a unit of constant stiffness.
+    pub tables: Option<TableFile>,
 }
 
 impl Resources {
@@ -64,7 +68,14 @@ impl Resources {
     /// # Errors
     /// Parameters without meaning; an effect whose axis the tables lack.
     pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
-        Element::new(&self.unit.geometry, parameters, None)
+        let table = match (&self.tables, parameters.stiffness_model) {
+            (Some(file), StiffnessModel::Table) => {
+                Some(stiffness::table(file, &self.unit.geometry, parameters)?)
+            }
+            _ => None,
+        };
+        let laws = table.map(stiffness::laws);
+        Element::new(&self.unit.geometry, parameters, laws.as_ref())
             .map_err(|e| Refusal::error(e.to_string()))
     }
 }
@@ -154,7 +165,23 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, ResourceError> {
             path,
         });
     }
-    Ok(Resources { unit })
+    let path = folder.join(TABLES_FILE);
+    let tables = if path.exists() {
+        let refuse = |reason: String| ResourceError::Contents {
+            path: path.clone(),
+            reason,
+        };
+        let tables =
+            TableFile::from_json(&read_text(&path)?).map_err(|error| refuse(error.to_string()))?;
+        let geometry = tables.geometry.pair_geometry();
+        if geometry.map_err(|error| refuse(error.to_string()))? != unit.geometry {
+            return Err(refuse(format!("the tables are not those of {UNIT_FILE}")));
+        }
+        Some(tables)
+    } else {
+        None
+    };
+    Ok(Resources { unit, tables })
 }
 
 /// Reads the text of a [`UNIT_FILE`].

@@ -199,3 +199,67 @@ fn guid(unit: &Unit, tables: Option<&str>, libraries: &[Library]) -> String {
     ];
     format!("{{{}}}", groups.join("-"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear::{Gear, GearKind};
+
+    /// The paper's pair, Table 1, addendum 1.0 transverse module.
+    pub(super) fn paper() -> PairGeometry {
+        let gear = |hand| Gear {
+            kind: GearKind::External,
+            teeth: 20,
+            hand,
+            normal_module: 4e-3,
+            normal_pressure_angle: 20f64.to_radians(),
+            helix_angle: 13f64.to_radians(),
+            profile_shift: 0.0,
+            face_width: 25e-3,
+            face_offset: 0.0,
+            tip_radius: 90.315e-3 / 2.0,
+            dedendum_coefficient: 1.25,
+            tool_tip_radius_coefficient: 0.38,
+            held_radius: 15e-3,
+            tooth_thinning: 0.0,
+            youngs_modulus: 206e9,
+            poisson_ratio: 0.3,
+        };
+        PairGeometry {
+            gears: [gear(1.0), gear(-1.0)],
+            center_distance: 82.104e-3,
+        }
+    }
+
+    #[test]
+    fn the_same_contents_give_the_same_file_and_others_another_guid() {
+        let folder = tempfile::tempdir().unwrap();
+        let geometry = paper();
+        let pack = |name: &str, torque: f64| {
+            let starts = Starts::constant_stiffness(&geometry, torque);
+            let contents = Contents {
+                name,
+                geometry: &geometry,
+                tables: None,
+                starts: &starts,
+            };
+            let path = folder.path().join(format!("{name}{torque}.fmu"));
+            let packed = super::pack(&contents, &[], &path).unwrap();
+            (packed, std::fs::read(&path).unwrap(), path)
+        };
+        let (one, bytes, path) = pack("a", 100.0);
+        let (again, same, _) = pack("a", 100.0);
+        assert_eq!((&one, &bytes), (&again, &same));
+        assert_ne!(one.guid, pack("a", 101.0).0.guid);
+        assert_ne!(one.guid, pack("b", 100.0).0.guid);
+        let read = inspect(&path).unwrap();
+        assert_eq!(read.unit.guid, one.guid);
+        assert_eq!(read.unit.geometry, geometry);
+        assert!(read.tables.is_none() && read.platforms.is_empty());
+        assert!(
+            read.files
+                .iter()
+                .any(|(name, _)| name == "documentation/index.html")
+        );
+    }
+}

@@ -6,6 +6,7 @@
 mod inspect;
 mod model;
 mod output;
+mod pack;
 mod pair_summary;
 mod progress;
 mod report;
@@ -28,6 +29,7 @@ enum Command {
     Solve(solve::Solve),
     Inspect(inspect::Inspect),
     Report(report::Report),
+    Pack(pack::Pack),
 }
 
 /// Any error of a subcommand; its chain is printed on one line.
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
         Command::Solve(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Report(command) => command.run(),
+        Command::Pack(command) => command.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,80 @@
+//! `gearmesh pack`: tables or a pair, and the compiled library, into one .fmu file.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use gearmesh::package::{self, Contents, Library, Packed, Starts};
+use gearmesh::pair::Pair;
+use gearmesh::table::TableFile;
+
+use crate::output;
+
+/// Pack tables, or a pair with constant stiffness, into an FMU.
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("source").required(true))]
+pub struct Pack {
+    /// Tables that `gearmesh tables` or `gearmesh import` wrote.
+    #[arg(long, group = "source")]
+    tables: Option<PathBuf>,
+    /// Pair file: the unit has constant stiffness and no tables.
+    #[arg(long, group = "source")]
+    pair: Option<PathBuf>,
+    /// The FMU to write.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Compiled library of the unit, once per platform [default: the one beside this program].
+    #[arg(long)]
+    library: Vec<PathBuf>,
+}
+
+impl Pack {
+    /// Packs and prints name, GUID and size.
+    pub fn run(self) -> Result<(), crate::Error> {
+        let libraries = libraries(&self.library)?;
+        let packed = if let Some(path) = &self.tables {
+            let text = std::fs::read_to_string(path)
+                .map_err(|error| format!("{}: {error}", path.display()))?;
+            pack_tables(&text, &libraries, &self.output)?
+        } else {
+            let pair = Pair::read(self.pair.as_deref().unwrap_or("".as_ref()))?;
+            let starts = Starts::constant_stiffness(&pair.geometry, pair.operating.nominal_torque);
+            let contents = Contents {
+                name: &pair.name,
+                geometry: &pair.geometry,
+                tables: None,
+                starts: &starts,
+            };
+            package::pack(&contents, &libraries, &self.output)?
+        };
+        let (path, size) = (self.output.display(), packed.bytes as f64 / 1e6);
+        output::print(&format!("{path}: {size:.2} MB, GUID {}\n", packed.guid))?;
+        Ok(())
+    }
+}
+
+/// Packs the unit of the tables with this text.
+pub fn pack_tables(
+    text: &str,
+    libraries: &[Library],
+    output: &Path,
+) -> Result<Packed, crate::Error> {
+    let tables = TableFile::from_json(text)?;
+    let contents = Contents {
+        name: &tables.name,
+        geometry: &tables.geometry.pair_geometry()?,
+        tables: Some(text),
+        starts: &Starts::of_tables(&tables)?,
+    };
+    Ok(package::pack(&contents, libraries, output)?)
+}
+
+/// The libraries at `paths`, or the one beside this program if there are none.
+pub fn libraries(paths: &[PathBuf]) -> Result<Vec<Library>, crate::Error> {
+    if paths.is_empty() {
+        return Ok(vec![package::library_beside(&std::env::current_exe()?)?]);
+    }
+    Ok(paths
+        .iter()
+        .map(|p| Library::read(p))
+        .collect::<Result<_, _>>()?)
+}

@@ -1,0 +1,203 @@
+"""A host for the tests: the unit's C interface through fmpy, with names and its own logger.
+
+fmpy's logger proxy must not be mixed with other callbacks in one process, so the tests bring their
+own callbacks everywhere. The unit logs through the format "%s" with one string; on the machines the
+tests run on, a variadic argument arrives like an ordinary one, so the logger takes six arguments.
+"""
+
+import ctypes
+import shutil
+
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
+
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+
+LOGGER = ctypes.CFUNCTYPE(
+    None,
+    ctypes.c_void_p,
+    ctypes.c_char_p,
+    ctypes.c_int,
+    ctypes.c_char_p,
+    ctypes.c_char_p,
+    ctypes.c_char_p,
+)
+
+
+class Unit:
+    """An unpacked FMU; `instance()` makes running instances of it."""
+
+    def __init__(self, fmu, folder=None):
+        self.folder = extract(str(fmu), unzipdir=None if folder is None else str(folder))
+        self.description = read_model_description(self.folder)
+        self.variables = {v.name: v for v in self.description.modelVariables}
+
+    def instance(self, **options):
+        return Instance(self, **options)
+
+    def close(self):
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class Instance:
+    """One instance; methods without checks return the status, `set`, `get`, ... expect success."""
+
+    def __init__(self, unit, name="mesh", logging=True, resources=None, guid=None, logger=True):
+        self.unit = unit
+        self.messages = []
+        self.slave = FMU2Slave(
+            guid=guid or unit.description.guid,
+            unzipDirectory=unit.folder,
+            modelIdentifier=unit.description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        # fmpy raises on bad status; the tests look at it themselves.
+        self.dll = self.slave.dll
+        self._logger = LOGGER(self._log)
+        self._callbacks = fmi2CallbackFunctions()
+        if logger:
+            kind = type(self._callbacks.logger)
+            self._callbacks.logger = ctypes.cast(self._logger, kind)
+        uri = resources
+        if uri is None:
+            from pathlib import Path
+
+            uri = (Path(unit.folder) / "resources").as_uri()
+        self.dll.fmi2Instantiate.restype = ctypes.c_void_p
+        self.component = self.dll.fmi2Instantiate(
+            name.encode(),
+            1,
+            (guid or unit.description.guid).encode(),
+            uri.encode(),
+            ctypes.byref(self._callbacks),
+            0,
+            int(logging),
+        )
+
+    def _log(self, _environment, name, status, category, form, text):
+        self.messages.append((name.decode(), status, category.decode(), form.decode(), text.decode()))
+
+    def log(self):
+        """All texts so far, one per line."""
+        return "\n".join(m[4] for m in self.messages)
+
+    def call(self, function, *arguments):
+        """Calls `function` of the C interface and returns its status."""
+        f = getattr(self.dll, function)
+        f.restype = ctypes.c_int
+        return f(ctypes.c_void_p(self.component), *arguments)
+
+    def expect(self, function, *arguments):
+        status = self.call(function, *arguments)
+        assert status == OK, f"{function} returned {status}: {self.log()}"
+
+    def free(self):
+        if self.component:
+            self.dll.fmi2FreeInstance.restype = None
+            self.dll.fmi2FreeInstance(ctypes.c_void_p(self.component))
+            self.component = None
+
+    def close(self):
+        self.free()
+        from fmpy import freeLibrary
+
+        freeLibrary(self.dll._handle)
+
+    # Values by name ------------------------------------------------------------------------
+
+    def kind(self, name):
+        kind = self.unit.variables[name].type
+        return "Integer" if kind == "Enumeration" else kind
+
+    def status_of_set(self, **values):
+        return self.status_of_setting(values)
+
+    def status_of_setting(self, values):
+        """Sets values by name with one call per type; the worst status."""
+        worst = OK
+        for kind, c_type in (
+            ("Real", ctypes.c_double),
+            ("Integer", ctypes.c_int),
+            ("Boolean", ctypes.c_int),
+        ):
+            names = [n for n in values if self.kind(n) == kind]
+            if names:
+                references = self.references(names)
+                data = (c_type * len(names))(*(c_type(values[n]).value for n in names))
+                status = self.call(
+                    f"fmi2Set{kind}", references, ctypes.c_size_t(len(names)), data
+                )
+                worst = max(worst, status)
+        return worst
+
+    def references(self, names):
+        return (ctypes.c_uint * len(names))(
+            *(self.unit.variables[n].valueReference for n in names)
+        )
+
+    def set(self, values):
+        status = self.status_of_setting(values)
+        assert status == OK, f"setting {values}: {self.log()}"
+
+    def get(self, *names):
+        """Values of variables, in their order; one value for one name."""
+        out = []
+        for name in names:
+            kind = self.kind(name)
+            data = ((ctypes.c_double if kind == "Real" else ctypes.c_int) * 1)()
+            self.expect(f"fmi2Get{kind}", self.references([name]), ctypes.c_size_t(1), data)
+            out.append(data[0])
+        return out[0] if len(names) == 1 else out
+
+    def vector(self, name, length=3):
+        names = [f"{name}[{i + 1}]" for i in range(length)]
+        data = (ctypes.c_double * length)()
+        self.expect("fmi2GetReal", self.references(names), ctypes.c_size_t(length), data)
+        return list(data)
+
+    # Life ------------------------------------------------------------------------------------
+
+    def setup(self, start=0.0, stop=None):
+        return self.call(
+            "fmi2SetupExperiment",
+            0,
+            ctypes.c_double(0.0),
+            ctypes.c_double(start),
+            int(stop is not None),
+            ctypes.c_double(stop or 0.0),
+        )
+
+    def initialize(self, values=None, start=0.0, stop=None):
+        """From instantiated to the first communication point."""
+        assert self.setup(start, stop) == OK
+        self.expect("fmi2EnterInitializationMode")
+        self.set(values or {})
+        self.expect("fmi2ExitInitializationMode")
+        return self
+
+    def step(self, time, step):
+        return self.call("fmi2DoStep", ctypes.c_double(time), ctypes.c_double(step), 1)
+
+    # FMU states --------------------------------------------------------------------------------
+
+    def store(self, state=None):
+        place = ctypes.c_void_p(state)
+        self.expect("fmi2GetFMUstate", ctypes.byref(place))
+        return place.value
+
+    def restore(self, state):
+        return self.call("fmi2SetFMUstate", ctypes.c_void_p(state))
+
+    def serialize(self, state):
+        size = ctypes.c_size_t()
+        self.expect("fmi2SerializedFMUstateSize", ctypes.c_void_p(state), ctypes.byref(size))
+        data = ctypes.create_string_buffer(size.value)
+        self.expect("fmi2SerializeFMUstate", ctypes.c_void_p(state), data, size)
+        return data.raw
+
+    def deserialize(self, data):
+        place = ctypes.c_void_p()
+        status = self.call(
+            "fmi2DeSerializeFMUstate", data, ctypes.c_size_t(len(data)), ctypes.byref(place)
+        )
+        return status, place.value

@@ -18,7 +18,6 @@ pub mod report;
 pub mod resources;
 mod signals;
 mod snapshot;
-mod stiffness;
 mod stored;
 mod values;
 pub mod variables;

@@ -11,11 +11,10 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use serde::{Deserialize, Serialize};
 
 use super::report::Refusal;
-use super::stiffness;
 use super::variables::{VARIABLE_COUNT, index_by_name, template_starts};
-use crate::element::{Element, Parameters, StiffnessModel};
+use crate::element::{Element, ElementError, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
-use crate::table::TableFile;
+use crate::table::{Table, TableFile};
 
 /// File with the pair and the GUID.
 pub const UNIT_FILE: &str = "unit.json";
@@ -68,15 +67,17 @@ impl Resources {
     /// # Errors
     /// Parameters without meaning; an effect whose axis the tables lack.
     pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
+        let refuse = |e: ElementError| Refusal::error(e.to_string());
+        let geometry = &self.unit.geometry;
         let table = match (&self.tables, parameters.stiffness_model) {
             (Some(file), StiffnessModel::Table) => {
-                Some(stiffness::table(file, &self.unit.geometry, parameters)?)
+                let effects = parameters.table_effects(geometry);
+                let table = Table::shared(file.clone(), &effects);
+                Some(table.map_err(|e| refuse(e.into()))?)
             }
             _ => None,
         };
-        let laws = table.map(stiffness::laws);
-        Element::new(&self.unit.geometry, parameters, laws.as_ref())
-            .map_err(|e| Refusal::error(e.to_string()))
+        Element::new(geometry, parameters, table).map_err(refuse)
     }
 }
 

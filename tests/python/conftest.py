@@ -1,0 +1,83 @@
+"""The units that the tests drive, packed once by the command `gearmesh`."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+GEARMESH = ROOT / "target" / "release" / "gearmesh"
+PAIRS = ROOT / "resources" / "pairs"
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from host import Unit  # noqa: E402
+
+
+def gearmesh(*arguments):
+    """Runs the command and returns what it printed."""
+    run = subprocess.run([GEARMESH, *map(str, arguments)], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    return run.stdout
+
+
+def swapped(pair):
+    """The pair with its gears exchanged: the ring becomes gear 1."""
+    out = dict(pair, gear1=pair["gear2"], gear2=pair["gear1"], name=pair["name"] + "-swapped")
+    if pair["meshing"] == "external":
+        out["helix_angle_deg"] = -pair.get("helix_angle_deg", 0.0)
+    return out
+
+
+def other_hand(pair):
+    return dict(pair, helix_angle_deg=-pair["helix_angle_deg"], name=pair["name"] + "-other-hand")
+
+
+def pair_files():
+    """The pairs by name: external, gear 2 a ring, gear 1 a ring, each in both hands."""
+    external = json.loads((PAIRS / "palermo2013.json").read_text())
+    ring = json.loads((PAIRS / "planet-ring-27-84.json").read_text())
+    if not ring.get("helix_angle_deg"):
+        ring = dict(ring, helix_angle_deg=12.0)
+        # A helix widens the teeth: the distance follows from the profile shifts again.
+        ring.pop("center_distance_mm", None)
+    base = {"external": external, "ring2": ring, "ring1": swapped(ring)}
+    return base | {f"{name}-left": other_hand(pair) for name, pair in base.items()}
+
+
+@pytest.fixture(scope="session")
+def fmus(tmp_path_factory):
+    """Constant-stiffness FMU files by pair name."""
+    folder = tmp_path_factory.mktemp("fmus")
+    out = {}
+    for name, pair in pair_files().items():
+        file = folder / f"{name}.json"
+        file.write_text(json.dumps(pair))
+        out[name] = folder / f"{name}.fmu"
+        gearmesh("pack", "--pair", file, "-o", out[name])
+    return out
+
+
+@pytest.fixture(scope="session")
+def units(fmus):
+    """The same, unpacked."""
+    units = {name: Unit(path) for name, path in fmus.items()}
+    yield units
+    for unit in units.values():
+        unit.close()
+
+
+@pytest.fixture
+def mesh(units):
+    """Makes instances of a unit and frees them after the test."""
+    made = []
+
+    def make(pair="external", **options):
+        made.append(units[pair].instance(**options))
+        return made[-1]
+
+    yield make
+    for instance in made:
+        instance.close()

@@ -53,7 +53,7 @@ pub enum ContactError {
     },
     /// The contact ellipse has outgrown the half-plane of the local contact law.
     #[error(
-        "the contact half-width exceeds the reference length of the local contact at strip {strip} \
+        "the contact half-width exceeds three reference lengths of the local contact at strip {strip} \
          ({pressure_mpa:.0} MPa); the load is far beyond what these teeth can carry, lower it"
     )]
     ContactTooWide {

@@ -29,10 +29,11 @@ pub struct LocalBody {
     pub reference_length: f64,
 }
 
-/// u at which b equals the (weighted mean) reference length. Beyond, the half-plane has lost its
-/// meaning; the law goes on along its tangent, so that it stays convex and every iterate defined, and
-/// a solution there is refused.
-const U_WIDE: f64 = -1.0 - 2.0 * std::f64::consts::LN_2;
+/// u at which b is 1.5 times the (weighted mean) reference length: -1 - 2 ln(2 L / b). Towards b = 2 L the
+/// law would lose its slope; from here it goes on along its tangent, so that it stays convex and every
+/// iterate defined. At b = 2 L that is softer than the law by 0.07 c w, about a hundredth of the deflection
+/// of a tooth pair; a solution beyond b = 3 L is refused.
+const U_WIDE: f64 = -1.0 - 2.0 * 0.287_682_072_451_780_9;
 
 impl LocalContact {
     /// Law of a strip of `length` (m, along the contact line) between two bodies of the relative
@@ -92,9 +93,10 @@ impl LocalContact {
         -0.5 * self.c * (u + 1.0)
     }
 
-    /// Whether the Hertz half-width under the force `f` exceeds the reference length.
+    /// Whether the Hertz half-width under the force `f` exceeds three reference lengths: four times the force
+    /// at which the law goes over into its tangent.
     pub fn is_too_wide(&self, f: f64) -> bool {
-        f > 0.0 && (0.5 * self.c * f / self.length).ln() + self.log_scale >= U_WIDE
+        f > 0.0 && (0.125 * self.c * f / self.length).ln() + self.log_scale >= U_WIDE
     }
 
     /// Hertz half-width, m, under the force `f`, N.

@@ -88,8 +88,7 @@ impl<const N: usize> Basis<N> {
             .windows(2)
             .map(|w| w[1] - w[0])
             .fold(f64::INFINITY, f64::min);
-        // The factor keeps equal cells from falling a rounding short of their bucket.
-        let count = ((range / smallest).ceil() as usize).clamp(n, 512);
+        let count = (range / smallest * (1.0 + 1e-12)).ceil() as usize;
         let buckets = (0..count)
             .map(|b| {
                 let x = breaks[0] + range * b as f64 / count as f64;
@@ -134,15 +133,11 @@ impl<const N: usize> Basis<N> {
     fn cell(&self, x: f64) -> usize {
         // `as` takes NaN and what lies below to 0, what lies above is cut by min.
         let bucket = ((x - self.breaks[0]) * self.bucket_scale) as u32 as usize;
-        let mut i = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
-        while i + 1 < self.cells.len() && x >= self.breaks[i + 1] {
-            i += 1;
-        }
-        // A rounding in the bucket may point one cell too far.
-        while i > 0 && x < self.breaks[i] {
-            i -= 1;
-        }
-        i
+        let i = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
+        // A bucket is no longer than the shortest cell, so at most one cell ends in it. (A rounding at
+        // its edge may take the neighbour's polynomials, which agree there.)
+        let last = self.cells.len() - 1;
+        i + usize::from(i < last && x >= self.breaks[i + 1])
     }
 
     /// Weights inside the range, the end cell's polynomials beyond it.
@@ -186,40 +181,43 @@ impl<const N: usize> Basis<N> {
         match self.ends {
             Ends::Periodic => {
                 let (low, high) = (self.breaks[0], self.breaks[self.breaks.len() - 1]);
-                let period = high - low;
-                let turns = ((x - low) / period).floor();
-                (self.inside(x - turns * period), false)
+                // Wrapped already, as a rule: `floor` is a call on baseline x86-64.
+                let turns = if x >= low && x < high {
+                    0.0
+                } else {
+                    ((x - low) / (high - low)).floor()
+                };
+                (self.inside(x - turns * (high - low)), false)
             }
             Ends::Bounded | Ends::Onset => {
                 let edge = x.clamp(self.breaks[0], self.breaks[self.breaks.len() - 1]);
-                if x == edge {
-                    (self.inside(x), false)
-                } else {
-                    (self.beyond(x, edge), true)
+                let mut w = self.inside(edge);
+                let outside = x != edge;
+                if outside {
+                    self.go_beyond(&mut w, x - edge);
                 }
+                (w, outside)
             }
         }
     }
 
     #[cold]
-    fn beyond(&self, x: f64, edge: f64) -> Weights<N> {
-        let mut w = self.inside(edge);
+    #[inline(never)]
+    fn go_beyond(&self, w: &mut Weights<N>, d: f64) {
         if self.ends == Ends::Onset {
             // The potential goes on quadratically, so the force goes on linearly.
-            let d = x - edge;
             for k in 0..N {
                 w.value[k] += d * (w.slope[k] + 0.5 * d * w.curvature[k]);
                 w.slope[k] += d * w.curvature[k];
             }
-            return w;
+            return;
         }
-        let (g, g1, g2) = levelled(x - edge, self.guard);
+        let (g, g1, g2) = levelled(d, self.guard);
         for k in 0..N {
             w.value[k] += g * w.slope[k];
             w.curvature[k] = g2 * w.slope[k];
             w.slope[k] *= g1;
         }
-        w
     }
 
     /// Weights continued linearly however far outside `x` is (bounded axes).

@@ -148,6 +148,7 @@ pub fn over_displacement<
     wp: &Weights<NP>,
 ) -> [Jet; 3] {
     contract::<3, NC, NM, NP, H>(
+        #[inline(always)]
         |i, j| {
             let rows: [&[f64; NP]; NU] =
                 coefficients.rows([wc.first + i, wm.first + j, wu.first, wp.first]);
@@ -174,6 +175,7 @@ pub fn fields<const NC: usize, const NM: usize, const NP: usize, const H: bool>(
     wp: &Weights<NP>,
 ) -> [Jet; 2] {
     contract::<2, NC, NM, NP, H>(
+        #[inline(always)]
         |i, j| {
             let rows: [&[f64; NP]; 2] =
                 coefficients.rows([wc.first + i, wm.first + j, 0, wp.first]);

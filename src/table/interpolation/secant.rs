@@ -99,6 +99,7 @@ impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
         );
         if let Some(lever) = &self.lever {
             let [z] = contract::<1, NC, NM, NP, H>(
+                #[inline(always)]
                 |i, j| {
                     let [row]: [&[f64; NP]; 1] =
                         lever.rows([wc.first + i, wm.first + j, 0, wp.first]);

@@ -13,9 +13,16 @@ mod error;
 mod file;
 mod file_geometry;
 mod grid;
+pub mod import;
 mod interpolation;
+#[cfg(feature = "preprocess")]
+pub mod plan;
 mod runtime;
 pub mod samples;
+#[cfg(feature = "preprocess")]
+pub mod source;
+#[cfg(feature = "preprocess")]
+pub mod sweep;
 
 pub use error::TableError;
 pub use file::{AxesRecord, FlankRecord, InterpolationError, TableFile, VERSION};

@@ -1,0 +1,301 @@
+//! Tables from samples of any other program: a CSV file of static solutions on a full grid of torque,
+//! mesh position, centre distance and misalignment.
+//!
+//! A sample gives the displacement under a load; the table wants the load at a displacement. Each
+//! line of samples over the torque is inverted by a monotone cubic (Fritsch and Carlson, SIAM J. Numer.
+//! Anal. 17 (1980) 238-246), so a line must rise strictly.
+
+use super::{Axes, FlankGrid, TableError};
+use crate::gear::PairGeometry;
+use std::collections::BTreeMap;
+
+/// Columns of the file, in any order in its header.
+pub const COLUMNS: [&str; 6] = [
+    "torque_nm",
+    "mesh_position",
+    "center_distance_offset_um",
+    "misalignment_mrad",
+    "ste_loa_um",
+    "contact_z_mm",
+];
+
+/// One row, as in the file.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    line: usize,
+    values: [f64; 6],
+}
+
+/// What an import gives.
+#[derive(Debug)]
+pub struct Imported {
+    /// Samples on the table's grid.
+    pub grid: FlankGrid,
+    /// Largest torque, N m on gear 1.
+    pub maximum_torque: f64,
+}
+
+/// Reads CSV text of the drive flank of `geometry`: header with [`COLUMNS`], then one row per sample;
+/// empty lines and lines that begin with # are skipped. `contact_z_mm` counts from gear 1's z = 0 face.
+///
+/// The no-load approach is the sample at torque 0, or the line through the two smallest torques taken to 0.
+///
+/// # Errors
+/// Unknown or missing columns, numbers that are none, repeated or missing grid points, displacement that
+/// does not rise with the torque: each with line and values.
+pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, TableError> {
+    let rows = parse(text)?;
+    let axis = |k: usize| {
+        let mut values: Vec<f64> = rows.iter().map(|r| r.values[k]).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        values
+    };
+    let (torques, positions, offsets, misalignments) = (axis(0), axis(1), axis(2), axis(3));
+    let has_zero = torques[0] == 0.0;
+    let loads = torques.len() - usize::from(has_zero);
+    if torques[0] < 0.0 {
+        return Err(refused(format!(
+            "torque_nm = {}: a torque is not negative; give the loaded flank's samples only",
+            torques[0]
+        )));
+    }
+    if loads < 4 {
+        return Err(refused(format!(
+            "torque_nm has {loads} values above 0; a cubic spline needs at least 4"
+        )));
+    }
+    let mut by_point: BTreeMap<[u64; 4], Row> = BTreeMap::new();
+    let key = |v: [f64; 4]| v.map(|x| (x + 0.0).to_bits());
+    for row in &rows {
+        let [t, p, c, m, ..] = row.values;
+        if let Some(first) = by_point.insert(key([t, p, c, m]), *row) {
+            return Err(refused(format!(
+                "line {}: the point {} stands in line {} already; leave one of them out",
+                row.line,
+                describe(row.values),
+                first.line
+            )));
+        }
+    }
+
+    let z_ref = geometry.z_ref();
+    let base_radius = geometry.gears[0].base_radius();
+    let mut lines = Vec::new();
+    for &c in &offsets {
+        for &m in &misalignments {
+            for &p in &positions {
+                let mut line = Vec::with_capacity(torques.len());
+                for &t in &torques {
+                    let Some(row) = by_point.get(&key([t, p, c, m])) else {
+                        return Err(refused(format!(
+                            "no sample at {}; the grid must be complete",
+                            describe([t, p, c, m, 0.0, 0.0])
+                        )));
+                    };
+                    line.push(*row);
+                }
+                lines.push(invertible(&line, z_ref, base_radius)?);
+            }
+        }
+    }
+
+    // Displacement nodes where the samples lie on average, so that inversion has little to bridge.
+    let mean = |k: usize| {
+        let fraction = |l: &Line| (l.delta[k] - l.delta[0]) / (l.delta[loads] - l.delta[0]);
+        lines.iter().map(fraction).sum::<f64>() / lines.len() as f64
+    };
+    let mut fractions: Vec<f64> = (1..=loads).map(mean).collect();
+    fractions[loads - 1] = 1.0;
+    let (nm, np) = (misalignments.len(), positions.len());
+    let mut grid = FlankGrid {
+        axes: Axes {
+            displacement_fraction: fractions.clone(),
+            center_distance_offset: offsets.iter().map(|c| 1e-6 * c).collect(),
+            misalignment: misalignments.iter().map(|m| 1e-3 * m).collect(),
+            mesh_position: positions,
+        },
+        no_load_approach: lines.iter().map(|l| l.delta[0]).collect(),
+        top_load_approach: lines.iter().map(|l| l.delta[loads]).collect(),
+        loa_force: vec![],
+        moment: None,
+    };
+    let mut moment = vec![];
+    for block in lines.chunks(np) {
+        for u in &fractions {
+            for l in block {
+                let (force, lever) = l.at(l.delta[0] + u * (l.delta[loads] - l.delta[0]));
+                grid.loa_force.push(force);
+                moment.push(force * lever);
+            }
+        }
+    }
+    grid.moment = Some(moment);
+    debug_assert_eq!(lines.len(), offsets.len() * nm * np);
+    grid.check("samples")?;
+    Ok(Imported {
+        grid,
+        maximum_torque: torques[torques.len() - 1],
+    })
+}
+
+fn refused(message: String) -> TableError {
+    TableError::Samples(message)
+}
+
+fn describe(v: [f64; 6]) -> String {
+    let name = |k: usize| format!("{} = {}", COLUMNS[k], v[k]);
+    format!("{}, {}, {}, {}", name(0), name(1), name(2), name(3))
+}
+
+fn parse(text: &str) -> Result<Vec<Row>, TableError> {
+    let mut lines = text
+        .trim_start_matches('\u{feff}')
+        .lines()
+        .enumerate()
+        .map(|(i, l)| (i + 1, l.trim()))
+        .filter(|(_, l)| !l.is_empty() && !l.starts_with('#'));
+    let Some((_, header)) = lines.next() else {
+        return Err(refused(format!(
+            "the file is empty; its header is {}",
+            COLUMNS.join(",")
+        )));
+    };
+    let names: Vec<&str> = header
+        .split(',')
+        .map(|n| n.trim().trim_matches('"'))
+        .collect();
+    if let Some(unknown) = names.iter().find(|n| !COLUMNS.contains(n)) {
+        return Err(refused(format!(
+            "unknown column `{unknown}`; the columns are {}",
+            COLUMNS.join(",")
+        )));
+    }
+    let mut order = [0; 6];
+    for (slot, name) in order.iter_mut().zip(COLUMNS) {
+        let found: Vec<usize> = (0..names.len()).filter(|&i| names[i] == name).collect();
+        let [only] = found[..] else {
+            return Err(refused(format!(
+                "column `{name}` stands {} times in the header; it must stand once",
+                found.len()
+            )));
+        };
+        *slot = only;
+    }
+    let mut rows = Vec::new();
+    for (line, text) in lines {
+        let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+        if cells.len() != names.len() {
+            return Err(refused(format!(
+                "line {line}: {} values for {} columns",
+                cells.len(),
+                names.len()
+            )));
+        }
+        let mut values = [0.0; 6];
+        for (value, (&at, name)) in values.iter_mut().zip(order.iter().zip(COLUMNS)) {
+            *value = cells[at]
+                .parse::<f64>()
+                .ok()
+                .filter(|v| v.is_finite())
+                .ok_or_else(|| {
+                    refused(format!(
+                        "line {line}: {name} = {}: not a finite number",
+                        cells[at]
+                    ))
+                })?;
+        }
+        rows.push(Row { line, values });
+    }
+    if rows.is_empty() {
+        return Err(refused("no rows after the header".into()));
+    }
+    Ok(rows)
+}
+
+/// Samples over the load at one point of the other coordinates, from the no-load approach on.
+struct Line {
+    delta: Vec<f64>,
+    force: Vec<f64>,
+    /// dF/d delta, limited so that the cubic is monotone.
+    slope: Vec<f64>,
+    /// z_c - z_ref.
+    lever: Vec<f64>,
+}
+
+fn invertible(rows: &[Row], z_ref: f64, base_radius: f64) -> Result<Line, TableError> {
+    for pair in rows.windows(2) {
+        let [low, high] = [pair[0], pair[1]];
+        if high.values[4] <= low.values[4] {
+            return Err(refused(format!(
+                "line {}: ste_loa_um = {} at {} is not above ste_loa_um = {} at torque_nm = {} (line {}); \
+                 the displacement must rise with the load, so correct or remove this sample",
+                high.line,
+                high.values[4],
+                describe(high.values),
+                low.values[4],
+                low.values[0],
+                low.line
+            )));
+        }
+    }
+    let mut delta: Vec<f64> = rows.iter().map(|r| 1e-6 * r.values[4]).collect();
+    let mut force: Vec<f64> = rows.iter().map(|r| r.values[0] / base_radius).collect();
+    let mut lever: Vec<f64> = rows.iter().map(|r| 1e-3 * r.values[5] - z_ref).collect();
+    if force[0] > 0.0 {
+        let touch = delta[0] - force[0] * (delta[1] - delta[0]) / (force[1] - force[0]);
+        delta.insert(0, touch);
+        force.insert(0, 0.0);
+        lever.insert(0, lever[0]);
+    }
+    let slope = monotone_slopes(&delta, &force);
+    Ok(Line {
+        delta,
+        force,
+        slope,
+        lever,
+    })
+}
+
+/// Slopes of parabolas through three neighbours, cut to what keeps the cubic monotone.
+fn monotone_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    let secant: Vec<f64> = (1..n)
+        .map(|i| (y[i] - y[i - 1]) / (x[i] - x[i - 1]))
+        .collect();
+    let h: Vec<f64> = (1..n).map(|i| x[i] - x[i - 1]).collect();
+    (0..n)
+        .map(|i| {
+            if i == 0 {
+                let s = secant[0] + h[0] / (h[0] + h[1]) * (secant[0] - secant[1]);
+                s.clamp(0.0, 3.0 * secant[0])
+            } else if i == n - 1 {
+                let (a, b) = (n - 3, n - 2);
+                let s = secant[b] + h[b] / (h[a] + h[b]) * (secant[b] - secant[a]);
+                s.clamp(0.0, 3.0 * secant[b])
+            } else {
+                let s = (secant[i - 1] * h[i] + secant[i] * h[i - 1]) / (h[i - 1] + h[i]);
+                s.min(3.0 * secant[i - 1]).min(3.0 * secant[i])
+            }
+        })
+        .collect()
+}
+
+impl Line {
+    /// Force and lever at a displacement inside the samples.
+    fn at(&self, delta: f64) -> (f64, f64) {
+        let n = self.delta.len();
+        let i = self.delta.partition_point(|&d| d <= delta).clamp(1, n - 1) - 1;
+        let h = self.delta[i + 1] - self.delta[i];
+        let t = (delta - self.delta[i]) / h;
+        let s = 1.0 - t;
+        let force = self.force[i] * s * s * (1.0 + 2.0 * t)
+            + self.force[i + 1] * t * t * (1.0 + 2.0 * s)
+            + h * t * s * (self.slope[i] * s - self.slope[i + 1] * t);
+        (force, self.lever[i] * s + self.lever[i + 1] * t)
+    }
+}
+
+#[cfg(test)]
+#[path = "import_tests.rs"]
+mod tests;

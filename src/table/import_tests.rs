@@ -1,0 +1,119 @@
+//! Imports of a spring known by formula, and refusals.
+
+use super::*;
+use crate::gear::{Gear, GearKind};
+use crate::table::{FlankTable, Interpolation, Query};
+use std::f64::consts::TAU;
+
+fn geometry() -> PairGeometry {
+    let gear = |hand| Gear {
+        kind: GearKind::External,
+        teeth: 20,
+        hand,
+        normal_module: 4e-3,
+        normal_pressure_angle: 20f64.to_radians(),
+        helix_angle: 0.0,
+        profile_shift: 0.0,
+        face_width: 25e-3,
+        face_offset: 0.0,
+        tip_radius: 44e-3,
+        dedendum_coefficient: 1.25,
+        tool_tip_radius_coefficient: 0.38,
+        held_radius: 15e-3,
+        tooth_thinning: 0.0,
+        youngs_modulus: 206e9,
+        poisson_ratio: 0.3,
+    };
+    PairGeometry {
+        gears: [gear(1.0), gear(-1.0)],
+        center_distance: 80e-3,
+    }
+}
+
+/// F = k(p) delta with k = 2e8 (1 + 0.2 cos 2 pi p) N/m, contact 1 mm above mid-face.
+fn stiffness(p: f64) -> f64 {
+    2e8 * (1.0 + 0.2 * (TAU * p).cos())
+}
+
+fn csv(torques: &[f64]) -> String {
+    let mut text = format!("# a spring\n{}\n", COLUMNS.join(","));
+    let rb = geometry().gears[0].base_radius();
+    for t in torques {
+        for i in 0..16 {
+            let p = f64::from(i) / 16.0;
+            text += &format!("{t},{p},0,0,{},13.5\n", 1e6 * t / rb / stiffness(p));
+        }
+    }
+    text
+}
+
+const TORQUES: [f64; 10] = [0.5, 2.0, 5.0, 10.0, 20.0, 40.0, 60.0, 90.0, 130.0, 200.0];
+
+#[test]
+fn a_linear_spring_comes_back_with_its_stiffness() {
+    for torques in [&TORQUES[..], &[&[0.0], &TORQUES[..]].concat()] {
+        let imported = import_csv(&csv(torques), &geometry()).unwrap();
+        assert_eq!(imported.maximum_torque, 200.0);
+        let table = FlankTable::new(&imported.grid, Interpolation::Spline).unwrap();
+        for i in 0..400 {
+            let p = 0.618 * f64::from(i) % 1.0;
+            let delta = 1e-6 + 15e-6 * f64::from(i) / 400.0;
+            let w = table.evaluate(
+                &Query {
+                    delta,
+                    center_distance_offset: 0.0,
+                    misalignment: 0.0,
+                    mesh_position: p,
+                },
+                false,
+            );
+            let force = stiffness(p) * delta;
+            assert!(
+                (w.gradient[0] / force - 1.0).abs() < 1e-3,
+                "{} of {force} N at {delta}",
+                w.gradient[0]
+            );
+            assert!(
+                (w.gradient[2] / force - 1e-3).abs() < 1e-6,
+                "lever {}",
+                w.gradient[2] / force
+            );
+        }
+    }
+}
+
+#[test]
+fn samples_that_cannot_be_a_table_are_refused_by_line_and_value() {
+    let good = csv(&TORQUES);
+    let refused = |text: String| import_csv(&text, &geometry()).unwrap_err().to_string();
+    let lines: Vec<&str> = good.lines().collect();
+    let without = |i: usize| {
+        let mut l = lines.clone();
+        l.remove(i);
+        l.join("\n")
+    };
+    let missing = refused(without(20));
+    assert!(
+        missing.contains("no sample at torque_nm = 2, mesh_position = 0.125"),
+        "{missing}"
+    );
+    let twice = refused(format!("{good}{}\n", lines[5]));
+    assert!(
+        twice.contains("line 163") && twice.contains("line 6"),
+        "{twice}"
+    );
+    let falling = refused(good.replacen("2,0,0,0,", "2,0,0,0,-1e3,1\n#", 1));
+    assert!(
+        falling.contains("line 19: ste_loa_um = -1000")
+            && falling.contains("torque_nm = 2, mesh_position = 0,"),
+        "{falling}"
+    );
+    assert!(refused(good.replacen("13.5", "nan", 1)).contains("line 3: contact_z_mm = nan"));
+    assert!(
+        refused(good.replacen("mesh_position", "position", 1))
+            .contains("unknown column `position`")
+    );
+    assert!(refused(good.replacen("\n0.5,", "\n-0.5,", 1)).contains("torque_nm = -0.5"));
+    assert!(refused(csv(&TORQUES[..3])).contains("at least 4"));
+    assert!(refused(String::new()).contains("empty"));
+}

@@ -1,0 +1,189 @@
+//! Sweeps and grids to a stated error, on a spring whose solution is known.
+
+use super::super::samples::Spring;
+use super::super::source::{Sample, StaticPosition};
+use super::*;
+use crate::gear::{Gear, GearKind};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+fn geometry() -> PairGeometry {
+    let gear = |hand| Gear {
+        kind: GearKind::External,
+        teeth: 20,
+        hand,
+        normal_module: 4e-3,
+        normal_pressure_angle: 20f64.to_radians(),
+        helix_angle: 0.0,
+        profile_shift: 0.0,
+        face_width: 25e-3,
+        face_offset: 0.0,
+        tip_radius: 44e-3,
+        dedendum_coefficient: 1.25,
+        tool_tip_radius_coefficient: 0.38,
+        held_radius: 15e-3,
+        tooth_thinning: 0.0,
+        youngs_modulus: 206e9,
+        poisson_ratio: 0.3,
+    };
+    PairGeometry {
+        gears: [gear(1.0), gear(-1.0)],
+        center_distance: 80e-3,
+    }
+}
+
+struct Formula;
+
+struct At {
+    mesh_position: f64,
+    center_distance_offset: f64,
+}
+
+impl At {
+    fn query(&self, delta: f64, misalignment: f64) -> Query {
+        Query {
+            delta,
+            center_distance_offset: self.center_distance_offset,
+            misalignment,
+            mesh_position: self.mesh_position,
+        }
+    }
+}
+
+impl StaticPosition for At {
+    fn no_load_approach(&mut self, misalignment: f64) -> f64 {
+        let (mut low, mut high) = (-1e-3, 1e-3);
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if Spring::potential(&self.query(middle, misalignment)).gradient[0] > 0.0 {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        low
+    }
+
+    fn at_torque(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
+        let force = torque / geometry().gears[0].base_radius();
+        let (mut low, mut high) = (-1e-3, 1e-3);
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if Spring::potential(&self.query(middle, misalignment)).gradient[0] > force {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        self.at_approach(low, misalignment)
+    }
+
+    fn at_approach(&mut self, approach: f64, misalignment: f64) -> Result<Sample, String> {
+        let w = Spring::potential(&self.query(approach, misalignment));
+        Ok(Sample {
+            approach,
+            loa_force: w.gradient[0],
+            moment: w.gradient[2],
+        })
+    }
+}
+
+impl StaticSource for Formula {
+    fn position(
+        &self,
+        _: Flank,
+        mesh_position: f64,
+        center_distance_offset: f64,
+    ) -> Result<Box<dyn StaticPosition + '_>, String> {
+        Ok(Box::new(At {
+            mesh_position,
+            center_distance_offset,
+        }))
+    }
+}
+
+fn coverage() -> Coverage {
+    Coverage {
+        center_distance_offset: Some([-100e-6, 100e-6]),
+        misalignment: Some([-3e-3, 3e-3]),
+        nominal_torque: 10.0,
+        maximum_torque: 20.0,
+    }
+}
+
+#[test]
+fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_ours() {
+    let cancel = AtomicBool::new(false);
+    let watch = Watch {
+        progress: &|_, _| {},
+        cancel: &cancel,
+    };
+    let (grid, found) = table_within(&Formula, &geometry(), &coverage(), 2e-3, &watch).unwrap();
+    assert!(found.force_rms <= 2e-3, "{found:?}");
+    let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
+    // Other points than those `measure` draws: a lattice.
+    let (mut squares, mut n) = (0.0, 0.0);
+    for i in 0..2000 {
+        let s = |a: f64| (0.5 + a * f64::from(i)).fract();
+        let (c, m, p) = (
+            200e-6 * s(0.733_9) - 100e-6,
+            6e-3 * s(0.628_7) - 3e-3,
+            s(0.538_6),
+        );
+        let mut at = At {
+            mesh_position: p,
+            center_distance_offset: c,
+        };
+        let exact = at.at_torque(20.0 * s(0.856_7), m).unwrap();
+        let w = table.evaluate(&at.query(exact.approach, m), false);
+        squares += (w.gradient[0] - exact.loa_force).powi(2);
+        n += 1.0;
+    }
+    let nominal = 10.0 / geometry().gears[0].base_radius();
+    let rms = f64::sqrt(squares / n) / nominal;
+    assert!(rms < 2.5e-3, "{rms}");
+    assert!((rms / found.force_rms - 1.0).abs() < 0.3, "{rms} {found:?}");
+}
+
+#[test]
+fn only_the_dimensions_asked_for_are_computed() {
+    let cancel = AtomicBool::new(false);
+    let done = AtomicUsize::new(0);
+    let watch = Watch {
+        progress: &|now, all| {
+            assert!(now <= all);
+            done.fetch_max(now, Ordering::Relaxed);
+        },
+        cancel: &cancel,
+    };
+    let axes = default_axes(&Coverage {
+        center_distance_offset: None,
+        ..coverage()
+    });
+    let grid = sweep(&Formula, Flank::Drive, &axes, 20.0, &watch).unwrap();
+    grid.check("drive").unwrap();
+    assert_eq!(grid.axes.present(), [false, true, true]);
+    assert_eq!(done.into_inner(), 17 * 32 * 13);
+}
+
+#[test]
+fn a_stopped_sweep_gives_nothing() {
+    let cancel = AtomicBool::new(true);
+    let watch = Watch {
+        progress: &|_, _| {},
+        cancel: &cancel,
+    };
+    let axes = default_axes(&coverage());
+    let stopped = sweep(&Formula, Flank::Drive, &axes, 20.0, &watch);
+    assert!(matches!(stopped, Err(TableError::Cancelled)));
+}
+
+#[test]
+fn graded_axes_keep_their_ends_and_contain_parallel_axes() {
+    for grading in [0.0, 1.5, 3.0] {
+        let axis = graded([-3e-3, 3e-3], 9, grading);
+        assert_eq!((axis[0], axis[4], axis[8]), (-3e-3, 0.0, 3e-3));
+        assert!(axis.windows(2).all(|w| w[0] < w[1]));
+        let one_sided = graded([0.0, 3e-3], 5, grading);
+        assert_eq!((one_sided[0], one_sided[4]), (0.0, 3e-3));
+    }
+}

@@ -19,6 +19,11 @@ pub const COLUMNS: [&str; 6] = [
     "contact_z_mm",
 ];
 
+/// Force at the lowest node over that of a linear spring. With cells that end at 0, x/2, x, 4x the C2 spline
+/// that vanishes before 0 and is the linear spring k u beyond 4x is k times the sum of c_i (u - t_i)³ with
+/// c x² = 11/12, -40/21, 1, -1/84 (no cubic, no quadratic, no constant part beyond); at x it is 19/28 k x.
+const ROUNDED_ONSET: f64 = 19.0 / 28.0;
+
 /// One row, as in the file.
 #[derive(Debug, Clone, Copy)]
 struct Row {
@@ -107,6 +112,10 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     };
     let mut fractions: Vec<f64> = (1..=loads).map(mean).collect();
     fractions[loads - 1] = 1.0;
+    // Springs that start with a kink (linear ones) must not ring: the spline, which starts without,
+    // gets two more nodes below the smallest load to round the kink off within.
+    let smallest = fractions[0];
+    fractions.splice(0..0, [smallest / 16.0, smallest / 4.0]);
     let (nm, np) = (misalignments.len(), positions.len());
     let mut grid = FlankGrid {
         axes: Axes {
@@ -122,9 +131,12 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     };
     let mut moment = vec![];
     for block in lines.chunks(np) {
-        for u in &fractions {
+        for (k, u) in fractions.iter().enumerate() {
             for l in block {
-                let (force, lever) = l.at(l.delta[0] + u * (l.delta[loads] - l.delta[0]));
+                let (mut force, lever) = l.at(l.delta[0] + u * (l.delta[loads] - l.delta[0]));
+                if k == 0 {
+                    force *= ROUNDED_ONSET;
+                }
                 grid.loa_force.push(force);
                 moment.push(force * lever);
             }

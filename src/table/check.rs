@@ -124,6 +124,15 @@ fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
             ));
         }
     }
+    let range = nodes[nodes.len() - 1] - nodes[0];
+    if let Some(pair) = nodes.windows(2).find(|w| w[1] - w[0] < range / 1e5) {
+        return Err(TableError::field(
+            format!("axes.{name}"),
+            format!("{} and {}", pair[0], pair[1]),
+            "nodes closer than a hundred-thousandth of the range",
+            "leave one of them out",
+        ));
+    }
     Ok(())
 }
 

@@ -171,4 +171,6 @@ fn boxed(interpolant: impl Interpolant + 'static) -> Box<dyn Interpolant> {
 }
 
 #[cfg(test)]
+mod robustness_tests;
+#[cfg(test)]
 mod tests;

@@ -76,8 +76,10 @@ pub fn sweep(
     };
     let mut moment = vec![];
     for c in 0..nc {
-        for m in 0..nm {
-            let at = |p: usize| &columns[c * np + p][m];
+        // One row of columns per misalignment, all mesh positions of this centre distance.
+        let row = &columns[c * np..(c + 1) * np];
+        (0..nm).for_each(|m| {
+            let at = |p: usize| &row[p][m];
             grid.no_load_approach.extend((0..np).map(|p| at(p).low));
             grid.top_load_approach
                 .extend((0..np).map(|p| at(p).samples[nu - 1].approach));
@@ -86,7 +88,7 @@ pub fn sweep(
                     .extend((0..np).map(|p| at(p).samples[u].loa_force));
                 moment.extend((0..np).map(|p| at(p).samples[u].moment));
             }
-        }
+        });
     }
     grid.moment = Some(moment);
     Ok(grid)

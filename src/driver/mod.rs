@@ -14,6 +14,7 @@
 
 mod adaptive;
 mod cosimulation;
+mod experiment;
 mod fixed_step;
 mod scene;
 mod state;
@@ -23,6 +24,7 @@ mod tests;
 
 pub use adaptive::{AdaptiveError, integrate};
 pub use cosimulation::{Coupling, Extrapolation, Master};
+pub use experiment::{ModulatedSpring, SingleFreedom};
 pub use fixed_step::Method;
 pub use scene::{Bearing, Freedoms, Gear, Scene, Spin, twist};
 pub use state::{GEAR_STATES, GearState, STATES, State, gear_state, set_gear_state};

@@ -3,7 +3,7 @@
 use super::parameters::Parameters;
 use super::scalar::{Scalar, lift};
 use crate::gear::Flank;
-use crate::table::{COORDINATES, Potential, Query, Table};
+use crate::table::{COORDINATES, FlankTable, Potential, Query, Table};
 use std::sync::Arc;
 
 /// Anything that gives the potential W(delta, C, M, PMC) of a loaded flank: the interpolated table,
@@ -25,6 +25,13 @@ pub struct FlankLaws {
     /// Coast flank; `None`: that of the drive flank, mirrored (M -> -M, z_c - z_ref -> -(z_c - z_ref)),
     /// which is exact where the microgeometry is mirror-symmetric.
     pub coast: Option<Arc<dyn Elasticity>>,
+}
+
+impl Elasticity for FlankTable {
+    #[inline]
+    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
+        FlankTable::evaluate(self, query, want_hessian)
+    }
 }
 
 /// One flank of a pair's table.

@@ -44,6 +44,8 @@ pub use scalar::Scalar;
 pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_poses;
 
 use crate::gear::PairGeometry;
 use crate::table::Table;
@@ -158,6 +160,11 @@ impl Element {
     /// The parameters it was made with.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    /// Line-of-action length per tangential length at `center_distance` (m): cos phi.
+    pub fn line_of_action(&self, center_distance: f64) -> f64 {
+        self.constants.base_sum / center_distance
     }
 
     /// A valid mesh at rest: gear 1 and the carrier at the origin, gear 2 at the nominal centre

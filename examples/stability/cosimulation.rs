@@ -1,0 +1,170 @@
+//! How long a communication step an explicit coupling bears.
+
+use crate::pair;
+use crate::plot::{Line, Plot};
+use gearmesh::driver::{
+    Coupling, Extrapolation, Master, Method, ModulatedSpring, SingleFreedom, Spin,
+};
+use gearmesh::element::{LoadedFlank, Parameters};
+use std::fmt::Write as _;
+use std::path::Path;
+
+const STIFFNESS: f64 = 4.9e8;
+const INERTIA: f64 = 4.213e-4;
+
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+/// Gear 2 on the mesh spring and a mesh damper of ratio `zeta`, in contact all the time.
+fn system(zeta: f64) -> Result<SingleFreedom> {
+    let pair = pair::external();
+    let rb = pair.gears[1].base_radius();
+    let phi = pair.operating_pressure_angle(pair.center_distance);
+    let mass = INERTIA / rb / rb;
+    let parameters = Parameters {
+        loaded_flank: LoadedFlank::Drive,
+        // 2 zeta sqrt(k m) on the line of action is cos^2(phi) of that tangentially.
+        damping: 2.0 * zeta * (STIFFNESS * mass).sqrt() * phi.cos().powi(2),
+        damping_onset: 1e-3,
+        ..Parameters::default()
+    };
+    let law = ModulatedSpring {
+        stiffness: STIFFNESS,
+        depth: 0.0,
+    };
+    Ok(SingleFreedom::new(
+        &pair,
+        &parameters,
+        law,
+        INERTIA,
+        100.0,
+        0.0,
+        Spin::speed(0.0),
+        0.0,
+    )?)
+}
+
+/// Whether a small disturbance dies out with communication step `h` omega.
+fn stable(o: &SingleFreedom, master: Master, extrapolation: Extrapolation, h: f64) -> Result<bool> {
+    let start = o.start(1.01, 0.0, 0.0);
+    let mut coupling = Coupling::new(&o.scene, master, extrapolation, start, h / o.omega, 1)?;
+    let mut peaks = [0.0_f64; 2];
+    // Long enough in steps and in time to tell growth from decay.
+    let steps = 600.max((60.0 / h) as usize);
+    for n in 0..steps {
+        coupling.advance()?;
+        let deviation = (o.elongation(coupling.time(), coupling.state())? - 1.0).abs();
+        if deviation > 0.5 {
+            return Ok(false);
+        }
+        let half = usize::from(n >= steps / 2);
+        peaks[half] = peaks[half].max(deviation);
+    }
+    Ok(peaks[1] < peaks[0])
+}
+
+/// Largest stable omega H, by bisection.
+fn limit(o: &SingleFreedom, master: Master, extrapolation: Extrapolation) -> Result<f64> {
+    let (mut low, mut high) = (5e-3_f64, 8.0_f64);
+    if !stable(o, master, extrapolation, low)? {
+        return Ok(0.0);
+    }
+    for _ in 0..14 {
+        let middle = (low * high).sqrt();
+        if stable(o, master, extrapolation, middle)? {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(low)
+}
+
+/// Largest error of y over ten periods against Runge-Kutta with a fine step.
+fn error(o: &SingleFreedom, master: Master, extrapolation: Extrapolation, h: f64) -> Result<f64> {
+    let step = h / o.omega;
+    let start = o.start(1.2, 0.0, 0.0);
+    let mut coupling = Coupling::new(&o.scene, master, extrapolation, start, step, 4)?;
+    let mut exact = start;
+    let fine = 50;
+    let mut worst = 0.0_f64;
+    for n in 0..(60.0 / h) as usize {
+        coupling.advance()?;
+        for i in 0..fine {
+            let t = (n as f64 + f64::from(i) / f64::from(fine)) * step;
+            exact = Method::RungeKutta4.step(&o.scene, t, &exact, step / f64::from(fine))?;
+        }
+        let miss = o.elongation(coupling.time(), coupling.state())?
+            - o.elongation(coupling.time(), &exact)?;
+        worst = worst.max(miss.abs());
+        if worst > 1.0 {
+            break;
+        }
+    }
+    Ok(worst)
+}
+
+const COUPLINGS: [(Master, Extrapolation); 6] = [
+    (Master::Sequential, Extrapolation::Hold),
+    (Master::Sequential, Extrapolation::Inputs),
+    (Master::Sequential, Extrapolation::Outputs),
+    (Master::Parallel, Extrapolation::Hold),
+    (Master::Parallel, Extrapolation::Inputs),
+    (Master::Parallel, Extrapolation::Outputs),
+];
+
+/// The chapter.
+pub fn report(folder: &Path) -> crate::Outcome {
+    let mut text = String::from(
+        "One freedom, k = 4.9e8 N/m on the line of action, all damping in the mesh, in contact throughout. Largest stable omega H by bisection. \
+         Expected for held loads: min(4 zeta, 1/zeta) with a sequential master; 4 zeta / 3 at small zeta with a parallel one.\n\n\
+         | zeta | expected seq. | seq. hold | seq. inputs | seq. outputs | expected par. | par. hold | par. inputs | par. outputs |\n\
+         |---|---|---|---|---|---|---|---|---|\n",
+    );
+    for zeta in [0.01, 0.03, 0.1, 0.3, 1.0, 4.8] {
+        let o = system(zeta)?;
+        let limits = COUPLINGS.map(|(master, extrapolation)| limit(&o, master, extrapolation));
+        let [a, b, c, d, e, f] =
+            limits.map(|l| l.map_or_else(|_| "error".into(), |l| format!("{l:.3}")));
+        let parallel = if zeta <= 0.1 {
+            format!("{:.3}", 4.0 * zeta / 3.0)
+        } else {
+            String::new()
+        };
+        writeln!(
+            text,
+            "| {zeta} | {:.3} | {a} | {b} | {c} | {parallel} | {d} | {e} | {f} |",
+            (4.0 * zeta).min(1.0 / zeta)
+        )?;
+    }
+    let o = system(0.1)?;
+    let mut lines = Vec::new();
+    for (master, extrapolation) in COUPLINGS {
+        let mut points = Vec::new();
+        for n in 0..13 {
+            let h = 1e-3 * 10f64.powf(f64::from(n) * 0.2);
+            let worst = error(&o, master, extrapolation, h)?;
+            if worst < 1.0 {
+                points.push((h, worst));
+            }
+        }
+        lines.push(Line {
+            name: format!("{master:?}, {extrapolation:?}"),
+            points,
+        });
+    }
+    Plot {
+        title: "Error against communication step, zeta = 0.1",
+        x: "omega H",
+        y: "largest error of y",
+        logarithmic: true,
+        lines,
+    }
+    .save(&folder.join("cosimulation.svg"))?;
+    text.push_str(
+        "\n![error](stability/cosimulation.svg)\n\nWhat to choose: a host that lets the element step first (sequential), and H below \
+         half the limit of its column. `Inputs`: the element moves its inputs on by their velocities to the middle of the step in which its loads act \
+         (fmi2SetRealInputDerivatives, or the velocities it knows). `Outputs`: the host runs the loads on linearly with \
+         fmi2GetRealOutputDerivatives.\n",
+    );
+    Ok(text)
+}

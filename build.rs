@@ -20,6 +20,10 @@ type Enumerations = Vec<(String, Vec<String>)>;
 fn main() {
     println!("cargo::rerun-if-changed={SOURCE}");
     println!("cargo::rerun-if-changed=build.rs");
+    // Line tables serve the command and the tests; in every FMU they would weigh twenty times the code.
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("linux") {
+        println!("cargo::rustc-cdylib-link-arg=-Wl,--strip-debug");
+    }
     if let Err(error) = generate() {
         println!("cargo::error={SOURCE}: {error}");
         std::process::exit(1);

@@ -267,3 +267,95 @@ fn a_report_that_cannot_be_written_is_a_failure_that_names_the_file() {
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("/no/such/folder/report.html"));
 }
+
+/// Options that make tables in a moment: closed-form compliance, load and mesh position only.
+const SMALL: [&str; 4] = [
+    "--compliance",
+    "analytical",
+    "--no-center-distance",
+    "--no-misalignment",
+];
+
+fn succeed(arguments: &[&str]) -> Output {
+    let output = gearmesh(arguments);
+    assert!(
+        output.status.success(),
+        "{arguments:?}: {}",
+        stderr(&output)
+    );
+    output
+}
+
+fn guid(inspection: &Output) -> String {
+    let line = stdout(inspection)
+        .lines()
+        .find(|line| line.contains("GUID"));
+    line.expect("a line with the GUID")
+        .split_whitespace()
+        .last()
+        .unwrap()
+        .to_owned()
+}
+
+#[test]
+fn building_is_tabulating_and_packing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (tables, packed, built) = (path("tables.json"), path("packed.fmu"), path("bü ilt.fmu"));
+    let pair = paper();
+    succeed(&[&["tables", &pair, "-o", &tables], &SMALL[..]].concat());
+    succeed(&["pack", "--tables", &tables, "-o", &packed]);
+    succeed(&[&["build", &pair, "-o", &built], &SMALL[..]].concat());
+
+    let inspection = succeed(&["inspect", &tables]);
+    assert!(
+        stdout(&inspection).contains("1 misalignments"),
+        "{}",
+        stdout(&inspection)
+    );
+    assert!(
+        stdout(&inspection).contains("rms"),
+        "{}",
+        stdout(&inspection)
+    );
+    // The GUID is that of the contents.
+    let [a, b] = [&packed, &built].map(|fmu| guid(&succeed(&["inspect", fmu])));
+    assert_eq!(a, b);
+    // Nothing but the three files.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
+#[test]
+fn tables_that_were_altered_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let tables = folder.path().join("tables.json");
+    let fmu = folder.path().join("out.fmu");
+    let (tables, fmu) = (tables.to_str().unwrap(), fmu.to_str().unwrap());
+    succeed(&[&["tables", &paper(), "-o", tables], &SMALL[..]].concat());
+    let text = std::fs::read_to_string(tables).unwrap();
+    let altered = text.replacen(
+        "\"maximum_torque_nm\": 200",
+        "\"maximum_torque_nm\": 201",
+        1,
+    );
+    let altered = altered.replacen("\"maximum_torque_nm\":200", "\"maximum_torque_nm\":201", 1);
+    assert_ne!(text, altered);
+    std::fs::write(tables, altered).unwrap();
+
+    let output = gearmesh(&["pack", "--tables", tables, "-o", fmu]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("checksum"), "{}", stderr(&output));
+    assert!(!Path::new(fmu).exists());
+}
+
+#[test]
+fn an_error_bound_that_cannot_be_is_refused_by_name() {
+    let output = gearmesh(&["tables", &paper(), "-o", "unused.json", "--max-error", "0"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stderr(&output).contains("--max-error"),
+        "{}",
+        stderr(&output)
+    );
+    assert!(!Path::new("unused.json").exists());
+}

@@ -3,6 +3,8 @@
 //! One file per subcommand. Results go to standard output, progress and errors to standard error,
 //! and the exit status is 0 only when the whole thing was done.
 
+mod build;
+mod import;
 mod inspect;
 mod model;
 mod output;
@@ -11,6 +13,7 @@ mod pair_summary;
 mod progress;
 mod report;
 mod solve;
+mod tables;
 
 use std::process::ExitCode;
 
@@ -27,9 +30,12 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Solve(solve::Solve),
+    Tables(tables::Tables),
+    Import(import::Import),
+    Build(build::Build),
+    Pack(pack::Pack),
     Inspect(inspect::Inspect),
     Report(report::Report),
-    Pack(pack::Pack),
 }
 
 /// Any error of a subcommand; its chain is printed on one line.
@@ -38,9 +44,12 @@ type Error = Box<dyn std::error::Error>;
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Solve(command) => command.run(),
+        Command::Tables(command) => command.run(),
+        Command::Import(command) => command.run(),
+        Command::Build(command) => command.run(),
+        Command::Pack(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Report(command) => command.run(),
-        Command::Pack(command) => command.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

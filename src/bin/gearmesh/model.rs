@@ -125,6 +125,11 @@ impl ModelArgs {
         Ok(())
     }
 
+    /// Whether every slice stands by itself.
+    pub fn is_plane_strain(&self) -> bool {
+        self.plane_strain
+    }
+
     /// The solver for `pair`, to which the command line has been applied.
     pub fn solver(&self, pair: &Pair) -> Result<Model, Error> {
         let begin = Instant::now();
@@ -143,6 +148,18 @@ impl ModelArgs {
             compliance_seconds,
             description: self.description(pair),
         })
+    }
+
+    /// The pair with the elastic model whose difference to that of `pair` tells the error: the next
+    /// finer one where it is cheap, else the next coarser one.
+    pub fn reference(pair: &Pair) -> Pair {
+        let mut other = pair.clone();
+        other.compliance.refinement = match (pair.compliance.method, pair.compliance.refinement) {
+            (ComplianceMethod::Analytical, _) | (_, Refinement::Normal) => Refinement::Coarse,
+            (_, Refinement::Coarse | Refinement::Fine) => Refinement::Normal,
+        };
+        other.compliance.method = ComplianceMethod::FiniteElement;
+        other
     }
 
     fn description(&self, pair: &Pair) -> String {

@@ -56,6 +56,10 @@ pub struct Solve {
     #[arg(long, value_enum, default_value_t = Flank::Drive)]
     flank: Flank,
 
+    /// Solve with another elastic model, too, and print how far the results differ
+    #[arg(long, conflicts_with = "json")]
+    estimate_error: bool,
+
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -82,10 +86,40 @@ impl Solve {
         let text = if self.json {
             serde_json::to_string_pretty(&report)? + "\n"
         } else {
-            text(&pair, &model, &input, &cycle, &report)
+            let mut text = text(&pair, &model, &input, &cycle, &report);
+            if self.estimate_error {
+                text += &self.difference(&pair, &input, &cycle)?;
+            }
+            text
         };
         output::print(&text)?;
         Ok(())
+    }
+
+    /// How far another elastic model is from this one.
+    fn difference(
+        &self,
+        pair: &Pair,
+        input: &CycleInput,
+        cycle: &MeshCycle,
+    ) -> Result<String, crate::Error> {
+        let model = self.model.solver(&ModelArgs::reference(pair))?;
+        let other = MeshCycle::solve(&model.solver, input)?;
+        let percent = |a: f64, b: f64| format!("{:+.2} %", 100.0 * (a / b - 1.0));
+        let mut rows = Listing::default();
+        rows.row("compared with", &model.description)
+            .row("mean STE", percent(cycle.mean_ste(), other.mean_ste()))
+            .row(
+                "peak-to-peak STE",
+                percent(cycle.peak_to_peak_ste(), other.peak_to_peak_ste()),
+            )
+            .row(
+                "time for its elastic model",
+                format!("{:.3} s", model.compliance_seconds),
+            );
+        Ok(format!(
+            "\nestimated error, from the difference to another model\n{rows}"
+        ))
     }
 }
 

@@ -1,0 +1,49 @@
+//! `gearmesh build PAIR.json -o OUT.fmu`: tables and packing in one.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::model::ModelArgs;
+use crate::output;
+use crate::pack;
+use crate::tables::{self, GridArgs};
+
+/// Compute the tables of a pair and pack them into an FMU.
+#[derive(Debug, Args)]
+pub struct Build {
+    /// Pair file
+    pair: PathBuf,
+
+    /// FMU to write
+    #[arg(short, long)]
+    output: PathBuf,
+
+    /// Compiled library of the unit, once per platform [default: the one beside this program]
+    #[arg(long)]
+    library: Vec<PathBuf>,
+
+    #[command(flatten)]
+    grid: GridArgs,
+
+    #[command(flatten)]
+    model: ModelArgs,
+}
+
+impl Build {
+    /// Computes, packs and says what was made.
+    pub fn run(self) -> Result<(), crate::Error> {
+        // A missing library shall not cost the time of the tables.
+        let libraries = pack::libraries(&self.library)?;
+        let file = tables::compute(&self.pair, &self.grid, &self.model)?;
+        let packed = pack::pack_tables(&file.to_json(), &libraries, &self.output)?;
+        output::print(&format!(
+            "Wrote {}: {:.2} MB, GUID {}; {}\n",
+            self.output.display(),
+            packed.bytes as f64 / 1e6,
+            packed.guid,
+            tables::in_words(&file)
+        ))?;
+        Ok(())
+    }
+}

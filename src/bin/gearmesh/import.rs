@@ -1,0 +1,68 @@
+//! `gearmesh import SAMPLES.csv --pair PAIR.json -o TABLES.json`: tables from another contact program.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use gearmesh::pair::Pair;
+use gearmesh::table::TableFile;
+use gearmesh::table::import::import_csv;
+
+use crate::output;
+use crate::tables::in_words;
+
+/// Make tables of the samples of another contact program.
+///
+/// CSV with a header and the columns torque_nm, mesh_position, center_distance_offset_um,
+/// misalignment_mrad, ste_loa_um, contact_z_mm; one row for every point of a full grid.
+#[derive(Debug, Args)]
+pub struct Import {
+    /// Samples of the drive flank
+    samples: PathBuf,
+
+    /// Pair file that the samples belong to
+    #[arg(long)]
+    pair: PathBuf,
+
+    /// Samples of the coast flank [default: the drive flank's, mirrored]
+    #[arg(long)]
+    coast: Option<PathBuf>,
+
+    /// Tables to write
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+impl Import {
+    /// Inverts the samples, writes and says what was made.
+    pub fn run(self) -> Result<(), crate::Error> {
+        let pair = Pair::read(&self.pair)?;
+        let read = |path: &PathBuf| -> Result<_, crate::Error> {
+            let place = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+            let text = std::fs::read_to_string(path).map_err(|e| place(&e))?;
+            Ok(import_csv(&text, &pair.geometry).map_err(|e| place(&e))?)
+        };
+        let drive = read(&self.samples)?;
+        let coast = self.coast.as_ref().map(read).transpose()?;
+        if coast.is_none() && !pair.coast_mirrors_drive() {
+            return Err(format!(
+                "{}: lead slope or face offset make the flanks differ; give the samples of the coast \
+                 flank with --coast",
+                self.pair.display()
+            )
+            .into());
+        }
+        let file = TableFile::new(
+            &pair.name,
+            &format!("samples in {}", self.samples.display()),
+            &pair.geometry,
+            [pair.operating.nominal_torque, drive.maximum_torque],
+            &drive.grid,
+            coast.as_ref().map(|c| &c.grid),
+        );
+        file.check()?;
+        output::write_whole(&self.output, file.to_json().as_bytes())?;
+        let written = self.output.display();
+        output::print(&format!("Wrote {written}: {}\n", in_words(&file)))?;
+        Ok(())
+    }
+}

@@ -1,0 +1,219 @@
+//! `gearmesh tables PAIR.json -o TABLES.json`: the static contact of a pair over its operating range.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+use gearmesh::contact::ContactSolver;
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use gearmesh::table::plan::{Coverage, default_axes, measure, table_within};
+use gearmesh::table::sweep::{Watch, sweep};
+use gearmesh::table::{FlankGrid, FlankTable, Interpolation, InterpolationError, TableFile};
+
+use crate::Error;
+use crate::model::{Model, ModelArgs};
+use crate::output;
+
+/// Random operating points at which the default grid is measured.
+const HELD_OUT_POINTS: usize = 1000;
+
+/// Compute the tables of a pair.
+#[derive(Debug, Args)]
+pub struct Tables {
+    /// Pair file
+    pair: PathBuf,
+
+    /// Tables to write
+    #[arg(short, long)]
+    output: PathBuf,
+
+    #[command(flatten)]
+    grid: GridArgs,
+
+    #[command(flatten)]
+    model: ModelArgs,
+}
+
+/// Which dimensions a table has and how fine it is.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Grid")]
+pub struct GridArgs {
+    /// Choose the nodes so that the force error between them, root of the mean square over the nominal
+    /// force, stays below this [default: a fixed grid, whose error is measured]
+    #[arg(long)]
+    max_error: Option<f64>,
+
+    /// Nominal centre distance only
+    #[arg(long)]
+    no_center_distance: bool,
+
+    /// Parallel axes only
+    #[arg(long)]
+    no_misalignment: bool,
+}
+
+impl Tables {
+    /// Computes, writes and says what was made.
+    pub fn run(self) -> Result<(), Error> {
+        let file = compute(&self.pair, &self.grid, &self.model)?;
+        output::write_whole(&self.output, file.to_json().as_bytes())?;
+        output::print(&format!(
+            "Wrote {}: {}\n",
+            self.output.display(),
+            in_words(&file)
+        ))?;
+        Ok(())
+    }
+}
+
+/// The tables of the pair file `path`.
+pub fn compute(
+    path: &std::path::Path,
+    grid: &GridArgs,
+    args: &ModelArgs,
+) -> Result<TableFile, Error> {
+    if let Some(error) = grid.max_error
+        && !(error > 0.0 && error < 1.0)
+    {
+        return Err(format!("--max-error = {error}: give a share of the nominal force between 0 and 1, such as 0.002").into());
+    }
+    let pair = args.applied_to(Pair::read(path)?);
+    args.use_threads()?;
+    let model = args.solver(&pair)?;
+    let coverage = coverage(&pair, grid);
+
+    let cancel = AtomicBool::new(false);
+    let bar = args.progress().share("static contact");
+    let told = |done: usize, total: usize| {
+        bar.set(
+            &format!("{done} of {total} solves"),
+            done as f64 / total as f64,
+        );
+    };
+    let watch = Watch {
+        progress: &told,
+        cancel: &cancel,
+    };
+    let (drive, error) = drive_flank(&model.solver, &pair, &coverage, grid.max_error, &watch)?;
+    let coast = if pair.coast_mirrors_drive() {
+        None
+    } else {
+        let torque = coverage.maximum_torque;
+        Some(sweep(
+            &model.solver,
+            Flank::Coast,
+            &drive.axes,
+            torque,
+            &watch,
+        )?)
+    };
+    drop(bar);
+
+    let mut file = TableFile::new(
+        &pair.name,
+        "static tooth contact by gearmesh",
+        &pair.geometry,
+        [coverage.nominal_torque, coverage.maximum_torque],
+        &drive,
+        coast.as_ref(),
+    );
+    file.interpolation_error = Some(error);
+    file.solver = settings(&pair, &model, args);
+    file.seal();
+    Ok(file)
+}
+
+/// The ranges of the pair file, less the dimensions that are not asked for.
+fn coverage(pair: &Pair, grid: &GridArgs) -> Coverage {
+    let wanted = |range: [f64; 2], off: bool| (!off && range[0] < range[1]).then_some(range);
+    let operating = &pair.operating;
+    Coverage {
+        center_distance_offset: wanted(operating.center_distance_offset, grid.no_center_distance),
+        misalignment: wanted(operating.misalignment, grid.no_misalignment),
+        nominal_torque: operating.nominal_torque,
+        maximum_torque: operating.maximum_torque,
+    }
+}
+
+fn drive_flank(
+    solver: &ContactSolver,
+    pair: &Pair,
+    coverage: &Coverage,
+    max_error: Option<f64>,
+    watch: &Watch,
+) -> Result<(FlankGrid, InterpolationError), Error> {
+    let geometry = &pair.geometry;
+    if let Some(error) = max_error {
+        let (grid, found) = table_within(solver, geometry, coverage, error, watch)?;
+        if found.force_rms > error {
+            return Err(format!(
+                "--max-error = {error}: the finest grid has an rms error of {:.4}; ask for no less, or \
+                 narrow the ranges of the pair file",
+                found.force_rms
+            )
+            .into());
+        }
+        return Ok((grid, found));
+    }
+    let axes = default_axes(coverage);
+    let grid = sweep(solver, Flank::Drive, &axes, coverage.maximum_torque, watch)?;
+    let table = FlankTable::new(&grid, Interpolation::Spline)?;
+    let error = measure(
+        solver,
+        geometry,
+        Flank::Drive,
+        coverage,
+        &table,
+        HELD_OUT_POINTS,
+        watch,
+    )?;
+    Ok((grid, error))
+}
+
+/// What the tables file keeps of how it was made.
+fn settings(
+    pair: &Pair,
+    model: &Model,
+    args: &ModelArgs,
+) -> std::collections::BTreeMap<String, serde_json::Value> {
+    let contact = model.solver.settings();
+    [
+        ("elastic_model", model.description.clone().into()),
+        ("tip_corner_contact", pair.tip_corner_contact.into()),
+        ("plane_strain", args.is_plane_strain().into()),
+        ("stations_along_the_face", contact.stations.into()),
+    ]
+    .into_iter()
+    .map(|(name, value): (&str, serde_json::Value)| (name.to_owned(), value))
+    .collect()
+}
+
+/// Size and error of tables in one line.
+pub fn in_words(file: &TableFile) -> String {
+    let axes = &file.axes;
+    let error = file.interpolation_error.map_or_else(
+        || "error not measured".into(),
+        |e| {
+            format!(
+                "force error at {} random points {:.2} % rms, {:.2} % at most, of the nominal force",
+                e.points,
+                1e2 * e.force_rms,
+                1e2 * e.force_maximum
+            )
+        },
+    );
+    format!(
+        "{} displacements x {} centre distances x {} misalignments x {} mesh positions, {} flank{}, {error}",
+        axes.displacement_fraction.len(),
+        axes.center_distance_offset_m.len(),
+        axes.misalignment_rad.len(),
+        axes.mesh_position.len(),
+        if file.coast.is_some() { "each" } else { "one" },
+        if file.coast.is_some() {
+            ""
+        } else {
+            " for both"
+        },
+    )
+}

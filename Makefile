@@ -35,6 +35,19 @@ test: lint
 	$(CARGO) build --release
 	$(VENV)/bin/python -m pytest -q tests/python
 
+# The paper's simulations: target/demo/palermo2013.fmu, the plots and index.html.
+demo: build
+	$(VENV)/bin/python -m demo --out target/demo
+
+# Every figure and table in docs/, and the contact of every shipped pair in target/report.
+report: build
+	$(VENV)/bin/python -m demo.frames docs/frames.svg
+	$(VENV)/bin/python -m demo --out target/demo --docs docs
+	mkdir -p target/report
+	for pair in resources/pairs/*.json; do \
+	    $(GEARMESH) report $$pair -o target/report/$$(basename $$pair .json).html || exit 1; \
+	done
+
 bench: setup
 	$(CARGO) bench
 

@@ -1,0 +1,41 @@
+"""`python -m demo`: makes the FMUs of the paper's pair, repeats its simulations and writes a page."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from . import comparison, figures, page
+from .results import compute
+from .solver import Command
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def main() -> None:
+    """Parses the arguments and runs everything."""
+    parser = argparse.ArgumentParser(prog="python -m demo", description=__doc__)
+    parser.add_argument("--gearmesh", type=Path, default=ROOT / "target" / "release" / "gearmesh")
+    parser.add_argument("--out", type=Path, default=ROOT / "target" / "demo", help="folder for all files")
+    parser.add_argument("--docs", type=Path, help="folder for paper-comparison.md, which is then written, too")
+    parser.add_argument("--compliance", help="elastic model, as of `gearmesh solve`")
+    parser.add_argument("--refinement", help="of the finite elements, as of `gearmesh solve`")
+    arguments = parser.parse_args()
+    model = [
+        word
+        for name in ("compliance", "refinement")
+        if (value := getattr(arguments, name)) is not None
+        for word in (f"--{name}", value)
+    ]
+
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    results = compute(Command(arguments.gearmesh, model), ROOT, arguments.out)
+    figures.draw_all(results, arguments.out)
+    index = page.write(results, arguments.out)
+    if arguments.docs is not None:
+        comparison.write_markdown(results, arguments.docs)
+    print(f"The FMU is {arguments.out / 'palermo2013.fmu'}; open {index} in a browser.")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,108 @@
+"""The demo's driver and scenes through packed units, against the paper and closed forms."""
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+
+from demo import scenes  # noqa: E402
+from demo.drawing import Drawing  # noqa: E402
+from demo.gear_pair import GearPair, GearPairError  # noqa: E402
+from demo.scenes import Files  # noqa: E402
+
+PAIR = ROOT / "resources" / "pairs" / "palermo2013.json"
+GEARMESH = ROOT / "target" / "release" / "gearmesh"
+
+
+def gearmesh(*arguments):
+    subprocess.run([GEARMESH, *map(str, arguments)], check=True, stdout=subprocess.PIPE)
+
+
+@pytest.fixture(scope="module")
+def drawing():
+    return Drawing.read(PAIR)
+
+
+@pytest.fixture(scope="module")
+def spring(tmp_path_factory, drawing):
+    """The paper's pair with constant stiffness, no tables."""
+    fmu = tmp_path_factory.mktemp("constant") / "spring.fmu"
+    gearmesh("pack", "--pair", PAIR, "-o", fmu)
+    return Files(fmu, drawing)
+
+
+@pytest.fixture(scope="module")
+def tabulated(tmp_path_factory, drawing):
+    """The paper's pair on tables over load and mesh position, analytical compliance for speed."""
+    folder = tmp_path_factory.mktemp("tables")
+    fmu = folder / "pair with spaces ä.fmu"
+    options = ("--compliance", "analytical", "--no-center-distance", "--no-misalignment")
+    gearmesh("build", PAIR, "-o", fmu, *options)
+    return Files(fmu, drawing)
+
+
+@pytest.mark.parametrize("rpm", [200, 3000])
+def test_frequency_response_is_that_of_the_papers_table_2(spring, rpm):
+    response = scenes.frequency_response(spring, np.array(scenes.PAPER_FREQUENCIES[rpm]))
+    assert response.measured == pytest.approx(np.array(scenes.PAPER_GAINS[rpm]), abs=0.02)
+    assert response.measured == pytest.approx(response.closed_form, abs=0.01)
+
+
+def test_nominal_torque_gives_the_nominal_normal_force(tabulated):
+    record = scenes.slow_cycles(tabulated, 100.0, cycles=1)
+    assert record["mesh.normalForce"].mean() == pytest.approx(2660.4, abs=0.1)
+
+
+def test_explicit_and_implicit_steps_agree_on_the_slow_cycle(tabulated):
+    implicit = scenes.slow_cycles(tabulated, 100.0, load_dependent=False, cycles=1)
+    explicit = scenes.steady_cycles(tabulated, scenes.SLOW_RPM, cycles=1)
+
+    def by_position(record):
+        one = scenes.cycles_of(record)[0] if len(scenes.cycles_of(record)) else slice(None)
+        position, dte = record["mesh.position"][one], record["mesh.transmissionError"][one]
+        order = np.argsort(position)
+        return np.interp(np.linspace(0.05, 0.95, 50), position[order], dte[order])
+
+    # 1 nm of some 10 um.
+    assert by_position(implicit) == pytest.approx(by_position(explicit), abs=1e-9)
+
+
+def test_slow_rotation_reproduces_the_static_solution(tabulated, drawing):
+    from demo.solver import Command
+
+    cycle = Command(GEARMESH).solve(PAIR, 100.0, "--compliance", "analytical")
+    record = scenes.slow_cycles(tabulated, 100.0, cycles=2)
+    one = scenes.cycles_of(record)[0]
+    delta = record["mesh.transmissionError"][one] * math.cos(drawing.pressure_angle)
+    found = np.interp(cycle.mesh_position[1:], record["mesh.position"][one], delta)
+    # Half a percent of the mean, the default grid's error and the mesh damping together.
+    assert found == pytest.approx(cycle.ste[1:], abs=0.005 * cycle.mean)
+
+
+def test_constant_load_scales_the_cycle_and_variable_load_changes_its_shape(tabulated):
+    def relative_span(torque, load_dependent):
+        record = scenes.slow_cycles(tabulated, torque, load_dependent, cycles=2)
+        dte = record["mesh.transmissionError"][scenes.cycles_of(record)[0]]
+        return np.ptp(dte) / dte.mean()
+
+    constant = [relative_span(t, False) for t in (70.0, 130.0)]
+    variable = [relative_span(t, True) for t in (70.0, 130.0)]
+    assert constant[0] == pytest.approx(constant[1], rel=1e-2)
+    assert abs(variable[0] / variable[1] - 1.0) > 0.2
+
+
+def test_an_enumeration_that_does_not_exist_is_refused_with_those_that_do(spring):
+    with pytest.raises(GearPairError, match="paper, conjugate"):
+        GearPair(spring.fmu, {"formulation": "exact"})
+
+
+def test_an_effect_without_its_axis_is_refused_at_initialisation(tabulated):
+    with GearPair(tabulated.fmu, {"misalignmentEffect": True}) as pair:
+        with pytest.raises(Exception):
+            pair.initialize()

@@ -1,6 +1,7 @@
 """The units that the tests drive, packed once by the command `gearmesh`."""
 
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -39,10 +40,10 @@ def pair_files():
     """The pairs by name: external, gear 2 a ring, gear 1 a ring, each in both hands."""
     external = json.loads((PAIRS / "palermo2013.json").read_text())
     ring = json.loads((PAIRS / "planet-ring-27-84.json").read_text())
-    if not ring.get("helix_angle_deg"):
-        ring = dict(ring, helix_angle_deg=12.0)
-        # A helix widens the teeth: the distance follows from the profile shifts again.
-        ring.pop("center_distance_mm", None)
+    # A helix with the transverse module kept leaves all diameters as they are.
+    helix = 12.0
+    module = ring["normal_module_mm"] * math.cos(math.radians(helix))
+    ring = dict(ring, helix_angle_deg=helix, normal_module_mm=module)
     base = {"external": external, "ring2": ring, "ring1": swapped(ring)}
     return base | {f"{name}-left": other_hand(pair) for name, pair in base.items()}
 

@@ -7,8 +7,9 @@ tests run on, a variadic argument arrives like an ordinary one, so the logger ta
 
 import ctypes
 import shutil
+from pathlib import Path
 
-from fmpy import extract, read_model_description
+from fmpy import extract, freeLibrary, read_model_description
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
@@ -28,7 +29,7 @@ class Unit:
     """An unpacked FMU; `instance()` makes running instances of it."""
 
     def __init__(self, fmu, folder=None):
-        self.folder = extract(str(fmu), unzipdir=None if folder is None else str(folder))
+        self.folder = str(extract(str(fmu), unzipdir=None if folder is None else str(folder)))
         self.description = read_model_description(self.folder)
         self.variables = {v.name: v for v in self.description.modelVariables}
 
@@ -60,8 +61,6 @@ class Instance:
             self._callbacks.logger = ctypes.cast(self._logger, kind)
         uri = resources
         if uri is None:
-            from pathlib import Path
-
             uri = (Path(unit.folder) / "resources").as_uri()
         self.dll.fmi2Instantiate.restype = ctypes.c_void_p
         self.component = self.dll.fmi2Instantiate(
@@ -84,7 +83,8 @@ class Instance:
     def call(self, function, *arguments):
         """Calls `function` of the C interface and returns its status."""
         f = getattr(self.dll, function)
-        f.restype = ctypes.c_int
+        # fmpy declares argument types; the tests pass what hosts should not.
+        f.argtypes, f.restype = None, ctypes.c_int
         return f(ctypes.c_void_p(self.component), *arguments)
 
     def expect(self, function, *arguments):
@@ -99,9 +99,9 @@ class Instance:
 
     def close(self):
         self.free()
-        from fmpy import freeLibrary
-
-        freeLibrary(self.dll._handle)
+        if self.dll is not None:
+            freeLibrary(self.dll._handle)
+            self.dll = None
 
     # Values by name ------------------------------------------------------------------------
 

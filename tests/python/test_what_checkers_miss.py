@@ -3,7 +3,7 @@
 import ctypes
 import re
 import zipfile
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 import pytest
@@ -130,8 +130,6 @@ def test_no_function_of_the_interface_is_missing(units):
         SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate GetDirectionalDerivative
         SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep GetStatus GetRealStatus
         GetIntegerStatus GetBooleanStatus GetStringStatus""".split()
-    from pathlib import Path
-
     library = ctypes.CDLL(str(next((Path(units["external"].folder) / "binaries").glob("*/*"))))
     for name in names:
         assert hasattr(library, f"fmi2{name}")

@@ -1,0 +1,289 @@
+"""The mechanics of the element through the unit, against formulas of their own."""
+
+import ctypes
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from host import OK
+
+RNG_SEED = 20130411
+INPUTS_PER_BODY = 16
+PAIRS = ["external", "external-left", "ring2", "ring2-left", "ring1", "ring1-left"]
+CONSTANT = {"stiffnessModel": 1, "damping": 0.0}
+
+
+class Geometry:
+    """Operating values from the macrogeometry, by the textbook."""
+
+    def __init__(self, unit):
+        data = json.loads((Path(unit.folder) / "resources" / "unit.json").read_text())["geometry"]
+        g1, g2 = data["gears"]
+        self.z = [g1["teeth"], g2["teeth"]]
+        self.e = -1 if "ring" in (g1["kind"], g2["kind"]) else 1
+        self.sc = np.sign(self.z[0] + self.e * self.z[1])
+        self.hand = g1["hand"]
+        beta, alpha_n = g1["helix_angle"], g1["normal_pressure_angle"]
+        alpha_t = np.arctan(np.tan(alpha_n) / np.cos(beta))
+        r = [0.5 * z * g1["normal_module"] / np.cos(beta) for z in self.z]
+        self.c = data["center_distance"]
+        self.phi = np.arccos(abs(r[0] + self.e * r[1]) * np.cos(alpha_t) / self.c)
+        self.rw = [z * self.c / abs(self.z[0] + self.e * self.z[1]) for z in self.z]
+        self.tan_beta_w = np.tan(beta) * self.rw[0] / r[0]
+        self.beta_b = np.arctan(np.tan(beta) * np.cos(alpha_t))
+
+    def rolled(self, turn, slip):
+        """Angles of both gears after rolling by `turn` of gear 1, and `slip` of gear 1 on top."""
+        return turn + slip, -self.e * turn * self.z[0] / self.z[1]
+
+
+def pressed(mesh, pair, flank, sense, formulation, turn=0.0):
+    """An instance whose loaded flank is pressed by 20 um while gear 1 turns in `sense`."""
+    instance = mesh(pair)
+    geometry = Geometry(instance.unit)
+    s = 1 if flank == 1 else -1
+    speed = 100.0 * sense
+    instance.initialize({**CONSTANT, "loadedFlank": flank, "formulation": formulation})
+    spins = geometry.rolled(sense * turn, s * 2e-5 / geometry.rw[0])
+    rates = geometry.rolled(speed, 0.0)
+    for gear, spin, rate in zip(("gear1", "gear2"), spins, rates):
+        instance.set({f"{gear}.angles[3]": spin, f"{gear}.angularVelocity[3]": rate})
+    assert instance.step(0.0, 1e-6) == OK, instance.log()
+    return instance, geometry, s
+
+
+@pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])
+@pytest.mark.parametrize("sense", [1, -1], ids=["forward", "backward"])
+@pytest.mark.parametrize("flank", [1, 2], ids=["drive", "coast"])
+@pytest.mark.parametrize("pair", PAIRS)
+def test_moments_go_by_teeth_and_the_force_along_the_flank_normal(
+    mesh, pair, flank, sense, formulation
+):
+    instance, g, s = pressed(mesh, pair, flank, sense, formulation, turn=0.37)
+    tangential = instance.get("mesh.tangentialForce")
+    k = instance.get("mesh.stiffness")
+    assert tangential == pytest.approx(k * 2e-5, rel=1e-9)
+    assert s * instance.get("mesh.transmissionError") == pytest.approx(2e-5, rel=1e-9)
+    force = tangential * np.array([g.e * np.tan(g.phi), s * g.sc, -s * g.hand * g.tan_beta_w])
+    f1, f2 = (np.array(instance.vector(f"gear{i}.force")) for i in (1, 2))
+    # Rounding of the sixth decimal of a picometre times the stiffness, over the force.
+    assert f2 == pytest.approx(force, rel=1e-10, abs=1e-10 * np.linalg.norm(force))
+    assert np.array_equal(f1, -f2)
+    m1, m2 = (instance.vector(f"gear{i}.moment") for i in (1, 2))
+    assert m1[2] == pytest.approx(-s * tangential * g.rw[0], rel=1e-10)
+    assert m2[2] / m1[2] == pytest.approx(g.e * g.z[1] / g.z[0], rel=1e-10)
+    # Both moments are those of the one force at the contact point.
+    point = np.array(instance.vector("contact.point"))
+    origin2 = np.array([g.c, 0.0, instance.get("gear2.position[3]")])
+    assert m1 == pytest.approx(np.cross(point, f1), rel=1e-9, abs=1e-9 * abs(m1[2]))
+    assert m2 == pytest.approx(np.cross(point - origin2, f2), rel=1e-9, abs=1e-9 * abs(m2[2]))
+    normal = tangential / np.cos(g.phi) / np.cos(g.beta_b)
+    assert instance.get("mesh.normalForce") == pytest.approx(normal, rel=1e-10)
+    assert np.linalg.norm(force) == pytest.approx(normal, rel=1e-10)
+    assert instance.get("mesh.flank") == s
+
+
+def test_the_reference_pair_carries_100_newton_metres_with_2660_4_newtons(mesh):
+    instance, _, _ = pressed(mesh, "external", 1, 1, 2)
+    per_torque = instance.get("mesh.normalForce") / abs(instance.get("gear1.moment[3]"))
+    assert 100.0 * per_torque == pytest.approx(2660.4, abs=0.1)
+
+
+def rotation(rng):
+    """A random unit quaternion and its matrix."""
+    q = rng.normal(size=4)
+    q /= np.linalg.norm(q)
+    w, x, y, z = q
+    matrix = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    return q, matrix
+
+
+def product(p, q):
+    a, u, b, v = p[0], p[1:], q[0], q[1:]
+    return np.r_[a * b - u @ v, a * v + b * u + np.cross(u, v)]
+
+
+def body(name, p, q, v, w):
+    values = {}
+    for quantity, vector in (("position", p), ("quaternion", q), ("velocity", v), ("angularVelocity", w)):
+        values |= {f"{name}.{quantity}[{i + 1}]": x for i, x in enumerate(vector)}
+    return values
+
+
+@pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])
+@pytest.mark.parametrize("pair", ["external", "ring2", "ring1"])
+def test_moving_the_world_moves_the_wrench(mesh, pair, formulation):
+    rng = np.random.default_rng(RNG_SEED)
+    parameters = {**CONSTANT, "damping": 1e3, "orientationInput": 2, "formulation": formulation}
+    for _ in range(5):
+        qw, rw = rotation(rng)
+        shift = rng.uniform(-10.0, 10.0, 3)
+        geometry = Geometry(mesh(pair).unit)
+        tilts = rng.uniform(-1e-3, 1e-3, (2, 2))
+        offsets = rng.uniform(-1e-5, 1e-5, (2, 3))
+        motions = [rng.uniform(-1e-2, 1e-2, (2, 3)) for _ in range(2)]
+
+        def outputs(move):
+            instance = mesh(pair)
+
+            def values(slip):
+                out = {}
+                spins = geometry.rolled(0.0, slip)
+                for i, name in enumerate(("gear1", "gear2")):
+                    half = np.r_[1.0, np.r_[tilts[i], spins[i]] / 2]
+                    q = half / np.linalg.norm(half)
+                    p = np.array([geometry.c * i, 0.0, 0.0]) + offsets[i]
+                    v, w = motions[i]
+                    if move:
+                        p, q, v, w = rw @ p + shift, product(qw, q), rw @ v, rw @ w
+                    out |= body(name, p, q, v, w)
+                if move:
+                    out |= body("carrier", shift, qw, np.zeros(3), np.zeros(3))
+                return out
+
+            instance.initialize({**parameters, **values(0.0)})
+            instance.set(values(3e-5 / geometry.rw[0]))
+            assert instance.step(0.0, 1e-6) == OK, instance.log()
+            vectors = [
+                np.array(instance.vector(n))
+                for n in ("gear1.force", "gear1.moment", "gear2.force", "gear2.moment")
+            ]
+            return vectors, instance.get("mesh.stiffness"), np.array(instance.vector("contact.point"))
+
+        here, k, point = outputs(False)
+        there, _, moved_point = outputs(True)
+        # An ulp of the coordinates times the stiffness is what the inputs themselves leave open.
+        rounding = 8 * k * np.spacing(np.abs(shift).max() + geometry.c)
+        size = np.linalg.norm(here[0])
+        assert size > 1000.0
+        for a, b in zip(here, there):
+            assert np.abs(rw @ a - b).max() < 1e-12 * size + rounding
+        assert rw @ point + shift == pytest.approx(moved_point, abs=1e-12)
+
+
+def directional(instance, outputs, inputs, seed):
+    result = (ctypes.c_double * len(outputs))()
+    instance.expect(
+        "fmi2GetDirectionalDerivative",
+        instance.references(outputs),
+        ctypes.c_size_t(len(outputs)),
+        instance.references(inputs),
+        ctypes.c_size_t(len(inputs)),
+        (ctypes.c_double * len(inputs))(*seed),
+        result,
+    )
+    return np.array(list(result))
+
+
+@pytest.mark.parametrize("orientation", [1, 2], ids=["angles", "quaternion"])
+@pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])
+@pytest.mark.parametrize("pair", ["external", "ring2", "ring1"])
+def test_directional_derivatives_are_those_of_differences(mesh, pair, formulation, orientation):
+    rng = np.random.default_rng(RNG_SEED)
+    instance = mesh(pair)
+    geometry = Geometry(instance.unit)
+    variables = instance.unit.description.modelVariables
+    inputs = [v.name for v in variables if v.causality == "input"]
+    outputs = [v.name for v in variables if v.causality == "output" and v.type == "Real"]
+    instance.initialize(
+        {**CONSTANT, "damping": 1e3, "orientationInput": orientation, "formulation": formulation}
+    )
+    values = {n: float(instance.get(n)) for n in inputs}
+    for n in inputs:
+        if "quaternion" not in n:
+            values[n] += rng.uniform(-1, 1) * (1e-2 if "elocity" in n else 1e-5)
+    slip = 4e-5 / geometry.rw[0]
+    values["gear1.angles[3]"] += slip
+    values["gear1.quaternion[4]"] += slip / 2
+    instance.set(values)
+    assert instance.get("mesh.flank") == 1
+    jacobian = np.array([directional(instance, outputs, [n], [1.0]) for n in inputs]).T
+
+    def evaluate(name, value):
+        instance.set({name: value})
+        references = instance.references(outputs)
+        data = (ctypes.c_double * len(outputs))()
+        instance.expect("fmi2GetReal", references, ctypes.c_size_t(len(outputs)), data)
+        return np.array(list(data))
+
+    numeric = np.zeros_like(jacobian)
+    for j, name in enumerate(inputs):
+        # Fourth-order differences; steps small against the elongation and large against rounding.
+        h = 1e-3 if "elocity" in name else 2e-7
+        at = {k: evaluate(name, values[name] + k * h) for k in (-2, -1, 1, 2)}
+        numeric[:, j] = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * h)
+        instance.set({name: values[name]})
+    for i, output in enumerate(outputs):
+        # Within one output, columns of one unit are compared with the largest among them.
+        for kind in ("position", "angles", "quaternion", "velocity", "angularVelocity"):
+            columns = [j for j, n in enumerate(inputs) if n.split(".")[1].startswith(kind)]
+            scale = np.abs(jacobian[i, columns]).max()
+            # What rounding of the output leaves of a difference.
+            h = 1e-3 if "elocity" in kind else 2e-7
+            floor = 8 * np.spacing(abs(instance.get(output))) / h + 1e-9
+            error = np.abs(numeric[i, columns] - jacobian[i, columns]).max()
+            assert error <= 1e-6 * scale + floor, (output, kind, error, scale)
+    # A direction is the sum of its parts.
+    seed = rng.normal(size=len(inputs))
+    assert directional(instance, outputs, inputs, seed) == pytest.approx(
+        jacobian @ seed, rel=1e-9, abs=1e-6
+    )
+
+
+# The paper's Table 2: mesh frequency in Hz and gain.
+TABLE_2 = [
+    (66, 0.99), (133, 0.98), (200, 0.96), (266, 0.93), (333, 0.90),
+    (1000, 0.57), (2000, 0.33), (3000, 0.23), (4000, 0.17), (5000, 0.14),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("frequency_hz, published", TABLE_2)
+def test_gains_under_an_oscillating_torque_are_those_of_table_2(mesh, frequency_hz, published):
+    """Gear 1 held, the inertia of gear 2 integrated here: |H| = k / |k - m w^2 + i c w|."""
+    k, c, mass, inertia = 4.35e8, 1e5, 0.25, 4.213e-4
+    instance = mesh()
+    g = Geometry(instance.unit)
+    instance.initialize({"stiffnessModel": 1, "constantStiffness": k, "damping": c, "formulation": 1})
+    w = 2 * np.pi * frequency_hz
+    names = ["gear2.angles[3]", "gear2.angularVelocity[3]"]
+    references = instance.references(names)
+    output = instance.references(["gear2.moment[3]"])
+    data, result = (ctypes.c_double * 2)(), (ctypes.c_double * 1)()
+    two, one = ctypes.c_size_t(2), ctypes.c_size_t(1)
+    mean, amplitude = 100.0, 30.0
+
+    def rate(time, state):
+        data[0], data[1] = state
+        assert instance.call("fmi2SetReal", references, two, data) == OK
+        assert instance.call("fmi2GetReal", output, one, result) == OK
+        torque = mean + amplitude * np.sin(w * time)
+        return np.array([state[1], (torque + result[0]) / inertia])
+
+    # At equilibrium under the mean torque; then two periods, of which the last one counts.
+    state = np.array([mean / (k * g.rw[1] ** 2), 0.0])
+    per_period = max(400, int(np.ceil(2 * np.pi / w / 4e-6)))
+    h = 2 * np.pi / w / per_period
+    series = []
+    for i in range(2 * per_period):
+        time = i * h
+        k1 = rate(time, state)
+        k2 = rate(time + h / 2, state + h / 2 * k1)
+        k3 = rate(time + h / 2, state + h / 2 * k2)
+        k4 = rate(time + h, state + h * k3)
+        state = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        series.append(state[0])
+    last = np.array(series[-per_period:])
+    phase = w * h * np.arange(per_period + 1, 2 * per_period + 1)
+    response = 2 / per_period * abs(np.sum(last * np.exp(-1j * phase)))
+    gain = response / (amplitude / (k * g.rw[1] ** 2))
+    mass_on_pitch_circle = inertia / g.rw[1] ** 2
+    assert mass_on_pitch_circle == pytest.approx(mass, rel=1e-3)
+    assert gain == pytest.approx(abs(k / (k - mass * w**2 + 1j * c * w)), abs=2e-3)
+    assert gain == pytest.approx(published, abs=0.02)

@@ -1,0 +1,124 @@
+"""Reset, kept states, and states carried into another process."""
+
+import ctypes
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from host import ERROR, OK
+
+STEP = 1e-5
+
+
+def run(instance, steps, first=0):
+    """Gear 1 turns on with a torque ripple; all continuous outputs after each step."""
+    out = []
+    for i in range(first, first + steps):
+        instance.set({"gear1.angles[3]": 1e-4 + 3e-5 * np.sin(0.3 * i), "gear1.velocity[1]": 1e-3 * i})
+        assert instance.step(i * STEP, STEP) == OK, instance.log()
+        out.append(instance.vector("gear2.force") + instance.vector("gear1.moment"))
+    return out
+
+
+def test_a_second_run_after_reset_is_the_first_one_to_the_last_bit(mesh):
+    instance = mesh().initialize({"gear1.angles[3]": 0.01, "damping": 5e3}, start=0.0)
+    first = run(instance, 50)
+    instance.expect("fmi2Reset")
+    # Nothing of the first run is left: parameters and inputs are at their start values.
+    instance.initialize()
+    assert instance.get("damping") == float(instance.unit.variables["damping"].start)
+    assert instance.get("gear1.angles[3]") == 0.0
+    assert instance.get("mesh.transmissionError") == pytest.approx(0.0, abs=1e-15)
+    instance.expect("fmi2Reset")
+    instance.initialize({"gear1.angles[3]": 0.01, "damping": 5e3})
+    assert run(instance, 50) == first
+
+
+def test_the_first_sample_belongs_to_the_initial_inputs(mesh):
+    # Absolute phases, so that the initial pose is loaded: the first sample is not zero.
+    instance = mesh().initialize({"gear1.angles[3]": 0.0})
+    held = instance.get("mesh.transmissionError")
+    assert held == pytest.approx(0.0, abs=1e-15)
+    instance.set({"gear1.angles[3]": 1e-4})
+    force = instance.vector("gear2.force")
+    assert instance.step(0.0, STEP) == OK
+    assert instance.vector("gear2.force") == force
+    assert force[1] > 1000.0
+
+
+def test_a_restored_state_repeats_what_followed_it(mesh):
+    instance = mesh().initialize({"gear1.angles[3]": 0.01})
+    run(instance, 10)
+    state = instance.store()
+    after = run(instance, 20, first=10)
+    assert instance.restore(state) == OK
+    assert run(instance, 20, first=10) == after
+    # The same memory again, now at the end; then back in time is forward again.
+    assert instance.store(state) == state
+    end = instance.vector("gear2.force")
+    run(instance, 5, first=30)
+    assert instance.restore(state) == OK
+    assert instance.vector("gear2.force") == end
+
+
+def test_a_state_leads_out_of_an_error(mesh):
+    instance = mesh().initialize()
+    state = instance.store()
+    assert instance.step(5.0, STEP) == ERROR
+    assert instance.step(0.0, STEP) == ERROR
+    assert instance.restore(state) == OK
+    assert instance.step(0.0, STEP) == OK
+
+
+def test_states_that_are_none_are_refused(mesh):
+    one, two = mesh(), mesh()
+    for instance in (one, two):
+        instance.initialize()
+    state = one.store()
+    assert two.restore(state) == ERROR
+    assert "none of this instance" in two.log()
+    place = ctypes.c_void_p(state)
+    one.expect("fmi2FreeFMUstate", ctypes.byref(place))
+    assert place.value is None
+    one.expect("fmi2FreeFMUstate", ctypes.byref(place))
+    one.expect("fmi2FreeFMUstate", None)
+    assert one.restore(state) == ERROR
+
+
+def test_a_serialised_state_goes_on_in_another_process(mesh, fmus, tmp_path):
+    instance = mesh().initialize({"gear1.angles[3]": 0.01, "meshPhase": 0.02, "damping": 7e3})
+    run(instance, 10)
+    data = instance.serialize(instance.store())
+    after = run(instance, 20, first=10)
+    (tmp_path / "state").write_bytes(data)
+    script = f"""
+import json, sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+from host import Unit, OK
+from test_state import run
+unit = Unit({str(fmus["external"])!r})
+instance = unit.instance()
+status, state = instance.deserialize(open({str(tmp_path / "state")!r}, "rb").read())
+assert status == OK, instance.log()
+assert instance.restore(state) == OK
+print(json.dumps(run(instance, 20, first=10)))
+instance.close()
+unit.close()
+"""
+    other = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert other.returncode == 0, other.stderr
+    assert json.loads(other.stdout) == after
+
+
+def test_altered_states_and_states_of_another_pair_are_refused(mesh):
+    instance = mesh().initialize()
+    data = instance.serialize(instance.store())
+    for bad in (data[:-1], data + b"x", data[:50] + bytes([data[50] ^ 1]) + data[51:], b""):
+        assert instance.deserialize(bad)[0] == ERROR
+        instance.expect("fmi2Reset")
+    other = mesh("ring2")
+    assert other.deserialize(data)[0] == ERROR
+    assert "another unit" in other.log()

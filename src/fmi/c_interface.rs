@@ -12,7 +12,6 @@
 #![allow(unsafe_code, unsafe_op_in_unsafe_fn, non_snake_case)]
 #![allow(clippy::missing_safety_doc)] // stated once, above
 
-use std::any::Any;
 use std::ffi::{CStr, CString, c_char};
 use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,6 +19,9 @@ use std::ptr;
 
 use ::fmi::fmi2::binding::*;
 
+use super::boundary::{
+    c_string, check_array, expect_status, instantiate, no_strings, panic_text, status,
+};
 use super::instance::Instance;
 use super::lifecycle::{Function, State};
 use super::report::{EVENTS, Refusal, Severity, Wanted};
@@ -59,20 +61,6 @@ impl Log {
                 text.as_ptr(),
             );
         }
-    }
-}
-
-/// `text` as a C string; a zero byte inside it ends it.
-fn c_string(text: &str) -> CString {
-    CString::new(text.split('\0').next().unwrap_or("")).unwrap_or_default()
-}
-
-const fn status(severity: Severity) -> fmi2Status {
-    match severity {
-        Severity::Warning => fmi2Status_fmi2Warning,
-        Severity::Discard => fmi2Status_fmi2Discard,
-        Severity::Error => fmi2Status_fmi2Error,
-        Severity::Fatal => fmi2Status_fmi2Fatal,
     }
 }
 
@@ -116,12 +104,6 @@ unsafe fn call(
     status
 }
 
-fn panic_text(panic: &Box<dyn Any + Send>) -> &str {
-    let text = panic.downcast_ref::<&str>().copied();
-    text.or_else(|| panic.downcast_ref::<String>().map(String::as_str))
-        .unwrap_or("unknown cause")
-}
-
 /// The host's array of `count` items at `data`; null is legal for none.
 unsafe fn array<'a, T>(data: *const T, count: usize, what: &str) -> Result<&'a [T], Refusal> {
     check_array(data, count, what)?;
@@ -145,19 +127,24 @@ unsafe fn array_mut<'a, T>(
     Ok(std::slice::from_raw_parts_mut(data.cast(), count))
 }
 
-fn check_array<T>(data: *const T, count: usize, what: &str) -> Result<(), Refusal> {
-    let most = isize::MAX as usize / size_of::<T>().max(1);
-    if count > 0 && (data.is_null() || !data.is_aligned() || count > most) {
-        return Err(Refusal::error(format!(
-            "{what} is no array of {count} items: null, not aligned, or too long"
-        )));
+/// Writes results to the host's array of `count`.
+unsafe fn put_all<T>(
+    places: *mut T,
+    count: usize,
+    values: impl IntoIterator<Item = T>,
+) -> Result<(), Refusal> {
+    for (place, value) in array_mut(places, count, "the place for results")?
+        .iter_mut()
+        .zip(values)
+    {
+        place.write(value);
     }
     Ok(())
 }
 
-/// The host's place for one result.
-unsafe fn place<'a, T>(data: *mut T, what: &str) -> Result<&'a mut MaybeUninit<T>, Refusal> {
-    Ok(&mut array_mut(data, 1, what)?[0])
+/// Writes one result to the host.
+unsafe fn put<T>(place: *mut T, value: T) -> Result<(), Refusal> {
+    put_all(place, 1, [value])
 }
 
 /// The host's string.
@@ -220,12 +207,13 @@ pub unsafe extern "C" fn fmi2Instantiate(
             wanted: Wanted::all(loggingOn != 0),
         };
         let instance = name.and_then(|name| {
-            if name.is_empty() {
-                return Err(Refusal::error(
-                    "instanceName is empty; give the instance a name",
-                ));
-            }
-            instantiate(fmuType, fmuGUID, fmuResourceLocation)
+            let guid = text(fmuGUID, "fmuGUID")?;
+            instantiate(
+                fmuType,
+                name,
+                guid,
+                text(fmuResourceLocation, "fmuResourceLocation")?,
+            )
         });
         match instance {
             Ok(instance) => Box::into_raw(Box::new(Component { instance, log })).cast(),
@@ -240,25 +228,6 @@ pub unsafe extern "C" fn fmi2Instantiate(
 }
 
 const _: fmi2InstantiateTYPE = Some(fmi2Instantiate);
-
-unsafe fn instantiate(
-    kind: fmi2Type,
-    guid: fmi2String,
-    location: fmi2String,
-) -> Result<Instance, Refusal> {
-    if kind != fmi2Type_fmi2CoSimulation {
-        return Err(Refusal::error(format!(
-            "fmuType = {kind}; this unit is for co-simulation ({fmi2Type_fmi2CoSimulation})"
-        )));
-    }
-    let (guid, location) = (
-        text(guid, "fmuGUID")?,
-        text(location, "fmuResourceLocation")?,
-    );
-    let resources =
-        resources::load(location, guid).map_err(|error| Refusal::error(error.to_string()))?;
-    Ok(Instance::new(resources))
-}
 
 /// Frees the instance with all its stored states; null is no instance and nothing happens.
 #[unsafe(no_mangle)]
@@ -308,16 +277,6 @@ unsafe fn set<T: Copy + Into<f64>>(
     c.instance.set(function, kind, references.zip(values))
 }
 
-/// The unit has no variable of type String: any reference is refused.
-unsafe fn no_strings(function: &str, vr: *const u32, nvr: usize) -> Result<(), Refusal> {
-    match array(vr, nvr, "vr")?.first() {
-        None => Ok(()),
-        Some(vr) => Err(Refusal::error(format!(
-            "{function}: value reference {vr} belongs to no variable of type String"
-        ))),
-    }
-}
-
 /// The handle that a fmi2FMUstate stands for: a number, not an address.
 fn handle(state: fmi2FMUstate) -> usize {
     state.addr()
@@ -333,98 +292,81 @@ export! {
             .collect::<Result<Vec<_>, _>>()?;
         c.log.wanted.switch(on != 0, &names)
     }
-
     /// Start and stop time; the tolerance is of no use here, since nothing is integrated.
     fn fmi2SetupExperiment: fmi2SetupExperimentTYPE, SetupExperiment
         (c, _tolerance_defined: fmi2Boolean, _tolerance: fmi2Real, start: fmi2Real,
          stop_defined: fmi2Boolean, stop: fmi2Real) {
         c.instance.setup(start, (stop_defined != 0).then_some(stop))
     }
-
     /// Opens the initialization.
     fn fmi2EnterInitializationMode: fmi2EnterInitializationModeTYPE, EnterInitializationMode (c) {
         c.instance.enter_initialization();
         Ok(())
     }
-
     /// Closes the initialization: checks the parameters and latches the phases of the teeth.
     fn fmi2ExitInitializationMode: fmi2ExitInitializationModeTYPE, ExitInitializationMode (c) {
         c.instance.exit_initialization()
     }
-
     /// Ends the simulation.
     fn fmi2Terminate: fmi2TerminateTYPE, Terminate (c) {
         c.instance.terminate();
         Ok(())
     }
-
     /// Back to the state after fmi2Instantiate.
     fn fmi2Reset: fmi2ResetTYPE, Reset (c) {
         c.instance.reset();
         Ok(())
     }
-
     /// Values of Real variables.
     fn fmi2GetReal: fmi2GetRealTYPE, Get
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Real) {
         get(c, "fmi2GetReal", Kind::Real, vr, nvr, value, |v| v)
     }
-
     /// Values of Integer and Enumeration variables.
     fn fmi2GetInteger: fmi2GetIntegerTYPE, Get
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Integer) {
         get(c, "fmi2GetInteger", Kind::Integer, vr, nvr, value, |v| v as fmi2Integer)
     }
-
     /// Values of Boolean variables.
     fn fmi2GetBoolean: fmi2GetBooleanTYPE, Get
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Boolean) {
         get(c, "fmi2GetBoolean", Kind::Boolean, vr, nvr, value, |v| fmi2Boolean::from(v != 0.0))
     }
-
     /// Refuses any variable: there are none of type String.
     fn fmi2GetString: fmi2GetStringTYPE, Get
         (_c, vr: *const fmi2ValueReference, nvr: usize, _value: *mut fmi2String) {
-        no_strings("fmi2GetString", vr, nvr)
+        no_strings("fmi2GetString", array(vr, nvr, "vr")?)
     }
-
     /// Sets Real inputs and parameters.
     fn fmi2SetReal: fmi2SetRealTYPE, Set
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Real) {
         set(c, "fmi2SetReal", Kind::Real, vr, nvr, value)
     }
-
     /// Sets Enumeration parameters.
     fn fmi2SetInteger: fmi2SetIntegerTYPE, Set
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Integer) {
         set(c, "fmi2SetInteger", Kind::Integer, vr, nvr, value)
     }
-
     /// Sets Boolean parameters.
     fn fmi2SetBoolean: fmi2SetBooleanTYPE, Set
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Boolean) {
         set(c, "fmi2SetBoolean", Kind::Boolean, vr, nvr, value)
     }
-
     /// Refuses any variable: there are none of type String.
     fn fmi2SetString: fmi2SetStringTYPE, Set
         (_c, vr: *const fmi2ValueReference, nvr: usize, _value: *const fmi2String) {
-        no_strings("fmi2SetString", vr, nvr)
+        no_strings("fmi2SetString", array(vr, nvr, "vr")?)
     }
-
     /// Keeps the state, in the place of the given one if that is not null.
     fn fmi2GetFMUstate: fmi2GetFMUstateTYPE, FmuState (c, state: *mut fmi2FMUstate) {
         check_array(state, 1, "FMUstate")?;
         let kept = c.instance.store(Some(handle(*state)).filter(|h| *h != 0))?;
-        *state = ptr::without_provenance_mut(kept);
-        Ok(())
+        put(state, ptr::without_provenance_mut(kept))
     }
-
     /// Goes back to a kept state.
     fn fmi2SetFMUstate: fmi2SetFMUstateTYPE, FmuState (c, state: fmi2FMUstate) {
         c.instance.restore(handle(state))
     }
-
     /// Frees a kept state and sets it to null; null is no state and nothing happens.
     fn fmi2FreeFMUstate: fmi2FreeFMUstateTYPE, FmuState (c, state: *mut fmi2FMUstate) {
         if !state.is_null() && !(*state).is_null() {
@@ -433,14 +375,11 @@ export! {
         }
         Ok(())
     }
-
     /// Bytes that a kept state takes.
     fn fmi2SerializedFMUstateSize: fmi2SerializedFMUstateSizeTYPE, FmuState
         (c, state: fmi2FMUstate, size: *mut usize) {
-        place(size, "size")?.write(c.instance.serialized_size(handle(state))?);
-        Ok(())
+        put(size, c.instance.serialized_size(handle(state))?)
     }
-
     /// Writes a kept state as bytes.
     fn fmi2SerializeFMUstate: fmi2SerializeFMUstateTYPE, FmuState
         (c, state: fmi2FMUstate, bytes: *mut fmi2Byte, size: usize) {
@@ -449,21 +388,15 @@ export! {
             let needed = written.len();
             return Err(Refusal::error(format!("size = {size}; the state takes {needed} bytes")));
         }
-        for (place, byte) in array_mut(bytes, size, "serializedState")?.iter_mut().zip(written) {
-            place.write(byte as fmi2Byte);
-        }
-        Ok(())
+        put_all(bytes, size, written.into_iter().map(|byte| byte as fmi2Byte))
     }
-
     /// Reads a state that this unit wrote, in this process or another one.
     fn fmi2DeSerializeFMUstate: fmi2DeSerializeFMUstateTYPE, FmuState
         (c, bytes: *const fmi2Byte, size: usize, state: *mut fmi2FMUstate) {
         let bytes = array(bytes.cast::<u8>(), size, "serializedState")?;
-        let place = place(state, "FMUstate")?;
-        place.write(ptr::without_provenance_mut(c.instance.deserialize(bytes)?));
-        Ok(())
+        check_array(state, 1, "FMUstate")?;
+        put(state, ptr::without_provenance_mut(c.instance.deserialize(bytes)?))
     }
-
     /// Exact partial derivatives of outputs by inputs, times the seed.
     fn fmi2GetDirectionalDerivative: fmi2GetDirectionalDerivativeTYPE, GetDerivative
         (c, unknown: *const fmi2ValueReference, nUnknown: usize, known: *const fmi2ValueReference,
@@ -471,13 +404,8 @@ export! {
         let known = array(known, nKnown, "vKnown_ref")?.iter().copied();
         let seed = array(dvKnown, nKnown, "dvKnown")?.iter().copied();
         let unknown = array(unknown, nUnknown, "vUnknown_ref")?;
-        let derivative = c.instance.directional_derivative(unknown, known.zip(seed))?;
-        for (place, value) in array_mut(dvUnknown, nUnknown, "dvUnknown")?.iter_mut().zip(derivative) {
-            place.write(value);
-        }
-        Ok(())
+        put_all(dvUnknown, nUnknown, c.instance.directional_derivative(unknown, known.zip(seed))?)
     }
-
     /// Time derivatives of inputs at the start of the next step.
     fn fmi2SetRealInputDerivatives: fmi2SetRealInputDerivativesTYPE, Set
         (c, vr: *const fmi2ValueReference, nvr: usize, order: *const fmi2Integer,
@@ -487,79 +415,50 @@ export! {
         let items = array(vr, nvr, "vr")?.iter().copied().zip(orders).zip(values);
         c.instance.set_input_derivatives(items.map(|((vr, order), value)| (vr, order, value)))
     }
-
     /// First time derivatives of outputs at the end of the last step.
     fn fmi2GetRealOutputDerivatives: fmi2GetRealOutputDerivativesTYPE, GetOutputDerivatives
         (c, vr: *const fmi2ValueReference, nvr: usize, order: *const fmi2Integer,
          value: *mut fmi2Real) {
         let orders = array(order, nvr, "order")?.iter().copied();
         let items = array(vr, nvr, "vr")?.iter().copied().zip(orders);
-        let derivatives = c.instance.output_derivatives(items)?;
-        for (place, value) in array_mut(value, nvr, "value")?.iter_mut().zip(derivatives) {
-            place.write(value);
-        }
-        Ok(())
+        put_all(value, nvr, c.instance.output_derivatives(items)?)
     }
-
     /// One communication step.
     fn fmi2DoStep: fmi2DoStepTYPE, DoStep
         (c, point: fmi2Real, step: fmi2Real, _no_set_state_prior: fmi2Boolean) {
         c.instance.do_step(point, step)
     }
-
     /// Refused: a step is never in progress when a call returns.
     fn fmi2CancelStep: fmi2CancelStepTYPE, CancelStep (_c) {
         Ok(())
     }
-
     /// Status of the last step; pending steps there are none.
     fn fmi2GetStatus: fmi2GetStatusTYPE, GetStatus
         (c, kind: fmi2StatusKind, value: *mut fmi2Status) {
         expect_status(kind, fmi2StatusKind_fmi2DoStepStatus, "fmi2GetStatus")?;
         let failed = c.instance.state() == State::Error;
-        place(value, "value")?.write(if failed { fmi2Status_fmi2Error } else { fmi2Status_fmi2OK });
-        Ok(())
+        put(value, if failed { fmi2Status_fmi2Error } else { fmi2Status_fmi2OK })
     }
-
     /// Time up to which the last step came.
     fn fmi2GetRealStatus: fmi2GetRealStatusTYPE, GetStatus
         (c, kind: fmi2StatusKind, value: *mut fmi2Real) {
         expect_status(kind, fmi2StatusKind_fmi2LastSuccessfulTime, "fmi2GetRealStatus")?;
-        place(value, "value")?.write(c.instance.time());
-        Ok(())
+        put(value, c.instance.time())
     }
-
     /// Discards: there is no status of type Integer.
     fn fmi2GetIntegerStatus: fmi2GetIntegerStatusTYPE, GetStatus
         (_c, kind: fmi2StatusKind, _value: *mut fmi2Integer) {
         expect_status(kind, fmi2StatusKind::MAX, "fmi2GetIntegerStatus")
     }
-
     /// Whether the unit wants to end the simulation: never.
     fn fmi2GetBooleanStatus: fmi2GetBooleanStatusTYPE, GetStatus
         (_c, kind: fmi2StatusKind, value: *mut fmi2Boolean) {
         expect_status(kind, fmi2StatusKind_fmi2Terminated, "fmi2GetBooleanStatus")?;
-        place(value, "value")?.write(0);
-        Ok(())
+        put(value, 0)
     }
-
     /// Discards: there is no pending step to tell about.
     fn fmi2GetStringStatus: fmi2GetStringStatusTYPE, GetStatus
         (_c, kind: fmi2StatusKind, _value: *mut fmi2String) {
         expect_status(kind, fmi2StatusKind::MAX, "fmi2GetStringStatus")
     }
-}
-
-/// Discards a question for a status that the unit has no answer to.
-fn expect_status(
-    kind: fmi2StatusKind,
-    known: fmi2StatusKind,
-    function: &str,
-) -> Result<(), Refusal> {
-    if kind == known {
-        return Ok(());
-    }
-    Err(Refusal::discard(format!(
-        "{function}: the unit has no status of kind {kind}"
-    )))
 }

@@ -9,6 +9,7 @@
 //! [`variables`] is generated from modelDescription.xml; [`resources`] reads what packing put beside
 //! the library. Only [`c_interface`] has unsafe code.
 
+mod boundary;
 pub mod c_interface;
 mod derivatives;
 pub mod instance;

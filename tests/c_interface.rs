@@ -1,0 +1,191 @@
+//! The C interface called from Rust, on a unit unpacked by hand: what a Python host cannot pass.
+
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::path::Path;
+use std::ptr;
+use std::sync::Mutex;
+
+use ::fmi::fmi2::binding::*;
+use gearmesh::fmi::c_interface::*;
+use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, Unit};
+use gearmesh::gear::{Gear, GearKind, PairGeometry};
+
+const GUID: &str = "{00000000-0000-0000-0000-000000000001}";
+
+/// A spur pair of 20 and 30 teeth.
+fn unit() -> Unit {
+    let gear = |teeth: u32, hand: f64| {
+        let r = 1e-3 * f64::from(teeth);
+        Gear {
+            kind: GearKind::External,
+            teeth,
+            hand,
+            normal_module: 2e-3,
+            normal_pressure_angle: 20f64.to_radians(),
+            helix_angle: 0.0,
+            profile_shift: 0.0,
+            face_width: 20e-3,
+            face_offset: 0.0,
+            tip_radius: r + 2e-3,
+            dedendum_coefficient: 1.25,
+            tool_tip_radius_coefficient: 0.38,
+            held_radius: 5e-3,
+            tooth_thinning: 0.0,
+            youngs_modulus: 206e9,
+            poisson_ratio: 0.3,
+        }
+    };
+    let start = |name: &str, value: f64| (name.to_owned(), value);
+    Unit {
+        version: UNIT_VERSION,
+        guid: GUID.into(),
+        name: "spur".into(),
+        starts: [start("gear2.position[1]", 50e-3)].into(),
+        geometry: PairGeometry {
+            gears: [gear(20, 1.0), gear(30, -1.0)],
+            center_distance: 50e-3,
+        },
+    }
+}
+
+/// Writes the resources of `unit` and returns their URI.
+fn resources(folder: &Path, unit: &Unit) -> CString {
+    let text = serde_json::to_string(unit).unwrap();
+    std::fs::write(folder.join(UNIT_FILE), text).unwrap();
+    CString::new(format!("file://{}", folder.display())).unwrap()
+}
+
+static LOG: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// Takes the one string that the unit's format "%s" has: the symbol of a logger with one argument
+/// stands in for the variadic one, which Rust cannot define.
+unsafe extern "C" fn logger(
+    _environment: *mut c_void,
+    _name: *const c_char,
+    _status: fmi2Status,
+    _category: *const c_char,
+    format: *const c_char,
+    text: *const c_char,
+) {
+    // Safety: the unit passes strings.
+    let (format, text) = unsafe { (CStr::from_ptr(format), CStr::from_ptr(text)) };
+    assert_eq!(format, c"%s");
+    LOG.lock().unwrap().push(text.to_str().unwrap().to_owned());
+}
+
+fn callbacks() -> fmi2CallbackFunctions {
+    type OneArgument = unsafe extern "C" fn(
+        *mut c_void,
+        *const c_char,
+        fmi2Status,
+        *const c_char,
+        *const c_char,
+        *const c_char,
+    );
+    // Safety: on the platforms the tests run on, one variadic pointer is passed like a plain one.
+    let logger = unsafe {
+        std::mem::transmute::<OneArgument, <fmi2CallbackLogger as IntoIterator>::Item>(logger)
+    };
+    fmi2CallbackFunctions {
+        logger: Some(logger),
+        allocateMemory: None,
+        freeMemory: None,
+        stepFinished: None,
+        componentEnvironment: ptr::null_mut(),
+    }
+}
+
+fn instantiate(uri: &CStr, guid: &CStr, kind: fmi2Type) -> fmi2Component {
+    let callbacks = callbacks();
+    // The callbacks end with this call: the unit must have copied them.
+    // Safety: all pointers are valid during the call.
+    unsafe {
+        fmi2Instantiate(
+            c"one".as_ptr(),
+            kind,
+            guid.as_ptr(),
+            uri.as_ptr(),
+            &callbacks,
+            fmi2False as fmi2Boolean,
+            fmi2True as fmi2Boolean,
+        )
+    }
+}
+
+#[test]
+fn an_instance_lives_from_instantiation_to_freeing() {
+    let folder = tempfile::tempdir().unwrap();
+    let uri = resources(folder.path(), &unit());
+    let guid = CString::new(GUID).unwrap();
+
+    for (guid, kind, said) in [
+        (c"{other}", fmi2Type_fmi2CoSimulation, "the host passed GUID {other}"),
+        (guid.as_c_str(), fmi2Type_fmi2ModelExchange, "co-simulation"),
+    ] {
+        assert!(instantiate(&uri, guid, kind).is_null());
+        let last = LOG.lock().unwrap().pop().unwrap();
+        assert!(last.contains(said), "{last}");
+    }
+
+    let c = instantiate(&uri, &guid, fmi2Type_fmi2CoSimulation);
+    assert!(!c.is_null());
+    // Safety: `c` is a component, arrays are as long as said or wrong on purpose in a way that the
+    // unit can see.
+    unsafe {
+        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), fmi2Status_fmi2OK);
+        assert_eq!(fmi2EnterInitializationMode(c), fmi2Status_fmi2OK);
+        assert_eq!(fmi2ExitInitializationMode(c), fmi2Status_fmi2OK);
+
+        // All inputs and all outputs in one call each.
+        let inputs: Vec<u32> = (0..48).collect();
+        let mut values = vec![0.0; 48];
+        assert_eq!(
+            fmi2GetReal(c, inputs.as_ptr(), 48, values.as_mut_ptr()),
+            fmi2Status_fmi2OK
+        );
+        assert_eq!(values[16], 50e-3);
+        values[5] = 1e-3; // gear1.angles[3]
+        assert_eq!(fmi2SetReal(c, inputs.as_ptr(), 48, values.as_ptr()), fmi2Status_fmi2OK);
+        assert_eq!(fmi2DoStep(c, 0.0, 1e-5, 1), fmi2Status_fmi2OK);
+        let outputs: Vec<u32> = (100..124).collect();
+        let mut results = vec![0.0; 24];
+        assert_eq!(
+            fmi2GetReal(c, outputs.as_ptr(), 24, results.as_mut_ptr()),
+            fmi2Status_fmi2OK
+        );
+        // 1 mrad on a pitch radius of 20 mm.
+        assert!((results[15] - 20e-6).abs() < 1e-15, "{}", results[15]);
+        assert!(results[7] > 0.0, "gear 2 is pushed along +y");
+
+        // A length that no array can have is seen before anything is read.
+        assert_eq!(
+            fmi2GetReal(c, inputs.as_ptr(), usize::MAX, values.as_mut_ptr()),
+            fmi2Status_fmi2Error
+        );
+        assert_eq!(fmi2Reset(c), fmi2Status_fmi2OK);
+        assert_eq!(fmi2FreeFMUstate(c, ptr::null_mut()), fmi2Status_fmi2OK);
+        fmi2FreeInstance(c);
+        fmi2FreeInstance(ptr::null_mut());
+    }
+}
+
+#[test]
+fn altered_resources_are_refused_with_file_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |unit: &Unit| {
+        let uri = resources(folder.path(), unit);
+        gearmesh::fmi::resources::load(uri.to_str().unwrap(), GUID).unwrap_err().to_string()
+    };
+    let newer = Unit {
+        version: UNIT_VERSION + 1,
+        ..unit()
+    };
+    let foreign = Unit {
+        starts: [("gear3.position[1]".to_owned(), 0.0)].into(),
+        ..unit()
+    };
+    for (unit, said) in [(newer, "version 2"), (foreign, "gear3.position[1]")] {
+        let error = read(&unit);
+        assert!(error.contains(said) && error.contains(UNIT_FILE), "{error}");
+    }
+}

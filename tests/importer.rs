@@ -1,0 +1,1 @@
+//! A packed unit driven by the importer of the crate `fmi`.

@@ -1,5 +1,7 @@
 //! The C interface called from Rust, on a unit unpacked by hand: what a Python host cannot pass.
 
+#![allow(unsafe_code)] // it calls what C calls
+
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::Path;
 use std::ptr;
@@ -119,7 +121,11 @@ fn an_instance_lives_from_instantiation_to_freeing() {
     let guid = CString::new(GUID).unwrap();
 
     for (guid, kind, said) in [
-        (c"{other}", fmi2Type_fmi2CoSimulation, "the host passed GUID {other}"),
+        (
+            c"{other}",
+            fmi2Type_fmi2CoSimulation,
+            "the host passed GUID {other}",
+        ),
         (guid.as_c_str(), fmi2Type_fmi2ModelExchange, "co-simulation"),
     ] {
         assert!(instantiate(&uri, guid, kind).is_null());
@@ -132,7 +138,10 @@ fn an_instance_lives_from_instantiation_to_freeing() {
     // Safety: `c` is a component, arrays are as long as said or wrong on purpose in a way that the
     // unit can see.
     unsafe {
-        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), fmi2Status_fmi2OK);
+        assert_eq!(
+            fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
+            fmi2Status_fmi2OK
+        );
         assert_eq!(fmi2EnterInitializationMode(c), fmi2Status_fmi2OK);
         assert_eq!(fmi2ExitInitializationMode(c), fmi2Status_fmi2OK);
 
@@ -145,7 +154,10 @@ fn an_instance_lives_from_instantiation_to_freeing() {
         );
         assert_eq!(values[16], 50e-3);
         values[5] = 1e-3; // gear1.angles[3]
-        assert_eq!(fmi2SetReal(c, inputs.as_ptr(), 48, values.as_ptr()), fmi2Status_fmi2OK);
+        assert_eq!(
+            fmi2SetReal(c, inputs.as_ptr(), 48, values.as_ptr()),
+            fmi2Status_fmi2OK
+        );
         assert_eq!(fmi2DoStep(c, 0.0, 1e-5, 1), fmi2Status_fmi2OK);
         let outputs: Vec<u32> = (100..124).collect();
         let mut results = vec![0.0; 24];
@@ -174,7 +186,9 @@ fn altered_resources_are_refused_with_file_and_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let read = |unit: &Unit| {
         let uri = resources(folder.path(), unit);
-        gearmesh::fmi::resources::load(uri.to_str().unwrap(), GUID).unwrap_err().to_string()
+        gearmesh::fmi::resources::load(uri.to_str().unwrap(), GUID)
+            .unwrap_err()
+            .to_string()
     };
     let newer = Unit {
         version: UNIT_VERSION + 1,

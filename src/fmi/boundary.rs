@@ -27,8 +27,18 @@ pub(super) const fn status(severity: Severity) -> fmi2Status {
     }
 }
 
+impl Refusal {
+    /// fmi2Fatal after `function` panicked.
+    pub(super) fn fatal(function: &str, panic: &(dyn Any + Send)) -> Self {
+        Self {
+            severity: Severity::Fatal,
+            message: format!("{function}: internal error: {}", panic_text(panic)),
+        }
+    }
+}
+
 /// What a panic said.
-pub(super) fn panic_text(panic: &Box<dyn Any + Send>) -> &str {
+fn panic_text(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str))
         .unwrap_or("unknown cause")
@@ -119,10 +129,10 @@ mod tests {
             std::panic::catch_unwind(|| panic!("plain")),
             std::panic::catch_unwind(|| panic!("{}", "plain")),
         ] {
-            assert_eq!(panic_text(&panic.unwrap_err()), "plain");
+            assert_eq!(panic_text(&*panic.unwrap_err()), "plain");
         }
         let odd = std::panic::catch_unwind(|| std::panic::panic_any(7)).unwrap_err();
-        assert_eq!(panic_text(&odd), "unknown cause");
+        assert_eq!(panic_text(&*odd), "unknown cause");
     }
 
     #[test]

@@ -1,16 +1,20 @@
 //! The C interface of FMI 2.0: the one file with unsafe code.
 //!
-//! Every function runs inside [`call`], which refuses null components and wrong states, turns a
+//! Every function runs inside `call`, which refuses null components and wrong states, turns a
 //! panic into fmi2Fatal, and reports to the host's logger. The compiler compares each signature with
 //! the type that the standard's header gives it (`TYPE`).
 //!
 //! # Safety
 //! All functions ask of the host what the standard asks: a component is null or came from
 //! fmi2Instantiate and was not freed, arrays hold as many items as said (null only with none), strings
-//! end with a zero byte, and one instance is used by one thread at a time. This is the safety contract
-//! of every `unsafe fn` below, and what each of them relies on where it follows a pointer.
-#![allow(unsafe_code, unsafe_op_in_unsafe_fn, non_snake_case)]
-#![allow(clippy::missing_safety_doc)] // stated once, above
+//! end with a zero byte, and one instance is used by one thread at a time. Every
+//! `unsafe fn` below relies on that where it follows a pointer; it is stated this once.
+#![allow(
+    unsafe_code,
+    unsafe_op_in_unsafe_fn,
+    non_snake_case,
+    clippy::missing_safety_doc
+)]
 
 use std::ffi::{CStr, CString, c_char};
 use std::mem::MaybeUninit;
@@ -19,9 +23,7 @@ use std::ptr;
 
 use ::fmi::fmi2::binding::*;
 
-use super::boundary::{
-    c_string, check_array, expect_status, instantiate, no_strings, panic_text, status,
-};
+use super::boundary::{c_string, check_array, expect_status, instantiate, no_strings, status};
 use super::instance::Instance;
 use super::lifecycle::{Function, State};
 use super::report::{EVENTS, Refusal, Severity, Wanted};
@@ -81,23 +83,14 @@ unsafe fn call(
         component.instance.admit(function, name)?;
         body(component)
     }))
-    .unwrap_or_else(|panic| {
-        Err(Refusal {
-            severity: Severity::Fatal,
-            message: format!("{name}: internal error: {}", panic_text(&panic)),
-        })
-    });
+    .unwrap_or_else(|panic| Err(Refusal::fatal(name, &*panic)));
     for event in component.instance.take_events() {
         component.log.write(fmi2Status_fmi2OK, EVENTS, &event);
     }
     let Err(refusal) = outcome else {
         return fmi2Status_fmi2OK;
     };
-    match refusal.severity {
-        Severity::Error => component.instance.fail(State::Error),
-        Severity::Fatal => component.instance.fail(State::Fatal),
-        Severity::Warning | Severity::Discard => {}
-    }
+    component.instance.fail(refusal.severity);
     let status = status(refusal.severity);
     let category = refusal.severity.category();
     component.log.write(status, category, &refusal.message);
@@ -123,8 +116,7 @@ unsafe fn array_mut<'a, T>(
     if count == 0 {
         return Ok(&mut []);
     }
-    // MaybeUninit asks nothing of what is there.
-    Ok(std::slice::from_raw_parts_mut(data.cast(), count))
+    Ok(std::slice::from_raw_parts_mut(data.cast(), count)) // MaybeUninit asks nothing of it
 }
 
 /// Writes results to the host's array of `count`.
@@ -208,12 +200,8 @@ pub unsafe extern "C" fn fmi2Instantiate(
         };
         let instance = name.and_then(|name| {
             let guid = text(fmuGUID, "fmuGUID")?;
-            instantiate(
-                fmuType,
-                name,
-                guid,
-                text(fmuResourceLocation, "fmuResourceLocation")?,
-            )
+            let location = text(fmuResourceLocation, "fmuResourceLocation")?;
+            instantiate(fmuType, name, guid, location)
         });
         match instance {
             Ok(instance) => Box::into_raw(Box::new(Component { instance, log })).cast(),
@@ -226,7 +214,6 @@ pub unsafe extern "C" fn fmi2Instantiate(
     });
     made.unwrap_or(ptr::null_mut())
 }
-
 const _: fmi2InstantiateTYPE = Some(fmi2Instantiate);
 
 /// Frees the instance with all its stored states; null is no instance and nothing happens.
@@ -277,20 +264,13 @@ unsafe fn set<T: Copy + Into<f64>>(
     c.instance.set(function, kind, references.zip(values))
 }
 
-/// The handle that a fmi2FMUstate stands for: a number, not an address.
-fn handle(state: fmi2FMUstate) -> usize {
-    state.addr()
-}
-
 export! {
     /// Switches log categories, all of them if none is named.
     fn fmi2SetDebugLogging: fmi2SetDebugLoggingTYPE, SetDebugLogging
         (c, on: fmi2Boolean, count: usize, categories: *const fmi2String) {
-        let names = array(categories, count, "categories")?
-            .iter()
-            .map(|name| text(*name, "a log category"))
-            .collect::<Result<Vec<_>, _>>()?;
-        c.log.wanted.switch(on != 0, &names)
+        let names = array(categories, count, "categories")?.iter();
+        let names = names.map(|name| text(*name, "a log category"));
+        c.log.wanted.switch(on != 0, &names.collect::<Result<Vec<_>, _>>()?)
     }
     /// Start and stop time; the tolerance is of no use here, since nothing is integrated.
     fn fmi2SetupExperiment: fmi2SetupExperimentTYPE, SetupExperiment
@@ -357,20 +337,21 @@ export! {
         (_c, vr: *const fmi2ValueReference, nvr: usize, _value: *const fmi2String) {
         no_strings("fmi2SetString", array(vr, nvr, "vr")?)
     }
-    /// Keeps the state, in the place of the given one if that is not null.
+    /// Keeps the state, in the place of the given one if that is not null. A fmi2FMUstate is a number
+    /// here, not an address.
     fn fmi2GetFMUstate: fmi2GetFMUstateTYPE, FmuState (c, state: *mut fmi2FMUstate) {
         check_array(state, 1, "FMUstate")?;
-        let kept = c.instance.store(Some(handle(*state)).filter(|h| *h != 0))?;
+        let kept = c.instance.store(Some((*state).addr()).filter(|h| *h != 0))?;
         put(state, ptr::without_provenance_mut(kept))
     }
     /// Goes back to a kept state.
     fn fmi2SetFMUstate: fmi2SetFMUstateTYPE, FmuState (c, state: fmi2FMUstate) {
-        c.instance.restore(handle(state))
+        c.instance.restore(state.addr())
     }
     /// Frees a kept state and sets it to null; null is no state and nothing happens.
     fn fmi2FreeFMUstate: fmi2FreeFMUstateTYPE, FmuState (c, state: *mut fmi2FMUstate) {
         if !state.is_null() && !(*state).is_null() {
-            c.instance.discard(handle(*state))?;
+            c.instance.discard((*state).addr())?;
             *state = ptr::null_mut();
         }
         Ok(())
@@ -378,12 +359,12 @@ export! {
     /// Bytes that a kept state takes.
     fn fmi2SerializedFMUstateSize: fmi2SerializedFMUstateSizeTYPE, FmuState
         (c, state: fmi2FMUstate, size: *mut usize) {
-        put(size, c.instance.serialized_size(handle(state))?)
+        put(size, c.instance.serialized_size(state.addr())?)
     }
     /// Writes a kept state as bytes.
     fn fmi2SerializeFMUstate: fmi2SerializeFMUstateTYPE, FmuState
         (c, state: fmi2FMUstate, bytes: *mut fmi2Byte, size: usize) {
-        let written = c.instance.serialize(handle(state))?;
+        let written = c.instance.serialize(state.addr())?;
         if size < written.len() {
             let needed = written.len();
             return Err(Refusal::error(format!("size = {size}; the state takes {needed} bytes")));

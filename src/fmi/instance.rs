@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::lifecycle::{Function, State};
 use super::parameters::{element_parameters, orientation};
-use super::report::Refusal;
+use super::report::{Refusal, Severity};
 use super::resources::Resources;
 use super::signals::{MAXIMUM_ORDER, Signals};
 use super::snapshot::Snapshot;
@@ -54,9 +54,13 @@ impl Instance {
         self.now.state
     }
 
-    /// After fmi2Error or fmi2Fatal.
-    pub fn fail(&mut self, state: State) {
-        self.now.state = state;
+    /// After a call that was refused with `severity`: fmi2Error and fmi2Fatal have states of their own.
+    pub fn fail(&mut self, severity: Severity) {
+        match severity {
+            Severity::Error => self.now.state = State::Error,
+            Severity::Fatal => self.now.state = State::Fatal,
+            Severity::Warning | Severity::Discard => {}
+        }
     }
 
     /// Current communication point, s.
@@ -92,10 +96,9 @@ impl Instance {
         if !start.is_finite() {
             return Err(Refusal::error(format!("startTime = {start} is not finite")));
         }
-        // Written so that NaN is refused, too.
-        if let Some(stop) = stop
-            && !(stop >= start)
-        {
+        // NaN is no time after the start.
+        let ordered = stop.is_none_or(|stop| stop >= start);
+        if let (Some(stop), false) = (stop, ordered) {
             return Err(Refusal::error(format!(
                 "stopTime = {stop} lies before startTime = {start}"
             )));
@@ -278,7 +281,7 @@ impl Instance {
     /// fmi2SetRealInputDerivatives; all or none.
     ///
     /// # Errors
-    /// Unknown references, variables that are no inputs, orders beyond 1 to [`MAXIMUM_ORDER`], values
+    /// Unknown references, variables that are no inputs, orders beyond 1 to 3, values
     /// that are not finite.
     pub fn set_input_derivatives(
         &mut self,
@@ -313,15 +316,15 @@ impl Instance {
     /// A step that is not positive, does not start where the last one ended, or passes the stop time;
     /// inputs without a right answer.
     pub fn do_step(&mut self, point: f64, step: f64) -> Result<(), Refusal> {
-        // Written so that NaN is refused, too.
-        if !(step > 0.0 && step.is_finite()) {
+        if !step.is_finite() || step <= 0.0 {
             return Err(Refusal::error(format!(
                 "fmi2DoStep: communicationStepSize = {step}; it must be positive and finite"
             )));
         }
         // Hosts add up times in their own way: equal means equal to rounding, never exactly.
         let tolerance = 1e-3 * step + 1e-9 * self.now.time.abs();
-        if !((point - self.now.time).abs() <= tolerance) {
+        let follows = (point - self.now.time).abs() <= tolerance; // never for NaN
+        if !follows {
             return Err(Refusal::error(format!(
                 "fmi2DoStep: currentCommunicationPoint = {point}, but the last step ended at {}; \
                  restore a stored state to go back",

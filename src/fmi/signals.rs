@@ -164,8 +164,8 @@ impl Signals {
             Orientation::Quaternion => {
                 let q = self.quaternion(start + QUATERNION);
                 let length = q.norm();
-                // Written so that NaN, which an overflow could leave, is refused, too.
-                if !((length - 1.0).abs() <= QUATERNION_TOLERANCE) {
+                let is_unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE; // never for NaN
+                if !is_unit {
                     let name = VARIABLES[start + QUATERNION].name.trim_end_matches("[1]");
                     return Err(Refusal::error(format!(
                         "{name} has the length {length}; it must be 1 within \

@@ -16,7 +16,7 @@ use sha2::{Digest, Sha256};
 
 pub use inspect::{Inspection, inspect};
 pub use library::{Library, library_beside};
-pub use starts::Starts;
+pub use starts::{Starts, estimated_stiffness, meshing_spin};
 
 use crate::fmi::resources::{TABLES_FILE, UNIT_FILE, UNIT_VERSION, Unit};
 use crate::fmi::variables::{self, MODEL_IDENTIFIER};

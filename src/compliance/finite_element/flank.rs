@@ -22,7 +22,7 @@ pub(super) struct FlankGrid {
     pub form_roll: f64,
     /// kappa / (2 rb), 1/m: arc = this * (roll² - form_roll²).
     pub arc_per_roll_squared: f64,
-    /// Half-width of the kernel away from the tip edge, m.
+    /// Half-width of the kernel, m.
     pub kernel_half_width: f64,
 }
 
@@ -55,22 +55,16 @@ impl FlankGrid {
         }
     }
 
-    /// Kernel of a line at `roll` and the arc length of its centre.
-    fn kernel(&self, roll: f64) -> (Kernel, f64) {
+    /// Kernel of a line at `roll`.
+    fn kernel(&self, roll: f64) -> Kernel {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
         let arc = self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll);
-        let center = arc.clamp(edges[0], edges[1]);
-        // Cutting the kernel off at the tip edge moves its centre of mass away from the line, so that it
-        // narrows towards the edge, down to half its width.
-        let width = self.kernel_half_width;
-        let width = (edges[1] - center).clamp(0.5 * width, width);
-        (Kernel::new(width, center, edges), center)
+        Kernel::new(self.kernel_half_width, arc, edges)
     }
 
     /// Reference length of the kernel at the middle of `strip`, m.
     pub fn reference_length(&self, strip: &Strip) -> f64 {
         self.kernel(0.5 * (strip.roll[0] + strip.roll[1]))
-            .0
             .reference_length()
     }
 
@@ -93,13 +87,12 @@ impl FlankGrid {
 
     /// Adds `part` of a unit load at `z` and `roll`.
     fn spread(&self, layer: usize, z: f64, roll: f64, part: f64, sum: &mut BTreeMap<usize, f64>) {
-        let (kernel, center) = self.kernel(roll);
-        let support = kernel.support().map(|edge| center + edge);
+        let kernel = self.kernel(roll);
         let plane = self.stations.len() == 1;
-        for (element, low, high) in cells(&self.arcs, support) {
+        for (element, low, high) in cells(&self.arcs, kernel.support()) {
             for (x, weight) in GAUSS5 {
                 let arc = low + x * (high - low);
-                let load = part * weight * (high - low) * kernel.density(arc - center);
+                let load = part * weight * (high - low) * kernel.density(arc);
                 let xi = local(arc, &self.arcs, element);
                 if plane {
                     for (i, value) in line3(xi).into_iter().enumerate() {

@@ -3,10 +3,13 @@
 //! phi(t) = 15/16 (1 - t²)² / w for abs(t) < 1, t the distance over the half-width w; cut off at the edges
 //! of the flank and scaled back to unit mass.
 
-/// Half-width and the part of [-1, 1] that lies on the flank.
+/// A kernel on the flank.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Kernel {
     half_width: f64,
+    /// Arc length of its middle, m.
+    center: f64,
+    /// The part of [-1, 1] that lies on the flank.
     low: f64,
     high: f64,
     mass: f64,
@@ -22,27 +25,57 @@ pub(super) const GAUSS5: [(f64, f64); 5] = [
 ];
 
 impl Kernel {
-    /// Kernel centred at `center` on a flank from `flank[0]` to `flank[1]`, all arc lengths in m. A
-    /// centre beyond an edge of the flank is taken at that edge.
-    pub fn new(half_width: f64, center: f64, flank: [f64; 2]) -> Kernel {
-        let low = ((flank[0] - center) / half_width).clamp(-1.0, 0.0);
-        let high = ((flank[1] - center) / half_width).clamp(0.0, 1.0);
+    /// Kernel for a line at the arc length `line` of a flank from `flank[0]` to `flank[1]`, m; a line
+    /// beyond an edge is taken at that edge.
+    ///
+    /// Near the tip edge the part beyond it is missing. So that the load does not move away from the
+    /// edge with it, the kernel's middle is moved towards the edge until its centre of mass lies on the
+    /// line; half of the kernel always stays.
+    pub fn new(half_width: f64, line: f64, flank: [f64; 2]) -> Kernel {
+        let line = line.clamp(flank[0], flank[1]);
+        let room = (flank[1] - line) / half_width;
+        let low = ((flank[0] - line) / half_width).clamp(-1.0, 0.0);
+        let mut high = room.clamp(0.0, 1.0);
+        if high < 1.0 {
+            // With the edge at `high` from the middle, the centre of mass lies `high - mean(high)` from
+            // the edge: rising in `high` from the half kernel's value.
+            let distance = |high: f64| high - mean(low, high);
+            let (mut least, mut most) = (0.0, high);
+            if distance(least) >= room {
+                most = least;
+            }
+            while most - least > 1e-12 {
+                let middle = 0.5 * (least + most);
+                if distance(middle) > room {
+                    most = middle;
+                } else {
+                    least = middle;
+                }
+            }
+            high = most;
+        }
+        let center = if high < 1.0 {
+            flank[1] - high * half_width
+        } else {
+            line
+        };
         Kernel {
             half_width,
+            center,
             low,
             high,
             mass: cumulative(high) - cumulative(low),
         }
     }
 
-    /// Ends of the support relative to the centre, m.
+    /// Ends of the support, arc length in m.
     pub fn support(&self) -> [f64; 2] {
-        [self.low * self.half_width, self.high * self.half_width]
+        [self.low, self.high].map(|t| self.center + t * self.half_width)
     }
 
-    /// Density at `distance` (m) from the centre inside the support, 1/m.
-    pub fn density(&self, distance: f64) -> f64 {
-        shape(distance / self.half_width) / (self.mass * self.half_width)
+    /// Density at the arc length `arc` (m) inside the support, 1/m.
+    pub fn density(&self, arc: f64) -> f64 {
+        shape((arc - self.center) / self.half_width) / (self.mass * self.half_width)
     }
 
     /// exp of the double integral of phi(x) phi(y) ln abs(x - y), m: the line load spread by the kernel
@@ -81,6 +114,12 @@ impl Kernel {
 fn shape(t: f64) -> f64 {
     let inside = (1.0 - t * t).max(0.0);
     15.0 / 16.0 * inside * inside
+}
+
+/// Centre of mass of [`shape`] between `low` and `high`.
+fn mean(low: f64, high: f64) -> f64 {
+    let first = |t: f64| 15.0 / 16.0 * t * t * (0.5 - 0.5 * t * t + t.powi(4) / 6.0);
+    (first(high) - first(low)) / (cumulative(high) - cumulative(low))
 }
 
 /// Integral of [`shape`] from 0 to t.
@@ -129,6 +168,22 @@ mod tests {
             let kernel = Kernel::new(0.6, 0.0, [-3.0, to_edge]);
             let expected = by_cells(&kernel, 800);
             assert_abs_diff_eq!(kernel.reference_length() / expected, 1.0, epsilon = 2e-5);
+        }
+    }
+
+    #[test]
+    fn centre_of_mass_stays_on_the_line_up_to_a_third_of_the_width_from_the_edge() {
+        for to_edge in [5.0, 0.5, 0.3, 0.2] {
+            let kernel = Kernel::new(0.6, 0.0, [-3.0, to_edge]);
+            let [low, high] = kernel.support();
+            assert!(high <= to_edge + 1e-12);
+            let steps = 4000;
+            let h = (high - low) / f64::from(steps);
+            let mean: f64 = (0..steps)
+                .map(|i| low + (f64::from(i) + 0.5) * h)
+                .map(|x| x * kernel.density(x) * h)
+                .sum();
+            assert_abs_diff_eq!(mean, 0.0, epsilon = 1e-6);
         }
     }
 

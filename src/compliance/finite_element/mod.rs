@@ -18,6 +18,7 @@
 //! does not depend on the kernel's width.
 
 mod assembly;
+mod cache;
 mod condensation;
 mod cyclic;
 mod dissection;
@@ -28,11 +29,14 @@ mod kernel;
 mod mesh;
 mod model;
 mod outline;
+mod pair;
 mod section;
 mod settings;
 
+pub use cache::Origin;
 pub use error::FiniteElementError;
 pub use model::{Cost, Stage};
+pub use pair::PairCompliance;
 pub use settings::{Discretization, Settings};
 
 use super::{Strip, ToothCompliance};
@@ -147,5 +151,9 @@ impl ToothCompliance for FiniteElementCompliance {
     }
 }
 
+#[cfg(test)]
+mod closure_tests;
+#[cfg(test)]
+mod contact_tests;
 #[cfg(test)]
 mod tests;

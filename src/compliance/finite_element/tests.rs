@@ -155,14 +155,22 @@ fn with_hertz(gear: &Gear, element: f64, kernel: f64, radii: &[f64]) -> Vec<f64>
 }
 
 #[test]
-fn kernel_width_from_0_3_to_1_mm_does_not_matter() {
-    // Module 4 mm, tip at 44 mm. Inside 0.2 %, within 0.7 mm of the tip edge 1 %.
+fn kernel_width_from_0_3_to_1_mm_does_not_matter_to_a_pair() {
+    // 20/20 teeth, module 4 mm, tips at 44 mm, C = 80 mm: approach of both flanks at points of the path of
+    // contact. 0.2 %; within 0.7 mm of a tip edge 1 %, but not nearer to it than a third of the kernel's
+    // half-width: from there on the load stays behind (1.1 % at 0.2 mm with a kernel of 1 mm).
     let gear = spur(20, 4e-3, 0.5);
-    let radii = [38e-3, 39e-3, 40e-3, 41e-3, 42e-3, 43.0e-3, 43.8e-3];
-    let narrow = with_hertz(&gear, 0.05, 0.075, &radii);
-    for width in [0.1, 0.15, 0.25] {
-        let wide = with_hertz(&gear, 0.05, width, &radii);
-        for (i, (a, b)) in wide.iter().zip(&narrow).enumerate() {
+    let radii = [40e-3, 41e-3, 42e-3, 43.0e-3, 43.5e-3, 43.8e-3];
+    let both_rolls = 80e-3 * gear.normal_pressure_angle.sin();
+    let mates = radii.map(|r| gear.radius_at_roll(both_rolls - gear.roll_length(r)));
+    let approach = |kernel: f64| -> Vec<f64> {
+        let own = with_hertz(&gear, 0.05, kernel, &radii);
+        let mate = with_hertz(&gear, 0.05, kernel, &mates);
+        own.iter().zip(&mate).map(|(a, b)| a + b).collect()
+    };
+    let narrow = approach(0.075);
+    for (width, points) in [(0.1, 6), (0.15, 6), (0.25, 5)] {
+        for (i, (a, b)) in approach(width).iter().zip(&narrow).enumerate().take(points) {
             let bar = if radii[i] < 43.2e-3 { 2e-3 } else { 1e-2 };
             assert_relative_eq!(a, b, max_relative = bar);
         }
@@ -177,7 +185,7 @@ fn normal_mesh_resolves_its_kernel() {
     let sizes = Discretization::of(Refinement::Normal);
     let normal = with_hertz(&gear, sizes.flank_element, sizes.kernel_half_width, &radii);
     for (a, b) in normal.iter().zip(&reference) {
-        assert_relative_eq!(a, b, max_relative = 1.5e-3);
+        assert_relative_eq!(a, b, max_relative = 1e-3);
     }
 }
 

@@ -1,0 +1,146 @@
+//! Pairs in contact on finite-element compliance in plane strain, against two-dimensional
+//! finite-element analyses that include the contact, and solid faces between plane strain and stress.
+
+use super::*;
+use crate::contact::{ContactSettings, ContactSolver, CycleInput, MeshCycle};
+use crate::gear::Flank;
+use crate::pair::Pair;
+use approx::assert_relative_eq;
+
+/// Face of the plane-strain pairs, mm; any.
+const FACE: f64 = 10.0;
+
+/// A spur pair, alpha 20°, without shift, loaded by `line_load` N/mm on the line of action at most.
+fn spur_pair(teeth: [u32; 2], module: f64, tool: f64, bore_ratio: f64, line_load: f64) -> Pair {
+    let gear = |z: u32| {
+        let bore = bore_ratio * module * (f64::from(z) - 2.5);
+        format!(
+            r#"{{"teeth": {z}, "profile_shift": 0.0, "face_width_mm": {FACE},
+                 "tool_tip_radius_coefficient": {tool}, "bore_diameter_mm": {bore}}}"#
+        )
+    };
+    let torque =
+        line_load * FACE * 0.5e-3 * module * f64::from(teeth[0]) * 20f64.to_radians().cos();
+    let text = format!(
+        r#"{{"name": "plane", "meshing": "external", "normal_module_mm": {module},
+             "normal_pressure_angle_deg": 20.0, "helix_angle_deg": 0.0,
+             "gear1": {}, "gear2": {},
+             "operating": {{"nominal_torque_nm": {torque}, "maximum_torque_nm": {torque},
+                 "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [0.0, 0.0]}}}}"#,
+        gear(teeth[0]),
+        gear(teeth[1])
+    );
+    Pair::from_json(&text).unwrap()
+}
+
+fn solver(pair: &Pair, plane_strain: bool, stations: usize) -> ContactSolver {
+    let settings = Settings {
+        plane_strain,
+        ..Settings::for_pair(pair)
+    };
+    let [first, second] = PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true)
+        .unwrap()
+        .gears;
+    let contact = ContactSettings {
+        stations,
+        tip_corner_contact: false,
+        reach: None,
+    };
+    ContactSolver::new(pair, [first, second], contact).unwrap()
+}
+
+/// Approach at the pitch point, um, under the pair's maximum torque.
+fn approach_at_pitch_point(pair: &Pair, solver: &ContactSolver) -> f64 {
+    let position = solver.position(Flank::Drive, 0.0, 0.0).unwrap();
+    let result = position
+        .solve_torque(pair.operating.maximum_torque, 0.0, None)
+        .unwrap();
+    1e6 * result.approach
+}
+
+/// Mean and peak-to-peak STE, um, over `positions` under the pair's maximum torque. On the path only,
+/// the STE of a spur pair jumps where a tooth pair comes in, and it rises towards the jump: with ever more
+/// positions the peak-to-peak value grows by 1 to 3 %.
+fn ste(pair: &Pair, solver: &ContactSolver, positions: usize) -> (f64, f64) {
+    let input = CycleInput {
+        flank: Flank::Drive,
+        torque: pair.operating.maximum_torque,
+        center_distance_offset: 0.0,
+        misalignment: 0.0,
+        positions,
+    };
+    let cycle = MeshCycle::solve(solver, &input).unwrap();
+    (1e6 * cycle.mean_ste(), 1e6 * cycle.peak_to_peak_ste())
+}
+
+#[test]
+fn pair_stiffness_at_the_pitch_point_is_that_of_two_dimensional_finite_elements() {
+    // Teeth, module mm, N/mm, bore over root radius, N/(mm um). Left out is 16/24, module 4.5 mm, at 300
+    // N/mm: published 14.98, found here 15.22 without shift (16.55 with that of the FZG gears of these
+    // numbers); undercut teeth, whose bore and tool are not stated.
+    for (teeth, module, load, bore, expected) in [
+        ([17, 43], 1.0, 100.0, 1.0 / 1.4, 15.79),
+        ([17, 43], 1.0, 100.0, 0.5, 13.67),
+        ([17, 43], 1.0, 20.0, 1.0 / 1.4, 14.74),
+        ([17, 43], 1.0, 235.0, 1.0 / 1.4, 16.41),
+        ([17, 43], 1.0, 320.0, 1.0 / 1.4, 16.65),
+        ([50, 50], 3.0, 113.0, 1.0 / 1.4, 15.91),
+        ([50, 50], 3.0, 113.0, 0.5, 13.98),
+        ([28, 28], 3.175, 250.0, 1.0 / 1.4, 16.04),
+        ([28, 28], 3.175, 250.0, 0.5, 13.93),
+        ([19, 48], 3.175, 300.0, 1.0 / 1.4, 15.93),
+        ([100, 100], 1.0, 100.0, 1.0 / 1.4, 16.60),
+    ] {
+        let pair = spur_pair(teeth, module, 0.38, bore, load);
+        let found = load / approach_at_pitch_point(&pair, &solver(&pair, true, 1));
+        assert_relative_eq!(found, expected, max_relative = 5e-3);
+    }
+}
+
+#[test]
+fn ste_is_that_of_two_dimensional_finite_elements() {
+    for (teeth, module, tool, load, bore, mean, peak_to_peak) in [
+        ([28, 28], 3.175, 0.3, 250.0, 1.0 / 1.4, 12.222, 5.854),
+        ([28, 28], 3.175, 0.3, 250.0, 0.5, 14.529, 5.949),
+        ([50, 50], 3.0, 0.38, 177.0, 1.0 / 1.4, 8.110, 3.803),
+        ([50, 50], 3.0, 0.38, 177.0, 0.5, 9.639, 3.818),
+        ([17, 43], 1.0, 0.38, 100.0, 1.0 / 1.4, 4.947, 2.373),
+        ([17, 43], 1.0, 0.38, 100.0, 0.5, 5.890, 2.427),
+    ] {
+        let pair = spur_pair(teeth, module, tool, bore, load);
+        let found = ste(&pair, &solver(&pair, true, 1), 20);
+        assert_relative_eq!(found.0, mean, max_relative = 1e-2);
+        assert_relative_eq!(found.1, peak_to_peak, max_relative = 2e-2);
+    }
+}
+
+/// 20/20 teeth, module 4 mm, face 25 mm, bore 30 mm, 100 N m.
+fn thick_pair() -> Pair {
+    let gear =
+        r#"{"teeth": 20, "profile_shift": 0.0, "face_width_mm": 25.0, "bore_diameter_mm": 30.0}"#;
+    Pair::from_json(&format!(
+        r#"{{"name": "thick", "meshing": "external", "normal_module_mm": 4.0,
+             "normal_pressure_angle_deg": 20.0, "helix_angle_deg": 0.0, "gear1": {gear}, "gear2": {gear},
+             "operating": {{"nominal_torque_nm": 100.0, "maximum_torque_nm": 100.0,
+                 "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [0.0, 0.0]}}}}"#
+    ))
+    .unwrap()
+}
+
+#[test]
+fn face_of_six_modules_lies_between_plane_strain_and_plane_stress() {
+    let pair = thick_pair();
+    let plane = solver(&pair, true, 1);
+    let (mean, peak_to_peak) = ste(&pair, &plane, 32);
+    assert_relative_eq!(
+        approach_at_pitch_point(&pair, &plane),
+        8.816,
+        max_relative = 1e-2
+    );
+    assert_relative_eq!(mean, 7.427, max_relative = 1e-2);
+    assert_relative_eq!(peak_to_peak, 2.926, max_relative = 2e-2);
+    // The published values of plane stress are 9.450 at the pitch point, 7.932 in the mean.
+    let solid = approach_at_pitch_point(&pair, &solver(&pair, false, 40));
+    let share = (solid - 8.816) / (9.450 - 8.816);
+    assert!((0.25..0.55).contains(&share), "{share:.3} of the way");
+}

@@ -86,9 +86,7 @@ fn solve(
             torque,
             center_distance_offset: 0.0,
             misalignment: 0.0,
-            positions: std::env::var("POS")
-                .map(|s| s.parse().unwrap())
-                .unwrap_or(64),
+            positions,
         },
     )?;
     Ok([

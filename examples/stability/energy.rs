@@ -169,7 +169,6 @@ pub fn report(folder: &Path) -> crate::Outcome {
     for (formulation, interpolation) in [
         (Formulation::Conjugate, Interpolation::Spline),
         (Formulation::Conjugate, Interpolation::Linear),
-        (Formulation::Conjugate, Interpolation::Shepard),
         (Formulation::Paper, Interpolation::Spline),
     ] {
         let Ok(element) = element(formulation, interpolation) else {

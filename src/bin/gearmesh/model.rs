@@ -199,7 +199,7 @@ impl ModelArgs {
     fn finite_element(&self, pair: &Pair) -> Result<Compliance, Error> {
         let settings = Settings {
             plane_strain: self.plane_strain,
-            ..Settings::for_pair(&pair.geometry, pair.compliance.refinement)
+            ..Settings::for_pair(pair)
         };
         let progress = self.progress();
         let model = |i: usize| -> Result<Arc<dyn ToothCompliance>, Error> {

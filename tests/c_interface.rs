@@ -194,9 +194,12 @@ fn altered_resources_are_refused_with_file_and_remedy() {
         version: UNIT_VERSION + 1,
         ..unit()
     };
-    let error = read(&newer);
-    assert!(
-        error.contains("version 2") && error.contains(UNIT_FILE),
-        "{error}"
-    );
+    let foreign = Unit {
+        starts: [("gear3.position[1]".to_owned(), 0.0)].into(),
+        ..unit()
+    };
+    for (unit, said) in [(newer, "version 2"), (foreign, "gear3.position[1]")] {
+        let error = read(&unit);
+        assert!(error.contains(said) && error.contains(UNIT_FILE), "{error}");
+    }
 }

@@ -197,6 +197,9 @@ pub fn parse_unit(text: &str) -> Result<Unit, String> {
             "version {found}, this library reads {UNIT_VERSION}"
         ));
     }
+    if let Some(name) = unit.starts.keys().find(|n| index_by_name(n).is_none()) {
+        return Err(format!("a start value for {name}, which is no variable"));
+    }
     Ok(unit)
 }
 
@@ -279,6 +282,10 @@ fn percent_decode(text: &str) -> Result<String, &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fmi::instance::Instance;
+    use crate::fmi::variables::{Kind, VARIABLES, index};
+    use crate::table::Query;
+    use crate::table::samples::Spring;
 
     #[test]
     fn every_legal_file_uri_leads_to_its_folder() {
@@ -320,5 +327,86 @@ mod tests {
             let error = folder(uri).unwrap_err().to_string();
             assert!(error.contains("file URI"), "{uri}: {error}");
         }
+    }
+
+    /// An instance on a table of a spring with a known potential; `counts` as in [`Spring::grid`].
+    fn on_table(counts: [usize; 4], sets: &[(usize, f64)]) -> Instance {
+        let geometry = crate::package::tests::paper();
+        let grid = Spring::grid(counts);
+        let tables = TableFile::new(
+            "spring",
+            "a formula",
+            &geometry,
+            [100.0, 200.0],
+            &grid,
+            None,
+        );
+        let start = |name: &str, value| (name.to_owned(), value);
+        let unit = Unit {
+            version: UNIT_VERSION,
+            guid: "{guid}".into(),
+            name: "spring".into(),
+            starts: [
+                start("gear2.position[1]", geometry.center_distance),
+                start("stiffnessModel", 2.0),
+                start("damping", 0.0),
+            ]
+            .into(),
+            geometry,
+        };
+        let mut instance = Instance::new(Arc::new(Resources {
+            unit,
+            tables: Some(tables),
+        }));
+        instance.enter_initialization();
+        for &(i, value) in sets {
+            let v = &VARIABLES[i];
+            let item = std::iter::once((v.value_reference, value));
+            instance.set("set", v.kind, item).unwrap();
+        }
+        instance
+    }
+
+    #[test]
+    fn an_effect_without_its_axis_is_refused_at_initialization_by_name() {
+        for (counts, effect) in [
+            ([8, 1, 5, 6], index::CENTER_DISTANCE_EFFECT),
+            ([8, 5, 1, 6], index::MISALIGNMENT_EFFECT),
+        ] {
+            let error = on_table(counts, &[(effect, 1.0)])
+                .exit_initialization()
+                .unwrap_err();
+            let name = VARIABLES[effect].name;
+            assert!(error.message.contains(name), "{error}");
+            on_table(counts, &[]).exit_initialization().unwrap();
+        }
+    }
+
+    #[test]
+    fn the_force_is_that_of_the_table_at_the_pose() {
+        let mut instance = on_table([20, 1, 1, 24], &[]);
+        instance.exit_initialization().unwrap();
+        let turn = 1.2e-4;
+        let spin = VARIABLES[index::GEAR1_ANGLES_3].value_reference;
+        instance
+            .set("set", Kind::Real, std::iter::once((spin, turn)))
+            .unwrap();
+        let pair = crate::package::tests::paper();
+        let distance = pair.center_distance;
+        let phi = pair.operating_pressure_angle(distance);
+        let exact = Spring::potential(&Query {
+            delta: turn * pair.operating_pitch_radius(0, distance) * phi.cos(),
+            center_distance_offset: 0.0,
+            misalignment: 0.0,
+            mesh_position: turn / std::f64::consts::TAU * pair.gears[0].z(),
+        });
+        let force = instance.evaluate().unwrap().tangential_force / phi.cos();
+        assert!(exact.gradient[0] > 50.0);
+        let error = force / exact.gradient[0] - 1.0;
+        assert!(
+            error.abs() < 2e-3,
+            "{force} N, exact {} N",
+            exact.gradient[0]
+        );
     }
 }

@@ -201,12 +201,12 @@ fn guid(unit: &Unit, tables: Option<&str>, libraries: &[Library]) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::gear::{Gear, GearKind};
 
     /// The paper's pair, Table 1, addendum 1.0 transverse module.
-    pub(super) fn paper() -> PairGeometry {
+    pub(crate) fn paper() -> PairGeometry {
         let gear = |hand| Gear {
             kind: GearKind::External,
             teeth: 20,

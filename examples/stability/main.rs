@@ -19,7 +19,8 @@ type Outcome = Result<String, Box<dyn std::error::Error>>;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let docs = Path::new("docs");
     std::fs::create_dir_all(docs.join("stability"))?;
-    let chapters: [(&str, fn(&Path) -> Outcome); 6] = [
+    type Chapter = fn(&Path) -> Outcome;
+    let chapters: [(&str, Chapter); 6] = [
         ("Energy on closed loops and in long runs", energy::report),
         ("Nonlinear cases with known answers", oscillator::report),
         ("Rattle of an idle gear", rattle::report),

@@ -70,7 +70,8 @@ mod tests {
     /// The items as the enumerations of the element spell them, in the order of the numbers.
     #[test]
     fn the_numbers_of_enumerations_mean_what_their_names_say() {
-        let cases: [(usize, fn(&Parameters) -> String); 5] = [
+        type Spelling = fn(&Parameters) -> String;
+        let cases: [(usize, Spelling); 5] = [
             (index::STIFFNESS_MODEL, |p| {
                 format!("{:?}", p.stiffness_model)
             }),

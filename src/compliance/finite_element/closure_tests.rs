@@ -195,8 +195,7 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
     };
     for s in 0..teeth {
         let turn = 2.0 * PI * s as f64 / teeth as f64;
-        for node in 0..n {
-            let [r, theta] = section.nodes[node];
+        for (node, [r, theta]) in section.nodes.iter().copied().enumerate() {
             let angle = theta + turn;
             whole.points.push([r * angle.cos(), r * angle.sin(), 0.0]);
             whole.angles.push(angle);

@@ -1,12 +1,13 @@
 //! The options that choose how teeth are modelled, shared by the subcommands that solve contact.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use gearmesh::compliance::ToothCompliance;
 use gearmesh::compliance::analytical::{AnalyticalCompliance, AxialState};
-use gearmesh::compliance::finite_element::{FiniteElementCompliance, Settings};
+use gearmesh::compliance::finite_element::{Origin, PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Gear;
 use gearmesh::pair::{ComplianceMethod, Pair, Refinement};
@@ -66,6 +67,15 @@ pub struct ModelArgs {
     /// Stations along the face
     #[arg(long, default_value_t = ContactSettings::default().stations)]
     stations: usize,
+
+    /// Folder that keeps finite-element models; a change of microgeometry alone finds its model there
+    /// [default: gearmesh in the user's cache folder]
+    #[arg(long)]
+    cache_dir: Option<PathBuf>,
+
+    /// Compute finite-element models anew and keep none
+    #[arg(long, conflicts_with = "cache_dir")]
+    no_cache: bool,
 
     /// Threads to use [default: one per core]
     #[arg(long)]
@@ -201,29 +211,37 @@ impl ModelArgs {
             plane_strain: self.plane_strain,
             ..Settings::for_pair(pair)
         };
+        let cache = self.cache();
         let progress = self.progress();
-        let model = |i: usize| -> Result<Arc<dyn ToothCompliance>, Error> {
-            let bar = progress.share(&format!("finite elements of gear {}", i + 1));
-            let told = |stage, share| {
-                bar.set(&format!("{stage:?}").to_lowercase(), share);
-                true
-            };
-            Ok(Arc::new(FiniteElementCompliance::new(
-                &pair.geometry.gears[i],
-                &settings,
-                &told,
-            )?))
+        let bars = [1, 2].map(|gear| progress.share(&format!("finite elements of gear {gear}")));
+        let told = |gear: usize, stage, share| {
+            bars[gear].set(&format!("{stage:?}").to_lowercase(), share);
+            true
         };
-        let first = model(0)?;
-        let [a, b] = &pair.geometry.gears;
-        // In canonical coordinates hand and axial position play no part.
-        let equal = *a
-            == Gear {
-                hand: a.hand,
-                face_offset: a.face_offset,
-                ..b.clone()
-            };
-        let second = if equal { first.clone() } else { model(1)? };
+        let models = PairCompliance::new(&pair.geometry, &settings, cache.as_deref(), &told)?;
+        drop(bars);
+        for origin in &models.origins {
+            // A result is right with or without the cache, but it should not be slow in silence.
+            if let Origin::Replaced(reason) | Origin::NotStored(reason) = origin {
+                eprintln!(
+                    "gearmesh: note: finite-element model not taken from the cache: {reason}"
+                );
+            }
+        }
+        let [first, second] = models.gears;
         Ok([first, second])
+    }
+
+    /// Where finite-element models are kept: as the option says, else in the user's cache.
+    fn cache(&self) -> Option<PathBuf> {
+        if self.no_cache {
+            return None;
+        }
+        let variable = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+        self.cache_dir
+            .clone()
+            .or_else(|| variable("XDG_CACHE_HOME").map(|base| Path::new(&base).join("gearmesh")))
+            .or_else(|| variable("HOME").map(|home| Path::new(&home).join(".cache/gearmesh")))
+            .or_else(|| variable("LOCALAPPDATA").map(|base| Path::new(&base).join("gearmesh")))
     }
 }

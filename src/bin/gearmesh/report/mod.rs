@@ -12,12 +12,14 @@ use clap::Args;
 use gearmesh::contact::{ContactResult, CycleInput, MeshCycle};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
+use gearmesh::table::TableFile;
 use page::Page;
 
 use crate::Error;
 use crate::model::{Model, ModelArgs};
 use crate::output;
 use crate::pair_summary::pair_summary;
+use crate::tables::in_words;
 
 /// Loads of the curves over the nominal torque.
 const LOADS: [f64; 5] = [0.4, 0.7, 1.0, 1.3, 2.0];
@@ -35,6 +37,10 @@ pub struct Report {
     /// HTML file to write
     #[arg(short, long)]
     output: PathBuf,
+
+    /// Tables of this pair, whose size and error are then reported, too
+    #[arg(long)]
+    tables: Option<PathBuf>,
 
     /// Number of positions over the mesh cycle
     #[arg(long, default_value_t = 64)]
@@ -55,6 +61,19 @@ impl Report {
         let mut page = Page::new(&format!("Static tooth contact: {}", pair.name));
         page.section("Pair", &format!("Elastic model: {}.", model.description));
         page.preformatted(&pair_summary(&pair));
+        if let Some(path) = &self.tables {
+            let file = TableFile::read(path)?;
+            if file.geometry.pair_geometry()? != pair.geometry {
+                return Err(format!(
+                    "--tables = {}: made for another gear geometry than {}; name this pair's tables",
+                    path.display(),
+                    self.pair.display()
+                )
+                .into());
+            }
+            page.section("Tables", &path.display().to_string());
+            page.preformatted(&in_words(&file));
+        }
         curves(&mut page, &cycles)?;
         table(&mut page, &cycles);
         pressures(&mut page, &pair, &model, self.positions)?;

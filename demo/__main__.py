@@ -27,6 +27,7 @@ def main() -> None:
         if (value := getattr(arguments, name)) is not None
         for word in (f"--{name}", value)
     ]
+    model += ["--cache-dir", arguments.out / "cache"]
 
     arguments.out.mkdir(parents=True, exist_ok=True)
     results = compute(Command(arguments.gearmesh, model), ROOT, arguments.out)

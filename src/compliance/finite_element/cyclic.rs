@@ -6,11 +6,15 @@
 //! sector with blocks for its side 0 and side 1, g the side loads of a unit load on sector 0. With
 //! phi = 2 pi n / z each harmonic reads
 //!
-//!     [S_00 + S_11 + S_01 e^{i phi} + S_10 e^{-i phi}] X_n = g_0 + e^{-i phi} g_1 =: q_n ,
+//! ```text
+//! [S_00 + S_11 + S_01 e^{i phi} + S_10 e^{-i phi}] X_n = g_0 + e^{-i phi} g_1 =: q_n ,
+//! ```
 //!
 //! and the displacement along the loads of sector k per load on sector 0 is
 //!
-//!     C_k = delta_k0 C_held + (1/z) sum_n e^{i k phi} q_n^H K_n^-1 q_n .
+//! ```text
+//! C_k = delta_k0 C_held + (1/z) sum_n e^{i k phi} q_n^H K_n^-1 q_n .
+//! ```
 
 use super::FiniteElementError;
 use super::condensation::CondensedSector;

@@ -12,7 +12,7 @@
 //! are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on
 //! the flank nodes of tooth 0.
 //!
-//! A [`Strip`] is a line load spread across its contact line by a smooth kernel ([`mod@kernel`]); weights f
+//! A [`Strip`] is a line load spread across its contact line by a smooth kernel (`kernel.rs`); weights f
 //! on the flank nodes give the influence f_i^T C f_j. It contains the kernel's own local displacement, and
 //! [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact
 //! does not depend on the kernel's width.

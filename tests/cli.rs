@@ -396,3 +396,52 @@ fn a_finite_element_model_is_kept_and_found_again() {
     // Three-dimensional teeth on a held bore give way by some micrometres, not by none.
     assert!(mean(&first) > 5.0 && mean(&first) < 20.0);
 }
+
+/// Samples of another program: 0.05 um per N m on top of 1 um, `bent` instead at one of them.
+fn samples(bent: Option<f64>) -> String {
+    let mut text = String::from(
+        "torque_nm,mesh_position,center_distance_offset_um,misalignment_mrad,ste_loa_um,contact_z_mm\n",
+    );
+    for torque in [0.0, 50.0, 100.0, 150.0, 200.0] {
+        for position in 0..8 {
+            let ste = match bent {
+                Some(ste) if torque == 100.0 && position == 3 => ste,
+                _ => 1.0 + 0.05 * torque,
+            };
+            text += &format!("{torque},{},0,0,{ste},12.5\n", f64::from(position) / 8.0);
+        }
+    }
+    text
+}
+
+#[test]
+fn samples_of_another_program_become_an_fmu() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (csv, tables, fmu) = (path("samples.csv"), path("tables.json"), path("out.fmu"));
+    std::fs::write(&csv, samples(None)).unwrap();
+    succeed(&["import", &csv, "--pair", &paper(), "-o", &tables]);
+    succeed(&["pack", "--tables", &tables, "-o", &fmu]);
+    let inspection = succeed(&["inspect", &fmu]);
+    assert!(
+        stdout(&inspection).contains("samples.csv"),
+        "{}",
+        stdout(&inspection)
+    );
+}
+
+#[test]
+fn a_sample_that_yields_under_more_torque_is_refused_by_file_and_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (csv, tables) = (path("samples.csv"), path("tables.json"));
+    std::fs::write(&csv, samples(Some(2.0))).unwrap();
+    let output = gearmesh(&["import", &csv, "--pair", &paper(), "-o", &tables]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = stderr(&output);
+    assert!(
+        error.contains("samples.csv") && error.contains("0.375"),
+        "{error}"
+    );
+    assert!(!Path::new(&tables).exists());
+}

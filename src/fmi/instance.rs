@@ -247,7 +247,7 @@ impl Instance {
 
     fn make_element(&mut self) -> Result<&Element, Refusal> {
         if self.element.is_none() {
-            let parameters = element_parameters(&self.now.parameters)?;
+            let parameters = element_parameters(&self.now.parameters);
             self.element = Some(self.resources.element(&parameters)?);
         }
         Ok(self.element.as_ref().expect("made above"))

@@ -1,6 +1,5 @@
 //! The unit's parameters as the element takes them.
 
-use super::report::Refusal;
 use super::signals::Orientation;
 use super::variables::{VARIABLE_COUNT, index};
 use crate::element::{
@@ -17,12 +16,9 @@ pub fn orientation(values: &[f64; VARIABLE_COUNT]) -> Orientation {
 }
 
 /// The element's parameters out of the values of all variables.
-///
-/// # Errors
-/// An interpolation that this version has not.
-pub fn element_parameters(values: &[f64; VARIABLE_COUNT]) -> Result<Parameters, Refusal> {
+pub fn element_parameters(values: &[f64; VARIABLE_COUNT]) -> Parameters {
     let is_on = |i: usize| values[i] != 0.0;
-    Ok(Parameters {
+    Parameters {
         stiffness_model: match values[index::STIFFNESS_MODEL] {
             1.0 => StiffnessModel::Constant,
             _ => StiffnessModel::Table,
@@ -40,11 +36,7 @@ pub fn element_parameters(values: &[f64; VARIABLE_COUNT]) -> Result<Parameters, 
         interpolation: match values[index::INTERPOLATION] {
             1.0 => Interpolation::Linear,
             2.0 => Interpolation::Spline,
-            _ => {
-                return Err(Refusal::error(
-                    "interpolation = shepard is not in this version; choose linear or spline",
-                ));
-            }
+            _ => Interpolation::Shepard,
         },
         damping: values[index::DAMPING],
         damping_onset: values[index::DAMPING_ONSET],
@@ -59,7 +51,7 @@ pub fn element_parameters(values: &[f64; VARIABLE_COUNT]) -> Result<Parameters, 
             _ => PhaseReference::Absolute,
         },
         mesh_phase: values[index::MESH_PHASE],
-    })
+    }
 }
 
 #[cfg(test)]
@@ -86,12 +78,8 @@ mod tests {
             for (k, item) in VARIABLES[i].items.iter().enumerate() {
                 let mut values = template_starts();
                 values[i] = k as f64 + 1.0;
-                match element_parameters(&values) {
-                    Ok(parameters) => {
-                        assert_eq!(spelled(&parameters).to_lowercase(), item.to_lowercase());
-                    }
-                    Err(refusal) => assert!(refusal.message.contains(item), "{refusal}"),
-                }
+                let parameters = element_parameters(&values);
+                assert_eq!(spelled(&parameters).to_lowercase(), item.to_lowercase());
             }
         }
         let mut values = template_starts();

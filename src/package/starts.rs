@@ -59,7 +59,7 @@ impl Starts {
             table: true,
             center_distance: effects.center_distance,
             misalignment: effects.misalignment,
-            shuttling: effects.misalignment || moments.iter().any(|m| *m != 0.0),
+            shuttling: effects.misalignment || moments.iter().flatten().any(|m| *m != 0.0),
         })
     }
 

@@ -50,6 +50,11 @@ pub enum TableError {
         /// Axis in the file.
         axis: &'static str,
     },
+    /// Shuttling is switched on, and there is nothing to tell the axial position of the contact.
+    #[error(
+        "shuttlingEffect = true: the table has no moment_nm; switch the effect off or make tables with it"
+    )]
+    MissingMoment,
     /// External samples that cannot become a table.
     #[error("samples: {0}")]
     Samples(String),

@@ -107,7 +107,7 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
     assert!(refused(|f| f.axes.mesh_position[2] = 0.0).contains("axes.mesh_position[2] = 0"));
     assert!(refused(|f| f.nominal_torque_nm = -1.0).contains("nominal_torque_nm = -1"));
     // JSON has no NaN: it is written as null and refused as no number.
-    assert!(refused(|f| f.drive.moment_nm[1] = f64::NAN).contains("null"));
+    assert!(refused(|f| f.drive.moment_nm.as_mut().unwrap()[1] = f64::NAN).contains("null"));
     assert!(
         TableFile::from_json("{}")
             .unwrap_err()

@@ -9,6 +9,8 @@
 //! dW/dC and dW/dPMC close the energy balance.
 
 mod check;
+#[cfg(feature = "preprocess")]
+mod choices;
 mod error;
 mod file;
 mod file_geometry;

@@ -70,7 +70,7 @@ impl Table {
             load: Load::Variable,
             center_distance: file.axes.center_distance_offset_m.len() > 1,
             misalignment: file.axes.misalignment_rad.len() > 1,
-            shuttling: true,
+            shuttling: file.axes.misalignment_rad.len() > 1 || file.drive.moment_nm.is_some(),
         };
         Self::with_effects(Arc::new(file), effects)
     }
@@ -173,8 +173,11 @@ fn flank_table(mut grid: FlankGrid, effects: &Effects) -> Result<FlankTable, Tab
             grid = grid.sliced(axis)?;
         }
     }
+    let from_potential = effects.misalignment && effects.load == Load::Variable;
     if !effects.shuttling {
         grid.moment = None;
+    } else if grid.moment.is_none() && !from_potential {
+        return Err(TableError::MissingMoment);
     }
     match effects.load {
         Load::Variable => FlankTable::new(&grid, effects.interpolation),

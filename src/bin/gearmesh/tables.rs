@@ -95,18 +95,31 @@ pub fn compute(
         progress: &told,
         cancel: &cancel,
     };
-    let (drive, error) = drive_flank(&model.solver, &pair, &coverage, grid.max_error, &watch)?;
+    let (drive, mut error) = drive_flank(&model.solver, &pair, &coverage, grid.max_error, &watch)?;
     let coast = if pair.coast_mirrors_drive() {
         None
     } else {
         let torque = coverage.maximum_torque;
-        Some(sweep(
+        let flank = sweep(&model.solver, Flank::Coast, &drive.axes, torque, &watch)?;
+        let table = FlankTable::new(&flank, Interpolation::Spline)?;
+        let found = measure(
             &model.solver,
+            &pair.geometry,
             Flank::Coast,
-            &drive.axes,
-            torque,
+            &coverage,
+            &table,
+            HELD_OUT_POINTS,
             &watch,
-        )?)
+        )?;
+        error = InterpolationError {
+            points: error.points + found.points,
+            force_rms: error.force_rms.max(found.force_rms),
+            force_maximum: error.force_maximum.max(found.force_maximum),
+            moment_rms: error.moment_rms.max(found.moment_rms),
+            moment_maximum: error.moment_maximum.max(found.moment_maximum),
+        };
+        within(grid.max_error, &error)?;
+        Some(flank)
     };
     drop(bar);
 
@@ -136,6 +149,19 @@ fn coverage(pair: &Pair, grid: &GridArgs) -> Coverage {
     }
 }
 
+/// Refuses tables that miss the error asked for.
+fn within(max_error: Option<f64>, found: &InterpolationError) -> Result<(), Error> {
+    match max_error {
+        Some(error) if found.force_rms > error => Err(format!(
+            "--max-error = {error}: the best grid has an rms error of {:.5}; ask for no less, or narrow \
+             the ranges of the pair file",
+            found.force_rms
+        )
+        .into()),
+        _ => Ok(()),
+    }
+}
+
 fn drive_flank(
     solver: &ContactSolver,
     pair: &Pair,
@@ -146,14 +172,7 @@ fn drive_flank(
     let geometry = &pair.geometry;
     if let Some(error) = max_error {
         let (grid, found) = table_within(solver, geometry, coverage, error, watch)?;
-        if found.force_rms > error {
-            return Err(format!(
-                "--max-error = {error}: the finest grid has an rms error of {:.4}; ask for no less, or \
-                 narrow the ranges of the pair file",
-                found.force_rms
-            )
-            .into());
-        }
+        within(max_error, &found)?;
         return Ok((grid, found));
     }
     let axes = default_axes(coverage);

@@ -8,7 +8,9 @@ mod basis;
 mod chain;
 mod fit;
 mod kernel;
+mod scatter;
 mod secant;
+mod shepard;
 mod tensor;
 
 pub(crate) use basis::{Basis, Ends};
@@ -16,6 +18,7 @@ pub(crate) use fit::{Block, breaks, stored_from_values};
 
 use super::{FlankGrid, Potential, Query, TableError};
 use secant::Secant;
+use shepard::Shepard;
 use tensor::Tensor;
 
 /// How values between the nodes are found.
@@ -25,6 +28,11 @@ pub enum Interpolation {
     Linear,
     /// Tensor cubic spline: force twice continuously differentiable.
     Spline,
+    /// Shepard's method with C2 weights, as in the paper: one potential with continuous second
+    /// derivatives, exactly zero up to the onset. The force is not kept from falling over the displacement
+    /// ([`Checks::minimum_slope`] tells the least slope at many points); beyond the range of an axis the
+    /// stiffness goes over into a constant within one cell. The onset itself, and a constant load, follow the spline.
+    Shepard,
 }
 
 /// What was found when the interpolant was made. Forces over displacement are taken relative to the
@@ -33,6 +41,7 @@ pub enum Interpolation {
 pub struct Checks {
     /// Lower bound of dF/du (u: displacement scaled to 1 at top load) through the samples as they
     /// are, before the correction below; negative where the samples would make the spline swing back.
+    /// Shepard: the least dF/du at 20 000 points of the finished interpolant.
     pub minimum_slope: f64,
     /// Largest change of a spline coefficient that made the force monotone.
     pub monotone_correction: f64,
@@ -85,9 +94,31 @@ impl FlankTable {
                 }
             };
         }
+        macro_rules! shepard {
+            ($k:literal, $nc:literal, $nm:literal, $np:literal) => {
+                boxed(Shepard::<$k, $nc, $nm, $np>::new(
+                    grid,
+                    Tensor::new::<4>(grid)?,
+                )?)
+            };
+        }
         let interpolant = match interpolation {
             Interpolation::Linear => choose!(3, 2, 2),
             Interpolation::Spline => choose!(5, 4, 4),
+            Interpolation::Shepard => match (grid.axes.present(), grid.moment.is_some()) {
+                ([false, false, false], false) => shepard!(1, 1, 1, 1),
+                ([false, false, false], true) => shepard!(2, 1, 1, 1),
+                ([false, false, true], false) => shepard!(1, 1, 1, 4),
+                ([false, false, true], true) => shepard!(2, 1, 1, 4),
+                ([true, false, false], false) => shepard!(1, 4, 1, 1),
+                ([true, false, false], true) => shepard!(2, 4, 1, 1),
+                ([true, false, true], false) => shepard!(1, 4, 1, 4),
+                ([true, false, true], true) => shepard!(2, 4, 1, 4),
+                ([false, true, false], _) => shepard!(1, 1, 4, 1),
+                ([false, true, true], _) => shepard!(1, 1, 4, 4),
+                ([true, true, false], _) => shepard!(1, 4, 4, 1),
+                ([true, true, true], _) => shepard!(1, 4, 4, 4),
+            },
         };
         Ok(FlankTable {
             interpolant,
@@ -129,7 +160,7 @@ impl FlankTable {
         }
         let interpolant = match interpolation {
             Interpolation::Linear => choose!(2),
-            Interpolation::Spline => choose!(4),
+            Interpolation::Spline | Interpolation::Shepard => choose!(4),
         };
         Ok(FlankTable {
             interpolant,

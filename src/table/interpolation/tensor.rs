@@ -109,6 +109,11 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
         Ok(tensor)
     }
 
+    /// The coordinate alone: bases of C, M and PMC, and the coefficients of no-load approach and span.
+    pub fn into_frame(self) -> (Basis<NC>, Basis<NM>, Basis<NP>, Coefficients) {
+        (self.c, self.m, self.p, self.fields)
+    }
+
     /// Shortens the linear part of the continuation beyond the ends of C and M until, at its very
     /// end, the span keeps at least half of its least value and no force decreases over u.
     fn set_guards(&mut self, force: &Block) -> Result<(), TableError> {

@@ -214,6 +214,61 @@ fn spline_finds_a_smooth_springs_force_shuttling_and_other_gradients() {
 }
 
 #[test]
+fn shepard_is_one_potential_with_consistent_derivatives_in_every_dimension() {
+    for shape in shapes() {
+        for with_moment in [false, true] {
+            let mut grid = Spring::grid(shape);
+            if !with_moment {
+                grid.moment = None;
+            }
+            let table = FlankTable::new(&grid, Interpolation::Shepard).unwrap();
+            // Where shuttling has a table of its own, W's derivative by M is none of its business.
+            let coordinates: &[usize] = if with_moment && shape[2] == 1 {
+                &[0, 1, 3]
+            } else {
+                &[0, 1, 2, 3]
+            };
+            for spread in [1.0, 1.5] {
+                let first = worst_difference(
+                    &table,
+                    spread,
+                    1e-5,
+                    |w| vec![w.value],
+                    |w, i| vec![w.gradient[i]],
+                    coordinates,
+                );
+                assert!(first < 1e-5, "{shape:?} {spread}: {first}");
+                let second = worst_difference(
+                    &table,
+                    spread,
+                    1e-5,
+                    |w| w.gradient.to_vec(),
+                    |w, i| w.hessian.iter().map(|row| row[i]).collect(),
+                    &[0, 1, 2, 3],
+                );
+                assert!(second < 1e-3, "{shape:?} {spread}: {second}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shepard_passes_through_the_samples_and_errs_no_more_than_linear() {
+    let grid = Spring::grid([10, 5, 7, 16]);
+    let shepard = FlankTable::new(&grid, Interpolation::Shepard).unwrap();
+    let linear = FlankTable::new(&grid, Interpolation::Linear).unwrap();
+    let mut squares = [0.0_f64; 2];
+    for n in 0..2000 {
+        let q = point(n, 1.0);
+        let exact = Spring::potential(&q).gradient[0];
+        for (t, sum) in [&shepard, &linear].iter().zip(&mut squares) {
+            *sum += (t.evaluate(&q, false).gradient[0] - exact).powi(2);
+        }
+    }
+    assert!(squares[0] < squares[1], "{squares:?}");
+}
+
+#[test]
 fn spline_reproduces_cubics_exactly() {
     // No mesh position: a cubic is not periodic.
     let mut grid = Spring::grid([9, 6, 7, 1]);
@@ -255,7 +310,11 @@ fn spline_reproduces_cubics_exactly() {
 
 #[test]
 fn force_is_exactly_zero_up_to_the_onset_and_starts_without_a_kink() {
-    for interpolation in [Interpolation::Linear, Interpolation::Spline] {
+    for interpolation in [
+        Interpolation::Linear,
+        Interpolation::Spline,
+        Interpolation::Shepard,
+    ] {
         let table = FlankTable::new(&Spring::grid([10, 5, 5, 16]), interpolation).unwrap();
         for n in 0..500 {
             let mut q = point(n, 1.5);
@@ -270,7 +329,7 @@ fn force_is_exactly_zero_up_to_the_onset_and_starts_without_a_kink() {
                     low = q.delta;
                 }
             }
-            if interpolation == Interpolation::Spline {
+            if interpolation != Interpolation::Linear {
                 q.delta = high + 1e-10;
                 let w = table.evaluate(&q, true);
                 assert!(w.gradient[0] < 1e-6 && w.hessian[0][0] < 1e5, "{w:?}");
@@ -319,7 +378,11 @@ fn spline_force_is_twice_continuously_differentiable_across_every_cell() {
 
 #[test]
 fn everything_is_periodic_in_mesh_position() {
-    for interpolation in [Interpolation::Linear, Interpolation::Spline] {
+    for interpolation in [
+        Interpolation::Linear,
+        Interpolation::Spline,
+        Interpolation::Shepard,
+    ] {
         let table = FlankTable::new(&Spring::grid([8, 1, 5, 16]), interpolation).unwrap();
         for n in 0..200 {
             let mut q = point(n, 1.0);

@@ -1,5 +1,5 @@
 //! Regenerates docs/stability.md with its plots:
-//! `cargo run --release --example stability --features driver`. With words as arguments, it only prints the
+//! `cargo run --release --example stability`. With words as arguments, it only prints the
 //! chapters whose titles contain one of them.
 
 mod cosimulation;
@@ -9,6 +9,7 @@ mod pair;
 mod plot;
 mod rattle;
 mod scan;
+mod tables;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -29,8 +30,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("Continuity of the force", scan::continuity),
     ];
     let mut text = String::from(
-        "# Stability of the element\n\nWritten by `cargo run --release --example stability --features driver`; every number \
-         below comes from that run.\n",
+        "# Stability of the element\n\nWritten by `cargo run --release --example stability`; every number \
+         below comes from that run (`make report` runs it, too).\n",
     );
     let start = std::time::Instant::now();
     let chosen: Vec<String> = std::env::args().skip(1).collect();

@@ -2,27 +2,52 @@
 
 use crate::pair;
 use crate::plot::{Line, Plot};
+use crate::tables;
 use gearmesh::driver::{Method, ModulatedSpring, SingleFreedom, Spin, State};
-use gearmesh::element::{LoadedFlank, Parameters};
+use gearmesh::element::{Element, FlankLaws, LoadedFlank, Parameters};
+use gearmesh::table::FlankTable;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
+use std::sync::Arc;
 
 const STIFFNESS: f64 = 4.9e8;
 const INERTIA: f64 = 4.213e-4;
 
+/// Mesh positions of the imported table.
+const POSITIONS: usize = 32;
+
+/// A spring with k(PMC) and the damping of gear 2.
+struct Case {
+    depth: f64,
+    zeta: f64,
+    /// The imported table; `None`: the law in closed form.
+    table: Option<Arc<FlankTable>>,
+}
+
+impl Case {
+    fn imported(depth: f64, zeta: f64) -> Result<Self, Box<dyn std::error::Error>> {
+        let table = Some(tables::imported_spring(STIFFNESS, depth, POSITIONS)?);
+        Ok(Self { depth, zeta, table })
+    }
+
+    fn closed_form(depth: f64, zeta: f64) -> Self {
+        Self {
+            depth,
+            zeta,
+            table: None,
+        }
+    }
+}
+
 /// The oscillator at frequency ratio `frequency`.
-pub struct Oscillator {
-    pub system: SingleFreedom,
-    pub speed: f64,
+struct Oscillator {
+    system: SingleFreedom,
+    speed: f64,
 }
 
 /// Elongations stay far below the pitch and in one gap: drive flank alone, no damping in the mesh.
-pub fn oscillator(
-    depth: f64,
-    zeta: f64,
-    frequency: f64,
-) -> Result<Oscillator, Box<dyn std::error::Error>> {
+fn oscillator(case: &Case, frequency: f64) -> Result<Oscillator, Box<dyn std::error::Error>> {
     let pair = pair::external();
     let rb = pair.gears[1].base_radius();
     let omega = (STIFFNESS * rb * rb / INERTIA).sqrt();
@@ -35,18 +60,25 @@ pub fn oscillator(
     };
     let law = ModulatedSpring {
         stiffness: STIFFNESS,
-        depth,
+        depth: case.depth,
     };
-    let system = SingleFreedom::new(
+    let mut system = SingleFreedom::new(
         &pair,
         &parameters,
         law,
         INERTIA,
         100.0,
-        zeta,
+        case.zeta,
         Spin::speed(speed),
         speed,
     )?;
+    if let Some(table) = &case.table {
+        let laws = FlankLaws {
+            drive: table.clone(),
+            coast: None,
+        };
+        system.scene.element = Element::with_laws(&pair, &parameters, &laws)?;
+    }
     Ok(Oscillator { system, speed })
 }
 
@@ -91,19 +123,14 @@ fn run(
 }
 
 /// rms over frequency along a sweep.
-fn sweep(
-    depth: f64,
-    zeta: f64,
-    from: f64,
-    to: f64,
-) -> Result<Vec<(f64, f64)>, Box<dyn std::error::Error>> {
-    let settle = (4.0 / (TAU * zeta)).ceil() as usize * 3;
+fn sweep(case: &Case, from: f64, to: f64) -> Result<Vec<(f64, f64)>, Box<dyn std::error::Error>> {
+    let settle = (4.0 / (TAU * case.zeta)).ceil() as usize * 3;
     let count = ((to - from).abs() / 0.005).round() as usize;
     let mut motion = (1.0, 0.0);
     let mut curve = Vec::new();
     for i in 0..=count {
         let frequency = from + (to - from) * i as f64 / count as f64;
-        let o = oscillator(depth, zeta, frequency)?;
+        let o = oscillator(case, frequency)?;
         let (rms, next) = run(&o, frequency, motion, settle, 20)?;
         motion = next;
         curve.push((frequency, rms));
@@ -127,13 +154,13 @@ fn at(curve: &[(f64, f64)], frequency: f64) -> f64 {
 }
 
 /// Growth of a small difference per period at `frequency`, natural logarithm.
-fn growth(depth: f64, zeta: f64, frequency: f64) -> Result<f64, Box<dyn std::error::Error>> {
-    let o = oscillator(depth, zeta, frequency)?;
+fn growth(case: &Case, frequency: f64) -> Result<f64, Box<dyn std::error::Error>> {
+    let o = oscillator(case, frequency)?;
     let steps = 120;
     let h = TAU / frequency / o.system.omega / steps as f64;
     // Near the forced motion 1 + eps/(Omega^2 - 1) cos(Omega tau), so that contact holds while the
     // difference is watched.
-    let forced = 1.0 + depth / (frequency * frequency - 1.0);
+    let forced = 1.0 + case.depth / (frequency * frequency - 1.0);
     let mut pair = [forced, forced + 1e-7].map(|y| o.system.start(y, 0.0, o.speed));
     // Peak of the difference in an early and in a late window.
     let mut peaks = [0.0_f64; 2];
@@ -157,15 +184,10 @@ fn growth(depth: f64, zeta: f64, frequency: f64) -> Result<f64, Box<dyn std::err
 }
 
 /// Edge of the tongue at 2 by bisection between `inside` and `outside`.
-fn edge(
-    depth: f64,
-    zeta: f64,
-    mut inside: f64,
-    mut outside: f64,
-) -> Result<f64, Box<dyn std::error::Error>> {
+fn edge(case: &Case, mut inside: f64, mut outside: f64) -> Result<f64, Box<dyn std::error::Error>> {
     for _ in 0..8 {
         let middle = 0.5 * (inside + outside);
-        if growth(depth, zeta, middle)? > 0.0 {
+        if growth(case, middle)? > 0.0 {
             inside = middle;
         } else {
             outside = middle;
@@ -175,8 +197,8 @@ fn edge(
 }
 
 /// Period of the undamped free motion with amplitude `a` about y = 1 (a > 1: with contact loss), scaled time.
-fn free_period(a: f64) -> Result<f64, Box<dyn std::error::Error>> {
-    let o = oscillator(0.0, 0.0, 1e-9)?;
+fn free_period(case: &Case, a: f64) -> Result<f64, Box<dyn std::error::Error>> {
+    let o = oscillator(case, 1e-9)?;
     let h = 2e-3 / o.system.omega;
     let mut y = o.system.start(1.0 + a, 0.0, 0.0);
     let mut before = o.system.elongation(0.0, &y)? - 1.0;
@@ -197,45 +219,56 @@ fn free_period(a: f64) -> Result<f64, Box<dyn std::error::Error>> {
 
 /// The chapter.
 pub fn report(folder: &Path) -> crate::Outcome {
-    let mut text = String::from(
-        "Gear 1 turns at a constant speed, gear 2 follows under a constant torque and a damper; the element has the law \
-         W = k (1 + eps cos 2 pi PMC) delta^2 / 2, so that y'' + 2 zeta y' + k(tau) max(y, 0) = 1. Sweeps in steps of 0.005.\n\n\
-         | case | quantity | expected | measured |\n|---|---|---|---|\n",
+    let mut text = format!(
+        "Gear 1 turns at a constant speed, gear 2 follows under a constant torque and a damper; the element has a linear spring whose \
+         stiffness is k (1 + eps cos 2 pi PMC), so that y'' + 2 zeta y' + k(tau) max(y, 0) = 1. `imported`: the spring comes as a CSV of \
+         static solutions ({POSITIONS} mesh positions, 6 torques from 0 to 1000 N m) through `table::import::import_csv` and the spline; \
+         `closed form`: the same law as a formula. Sweeps in steps of 0.005; rms of y about its mean.\n\n\
+         | case | quantity | expected | imported | closed form |\n|---|---|---|---|---|\n",
     );
     let mut lines = Vec::new();
     for (depth, zeta, up, down) in [(0.2, 0.03, 0.895, 0.70), (0.1, 0.01, 0.945, 0.605)] {
-        let rising = sweep(depth, zeta, up - 0.1, up + 0.05)?;
-        let falling = sweep(depth, zeta, up + 0.05, down - 0.03)?;
-        let case = format!("eps {depth}, zeta {zeta}");
-        writeln!(text, "| {case} | jump up | {up} | {:.3} |", jump(&rising))?;
+        let name = format!("eps {depth}, zeta {zeta}");
+        let cases = [Case::imported(depth, zeta)?, Case::closed_form(depth, zeta)];
+        let mut rising = Vec::new();
+        let mut falling = Vec::new();
+        for case in &cases {
+            rising.push(sweep(case, up - 0.1, up + 0.05)?);
+            falling.push(sweep(case, up + 0.05, down - 0.03)?);
+        }
         writeln!(
             text,
-            "| {case} | jump down | {down} | {:.3} |",
-            jump(&falling)
+            "| {name} | jump up | {up} | {:.3} | {:.3} |",
+            jump(&rising[0]),
+            jump(&rising[1])
+        )?;
+        writeln!(
+            text,
+            "| {name} | jump down | {down} | {:.3} | {:.3} |",
+            jump(&falling[0]),
+            jump(&falling[1])
         )?;
         if depth == 0.2 {
-            writeln!(
-                text,
-                "| {case} | rms at 0.85, lower branch | 0.529 | {:.4} |",
-                at(&rising, 0.85)
-            )?;
-            writeln!(
-                text,
-                "| {case} | rms at 0.85, upper branch | 1.539 | {:.4} |",
-                at(&falling, 0.85)
-            )?;
+            for (branch, expected, curves) in
+                [("lower", 0.529, &rising), ("upper", 1.539, &falling)]
+            {
+                writeln!(
+                    text,
+                    "| {name} | rms at 0.85, {branch} branch | {expected} | {:.6} | {:.6} |",
+                    at(&curves[0], 0.85),
+                    at(&curves[1], 0.85)
+                )?;
+            }
         }
-        lines.push(Line {
-            name: format!("{case}, up"),
-            points: rising,
-        });
-        lines.push(Line {
-            name: format!("{case}, down"),
-            points: falling,
-        });
+        for (direction, mut curves) in [("up", rising), ("down", falling)] {
+            lines.push(Line {
+                name: format!("{name}, {direction}"),
+                points: curves.swap_remove(0),
+            });
+        }
     }
     Plot {
-        title: "Softening jump from contact loss",
+        title: "Softening jump from contact loss, imported table",
         x: "Omega / omega",
         y: "rms of y",
         logarithmic: false,
@@ -243,27 +276,28 @@ pub fn report(folder: &Path) -> crate::Outcome {
     }
     .save(&folder.join("jump.svg"))?;
     let (depth, zeta) = (0.2_f64, 0.03_f64);
+    let cases = [Case::imported(depth, zeta)?, Case::closed_form(depth, zeta)];
     let half = (depth * depth / 4.0 - 4.0 * zeta * zeta).sqrt();
     for (name, sign) in [("lower", -1.0), ("upper", 1.0)] {
-        let found = edge(
-            depth,
-            zeta,
-            2.0 + sign * 0.4 * half,
-            2.0 + sign * 1.8 * half,
-        )?;
+        let [imported, closed] = [&cases[0], &cases[1]]
+            .map(|c| edge(c, 2.0 + sign * 0.4 * half, 2.0 + sign * 1.8 * half));
         writeln!(
             text,
-            "| eps {depth}, zeta {zeta} | {name} edge of the parametric tongue | {:.4} | {found:.4} |",
-            2.0 + sign * half
+            "| eps {depth}, zeta {zeta} | {name} edge of the parametric tongue | {:.4} | {:.4} | {:.4} |",
+            2.0 + sign * half,
+            imported?,
+            closed?
         )?;
     }
+    let cases = [Case::imported(0.0, 0.0)?, Case::closed_form(0.0, 0.0)];
     for a in [1.5_f64, 2.0, 4.0, 8.0] {
         let exact = 2.0 * (std::f64::consts::PI - (1.0 / a).acos()) + 2.0 * (a * a - 1.0).sqrt();
-        let found = free_period(a)?;
+        let found = [free_period(&cases[0], a)?, free_period(&cases[1], a)?]
+            .map(|t| format!("{t:.5} ({:+.4} %)", 100.0 * (t / exact - 1.0)));
         writeln!(
             text,
-            "| free, undamped, amplitude {a} | period | {exact:.5} | {found:.5} ({:+.4} %) |",
-            100.0 * (found / exact - 1.0)
+            "| free, undamped, amplitude {a} | period | {exact:.5} | {} | {} |",
+            found[0], found[1]
         )?;
     }
     text.push_str("\n![jump](stability/jump.svg)\n");

@@ -8,7 +8,7 @@ VENV := .venv
 GEARMESH := target/release/gearmesh
 export PYTHON
 
-.PHONY: all setup build demo test lint report bench clean distclean
+.PHONY: all setup build demo test lint report bench callgrind clean distclean
 .DELETE_ON_ERROR:
 
 all: build
@@ -51,6 +51,11 @@ report: build
 
 bench: setup
 	$(CARGO) bench
+
+# Instructions per evaluation against those recorded in benches/instructions.json.
+callgrind: setup
+	$(CARGO) build --release --example instructions
+	$(VENV)/bin/python scripts/callgrind.py
 
 clean:
 	$(CARGO) clean

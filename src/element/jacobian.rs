@@ -52,8 +52,8 @@ pub type Jacobian = SMatrix<f64, CONTINUOUS_OUTPUTS, { 3 * BODY_COLUMNS }>;
 impl Element {
     /// Derivative of the continuous outputs ([`Outputs::to_array`]) at `inputs` along `direction`.
     ///
-    /// Exact, except that the derivative of `stiffness` under a table takes the third derivative of
-    /// the potential by central differences. At the kinks of the law (first touch of constant stiffness,
+    /// Exact; under a law that does not give [`Potential::stiffness_gradient`](crate::table::Potential),
+    /// the derivative of `stiffness` takes it by central differences. At the kinks of the law (first touch of constant stiffness,
     /// clamped damping) it is that of the side the value is taken on.
     ///
     /// # Errors

@@ -162,7 +162,10 @@ impl Law {
             gradient[2] = T::from(0.0);
         }
         let stiffness = if T::NDERIV > 0 && w.gradient[0] > 0.0 {
-            lift(w.hessian[0][0], &self.stiffness_gradient(at), &q)
+            let slopes = w
+                .stiffness_gradient
+                .unwrap_or_else(|| self.stiffness_gradient(at));
+            lift(w.hessian[0][0], &slopes, &q)
         } else {
             T::from(w.hessian[0][0])
         };
@@ -174,8 +177,8 @@ impl Law {
         }
     }
 
-    /// Gradient of the tangent stiffness by central differences: a third derivative of W, of which
-    /// tables hold no closed form. Only the derivative of the output `mesh.stiffness` uses it.
+    /// Gradient of the tangent stiffness by central differences, for laws that do not know it. Only the
+    /// derivative of the output `mesh.stiffness` uses it.
     fn stiffness_gradient(&self, at: [f64; COORDINATES]) -> [f64; COORDINATES] {
         const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
         let mut slope = [0.0; COORDINATES];

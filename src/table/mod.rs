@@ -61,6 +61,9 @@ pub struct Potential {
     /// line of action, is always there, the rest zero unless asked for. Symmetric, but for row 2 where
     /// the moment is not dW/dM: tables without a misalignment axis, and constant load.
     pub hessian: [[f64; COORDINATES]; COORDINATES],
+    /// Derivatives of `hessian[0][0]` by the coordinates, where the law knows them and the Hessian was
+    /// asked for.
+    pub stiffness_gradient: Option<[f64; COORDINATES]>,
     /// True where a coordinate lies outside the table's range (continued linearly).
     pub out_of_range: bool,
 }

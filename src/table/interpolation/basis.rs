@@ -2,6 +2,8 @@
 //!
 //! de Boor, A Practical Guide to Splines (revised edition, 2001), chapters IX and X.
 
+use super::kernel::add;
+
 /// `N` neighbouring basis functions at one point: values and derivatives by the coordinate.
 #[derive(Debug, Clone, Copy)]
 pub struct Weights<const N: usize> {
@@ -13,6 +15,8 @@ pub struct Weights<const N: usize> {
     pub slope: [f64; N],
     /// Second derivatives.
     pub curvature: [f64; N],
+    /// Third derivatives.
+    pub third: [f64; N],
 }
 
 impl<const N: usize> Weights<N> {
@@ -25,6 +29,7 @@ impl<const N: usize> Weights<N> {
             value,
             slope: [0.0; N],
             curvature: [0.0; N],
+            third: [0.0; N],
         }
     }
 }
@@ -140,36 +145,58 @@ impl<const N: usize> Basis<N> {
         i + usize::from(i < last && x >= self.breaks[i + 1])
     }
 
+    /// Polynomials of the functions on each cell, `[power][function]`.
+    pub fn cells(&self) -> &[[[f64; N]; N]] {
+        &self.cells
+    }
+
+    /// Cell of `x` (the end cell beyond the range), local coordinate in it, 1 / its length.
+    #[inline(always)]
+    pub fn local(&self, x: f64) -> (usize, f64, f64) {
+        let i = self.cell(x);
+        let scale = self.inverse[i];
+        (i, (x - self.breaks[i]) * scale, scale)
+    }
+
     /// Weights inside the range, the end cell's polynomials beyond it.
     #[inline(always)]
     pub fn inside(&self, x: f64) -> Weights<N> {
         if N == 1 {
             return Weights::constant();
         }
-        let i = self.cell(x);
-        let scale = self.inverse[i];
-        let t = (x - self.breaks[i]) * scale;
-        let polynomial = &self.cells[i];
-        let mut value = polynomial[N - 1];
-        let mut slope = [0.0; N];
-        let mut curvature = [0.0; N];
-        for power in (0..N - 1).rev() {
-            for k in 0..N {
-                curvature[k] = curvature[k] * t + slope[k];
-                slope[k] = slope[k] * t + value[k];
-                value[k] = value[k] * t + polynomial[power][k];
+        let (i, t, scale) = self.local(x);
+        let p = &self.cells[i];
+        let mut powers = [1.0; N];
+        for k in 1..N {
+            powers[k] = powers[k - 1] * t;
+        }
+        let mut w = Weights {
+            first: i,
+            value: p[0],
+            slope: [0.0; N],
+            curvature: [0.0; N],
+            third: [0.0; N],
+        };
+        for k in 1..N {
+            let (a, b, c) = (
+                k as f64,
+                (k * (k - 1)) as f64,
+                (k * (k - 1) * (k.max(2) - 2)) as f64,
+            );
+            add(&mut w.value, powers[k], &p[k]);
+            add(&mut w.slope, a * scale * powers[k - 1], &p[k]);
+            if k >= 2 {
+                add(&mut w.curvature, b * scale * scale * powers[k - 2], &p[k]);
+            }
+            if k >= 3 {
+                add(
+                    &mut w.third,
+                    c * scale * scale * scale * powers[k - 3],
+                    &p[k],
+                );
             }
         }
-        for k in 0..N {
-            slope[k] *= scale;
-            curvature[k] *= 2.0 * scale * scale;
-        }
-        Weights {
-            first: i,
-            value,
-            slope,
-            curvature,
-        }
+        w
     }
 
     /// Weights at `x`, wrapped, or continued linearly from the nearer end, and whether `x` is outside.

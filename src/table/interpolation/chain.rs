@@ -9,36 +9,69 @@ use crate::table::Potential;
 /// Position of the coordinates y in the arrays of [`Potential`].
 const Y: [usize; 3] = [1, 2, 3];
 
-/// Derivatives of u by y.
+/// Derivatives of u by y; zero along axes that are not `present`.
 #[inline(always)]
-fn scaled_gradient(u: f64, no_load: &Jet, span: &Jet) -> [f64; 3] {
-    std::array::from_fn(|i| -(no_load.gradient[i] + u * span.gradient[i]) / span.value)
+fn scaled_gradient(
+    u: f64,
+    no_load: &Jet,
+    span: &Jet,
+    inverse: f64,
+    present: [bool; 3],
+) -> [f64; 3] {
+    let mut slopes = [0.0; 3];
+    for i in 0..3 {
+        if present[i] {
+            slopes[i] = -(no_load.gradient[i] + u * span.gradient[i]) * inverse;
+        }
+    }
+    slopes
 }
 
-/// W and its derivatives from w, dw/du and d²w/du² (`shape`) with theirs by y.
+/// W and its derivatives from w, dw/du and d²w/du² (`shape`) with theirs by y, and d³w/du³ (`third`)
+/// where it is known. Axes that are not `present` cost nothing: their derivatives stay zero.
 #[inline(always)]
-pub fn potential<const H: bool>(u: f64, shape: &[Jet; 3], no_load: &Jet, span: &Jet) -> Potential {
+pub fn potential<const H: bool>(
+    u: f64,
+    shape: &[Jet; 3],
+    third: Option<f64>,
+    no_load: &Jet,
+    span: &Jet,
+    present: [bool; 3],
+) -> Potential {
     let [w, f, k] = shape;
     let s = span.value;
-    let u_y = scaled_gradient(u, no_load, span);
+    let inverse = 1.0 / s;
     let mut out = Potential {
         value: s * w.value,
         ..Potential::default()
     };
     out.gradient[0] = f.value;
-    out.hessian[0][0] = k.value / s;
+    out.hessian[0][0] = k.value * inverse;
     let complement = w.value - u * f.value;
     for i in 0..3 {
-        // s du/dy = -(D0_y + u S_y) turns the chain rule into this.
-        out.gradient[Y[i]] =
-            span.gradient[i] * complement - no_load.gradient[i] * f.value + s * w.gradient[i];
+        if present[i] {
+            // s du/dy = -(D0_y + u S_y) turns the chain rule into this.
+            out.gradient[Y[i]] =
+                span.gradient[i] * complement - no_load.gradient[i] * f.value + s * w.gradient[i];
+        }
     }
     if H {
+        let u_y = scaled_gradient(u, no_load, span, inverse, present);
+        let bend = third.unwrap_or_default();
+        let mut stiffness = [bend * inverse * inverse, 0.0, 0.0, 0.0];
         for i in 0..3 {
+            if !present[i] {
+                continue;
+            }
             let mixed = k.value * u_y[i] + f.gradient[i];
             out.hessian[0][Y[i]] = mixed;
             out.hessian[Y[i]][0] = mixed;
+            stiffness[Y[i]] =
+                inverse * (bend * u_y[i] + k.gradient[i] - k.value * span.gradient[i] * inverse);
             for j in i..3 {
+                if !present[j] {
+                    continue;
+                }
                 let n = SECOND[i][j];
                 let second = span.second[n] * complement - no_load.second[n] * f.value
                     + span.gradient[i] * w.gradient[j]
@@ -51,6 +84,7 @@ pub fn potential<const H: bool>(u: f64, shape: &[Jet; 3], no_load: &Jet, span: &
                 out.hessian[Y[j]][Y[i]] = second;
             }
         }
+        out.stiffness_gradient = third.map(|_| stiffness);
     }
     out
 }
@@ -63,13 +97,17 @@ pub fn set_moment<const H: bool>(
     [_, moment, slope]: &[Jet; 3],
     no_load: &Jet,
     span: &Jet,
+    present: [bool; 3],
 ) {
     out.gradient[2] = moment.value;
     if H {
-        let u_y = scaled_gradient(u, no_load, span);
-        out.hessian[2][0] = slope.value / span.value;
+        let inverse = 1.0 / span.value;
+        let u_y = scaled_gradient(u, no_load, span, inverse, present);
+        out.hessian[2][0] = slope.value * inverse;
         for i in 0..3 {
-            out.hessian[2][Y[i]] = slope.value * u_y[i] + moment.gradient[i];
+            if present[i] {
+                out.hessian[2][Y[i]] = slope.value * u_y[i] + moment.gradient[i];
+            }
         }
     }
 }

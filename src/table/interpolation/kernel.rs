@@ -4,6 +4,7 @@
 //! nothing is summed across a register until the very end.
 
 use super::basis::Weights;
+use wide::f64x2;
 
 /// Value and derivatives over (centre distance, misalignment, mesh position).
 #[derive(Debug, Clone, Copy, Default)]
@@ -19,10 +20,16 @@ pub struct Jet {
 /// Where the second derivative by coordinates i and j stands in [`Jet::second`].
 pub const SECOND: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
 
+/// `sum` += `factor` `row`, two lanes at a time, in the vector registers that every x86-64 has.
 #[inline(always)]
-fn add<const N: usize>(sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
-    for k in 0..N {
-        sum[k] += factor * row[k];
+pub fn add<const N: usize>(sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
+    let (pairs, single) = sum.as_chunks_mut::<2>();
+    let (row_pairs, row_single) = row.as_chunks::<2>();
+    for (s, r) in pairs.iter_mut().zip(row_pairs) {
+        *s = (f64x2::new(*s) + f64x2::splat(factor) * f64x2::new(*r)).to_array();
+    }
+    for (s, r) in single.iter_mut().zip(row_single) {
+        *s += factor * r;
     }
 }
 
@@ -132,7 +139,8 @@ impl Coefficients {
     }
 }
 
-/// Value, first and second derivative over the displacement, each with its derivatives by the other coordinates.
+/// Value, first and second derivative over the displacement, each with its derivatives by the other
+/// coordinates; and the third one, only with `H`, zero otherwise.
 #[inline(always)]
 pub fn over_displacement<
     const NU: usize,
@@ -146,24 +154,35 @@ pub fn over_displacement<
     wc: &Weights<NC>,
     wm: &Weights<NM>,
     wp: &Weights<NP>,
-) -> [Jet; 3] {
-    contract::<3, NC, NM, NP, H>(
-        #[inline(always)]
-        |i, j| {
-            let rows: [&[f64; NP]; NU] =
-                coefficients.rows([wc.first + i, wm.first + j, wu.first, wp.first]);
-            let mut sums = [[0.0; NP]; 3];
-            for r in 0..NU {
-                add(&mut sums[0], wu.value[r], rows[r]);
-                add(&mut sums[1], wu.slope[r], rows[r]);
-                add(&mut sums[2], wu.curvature[r], rows[r]);
-            }
-            sums
-        },
-        wc,
-        wm,
-        wp,
-    )
+) -> ([Jet; 3], f64) {
+    let rows = |i, j| -> [&[f64; NP]; NU] {
+        coefficients.rows([wc.first + i, wm.first + j, wu.first, wp.first])
+    };
+    if H {
+        let over_u = [&wu.value, &wu.slope, &wu.curvature, &wu.third];
+        let [w, f, k, third] =
+            contract::<4, NC, NM, NP, H>(|i, j| summed(&rows(i, j), over_u), wc, wm, wp);
+        ([w, f, k], third.value)
+    } else {
+        let over_u = [&wu.value, &wu.slope, &wu.curvature];
+        let shape = contract::<3, NC, NM, NP, H>(|i, j| summed(&rows(i, j), over_u), wc, wm, wp);
+        (shape, 0.0)
+    }
+}
+
+/// K sums over `rows`.
+#[inline(always)]
+fn summed<const K: usize, const R: usize, const NP: usize>(
+    rows: &[&[f64; NP]; R],
+    weights: [&[f64; R]; K],
+) -> [[f64; NP]; K] {
+    let mut sums = [[0.0; NP]; K];
+    for r in 0..R {
+        for k in 0..K {
+            add(&mut sums[k], weights[k][r], rows[r]);
+        }
+    }
+    sums
 }
 
 /// The no-load approach (row 0) and the span up to the top load (row 1).

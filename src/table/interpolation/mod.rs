@@ -8,6 +8,7 @@ mod basis;
 mod chain;
 mod fit;
 mod kernel;
+mod line;
 mod scatter;
 mod secant;
 mod shepard;

@@ -65,6 +65,9 @@ impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
         })
     }
 
+    /// Which coordinates there are.
+    const PRESENT: [bool; 3] = [NC > 1, NM > 1, NP > 1];
+
     #[inline(always)]
     fn at<const H: bool>(&self, q: &Query) -> Potential {
         let (wc, c_outside) = self.c.weights(q.center_distance_offset);
@@ -94,8 +97,10 @@ impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
         let mut out = chain::potential::<H>(
             u,
             &[jet(0.5 * f * u * u), jet(f * u), jet(f)],
+            Some(0.0),
             &origin,
             &span,
+            Self::PRESENT,
         );
         if let Some(lever) = &self.lever {
             let [z] = contract::<1, NC, NM, NP, H>(
@@ -120,6 +125,7 @@ impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
                 &[Jet::default(), moment, jet(f * z.value)],
                 &origin,
                 &span,
+                Self::PRESENT,
             );
         }
         out.out_of_range = out_of_range;

@@ -198,6 +198,9 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Shepard<
         (shape, moment)
     }
 
+    /// Which coordinates beside the displacement there are.
+    const PRESENT: [bool; 3] = [NC > 1, NM > 1, NP > 1];
+
     fn at_point<const H: bool>(&self, q: &Query) -> Potential {
         let (wc, c_outside) = self.c.weights(q.center_distance_offset);
         let (wm, m_outside) = self.m.weights(q.misalignment);
@@ -217,9 +220,9 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Shepard<
         }
         let y = [q.center_distance_offset, q.misalignment, q.mesh_position];
         let (shape, moment) = self.shape::<H>(u, y);
-        let mut out = chain::potential::<H>(u, &shape, &no_load, &span);
+        let mut out = chain::potential::<H>(u, &shape, None, &no_load, &span, Self::PRESENT);
         if let Some(moment) = &moment {
-            chain::set_moment::<H>(&mut out, u, moment, &no_load, &span);
+            chain::set_moment::<H>(&mut out, u, moment, &no_load, &span, Self::PRESENT);
         }
         out.out_of_range = c_outside || m_outside || u > 1.0;
         out

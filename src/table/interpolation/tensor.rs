@@ -9,6 +9,7 @@
 use super::basis::{Basis, Ends};
 use super::fit::{Block, breaks, integrated, make_monotone, stored_from_values};
 use super::kernel::{Coefficients, fields, over_displacement};
+use super::line::Line;
 use super::{Checks, Interpolant, chain};
 use crate::table::{FlankGrid, Potential, Query, TableError};
 
@@ -26,6 +27,8 @@ pub struct Tensor<const NU: usize, const NC: usize, const NM: usize, const NP: u
     moment: Option<Coefficients>,
     /// No-load approach and span.
     fields: Coefficients,
+    /// Potential and moment without any other coordinate, for u up to 1.
+    lines: Option<Vec<Line<NU>>>,
     checks: Checks,
 }
 
@@ -95,12 +98,17 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
             .filter(|_| NM == 1)
             .map(|b| Coefficients::new(integrate(&fit(b, true), &u_breaks, NF - 1)));
         let fields = fit(grid.field_block(), false);
+        let u = Basis::new(&u_breaks, Ends::Onset);
+        let alone = Self::PRESENT == [false; 3];
+        let line = |c: &Coefficients| Line::new(&u, &c.values);
+        let shape = Coefficients::new(shape);
         let mut tensor = Tensor {
-            u: Basis::new(&u_breaks, Ends::Onset),
+            lines: alone.then(|| [&shape].into_iter().chain(&moment).map(line).collect()),
+            u,
             c,
             m,
             p,
-            shape: Coefficients::new(shape),
+            shape,
             moment,
             fields: Coefficients::new(fields),
             checks,
@@ -179,6 +187,9 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
         corners
     }
 
+    /// Which coordinates beside the displacement there are.
+    const PRESENT: [bool; 3] = [NC > 1, NM > 1, NP > 1];
+
     #[inline(always)]
     fn at<const H: bool>(&self, q: &Query) -> Potential {
         let (wc, c_outside) = self.c.weights(q.center_distance_offset);
@@ -198,12 +209,26 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
                 ..Potential::default()
             };
         }
+        if let Some(lines) = &self.lines
+            && u <= 1.0
+        {
+            let (cell, t, scale) = self.u.local(u);
+            let (shape, third) = lines[0].at(cell, t, scale);
+            let mut out =
+                chain::potential::<H>(u, &shape, Some(third), &no_load, &span, Self::PRESENT);
+            if let Some(moment) = lines.get(1) {
+                let (shape, _) = moment.at(cell, t, scale);
+                chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, Self::PRESENT);
+            }
+            return out;
+        }
         let (wu, u_outside) = self.u.weights(u);
-        let shape = over_displacement::<NU, NC, NM, NP, H>(&self.shape, &wu, &wc, &wm, &wp);
-        let mut out = chain::potential::<H>(u, &shape, &no_load, &span);
+        let (shape, third) =
+            over_displacement::<NU, NC, NM, NP, H>(&self.shape, &wu, &wc, &wm, &wp);
+        let mut out = chain::potential::<H>(u, &shape, Some(third), &no_load, &span, Self::PRESENT);
         if let Some(moment) = &self.moment {
-            let shape = over_displacement::<NU, NC, NM, NP, H>(moment, &wu, &wc, &wm, &wp);
-            chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span);
+            let (shape, _) = over_displacement::<NU, NC, NM, NP, H>(moment, &wu, &wc, &wm, &wp);
+            chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, Self::PRESENT);
         }
         out.out_of_range = c_outside || m_outside || u_outside;
         out
@@ -227,7 +252,8 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Interpo
 
     fn bytes(&self) -> usize {
         let moment = self.moment.as_ref().map_or(0, |m| m.values.len());
-        8 * (self.shape.values.len() + self.fields.values.len() + moment)
+        let lines = self.lines.iter().flatten().map(Line::bytes).sum::<usize>();
+        8 * (self.shape.values.len() + self.fields.values.len() + moment) + lines
     }
 }
 

@@ -1,0 +1,166 @@
+//! What is measured: evaluations of tables and of the element at fixed points, by name.
+
+use gearmesh::element::{Element, Formulation, Inputs, InputsChange, Parameters, StiffnessModel};
+use gearmesh::pair::Pair;
+use gearmesh::table::samples::Spring;
+use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
+use nalgebra::{Rotation3, Vector3};
+use std::hint::black_box;
+use std::sync::Arc;
+
+/// Points that each case walks through, so that an evaluation meets another cell than the last one.
+pub const POINTS: usize = 1024;
+
+/// An evaluation; the argument counts up.
+pub type Run = Box<dyn Fn(usize)>;
+
+/// A named evaluation, made only when it is wanted.
+pub struct Case {
+    pub name: String,
+    pub make: Box<dyn FnOnce() -> Run>,
+}
+
+const INTERPOLATIONS: [(Interpolation, &str); 3] = [
+    (Interpolation::Linear, "linear"),
+    (Interpolation::Spline, "spline"),
+    (Interpolation::Shepard, "shepard"),
+];
+
+/// Numbers in [0, 1), the same in every run (xorshift64, Marsaglia 2003).
+fn random() -> impl FnMut() -> f64 {
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+fn queries() -> Vec<Query> {
+    let mut next = random();
+    (0..POINTS)
+        .map(|_| {
+            let (c, m) = (200e-6 * next() - 100e-6, 6e-3 * next() - 3e-3);
+            Query {
+                delta: 1e-6 * (0.7 + 6.0 * next()) + 3e-3 * c - 0.2 * m * m,
+                center_distance_offset: c,
+                misalignment: m,
+                mesh_position: next(),
+            }
+        })
+        .collect()
+}
+
+/// Tables of one to four dimensions under every interpolant.
+fn kernels(cases: &mut Vec<Case>) {
+    let shapes = [
+        ("1d", [10, 1, 1, 1]),
+        ("2d", [10, 1, 1, 32]),
+        ("3d", [10, 1, 9, 32]),
+        ("4d", [10, 9, 9, 32]),
+    ];
+    for (interpolation, name) in INTERPOLATIONS {
+        for (dimensions, counts) in shapes {
+            for (what, hessian) in [("value", false), ("gradient", true)] {
+                cases.push(Case {
+                    name: format!("kernel/{name}/{dimensions}/{what}"),
+                    make: Box::new(move || kernel(counts, interpolation, hessian)),
+                });
+            }
+        }
+    }
+}
+
+fn kernel(counts: [usize; 4], interpolation: Interpolation, hessian: bool) -> Run {
+    let mut grid = Spring::grid(counts);
+    grid.moment = None;
+    let table = FlankTable::new(&grid, interpolation).expect("a legal grid");
+    let queries = queries();
+    Box::new(move |i| {
+        black_box(table.evaluate(black_box(&queries[i % POINTS]), hessian));
+    })
+}
+
+/// Poses that load the drive flank by some micrometres.
+fn poses(element: &Element) -> Vec<Inputs> {
+    let mut next = random();
+    let mut both = move |x: f64| x * (2.0 * next() - 1.0);
+    (0..POINTS)
+        .map(|_| {
+            let mut x = element.nominal_inputs();
+            let turn = both(3.0);
+            let spin = |a: f64| *Rotation3::from_axis_angle(&Vector3::z_axis(), a).matrix();
+            x.gears[0].r = spin(turn + 1.2e-4 + both(4e-5));
+            x.gears[1].r =
+                Rotation3::from_euler_angles(both(1e-4), both(1e-4), 0.0).matrix() * spin(-turn);
+            x.gears[0].w = Vector3::z() * 100.0;
+            x.gears[1].w = Vector3::z() * -100.0;
+            x
+        })
+        .collect()
+}
+
+/// The element with constant stiffness and with a 4-D table.
+fn elements(cases: &mut Vec<Case>) {
+    let springs = [(StiffnessModel::Constant, Interpolation::Spline, "constant")];
+    let tables = INTERPOLATIONS.map(|(i, name)| (StiffnessModel::Table, i, name));
+    for formulation in [Formulation::Conjugate, Formulation::Paper] {
+        for (stiffness_model, interpolation, name) in springs.into_iter().chain(tables) {
+            let parameters = Parameters {
+                stiffness_model,
+                interpolation,
+                formulation,
+                ..Parameters::default()
+            };
+            for (what, derivative) in [("wrench", false), ("directional-derivative", true)] {
+                cases.push(Case {
+                    name: format!("element/{formulation:?}/{name}/{what}").to_lowercase(),
+                    make: Box::new(move || element(&parameters, derivative)),
+                });
+            }
+        }
+    }
+}
+
+fn element(parameters: &Parameters, derivative: bool) -> Run {
+    let pair = Pair::from_json(include_str!("../../resources/pairs/palermo2013.json"))
+        .expect("a shipped pair");
+    let grid = Spring::grid([10, 9, 9, 32]);
+    let file = TableFile::new(
+        "bench",
+        "formula",
+        &pair.geometry,
+        [100.0, 200.0],
+        &grid,
+        None,
+    );
+    let table = Arc::new(Table::from_file(file).expect("a legal table"));
+    let element = Element::new(&pair.geometry, parameters, Some(table)).expect("legal parameters");
+    let latch = element.latch(&element.nominal_inputs()).expect("a mesh");
+    let poses = poses(&element);
+    let loaded = poses
+        .iter()
+        .filter(|x| element.evaluate(&latch, x).is_ok_and(|y| y.flank != 0))
+        .count();
+    assert!(10 * loaded > 9 * POINTS, "only {loaded} poses in contact");
+    let mut direction = InputsChange::default();
+    direction.gears[0].rotation = Vector3::z();
+    direction.gears[1].p = Vector3::new(1e-2, 2e-2, 3e-2);
+    Box::new(move |i| {
+        let x = black_box(&poses[i % POINTS]);
+        if derivative {
+            let _ = black_box(element.directional_derivative(&latch, x, &direction));
+        } else {
+            let _ = black_box(element.evaluate(&latch, x));
+        }
+    })
+}
+
+/// Everything.
+pub fn all() -> Vec<Case> {
+    let mut cases = vec![];
+    kernels(&mut cases);
+    elements(&mut cases);
+    cases
+}

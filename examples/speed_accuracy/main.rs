@@ -1,0 +1,114 @@
+//! Writes docs/speed-accuracy.md with its plots: what tables, interpolants, effects, hosts and steps cost
+//! in time and in error.
+//!
+//! `cargo run --release --example speed_accuracy -- [--quick] [DOCS [PYTHON]]`, from the root of the
+//! repository; DOCS is `docs` and PYTHON `.venv/bin/python` unless given. `--quick` takes fewer points and
+//! coarser finite elements: for trying out, not for the record.
+
+mod document;
+mod effects;
+mod floor;
+mod growth;
+mod hosts;
+mod interpolants;
+mod machine;
+mod plot;
+mod poses;
+mod preprocessing;
+mod run_up;
+mod setting;
+mod timing;
+mod whole_element;
+
+use document::{Document, Error};
+use gearmesh::contact::CycleInput;
+use gearmesh::gear::Flank;
+use gearmesh::pair::Refinement;
+use setting::Setting;
+use std::path::Path;
+
+/// Pair of the report.
+const PAIR: &str = "resources/pairs/palermo2013.json";
+/// Its unmodified version, for the run-up.
+const UNMODIFIED: &str = "resources/pairs/palermo2013-unmodified.json";
+/// A spur pair.
+const SPUR: &str = "resources/pairs/fzg-c.json";
+
+/// A mesh cycle at nominal centre distance and parallel axes; torque and positions are the caller's.
+fn nominal_cycle() -> CycleInput {
+    CycleInput {
+        flank: Flank::Drive,
+        torque: 0.0,
+        center_distance_offset: 0.0,
+        misalignment: 0.0,
+        positions: 1,
+    }
+}
+
+fn main() -> Result<(), Error> {
+    let (flags, paths): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|a| a.starts_with("--"));
+    if let Some(unknown) = flags.iter().find(|f| *f != "--quick") {
+        return Err(format!("{unknown}: the only option is --quick").into());
+    }
+    let quick = !flags.is_empty();
+    let folder = paths.first().map_or("docs", String::as_str);
+    let python = paths.get(1).map_or(".venv/bin/python", String::as_str);
+    let library = library()?;
+
+    let mut document = Document::new(Path::new(folder), "Speed against accuracy")?;
+    document.paragraph(
+        "Written by `make report` (examples/speed_accuracy) with plots and numbers from the code as it is.",
+    );
+    document.paragraph(&machine::description());
+    document.paragraph(&format!(
+        "Method: times are medians of {} rounds in one process, in which all candidates of a table take \
+         turns, so that every ratio belongs to one run; one thread. Errors are against direct solutions of \
+         static tooth contact at held-out random operating points, {} per scene. Pair: {PAIR}.",
+        timing::ROUNDS,
+        points(quick),
+    ));
+    let analytical = Setting::analytical(PAIR)?;
+    let counts = [16, 9, 17, if quick { 32 } else { 64 }];
+    eprintln!("Samples of the contact solver");
+    let samples = analytical.samples(counts)?;
+
+    let outcomes = interpolants::measure(&analytical, &samples, points(quick))?;
+    interpolants::report(&mut document, &outcomes)?;
+    whole_element::report(&mut document, &analytical, &samples, points(quick))?;
+    let spur = Setting::analytical(SPUR)?;
+    effects::report(&mut document, &analytical, &spur, &samples, points(quick))?;
+    growth::report(&mut document, &analytical, &samples)?;
+    hosts::report(&mut document, &analytical, &samples, &library, python)?;
+    run_up::report(&mut document, &Setting::analytical(UNMODIFIED)?)?;
+    let levels = [
+        (Refinement::Coarse, "coarse"),
+        (Refinement::Normal, "normal"),
+    ];
+    let levels = &levels[..if quick { 1 } else { 2 }];
+    preprocessing::report(&mut document, PAIR, &analytical, levels, points(quick))?;
+    let path = document.finish()?;
+    eprintln!("Wrote {}", path.display());
+    Ok(())
+}
+
+/// Held-out points per scene.
+fn points(quick: bool) -> usize {
+    if quick { 200 } else { 1000 }
+}
+
+/// The unit's library that cargo put beside this program's folder.
+fn library() -> Result<std::path::PathBuf, Error> {
+    let program = std::env::current_exe()?;
+    let name = format!(
+        "{}gearmesh{}",
+        std::env::consts::DLL_PREFIX,
+        std::env::consts::DLL_SUFFIX
+    );
+    let path = program
+        .parent()
+        .and_then(Path::parent)
+        .map(|release| release.join(name))
+        .filter(|p| p.exists());
+    path.ok_or_else(|| "the unit's library is missing: run `cargo build --release` first".into())
+}

@@ -1,0 +1,240 @@
+//! The pair, its solver, its samples, and operating points that no table has seen.
+
+use crate::document::Error;
+use gearmesh::compliance::ToothCompliance;
+use gearmesh::compliance::analytical::{AnalyticalCompliance, AxialState};
+use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use gearmesh::table::plan::{Coverage, default_axes, displacement_nodes, mesh_positions};
+use gearmesh::table::sweep::{Watch, sweep};
+use gearmesh::table::{Axes, FlankGrid, Query, TableFile};
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Numbers in [0, 1), the same in every run (xorshift64, Marsaglia 2003).
+pub struct Random(pub u64);
+
+impl Random {
+    /// The next one.
+    pub fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// The next one scaled to `range`.
+    pub fn within(&mut self, [low, high]: [f64; 2]) -> f64 {
+        low + (high - low) * self.next()
+    }
+}
+
+/// Ranges of random operating points: torque N m, centre distance offset m, misalignment rad, mesh position.
+#[derive(Debug, Clone, Copy)]
+pub struct Ranges {
+    pub torque: [f64; 2],
+    pub center_distance_offset: [f64; 2],
+    pub misalignment: [f64; 2],
+    pub mesh_position: [f64; 2],
+}
+
+/// One solution of the contact solver: at `query.delta` the force and the shuttling moment are these.
+#[derive(Debug, Clone, Copy)]
+pub struct Exact {
+    pub query: Query,
+    pub force: f64,
+    pub moment: f64,
+}
+
+/// A pair and its solver.
+pub struct Setting {
+    pub pair: Pair,
+    pub solver: ContactSolver,
+}
+
+impl Setting {
+    /// The pair file at `path` with closed-form compliance.
+    pub fn analytical(path: &str) -> Result<Self, Error> {
+        let pair = Pair::read(path)?;
+        let model = |i: usize| -> Result<Arc<dyn ToothCompliance>, Error> {
+            let gear = &pair.geometry.gears[i];
+            Ok(Arc::new(AnalyticalCompliance::new(gear, AxialState::Free)?))
+        };
+        let compliance = [model(0)?, model(1)?];
+        Self::with(pair, compliance)
+    }
+
+    /// `pair` with any compliance.
+    pub fn with(pair: Pair, compliance: [Arc<dyn ToothCompliance>; 2]) -> Result<Self, Error> {
+        let settings = ContactSettings {
+            tip_corner_contact: pair.tip_corner_contact,
+            ..ContactSettings::default()
+        };
+        let solver = ContactSolver::new(&pair, compliance, settings)?;
+        Ok(Setting { pair, solver })
+    }
+
+    /// Nominal transverse force on the line of action, N: what errors are related to.
+    pub fn nominal_force(&self) -> f64 {
+        self.pair.operating.nominal_torque / self.pair.geometry.gears[0].base_radius()
+    }
+
+    /// Half the common face width, m.
+    pub fn half_face(&self) -> f64 {
+        0.5 * self.pair.geometry.face_overlap().1
+    }
+
+    /// The whole operating range in the first `dimensions` of displacement, mesh position,
+    /// misalignment, centre distance; the others nominal.
+    pub fn ranges(&self, dimensions: usize) -> Ranges {
+        let operating = &self.pair.operating;
+        let on = |d: usize, range: [f64; 2]| if dimensions >= d { range } else { [0.0; 2] };
+        Ranges {
+            torque: [0.0, operating.maximum_torque],
+            center_distance_offset: on(4, operating.center_distance_offset),
+            misalignment: on(3, operating.misalignment),
+            mesh_position: on(2, [0.0, 1.0]),
+        }
+    }
+
+    /// Direct solutions at `n` random points of `ranges`.
+    pub fn exact(&self, ranges: &Ranges, n: usize) -> Result<Vec<Exact>, Error> {
+        let mut random = Random(0x9E37_79B9_7F4A_7C15);
+        let points: Vec<[f64; 4]> = (0..n)
+            .map(|_| {
+                [
+                    random.within(ranges.torque),
+                    random.within(ranges.center_distance_offset),
+                    random.within(ranges.misalignment),
+                    random.within(ranges.mesh_position),
+                ]
+            })
+            .collect();
+        points
+            .into_par_iter()
+            .map(|[torque, c, m, p]| {
+                let solved = self
+                    .solver
+                    .position(Flank::Drive, p, c)?
+                    .solve_torque(torque, m, None)?;
+                Ok(Exact {
+                    query: Query {
+                        delta: solved.approach,
+                        center_distance_offset: c,
+                        misalignment: m,
+                        mesh_position: p,
+                    },
+                    force: solved.loa_force,
+                    moment: solved.moment,
+                })
+            })
+            .collect()
+    }
+
+    /// Samples with `counts` (displacement, centre distance, misalignment, mesh position) nodes; 1 leaves
+    /// an axis out.
+    pub fn samples(&self, counts: [usize; 4]) -> Result<FlankGrid, Error> {
+        let operating = &self.pair.operating;
+        let coverage = Coverage {
+            center_distance_offset: Some(operating.center_distance_offset),
+            misalignment: Some(operating.misalignment),
+            nominal_torque: operating.nominal_torque,
+            maximum_torque: operating.maximum_torque,
+        };
+        let full = default_axes(&coverage);
+        let thinned = |nodes: &[f64], n: usize| -> Vec<f64> {
+            if n == 1 {
+                return vec![0.0];
+            }
+            let step = (nodes.len() - 1) / (n - 1);
+            nodes.iter().copied().step_by(step).collect()
+        };
+        let axes = Axes {
+            displacement_fraction: displacement_nodes(counts[0], 1.6),
+            center_distance_offset: thinned(&full.center_distance_offset, counts[1]),
+            misalignment: thinned(&full.misalignment, counts[2]),
+            mesh_position: mesh_positions(counts[3]),
+        };
+        let cancel = AtomicBool::new(false);
+        let watch = Watch {
+            progress: &|_, _| {},
+            cancel: &cancel,
+        };
+        Ok(sweep(
+            &self.solver,
+            Flank::Drive,
+            &axes,
+            operating.maximum_torque,
+            &watch,
+        )?)
+    }
+
+    /// A tables file around `grid`.
+    pub fn file(&self, grid: &FlankGrid) -> TableFile {
+        let operating = &self.pair.operating;
+        TableFile::new(
+            &self.pair.name,
+            "speed_accuracy",
+            &self.pair.geometry,
+            [operating.nominal_torque, operating.maximum_torque],
+            grid,
+            None,
+        )
+    }
+}
+
+/// Every `step`-th node of `grid` along (displacement, centre distance, misalignment, mesh position),
+/// ends kept; a step of 0 takes the nominal node alone.
+pub fn thinned(grid: &FlankGrid, steps: [usize; 4]) -> FlankGrid {
+    let a = &grid.axes;
+    let nominal = |nodes: &[f64]| {
+        let mut order: Vec<usize> = (0..nodes.len()).collect();
+        order.sort_by(|&i, &j| nodes[i].abs().total_cmp(&nodes[j].abs()));
+        vec![order[0]]
+    };
+    let every = |nodes: &[f64], step: usize| {
+        if step == 0 {
+            nominal(nodes)
+        } else {
+            (0..nodes.len()).step_by(step).collect()
+        }
+    };
+    // The last displacement, the top load, is the one that must stay.
+    let u: Vec<usize> = (steps[0] - 1..a.displacement_fraction.len())
+        .step_by(steps[0])
+        .collect();
+    let c = every(&a.center_distance_offset, steps[1]);
+    let m = every(&a.misalignment, steps[2]);
+    let p = every(&a.mesh_position, steps[3]);
+    let pick = |nodes: &[f64], kept: &[usize]| kept.iter().map(|&i| nodes[i]).collect::<Vec<_>>();
+    let [_, nm, nu, np] = a.lengths();
+    let take = |values: &[f64], rows: Option<&[usize]>| {
+        let mut out = vec![];
+        for &i in &c {
+            for &j in &m {
+                for &k in rows.unwrap_or(&[0]) {
+                    let row = match rows {
+                        Some(_) => (i * nm + j) * nu + k,
+                        None => i * nm + j,
+                    };
+                    out.extend(p.iter().map(|&l| values[row * np + l]));
+                }
+            }
+        }
+        out
+    };
+    FlankGrid {
+        axes: Axes {
+            displacement_fraction: pick(&a.displacement_fraction, &u),
+            center_distance_offset: pick(&a.center_distance_offset, &c),
+            misalignment: pick(&a.misalignment, &m),
+            mesh_position: pick(&a.mesh_position, &p),
+        },
+        no_load_approach: take(&grid.no_load_approach, None),
+        top_load_approach: take(&grid.top_load_approach, None),
+        loa_force: take(&grid.loa_force, Some(&u)),
+        moment: grid.moment.as_ref().map(|m| take(m, Some(&u))),
+    }
+}

@@ -57,8 +57,8 @@ impl Document {
         Ok(())
     }
 
-    /// Writes the text.
-    pub fn finish(self) -> Result<PathBuf, Error> {
+    /// Writes the text as far as it goes.
+    pub fn save(&self) -> Result<PathBuf, Error> {
         let path = self.folder.join("speed-accuracy.md");
         write_whole(&path, &self.text)?;
         Ok(path)

@@ -75,19 +75,25 @@ fn main() -> Result<(), Error> {
 
     let outcomes = interpolants::measure(&analytical, &samples, points(quick))?;
     interpolants::report(&mut document, &outcomes)?;
+    document.save()?;
     whole_element::report(&mut document, &analytical, &samples, points(quick))?;
+    document.save()?;
     let spur = Setting::analytical(SPUR)?;
     effects::report(&mut document, &analytical, &spur, &samples, points(quick))?;
+    document.save()?;
     growth::report(&mut document, &analytical, &samples)?;
+    document.save()?;
     hosts::report(&mut document, &analytical, &samples, &library, python)?;
+    document.save()?;
     run_up::report(&mut document, &Setting::analytical(UNMODIFIED)?)?;
+    document.save()?;
     let levels = [
         (Refinement::Coarse, "coarse"),
         (Refinement::Normal, "normal"),
     ];
     let levels = &levels[..if quick { 1 } else { 2 }];
     preprocessing::report(&mut document, PAIR, &analytical, levels, points(quick))?;
-    let path = document.finish()?;
+    let path = document.save()?;
     eprintln!("Wrote {}", path.display());
     Ok(())
 }

@@ -6,14 +6,16 @@ use crate::timing::timed;
 use gearmesh::compliance::ToothCompliance;
 use gearmesh::compliance::finite_element::{FiniteElementCompliance, Settings};
 use gearmesh::contact::{ContactSettings, CycleInput, MeshCycle};
+use gearmesh::gear::Gear;
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::table::{FlankTable, Interpolation};
 use std::sync::Arc;
 
 /// The pair file at `path` on finite elements, and seconds for the elastic models.
 fn finite_element(path: &str, refinement: Refinement) -> Result<(Setting, f64), Error> {
-    let pair = Pair::read(path)?;
-    let settings = Settings::for_pair(&pair.geometry, refinement);
+    let mut pair = Pair::read(path)?;
+    pair.compliance.refinement = refinement;
+    let settings = Settings::for_pair(&pair);
     let (models, seconds) = timed(|| -> Result<[Arc<dyn ToothCompliance>; 2], Error> {
         let model = |i: usize| -> Result<Arc<dyn ToothCompliance>, Error> {
             let gear = &pair.geometry.gears[i];
@@ -23,7 +25,17 @@ fn finite_element(path: &str, refinement: Refinement) -> Result<(Setting, f64), 
                 &|_, _| true,
             )?))
         };
-        Ok([model(0)?, model(1)?])
+        let first = model(0)?;
+        let [a, b] = &pair.geometry.gears;
+        // Equal but for hand and axial position, which the compliance does not know: one model serves both.
+        let equal = *b
+            == Gear {
+                hand: b.hand,
+                face_offset: b.face_offset,
+                ..a.clone()
+            };
+        let second = if equal { first.clone() } else { model(1)? };
+        Ok([first, second])
     });
     let models = models?;
     Ok((Setting::with(pair, models)?, seconds))

@@ -133,6 +133,24 @@ fn second_derivatives_are_those_of_the_gradient() {
 }
 
 #[test]
+fn the_gradient_of_the_stiffness_is_that_of_the_stiffness() {
+    for shape in shapes() {
+        let table = FlankTable::new(&Spring::grid(shape), Interpolation::Spline).unwrap();
+        for spread in [1.0, 2.5] {
+            let worst = worst_difference(
+                &table,
+                spread,
+                1e-5,
+                |w| vec![w.hessian[0][0]],
+                |w, i| vec![w.stiffness_gradient.unwrap_or_default()[i]],
+                &[0, 1, 2, 3],
+            );
+            assert!(worst < 2e-4, "{shape:?} {spread}: {worst}");
+        }
+    }
+}
+
+#[test]
 fn constant_load_has_consistent_second_derivatives_and_passes_through_its_load() {
     for shape in shapes() {
         let grid = Spring::grid(shape);

@@ -77,7 +77,7 @@ pub fn report(
             [12, 1, 1, 1],
             [12, 1, 1, 32],
             [12, 1, 9, 32],
-            [12, 5, 9, 32],
+            [12, 5, 9, 16],
         ]) {
             let (grid, seconds) = timed(|| setting.samples(counts));
             let solves = grid?.loa_force.len() * (counts[0] + 1) / counts[0];
@@ -99,7 +99,7 @@ pub fn report(
             "12, s",
             "12 × 32, s",
             "12 × 9 × 32, s",
-            "12 × 5 × 9 × 32, s",
+            "12 × 5 × 9 × 16, s",
         ],
         &rows,
     );
@@ -118,7 +118,7 @@ pub fn report(
             let [mean, swing] = cycle(setting, torque)?;
             ste.push(format!("{mean:.2} / {swing:.3}"));
         }
-        let table = FlankTable::new(&setting.samples([12, 1, 17, 32])?, Interpolation::Spline)?;
+        let table = FlankTable::new(&setting.samples([12, 1, 9, 32])?, Interpolation::Spline)?;
         let [rms, largest] = crate::interpolants::force_error(&table, &exact, best.nominal_force());
         let [a, b, c] = <[String; 3]>::try_from(ste).map_err(|_| "three torques")?;
         rows.push([

@@ -236,6 +236,7 @@ impl<const N: usize> Basis<N> {
             for k in 0..N {
                 w.value[k] += d * (w.slope[k] + 0.5 * d * w.curvature[k]);
                 w.slope[k] += d * w.curvature[k];
+                w.third[k] = 0.0;
             }
             return;
         }

@@ -64,9 +64,14 @@ fn main() -> Result<(), Error> {
     document.paragraph(&format!(
         "Method: times are medians of {} rounds in one process, in which all candidates of a table take \
          turns, so that every ratio belongs to one run; one thread. Errors are against direct solutions of \
-         static tooth contact at held-out random operating points, {} per scene. Pair: {PAIR}.",
+         static tooth contact at held-out random operating points, {} per scene. Pair: {PAIR}.{}",
         timing::ROUNDS,
         points(quick),
+        if quick {
+            " A run with `--quick`: fewer points, half the mesh positions, coarse finite elements."
+        } else {
+            ""
+        },
     ));
     let analytical = Setting::analytical(PAIR)?;
     let counts = [16, 9, 17, if quick { 32 } else { 64 }];

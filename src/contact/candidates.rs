@@ -23,6 +23,9 @@ pub struct Candidate {
     pub gap: [f64; POINTS],
     /// Relative radius of curvature in the normal section, m.
     pub radius: f64,
+    /// Slope of the gap at the nearest tip edge, from the edge into the flank, in the normal section; negative
+    /// where contact lies inside the flank.
+    pub edge_slope: f64,
     /// The strip in the canonical coordinates of gear 1 and gear 2.
     pub strips: [Strip; 2],
 }
@@ -135,6 +138,9 @@ impl ContactLines<'_> {
             roll: middle.roll,
             gap,
             radius: curvature.recip(),
+            // The transverse tangent is normal to the generator; the gap is cos beta_b of that along the
+            // line of action.
+            edge_slope: middle.edge_slope * cos_beta_b,
             strips: [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]])),
         }
     }

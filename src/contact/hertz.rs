@@ -1,5 +1,7 @@
 //! Local contact of one strip: force over penetration in closed form.
 
+use super::tip_edge::TipEdge;
+
 /// Force of one strip over the approach of its two flanks that the local contact takes up.
 ///
 /// The penetration under the force per length w is, summed over both gears (see
@@ -18,6 +20,8 @@ pub struct LocalContact {
     log_scale: f64,
     /// kappa, m^2 per N/m.
     kappa: f64,
+    /// Takes over from the width of contact at which one side of it ends at a tip edge.
+    edge: Option<TipEdge>,
 }
 
 /// Elastic constants and reference length of one gear at a strip.
@@ -37,8 +41,10 @@ const U_WIDE: f64 = -1.0 - 2.0 * 0.287_682_072_451_780_9;
 
 impl LocalContact {
     /// Law of a strip of `length` (m, along the contact line) between two bodies of the relative
-    /// radius of curvature `radius` (m, normal section).
-    pub fn new(bodies: [LocalBody; 2], radius: f64, length: f64) -> LocalContact {
+    /// radius of curvature `radius` (m, normal section). `edge_slope` is the slope of the gap at the nearest
+    /// tip edge, away from it into the flank: negative where the flanks come closest inside the flank, at the
+    /// distance -`edge_slope` * `radius` from the edge.
+    pub fn new(bodies: [LocalBody; 2], radius: f64, length: f64, edge_slope: f64) -> LocalContact {
         let scale = 2.0 / std::f64::consts::PI;
         let kappa =
             2.0 * scale * radius * (bodies[0].plane_compliance + bodies[1].plane_compliance);
@@ -51,11 +57,13 @@ impl LocalContact {
                     * ((2.0 * g.reference_length).ln() - 0.5 * kappa.ln() + 0.5)
             })
             .sum();
+        let log_reference = b / c - std::f64::consts::LN_2 + 0.5 * kappa.ln() - 0.5;
         LocalContact {
             length,
             c,
             log_scale: (2.0 / c).ln() - 2.0 * b / c,
             kappa,
+            edge: TipEdge::new(c, radius, log_reference, edge_slope),
         }
     }
 
@@ -63,6 +71,12 @@ impl LocalContact {
     pub fn force(&self, x: f64) -> (f64, f64) {
         if x <= 0.0 {
             return (0.0, 0.0);
+        }
+        if let Some(edge) = &self.edge
+            && x > edge.least_penetration()
+        {
+            let (w, slope) = edge.line_load(x);
+            return (self.length * w, self.length * slope);
         }
         let log_y = x.ln() + self.log_scale;
         let log_y_wide = (-U_WIDE).ln() + U_WIDE;
@@ -96,15 +110,23 @@ impl LocalContact {
     /// Whether the Hertz half-width under the force `f` exceeds three reference lengths: four times the force
     /// at which the law goes over into its tangent.
     pub fn is_too_wide(&self, f: f64) -> bool {
+        if let Some(edge) = &self.edge {
+            return f / self.length > edge.widest_line_load();
+        }
         f > 0.0 && (0.125 * self.c * f / self.length).ln() + self.log_scale >= U_WIDE
     }
 
-    /// Hertz half-width, m, under the force `f`, N.
+    /// Half the width of contact, m, under the force `f`, N: that of Hertz away from an edge.
     pub fn half_width(&self, f: f64) -> f64 {
-        (self.kappa * f.max(0.0) / self.length).sqrt()
+        let w = f.max(0.0) / self.length;
+        match &self.edge {
+            Some(edge) if w > edge.least_line_load() => 0.5 * edge.width(w),
+            _ => (self.kappa * w).sqrt(),
+        }
     }
 
-    /// Largest Hertz pressure, Pa, under the force `f`, N: 2 w / (pi b).
+    /// Largest Hertz pressure, Pa, under the force `f`, N: 2 w / (pi b), b half the width of contact. At a sharp
+    /// edge, where pressure has no bound, 4 / pi times the mean.
     pub fn pressure(&self, f: f64) -> f64 {
         if f <= 0.0 {
             return 0.0;
@@ -130,7 +152,12 @@ mod tests {
             plane_compliance: STEEL,
             reference_length,
         };
-        LocalContact::new([body(1.2e-3), body(2.0e-3)], 7e-3, 0.6e-3)
+        LocalContact::new(
+            [body(1.2e-3), body(2.0e-3)],
+            7e-3,
+            0.6e-3,
+            f64::NEG_INFINITY,
+        )
     }
 
     #[test]

@@ -20,6 +20,7 @@ mod hertz;
 mod mesh_cycle;
 mod position;
 mod solver;
+mod tip_edge;
 mod transverse;
 
 pub use candidates::Candidate;

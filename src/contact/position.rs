@@ -114,7 +114,7 @@ impl PositionProblem {
                     }
                 });
                 let length = (candidate.z[1] - candidate.z[0]) / cos_beta_b / POINTS as f64;
-                LocalContact::new(bodies, candidate.radius, length)
+                LocalContact::new(bodies, candidate.radius, length, candidate.edge_slope)
             })
             .collect();
         let z_ref = geometry.z_ref();

@@ -9,6 +9,9 @@ pub struct TransversePoint {
     pub roll: [f64; 2],
     /// Gap between the unmodified flanks along the line of action, m: zero on the path of contact.
     pub separation: f64,
+    /// Slope of the gap along the line of action at the nearest tip edge, from the edge into the flank: beyond
+    /// the path the inclination of the flanks, on it minus distance to the edge over radius of curvature.
+    pub edge_slope: f64,
 }
 
 /// The transverse section at one centre distance.
@@ -94,9 +97,16 @@ impl TransverseSection {
         } else if xi > self.path[1] {
             self.tip_corner(1, xi)
         } else {
+            let roll = [0, 1].map(|i| self.roll(i, xi));
+            let to_edge = |i: usize| {
+                let side = &self.sides[i];
+                side.kappa * (side.tip_roll - roll[i]) * (side.tip_roll + roll[i]) / (2.0 * side.rb)
+            };
+            let curvature: f64 = (0..2).map(|i| self.sides[i].kappa / roll[i]).sum();
             TransversePoint {
-                roll: [0, 1].map(|i| self.roll(i, xi)),
+                roll,
                 separation: 0.0,
+                edge_slope: -to_edge(0).min(to_edge(1)).max(0.0) * curvature,
             }
         }
     }
@@ -136,6 +146,10 @@ impl TransverseSection {
             roll: rolls,
             // Gear 2's flank has to lie ahead, gear 1's behind.
             separation: if mate == 1 { behind } else { -behind },
+            // By how much the normals have turned out of the line of action: clockwise about a centre
+            // below it, counter-clockwise about one above.
+            edge_slope: (a.up * turn - b.up * (along.atan2(normal) - b.q * (roll / b.rb).atan()))
+                .abs(),
         }
     }
 

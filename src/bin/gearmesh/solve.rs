@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use gearmesh::contact::{CycleInput, MeshCycle};
 use gearmesh::gear::{self, PairGeometry};
-use gearmesh::pair::Pair;
+use gearmesh::pair::{Operating, Pair};
 use serde::Serialize;
 
 use crate::model::{Model, ModelArgs};
@@ -71,7 +71,8 @@ pub struct Solve {
 impl Solve {
     /// Solves and prints.
     pub fn run(self) -> Result<(), crate::Error> {
-        let pair = self.model.applied_to(Pair::read(&self.pair)?);
+        let mut pair = self.model.applied_to(Pair::read(&self.pair)?);
+        self.widen(&mut pair.operating);
         self.model.use_threads()?;
         let model = self.model.solver(&pair)?;
         let input = CycleInput {
@@ -94,6 +95,26 @@ impl Solve {
         };
         output::print(&text)?;
         Ok(())
+    }
+
+    /// Widens the ranges of the pair file to what is asked here: they decide how wide a contact the elastic
+    /// model resolves and how far tip corners are followed.
+    fn widen(&self, operating: &mut Operating) {
+        let torque = self.torque_nm.unwrap_or(operating.nominal_torque);
+        // What is not finite is refused by the contact solver, under its own name.
+        if torque.is_finite() {
+            operating.maximum_torque = operating.maximum_torque.max(torque);
+        }
+        let include = |range: &mut [f64; 2], value: f64| {
+            if value.is_finite() {
+                *range = [range[0].min(value), range[1].max(value)];
+            }
+        };
+        include(&mut operating.misalignment, self.misalignment_mrad * 1e-3);
+        include(
+            &mut operating.center_distance_offset,
+            self.center_distance_offset_um * 1e-6,
+        );
     }
 
     /// How far another elastic model is from this one.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Changes whenever mesh, kernel or file layout do.
-const MAGIC: &[u8; 32] = b"gearmesh finite elements v0001\r\n";
+const MAGIC: &[u8; 32] = b"gearmesh finite elements v0002\r\n";
 
 /// How a model was obtained.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -26,6 +26,9 @@ pub(super) struct FlankGrid {
     pub kernel_half_width: f64,
 }
 
+/// Half-width of the kernel at the tip edge over the element there.
+const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
+
 impl FlankGrid {
     /// Grid of the flank nodes' arc lengths `arcs` (corner, mid-edge, corner, ...).
     pub fn new(outline: &Outline, arcs: &[f64], stations: &[f64], half_width: f64) -> FlankGrid {
@@ -59,7 +62,17 @@ impl FlankGrid {
     fn kernel(&self, roll: f64) -> Kernel {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
         let arc = self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll);
-        Kernel::new(self.kernel_half_width, arc, edges)
+        // Not wider than the distance to the tip edge, so that the load stays where it acts, down to what the
+        // elements at the edge resolve.
+        let least = self.edge_half_width().min(self.kernel_half_width);
+        let half_width = (edges[1] - arc).clamp(least, self.kernel_half_width);
+        Kernel::new(half_width, arc, edges)
+    }
+
+    /// Half-width of the kernel at the tip edge, m: one and a half of the element there.
+    fn edge_half_width(&self) -> f64 {
+        let last = self.arcs.len() - 1;
+        EDGE_KERNEL_OVER_ELEMENT * (self.arcs[last] - self.arcs[last - 1])
     }
 
     /// Reference length of the kernel at the middle of `strip`, m.

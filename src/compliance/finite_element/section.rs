@@ -15,6 +15,9 @@
 
 use super::outline::{Outline, Polar};
 
+/// How often the element at the tip edge is halved.
+const TIP_HALVINGS: usize = 2;
+
 /// Element sizes in the section, m.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SectionSizes {
@@ -68,9 +71,11 @@ impl Section {
         // Block A, the tooth. Arc lengths along the flank: the form point is a node.
         let mut arcs = halved(&divide(corner_arc, 0.0, sizes.flank));
         let mut involute = divide(0.0, outline.tip_arc, sizes.flank);
-        // Half an element at the tip edge, where the load kernel is narrower.
-        let last = involute.len() - 1;
-        involute.insert(last, 0.5 * (involute[last - 1] + involute[last]));
+        // Smaller elements at the tip edge, where the load kernel is narrower.
+        for _ in 0..TIP_HALVINGS {
+            let last = involute.len() - 1;
+            involute.insert(last, 0.5 * (involute[last - 1] + involute[last]));
+        }
         arcs.extend(&halved(&involute)[1..]);
         let width = 2.0 * corner[0] * corner[1];
         let across = graded(width, sizes.flank, sizes.growth, sizes.tooth);

@@ -127,15 +127,17 @@ pub struct Settings {
 
 impl Settings {
     /// Solid model for `pair` at its refinement: reach for every tooth that can bear load together with
-    /// another, two more for contact of tip corners outside the path of contact, and a load kernel wide
-    /// enough for the widest Hertz contact of the pair's loads and misalignments.
+    /// another, and a load kernel wide enough for the widest Hertz contact of the pair's loads and
+    /// misalignments.
     pub fn for_pair(pair: &Pair) -> Settings {
         let geometry = &pair.geometry;
-        let ratio =
-            geometry.transverse_contact_ratio(geometry.center_distance) + geometry.overlap_ratio();
+        // Tip corners are followed for half a path of contact beyond either end; the path is longest at the
+        // smallest centre distance. Half a pitch more for a centre distance outside the stated range.
+        let nearest = geometry.center_distance + pair.operating.center_distance_offset[0].min(0.0);
+        let ratio = 2.0 * geometry.transverse_contact_ratio(nearest) + geometry.overlap_ratio();
         let mut settings = Settings::new(
             pair.compliance.refinement,
-            ratio.max(1.0).ceil() as usize + 1,
+            (ratio.max(1.0) + 0.5).ceil() as usize,
         );
         let width = &mut settings.discretization.kernel_half_width;
         let module = geometry.gears[0].normal_module;

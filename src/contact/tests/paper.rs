@@ -38,7 +38,7 @@ fn peak_to_peak_of_the_modified_pair_is_least_between_85_and_130_nm() {
 }
 
 #[test]
-fn tip_corner_contact_takes_a_fifth_to_a_quarter_off_the_peak_to_peak() {
+fn tip_corner_contact_takes_about_a_fifth_off_the_peak_to_peak() {
     let with = paper_solver(UNMODIFIED, ContactSettings::default());
     let without = paper_solver(
         UNMODIFIED,
@@ -49,7 +49,9 @@ fn tip_corner_contact_takes_a_fifth_to_a_quarter_off_the_peak_to_peak() {
     );
     let ratio = cycle(&with, 100.0, 0.0).peak_to_peak_ste()
         / cycle(&without, 100.0, 0.0).peak_to_peak_ste();
-    assert!((0.74..0.82).contains(&ratio), "{ratio}");
+    // Hertz contact of full width on the edges would take off a little more; direct finite-element
+    // contact (tests/finite_element_contact.rs) finds edges as soft as here.
+    assert!((0.75..0.85).contains(&ratio), "{ratio}");
 }
 
 #[test]

@@ -1,0 +1,229 @@
+//! Local contact cut off on one side by a tip edge.
+//!
+//! With s the distance from the edge, the gap of the undeformed flanks there is alpha s + s² / (2 R) more than
+//! at the edge. Contact reaches from the edge to s = a. The pressure between half-planes is then
+//!
+//! p(s) = sqrt((a - s) / s) (alpha + (s + a / 2) / R) / (pi c), c = sum of 2 (1 - nu²) / (pi E)
+//!
+//! (a punch with one sharp end: Johnson, Contact Mechanics, 1985, sections 2.7 and 5.1). It ends in the
+//! Hertz pressure of half-width b for alpha = -b / R, a = 2 b: contact that reaches the edge, and no more.
+//! So one law goes from the Hertz contact inside the flank to the edge that digs into the mate. It has
+//!
+//! dh / dw = sum_g c_g ln(4 L_g / a),
+//!
+//! the flat punch of the present width, since a is stationary; h and w in closed form follow below.
+
+use std::f64::consts::LN_2;
+
+/// Width of contact over the mean reference length from which the law goes on along its tangent, as
+/// the one of Hertz at b = 1.5 L.
+const WIDE: f64 = 3.0;
+
+/// Law of contact at a tip edge, per length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TipEdge {
+    /// c, 1/Pa.
+    c: f64,
+    /// R, m.
+    radius: f64,
+    /// ln L, the mean of both gears weighted with c_g.
+    log_reference: f64,
+    /// alpha.
+    slope: f64,
+    /// Width, line load and penetration at which contact reaches the edge.
+    least: [f64; 3],
+    /// The same where the tangent begins.
+    wide: [f64; 3],
+}
+
+impl TipEdge {
+    /// None where contact becomes too wide for the law before it reaches the edge.
+    pub fn new(c: f64, radius: f64, log_reference: f64, slope: f64) -> Option<TipEdge> {
+        let mut edge = TipEdge {
+            c,
+            radius,
+            log_reference,
+            slope,
+            least: [0.0; 3],
+            wide: [0.0; 3],
+        };
+        let wide = WIDE * log_reference.exp();
+        let least = (-2.0 * slope * radius).max(0.0);
+        // Not a number where the curvatures cancel: no law of an edge either.
+        if !matches!(least.partial_cmp(&wide), Some(std::cmp::Ordering::Less)) {
+            return None;
+        }
+        if least > 0.0 {
+            edge.least = edge.state(least);
+        }
+        edge.wide = edge.state(wide);
+        Some(edge)
+    }
+
+    /// Penetration below which contact does not reach the edge, m.
+    pub fn least_penetration(&self) -> f64 {
+        self.least[2]
+    }
+
+    /// Line load below which contact does not reach the edge, N/m.
+    pub fn least_line_load(&self) -> f64 {
+        self.least[1]
+    }
+
+    /// Line load at which the width is twice the one where the tangent begins, N/m.
+    pub fn widest_line_load(&self) -> f64 {
+        self.state(2.0 * self.wide[0])[1]
+    }
+
+    /// Width of contact, m, at the line load `w`, N/m: w c = alpha a / 2 + 3 a² / (8 R).
+    pub fn width(&self, w: f64) -> f64 {
+        let half = 0.5 * self.slope;
+        // Both forms are the larger root; each avoids cancellation for its sign.
+        let root = (half * half + 1.5 * w * self.c / self.radius).sqrt();
+        if half > 0.0 {
+            2.0 * w * self.c / (half + root)
+        } else {
+            (root - half) * self.radius / 0.75
+        }
+    }
+
+    /// Width, line load and penetration at the width `a`.
+    fn state(&self, a: f64) -> [f64; 3] {
+        let of_slope = (self.slope + 0.5 * a / self.radius) * a / (2.0 * self.c);
+        let of_curvature = a * a / (8.0 * self.c * self.radius);
+        // Minus the means of ln s under both parts of the pressure.
+        let log = self.log_reference - a.ln() + 2.0 * LN_2;
+        let at_edge = self.c * (of_slope * (log + 1.0) + of_curvature * (log - 0.5));
+        let inside = self.slope.min(0.0);
+        [
+            a,
+            of_slope + of_curvature,
+            at_edge + 0.5 * inside * inside * self.radius,
+        ]
+    }
+
+    /// Compliance dh/dw at the width `a`, 1/Pa.
+    fn compliance(&self, a: f64) -> f64 {
+        self.c * (self.log_reference - a.ln() + 2.0 * LN_2)
+    }
+
+    /// Line load (N/m) and its derivative (Pa) at the penetration `x` (m) beyond the least one.
+    pub fn line_load(&self, x: f64) -> (f64, f64) {
+        let [wide, w_wide, x_wide] = self.wide;
+        if x >= x_wide {
+            let slope = self.compliance(wide).recip();
+            return (w_wide + slope * (x - x_wide), slope);
+        }
+        let (mut low, mut high) = (self.least[0], wide);
+        let share = (x - self.least[2]) / (x_wide - self.least[2]);
+        let mut a = low + (high - low) * share;
+        for _ in 0..100 {
+            let h = self.state(a)[2];
+            if h > x {
+                high = a;
+            } else {
+                low = a;
+            }
+            let growth = (0.5 * self.slope + 0.75 * a / self.radius) / self.c;
+            let newton = a - (h - x) / (growth * self.compliance(a));
+            let next = if low < newton && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            let step = (next - a).abs();
+            a = next;
+            if step <= 4.0 * f64::EPSILON * a {
+                break;
+            }
+        }
+        (self.state(a)[1], self.compliance(a).recip())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
+    use std::f64::consts::PI;
+
+    const C: f64 = 4.0 * (1.0 - 0.09) / (PI * 206e9);
+    const RADIUS: f64 = 8e-3;
+    const REFERENCE: f64 = 0.3e-3;
+
+    fn law(slope: f64) -> TipEdge {
+        TipEdge::new(C, RADIUS, f64::ln(REFERENCE), slope).unwrap()
+    }
+
+    /// Displacement of both surfaces at `x` under the stated pressure, by quadrature: s = a sin²(t) takes
+    /// the singular end away, the logarithm is integrated exactly over cells of constant density in t.
+    fn displacement(slope: f64, a: f64, x: f64) -> f64 {
+        let n = 20_000;
+        let turn = |s: f64| (s / a).sqrt().asin();
+        let at = turn(x);
+        let mut sum = 0.0;
+        for i in 0..n {
+            let h = 0.5 * PI / f64::from(n);
+            let t = (f64::from(i) + 0.5) * h;
+            let s = a * t.sin().powi(2);
+            let density = 2.0 * a * t.cos().powi(2) * (slope + (s + 0.5 * a) / RADIUS) / (PI * C);
+            let singular = if (t - at).abs() < 1e-9 {
+                (0.5 * h).ln() - 1.0 + (2.0 * at).sin().abs().max(1e-30).ln() + a.ln()
+            } else {
+                (s - x).abs().ln()
+            };
+            sum += density * h * (REFERENCE.ln() - singular);
+        }
+        C * sum
+    }
+
+    #[test]
+    fn the_flanks_touch_all_over_the_width_of_contact() {
+        for slope in [0.03, 0.0, -0.005] {
+            let a = 0.15e-3;
+            let h = 0.5 * PI / 20_000.0;
+            let edge = displacement(slope, a, 0.0);
+            for steps in [3000.5, 9000.5, 15_000.5] {
+                let x = a * f64::sin(steps * h).powi(2);
+                let gap = slope * x + 0.5 * x * x / RADIUS;
+                assert_relative_eq!(edge - displacement(slope, a, x), gap, max_relative = 1e-3);
+            }
+            let [_, _, penetration] = law(slope).state(a);
+            let inside = 0.5 * slope.min(0.0).powi(2) * RADIUS;
+            // The midpoint rule next to the logarithm's end leaves h ln 2 of the density there: 2e-5.
+            assert_relative_eq!(penetration - inside, edge, max_relative = 1e-4);
+        }
+    }
+
+    #[test]
+    fn contact_that_just_reaches_the_edge_is_that_of_hertz() {
+        let b = 0.1e-3;
+        let law = law(-b / RADIUS);
+        let w = b * b / (2.0 * RADIUS * C);
+        assert_relative_eq!(law.least_line_load(), w, max_relative = 1e-13);
+        let hertz = C * w * ((2.0 * REFERENCE / b).ln() + 0.5);
+        assert_relative_eq!(law.least_penetration(), hertz, max_relative = 1e-13);
+    }
+
+    #[test]
+    fn line_load_inverts_the_penetration_and_has_its_derivative() {
+        for slope in [0.05, 1e-3, 0.0, -0.01] {
+            let law = law(slope);
+            for a in [0.2e-3, 0.4e-3, 0.8e-3] {
+                let [_, w, x] = law.state(a);
+                let (found, derivative) = law.line_load(x);
+                assert_relative_eq!(found, w, max_relative = 1e-11);
+                assert_relative_eq!(law.width(w), a, max_relative = 1e-12);
+                let d = 1e-6 * x;
+                let numeric = (law.line_load(x + d).0 - law.line_load(x - d).0) / (2.0 * d);
+                assert_relative_eq!(derivative, numeric, max_relative = 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_far_away_plays_no_part() {
+        assert_eq!(TipEdge::new(C, RADIUS, f64::ln(REFERENCE), -1.0), None);
+        assert_abs_diff_eq!(law(0.01).line_load(1e-12).0, 0.0, epsilon = 1.0);
+    }
+}

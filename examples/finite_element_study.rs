@@ -1,11 +1,16 @@
 //! Measures the finite-element level of detail: `cargo run --release --example finite_element_study
-//! [plane] [convergence] [bore]`; without arguments everything. Prints the tables of the documentation.
+//! [independent] [plane] [convergence] [bore]`; without arguments everything. Writes the comparison with the
+//! independent finite-element program as docs/finite-elements/independent.csv and prints the other tables of
+//! docs/finite-elements.md.
 
 use gearmesh::compliance::finite_element::{Discretization, PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver, CycleInput, MeshCycle};
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
+use serde_json::Value;
 use std::error::Error;
+use std::fmt::Write;
+use std::path::Path;
 use std::time::Instant;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -13,6 +18,13 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 fn main() -> Outcome<()> {
     let chosen: Vec<String> = std::env::args().skip(1).collect();
     let wants = |name: &str| chosen.is_empty() || chosen.iter().any(|c| c == name);
+    if wants("independent") {
+        let path = Path::new("docs/finite-elements/independent.csv");
+        std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
+        let unfinished = path.with_extension("csv.part");
+        std::fs::write(&unfinished, independent()?)?;
+        std::fs::rename(&unfinished, path)?;
+    }
     if wants("plane") {
         plane()?;
     }
@@ -95,6 +107,76 @@ fn solve(
         elastic,
         cycle.solve_seconds,
     ])
+}
+
+/// Every case of tests/data/finite_element_contact.json at every position and torque; prints the largest
+/// error, those of the mean and of the peak-to-peak value per torque.
+fn independent() -> Outcome<String> {
+    let text = std::fs::read_to_string("tests/data/finite_element_contact.json")?;
+    let data: Value = serde_json::from_str(&text)?;
+    let mut csv = String::from("case,torque_nm,mesh_position,ste_um,independent_ste_um\n");
+    println!("independent finite elements: errors in % of mean, p-p, largest of a position");
+    for (name, case) in data["cases"].as_object().ok_or("no cases")? {
+        let mut description = case["pair"].clone();
+        // The ring's tip is longer than pair files may have it.
+        let long_tip = description["gear2"]["tip_diameter_mm"] == 175.2;
+        if long_tip {
+            description["gear2"]["tip_diameter_mm"] = 174.8.into();
+        }
+        let mut pair = Pair::from_json(&description.to_string())?;
+        if long_tip {
+            pair.geometry.gears[1].tip_radius = 87.6e-3;
+        }
+        let plane_strain = case["plane_strain"] == true;
+        let settings = Settings {
+            plane_strain,
+            ..Settings::for_pair(&pair)
+        };
+        let begin = Instant::now();
+        let compliance = PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true)?;
+        let seconds = begin.elapsed().as_secs_f64();
+        let contact = ContactSettings {
+            stations: if plane_strain { 1 } else { 40 },
+            ..ContactSettings::default()
+        };
+        let [first, second] = compliance.gears;
+        let solver = ContactSolver::new(&pair, [first, second], contact)?;
+        let list = |v: &Value| v.as_array().cloned().unwrap_or_default();
+        let number = |v: &Value| v.as_f64().ok_or("not a number");
+        println!("{name}: {} ({seconds:.1} s)", case["title"]);
+        for (n, torque) in list(&case["torque_nm"]).iter().enumerate() {
+            let torque = number(torque)?;
+            let (mut found, mut expected) = (Vec::new(), Vec::new());
+            for at in list(&case["positions"]) {
+                let mesh_position = number(&at["mesh_position"])?;
+                let problem = solver.position(Flank::Drive, mesh_position, 0.0)?;
+                let ste = 1e6 * problem.solve_torque(torque, 0.0, None)?.approach;
+                let reference = number(&at["ste_um"][n])?;
+                writeln!(csv, "{name},{torque},{mesh_position},{ste:.4},{reference}")?;
+                found.push(ste);
+                expected.push(reference);
+            }
+            let sum = |v: &[f64]| v.iter().sum::<f64>();
+            let spread = |v: &[f64]| {
+                let ends = v
+                    .iter()
+                    .fold([f64::MAX, f64::MIN], |e, x| [e[0].min(*x), e[1].max(*x)]);
+                ends[1] - ends[0]
+            };
+            let error = |a: f64, b: f64| 100.0 * (a / b - 1.0);
+            let largest = found
+                .iter()
+                .zip(&expected)
+                .map(|(a, b)| error(*a, *b))
+                .fold(0.0, |m: f64, e| if e.abs() > m.abs() { e } else { m });
+            println!(
+                "  {torque:5} N m  {:+.2}  {:+.2}  {largest:+.2}",
+                error(sum(&found), sum(&expected)),
+                error(spread(&found), spread(&expected))
+            );
+        }
+    }
+    Ok(csv)
 }
 
 fn plane() -> Outcome<()> {

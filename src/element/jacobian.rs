@@ -150,10 +150,12 @@ fn skew(w: &Vector3<f64>) -> Matrix3<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Noise, random_pose, three_pairs};
+    use super::super::testing::{Noise, compressed, random_pose, three_pairs};
     use super::*;
-    use crate::element::{LoadedFlank, Parameters};
+    use crate::element::{FlankLaws, Interpolation, LoadedFlank, Parameters};
+    use crate::table::{FlankTable, samples::Spring};
     use nalgebra::Rotation3;
+    use std::sync::Arc;
 
     fn nudged(m: &Motion, d: &MotionChange, h: f64) -> Motion {
         Motion {
@@ -168,6 +170,86 @@ mod tests {
         Inputs {
             gears: [0, 1].map(|i| nudged(&x.gears[i], &d.gears[i], h)),
             carrier: nudged(&x.carrier, &d.carrier, h),
+        }
+    }
+
+    /// Exact derivatives at `inputs` along a random direction, against the Jacobian and against finite
+    /// differences, all rows but `mesh.stiffness` to `bar` of their scale, that one to `stiffness_bar`.
+    fn compare(
+        element: &Element,
+        inputs: &Inputs,
+        noise: &mut Noise,
+        bar: f64,
+        stiffness_bar: f64,
+    ) {
+        const STIFFNESS_ROW: usize = 22;
+        let latch = element.latch(&element.nominal_inputs()).unwrap();
+        let mut change = || MotionChange {
+            p: noise.vector(1.0),
+            rotation: noise.vector(10.0),
+            v: noise.vector(100.0),
+            w: noise.vector(100.0),
+        };
+        let direction = InputsChange {
+            gears: [change(), change()],
+            carrier: change(),
+        };
+        let exact = element
+            .directional_derivative(&latch, inputs, &direction)
+            .unwrap();
+        let h = 2e-8;
+        let side = |h: f64| {
+            let out = element.evaluate(&latch, &moved(inputs, &direction, h));
+            SVector::from(out.unwrap().to_array())
+        };
+        let rough = (8.0 * (side(h) - side(-h)) - (side(2.0 * h) - side(-2.0 * h))) / (12.0 * h);
+        let value = side(0.0);
+        let jacobian = element.jacobian(&latch, inputs).unwrap();
+        let mut flat = SVector::<f64, { 3 * BODY_COLUMNS }>::zeros();
+        let bodies = [direction.gears[0], direction.gears[1], direction.carrier];
+        for (i, d) in bodies.iter().enumerate() {
+            for (j, x) in [d.p, d.rotation, d.v, d.w].iter().enumerate() {
+                flat.fixed_rows_mut::<3>(12 * i + 3 * j).copy_from(x);
+            }
+        }
+        let product = jacobian * flat;
+        // Outputs of one kind share a scale: forces, moments, then each scalar its own.
+        for row in 0..CONTINUOUS_OUTPUTS {
+            let group = if row < 15 {
+                row / 3 * 3..row / 3 * 3 + 3
+            } else {
+                row..row + 1
+            };
+            // A change by one unit of the direction, or the value itself where that is larger.
+            let scale = group
+                .map(|i| exact[i].abs().max(value[i].abs()))
+                .fold(0.0, f64::max);
+            let bar = if row == STIFFNESS_ROW {
+                stiffness_bar
+            } else {
+                bar
+            };
+            assert!(
+                (exact[row] - product[row]).abs() <= 1e-12 * scale,
+                "row {row}: {} against {}",
+                exact[row],
+                product[row]
+            );
+            assert!(
+                (exact[row] - rough[row]).abs() <= bar * scale,
+                "{:?} row {row}: {} against {}",
+                element.parameters().formulation,
+                exact[row],
+                rough[row]
+            );
+        }
+    }
+
+    /// Some motion of both gears.
+    fn set_velocities(inputs: &mut Inputs, noise: &mut Noise) {
+        for m in &mut inputs.gears {
+            m.v = noise.vector(1e-3);
+            m.w = noise.vector(1e-2);
         }
     }
 
@@ -186,70 +268,55 @@ mod tests {
                 let mut tried = 0;
                 while tried < 8 {
                     let mut inputs = random_pose(&element, &mut noise);
-                    for m in &mut inputs.gears {
-                        m.v = noise.vector(1e-3);
-                        m.w = noise.vector(1e-2);
-                    }
+                    set_velocities(&mut inputs, &mut noise);
                     if element.evaluate(&latch, &inputs).unwrap().flank == 0 {
                         continue;
                     }
                     tried += 1;
-                    let mut change = || MotionChange {
-                        p: noise.vector(1.0),
-                        rotation: noise.vector(10.0),
-                        v: noise.vector(100.0),
-                        w: noise.vector(100.0),
+                    compare(&element, &inputs, &mut noise, 1e-6, 1e-6);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_on_a_table_agree_with_finite_differences() {
+        let grid = Spring::grid([10, 7, 9, 16]);
+        let drive = Arc::new(FlankTable::new(&grid, Interpolation::Spline).unwrap());
+        let laws = FlankLaws { drive, coast: None };
+        let mut noise = Noise::new(6);
+        let mut tried = 0;
+        for formulation in [Formulation::Paper, Formulation::Conjugate] {
+            for pair in three_pairs(-1.0) {
+                for (s, loaded_flank) in [(1.0, LoadedFlank::Drive), (-1.0, LoadedFlank::Coast)] {
+                    let parameters = Parameters {
+                        formulation,
+                        loaded_flank,
+                        ..Parameters::default()
                     };
-                    let direction = InputsChange {
-                        gears: [change(), change()],
-                        carrier: change(),
-                    };
-                    let exact = element
-                        .directional_derivative(&latch, &inputs, &direction)
-                        .unwrap();
-                    let h = 2e-8;
-                    let side = |h: f64| {
-                        let out = element.evaluate(&latch, &moved(&inputs, &direction, h));
-                        SVector::from(out.unwrap().to_array())
-                    };
-                    let rough = (8.0 * (side(h) - side(-h)) - (side(2.0 * h) - side(-2.0 * h)))
-                        / (12.0 * h);
-                    let value = side(0.0);
-                    let jacobian = element.jacobian(&latch, &inputs).unwrap();
-                    let mut flat = SVector::<f64, { 3 * BODY_COLUMNS }>::zeros();
-                    let bodies = [direction.gears[0], direction.gears[1], direction.carrier];
-                    for (i, d) in bodies.iter().enumerate() {
-                        for (j, x) in [d.p, d.rotation, d.v, d.w].iter().enumerate() {
-                            flat.fixed_rows_mut::<3>(12 * i + 3 * j).copy_from(x);
+                    let element = Element::with_laws(&pair, &parameters, &laws).unwrap();
+                    for _ in 0..6 {
+                        // Inside the table: +-3 mrad, +-100 um, some 8 um above the first touch.
+                        let mut inputs = compressed(&element, s, 6e-6 + 1e-6 * noise.next());
+                        let tilt = noise.vector(1e-4);
+                        inputs.gears[1].r = Rotation3::new(tilt).matrix() * inputs.gears[1].r;
+                        inputs.gears[1].p += noise.vector(1e-6);
+                        set_velocities(&mut inputs, &mut noise);
+                        let latch = element.latch(&element.nominal_inputs()).unwrap();
+                        let out = element.evaluate(&latch, &inputs).unwrap();
+                        if out.flank == 0 || out.out_of_range {
+                            continue;
                         }
-                    }
-                    let product = jacobian * flat;
-                    // Outputs of one kind share a scale: forces, moments, then each scalar its own.
-                    for row in 0..CONTINUOUS_OUTPUTS {
-                        let group = if row < 15 {
-                            row / 3 * 3..row / 3 * 3 + 3
-                        } else {
-                            row..row + 1
-                        };
-                        // A change by one unit of the direction, or the value itself where that is larger.
-                        let scale = group
-                            .map(|i| exact[i].abs().max(value[i].abs()))
-                            .fold(0.0, f64::max);
-                        assert!(
-                            (exact[row] - product[row]).abs() <= 1e-12 * scale,
-                            "row {row}: {} against {}",
-                            exact[row],
-                            product[row]
-                        );
-                        assert!(
-                            (exact[row] - rough[row]).abs() <= 1e-6 * scale,
-                            "{formulation:?} row {row}: {} against {}",
-                            exact[row],
-                            rough[row]
-                        );
+                        tried += 1;
+                        // mesh.stiffness: a second derivative of a C2 force, differentiated itself.
+                        compare(&element, &inputs, &mut noise, 1e-6, 1e-3);
                     }
                 }
             }
         }
+        assert!(
+            tried >= 36,
+            "only {tried} poses in contact inside the table"
+        );
     }
 }

@@ -45,7 +45,11 @@ pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
+mod tests_limits;
+#[cfg(test)]
 mod tests_poses;
+#[cfg(all(test, feature = "preprocess"))]
+mod tests_tables;
 
 use crate::gear::PairGeometry;
 use crate::table::Table;

@@ -44,26 +44,38 @@ fn force_direction_and_torques_are_those_of_the_closed_form() {
             for pair in three_pairs(hand) {
                 for (s, flank) in [(1.0, LoadedFlank::Drive), (-1.0, LoadedFlank::Coast)] {
                     let element = Element::new(&pair, &undamped(formulation, flank), None).unwrap();
-                    let out = at(&element, &compressed(&element, s, 4e-6));
                     let (e, sc, c) = (pair.e(), pair.sc(), pair.center_distance);
                     let phi = pair.operating_pressure_angle(c);
                     let g1 = &pair.gears[0];
                     let r_w: Vec<f64> = (0..2).map(|i| pair.operating_pitch_radius(i, c)).collect();
                     let tan_beta_w = g1.helix_angle.tan() * r_w[0] / g1.reference_radius();
                     let f_tt = 4e-6 / phi.cos() * 4.35e8;
-                    let expected = Vector3::new(
-                        e * phi.tan() * f_tt,
-                        s * sc * f_tt,
-                        -s * hand * tan_beta_w * f_tt,
-                    );
-                    assert_relative_eq!(out.force[1], expected, max_relative = 1e-9);
-                    assert_relative_eq!(out.moment[0].z, -s * r_w[0] * f_tt, max_relative = 1e-9);
-                    assert_relative_eq!(
-                        out.moment[1].z / out.moment[0].z,
-                        e * g1_ratio(&pair),
-                        max_relative = 1e-10
-                    );
-                    assert_eq!(f64::from(out.flank), s);
+                    let direction = Vector3::new(e * phi.tan(), s * sc, -s * hand * tan_beta_w);
+                    // Either direction of rotation, 3000 rpm of gear 1.
+                    for speed in [314.0, -314.0] {
+                        let mut inputs = compressed(&element, s, 4e-6);
+                        inputs.gears[0].w.z = speed;
+                        inputs.gears[1].w.z = -e * speed / g1_ratio(&pair);
+                        let out = at(&element, &inputs);
+                        // The magnitude carries the rounding of a pose 4 um into the flank.
+                        assert_relative_eq!(out.tangential_force, f_tt, max_relative = 1e-9);
+                        assert_relative_eq!(
+                            out.force[1] / out.tangential_force,
+                            direction,
+                            epsilon = 1e-10
+                        );
+                        assert_relative_eq!(
+                            out.moment[0].z / out.tangential_force,
+                            -s * r_w[0],
+                            max_relative = 1e-10
+                        );
+                        assert_relative_eq!(
+                            out.moment[1].z / out.moment[0].z,
+                            e * g1_ratio(&pair),
+                            max_relative = 1e-10
+                        );
+                        assert_eq!(f64::from(out.flank), s);
+                    }
                 }
             }
         }

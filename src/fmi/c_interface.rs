@@ -443,3 +443,7 @@ export! {
         expect_status(kind, fmi2StatusKind::MAX, "fmi2GetStringStatus")
     }
 }
+
+#[cfg(test)]
+#[path = "c_interface_tests.rs"]
+mod tests;

@@ -92,9 +92,16 @@ impl Instance {
 
     fn along(&mut self, change: &InputsChange) -> Result<[f64; CONTINUOUS_OUTPUTS], Refusal> {
         let (element, latch, inputs) = self.element_and_latch()?;
-        element
+        let all = element
             .directional_derivative(&latch, &inputs, change)
-            .map_err(refuse)
+            .map_err(refuse)?;
+        match all.iter().position(|x| !x.is_finite()) {
+            None => Ok(all),
+            Some(row) => {
+                let name = VARIABLES[INPUT_COUNT + row].name;
+                Err(self.overflow(&format!("the derivative of {name}")))
+            }
+        }
     }
 }
 

@@ -273,9 +273,28 @@ impl Instance {
     pub(super) fn evaluate(&mut self) -> Result<&Outputs, Refusal> {
         if self.outputs.is_none() {
             let (element, latch, inputs) = self.element_and_latch()?;
-            self.outputs = Some(element.evaluate(&latch, &inputs).map_err(refuse)?);
+            let outputs = element.evaluate(&latch, &inputs).map_err(refuse)?;
+            if let Some(row) = outputs.to_array().iter().position(|x| !x.is_finite()) {
+                let name = VARIABLES[INPUT_COUNT + row].name;
+                return Err(self.overflow(name));
+            }
+            self.outputs = Some(outputs);
         }
         Ok(self.outputs.as_ref().expect("evaluated above"))
+    }
+
+    /// Numbers so large that `what` cannot be computed; names the largest input.
+    pub(super) fn overflow(&self, what: &str) -> Refusal {
+        let values = self.now.signals.value.iter();
+        let largest = values
+            .enumerate()
+            .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        let (i, value) = largest.map_or((0, 0.0), |(i, v)| (i, *v));
+        Refusal::error(format!(
+            "{what} is not finite at these inputs and parameters; the largest input is {} = {value}: \
+             check it and the parameters for numbers out of all proportion",
+            VARIABLES[i].name
+        ))
     }
 
     /// fmi2SetRealInputDerivatives; all or none.

@@ -70,9 +70,48 @@ def units(fmus):
         unit.close()
 
 
+# Quick tables: closed-form compliance on few stations. `cycle` has mesh position and load alone, on the
+# default grid; `all` has the centre distance and the misalignment, too, on a coarse one.
+QUICK = ["--compliance", "analytical", "--stations", "12", "-q"]
+GRIDS = {"cycle": ["--no-center-distance", "--no-misalignment"], "all": ["--max-error", "0.02"]}
+
+
+@pytest.fixture(scope="session")
+def table_fmus(tmp_path_factory):
+    """FMU files with tables by pair and grid, as `external-cycle`."""
+    folder = tmp_path_factory.mktemp("tables")
+    out = {}
+    for name in ("external", "ring2"):
+        file = folder / f"{name}.json"
+        file.write_text(json.dumps(pair_files()[name]))
+        for grid, options in GRIDS.items():
+            fmu = out[f"{name}-{grid}"] = folder / f"{name}-{grid}.fmu"
+            gearmesh("build", file, "-o", fmu, *QUICK, *options)
+    return out
+
+
+@pytest.fixture(scope="session")
+def table_units(table_fmus):
+    """The same, unpacked."""
+    units = {name: Unit(path) for name, path in table_fmus.items()}
+    yield units
+    for unit in units.values():
+        unit.close()
+
+
+@pytest.fixture
+def table_mesh(table_units):
+    """As `mesh`, of the units with tables."""
+    yield from instances(table_units)
+
+
 @pytest.fixture
 def mesh(units):
     """Makes instances of a unit and frees them after the test."""
+    yield from instances(units)
+
+
+def instances(units):
     made = []
 
     def make(pair="external", **options):

@@ -267,6 +267,12 @@ def test_two_instances_of_different_pairs_run_at_once(mesh):
     assert two.vector("gear2.moment") == alone["ring2"]
 
 
+def resident_size():
+    """Memory of this process, bytes."""
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * resource.getpagesize()
+
+
 def test_a_thousand_loads_leave_no_memory_behind(fmus, tmp_path):
     unit = Unit(fmus["external"], tmp_path / "unit")
 
@@ -277,14 +283,10 @@ def test_a_thousand_loads_leave_no_memory_behind(fmus, tmp_path):
         assert instance.step(0.0, 1e-5) == OK
         instance.close()
 
-    def size():
-        with open("/proc/self/statm") as file:
-            return int(file.read().split()[1]) * resource.getpagesize()
-
     for _ in range(100):
         cycle()
-    before = size()
+    before = resident_size()
     for _ in range(1000):
         cycle()
     # A leaked instance takes several kilobytes.
-    assert size() - before < 2e6
+    assert resident_size() - before < 2e6

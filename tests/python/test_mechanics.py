@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from differences import check_derivatives, values_of, variables
 from host import OK
 
 RNG_SEED = 20130411
@@ -168,20 +169,6 @@ def test_moving_the_world_moves_the_wrench(mesh, pair, formulation):
         assert rw @ point + shift == pytest.approx(moved_point, abs=1e-12)
 
 
-def directional(instance, outputs, inputs, seed):
-    result = (ctypes.c_double * len(outputs))()
-    instance.expect(
-        "fmi2GetDirectionalDerivative",
-        instance.references(outputs),
-        ctypes.c_size_t(len(outputs)),
-        instance.references(inputs),
-        ctypes.c_size_t(len(inputs)),
-        (ctypes.c_double * len(inputs))(*seed),
-        result,
-    )
-    return np.array(list(result))
-
-
 @pytest.mark.parametrize("orientation", [1, 2], ids=["angles", "quaternion"])
 @pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])
 @pytest.mark.parametrize("pair", ["external", "ring2", "ring1"])
@@ -189,13 +176,11 @@ def test_directional_derivatives_are_those_of_differences(mesh, pair, formulatio
     rng = np.random.default_rng(RNG_SEED)
     instance = mesh(pair)
     geometry = Geometry(instance.unit)
-    variables = instance.unit.description.modelVariables
-    inputs = [v.name for v in variables if v.causality == "input"]
-    outputs = [v.name for v in variables if v.causality == "output" and v.type == "Real"]
+    inputs, outputs = variables(instance)
     instance.initialize(
         {**CONSTANT, "damping": 1e3, "orientationInput": orientation, "formulation": formulation}
     )
-    values = {n: float(instance.get(n)) for n in inputs}
+    values = values_of(instance, inputs)
     for n in inputs:
         if "quaternion" not in n:
             values[n] += rng.uniform(-1, 1) * (1e-2 if "elocity" in n else 1e-5)
@@ -204,37 +189,7 @@ def test_directional_derivatives_are_those_of_differences(mesh, pair, formulatio
     values["gear1.quaternion[4]"] += slip / 2
     instance.set(values)
     assert instance.get("mesh.flank") == 1
-    jacobian = np.array([directional(instance, outputs, [n], [1.0]) for n in inputs]).T
-
-    def evaluate(name, value):
-        instance.set({name: value})
-        references = instance.references(outputs)
-        data = (ctypes.c_double * len(outputs))()
-        instance.expect("fmi2GetReal", references, ctypes.c_size_t(len(outputs)), data)
-        return np.array(list(data))
-
-    numeric = np.zeros_like(jacobian)
-    for j, name in enumerate(inputs):
-        # Fourth-order differences; steps small against the elongation and large against rounding.
-        h = 1e-3 if "elocity" in name else 2e-7
-        at = {k: evaluate(name, values[name] + k * h) for k in (-2, -1, 1, 2)}
-        numeric[:, j] = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * h)
-        instance.set({name: values[name]})
-    for i, output in enumerate(outputs):
-        # Within one output, columns of one unit are compared with the largest among them.
-        for kind in ("position", "angles", "quaternion", "velocity", "angularVelocity"):
-            columns = [j for j, n in enumerate(inputs) if n.split(".")[1].startswith(kind)]
-            scale = np.abs(jacobian[i, columns]).max()
-            # What rounding of the output leaves of a difference.
-            h = 1e-3 if "elocity" in kind else 2e-7
-            floor = 8 * np.spacing(abs(instance.get(output))) / h + 1e-9
-            error = np.abs(numeric[i, columns] - jacobian[i, columns]).max()
-            assert error <= 1e-6 * scale + floor, (output, kind, error, scale)
-    # A direction is the sum of its parts.
-    seed = rng.normal(size=len(inputs))
-    along = directional(instance, outputs, inputs, seed)
-    rounding = 1e-12 * np.abs(jacobian) @ np.abs(seed) + 1e-13 * np.abs(instance.get(*outputs))
-    assert np.all(np.abs(along - jacobian @ seed) <= rounding)
+    check_derivatives(instance, values, outputs, rng)
 
 
 # The paper's Table 2: mesh frequency in Hz and gain.

@@ -88,8 +88,8 @@ def test_states_that_are_none_are_refused(mesh):
     assert one.restore(state) == ERROR
 
 
-def test_a_serialised_state_goes_on_in_another_process(mesh, fmus, tmp_path):
-    instance = mesh().initialize({"gear1.angles[3]": 0.01, "meshPhase": 0.02, "damping": 7e3})
+def goes_on_elsewhere(instance, fmu, tmp_path):
+    """The state of an initialised instance, carried into another process, is followed by the same."""
     run(instance, 10)
     data = instance.serialize(instance.store())
     after = run(instance, 20, first=10)
@@ -99,7 +99,7 @@ import json, sys
 sys.path.insert(0, {str(Path(__file__).parent)!r})
 from host import Unit, OK
 from test_state import run
-unit = Unit({str(fmus["external"])!r})
+unit = Unit({str(fmu)!r})
 instance = unit.instance()
 status, state = instance.deserialize(open({str(tmp_path / "state")!r}, "rb").read())
 assert status == OK, instance.log()
@@ -111,6 +111,11 @@ unit.close()
     other = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert other.returncode == 0, other.stderr
     assert json.loads(other.stdout) == after
+
+
+def test_a_serialised_state_goes_on_in_another_process(mesh, fmus, tmp_path):
+    instance = mesh().initialize({"gear1.angles[3]": 0.01, "meshPhase": 0.02, "damping": 7e3})
+    goes_on_elsewhere(instance, fmus["external"], tmp_path)
 
 
 def test_altered_states_and_states_of_another_pair_are_refused(mesh):

@@ -1,0 +1,69 @@
+"""Derivatives of the outputs by differences, to compare fmi2GetDirectionalDerivative with."""
+
+import ctypes
+
+import numpy as np
+
+
+def directional(instance, outputs, inputs, seed):
+    result = (ctypes.c_double * len(outputs))()
+    instance.expect(
+        "fmi2GetDirectionalDerivative",
+        instance.references(outputs),
+        ctypes.c_size_t(len(outputs)),
+        instance.references(inputs),
+        ctypes.c_size_t(len(inputs)),
+        (ctypes.c_double * len(inputs))(*seed),
+        result,
+    )
+    return np.array(list(result))
+
+
+def variables(instance):
+    """Names of the inputs and of the continuous outputs."""
+    every = instance.unit.description.modelVariables
+    inputs = [v.name for v in every if v.causality == "input"]
+    return inputs, [v.name for v in every if v.causality == "output" and v.type == "Real"]
+
+
+def values_of(instance, names):
+    return {n: float(instance.get(n)) for n in names}
+
+
+def evaluate(instance, outputs):
+    data = (ctypes.c_double * len(outputs))()
+    references = instance.references(outputs)
+    instance.expect("fmi2GetReal", references, ctypes.c_size_t(len(outputs)), data)
+    return np.array(list(data))
+
+
+def check_derivatives(instance, values, outputs, rng):
+    """Each output by each input at `values` within 1e-6 of the largest of one kind of input."""
+    inputs = list(values)
+    instance.set(values)
+    jacobian = np.array([directional(instance, outputs, [n], [1.0]) for n in inputs]).T
+    numeric = np.zeros_like(jacobian)
+    for j, name in enumerate(inputs):
+        # Sixth-order differences; steps small against the elongation and large against rounding.
+        h = 1e-3 if "elocity" in name else 2e-7
+        at = {}
+        for k in (-3, -2, -1, 1, 2, 3):
+            instance.set({name: values[name] + k * h})
+            at[k] = evaluate(instance, outputs)
+        numeric[:, j] = (45 * (at[1] - at[-1]) - 9 * (at[2] - at[-2]) + at[3] - at[-3]) / (60 * h)
+        instance.set({name: values[name]})
+    for i, output in enumerate(outputs):
+        # Within one output, columns of one unit are compared with the largest among them.
+        for kind in ("position", "angles", "quaternion", "velocity", "angularVelocity"):
+            columns = [j for j, n in enumerate(inputs) if n.split(".")[1].startswith(kind)]
+            scale = np.abs(jacobian[i, columns]).max()
+            # What rounding of the output leaves of a difference.
+            h = 1e-3 if "elocity" in kind else 2e-7
+            floor = 8 * np.spacing(abs(instance.get(output))) / h + 1e-9
+            error = np.abs(numeric[i, columns] - jacobian[i, columns]).max()
+            assert error <= 1e-6 * scale + floor, (output, kind, error, scale)
+    # A direction is the sum of its parts.
+    seed = rng.normal(size=len(inputs))
+    along = directional(instance, outputs, inputs, seed)
+    rounding = 1e-12 * np.abs(jacobian) @ np.abs(seed) + 1e-13 * np.abs(evaluate(instance, outputs))
+    assert np.all(np.abs(along - jacobian @ seed) <= rounding)

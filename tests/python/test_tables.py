@@ -1,0 +1,282 @@
+"""Units with tables: the element against the solver the tables came from, and against itself."""
+
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+from conftest import QUICK, gearmesh, pair_files
+from differences import check_derivatives, evaluate, values_of, variables
+from host import ERROR, OK, Unit
+from test_life import resident_size
+from test_mechanics import Geometry
+from test_state import STEP, goes_on_elsewhere, run
+
+EFFECTS = ["centerDistanceEffect", "misalignmentEffect", "shuttlingEffect"]
+PAPER, CONJUGATE = 1, 2
+FORMULATIONS = pytest.mark.parametrize("formulation", [PAPER, CONJUGATE], ids=["paper", "conjugate"])
+FULL = ["external-all", "ring2-all"]
+CYCLE = ["external-cycle", "ring2-cycle"]
+TORQUE = 100.0
+
+
+def press(instance, tangential, sign=1):
+    """Turns gear 1 until the elongation along the pitch circle is `tangential`."""
+    radius = Geometry(instance.unit).rw[0]
+    for _ in range(4):
+        missing = sign * tangential - instance.get("mesh.transmissionError")
+        instance.set({"gear1.angles[3]": instance.get("gear1.angles[3]") + missing / radius})
+    return instance
+
+
+def under_torque(make, pair, position, torque=TORQUE, sign=1, **parameters):
+    """An instance at this mesh position with this torque on gear 1, found by secants."""
+    correction = 0.0
+    # Pressing the teeth moves the mesh position by the slip: again from a corrected start.
+    for _ in range(3):
+        instance = make(pair)
+        g = Geometry(instance.unit)
+        pitch = 2 * math.pi / g.z[0]
+        phase = (position + correction) * pitch
+        start = {"damping": 0.0, "loadedFlank": 1 if sign > 0 else 2, "meshPhase": phase}
+        instance.initialize({**start, **parameters})
+
+        def missing(angle):
+            instance.set({"gear1.angles[3]": angle})
+            return abs(instance.get("gear1.moment[3]")) - torque
+
+        a, b = sign * 5e-6 / g.rw[0], sign * 3e-5 / g.rw[0]
+        at_a, at_b = missing(a), missing(b)
+        for _ in range(40):
+            if abs(at_b) < 1e-9 * torque or at_a == at_b:
+                break
+            a, b, at_a = b, b - at_b * (b - a) / (at_b - at_a), at_b
+            at_b = missing(b)
+        assert abs(at_b) < 1e-7 * torque
+        correction += (position - instance.get("mesh.position") + 0.5) % 1.0 - 0.5
+    return instance
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    """Results of `gearmesh solve` at nominal torque by pair and flank, with the compliance of the tables."""
+    folder = tmp_path_factory.mktemp("solved")
+    out = {}
+    for name, flank in itertools.product(("external", "ring2"), ("drive", "coast")):
+        file = folder / f"{name}.json"
+        file.write_text(json.dumps(pair_files()[name]))
+        options = ["--positions", 8, "--torque-nm", TORQUE, "--flank", flank, "--json"]
+        out[name, flank] = json.loads(gearmesh("solve", file, *QUICK, *options))
+    return out
+
+
+@FORMULATIONS
+@pytest.mark.parametrize("pair", FULL)
+def test_every_combination_of_effects_gives_finite_balanced_wrenches(table_mesh, pair, formulation):
+    for on in itertools.product([0, 1], repeat=3):
+        for load_dependent, interpolation in ((1, 1), (1, 2), (0, 1), (0, 2)):
+            instance = table_mesh(pair)
+            g = Geometry(instance.unit)
+            choices = {"loadDependent": load_dependent, "interpolation": interpolation}
+            effects = dict(zip(EFFECTS, on))
+            instance.initialize({**effects, **choices, "formulation": formulation})
+            c = instance.get("gear2.position[1]")
+            instance.set({"gear2.position[1]": c + 2e-5, "gear2.angles[1]": 4e-4})
+            press(instance, 1.5e-5)
+            assert instance.step(0.0, STEP) == OK, instance.log()
+            f1, f2 = (np.array(instance.vector(f"gear{i}.force")) for i in (1, 2))
+            m1, m2 = (np.array(instance.vector(f"gear{i}.moment")) for i in (1, 2))
+            _, outputs = variables(instance)
+            assert np.all(np.isfinite(evaluate(instance, outputs)))
+            assert np.array_equal(f1, -f2) and np.linalg.norm(f1) > 500.0
+            # About the origin of gear 1 the pair of wrenches balances.
+            arm = np.array(instance.vector("gear2.position"))
+            scale = np.linalg.norm(f1) * g.c
+            assert m1 + m2 + np.cross(arm, f2) == pytest.approx(np.zeros(3), abs=1e-10 * scale)
+            assert instance.get("mesh.outOfRange") == 0
+
+
+@pytest.mark.parametrize("pair", CYCLE)
+@pytest.mark.parametrize("effect", EFFECTS[:2])
+def test_an_effect_without_its_axis_is_refused_by_name(table_mesh, pair, effect):
+    instance = table_mesh(pair)
+    instance.expect("fmi2EnterInitializationMode")
+    instance.set({effect: 1})
+    assert instance.call("fmi2ExitInitializationMode") == ERROR
+    assert effect in instance.log()
+
+
+@FORMULATIONS
+@pytest.mark.parametrize("flank", ["drive", "coast"])
+@pytest.mark.parametrize("pair", CYCLE)
+def test_the_unit_carries_the_nominal_torque_at_the_static_transmission_error(
+    table_mesh, solved, pair, flank, formulation
+):
+    static = solved[pair.removesuffix("-cycle"), flank]
+    sign = 1 if flank == "drive" else -1
+    for i, position in enumerate(static["mesh_position"]):
+        instance = under_torque(
+            table_mesh, pair, position, sign=sign, formulation=formulation, shuttlingEffect=1
+        )
+        g = Geometry(instance.unit)
+        away = instance.get("mesh.position") - position
+        assert away - round(away) == pytest.approx(0.0, abs=1e-8)
+        found = sign * instance.get("mesh.transmissionError") * math.cos(g.phi) * 1e6
+        # The tables' error is 0.4 % of the force at most.
+        assert found == pytest.approx(static["ste_loa_um"][i], rel=4e-3)
+        z = 1e3 * instance.get("mesh.contactZ")
+        assert z == pytest.approx(static["contact_z_mm"][i], abs=0.05)
+
+
+@pytest.mark.parametrize("pair", CYCLE)
+def test_constant_load_is_the_secant_stiffness_at_nominal_torque(table_mesh, solved, pair):
+    """Paper, (21): k = F / STE at the nominal load, whatever the load is."""
+    static = solved[pair.removesuffix("-cycle"), "drive"]
+    for torque in (10.0, TORQUE, 150.0):
+        for i in (0, 3, 6):
+            position = static["mesh_position"][i]
+            instance = under_torque(table_mesh, pair, position, torque, loadDependent=0, formulation=PAPER)
+            g = Geometry(instance.unit)
+            along_line = g.rw[0] * math.cos(g.phi)
+            k = TORQUE / along_line / (1e-6 * static["ste_loa_um"][i]) * math.cos(g.phi) ** 2
+            assert instance.get("mesh.stiffness") == pytest.approx(k, rel=4e-3)
+            force = instance.get("mesh.stiffness") * instance.get("mesh.transmissionError")
+            assert instance.get("mesh.tangentialForce") == pytest.approx(force, rel=1e-9)
+
+
+def scan(instance, name, values, force):
+    """Elongations and flags while the input `name` goes through `values` under a constant force."""
+    radius = Geometry(instance.unit).rw[0]
+    elongations, flags = [], []
+    for value in values:
+        instance.set({name: value})
+        press(instance, 1e-5)
+        for _ in range(40):
+            missing = (force - instance.get("mesh.tangentialForce")) / instance.get("mesh.stiffness")
+            angle = instance.get("gear1.angles[3]")
+            instance.set({"gear1.angles[3]": angle + missing / radius})
+            if abs(missing) < 1e-14:
+                break
+        assert instance.get("mesh.tangentialForce") == pytest.approx(force, rel=1e-6)
+        elongations.append(instance.get("mesh.transmissionError"))
+        flags.append(instance.get("mesh.outOfRange"))
+    return np.array(elongations), np.array(flags)
+
+
+@FORMULATIONS
+@pytest.mark.parametrize("pair", FULL)
+def test_beyond_top_load_a_flag_is_raised_and_the_force_goes_on_smoothly(table_mesh, pair, formulation):
+    instance = table_mesh(pair).initialize({"damping": 0.0, "formulation": formulation})
+    points = []
+    for elongation in np.linspace(0.0, 6e-5, 201):
+        press(instance, elongation)
+        points.append(instance.get("mesh.tangentialForce", "mesh.outOfRange"))
+    forces, flags = np.array(points).T
+    first = np.flatnonzero(flags)[0]
+    assert 10 < first < 190 and np.all(flags[first:] == 1)
+    # A jump or a kink bends the curve more at the border than it bends anywhere within the range.
+    bend = np.abs(np.diff(forces, 2))
+    assert bend[first - 3 : first + 3].max() <= 1.5 * bend[2 : first - 3].max()
+
+
+@FORMULATIONS
+@pytest.mark.parametrize("pair", FULL)
+@pytest.mark.parametrize("axis", ["centre distance", "misalignment"])
+def test_beyond_the_range_of_an_axis_a_flag_is_raised_and_nothing_jumps(
+    table_mesh, pair, axis, formulation
+):
+    instance = table_mesh(pair).initialize({"damping": 0.0, "formulation": formulation})
+    c = instance.get("gear2.position[1]")
+    name, start, end = {
+        "centre distance": ("gear2.position[1]", c, c + 2e-4),
+        "misalignment": ("gear2.angles[1]", 0.0, 5e-3),
+    }[axis]
+    values = np.linspace(start, end, 201)
+    elongations, flags = scan(instance, name, values, 1500.0)
+    first = np.flatnonzero(flags)[0]
+    assert 10 < first < 190 and np.all(flags[first:] == 1)
+    assert np.all(np.isfinite(elongations))
+    # The slope within one step of the border, and as close to it as doubles allow to resolve.
+    slope = np.abs(np.diff(elongations)).max() / (values[1] - values[0])
+    low, high = values[first - 1], values[first]
+    for _ in range(25):
+        middle = 0.5 * (low + high)
+        _, (flag,) = scan(instance, name, [middle], 1500.0)
+        low, high = (low, middle) if flag else (middle, high)
+    (inside, outside), _ = scan(instance, name, [low, high], 1500.0)
+    assert abs(outside - inside) <= slope * (high - low) + 1e-13
+
+
+@FORMULATIONS
+@pytest.mark.parametrize("pair", FULL)
+@pytest.mark.parametrize("load_dependent", [1, 0], ids=["variable", "constant-load"])
+def test_directional_derivatives_of_tables_are_those_of_differences(
+    table_mesh, pair, formulation, load_dependent
+):
+    rng = np.random.default_rng(7)
+    instance = table_mesh(pair)
+    inputs, outputs = variables(instance)
+    # Its derivative is a third derivative of the potential, piecewise constant for a cubic spline and
+    # formed by differences inside the unit.
+    outputs.remove("mesh.stiffness")
+    instance.initialize(
+        {"damping": 1e3, "formulation": formulation, "loadDependent": load_dependent, "meshPhase": 0.03}
+    )
+    press(instance, 1.5e-5)
+    values = values_of(instance, inputs)
+    for n in inputs:
+        values[n] += rng.uniform(-1, 1) * (1e-2 if "elocity" in n else 2e-6)
+    values["gear2.angles[1]"] += 3e-4
+    check_derivatives(instance, values, outputs, rng)
+
+
+def test_interpolations_differ_by_the_error_of_the_table_alone(table_mesh):
+    forces = []
+    for interpolation in (1, 2):
+        instance = under_torque(table_mesh, "external-cycle", 0.21, interpolation=2)
+        angle = instance.get("gear1.angles[3]")
+        phase = instance.get("meshPhase")
+        instance.expect("fmi2Reset")
+        instance.initialize({"interpolation": interpolation, "meshPhase": phase, "damping": 0.0})
+        instance.set({"gear1.angles[3]": angle})
+        forces.append(instance.get("mesh.tangentialForce"))
+    assert forces[0] != forces[1]
+    assert forces[0] == pytest.approx(forces[1], rel=0.02)
+
+
+def test_two_pairs_with_tables_run_at_once(table_mesh):
+    alone = {}
+    for pair in FULL:
+        instance = table_mesh(pair).initialize()
+        alone[pair] = run(instance, 20)
+    both = {pair: table_mesh(pair).initialize() for pair in FULL}
+    mixed = {pair: [] for pair in FULL}
+    for i in range(20):
+        for pair, instance in both.items():
+            mixed[pair] += run(instance, 1, first=i)
+    assert mixed == alone and alone[FULL[0]] != alone[FULL[1]]
+
+
+@pytest.mark.parametrize("pair", FULL)
+def test_a_state_on_tables_goes_on_in_another_process(table_mesh, table_fmus, tmp_path, pair):
+    instance = table_mesh(pair).initialize({"meshPhase": 0.02, "loadDependent": 0})
+    goes_on_elsewhere(instance, table_fmus[pair], tmp_path)
+
+
+def test_loads_of_tables_leave_no_memory_behind(table_fmus, tmp_path):
+    unit = Unit(table_fmus["external-cycle"], tmp_path / "unit")
+
+    def cycle():
+        instance = unit.instance(logging=False)
+        instance.initialize()
+        assert instance.step(0.0, STEP) == OK
+        instance.close()
+
+    for _ in range(50):
+        cycle()
+    before = resident_size()
+    for _ in range(1000):
+        cycle()
+    # The tables alone take more than ten kilobytes.
+    assert resident_size() - before < 2e6

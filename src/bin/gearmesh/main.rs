@@ -6,6 +6,7 @@
 mod build;
 mod import;
 mod inspect;
+mod limits;
 mod model;
 mod output;
 mod pack;

@@ -13,6 +13,7 @@ use gearmesh::gear::Gear;
 use gearmesh::pair::{ComplianceMethod, Pair, Refinement};
 
 use crate::Error;
+use crate::limits;
 use crate::progress::Progress;
 
 /// `on` or `off`.
@@ -142,6 +143,7 @@ impl ModelArgs {
 
     /// The solver for `pair`, to which the command line has been applied.
     pub fn solver(&self, pair: &Pair) -> Result<Model, Error> {
+        limits::stations(self.stations)?;
         let begin = Instant::now();
         let compliance = match pair.compliance.method {
             ComplianceMethod::Analytical => self.analytical(pair)?,

@@ -9,6 +9,7 @@ use gearmesh::gear::{self, PairGeometry};
 use gearmesh::pair::{Operating, Pair};
 use serde::Serialize;
 
+use crate::limits;
 use crate::model::{Model, ModelArgs};
 use crate::output::{self, Listing};
 
@@ -37,7 +38,7 @@ pub struct Solve {
     pair: PathBuf,
 
     /// Torque on gear 1, N m [default: the pair's nominal torque]
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     torque_nm: Option<f64>,
 
     /// Number of positions over the mesh cycle
@@ -71,6 +72,12 @@ pub struct Solve {
 impl Solve {
     /// Solves and prints.
     pub fn run(self) -> Result<(), crate::Error> {
+        limits::positions(self.positions)?;
+        limits::operating_point(
+            self.torque_nm,
+            self.center_distance_offset_um,
+            self.misalignment_mrad,
+        )?;
         let mut pair = self.model.applied_to(Pair::read(&self.pair)?);
         self.widen(&mut pair.operating);
         self.model.use_threads()?;
@@ -101,14 +108,9 @@ impl Solve {
     /// model resolves and how far tip corners are followed.
     fn widen(&self, operating: &mut Operating) {
         let torque = self.torque_nm.unwrap_or(operating.nominal_torque);
-        // What is not finite is refused by the contact solver, under its own name.
-        if torque.is_finite() {
-            operating.maximum_torque = operating.maximum_torque.max(torque);
-        }
+        operating.maximum_torque = operating.maximum_torque.max(torque);
         let include = |range: &mut [f64; 2], value: f64| {
-            if value.is_finite() {
-                *range = [range[0].min(value), range[1].max(value)];
-            }
+            *range = [range[0].min(value), range[1].max(value)];
         };
         include(&mut operating.misalignment, self.misalignment_mrad * 1e-3);
         include(

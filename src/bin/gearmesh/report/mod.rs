@@ -16,6 +16,7 @@ use gearmesh::table::TableFile;
 use page::Page;
 
 use crate::Error;
+use crate::limits;
 use crate::model::{Model, ModelArgs};
 use crate::output;
 use crate::pair_summary::pair_summary;
@@ -53,6 +54,7 @@ pub struct Report {
 impl Report {
     /// Solves, draws and writes.
     pub fn run(self) -> Result<(), Error> {
+        limits::positions(self.positions)?;
         let pair = self.model.applied_to(Pair::read(&self.pair)?);
         self.model.use_threads()?;
         let model = self.model.solver(&pair)?;

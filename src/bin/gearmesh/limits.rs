@@ -1,0 +1,89 @@
+//! Limits of the command line's numbers: refused before anything is computed or memory is asked for.
+//!
+//! The operating point has the limits that the pair file has for its `operating` fields.
+
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+use crate::Error;
+
+/// Refuses a number of positions that no mesh cycle needs.
+pub fn positions(count: usize) -> Result<(), Error> {
+    within("positions", count, 1..=100_000)
+}
+
+/// Refuses a number of stations along the face whose influence matrix would not fit into memory.
+pub fn stations(count: usize) -> Result<(), Error> {
+    within("stations", count, 1..=1000)
+}
+
+/// Refuses a torque, centre distance or misalignment that no pair file may cover; `None` is the pair's
+/// own torque.
+pub fn operating_point(
+    torque_nm: Option<f64>,
+    center_distance_offset_um: f64,
+    misalignment_mrad: f64,
+) -> Result<(), Error> {
+    within("torque-nm", torque_nm.unwrap_or(0.0), 0.0..=1e9)?;
+    within(
+        "center-distance-offset-um",
+        center_distance_offset_um,
+        -1e4..=1e4,
+    )?;
+    within("misalignment-mrad", misalignment_mrad, -20.0..=20.0)
+}
+
+/// Refuses what lies outside `range`; NaN lies outside every range.
+fn within<T: PartialOrd + Display>(
+    option: &str,
+    value: T,
+    range: RangeInclusive<T>,
+) -> Result<(), Error> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    let (low, high) = range.into_inner();
+    let hint = match option {
+        "torque-nm" => "; for the other flank say `--flank coast`",
+        _ => "",
+    };
+    Err(format!("--{option} = {value}: give a value from {low} to {high}{hint}").into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_would_exhaust_memory_is_refused_by_name() {
+        let message = positions(100_000_000_000).unwrap_err().to_string();
+        assert!(message.contains("--positions = 100000000000"), "{message}");
+        let message = stations(1_000_000_000).unwrap_err().to_string();
+        assert!(message.contains("--stations = 1000000000"), "{message}");
+        let message = operating_point(None, -1e9, 0.0).unwrap_err().to_string();
+        assert!(
+            message.contains("--center-distance-offset-um = -1000000000"),
+            "{message}"
+        );
+        assert!(positions(0).is_err() && stations(0).is_err());
+    }
+
+    #[test]
+    fn the_edges_of_the_range_are_allowed_and_nan_is_not() {
+        assert!(positions(1).is_ok() && stations(1000).is_ok());
+        assert!(operating_point(Some(0.0), -1e4, 20.0).is_ok());
+        for point in [
+            (Some(f64::NAN), 0.0, 0.0),
+            (None, f64::NAN, 0.0),
+            (None, 0.0, f64::NAN),
+        ] {
+            assert!(operating_point(point.0, point.1, point.2).is_err());
+        }
+    }
+
+    #[test]
+    fn a_negative_torque_is_told_of_the_other_flank() {
+        let message = operating_point(Some(-5.0), 0.0, 0.0).unwrap_err();
+        assert!(message.to_string().contains("--flank coast"), "{message}");
+    }
+}

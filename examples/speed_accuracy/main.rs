@@ -63,7 +63,7 @@ fn main() -> Result<(), Error> {
     document.paragraph(&machine::description());
     document.paragraph(&format!(
         "Method: times are medians of {} rounds in one process, in which all candidates of a table take \
-         turns, so that every ratio belongs to one run; one thread. Errors are against direct solutions of \
+         turns, each with an untimed run first, so that every ratio belongs to one run; one thread. Errors are against direct solutions of \
          static tooth contact at held-out random operating points, {} per scene. Pair: {PAIR}.{}",
         timing::ROUNDS,
         points(quick),

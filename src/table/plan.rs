@@ -1,7 +1,7 @@
 //! Which nodes a table needs for a stated error, and what error it has.
 //!
 //! The error of a tensor-product interpolant is nearly the sum of those along each axis. So nodes are put
-//! along each axis by itself ([`Choices`]), the cheapest combination is swept and measured at random points of all
+//! along each axis by itself (`choices.rs`), the cheapest combination is swept and measured at random points of all
 //! coordinates, and the next combination follows from what was found.
 
 use super::choices::Choices;

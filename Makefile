@@ -30,9 +30,9 @@ lint: setup
 	$(CARGO) clippy --release --lib --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps
 
-test: lint
+# The build comes first: the tests of the command line pack the library that lies beside it.
+test: lint build
 	$(CARGO) test --release
-	$(CARGO) build --release
 	$(VENV)/bin/python -m pytest -q tests/python
 
 # The paper's simulations: target/demo/palermo2013.fmu, the plots and index.html.

@@ -47,8 +47,10 @@ report: build
 	$(VENV)/bin/python -m demo --out target/demo --docs docs
 	mkdir -p target/report
 	for pair in resources/pairs/*.json; do \
-	    $(GEARMESH) report $$pair -o target/report/$$(basename $$pair .json).html || exit 1; \
+	    page=target/report/$$(basename $$pair .json); \
+	    $(GEARMESH) report $$pair -o $$page.html --figures $$page || exit 1; \
 	done
+	cp target/report/palermo2013/contact-pattern-on-gear-1-2.svg docs/contact-pattern.svg
 
 bench: setup
 	$(CARGO) bench

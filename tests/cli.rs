@@ -230,6 +230,7 @@ fn a_torque_that_cannot_be_is_refused_by_name() {
 fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("report.html");
+    let figures = folder.path().join("figures");
     let output = gearmesh(&[
         "report",
         &paper(),
@@ -239,6 +240,8 @@ fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
         "8",
         "-o",
         file.to_str().unwrap(),
+        "--figures",
+        figures.to_str().unwrap(),
     ]);
     assert!(output.status.success(), "{}", stderr(&output));
     let html = std::fs::read_to_string(&file).unwrap();
@@ -249,7 +252,13 @@ fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
     // The name space of SVG is a name, not an address to be loaded.
     let addresses = html.replace("http://www.w3.org/2000/svg", "");
     assert!(!addresses.contains("http"), "an address in the page");
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    let files = |folder| std::fs::read_dir(folder).unwrap().count();
+    assert_eq!(
+        files(folder.path()),
+        2,
+        "the page and the folder of figures"
+    );
+    assert_eq!(files(&figures), html.matches("<svg").count());
 }
 
 #[test]

@@ -116,11 +116,17 @@ impl LocalContact {
         f > 0.0 && (0.125 * self.c * f / self.length).ln() + self.log_scale >= U_WIDE
     }
 
+    /// Whether contact reaches a tip edge under the force `f`, N.
+    pub fn reaches_edge(&self, f: f64) -> bool {
+        self.edge
+            .is_some_and(|edge| f / self.length > edge.least_line_load())
+    }
+
     /// Half the width of contact, m, under the force `f`, N: that of Hertz away from an edge.
     pub fn half_width(&self, f: f64) -> f64 {
         let w = f.max(0.0) / self.length;
         match &self.edge {
-            Some(edge) if w > edge.least_line_load() => 0.5 * edge.width(w),
+            Some(edge) if self.reaches_edge(f) => 0.5 * edge.width(w),
             _ => (self.kappa * w).sqrt(),
         }
     }

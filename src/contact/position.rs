@@ -33,8 +33,10 @@ pub struct StripLoad {
     pub roll: [f64; 2],
     /// Normal force, N.
     pub force: f64,
-    /// Largest Hertz pressure, Pa. On a tip edge that of the flanks' radii, a lower bound.
+    /// Largest Hertz pressure, Pa; where contact reaches a tip edge, 4 / pi times the mean.
     pub pressure: f64,
+    /// Whether contact reaches a tip edge. The pressure at a sharp edge has no bound.
+    pub reaches_edge: bool,
 }
 
 /// Static contact at one operating point.
@@ -317,12 +319,14 @@ impl PositionProblem {
             .iter()
             .zip(&result.forces)
             .zip(&result.pressures)
-            .map(|((candidate, &force), &pressure)| StripLoad {
+            .zip(&self.local)
+            .map(|(((candidate, &force), &pressure), local)| StripLoad {
                 tooth_pair: candidate.tooth_pair,
                 z: candidate.z,
                 roll: candidate.roll,
                 force,
                 pressure,
+                reaches_edge: local.reaches_edge(force / POINTS as f64),
             })
             .collect()
     }

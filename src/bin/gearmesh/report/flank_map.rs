@@ -15,6 +15,8 @@ pub struct Patch {
     pub corners: [(f64, f64); 4],
     /// Pressure, MPa.
     pub pressure: f64,
+    /// Whether contact reaches a tip edge there: drawn apart from the scale.
+    pub at_edge: bool,
 }
 
 /// The flank that patches lie on.
@@ -24,6 +26,9 @@ pub struct FlankView {
     /// Diameters from the start of the active profile to the tip, mm.
     pub diameter: Range<f64>,
 }
+
+/// Contact at a tip edge.
+const EDGE: RGBColor = RGBColor(0, 114, 178);
 
 /// From pale to dark with the fraction 0 ..= 1 of the scale.
 fn shade(fraction: f64) -> RGBColor {
@@ -43,14 +48,15 @@ fn shade(fraction: f64) -> RGBColor {
     RGBColor(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
 }
 
-/// Draws `patches`, higher pressures over lower ones, on a scale from 0 to `top` MPa.
+/// Draws `patches`, higher pressures over lower ones, on a scale from 0 to `top` MPa; contact at tip edges,
+/// where pressure has no bound, in a colour of its own.
 pub fn flank_map(
     title: &str,
     view: &FlankView,
     mut patches: Vec<Patch>,
     top: f64,
 ) -> Result<String, Error> {
-    patches.sort_by(|a, b| a.pressure.total_cmp(&b.pressure));
+    patches.sort_by(|a, b| (a.at_edge.cmp(&b.at_edge)).then(a.pressure.total_cmp(&b.pressure)));
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
@@ -71,7 +77,12 @@ pub fn flank_map(
             .label_style(("sans-serif", 12))
             .draw()?;
         chart.draw_series(patches.into_iter().map(|patch| {
-            Polygon::new(patch.corners.to_vec(), shade(patch.pressure / top).filled())
+            let colour = if patch.at_edge {
+                EDGE
+            } else {
+                shade(patch.pressure / top)
+            };
+            Polygon::new(patch.corners.to_vec(), colour.filled())
         }))?;
 
         let mut scale = ChartBuilder::on(&bar)

@@ -43,6 +43,10 @@ pub struct Report {
     #[arg(long)]
     tables: Option<PathBuf>,
 
+    /// Folder for the pictures as SVG files, too; it is made if it is not there
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+
     /// Number of positions over the mesh cycle
     #[arg(long, default_value_t = 64)]
     positions: usize,
@@ -79,6 +83,13 @@ impl Report {
         curves(&mut page, &cycles)?;
         table(&mut page, &cycles);
         pressures(&mut page, &pair, &model, self.positions)?;
+        if let Some(folder) = &self.figures {
+            std::fs::create_dir_all(folder)
+                .map_err(|error| format!("--figures = {}: {error}", folder.display()))?;
+            for figure in page.figures() {
+                output::write_whole(&folder.join(&figure.file), figure.svg.as_bytes())?;
+            }
+        }
         output::write_whole(&self.output, page.finish().as_bytes())?;
         output::print(&format!("Wrote {}\n", self.output.display()))?;
         Ok(())
@@ -183,7 +194,8 @@ fn load_share((torque, cycle): &(f64, MeshCycle)) -> Curve {
 fn table(page: &mut Page, cycles: &[(f64, MeshCycle)]) {
     page.section(
         "In numbers",
-        "STE on the line of action; pressure after Hertz.",
+        "STE on the line of action; pressure after Hertz, where contact reaches a sharp tip edge 4/pi times \
+         its mean.",
     );
     let rows: Vec<Vec<String>> = cycles
         .iter()
@@ -215,7 +227,9 @@ fn pressures(page: &mut Page, pair: &Pair, model: &Model, positions: usize) -> R
     let nominal = pair.operating.nominal_torque;
     page.section(
         "Contact pattern on gear 1",
-        "Largest pressure that each place of the flank sees over the mesh cycle (Fig. 20 of the paper).",
+        "Largest pressure that each place of the flank sees over the mesh cycle (Fig. 20 of the paper). \
+         Blue: contact reaches the tip edge of gear 1, or of gear 2 where it meets the root; at a sharp edge \
+         pressure has no bound, so it is not on the scale.",
     );
     let patterns = PATTERN_LOADS
         .iter()
@@ -266,11 +280,11 @@ fn pressures(page: &mut Page, pair: &Pair, model: &Model, positions: usize) -> R
     Ok(())
 }
 
-/// Maps on one common scale.
+/// Maps on one common scale, that of the contact inside the flanks.
 fn maps(pair: &Pair, patterns: Vec<(String, Vec<flank_map::Patch>)>) -> Result<Vec<String>, Error> {
     let top = patterns
         .iter()
-        .flat_map(|(_, patches)| patches.iter().map(|p| p.pressure))
+        .flat_map(|(_, patches)| patches.iter().filter(|p| !p.at_edge).map(|p| p.pressure))
         .fold(1.0, f64::max);
     let view = pressure::view(pair);
     patterns

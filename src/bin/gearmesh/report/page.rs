@@ -12,6 +12,17 @@ border-bottom:1px solid #ddd}";
 pub struct Page {
     title: String,
     body: String,
+    /// Heading of the section that is being written, for the names of its pictures.
+    heading: String,
+    figures: Vec<Figure>,
+}
+
+/// A picture of the page as a file of its own.
+pub struct Figure {
+    /// File name without a folder: the section's heading in small letters and a number from 1.
+    pub file: String,
+    /// Whole SVG document.
+    pub svg: String,
 }
 
 /// Text with the characters that HTML reserves replaced.
@@ -28,11 +39,14 @@ impl Page {
         Page {
             title: title.into(),
             body: String::new(),
+            heading: title.into(),
+            figures: Vec::new(),
         }
     }
 
     /// Adds a heading and a paragraph that says what follows.
     pub fn section(&mut self, heading: &str, note: &str) {
+        self.heading = heading.into();
         let _ = writeln!(
             self.body,
             "<h2>{}</h2>\n<p class=\"note\">{}</p>",
@@ -48,6 +62,12 @@ impl Page {
 
     /// Adds pictures side by side.
     pub fn pictures(&mut self, svgs: &[String]) {
+        let name: String = self.heading.to_lowercase().replace(' ', "-");
+        self.figures
+            .extend(svgs.iter().enumerate().map(|(i, svg)| Figure {
+                file: format!("{name}-{}.svg", i + 1),
+                svg: svg.clone(),
+            }));
         let _ = writeln!(self.body, "<div class=\"row\">{}</div>", svgs.join("\n"));
     }
 
@@ -64,6 +84,11 @@ impl Page {
             text += &line("td", &mut row.iter().map(String::as_str));
         }
         let _ = writeln!(self.body, "<table>{text}</table>");
+    }
+
+    /// The pictures so far, for files of their own.
+    pub fn figures(&self) -> &[Figure] {
+        &self.figures
     }
 
     /// The finished page.
@@ -90,5 +115,15 @@ mod tests {
         let html = page.finish();
         assert!(!html.contains("<script>") && !html.contains("<i>"));
         assert!(html.contains("a &amp; b") && html.contains("1 &lt; 2"));
+    }
+
+    #[test]
+    fn every_picture_is_a_file_named_after_its_section() {
+        let mut page = Page::new("Pair");
+        page.section("Load share", "");
+        page.pictures(&["<svg>1</svg>".into(), "<svg>2</svg>".into()]);
+        let files: Vec<&str> = page.figures().iter().map(|f| f.file.as_str()).collect();
+        assert_eq!(files, ["load-share-1.svg", "load-share-2.svg"]);
+        assert_eq!(page.figures()[1].svg, "<svg>2</svg>");
     }
 }

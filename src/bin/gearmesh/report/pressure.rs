@@ -66,6 +66,7 @@ pub fn pattern(
                     Patch {
                         corners: [(z0, low), (z1, low), (z1, high), (z0, high)],
                         pressure: strip.pressure * 1e-6,
+                        at_edge: strip.reaches_edge,
                     }
                 })
                 .collect())

@@ -5,6 +5,20 @@ pub mod analytical;
 pub mod finite_element;
 
 use nalgebra::DMatrix;
+use thiserror::Error;
+
+/// Two strips lie on teeth farther apart than the elastic model goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error(
+    "strips lie {distance} teeth apart, but the elastic model holds the influence of teeth on each other up to \
+     {reach} teeth apart only; compute it with a larger `reach`"
+)]
+pub struct BeyondModel {
+    /// Difference of the tooth numbers.
+    pub distance: usize,
+    /// Largest difference the model holds.
+    pub reach: usize,
+}
 
 /// A piece of a contact line as one gear sees it, in canonical coordinates of that gear: a
 /// right-handed gear whose loaded flank faces +theta ([`Strip::tooth`] counts in +theta, `z` from
@@ -32,7 +46,10 @@ pub struct Strip {
 pub trait ToothCompliance: Send + Sync {
     /// Symmetric influence matrix, m/N: displacement of strip i into its own flank along the inward
     /// normal, averaged over the strip, per unit normal force on strip j.
-    fn bulk(&self, strips: &[Strip]) -> DMatrix<f64>;
+    ///
+    /// # Errors
+    /// [`BeyondModel`] for strips on teeth so far apart that the model knows nothing of them.
+    fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel>;
 
     /// The length L_i of every strip, m, that completes `bulk` with the local contact.
     fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64>;

@@ -26,6 +26,8 @@ pub struct Candidate {
     /// Slope of the gap at the nearest tip edge, from the edge into the flank, in the normal section; negative
     /// where contact lies inside the flank.
     pub edge_slope: f64,
+    /// Arm of the force about the axis of gear 1, in the transverse plane over its base radius.
+    pub arm: f64,
     /// The strip in the canonical coordinates of gear 1 and gear 2.
     pub strips: [Strip; 2],
 }
@@ -141,6 +143,7 @@ impl ContactLines<'_> {
             // The transverse tangent is normal to the generator; the gap is cos beta_b of that along the
             // line of action.
             edge_slope: middle.edge_slope * cos_beta_b,
+            arm: middle.arm,
             strips: [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]])),
         }
     }

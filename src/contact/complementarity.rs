@@ -1,12 +1,14 @@
 //! The frictionless contact problem of many strips: forces that press only, gaps that are not negative.
 //!
-//! Strips i with normal forces F_i >= 0 and a load cos beta_b sum F_i = F_bt at the approach delta:
+//! Strips i with normal forces F_i >= 0 and a load sum c_i F_i = F_bt at the approach delta, c_i the arm of
+//! the normal force about the axis of gear 1 over its base radius (cos beta_b inside the flanks):
 //!
-//! x_i = cos beta_b delta - (A F)_i is what local contact and gaps have to take up, F_i = phi_i(x_i),
+//! x_i = c_i delta - (A F)_i is what local contact and gaps have to take up, F_i = phi_i(x_i),
 //!
-//! A the bulk influence matrix, phi_i(x) = sum_q l_q(x - cos beta_b g_iq) over the points q of the strip, g
-//! the gaps along the line of action and l_q the inverse of the local law, zero for arguments <= 0. Eliminating the local contact like this leaves no inequality: the solution
-//! is the minimum over (y, delta) of the convex function with a continuous gradient
+//! A the bulk influence matrix, phi_i(x) = sum_q l_q(x - g_iq) over the points q of the strip, g the gaps along
+//! the normal and l_q the inverse of the local law, zero for arguments <= 0. Eliminating the local contact
+//! like this leaves no inequality: the solution is the minimum over (y, delta) of the convex function with a
+//! continuous gradient
 //!
 //! J = y' A y / 2 + sum Phi_i(x_i(y, delta)) - F_bt delta, Phi' = phi,
 //!
@@ -16,7 +18,6 @@
 
 use super::candidates::POINTS;
 use super::cholesky::{Cholesky, dot};
-use super::error::ContactError;
 use super::hertz::LocalContact;
 
 /// One frictionless contact problem.
@@ -25,10 +26,11 @@ pub struct Problem<'a> {
     pub bulk: &'a [f64],
     /// Local law of one point of each strip.
     pub local: &'a [LocalContact],
-    /// Gaps along the line of action at the points of each strip, m, misalignment included.
+    /// Gaps along the normal at the points of each strip, m, misalignment included.
     pub gap: &'a [[f64; POINTS]],
-    /// cos beta_b: normal over transverse.
-    pub cos_beta_b: f64,
+    /// Arm of the normal force on each strip about the axis of gear 1, over its base radius; by virtual work
+    /// also what the flanks close along their normal per approach.
+    pub arm: &'a [f64],
 }
 
 /// What is prescribed.
@@ -58,6 +60,17 @@ pub struct Solution {
     pub active: Vec<usize>,
     /// Factor of D + A over the strips in contact, at the solution.
     pub factor: Cholesky,
+}
+
+/// Why there is no solution; [`super::ContactError`] adds where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Failure {
+    /// The local law ends before the pressure (Pa) that it took.
+    ContactTooWide { pressure: f64 },
+    /// Index of the failing pivot among the strips in contact.
+    NotPositiveDefinite { pivot: usize },
+    /// Newton's iteration stopped short of its tolerance at this relative residual.
+    NotConverged { iterations: usize, residual: f64 },
 }
 
 /// Newton steps after which the solve gives up with an error. Twenty are seldom needed.
@@ -93,14 +106,14 @@ impl Problem<'_> {
     /// `foundation` (N/m per m of contact line) where there is none.
     ///
     /// # Errors
-    /// [`ContactError::NotPositiveDefinite`], [`ContactError::NotConverged`],
-    /// [`ContactError::ContactTooWide`].
+    /// [`Failure::NotPositiveDefinite`], [`Failure::NotConverged`],
+    /// [`Failure::ContactTooWide`].
     pub fn solve(
         &self,
         target: Target,
         start: Option<(&[f64], f64)>,
         foundation: f64,
-    ) -> Result<Solution, ContactError> {
+    ) -> Result<Solution, Failure> {
         let mut at = self.start(target, start, foundation);
         let mut solution = Solution::default();
         let mut residual = f64::INFINITY;
@@ -148,14 +161,13 @@ impl Problem<'_> {
                 return self.finish(target, at, solution);
             }
         }
-        Err(ContactError::NotConverged {
+        Err(Failure::NotConverged {
             iterations: MAXIMUM_ITERATIONS,
             residual,
         })
     }
 
     fn start(&self, target: Target, start: Option<(&[f64], f64)>, foundation: f64) -> Iterate {
-        let c = self.cos_beta_b;
         let mut at = Iterate {
             y: vec![0.0; self.len()],
             ay: vec![0.0; self.len()],
@@ -177,8 +189,9 @@ impl Problem<'_> {
                     Target::Force(force) => self.foundation_approach(force, foundation),
                 };
                 for i in 0..self.len() {
-                    let closed: f64 = self.gap[i].iter().map(|g| (at.delta - g).max(0.0)).sum();
-                    at.y[i] = foundation * self.local[i].length() * c * closed;
+                    let closing = self.arm[i] * at.delta;
+                    let closed: f64 = self.gap[i].iter().map(|g| (closing - g).max(0.0)).sum();
+                    at.y[i] = foundation * self.local[i].length() * closed;
                 }
             }
         }
@@ -189,12 +202,13 @@ impl Problem<'_> {
 
     /// Approach at which independent springs of the stiffness `foundation` per length carry `force`.
     fn foundation_approach(&self, force: f64, foundation: f64) -> f64 {
-        let c = self.cos_beta_b;
-        let mut order: Vec<(f64, f64)> = self
-            .gap
-            .iter()
-            .zip(self.local)
-            .flat_map(|(gaps, local)| gaps.map(|g| (g, c * c * foundation * local.length())))
+        // Approach at which each point touches, and the stiffness it adds.
+        let mut order: Vec<(f64, f64)> = (0..self.len())
+            .flat_map(|i| {
+                let c = self.arm[i];
+                let stiffness = c * c * foundation * self.local[i].length();
+                self.gap[i].map(|g| (g / c, stiffness))
+            })
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (mut stiffness, mut moment) = (0.0, 0.0);
@@ -213,7 +227,7 @@ impl Problem<'_> {
     fn law(&self, i: usize, x: f64) -> (f64, f64) {
         let mut sum = (0.0, 0.0);
         for gap in &self.gap[i] {
-            let (force, slope) = self.local[i].force(x - self.cos_beta_b * gap);
+            let (force, slope) = self.local[i].force(x - gap);
             sum.0 += force;
             sum.1 += slope;
         }
@@ -222,7 +236,7 @@ impl Problem<'_> {
 
     fn refresh(&self, at: &mut Iterate) {
         for i in 0..self.len() {
-            at.x[i] = self.cos_beta_b * at.delta - at.ay[i];
+            at.x[i] = self.arm[i] * at.delta - at.ay[i];
             at.phi[i] = self.law(i, at.x[i]);
         }
     }
@@ -234,8 +248,7 @@ impl Problem<'_> {
         at: &Iterate,
         solution: &mut Solution,
         dy: &mut [f64],
-    ) -> Result<f64, ContactError> {
-        let c = self.cos_beta_b;
+    ) -> Result<f64, Failure> {
         self.factor(at, solution)?;
         let active = &solution.active;
         // Strips out of contact give up what they still carry.
@@ -260,10 +273,15 @@ impl Problem<'_> {
         solution.factor.solve(&mut right);
         let mut d_delta = 0.0;
         if let Target::Force(force) = target {
-            let mut unit = vec![c; active.len()];
+            let arm: Vec<f64> = active.iter().map(|&i| self.arm[i]).collect();
+            let mut unit = arm.clone();
             solution.factor.solve(&mut unit);
-            let carried: f64 = active.iter().zip(&right).map(|(&i, r)| at.y[i] + r).sum();
-            d_delta = (force - c * carried) / (c * unit.iter().sum::<f64>());
+            let carried: f64 = active
+                .iter()
+                .zip(&right)
+                .map(|(&i, r)| self.arm[i] * (at.y[i] + r))
+                .sum();
+            d_delta = (force - carried) / dot(&arm, &unit);
             for (r, u) in right.iter_mut().zip(&unit) {
                 *r += u * d_delta;
             }
@@ -274,7 +292,7 @@ impl Problem<'_> {
         Ok(d_delta)
     }
 
-    fn factor(&self, at: &Iterate, solution: &mut Solution) -> Result<(), ContactError> {
+    fn factor(&self, at: &Iterate, solution: &mut Solution) -> Result<(), Failure> {
         let active = &solution.active;
         solution
             .factor
@@ -286,7 +304,7 @@ impl Problem<'_> {
                     bulk
                 }
             })
-            .map_err(|pivot| ContactError::NotPositiveDefinite { pivot })
+            .map_err(|pivot| Failure::NotPositiveDefinite { pivot })
     }
 
     /// dJ/dt at the fraction `t` of the step.
@@ -299,9 +317,9 @@ impl Problem<'_> {
         d_delta: f64,
         t: f64,
     ) -> f64 {
-        let c = self.cos_beta_b;
         let (mut slope, mut carried) = (0.0, 0.0);
         for i in 0..self.len() {
+            let c = self.arm[i];
             let phi = self.law(i, at.x[i] + t * (c * d_delta - q[i])).0;
             slope += q[i] * (at.y[i] + t * dy[i] - phi);
             carried += c * phi;
@@ -350,8 +368,7 @@ impl Problem<'_> {
         target: Target,
         at: Iterate,
         mut solution: Solution,
-    ) -> Result<Solution, ContactError> {
-        let c = self.cos_beta_b;
+    ) -> Result<Solution, Failure> {
         let mut force: Vec<f64> =
             at.y.iter()
                 .zip(&at.phi)
@@ -359,28 +376,27 @@ impl Problem<'_> {
                 .collect();
         if let Target::Force(wanted) = target {
             // Clipping can take off the last digits.
-            let scale = wanted / (c * force.iter().sum::<f64>());
+            let scale = wanted / dot(self.arm, &force);
             force.iter_mut().for_each(|f| *f *= scale);
         }
         let deflection = self.multiply(&force);
         let largest = force.iter().copied().fold(0.0, f64::max);
         for (strip, (deflection, force)) in deflection.iter().zip(&force).enumerate() {
-            let x = c * at.delta - deflection;
+            let x = self.arm[strip] * at.delta - deflection;
             let error = (force - self.law(strip, x).0).abs() / largest;
             solution.kkt_residual = solution.kkt_residual.max(error);
             let local = &self.local[strip];
             for gap in &self.gap[strip] {
-                let point = local.force(x - c * gap).0;
+                let point = local.force(x - gap).0;
                 if local.is_too_wide(point) {
-                    return Err(ContactError::ContactTooWide {
-                        strip,
-                        pressure_mpa: 1e-6 * local.pressure(point),
+                    return Err(Failure::ContactTooWide {
+                        pressure: local.pressure(point),
                     });
                 }
             }
         }
         if let Target::Force(wanted) = target {
-            let carried = c * force.iter().sum::<f64>();
+            let carried = dot(self.arm, &force);
             solution.kkt_residual = solution.kkt_residual.max((carried / wanted - 1.0).abs());
         }
         solution.active.clear();

@@ -1,8 +1,53 @@
 //! What the contact solver refuses, and why.
 
+use std::fmt;
+
 use thiserror::Error;
 
+use crate::compliance::BeyondModel;
 use crate::gear::ProfileError;
+
+/// What is prescribed at an operating point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Prescribed {
+    /// Torque on gear 1, N m.
+    Torque(f64),
+    /// Approach on the line of action, m.
+    Approach(f64),
+}
+
+/// The point at which a contact solve failed, in the words of pair file and command line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OperatingPoint {
+    /// Load or approach.
+    pub prescribed: Prescribed,
+    /// Misalignment in the plane of action, rad.
+    pub misalignment: f64,
+    /// Deviation from the nominal centre distance, m.
+    pub center_distance_offset: f64,
+}
+
+impl fmt::Display for OperatingPoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.prescribed {
+            Prescribed::Torque(torque) => write!(f, "torque = {} N m", rounded(torque))?,
+            Prescribed::Approach(approach) => {
+                write!(f, "approach = {} um", rounded(1e6 * approach))?
+            }
+        }
+        write!(
+            f,
+            ", misalignment = {} mrad, center distance offset = {} um",
+            rounded(1e3 * self.misalignment),
+            rounded(1e6 * self.center_distance_offset)
+        )
+    }
+}
+
+/// Without the digits that a change of unit adds.
+fn rounded(value: f64) -> f64 {
+    (1e6 * value).round() / 1e6
+}
 
 /// Errors of the contact solver.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -42,10 +87,13 @@ pub enum ContactError {
     /// The teeth approach farther than the candidates for contact reach, so that some contact would
     /// be missed.
     #[error(
-        "teeth approach by {needed_um:.1} um where tip corners were followed to {reach_um:.1} um only; \
-         raise the contact setting `reach` or lower load or misalignment"
+        "{at}: the teeth approach by {needed_um:.1} um, but tip edges were followed for {reach_um:.1} um only; \
+         lower torque or misalignment, or state the larger one as operating.maximum_torque_nm or \
+         operating.misalignment_mrad in the pair file, from which that distance follows"
     )]
     BeyondReach {
+        /// Where.
+        at: OperatingPoint,
         /// Largest approach found, um.
         needed_um: f64,
         /// How far candidates were followed, um.
@@ -53,27 +101,47 @@ pub enum ContactError {
     },
     /// The contact ellipse has outgrown the half-plane of the local contact law.
     #[error(
-        "the contact half-width exceeds three reference lengths of the local contact at strip {strip} \
-         ({pressure_mpa:.0} MPa); the load is far beyond what these teeth can carry, lower it"
+        "{at}: a contact pressure of {pressure_mpa:.0} MPa and a contact too wide for the law of local contact; \
+         the load is far beyond what these teeth can carry: lower torque or misalignment"
     )]
     ContactTooWide {
-        /// Index of the strip.
-        strip: usize,
+        /// Where.
+        at: OperatingPoint,
         /// Hertz pressure there, MPa.
         pressure_mpa: f64,
     },
-    /// The influence matrix is not positive definite: the compliance model is at fault.
-    #[error("the influence matrix of the contact is not positive definite (pivot {pivot})")]
+    /// The influence matrix is not positive definite.
+    #[error(
+        "{at}: the elastic model of the teeth is not positive definite (pivot {pivot}); \
+         choose another compliance.refinement in the pair file"
+    )]
     NotPositiveDefinite {
+        /// Where.
+        at: OperatingPoint,
         /// Index of the failing pivot among the strips in contact.
         pivot: usize,
     },
-    /// Newton's iteration stopped short of its tolerance; this is a defect worth reporting.
+    /// Teeth may touch that lie farther apart than the elastic model was computed for.
     #[error(
-        "contact solve stopped at a residual of {residual:.1e} after {iterations} iterations; \
-         please report the pair and the operating point"
+        "center distance offset = {} um: {model}; state it in \
+         operating.center_distance_offset_um in the pair file, from which the model's reach follows, or bring \
+         it nearer to zero",
+        rounded(*center_distance_offset_um)
+    )]
+    BeyondModel {
+        /// Deviation from the nominal centre distance, um.
+        center_distance_offset_um: f64,
+        /// What the elastic model said.
+        model: BeyondModel,
+    },
+    /// Newton's iteration stopped short of its tolerance.
+    #[error(
+        "{at}: the contact solve stopped at a residual of {residual:.1e} after {iterations} iterations; \
+         lower torque or misalignment"
     )]
     NotConverged {
+        /// Where.
+        at: OperatingPoint,
         /// Iterations done.
         iterations: usize,
         /// Relative residual reached.

@@ -24,7 +24,7 @@ mod tip_edge;
 mod transverse;
 
 pub use candidates::Candidate;
-pub use error::ContactError;
+pub use error::{ContactError, OperatingPoint, Prescribed};
 pub use mesh_cycle::{CycleInput, HARMONICS, MeshCycle};
 pub use position::{ContactResult, PositionProblem, StripLoad, Tangent};
 pub use solver::{ContactSettings, ContactSolver};

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::candidates::{Candidate, POINTS};
-use super::complementarity::{Problem, Solution, Target};
-use super::error::ContactError;
+use super::complementarity::{Failure, Problem, Solution, Target};
+use super::error::{ContactError, OperatingPoint, Prescribed};
 use super::hertz::{LocalBody, LocalContact};
-use crate::compliance::{Strip, ToothCompliance};
+use crate::compliance::{BeyondModel, Strip, ToothCompliance};
 use crate::gear::PairGeometry;
 
 /// Derivatives of load and moment at a solution.
@@ -76,11 +76,23 @@ pub struct PositionProblem {
     local: Vec<LocalContact>,
     /// Points of each strip from mid-face, m.
     lever: Vec<[f64; POINTS]>,
+    /// Arm of the normal force on each strip about the axis of gear 1, over its base radius.
+    arm: Vec<f64>,
     cos_beta_b: f64,
     base_radius: f64,
     z_ref: f64,
-    reach: Option<f64>,
-    foundation: f64,
+    limits: Limits,
+}
+
+/// What holds for all loads at one position.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// Deviation from the nominal centre distance, m.
+    pub center_distance_offset: f64,
+    /// Approach up to which tip edges were followed, m; None: not at all.
+    pub reach: Option<f64>,
+    /// Stiffness for starting values, N/m per m of contact line.
+    pub foundation: f64,
 }
 
 impl PositionProblem {
@@ -88,15 +100,14 @@ impl PositionProblem {
         geometry: &PairGeometry,
         compliance: &[Arc<dyn ToothCompliance>; 2],
         candidates: Vec<Candidate>,
-        reach: Option<f64>,
-        foundation: f64,
-    ) -> PositionProblem {
+        limits: Limits,
+    ) -> Result<PositionProblem, BeyondModel> {
         let n = candidates.len();
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = Vec::new();
         for (i, model) in compliance.iter().enumerate() {
             let strips: Vec<Strip> = candidates.iter().map(|c| c.strips[i]).collect();
-            bulk += model.bulk(&strips);
+            bulk += model.bulk(&strips)?;
             lengths.push(model.reference_lengths(&strips));
         }
         // Rounding must not break the symmetry that the energy rests on.
@@ -120,20 +131,20 @@ impl PositionProblem {
             })
             .collect();
         let z_ref = geometry.z_ref();
-        PositionProblem {
+        Ok(PositionProblem {
             lever: candidates
                 .iter()
                 .map(|c| c.points().map(|z| z - z_ref))
                 .collect(),
+            arm: candidates.iter().map(|c| c.arm * cos_beta_b).collect(),
             candidates,
             bulk: symmetric,
             local,
             cos_beta_b,
             base_radius: geometry.gears[0].base_radius(),
             z_ref,
-            reach,
-            foundation,
-        }
+            limits,
+        })
     }
 
     /// The strips that may touch.
@@ -146,12 +157,16 @@ impl PositionProblem {
         &self.bulk
     }
 
-    /// Gaps at the points of each strip along the line of action under `misalignment`, m.
+    /// Gaps at the points of each strip along the normal under `misalignment`, m: it closes them as an approach
+    /// of its size there does.
     fn gaps(&self, misalignment: f64) -> Vec<[f64; POINTS]> {
+        let closing = |arm: f64, lever: f64| arm * misalignment * lever;
         self.candidates
             .iter()
-            .zip(&self.lever)
-            .map(|(c, lever)| std::array::from_fn(|q| c.gap[q] - misalignment * lever[q]))
+            .zip(self.arm.iter().zip(&self.lever))
+            .map(|(c, (arm, lever))| {
+                std::array::from_fn(|q| self.cos_beta_b * c.gap[q] - closing(*arm, lever[q]))
+            })
             .collect()
     }
 
@@ -159,7 +174,8 @@ impl PositionProblem {
     pub fn no_load_approach(&self, misalignment: f64) -> f64 {
         self.gaps(misalignment)
             .into_iter()
-            .flatten()
+            .zip(&self.arm)
+            .flat_map(|(gaps, arm)| gaps.map(|gap| gap / arm))
             .fold(f64::INFINITY, f64::min)
     }
 
@@ -220,11 +236,37 @@ impl PositionProblem {
             bulk: &self.bulk,
             local: &self.local,
             gap: &gap,
-            cos_beta_b: self.cos_beta_b,
+            arm: &self.arm,
         };
         let start = warm.map(|w| (w.forces.as_slice(), w.approach));
-        let solution = problem.solve(target, start, self.foundation)?;
-        if let Some(reach) = self.reach {
+        let at = OperatingPoint {
+            prescribed: match target {
+                Target::Force(force) => Prescribed::Torque(force * self.base_radius),
+                Target::Approach(approach) => Prescribed::Approach(approach),
+            },
+            misalignment,
+            center_distance_offset: self.limits.center_distance_offset,
+        };
+        let solution = problem
+            .solve(target, start, self.limits.foundation)
+            .map_err(|failure| match failure {
+                Failure::ContactTooWide { pressure } => ContactError::ContactTooWide {
+                    at,
+                    pressure_mpa: 1e-6 * pressure,
+                },
+                Failure::NotPositiveDefinite { pivot } => {
+                    ContactError::NotPositiveDefinite { at, pivot }
+                }
+                Failure::NotConverged {
+                    iterations,
+                    residual,
+                } => ContactError::NotConverged {
+                    at,
+                    iterations,
+                    residual,
+                },
+            })?;
+        if let Some(reach) = self.limits.reach {
             let needed = self
                 .lever
                 .iter()
@@ -233,6 +275,7 @@ impl PositionProblem {
                 .fold(f64::NEG_INFINITY, f64::max);
             if needed > reach {
                 return Err(ContactError::BeyondReach {
+                    at,
                     needed_um: 1e6 * needed,
                     reach_um: 1e6 * reach,
                 });
@@ -242,8 +285,7 @@ impl PositionProblem {
     }
 
     fn result(&self, solution: Solution, gap: &[[f64; POINTS]]) -> ContactResult {
-        let c = self.cos_beta_b;
-        let loa_force = c * solution.force.iter().sum::<f64>();
+        let loa_force = dot(&self.arm, &solution.force);
         let mut moment = 0.0;
         let mut pressures = vec![0.0f64; solution.force.len()];
         // Sums of the derivatives of the forces at the points, times powers 0, 1, 2 of their levers.
@@ -253,8 +295,8 @@ impl PositionProblem {
                 continue;
             }
             for (gap, lever) in gap[i].iter().zip(&self.lever[i]) {
-                let (force, slope) = self.local[i].force(solution.closing[i] - c * gap);
-                moment += c * force * lever;
+                let (force, slope) = self.local[i].force(solution.closing[i] - gap);
+                moment += self.arm[i] * force * lever;
                 pressures[i] = pressures[i].max(self.local[i].pressure(force));
                 for (power, sum) in (0..).zip(&mut slopes[i]) {
                     *sum += slope * lever.powi(power);
@@ -262,9 +304,10 @@ impl PositionProblem {
             }
         }
         let mut load_share: Vec<(i32, f64)> = Vec::new();
-        for (candidate, force) in self.candidates.iter().zip(&solution.force) {
+        let carried = self.arm.iter().zip(&solution.force).map(|(c, f)| c * f);
+        for (candidate, force) in self.candidates.iter().zip(carried) {
             let share = if loa_force > 0.0 {
-                c * force / loa_force
+                force / loa_force
             } else {
                 0.0
             };
@@ -294,22 +337,23 @@ impl PositionProblem {
         }
     }
 
-    /// With K the matrix over the strips in contact, c = cos beta_b, and s_n the sums of phi' times the
+    /// With K the matrix over the strips in contact, c their arms, and s_n the sums of phi' times the
     /// n-th power of the lever over the points of a strip: dF = K^-1 c (d delta + s_1 / s_0 dM), and the
     /// moment changes by c (s_1 / s_0 dF + c (s_2 - s_1^2 / s_0) dM).
     fn tangent(&self, solution: &Solution, slopes: &[[f64; 3]]) -> Tangent {
-        let c = self.cos_beta_b;
-        let active = || solution.active.iter().map(|&i| slopes[i]);
-        let levers: Vec<f64> = active().map(|s| s[1] / s[0]).collect();
-        let mut by_approach = vec![c; levers.len()];
-        let mut by_misalignment: Vec<f64> = levers.iter().map(|l| c * l).collect();
+        let active = || solution.active.iter().map(|&i| (self.arm[i], slopes[i]));
+        let arms: Vec<f64> = active().map(|(c, _)| c).collect();
+        let levers: Vec<f64> = active().map(|(c, s)| c * s[1] / s[0]).collect();
+        let (mut by_approach, mut by_misalignment) = (arms.clone(), levers.clone());
         solution.factor.solve(&mut by_approach);
         solution.factor.solve(&mut by_misalignment);
-        let within: f64 = active().map(|s| s[2] - s[1] * s[1] / s[0]).sum();
+        let within: f64 = active()
+            .map(|(c, s)| c * c * (s[2] - s[1] * s[1] / s[0]))
+            .sum();
         Tangent {
-            force_by_approach: c * by_approach.iter().sum::<f64>(),
-            force_by_misalignment: c * by_misalignment.iter().sum::<f64>(),
-            moment_by_misalignment: c * (dot(&by_misalignment, &levers) + c * within),
+            force_by_approach: dot(&by_approach, &arms),
+            force_by_misalignment: dot(&by_misalignment, &arms),
+            moment_by_misalignment: dot(&by_misalignment, &levers) + within,
         }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::candidates::ContactLines;
 use super::error::ContactError;
-use super::position::PositionProblem;
+use super::position::{Limits, PositionProblem};
 use super::transverse::TransverseSection;
 use crate::compliance::ToothCompliance;
 use crate::gear::{Flank, Microgeometry, PairGeometry, ToothProfile};
@@ -108,7 +108,7 @@ impl ContactSolver {
     ///
     /// # Errors
     /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::OutOfMesh`] where teeth
-    /// cannot meet.
+    /// cannot meet, [`ContactError::BeyondModel`] where more teeth may than the elastic models hold.
     pub fn position(
         &self,
         flank: Flank,
@@ -151,13 +151,17 @@ impl ContactSolver {
             return Err(out_of_mesh());
         }
         let modulus = self.geometry.gears.iter().map(|g| g.youngs_modulus);
-        Ok(PositionProblem::new(
-            &self.geometry,
-            &self.compliance,
-            candidates,
-            self.settings.tip_corner_contact.then_some(self.reach),
-            STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
-        ))
+        let limits = Limits {
+            center_distance_offset,
+            reach: self.settings.tip_corner_contact.then_some(self.reach),
+            foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
+        };
+        PositionProblem::new(&self.geometry, &self.compliance, candidates, limits).map_err(
+            |model| ContactError::BeyondModel {
+                center_distance_offset_um: 1e6 * center_distance_offset,
+                model,
+            },
+        )
     }
 }
 

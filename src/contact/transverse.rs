@@ -12,6 +12,9 @@ pub struct TransversePoint {
     /// Slope of the gap along the line of action at the nearest tip edge, from the edge into the flank: beyond
     /// the path the inclination of the flanks, on it minus distance to the edge over radius of curvature.
     pub edge_slope: f64,
+    /// Arm of the contact force about the axis of gear 1 over its base radius: 1 on the path and where the tip
+    /// edge of gear 2 bears on gear 1, whose normals touch its own base circle.
+    pub arm: f64,
 }
 
 /// The transverse section at one centre distance.
@@ -107,6 +110,7 @@ impl TransverseSection {
                 roll,
                 separation: 0.0,
                 edge_slope: -to_edge(0).min(to_edge(1)).max(0.0) * curvature,
+                arm: 1.0,
             }
         }
     }
@@ -130,6 +134,7 @@ impl TransverseSection {
             a.rb * cos - a.q * a.tip_roll * sin,
             a.rb * sin + a.q * a.tip_roll * cos,
         );
+        let from_tip = [along, normal];
         let x = along - a.q * a.rb * self.tan_phi;
         let y = a.up * (normal - a.rb);
         // Seen from the centre of the mate.
@@ -142,14 +147,18 @@ impl TransverseSection {
         let mut rolls = [0.0; 2];
         rolls[tip] = a.tip_roll;
         rolls[mate] = roll;
+        // The force acts along the mate's normal, turned by this about the mate's centre.
+        let turned = along.atan2(normal) - b.q * (roll / b.rb).atan();
+        let about_tip_gear =
+            (from_tip[1] * turned.cos() + a.up * b.up * from_tip[0] * turned.sin()) / a.rb;
         TransversePoint {
             roll: rolls,
             // Gear 2's flank has to lie ahead, gear 1's behind.
             separation: if mate == 1 { behind } else { -behind },
             // By how much the normals have turned out of the line of action: clockwise about a centre
             // below it, counter-clockwise about one above.
-            edge_slope: (a.up * turn - b.up * (along.atan2(normal) - b.q * (roll / b.rb).atan()))
-                .abs(),
+            edge_slope: (a.up * turn - b.up * turned).abs(),
+            arm: if tip == 0 { about_tip_gear } else { 1.0 },
         }
     }
 

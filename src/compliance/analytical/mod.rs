@@ -28,7 +28,7 @@ use self::base::{Base, ROOT_LOADS};
 use self::legendre::Legendre;
 use self::plate::{LoadVector, Material, Plate, PlateLoad};
 use self::section::ToothSection;
-use super::{Strip, ToothCompliance};
+use super::{BeyondModel, Strip, ToothCompliance};
 use crate::gear::{Gear, ProfileError};
 
 /// Distance in teeth up to which the coupling of loaded teeth is kept ready; beyond it is summed anew.
@@ -202,7 +202,7 @@ impl AnalyticalCompliance {
 }
 
 impl ToothCompliance for AnalyticalCompliance {
-    fn bulk(&self, strips: &[Strip]) -> DMatrix<f64> {
+    fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
         let n = strips.len();
         let loads: Vec<LoadVector> = strips.iter().map(|s| self.load(s)).collect();
         let mut bulk = DMatrix::zeros(n, n);
@@ -235,7 +235,7 @@ impl ToothCompliance for AnalyticalCompliance {
                 }
             }
         }
-        bulk
+        Ok(bulk)
     }
 
     fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {

@@ -35,7 +35,7 @@ fn tooth_compliance(gear: &Gear, radius: f64) -> f64 {
         z: [0.0, 1.0],
         roll: [roll, roll],
     };
-    model.bulk(&[strip])[(0, 0)]
+    model.bulk(&[strip]).unwrap()[(0, 0)]
 }
 
 #[test]

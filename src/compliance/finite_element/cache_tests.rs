@@ -40,7 +40,7 @@ fn bulk(model: &FiniteElementCompliance) -> DMatrix<f64> {
         z: [0.0, 1e-3],
         roll: [roll, roll],
     };
-    model.bulk(&[strip(0, 14e-3), strip(1, 10e-3)])
+    model.bulk(&[strip(0, 14e-3), strip(1, 10e-3)]).unwrap()
 }
 
 #[test]

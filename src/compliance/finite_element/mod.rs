@@ -39,7 +39,7 @@ pub use model::{Cost, Stage};
 pub use pair::PairCompliance;
 pub use settings::{Discretization, Settings};
 
-use super::{Strip, ToothCompliance};
+use super::{BeyondModel, Strip, ToothCompliance};
 use crate::gear::Gear;
 use flank::{FlankGrid, Weights};
 use nalgebra::DMatrix;
@@ -107,13 +107,20 @@ impl FiniteElementCompliance {
 }
 
 impl ToothCompliance for FiniteElementCompliance {
-    /// # Panics
-    /// When two strips lie on teeth farther apart than [`FiniteElementCompliance::reach`].
-    fn bulk(&self, strips: &[Strip]) -> DMatrix<f64> {
+    fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
         let weights: Vec<Weights> = strips.iter().map(|s| self.grid.weights(s)).collect();
         let mut teeth: Vec<i32> = strips.iter().map(|s| s.tooth).collect();
         teeth.sort_unstable();
         teeth.dedup();
+        if let (Some(first), Some(last)) = (teeth.first(), teeth.last()) {
+            let distance = last.abs_diff(*first) as usize;
+            if distance > self.reach() {
+                return Err(BeyondModel {
+                    distance,
+                    reach: self.reach(),
+                });
+            }
+        }
         let mut matrix = DMatrix::zeros(strips.len(), strips.len());
         let mut displacement = vec![0.0; self.grid.len()];
         for (j, load) in weights.iter().enumerate() {
@@ -140,7 +147,7 @@ impl ToothCompliance for FiniteElementCompliance {
                 }
             }
         }
-        matrix
+        Ok(matrix)
     }
 
     fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {

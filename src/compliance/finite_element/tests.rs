@@ -145,7 +145,7 @@ fn with_hertz(gear: &Gear, element: f64, kernel: f64, radii: &[f64]) -> Vec<f64>
             roll: [gear.roll_length(*r); 2],
         })
         .collect();
-    let bulk = model.bulk(&strips);
+    let bulk = model.bulk(&strips).unwrap();
     let nu = gear.poisson_ratio;
     let local = 2.0 * (1.0 - nu * nu) / (std::f64::consts::PI * gear.youngs_modulus);
     let lengths = model.reference_lengths(&strips);
@@ -225,10 +225,18 @@ fn influence_matrix_of_strips_on_three_teeth_is_positive_definite() {
             })
         })
         .collect();
-    let matrix = model.bulk(&strips);
+    let matrix = model.bulk(&strips).unwrap();
     assert_eq!(matrix, matrix.transpose());
     let least = matrix.symmetric_eigenvalues().min();
     assert!(least > 0.0, "least eigenvalue {least:e} m/N");
+    let mut far = strips[0];
+    far.tooth = 3;
+    let refused = model.bulk(&[strips[0], far]);
+    let expected = BeyondModel {
+        distance: 3,
+        reach: 2,
+    };
+    assert_eq!(refused, Err(expected));
 }
 
 #[test]
@@ -254,8 +262,8 @@ fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
         z: [3e-3, 5e-3],
         roll,
     };
-    let expected = plane.bulk(&[whole])[(0, 0)];
-    let matrix = solid.bulk(&[whole, part]);
+    let expected = plane.bulk(&[whole]).unwrap()[(0, 0)];
+    let matrix = solid.bulk(&[whole, part]).unwrap();
     // Loads act along the normals at the nodes, and 20-node elements weigh those unevenly along z: an
     // error of the square of the angle between neighbouring normals.
     assert_relative_eq!(matrix[(0, 0)], expected, max_relative = 1e-4);
@@ -282,8 +290,8 @@ fn mirrored_strips_on_a_spur_gear_have_the_same_influence() {
             })
             .to_vec()
     };
-    let difference = model.bulk(&strips(false)) - model.bulk(&strips(true));
-    assert!(difference.amax() < 1e-9 * model.bulk(&strips(false)).amax());
+    let difference = model.bulk(&strips(false)).unwrap() - model.bulk(&strips(true)).unwrap();
+    assert!(difference.amax() < 1e-9 * model.bulk(&strips(false)).unwrap().amax());
 }
 
 #[test]

@@ -1,8 +1,10 @@
 //! Energy, monotony, equilibrium and refusals.
 
 use super::*;
+use crate::compliance::{BeyondModel, Strip};
 use crate::contact::cholesky::Cholesky;
 use crate::gear::Flank;
+use nalgebra::DMatrix;
 
 const SHIPPED: [&str; 4] = [
     include_str!("../../../resources/pairs/palermo2013.json"),
@@ -233,4 +235,70 @@ fn unusable_numbers_are_refused_by_name() {
         matches!(much, Err(ContactError::BeyondReach { .. })),
         "{much:?}"
     );
+    let text = message(much.unwrap_err());
+    for part in [
+        "torque = 4000 N m",
+        "misalignment = 0 mrad",
+        "lower torque or misalignment",
+        "operating.maximum_torque_nm",
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+#[test]
+fn loads_that_no_tooth_can_carry_are_refused_with_their_torque() {
+    let (pair, _) = shipped().next().unwrap();
+    let settings = ContactSettings {
+        reach: Some(0.1),
+        ..ContactSettings::default()
+    };
+    let solver = solver(&pair, AxialState::Free, settings);
+    let problem = solver.position(Flank::Drive, 0.2, 0.0).unwrap();
+    let error = problem.solve_torque(1e6, 1e-3, None).unwrap_err();
+    assert!(
+        matches!(error, ContactError::ContactTooWide { .. }),
+        "{error}"
+    );
+    let text = error.to_string();
+    assert!(
+        text.starts_with("torque = 1000000 N m, misalignment = 1 mrad"),
+        "{text}"
+    );
+}
+
+#[test]
+fn teeth_that_the_elastic_model_does_not_know_are_refused_with_the_center_distance() {
+    struct Single(AnalyticalCompliance);
+    impl ToothCompliance for Single {
+        fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
+            let teeth = || strips.iter().map(|s| s.tooth);
+            let distance = (teeth().max().unwrap() - teeth().min().unwrap()) as usize;
+            match distance {
+                0 => self.0.bulk(strips),
+                _ => Err(BeyondModel { distance, reach: 0 }),
+            }
+        }
+        fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
+            self.0.reference_lengths(strips)
+        }
+    }
+    let (pair, _) = shipped().next().unwrap();
+    let compliance = [0, 1].map(|i| {
+        let gear = &pair.geometry.gears[i];
+        let model = AnalyticalCompliance::new(gear, AxialState::Free).unwrap();
+        Arc::new(Single(model)) as Arc<dyn ToothCompliance>
+    });
+    let solver = ContactSolver::new(&pair, compliance, ContactSettings::default()).unwrap();
+    let text = match solver.position(Flank::Drive, 0.5, 80e-6) {
+        Err(error) => error.to_string(),
+        Ok(_) => String::from("accepted"),
+    };
+    for part in [
+        "center distance offset = 80 um",
+        "1 teeth apart",
+        "operating.center_distance_offset_um",
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
 }

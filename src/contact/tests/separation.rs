@@ -19,14 +19,15 @@ fn flank_angle(gear: &Gear, sigma: f64, roll: f64) -> f64 {
 }
 
 /// Smallest distance of the mate's involute from the flank of the gear `i` (up to its tip) and the length of
-/// roll there, with the pair turned to `xi`, both axes in the plane z = 0, gear 1 at the origin.
-fn closest(p: &PairGeometry, i: usize, xi: f64) -> (f64, f64) {
+/// roll there, with the pair turned to `xi` and gear 1 by `ahead` (rad) more, both axes in the plane
+/// z = 0, gear 1 at the origin.
+fn closest(p: &PairGeometry, i: usize, xi: f64, ahead: f64) -> (f64, f64) {
     let (c, e, s) = (p.center_distance, p.e(), 1.0);
     let w = p.gears[0].z() / (p.gears[0].z() + e * p.gears[1].z());
     let centers = [0.0, c];
     let sigma = [s, e * s];
     let spin = [
-        s * xi / p.gears[0].base_radius(),
+        s * (xi / p.gears[0].base_radius() + ahead),
         -e * s * xi / p.gears[1].base_radius(),
     ];
     let turned: Vec<f64> = (0..2)
@@ -60,8 +61,8 @@ fn closest(p: &PairGeometry, i: usize, xi: f64) -> (f64, f64) {
         .unwrap()
 }
 
-#[test]
-fn separation_is_the_signed_distance_of_the_tip_edge_from_the_mate() {
+/// Pairs of every kind, the ring as gear 1 included.
+fn pairs() -> Vec<PairGeometry> {
     let texts = [
         include_str!("../../../resources/pairs/palermo2013.json"),
         include_str!("../../../resources/pairs/helical-25-47.json"),
@@ -71,11 +72,15 @@ fn separation_is_the_signed_distance_of_the_tip_edge_from_the_mate() {
         .iter()
         .map(|text| Pair::from_json(text).unwrap().geometry)
         .collect();
-    // The ring as gear 1.
     let mut swapped = pairs[2].clone();
     swapped.gears.swap(0, 1);
     pairs.push(swapped);
-    for p in &pairs {
+    pairs
+}
+
+#[test]
+fn separation_is_the_signed_distance_of_the_tip_edge_from_the_mate() {
+    for p in &pairs() {
         let forms = [0, 1].map(|i| ToothProfile::new(&p.gears[i]).unwrap().form_roll());
         let section = TransverseSection::new(p, p.center_distance, forms, Some(50e-6)).unwrap();
         let path = p.path_of_contact(p.center_distance);
@@ -88,7 +93,7 @@ fn separation_is_the_signed_distance_of_the_tip_edge_from_the_mate() {
             for (end, tip_gear, limit) in [(path.start, 1, reach[0]), (path.end, 0, reach[1])] {
                 let xi = end + fraction * (limit - end);
                 let point = section.point(xi);
-                let (distance, roll) = closest(p, tip_gear, xi);
+                let (distance, roll) = closest(p, tip_gear, xi, 0.0);
                 let gear = &p.gears[tip_gear];
                 assert_eq!(
                     roll,
@@ -105,7 +110,7 @@ fn separation_is_the_signed_distance_of_the_tip_edge_from_the_mate() {
         }
         // On the path the flanks touch at the conjugate point.
         let xi = 0.3 * path.end;
-        let (distance, roll) = closest(p, 0, xi);
+        let (distance, roll) = closest(p, 0, xi, 0.0);
         assert!(distance.abs() < 1e-9, "{distance}");
         assert!((roll - section.point(xi).roll[0]).abs() < 1e-5);
     }
@@ -122,5 +127,25 @@ fn separation_starts_quadratically_at_the_ends_of_the_path() {
         let at = |beyond: f64| section.point(end + sign * beyond).separation;
         let ratio = at(0.1e-3) / at(0.05e-3);
         assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
+    }
+}
+
+#[test]
+fn the_arm_of_a_tip_edge_is_the_work_that_gear_1_does_per_turn() {
+    for p in &pairs() {
+        let forms = [0, 1].map(|i| ToothProfile::new(&p.gears[i]).unwrap().form_roll());
+        let section = TransverseSection::new(p, p.center_distance, forms, Some(50e-6)).unwrap();
+        let path = p.path_of_contact(p.center_distance);
+        let reach = section.reach();
+        for (end, tip_gear, limit) in [(path.start, 1, reach[0]), (path.end, 0, reach[1])] {
+            let xi = end + 0.7 * (limit - end);
+            let turn = 1e-7;
+            let closed = closest(p, tip_gear, xi, -turn).0 - closest(p, tip_gear, xi, turn).0;
+            let by_work = closed / (2.0 * turn * p.gears[0].base_radius());
+            let arm = section.point(xi).arm;
+            assert!((arm - by_work).abs() < 1e-6, "{arm} against {by_work}");
+            assert!(tip_gear == 1 || (arm - 1.0).abs() > 1e-3, "{arm}");
+        }
+        assert_eq!(section.point(0.0).arm, 1.0);
     }
 }

@@ -9,8 +9,12 @@
 //! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z.
 //! The gap of a strip is the removal of both flanks over cos beta_b, plus the separation off the path of
 //! contact, minus M (z - z_ref). It is taken at several points of each strip, so that the edge of the
-//! contact moves in small steps; forces and bulk displacements are those of whole strips. F_bt = cos beta_b sum F_i and the torque on gear 1 is F_bt rb1, on tip
-//! edges, too, where its arm differs by the few hundredths of a radian between edge and line of action.
+//! contact moves in small steps; forces and bulk displacements are those of whole strips.
+//!
+//! The torque on gear 1 is F_bt rb1, F_bt = cos beta_b sum a_i F_i with a_i the arm of the transverse force
+//! about the axis of gear 1 over rb1: 1, but for a tip edge of gear 1 on the flank of gear 2, whose normals
+//! touch the base circle of gear 2. There the torques are not in the ratio of the base radii, and mesh position
+//! and approach are those of a pair whose gear 2 is held and whose gear 1 is turned.
 
 mod candidates;
 mod cholesky;

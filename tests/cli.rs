@@ -406,6 +406,80 @@ fn a_finite_element_model_is_kept_and_found_again() {
     assert!(mean(&first) > 5.0 && mean(&first) < 20.0);
 }
 
+/// `gearmesh tables` of the paper's pair after `change`, the smallest there are, in `folder`; returns what it
+/// says about its elastic models.
+fn elastic_model_of_tables(folder: &Path, change: impl Fn(&mut serde_json::Value)) -> String {
+    let text = std::fs::read_to_string(paper()).unwrap();
+    let mut pair: serde_json::Value = serde_json::from_str(&text).unwrap();
+    pair["compliance"] = serde_json::json!({ "refinement": "coarse" });
+    change(&mut pair);
+    let file = folder.join("pair.json");
+    std::fs::write(&file, pair.to_string()).unwrap();
+    let tables = folder.join("tables.json");
+    let output = succeed(&[
+        "tables",
+        file.to_str().unwrap(),
+        "-o",
+        tables.to_str().unwrap(),
+        "--no-center-distance",
+        "--no-misalignment",
+        "--stations",
+        "8",
+    ]);
+    let line = stdout(&output)
+        .lines()
+        .find(|line| line.contains("elastic model"));
+    format!("{}{}", line.unwrap(), stderr(&output))
+}
+
+#[test]
+fn the_elastic_model_lies_beside_the_tables_and_serves_every_change_that_does_not_touch_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let kept = folder.path().join(".gearmesh-compliance");
+    let count = || std::fs::read_dir(&kept).unwrap().count();
+    let of = |change: fn(&mut serde_json::Value)| elastic_model_of_tables(folder.path(), change);
+    let place = format!("kept in {}", kept.display());
+
+    assert!(of(|_| ()).contains(&place));
+    assert_eq!(count(), 1);
+    let unchanged: [fn(&mut serde_json::Value); 4] = [
+        |pair| pair["gear1"]["tip_relief"]["amount_um"] = 9.0.into(),
+        |pair| pair["gear2"]["lead_crowning_um"] = 0.0.into(),
+        |pair| pair["operating"]["maximum_torque_nm"] = 170.0.into(),
+        |pair| pair["operating"]["misalignment_mrad"] = serde_json::json!([-1.0, 2.0]),
+    ];
+    for change in unchanged {
+        let said = of(change);
+        assert!(
+            said.contains("read from") && !said.contains("note"),
+            "{said}"
+        );
+        assert_eq!(count(), 1);
+    }
+    let changed: [fn(&mut serde_json::Value); 2] = [
+        |pair| {
+            pair["gear1"]["bore_diameter_mm"] = 31.0.into();
+            pair["gear2"]["bore_diameter_mm"] = 31.0.into();
+        },
+        |pair| pair["compliance"]["refinement"] = "normal".into(),
+    ];
+    for (change, files) in changed.into_iter().zip(2..) {
+        assert!(of(change).contains("computed"));
+        assert_eq!(count(), files);
+    }
+
+    for entry in std::fs::read_dir(&kept).unwrap() {
+        std::fs::write(entry.unwrap().path(), b"not a model").unwrap();
+    }
+    let said = of(|_| ());
+    assert!(said.contains("computed"), "{said}");
+    assert!(
+        said.contains("note") && said.contains("the file is cut off"),
+        "{said}"
+    );
+    assert!(of(|_| ()).contains("read from"));
+}
+
 /// Samples of another program: 0.05 um per N m on top of 1 um, `bent` instead at one of them.
 fn samples(bent: Option<f64>) -> String {
     let mut text = String::from(

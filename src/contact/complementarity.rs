@@ -73,8 +73,8 @@ pub enum Failure {
     NotConverged { iterations: usize, residual: f64 },
 }
 
-/// Newton steps after which the solve gives up with an error. Twenty are seldom needed.
-const MAXIMUM_ITERATIONS: usize = 200;
+/// Newton steps after which a solve gives up with an error. Twenty are seldom needed.
+pub const MAXIMUM_ITERATIONS: usize = 200;
 /// Relative change of the forces at which the iteration ends.
 const TOLERANCE: f64 = 1e-10;
 

@@ -28,6 +28,7 @@ mod tip_edge;
 mod transverse;
 
 pub use candidates::Candidate;
+pub use complementarity::MAXIMUM_ITERATIONS;
 pub use error::{ContactError, OperatingPoint, Prescribed};
 pub use mesh_cycle::{CycleInput, HARMONICS, MeshCycle};
 pub use position::{ContactResult, PositionProblem, StripLoad, Tangent};

@@ -3,10 +3,11 @@
 //! Through random points of the other coordinates the solver is asked on fine lines along one axis.
 //! From few nodes on, a node is put into the middle of the interval where the splines through the nodes so far
 //! miss the fine solution most, again and again, without another solve. That gives, for each axis, error over
-//! number of nodes.
+//! number of nodes. The error at a point is that of the force, or that of the shuttling moment over
+//! [`MOMENT_TO_FORCE`] if that is larger.
 
 use super::interpolation::Interpolation;
-use super::plan::{Coverage, Random};
+use super::plan::{Coverage, MOMENT_TO_FORCE, Random};
 use super::source::StaticSource;
 use super::sweep::{Watch, sweep};
 use super::{Axes, FlankGrid, FlankTable, Query, TableError};
@@ -27,8 +28,20 @@ struct Lines {
     axis: Axis,
     nodes: Vec<f64>,
     grids: Vec<FlankGrid>,
-    nominal: f64,
+    nominal: Nominal,
 }
+
+/// What errors are related to.
+#[derive(Debug, Clone, Copy)]
+pub struct Nominal {
+    /// Force on the line of action, N.
+    pub force: f64,
+    /// This force at an end of the face, N m.
+    pub moment: f64,
+}
+
+/// Error of nodes through which no table can be put: larger than any other.
+const NO_TABLE: f64 = 1e3;
 
 /// One choice of nodes.
 #[derive(Debug, Clone)]
@@ -43,14 +56,14 @@ struct Choice {
 pub struct Choices([Vec<Choice>; 4]);
 
 impl Choices {
-    /// Asks `source` along all axes of `coverage`; errors are relative to the force `nominal`, N.
+    /// Asks `source` along all axes of `coverage`; errors are relative to `nominal`.
     ///
     /// # Errors
     /// A solve that fails; cancellation.
     pub fn new(
         source: &dyn StaticSource,
         coverage: &Coverage,
-        nominal: f64,
+        nominal: Nominal,
         watch: &Watch,
     ) -> Result<Self, TableError> {
         let along = |axis| -> Result<Vec<Choice>, TableError> {
@@ -153,7 +166,7 @@ impl Lines {
         coverage: &Coverage,
         axis: Axis,
         nodes: Vec<f64>,
-        nominal: f64,
+        nominal: Nominal,
         watch: &Watch,
     ) -> Result<Self, TableError> {
         let mut random = Random(0x6A09_E667_F3BC_C908 ^ axis as u64);
@@ -196,11 +209,16 @@ impl Lines {
             .grids
             .par_iter()
             .map(|grid| {
-                let table = FlankTable::new(
-                    &subset(grid, self.axis as usize, chosen),
-                    Interpolation::Spline,
-                )?;
                 let [nc, nm, nu, np] = grid.axes.lengths();
+                let coarse = subset(grid, self.axis as usize, chosen);
+                let table = match FlankTable::new(&coarse, Interpolation::Spline) {
+                    Ok(table) => table,
+                    Err(TableError::TooCoarse { .. }) => {
+                        return Ok(vec![vec![NO_TABLE]; self.nodes.len()]);
+                    }
+                    Err(error) => return Err(error),
+                };
+                let moment = grid.moment.as_deref().unwrap_or_default();
                 let mut errors = vec![Vec::new(); self.nodes.len()];
                 for c in 0..nc {
                     for m in 0..nm {
@@ -217,10 +235,14 @@ impl Lines {
                                     misalignment: grid.axes.misalignment[m],
                                     mesh_position: grid.axes.mesh_position[p],
                                 };
-                                let exact = grid.loa_force[((c * nm + m) * nu + u) * np + p];
-                                let found = table.evaluate(&query, false).gradient[0];
+                                let at = ((c * nm + m) * nu + u) * np + p;
+                                let found = table.evaluate(&query, false).gradient;
+                                let force = (found[0] - grid.loa_force[at]) / self.nominal.force;
+                                let moment = moment.get(at).map_or(0.0, |exact| {
+                                    (found[2] - exact) / self.nominal.moment / MOMENT_TO_FORCE
+                                });
                                 errors[[c, m, u, p][self.axis as usize]]
-                                    .push((found - exact) / self.nominal);
+                                    .push(force.abs().max(moment.abs()));
                             }
                         }
                     }
@@ -233,7 +255,7 @@ impl Lines {
         for errors in &per_line {
             for (sum, e) in square.iter_mut().zip(errors) {
                 *sum += e.iter().map(|e| e * e).sum::<f64>() / (e.len() * self.grids.len()) as f64;
-                largest = e.iter().fold(largest, |l, e| l.max(e.abs()));
+                largest = e.iter().copied().fold(largest, f64::max);
             }
         }
         Ok((square, largest))
@@ -342,6 +364,6 @@ fn subset(grid: &FlankGrid, axis: usize, chosen: &[usize]) -> FlankGrid {
         no_load_approach: pick(&grid.no_load_approach, [nc, nm, 1, np]),
         top_load_approach: pick(&grid.top_load_approach, [nc, nm, 1, np]),
         loa_force: pick(&grid.loa_force, lengths),
-        moment: None,
+        moment: grid.moment.as_deref().map(|m| pick(m, lengths)),
     }
 }

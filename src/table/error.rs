@@ -28,6 +28,15 @@ pub enum TableError {
         /// What to do.
         remedy: String,
     },
+    /// Axes so coarse that the interpolant of the top-load minus the no-load approach may not be positive.
+    #[error(
+        "top_load_approach_m: the spline through top-load minus no-load approach may fall to {least_m:.2e} m \
+         between the nodes; space the axes closer, with `gearmesh tables --max-error 0.002` or more samples"
+    )]
+    TooCoarse {
+        /// Least coefficient of that spline, m.
+        least_m: f64,
+    },
     /// The content does not belong to the checksum.
     #[error(
         "checksum_sha256 = {found}: the content gives {expected}, so the file was changed or cut \

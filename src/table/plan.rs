@@ -4,7 +4,7 @@
 //! along each axis by itself (`choices.rs`), the cheapest combination is swept and measured at random points of all
 //! coordinates, and the next combination follows from what was found.
 
-use super::choices::Choices;
+use super::choices::{Choices, Nominal};
 use super::interpolation::Interpolation;
 use super::source::StaticSource;
 use super::sweep::{Watch, point, sweep};
@@ -26,6 +26,10 @@ pub struct Coverage {
 
 /// Largest error that a table may have, as a multiple of its rms error: 1.5 % where 0.2 % is asked for.
 pub const LARGEST_TO_RMS: f64 = 7.5;
+
+/// Error of the shuttling moment over that of the force that a table may have: the moment is a derivative of what
+/// is interpolated, and it acts on bearings, not on the mesh.
+pub const MOMENT_TO_FORCE: f64 = 2.0;
 
 /// Grids that are swept at most.
 const ROUNDS: u64 = 4;
@@ -154,8 +158,7 @@ fn measure_drawn(
             (torque, query)
         })
         .collect();
-    let nominal = coverage.nominal_torque / geometry.gears[0].base_radius();
-    let lever = 0.5 * geometry.face_overlap().1;
+    let nominal = nominal(geometry, coverage);
     let errors: Vec<[f64; 2]> = queries
         .into_par_iter()
         .map(|(torque, mut q)| {
@@ -173,8 +176,8 @@ fn measure_drawn(
             q.delta = exact.approach;
             let found = table.evaluate(&q, false);
             Ok([
-                (found.gradient[0] - exact.loa_force) / nominal,
-                (found.gradient[2] - exact.moment) / (nominal * lever),
+                (found.gradient[0] - exact.loa_force) / nominal.force,
+                (found.gradient[2] - exact.moment) / nominal.moment,
             ])
         })
         .collect::<Result<_, _>>()?;
@@ -189,8 +192,18 @@ fn measure_drawn(
     })
 }
 
+/// Force and moment that errors are related to.
+fn nominal(geometry: &PairGeometry, coverage: &Coverage) -> Nominal {
+    let force = coverage.nominal_torque / geometry.gears[0].base_radius();
+    Nominal {
+        force,
+        moment: force * 0.5 * geometry.face_overlap().1,
+    }
+}
+
 /// A grid whose spline is within `error` (rms, of the nominal force) of the solver at random points, and
-/// within [`LARGEST_TO_RMS`] times that at all of them. Both flanks share its axes, which are chosen on the
+/// within [`LARGEST_TO_RMS`] times that at all of them; the moment within [`MOMENT_TO_FORCE`] times as much, of
+/// nominal force times half the face. Both flanks share its axes, which are chosen on the
 /// drive flank. The error returned is measured on points that had no part in the choice.
 ///
 /// If the finest grid on offer does not reach it, the result is the best there is and says its error.
@@ -204,8 +217,7 @@ pub fn table_within(
     error: f64,
     watch: &Watch,
 ) -> Result<(FlankGrid, InterpolationError), TableError> {
-    let nominal = coverage.nominal_torque / geometry.gears[0].base_radius();
-    let choices = Choices::new(source, coverage, nominal, watch)?;
+    let choices = Choices::new(source, coverage, nominal(geometry, coverage), watch)?;
     let found_on = |grid: &FlankGrid, points: usize, seed: u64| {
         let table = FlankTable::new(grid, Interpolation::Spline)?;
         measure_drawn(
@@ -221,7 +233,9 @@ pub fn table_within(
     };
     // The largest of a few hundred errors is not the largest there is: leave it a third.
     let excess = |e: &InterpolationError| {
-        (e.force_rms / error).max(1.5 * e.force_maximum / (LARGEST_TO_RMS * error))
+        let rms = e.force_rms.max(e.moment_rms / MOMENT_TO_FORCE);
+        let largest = e.force_maximum.max(e.moment_maximum / MOMENT_TO_FORCE);
+        (rms / error).max(1.5 * largest / (LARGEST_TO_RMS * error))
     };
     let mut wanted = 0.8 * error;
     let mut best: Option<(f64, FlankGrid)> = None;
@@ -232,18 +246,18 @@ pub fn table_within(
         }
         let grid = sweep(source, Flank::Drive, &axes, coverage.maximum_torque, watch)?;
         // Other points in each round, so that no grid is fitted to them.
-        let found = excess(&found_on(
-            &grid,
-            TRIAL_POINTS,
-            0x2545_F491_4F6C_DD1D + round,
-        )?);
+        let found = match found_on(&grid, TRIAL_POINTS, 0x2545_F491_4F6C_DD1D + round) {
+            // What each axis bears alone they may not bear together.
+            Err(TableError::TooCoarse { .. }) => f64::INFINITY,
+            found => excess(&found?),
+        };
         if best.as_ref().is_none_or(|b| found < b.0) {
             best = Some((found, grid));
         }
         if found <= 0.95 {
             break;
         }
-        wanted *= (0.8 / found).min(0.8);
+        wanted *= (0.8 / found).clamp(0.25, 0.8);
     }
     let Some((_, grid)) = best else {
         return Err(TableError::Samples("no grid was tried".into()));

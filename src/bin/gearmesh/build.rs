@@ -35,14 +35,13 @@ impl Build {
     pub fn run(self) -> Result<(), crate::Error> {
         // A missing library shall not cost the time of the tables.
         let libraries = pack::libraries(&self.library)?;
-        let file = tables::compute(&self.pair, &self.grid, &self.model)?;
-        let packed = pack::pack_tables(&file.to_json(), &libraries, &self.output)?;
+        let made = tables::compute(&self.pair, &self.output, &self.grid, &self.model)?;
+        let packed = pack::pack_tables(&made.file.to_json(), &libraries, &self.output)?;
         output::print(&format!(
-            "Wrote {}: {:.2} MB, GUID {}; {}\n",
+            "Wrote {}: {:.2} MB, GUID {}; {made}\n",
             self.output.display(),
             packed.bytes as f64 / 1e6,
             packed.guid,
-            tables::in_words(&file)
         ))?;
         Ok(())
     }

@@ -69,8 +69,9 @@ pub struct ModelArgs {
     #[arg(long, default_value_t = ContactSettings::default().stations)]
     stations: usize,
 
-    /// Folder that keeps finite-element models; a change of microgeometry alone finds its model there
-    /// [default: gearmesh in the user's cache folder]
+    /// Folder that keeps finite-element models; a change of microgeometry, loads or misalignments alone
+    /// finds its model there [default: where tables or an FMU are written .gearmesh-compliance beside them, else
+    /// gearmesh in the user's cache folder]
     #[arg(long)]
     cache_dir: Option<PathBuf>,
 
@@ -95,9 +96,14 @@ pub struct Model {
     pub compliance_seconds: f64,
     /// The elastic model in words.
     pub description: String,
+    /// Where the elastic model came from and is kept, in words.
+    pub origin: String,
 }
 
 type Compliance = [Arc<dyn ToothCompliance>; 2];
+
+/// Folder for finite-element models beside the tables or the FMU they serve.
+const BESIDE: &str = ".gearmesh-compliance";
 
 impl ModelArgs {
     /// The pair with the choices of the command line in place of those of the file.
@@ -141,13 +147,14 @@ impl ModelArgs {
         self.plane_strain
     }
 
-    /// The solver for `pair`, to which the command line has been applied.
-    pub fn solver(&self, pair: &Pair) -> Result<Model, Error> {
+    /// The solver for `pair`, to which the command line has been applied. Its finite-element models are kept
+    /// beside `output`, the tables or the FMU that is made of them, if there is one.
+    pub fn solver(&self, pair: &Pair, output: Option<&Path>) -> Result<Model, Error> {
         limits::stations(self.stations)?;
         let begin = Instant::now();
-        let compliance = match pair.compliance.method {
-            ComplianceMethod::Analytical => self.analytical(pair)?,
-            ComplianceMethod::FiniteElement => self.finite_element(pair)?,
+        let (compliance, origin) = match pair.compliance.method {
+            ComplianceMethod::Analytical => (self.analytical(pair)?, "computed".to_owned()),
+            ComplianceMethod::FiniteElement => self.finite_element(pair, output)?,
         };
         let compliance_seconds = begin.elapsed().as_secs_f64();
         let settings = ContactSettings {
@@ -159,6 +166,7 @@ impl ModelArgs {
             solver: ContactSolver::new(pair, compliance, settings)?,
             compliance_seconds,
             description: self.description(pair),
+            origin,
         })
     }
 
@@ -208,12 +216,16 @@ impl ModelArgs {
         Ok([model(first)?, model(second)?])
     }
 
-    fn finite_element(&self, pair: &Pair) -> Result<Compliance, Error> {
+    fn finite_element(
+        &self,
+        pair: &Pair,
+        output: Option<&Path>,
+    ) -> Result<(Compliance, String), Error> {
         let settings = Settings {
             plane_strain: self.plane_strain,
             ..Settings::for_pair(pair)
         };
-        let cache = self.cache();
+        let cache = self.cache(output);
         let progress = self.progress();
         let bars = [1, 2].map(|gear| progress.share(&format!("finite elements of gear {gear}")));
         let told = |gear: usize, stage, share| {
@@ -222,28 +234,56 @@ impl ModelArgs {
         };
         let models = PairCompliance::new(&pair.geometry, &settings, cache.as_deref(), &told)?;
         drop(bars);
-        for origin in &models.origins {
-            // A result is right with or without the cache, but it should not be slow in silence.
-            if let Origin::Replaced(reason) | Origin::NotStored(reason) = origin {
-                eprintln!(
-                    "gearmesh: note: finite-element model not taken from the cache: {reason}"
-                );
+        // A result is right with or without the cache, but it should not be slow in silence. Equal gears share
+        // one model.
+        let [first, second] = &models.origins;
+        for origin in std::iter::once(first).chain((second != first).then_some(second)) {
+            match origin {
+                Origin::Replaced(reason) => {
+                    eprintln!("gearmesh: note: finite-element model computed anew: {reason}");
+                }
+                Origin::NotStored(reason) => {
+                    eprintln!("gearmesh: note: finite-element model not kept: {reason}");
+                }
+                Origin::Computed | Origin::Stored | Origin::Loaded => {}
             }
         }
+        let origin = origin_in_words(&models.origins, cache.as_deref());
         let [first, second] = models.gears;
-        Ok([first, second])
+        Ok(([first, second], origin))
     }
 
-    /// Where finite-element models are kept: as the option says, else in the user's cache.
-    fn cache(&self) -> Option<PathBuf> {
+    /// Where finite-element models are kept: as the option says, else beside `output`, else in the user's
+    /// cache.
+    fn cache(&self, output: Option<&Path>) -> Option<PathBuf> {
         if self.no_cache {
             return None;
         }
+        let beside = output.map(|file| file.with_file_name(BESIDE));
         let variable = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
         self.cache_dir
             .clone()
+            .or(beside)
             .or_else(|| variable("XDG_CACHE_HOME").map(|base| Path::new(&base).join("gearmesh")))
             .or_else(|| variable("HOME").map(|home| Path::new(&home).join(".cache/gearmesh")))
             .or_else(|| variable("LOCALAPPDATA").map(|base| Path::new(&base).join("gearmesh")))
+    }
+}
+
+/// Where the models of both gears came from and are kept.
+fn origin_in_words(origins: &[Origin; 2], cache: Option<&Path>) -> String {
+    let [first, second] = origins.each_ref().map(|origin| {
+        let of = match origin {
+            Origin::Loaded => "read from",
+            Origin::Stored | Origin::Replaced(_) => "computed and kept in",
+            Origin::Computed | Origin::NotStored(_) => return "computed".to_owned(),
+        };
+        let folder = cache.unwrap_or(Path::new(""));
+        format!("{of} {}", folder.display())
+    });
+    if first == second {
+        first
+    } else {
+        format!("gear 1 {first}, gear 2 {second}")
     }
 }

@@ -81,7 +81,7 @@ impl Solve {
         let mut pair = self.model.applied_to(Pair::read(&self.pair)?);
         self.widen(&mut pair.operating);
         self.model.use_threads()?;
-        let model = self.model.solver(&pair)?;
+        let model = self.model.solver(&pair, None)?;
         let input = CycleInput {
             flank: self.flank.into(),
             torque: self.torque_nm.unwrap_or(pair.operating.nominal_torque),
@@ -126,7 +126,7 @@ impl Solve {
         input: &CycleInput,
         cycle: &MeshCycle,
     ) -> Result<String, crate::Error> {
-        let model = self.model.solver(&ModelArgs::reference(pair))?;
+        let model = self.model.solver(&ModelArgs::reference(pair), None)?;
         let other = MeshCycle::solve(&model.solver, input)?;
         let percent = |a: f64, b: f64| format!("{:+.2} %", 100.0 * (a / b - 1.0));
         let mut rows = Listing::default();
@@ -138,7 +138,7 @@ impl Solve {
             )
             .row(
                 "time for its elastic model",
-                format!("{:.3} s", model.compliance_seconds),
+                format!("{:.3} s, {}", model.compliance_seconds, model.origin),
             );
         Ok(format!(
             "\nestimated error, from the difference to another model\n{rows}"
@@ -291,7 +291,7 @@ fn text(
         .row("elastic model", &model.description)
         .row(
             "time for the elastic model",
-            format!("{:.3} s", model.compliance_seconds),
+            format!("{:.3} s, {}", model.compliance_seconds, model.origin),
         )
         .row(
             "time for the contact",

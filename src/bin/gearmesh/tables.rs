@@ -1,13 +1,15 @@
 //! `gearmesh tables PAIR.json -o TABLES.json`: the static contact of a pair over its operating range.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 use clap::Args;
-use gearmesh::contact::ContactSolver;
+use gearmesh::contact::MAXIMUM_ITERATIONS;
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use gearmesh::table::plan::{Coverage, default_axes, measure, table_within};
+use gearmesh::table::source::{SolveQuality, WatchedSolver};
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{FlankGrid, FlankTable, Interpolation, InterpolationError, TableFile};
 
@@ -56,23 +58,43 @@ pub struct GridArgs {
 impl Tables {
     /// Computes, writes and says what was made.
     pub fn run(self) -> Result<(), Error> {
-        let file = compute(&self.pair, &self.grid, &self.model)?;
-        output::write_whole(&self.output, file.to_json().as_bytes())?;
-        output::print(&format!(
-            "Wrote {}: {}\n",
-            self.output.display(),
-            in_words(&file)
-        ))?;
+        let made = compute(&self.pair, &self.output, &self.grid, &self.model)?;
+        output::write_whole(&self.output, made.file.to_json().as_bytes())?;
+        output::print(&format!("Wrote {}: {made}\n", self.output.display()))?;
         Ok(())
     }
 }
 
-/// The tables of the pair file `path`.
+/// Tables that were just computed.
+pub struct Made {
+    /// The tables.
+    pub file: TableFile,
+    /// The elastic model, and the time it took.
+    elastic_model: String,
+    /// Wall-clock time of the static contact, s.
+    contact_seconds: f64,
+}
+
+impl std::fmt::Display for Made {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{}\n  elastic model: {}\n  static contact: {:.1} s, {}",
+            in_words(&self.file),
+            self.elastic_model,
+            self.contact_seconds,
+            solves_in_words(&self.file)
+        )
+    }
+}
+
+/// The tables of the pair file `path`, on their way to `output`.
 pub fn compute(
-    path: &std::path::Path,
+    path: &Path,
+    output: &Path,
     grid: &GridArgs,
     args: &ModelArgs,
-) -> Result<TableFile, Error> {
+) -> Result<Made, Error> {
     if let Some(error) = grid.max_error
         && !(error > 0.0 && error < 1.0)
     {
@@ -80,7 +102,8 @@ pub fn compute(
     }
     let pair = args.applied_to(Pair::read(path)?);
     args.use_threads()?;
-    let model = args.solver(&pair)?;
+    let model = args.solver(&pair, Some(output))?;
+    let begin = Instant::now();
     let coverage = coverage(&pair, grid);
 
     let cancel = AtomicBool::new(false);
@@ -95,15 +118,16 @@ pub fn compute(
         progress: &told,
         cancel: &cancel,
     };
-    let (drive, mut error) = drive_flank(&model.solver, &pair, &coverage, grid.max_error, &watch)?;
+    let source = WatchedSolver::new(&model.solver);
+    let (drive, mut error) = drive_flank(&source, &pair, &coverage, grid.max_error, &watch)?;
     let coast = if pair.coast_mirrors_drive() {
         None
     } else {
         let torque = coverage.maximum_torque;
-        let flank = sweep(&model.solver, Flank::Coast, &drive.axes, torque, &watch)?;
+        let flank = sweep(&source, Flank::Coast, &drive.axes, torque, &watch)?;
         let table = FlankTable::new(&flank, Interpolation::Spline)?;
         let found = measure(
-            &model.solver,
+            &source,
             &pair.geometry,
             Flank::Coast,
             &coverage,
@@ -132,9 +156,16 @@ pub fn compute(
         coast.as_ref(),
     );
     file.interpolation_error = Some(error);
-    file.solver = settings(&pair, &model, args);
+    file.solver = settings(&pair, &model, args, source.quality());
     file.seal();
-    Ok(file)
+    Ok(Made {
+        file,
+        elastic_model: format!(
+            "{}, {:.1} s, {}",
+            model.description, model.compliance_seconds, model.origin
+        ),
+        contact_seconds: begin.elapsed().as_secs_f64(),
+    })
 }
 
 /// The ranges of the pair file, less the dimensions that are not asked for.
@@ -163,7 +194,7 @@ fn within(max_error: Option<f64>, found: &InterpolationError) -> Result<(), Erro
 }
 
 fn drive_flank(
-    solver: &ContactSolver,
+    solver: &WatchedSolver<'_>,
     pair: &Pair,
     coverage: &Coverage,
     max_error: Option<f64>,
@@ -195,6 +226,7 @@ fn settings(
     pair: &Pair,
     model: &Model,
     args: &ModelArgs,
+    quality: SolveQuality,
 ) -> std::collections::BTreeMap<String, serde_json::Value> {
     let contact = model.solver.settings();
     [
@@ -202,10 +234,29 @@ fn settings(
         ("tip_corner_contact", pair.tip_corner_contact.into()),
         ("plane_strain", args.is_plane_strain().into()),
         ("stations_along_the_face", contact.stations.into()),
+        ("contact_solves", quality.solves.into()),
+        ("most_newton_steps", quality.most_iterations.into()),
+        ("newton_steps_allowed", MAXIMUM_ITERATIONS.into()),
+        ("largest_kkt_residual", quality.kkt_residual.into()),
     ]
     .into_iter()
     .map(|(name, value): (&str, serde_json::Value)| (name.to_owned(), value))
     .collect()
+}
+
+/// How the static solves of tables went, as their file says.
+pub fn solves_in_words(file: &TableFile) -> String {
+    let of = |name: &str| {
+        let value = file.solver.get(name);
+        value.map_or("an unknown number".into(), ToString::to_string)
+    };
+    format!(
+        "{} contact solves, Newton steps {} at most of {} allowed, KKT residual {} at most",
+        of("contact_solves"),
+        of("most_newton_steps"),
+        of("newton_steps_allowed"),
+        of("largest_kkt_residual")
+    )
 }
 
 /// Size and error of tables in one line.
@@ -215,10 +266,13 @@ pub fn in_words(file: &TableFile) -> String {
         || "error not measured".into(),
         |e| {
             format!(
-                "force error at {} random points {:.2} % rms, {:.2} % at most, of the nominal force",
+                "error at {} random points: force {:.2} % rms, {:.2} % at most, of the nominal force; shuttling \
+                 moment {:.2} % rms, {:.2} % at most, of that force at an end of the face",
                 e.points,
                 1e2 * e.force_rms,
-                1e2 * e.force_maximum
+                1e2 * e.force_maximum,
+                1e2 * e.moment_rms,
+                1e2 * e.moment_maximum
             )
         },
     );

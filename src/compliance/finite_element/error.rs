@@ -37,6 +37,15 @@ pub enum FiniteElementError {
          (above -1, below 0.5)"
     )]
     NotPositiveDefinite,
+    /// A load line that crosses the tooth's centre line outside of the gear.
+    #[error(
+        "the load line crosses the centre line of the tooth at the radius {radius_mm:.3} mm, where there is no \
+         material; choose a load nearer to the tip"
+    )]
+    NoCrossing {
+        /// Radius of the crossing, mm.
+        radius_mm: f64,
+    },
     /// Out of memory.
     #[error("not enough memory for the finite-element model; choose a coarser refinement")]
     Memory,

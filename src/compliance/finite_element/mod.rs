@@ -31,12 +31,14 @@ mod model;
 mod outline;
 mod pair;
 mod section;
+mod sector;
 mod settings;
 
 pub use cache::Origin;
 pub use error::FiniteElementError;
 pub use model::{Cost, Stage};
 pub use pair::PairCompliance;
+pub use sector::{SectorMesh, centre_line_compliance};
 pub use settings::{Discretization, Settings};
 
 use super::{BeyondModel, Strip, ToothCompliance};

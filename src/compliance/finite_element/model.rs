@@ -76,9 +76,9 @@ impl Model {
             )
         };
         let arcs: Vec<f64> = section.flank.iter().map(|(_, arc)| *arc).collect();
-        let half_width = sizes.kernel_half_width * m;
+        let half_widths = [sizes.kernel_half_width, sizes.edge_kernel_half_width].map(|w| w * m);
         Ok(Model {
-            grid: FlankGrid::new(&outline, &arcs, &stations, half_width),
+            grid: FlankGrid::new(&outline, &arcs, &stations, half_widths),
             mesh,
             gear: gear.clone(),
         })

@@ -7,6 +7,10 @@ use crate::pair::{Pair, Refinement};
 /// half-width, then exceeds the contact's half-width, and the local contact adds to the bulk.
 const KERNEL_OVER_HERTZ: f64 = 4.0;
 
+/// Least half-width of the kernel at a tip edge over that of the Hertz contact: the local contact there must
+/// not be wider than its law holds, see `contact::hertz`.
+const EDGE_KERNEL_OVER_HERTZ: f64 = 2.0;
+
 /// Widest kernel in normal modules: beyond it the 0.2 % independence of the width is lost.
 const WIDEST_KERNEL: f64 = 0.35;
 
@@ -29,6 +33,8 @@ pub struct Discretization {
     pub end_layer: f64,
     /// Half-width of the kernel that spreads a line load over the flank.
     pub kernel_half_width: f64,
+    /// Half-width to which it may narrow at a tip edge; not below one and a half of the element there.
+    pub edge_kernel_half_width: f64,
 }
 
 impl Discretization {
@@ -42,6 +48,7 @@ impl Discretization {
             layer: 0.75,
             end_layer: 0.3,
             kernel_half_width: 0.15,
+            edge_kernel_half_width: 0.0,
         };
         // The kernel must be resolved: 1.25 elements in its half-width keep the sum of bulk and Hertz
         // within 0.1 % of a ten times finer mesh; see docs.
@@ -53,6 +60,7 @@ impl Discretization {
             layer: by * normal.layer,
             end_layer: by * normal.end_layer,
             kernel_half_width: kernel,
+            edge_kernel_half_width: 0.0,
         };
         match refinement {
             Refinement::Coarse => scaled(5.0 / 3.0, 0.25),
@@ -61,7 +69,7 @@ impl Discretization {
         }
     }
 
-    /// All sizes but the kernel's, which the influence of the flank nodes does not depend on.
+    /// All sizes but the kernels', which the influence of the flank nodes does not depend on.
     pub(super) fn mesh_sizes(&self) -> [f64; 6] {
         let Discretization {
             flank_element,
@@ -71,6 +79,7 @@ impl Discretization {
             layer,
             end_layer,
             kernel_half_width: _,
+            edge_kernel_half_width: _,
         } = *self;
         [
             flank_element,
@@ -139,9 +148,11 @@ impl Settings {
             pair.compliance.refinement,
             (ratio.max(1.0) + 0.5).ceil() as usize,
         );
-        let width = &mut settings.discretization.kernel_half_width;
-        let module = geometry.gears[0].normal_module;
-        *width = width.max((KERNEL_OVER_HERTZ * widest_contact(pair) / module).min(WIDEST_KERNEL));
+        let sizes = &mut settings.discretization;
+        let hertz = widest_contact(pair) / geometry.gears[0].normal_module;
+        let wide = |over_hertz: f64| (over_hertz * hertz).min(WIDEST_KERNEL);
+        sizes.kernel_half_width = sizes.kernel_half_width.max(wide(KERNEL_OVER_HERTZ));
+        sizes.edge_kernel_half_width = wide(EDGE_KERNEL_OVER_HERTZ);
         settings
     }
 

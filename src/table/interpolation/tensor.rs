@@ -138,12 +138,7 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
         };
         let least = span.values.iter().copied().fold(f64::INFINITY, f64::min);
         if least <= 0.0 {
-            return Err(TableError::field(
-                "top_load_approach_m",
-                least,
-                "the spline through top-load minus no-load approach is not positive everywhere",
-                "space the axes closer",
-            ));
+            return Err(TableError::TooCoarse { least_m: least });
         }
         for _ in 0..30 {
             let legal = self.beyond_corners().iter().all(|(wc, wm)| {

@@ -61,7 +61,7 @@ impl Report {
         limits::positions(self.positions)?;
         let pair = self.model.applied_to(Pair::read(&self.pair)?);
         self.model.use_threads()?;
-        let model = self.model.solver(&pair)?;
+        let model = self.model.solver(&pair, None)?;
         let cycles = self.cycles(&pair, &model)?;
 
         let mut page = Page::new(&format!("Static tooth contact: {}", pair.name));

@@ -42,6 +42,7 @@ demo: build
 # Every figure and table in docs/, and the contact of every shipped pair in target/report.
 report: build
 	$(CARGO) run --release --example stability
+	$(CARGO) run --release --example finite_elements
 	$(CARGO) run --release --example speed_accuracy -- docs $(VENV)/bin/python
 	$(VENV)/bin/python -m demo.frames docs/frames.svg
 	$(VENV)/bin/python -m demo --out target/demo --docs docs

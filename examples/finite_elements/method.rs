@@ -1,0 +1,43 @@
+//! What is computed, with a picture of the mesh.
+
+use crate::cases::{Models, shipped};
+use crate::mesh_picture;
+use crate::page::{Outcome, link};
+use gearmesh::compliance::finite_element::{SectorMesh, Settings};
+use std::path::Path;
+
+/// The chapter.
+pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
+    let pair = shipped("palermo2013")?;
+    let gear = &pair.geometry.gears[0];
+    let settings = Settings::for_pair(&pair);
+    let mesh = SectorMesh::new(gear, &settings)?;
+    std::fs::write(plots.join("mesh.svg"), mesh_picture::draw(&mesh, gear))?;
+    let layers = mesh.stations.len() - 1;
+    Ok(format!(
+        "One sector of a gear is one tooth with its share of rim and web down to the held surface (bore; of a ring the \
+         outer rim). Its outline is the generated one: involute, trochoid of the tool's rounded tip, undercut and profile \
+         shift included. The section is meshed with 8-node quadrilaterals, graded towards the loaded flank, the fillet and \
+         the tip edge, where the elements are a quarter as long, and swept along the helix in layers that are thinner \
+         towards both ends of the face: 20-node hexahedra.\n\n{}\
+         *Mesh of the paper's gear at level normal, from its nodes: {} elements in the section × {layers} layers. Left the \
+         section of one sector (loaded flank bold, held surface below), in the middle its tip edge enlarged, right the flank \
+         unrolled, its layers along the face.*\n\n\
+         A sector is reduced to its two sides and the nodes of its loaded flank by sparse Cholesky factorisation; a discrete \
+         Fourier transform over the equal sectors closes the ring, so that **every tooth of the gear is a real one**: there is \
+         no sector size to choose. The result is the normal displacement of the flank nodes of a tooth and its neighbours per \
+         unit load. A strip of a contact line is a line load spread across it by a smooth kernel; the kernel's own half-plane \
+         logarithm is taken out again, and the Hertz contact, whose width follows the load, put in its place.\n\n\
+         **Tip edges.** Beyond the path of contact the tip edge of one gear bears on the flank of the other. The kernel there is \
+         no wider than the distance to the edge, down to what elements and local contact allow, and contact has one side only: \
+         with the gap alpha s + s²/(2 R) at the distance s from the edge, the pressure between half-planes is \
+         sqrt((a - s)/s) (alpha + (s + a/2)/R) / (pi c), alpha the inclination of the flanks, and its displacement replaces that \
+         of Hertz. Inside the flank alpha = -(distance to the edge)/R, and the law passes into that of Hertz exactly where \
+         contact just reaches the edge. Left out is that the tip is a wedge, not a half-plane, below the size of the elements at \
+         the edge.\n\n\
+         **Contact** is the frictionless complementarity problem over all strips of all tooth pairs in reach, solved by Newton's \
+         method to a relative residual of 1e-10.\n",
+        link("mesh", "Mesh of one sector"),
+        mesh.elements.len(),
+    ))
+}

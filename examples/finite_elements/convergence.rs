@@ -5,7 +5,7 @@ use crate::page::{Outcome, percent, table, verdict};
 use gearmesh::compliance::finite_element::{
     Discretization, FiniteElementCompliance, PairCompliance, Settings,
 };
-use gearmesh::compliance::{Strip, ToothCompliance};
+use gearmesh::compliance::{BeyondModel, Strip, ToothCompliance};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::pair::{Pair, Refinement};
 use nalgebra::DMatrix;
@@ -190,8 +190,8 @@ fn one_pair(models: &Models, name: &str, pair: &Pair) -> Outcome<String> {
 struct SingleTeeth(Arc<FiniteElementCompliance>);
 
 impl ToothCompliance for SingleTeeth {
-    fn bulk(&self, strips: &[Strip]) -> DMatrix<f64> {
-        let mut matrix = self.0.bulk(strips);
+    fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
+        let mut matrix = self.0.bulk(strips)?;
         for i in 0..strips.len() {
             for j in 0..strips.len() {
                 if strips[i].tooth != strips[j].tooth {
@@ -199,7 +199,7 @@ impl ToothCompliance for SingleTeeth {
                 }
             }
         }
-        matrix
+        Ok(matrix)
     }
 
     fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {

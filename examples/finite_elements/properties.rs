@@ -1,7 +1,7 @@
 //! What any contact solution must fulfil: over the load, the misalignment and the centre distance.
 
 use crate::cases::{Models, paper, thick_spur};
-use crate::page::{Outcome, line, plot, table, verdict};
+use crate::page::{Outcome, largest, line, plot, table, verdict};
 use gearmesh::contact::{ContactResult, ContactSolver, PositionProblem};
 use gearmesh::gear::Flank;
 use rayon::prelude::*;
@@ -351,16 +351,15 @@ fn over_distance(solver: &ContactSolver) -> Outcome<(Curve, [f64; 2])> {
     let all = columns.iter().flatten();
     let (low, high) = all.fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
     let errors = [2, 1].map(|half| {
-        let mut worst: f64 = 0.0;
-        for p in 0..COUNT {
-            for i in (3 * half..offsets.len() - 3 * half).step_by(2 * half) {
-                let v = |k: usize| columns[k][p];
-                let near = v(i - half) + v(i + half);
-                let far = v(i - 3 * half) + v(i + 3 * half);
-                worst = worst.max(((9.0 * near - far) / 16.0 - v(i)).abs());
-            }
-        }
-        worst / (high - low)
+        let middles = (3 * half..offsets.len() - 3 * half).step_by(2 * half);
+        let misses = middles.flat_map(|i| {
+            let at = |k: usize| columns[k].iter();
+            let near = at(i - half).zip(at(i + half)).map(|(a, b)| a + b);
+            let far = at(i - 3 * half).zip(at(i + 3 * half)).map(|(a, b)| a + b);
+            let between = near.zip(far).map(|(near, far)| (9.0 * near - far) / 16.0);
+            between.zip(at(i)).map(|(a, b)| a - b).collect::<Vec<f64>>()
+        });
+        largest(misses).abs() / (high - low)
     });
     Ok((curve, errors))
 }

@@ -9,7 +9,7 @@ const KERNEL_OVER_HERTZ: f64 = 4.0;
 
 /// Least half-width of the kernel at a tip edge over that of the Hertz contact: the local contact there must
 /// not be wider than its law holds, see `contact::hertz`.
-const EDGE_KERNEL_OVER_HERTZ: f64 = 2.0;
+const EDGE_KERNEL_OVER_HERTZ: f64 = 1.0;
 
 /// Widest kernel in normal modules: beyond it the 0.2 % independence of the width is lost.
 const WIDEST_KERNEL: f64 = 0.35;

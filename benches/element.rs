@@ -5,7 +5,7 @@ use gearmesh::element::{
     Element, FlankLaws, Formulation, Inputs, InputsChange, Interpolation, LoadedFlank,
     MotionChange, Parameters,
 };
-use gearmesh::gear::{Gear, GearKind, PairGeometry};
+use gearmesh::gear::{PairGeometry, samples};
 use gearmesh::table::{FlankTable, samples::Spring};
 use nalgebra::{Rotation3, Vector3};
 use std::hint::black_box;
@@ -13,28 +13,7 @@ use std::sync::Arc;
 
 /// The paper's pair with a little backlash.
 fn pair() -> PairGeometry {
-    let gear = |hand| Gear {
-        kind: GearKind::External,
-        teeth: 20,
-        hand,
-        normal_module: 4e-3,
-        normal_pressure_angle: 20f64.to_radians(),
-        helix_angle: 13f64.to_radians(),
-        profile_shift: 0.0,
-        face_width: 25e-3,
-        face_offset: 0.0,
-        tip_radius: 90.315e-3 / 2.0,
-        dedendum_coefficient: 1.25,
-        tool_tip_radius_coefficient: 0.38,
-        held_radius: 15e-3,
-        tooth_thinning: 30e-6,
-        youngs_modulus: 206e9,
-        poisson_ratio: 0.3,
-    };
-    PairGeometry {
-        gears: [gear(1.0), gear(-1.0)],
-        center_distance: 82.104e-3,
-    }
+    samples::thinned(samples::paper_pair(1.0), 30e-6)
 }
 
 /// Poses along a mesh cycle, pressed and slightly misaligned, turning.

@@ -10,43 +10,19 @@ use std::sync::Mutex;
 use ::fmi::fmi2::binding::*;
 use gearmesh::fmi::c_interface::*;
 use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, Unit};
-use gearmesh::gear::{Gear, GearKind, PairGeometry};
+use gearmesh::gear::samples;
 
 const GUID: &str = "{00000000-0000-0000-0000-000000000001}";
 
-/// A spur pair of 20 and 30 teeth.
+/// A spur pair.
 fn unit() -> Unit {
-    let gear = |teeth: u32, hand: f64| {
-        let r = 1e-3 * f64::from(teeth);
-        Gear {
-            kind: GearKind::External,
-            teeth,
-            hand,
-            normal_module: 2e-3,
-            normal_pressure_angle: 20f64.to_radians(),
-            helix_angle: 0.0,
-            profile_shift: 0.0,
-            face_width: 20e-3,
-            face_offset: 0.0,
-            tip_radius: r + 2e-3,
-            dedendum_coefficient: 1.25,
-            tool_tip_radius_coefficient: 0.38,
-            held_radius: 5e-3,
-            tooth_thinning: 0.0,
-            youngs_modulus: 206e9,
-            poisson_ratio: 0.3,
-        }
-    };
     let start = |name: &str, value: f64| (name.to_owned(), value);
     Unit {
         version: UNIT_VERSION,
         guid: GUID.into(),
         name: "spur".into(),
-        starts: [start("gear2.position[1]", 50e-3)].into(),
-        geometry: PairGeometry {
-            gears: [gear(20, 1.0), gear(30, -1.0)],
-            center_distance: 50e-3,
-        },
+        starts: [start("gear2.position[1]", 80e-3)].into(),
+        geometry: samples::spur_pair(),
     }
 }
 
@@ -152,7 +128,7 @@ fn an_instance_lives_from_instantiation_to_freeing() {
             fmi2GetReal(c, inputs.as_ptr(), 48, values.as_mut_ptr()),
             fmi2Status_fmi2OK
         );
-        assert_eq!(values[16], 50e-3);
+        assert_eq!(values[16], 80e-3);
         values[5] = 1e-3; // gear1.angles[3]
         assert_eq!(
             fmi2SetReal(c, inputs.as_ptr(), 48, values.as_ptr()),

@@ -1,6 +1,8 @@
 //! What is measured: evaluations of tables and of the element at fixed points, by name.
 
-use gearmesh::element::{Element, Formulation, Inputs, InputsChange, Parameters, StiffnessModel};
+use gearmesh::element::{
+    Element, Formulation, Inputs, InputsChange, LoadedFlank, Parameters, StiffnessModel,
+};
 use gearmesh::pair::Pair;
 use gearmesh::table::samples::Spring;
 use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
@@ -111,6 +113,7 @@ fn elements(cases: &mut Vec<Case>) {
                 stiffness_model,
                 interpolation,
                 formulation,
+                loaded_flank: LoadedFlank::Both,
                 ..Parameters::default()
             };
             for (what, derivative) in [("wrench", false), ("directional-derivative", true)] {

@@ -6,7 +6,7 @@ use crate::poses::{self, Spread};
 use crate::setting::{Setting, thinned};
 use crate::timing::{Candidate, medians};
 use gearmesh::element::{
-    Element, Formulation, InputsChange, MotionChange, Parameters, StiffnessModel,
+    Element, Formulation, InputsChange, LoadedFlank, MotionChange, Parameters, StiffnessModel,
 };
 use gearmesh::table::{FlankGrid, FlankTable, Interpolation, Table};
 use nalgebra::Vector3;
@@ -35,6 +35,7 @@ pub fn everything(setting: &Setting) -> Parameters {
     Parameters {
         stiffness_model: StiffnessModel::Table,
         nominal_torque: setting.pair.operating.nominal_torque,
+        loaded_flank: LoadedFlank::Both,
         ..Parameters::default()
     }
 }
@@ -77,6 +78,7 @@ pub fn report(
         let spring = Parameters {
             stiffness_model: StiffnessModel::Constant,
             formulation,
+            loaded_flank: LoadedFlank::Both,
             ..Parameters::default()
         };
         kinds.push((

@@ -2,13 +2,15 @@
 //! `cargo run --release --example stability`. With words as arguments, it only prints the
 //! chapters whose titles contain one of them.
 
+mod continuity;
 mod cosimulation;
 mod energy;
+mod hard;
 mod oscillator;
 mod pair;
 mod plot;
+mod poses;
 mod rattle;
-mod scan;
 mod tables;
 
 use std::fmt::Write as _;
@@ -26,8 +28,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("Nonlinear cases with known answers", oscillator::report),
         ("Rattle of an idle gear", rattle::report),
         ("Explicit co-simulation", cosimulation::report),
-        ("Hard cases", scan::report),
-        ("Continuity of the force", scan::continuity),
+        ("Hard cases", hard::report),
+        ("Continuity of the force", continuity::report),
     ];
     let mut text = String::from(
         "# Stability of the element\n\nWritten by `cargo run --release --example stability`; every number \

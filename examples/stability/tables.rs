@@ -15,10 +15,26 @@ use std::sync::atomic::AtomicBool;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// Table over all four dimensions of the paper's modified pair, closed-form compliance, on a grid that
-/// takes seconds.
-pub fn real() -> Result<(Pair, Arc<Table>)> {
+/// The paper's modified pair with a table made here.
+pub fn palermo() -> Result<(Pair, Arc<Table>)> {
+    closed_form(include_str!("../../resources/pairs/palermo2013.json"))
+}
+
+/// The shipped planet and ring with a table made here.
+pub fn planet_and_ring() -> Result<(Pair, Arc<Table>)> {
+    closed_form(include_str!("../../resources/pairs/planet-ring-27-84.json"))
+}
+
+/// The paper's modified pair with its shipped table, from finite elements.
+pub fn shipped_palermo() -> Result<(Pair, Arc<Table>)> {
     let pair = Pair::from_json(include_str!("../../resources/pairs/palermo2013.json"))?;
+    let table = Table::from_json(include_str!("../../resources/tables/palermo2013.json"))?;
+    Ok((pair, Arc::new(table)))
+}
+
+/// Table over all four dimensions of a pair file, closed-form compliance, on a grid that takes seconds.
+fn closed_form(pair_file: &str) -> Result<(Pair, Arc<Table>)> {
+    let pair = Pair::from_json(pair_file)?;
     let axial = AxialState::Free;
     let [first, second] = &pair.geometry.gears;
     let compliance: [Arc<dyn ToothCompliance>; 2] = [

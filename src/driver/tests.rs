@@ -1,9 +1,9 @@
 //! Claims about the driver, and about the element as seen in motion.
 
 use super::*;
-use crate::element::testing::{paper_pair, smooth_laws};
+use crate::element::testing::smooth_laws;
 use crate::element::{Element, Formulation, LoadedFlank, Parameters};
-use crate::gear::PairGeometry;
+use crate::gear::{PairGeometry, samples::paper_pair};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::Vector3;
 

@@ -261,6 +261,7 @@ mod tests {
                 let parameters = Parameters {
                     formulation,
                     loaded_flank: LoadedFlank::Both,
+                    damping: 1e5,
                     ..Parameters::default()
                 };
                 let element = Element::new(&pair, &parameters, None).unwrap();
@@ -292,6 +293,7 @@ mod tests {
                     let parameters = Parameters {
                         formulation,
                         loaded_flank,
+                        damping: 1e5,
                         ..Parameters::default()
                     };
                     let element = Element::with_laws(&pair, &parameters, &laws).unwrap();

@@ -1,71 +1,34 @@
 //! Pairs and poses for the tests of the element.
 
-use super::{Elasticity, Element, FlankLaws, Inputs, Motion};
-use crate::gear::{Gear, GearKind, PairGeometry};
+use super::{
+    Elasticity, Element, FlankLaws, Formulation, Inputs, LoadedFlank, Motion, Outputs, Parameters,
+};
+use crate::gear::samples::{gear, thinned};
+use crate::gear::{GearKind, PairGeometry};
 use crate::table::{Potential, Query};
 use nalgebra::{Rotation3, Vector3};
 use num_dual::{DualNum, HyperDual64};
 use std::f64::consts::TAU;
-
-fn gear(kind: GearKind, teeth: u32, hand: f64, shift: f64) -> Gear {
-    let kappa = if kind == GearKind::Ring { -1.0 } else { 1.0 };
-    let helix = 13f64.to_radians();
-    let reference = 0.5 * f64::from(teeth) * 4e-3 / helix.cos();
-    Gear {
-        kind,
-        teeth,
-        hand,
-        normal_module: 4e-3,
-        normal_pressure_angle: 20f64.to_radians(),
-        helix_angle: helix,
-        profile_shift: shift,
-        face_width: 25e-3,
-        face_offset: 0.0,
-        tip_radius: reference + (kappa + shift) * 4.105e-3,
-        dedendum_coefficient: 1.25,
-        tool_tip_radius_coefficient: 0.38,
-        held_radius: if kappa > 0.0 {
-            15e-3
-        } else {
-            reference + 20e-3
-        },
-        tooth_thinning: 0.0,
-        youngs_modulus: 206e9,
-        poisson_ratio: 0.3,
-    }
-}
-
-/// The paper's pair, Table 1, with gear 1 of `hand`.
-pub(crate) fn paper_pair(hand: f64) -> PairGeometry {
-    PairGeometry {
-        gears: [
-            gear(GearKind::External, 20, hand, 0.0),
-            gear(GearKind::External, 20, -hand, 0.0),
-        ],
-        center_distance: 82.104e-3,
-    }
-}
+use std::sync::Arc;
 
 /// External, internal and ring as gear 1, helical, with profile shifts and tooth thinning, gear 1 of
 /// `hand`; the centre distances leave backlash.
 pub(crate) fn three_pairs(hand: f64) -> [PairGeometry; 3] {
     use GearKind::{External, Ring};
     let mut pairs = [
-        [
-            gear(External, 20, hand, 0.2),
-            gear(External, 31, -hand, 0.1),
-        ],
-        [gear(External, 20, hand, 0.2), gear(Ring, 61, hand, 0.25)],
-        [gear(Ring, 61, hand, 0.25), gear(External, 20, hand, 0.2)],
+        [(External, 20, hand, 0.2), (External, 31, -hand, 0.1)],
+        [(External, 20, hand, 0.2), (Ring, 61, hand, 0.25)],
+        [(Ring, 61, hand, 0.25), (External, 20, hand, 0.2)],
     ]
-    .map(|gears| PairGeometry {
-        gears,
-        center_distance: 0.0,
+    .map(|both| {
+        let gears = both.map(|(kind, teeth, hand, shift)| gear(kind, teeth, hand, 13.0, shift));
+        let pair = PairGeometry {
+            gears,
+            center_distance: 0.0,
+        };
+        thinned(pair, 20e-6)
     });
     for pair in &mut pairs {
-        for g in &mut pair.gears {
-            g.tooth_thinning = 20e-6;
-        }
         // inv phi = inv phi_0 by bisection: the centre distance without backlash but for the thinning.
         let target = pair.backlash_free_involute();
         let (mut low, mut high) = (0.2f64, 0.6f64);
@@ -105,6 +68,79 @@ impl Noise {
     pub(crate) fn vector(&mut self, scale: f64) -> Vector3<f64> {
         Vector3::from_fn(|_, _| scale * self.next())
     }
+}
+
+/// Both formulations.
+pub(crate) const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
+
+/// Constant stiffness without damping.
+pub(crate) fn undamped(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
+    Parameters {
+        formulation,
+        loaded_flank,
+        damping: 0.0,
+        ..Parameters::default()
+    }
+}
+
+/// The element of `pair` with them.
+pub(crate) fn constant(
+    pair: &PairGeometry,
+    formulation: Formulation,
+    flank: LoadedFlank,
+) -> Element {
+    Element::new(pair, &undamped(formulation, flank), None).unwrap()
+}
+
+/// Loads at `inputs` with the phases of the nominal pose.
+pub(crate) fn at(element: &Element, inputs: &Inputs) -> Outputs {
+    let latch = element.latch(&element.nominal_inputs()).unwrap();
+    element.evaluate(&latch, inputs).unwrap()
+}
+
+/// Work of the contact over the elliptic loop in the freedoms `i` and `j` (0-11: translation and
+/// rotation of gear 1, then of gear 2) with these amplitudes, and the mean energy on it.
+pub(crate) fn loop_work(
+    element: &Element,
+    start: &Inputs,
+    i: usize,
+    j: usize,
+    size: [f64; 2],
+) -> (f64, f64) {
+    let latch = element.latch(&element.nominal_inputs()).unwrap();
+    let points = 96;
+    let (mut work, mut energy) = (0.0, 0.0);
+    for n in 0..points {
+        // Trapezoidal rule: of spectral accuracy on a smooth closed loop.
+        let t = std::f64::consts::TAU * f64::from(n) / f64::from(points);
+        let mut x = [0.0; 12];
+        let mut rate = [0.0; 12];
+        x[i] += size[0] * t.cos();
+        rate[i] -= size[0] * t.sin();
+        x[j] += size[1] * t.sin();
+        rate[j] += size[1] * t.cos();
+        let mut inputs = *start;
+        for (body, m) in inputs.gears.iter_mut().enumerate() {
+            let part =
+                |v: &[f64; 12], k: usize| Vector3::from_column_slice(&v[6 * body + k..][..3]);
+            m.p += part(&x, 0);
+            let turn = part(&x, 3);
+            m.r = Rotation3::new(turn).matrix() * m.r;
+            m.v = part(&rate, 0);
+            // Rate of a rotation vector to angular velocity, to third order in it (1e-16 here).
+            let turn_rate = part(&rate, 3);
+            let bracket = turn.cross(&turn_rate);
+            m.w = turn_rate + bracket / 2.0 + turn.cross(&bracket) / 6.0;
+        }
+        let out = element.evaluate(&latch, &inputs).unwrap();
+        assert_ne!(out.flank, 0, "the loop must stay in contact");
+        for (body, m) in inputs.gears.iter().enumerate() {
+            work += out.force[body].dot(&m.v) + out.moment[body].dot(&m.w);
+        }
+        energy += out.energy;
+    }
+    let step = std::f64::consts::TAU / f64::from(points);
+    (work * step, energy / f64::from(points))
 }
 
 /// The rigid motion of the world: everything in `inputs` turned by `r` and moved by `p`.
@@ -154,7 +190,12 @@ pub(crate) fn random_pose(element: &Element, noise: &mut Noise) -> Inputs {
 /// A smooth potential in all four coordinates with closed derivatives, near a real table in size:
 /// with x = delta + M z(tau) - d(tau, M) and k = k0 (1 + a sin 2 pi tau)(1 - b C),
 /// W = k x^3 / (3 l) for x > 0.
-pub(crate) struct Smooth;
+pub(crate) struct Smooth {
+    /// Mean of z(tau), m.
+    pub lever: f64,
+    /// k0, N/m.
+    pub stiffness: f64,
+}
 
 impl Elasticity for Smooth {
     fn evaluate(&self, q: &Query, _want_hessian: bool) -> Potential {
@@ -168,8 +209,8 @@ impl Elasticity for Smooth {
         let energy = |v: [D; 4]| {
             let [delta, c, m, tau] = v;
             let (sine, cosine) = (tau * TAU).sin_cos();
-            let x = delta + m * (cosine * 4e-3 + 1e-3) - (sine * 0.5e-6 + m * m * 0.2 + 1e-6);
-            let k = (sine * 0.2 + 1.0) * (-c * 500.0 + 1.0) * 4.7e8;
+            let x = delta + m * (cosine * 4e-3 + self.lever) - (sine * 0.5e-6 + m * m * 0.2 + 1e-6);
+            let k = (sine * 0.2 + 1.0) * (-c * 500.0 + 1.0) * self.stiffness;
             if x.re > 0.0 {
                 k * x * x * x / (3.0 * 10e-6)
             } else {
@@ -192,10 +233,22 @@ impl Elasticity for Smooth {
     }
 }
 
-/// [`Smooth`] on both flanks, mirrored on the coast flank.
+/// The law of one flank.
+pub(crate) const DRIVE: Smooth = Smooth {
+    lever: 1e-3,
+    stiffness: 4.7e8,
+};
+
+/// Another, for the flank across.
+pub(crate) const COAST: Smooth = Smooth {
+    lever: -2.5e-3,
+    stiffness: 3.8e8,
+};
+
+/// [`DRIVE`] on both flanks, mirrored on the coast flank.
 pub(crate) fn smooth_laws() -> FlankLaws {
     FlankLaws {
-        drive: std::sync::Arc::new(Smooth),
+        drive: Arc::new(DRIVE),
         coast: None,
     }
 }

@@ -1,25 +1,13 @@
 //! Claims about the whole element with constant stiffness.
 
-use super::testing::{Noise, compressed, moved, paper_pair, random_pose, smooth_laws, three_pairs};
-use super::{Element, Formulation, Inputs, LoadedFlank, Outputs, Parameters, StiffnessModel};
+use super::testing::{
+    FORMULATIONS, Noise, at, compressed, loop_work, moved, random_pose, smooth_laws, three_pairs,
+    undamped,
+};
+use super::{Element, Formulation, LoadedFlank, Parameters, StiffnessModel};
+use crate::gear::samples::paper_pair;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Rotation3, Vector3};
-
-const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
-
-fn undamped(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
-    Parameters {
-        formulation,
-        loaded_flank,
-        damping: 0.0,
-        ..Parameters::default()
-    }
-}
-
-fn at(element: &Element, inputs: &Inputs) -> Outputs {
-    let latch = element.latch(&element.nominal_inputs()).unwrap();
-    element.evaluate(&latch, inputs).unwrap()
-}
 
 #[test]
 fn the_papers_pair_at_100_newton_metres_has_a_normal_force_of_2660_newton() {
@@ -215,45 +203,6 @@ fn the_conjugate_wrench_is_the_negative_gradient_of_its_energy() {
             }
         }
     }
-}
-
-/// Work of the contact over the elliptic loop in the freedoms `i` and `j` (0-11: translation and
-/// rotation of gear 1, then of gear 2) with these amplitudes, and the mean energy on it.
-fn loop_work(element: &Element, start: &Inputs, i: usize, j: usize, size: [f64; 2]) -> (f64, f64) {
-    let latch = element.latch(&element.nominal_inputs()).unwrap();
-    let points = 96;
-    let (mut work, mut energy) = (0.0, 0.0);
-    for n in 0..points {
-        // Trapezoidal rule: of spectral accuracy on a smooth closed loop.
-        let t = std::f64::consts::TAU * f64::from(n) / f64::from(points);
-        let mut x = [0.0; 12];
-        let mut rate = [0.0; 12];
-        x[i] += size[0] * t.cos();
-        rate[i] -= size[0] * t.sin();
-        x[j] += size[1] * t.sin();
-        rate[j] += size[1] * t.cos();
-        let mut inputs = *start;
-        for (body, m) in inputs.gears.iter_mut().enumerate() {
-            let part =
-                |v: &[f64; 12], k: usize| Vector3::from_column_slice(&v[6 * body + k..][..3]);
-            m.p += part(&x, 0);
-            let turn = part(&x, 3);
-            m.r = Rotation3::new(turn).matrix() * m.r;
-            m.v = part(&rate, 0);
-            // Rate of a rotation vector to angular velocity, to third order in it (1e-16 here).
-            let turn_rate = part(&rate, 3);
-            let bracket = turn.cross(&turn_rate);
-            m.w = turn_rate + bracket / 2.0 + turn.cross(&bracket) / 6.0;
-        }
-        let out = element.evaluate(&latch, &inputs).unwrap();
-        assert_ne!(out.flank, 0, "the loop must stay in contact");
-        for (body, m) in inputs.gears.iter().enumerate() {
-            work += out.force[body].dot(&m.v) + out.moment[body].dot(&m.w);
-        }
-        energy += out.energy;
-    }
-    let step = std::f64::consts::TAU / f64::from(points);
-    (work * step, energy / f64::from(points))
 }
 
 #[test]

@@ -1,31 +1,14 @@
 //! Claims about damping, a turning carrier, and poses at and beyond the limits.
 
 use super::geometry::FLANKS;
-use super::testing::{Noise, compressed, paper_pair, random_pose, spun, three_pairs};
+use super::testing::{
+    FORMULATIONS, Noise, at, compressed, constant, random_pose, spun, three_pairs, undamped,
+};
 use super::*;
+use crate::gear::samples::paper_pair;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::Rotation3;
 use std::f64::consts::{FRAC_PI_2, TAU};
-
-const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
-
-fn parameters(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
-    Parameters {
-        formulation,
-        loaded_flank,
-        damping: 0.0,
-        ..Parameters::default()
-    }
-}
-
-fn element(pair: &PairGeometry, formulation: Formulation, flank: LoadedFlank) -> Element {
-    Element::new(pair, &parameters(formulation, flank), None).unwrap()
-}
-
-fn at(element: &Element, inputs: &Inputs) -> Outputs {
-    let latch = element.latch(&element.nominal_inputs()).unwrap();
-    element.evaluate(&latch, inputs).unwrap()
-}
 
 #[test]
 fn a_static_tilt_of_turning_gears_makes_no_damping_force() {
@@ -35,7 +18,7 @@ fn a_static_tilt_of_turning_gears_makes_no_damping_force() {
             &pair,
             &Parameters {
                 damping: 1e5,
-                ..parameters(formulation, LoadedFlank::Drive)
+                ..undamped(formulation, LoadedFlank::Drive)
             },
             None,
         )
@@ -63,7 +46,7 @@ fn damping_never_pulls_and_sets_in_without_a_jump() {
         &pair,
         &Parameters {
             damping: 1e5,
-            ..parameters(Formulation::Conjugate, LoadedFlank::Drive)
+            ..undamped(Formulation::Conjugate, LoadedFlank::Drive)
         },
         None,
     )
@@ -99,7 +82,7 @@ fn carrier_gears_and_world_turned_alike_change_nothing_and_the_carriers_turning_
         &pair,
         &Parameters {
             damping: 1e5,
-            ..parameters(Formulation::Paper, LoadedFlank::Drive)
+            ..undamped(Formulation::Paper, LoadedFlank::Drive)
         },
         None,
     )
@@ -127,7 +110,7 @@ fn carrier_gears_and_world_turned_alike_change_nothing_and_the_carriers_turning_
 fn poses_without_meaning_are_refused_by_name() {
     for formulation in FORMULATIONS {
         let pair = paper_pair(1.0);
-        let element = element(&pair, formulation, LoadedFlank::Both);
+        let element = constant(&pair, formulation, LoadedFlank::Both);
         let good = element.nominal_inputs();
         let latch = element.latch(&good).unwrap();
         let refused = |change: &dyn Fn(&mut Inputs)| {
@@ -160,7 +143,7 @@ fn poses_without_meaning_are_refused_by_name() {
 #[test]
 fn gears_out_of_reach_feel_nothing_and_get_there_along_a_gradient() {
     for pair in three_pairs(1.0) {
-        let element = element(&pair, Formulation::Conjugate, LoadedFlank::Both);
+        let element = constant(&pair, Formulation::Conjugate, LoadedFlank::Both);
         let latch = element.latch(&element.nominal_inputs()).unwrap();
         let out_of_mesh = [
             Vector3::x() * (pair.e() * 12e-3),
@@ -200,7 +183,7 @@ fn the_reference_flank_is_the_loaded_one() {
             (LoadedFlank::Coast, 1),
             (LoadedFlank::Both, 0),
         ] {
-            let element = element(&pair, Formulation::Conjugate, flank);
+            let element = constant(&pair, Formulation::Conjugate, flank);
             assert_eq!(element.reference_flank, index);
             for _ in 0..20 {
                 let out = at(&element, &random_pose(&element, &mut noise));

@@ -1,37 +1,20 @@
 //! Claims about phases, backlash and misalignment.
 
-use super::testing::{Noise, compressed, moved, paper_pair, spun, three_pairs};
+use super::testing::{
+    FORMULATIONS, Noise, at, compressed, constant, moved, spun, three_pairs, undamped,
+};
 use super::*;
 use crate::gear::involute;
+use crate::gear::samples::paper_pair;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::Rotation3;
 use std::f64::consts::{PI, TAU};
-
-const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
-
-fn parameters(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
-    Parameters {
-        formulation,
-        loaded_flank,
-        damping: 0.0,
-        ..Parameters::default()
-    }
-}
-
-fn element(pair: &PairGeometry, formulation: Formulation, flank: LoadedFlank) -> Element {
-    Element::new(pair, &parameters(formulation, flank), None).unwrap()
-}
-
-fn at(element: &Element, inputs: &Inputs) -> Outputs {
-    let latch = element.latch(&element.nominal_inputs()).unwrap();
-    element.evaluate(&latch, inputs).unwrap()
-}
 
 #[test]
 fn a_million_revolutions_and_a_distant_origin_change_only_the_inputs_rounding() {
     for formulation in FORMULATIONS {
         for pair in three_pairs(1.0) {
-            let element = element(&pair, formulation, LoadedFlank::Both);
+            let element = constant(&pair, formulation, LoadedFlank::Both);
             let inputs = compressed(&element, 1.0, 5e-6);
             let near = at(&element, &inputs).tangential_force;
             // The angle itself is rounded to an ulp of 2 pi 1e6 (9e-10 rad), taken as given here.
@@ -59,7 +42,7 @@ fn the_elongation_is_the_closed_form_for_parallel_axes() {
     for hand in [1.0, -1.0] {
         for pair in three_pairs(hand) {
             for (s, flank) in [(1.0, LoadedFlank::Drive), (-1.0, LoadedFlank::Coast)] {
-                let element = element(&pair, Formulation::Conjugate, flank);
+                let element = constant(&pair, Formulation::Conjugate, flank);
                 let start = element.nominal_inputs();
                 let latch = element.latch(&start).unwrap();
                 for _ in 0..20 {
@@ -101,7 +84,7 @@ fn the_way_from_flank_to_flank_is_the_backlash() {
                     &pair,
                     &Parameters {
                         backlash: given,
-                        ..parameters(formulation, LoadedFlank::Both)
+                        ..undamped(formulation, LoadedFlank::Both)
                     },
                     None,
                 )
@@ -132,7 +115,7 @@ fn the_way_from_flank_to_flank_is_the_backlash() {
 #[test]
 fn both_flanks_press_when_the_teeth_run_out_of_backlash() {
     for pair in three_pairs(-1.0) {
-        let element = element(&pair, Formulation::Conjugate, LoadedFlank::Both);
+        let element = constant(&pair, Formulation::Conjugate, LoadedFlank::Both);
         let latch = element.latch(&element.nominal_inputs()).unwrap();
         // Closer for external gears, farther for internal ones.
         let mut inputs = element.nominal_inputs();
@@ -174,7 +157,7 @@ fn absolute_phase_zero_is_a_tooth_pair_that_touches_at_the_pitch_point_at_mid_fa
                         pair,
                         &Parameters {
                             phase_reference: PhaseReference::Absolute,
-                            ..parameters(formulation, flank)
+                            ..undamped(formulation, flank)
                         },
                         None,
                     )
@@ -206,7 +189,7 @@ fn overlapping_teeth_at_an_absolute_start_are_refused_with_the_turn_that_helps()
         &Parameters {
             phase_reference: PhaseReference::Absolute,
             backlash: Some(20e-6),
-            ..parameters(Formulation::Conjugate, LoadedFlank::Both)
+            ..undamped(Formulation::Conjugate, LoadedFlank::Both)
         },
         None,
     )
@@ -233,7 +216,7 @@ fn mesh_position_runs_with_the_loaded_flank_and_starts_at_the_mesh_phase() {
                     &pair,
                     &Parameters {
                         mesh_phase: 0.3 * pitch,
-                        ..parameters(formulation, flank)
+                        ..undamped(formulation, flank)
                     },
                     None,
                 )
@@ -258,8 +241,8 @@ fn misalignment_is_the_growth_of_elongation_with_z() {
             g.face_width *= 2.0;
         }
         for (s, flank) in [(1.0, LoadedFlank::Drive), (-1.0, LoadedFlank::Coast)] {
-            let low = element(&pair, Formulation::Conjugate, flank);
-            let high = element(&wide, Formulation::Conjugate, flank);
+            let low = constant(&pair, Formulation::Conjugate, flank);
+            let high = constant(&wide, Formulation::Conjugate, flank);
             for _ in 0..10 {
                 let mut inputs = low.nominal_inputs();
                 let tilt =
@@ -284,7 +267,7 @@ fn misalignment_is_the_growth_of_elongation_with_z() {
 #[test]
 fn the_papers_transmission_error_is_negative_on_a_loaded_flank_misaligned_by_3_milliradian() {
     let pair = paper_pair(1.0);
-    let element = element(&pair, Formulation::Paper, LoadedFlank::Drive);
+    let element = constant(&pair, Formulation::Paper, LoadedFlank::Drive);
     // Tilt gear 1 about the off-line of action so that M = +3 mrad, and press by 5 um at mid-face.
     let phi = pair.operating_pressure_angle(pair.center_distance);
     let loa = Vector3::new(phi.sin(), phi.cos(), 0.0);

@@ -20,7 +20,7 @@ unsafe extern "C" fn listen(
 
 /// A component on the paper's pair with constant stiffness.
 fn component() -> fmi2Component {
-    let geometry = crate::package::tests::paper();
+    let geometry = crate::gear::samples::paper_pair(1.0);
     let unit = Unit {
         version: UNIT_VERSION,
         guid: "{guid}".into(),

@@ -59,6 +59,20 @@ mod tests {
     use super::*;
     use crate::fmi::variables::{VARIABLES, template_starts};
 
+    #[test]
+    fn the_units_defaults_are_those_of_the_element() {
+        let unit = element_parameters(&template_starts());
+        // Packing switches on what the tables have, and writes the pair's own backlash.
+        let packed = Parameters {
+            center_distance_effect: true,
+            misalignment_effect: true,
+            shuttling_effect: true,
+            backlash: None,
+            ..unit
+        };
+        assert_eq!(packed, Parameters::default());
+    }
+
     /// The items as the enumerations of the element spell them, in the order of the numbers.
     #[test]
     fn the_numbers_of_enumerations_mean_what_their_names_say() {

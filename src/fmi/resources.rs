@@ -331,7 +331,7 @@ mod tests {
 
     /// An instance on a table of a spring with a known potential; `counts` as in [`Spring::grid`].
     fn on_table(counts: [usize; 4], sets: &[(usize, f64)]) -> Instance {
-        let geometry = crate::package::tests::paper();
+        let geometry = crate::gear::samples::paper_pair(1.0);
         let grid = Spring::grid(counts);
         let tables = TableFile::new(
             "spring",
@@ -391,7 +391,7 @@ mod tests {
         instance
             .set("set", Kind::Real, std::iter::once((spin, turn)))
             .unwrap();
-        let pair = crate::package::tests::paper();
+        let pair = crate::gear::samples::paper_pair(1.0);
         let distance = pair.center_distance;
         let phi = pair.operating_pressure_angle(distance);
         let exact = Spring::potential(&Query {

@@ -141,27 +141,14 @@ impl Microgeometry {
 #[cfg(test)]
 mod tests {
     use super::super::GearKind;
+    use super::super::samples;
     use super::*;
     use approx::assert_abs_diff_eq;
 
     fn gear() -> Gear {
         Gear {
-            kind: GearKind::External,
-            teeth: 20,
-            hand: 1.0,
-            normal_module: 4e-3,
-            normal_pressure_angle: 20f64.to_radians(),
-            helix_angle: 0.0,
-            profile_shift: 0.0,
             face_width: 24e-3,
-            face_offset: 0.0,
-            tip_radius: 44e-3,
-            dedendum_coefficient: 1.25,
-            tool_tip_radius_coefficient: 0.38,
-            held_radius: 15e-3,
-            tooth_thinning: 0.0,
-            youngs_modulus: 206e9,
-            poisson_ratio: 0.3,
+            ..samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0)
         }
     }
 

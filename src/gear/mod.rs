@@ -9,6 +9,7 @@ mod microgeometry;
 mod pair_geometry;
 mod profile;
 mod ring_fillet;
+pub mod samples;
 mod trochoid;
 
 pub use blank::{Gear, GearKind};

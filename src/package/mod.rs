@@ -201,40 +201,14 @@ fn guid(unit: &Unit, tables: Option<&str>, libraries: &[Library]) -> String {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-    use crate::gear::{Gear, GearKind};
-
-    /// The paper's pair, Table 1, addendum 1.0 transverse module.
-    pub(crate) fn paper() -> PairGeometry {
-        let gear = |hand| Gear {
-            kind: GearKind::External,
-            teeth: 20,
-            hand,
-            normal_module: 4e-3,
-            normal_pressure_angle: 20f64.to_radians(),
-            helix_angle: 13f64.to_radians(),
-            profile_shift: 0.0,
-            face_width: 25e-3,
-            face_offset: 0.0,
-            tip_radius: 90.315e-3 / 2.0,
-            dedendum_coefficient: 1.25,
-            tool_tip_radius_coefficient: 0.38,
-            held_radius: 15e-3,
-            tooth_thinning: 0.0,
-            youngs_modulus: 206e9,
-            poisson_ratio: 0.3,
-        };
-        PairGeometry {
-            gears: [gear(1.0), gear(-1.0)],
-            center_distance: 82.104e-3,
-        }
-    }
+    use crate::gear::samples::paper_pair;
 
     #[test]
     fn the_same_contents_give_the_same_file_and_others_another_guid() {
         let folder = tempfile::tempdir().unwrap();
-        let geometry = paper();
+        let geometry = paper_pair(1.0);
         let pack = |name: &str, torque: f64| {
             let starts = Starts::constant_stiffness(&geometry, torque);
             let contents = Contents {

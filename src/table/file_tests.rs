@@ -1,42 +1,17 @@
 //! The file round-trips and every defect is refused by name.
 
 use super::*;
-use crate::gear::{Gear, GearKind, PairGeometry};
+use crate::gear::samples::paper_pair;
 use crate::table::samples::Spring;
 use crate::table::{Effects, Interpolation, Load, Table};
 use std::sync::Arc;
-
-fn geometry() -> PairGeometry {
-    let gear = |hand| Gear {
-        kind: GearKind::External,
-        teeth: 20,
-        hand,
-        normal_module: 4e-3,
-        normal_pressure_angle: 20f64.to_radians(),
-        helix_angle: 13f64.to_radians(),
-        profile_shift: 0.0,
-        face_width: 25e-3,
-        face_offset: 0.0,
-        tip_radius: 90.315e-3 / 2.0,
-        dedendum_coefficient: 1.25,
-        tool_tip_radius_coefficient: 0.38,
-        held_radius: 15e-3,
-        tooth_thinning: 0.0,
-        youngs_modulus: 206e9,
-        poisson_ratio: 0.3,
-    };
-    PairGeometry {
-        gears: [gear(1.0), gear(-1.0)],
-        center_distance: 82.104e-3,
-    }
-}
 
 fn file() -> TableFile {
     let grid = Spring::grid([8, 1, 5, 6]);
     TableFile::new(
         "spring",
         "a formula",
-        &geometry(),
+        &paper_pair(1.0),
         [100.0, 200.0],
         &grid,
         None,
@@ -58,7 +33,7 @@ fn what_is_written_is_read_back() {
     file().write(&path).unwrap();
     let read = TableFile::read(&path).unwrap();
     assert_eq!(read, file());
-    assert_eq!(read.geometry.pair_geometry().unwrap(), geometry());
+    assert_eq!(read.geometry.pair_geometry().unwrap(), paper_pair(1.0));
     assert_eq!(
         std::fs::read_dir(folder.path()).unwrap().count(),
         1,

@@ -1,34 +1,9 @@
 //! Imports of a spring known by formula, and refusals.
 
 use super::*;
-use crate::gear::{Gear, GearKind};
+use crate::gear::samples::spur_pair;
 use crate::table::{FlankTable, Interpolation, Query};
 use std::f64::consts::TAU;
-
-fn geometry() -> PairGeometry {
-    let gear = |hand| Gear {
-        kind: GearKind::External,
-        teeth: 20,
-        hand,
-        normal_module: 4e-3,
-        normal_pressure_angle: 20f64.to_radians(),
-        helix_angle: 0.0,
-        profile_shift: 0.0,
-        face_width: 25e-3,
-        face_offset: 0.0,
-        tip_radius: 44e-3,
-        dedendum_coefficient: 1.25,
-        tool_tip_radius_coefficient: 0.38,
-        held_radius: 15e-3,
-        tooth_thinning: 0.0,
-        youngs_modulus: 206e9,
-        poisson_ratio: 0.3,
-    };
-    PairGeometry {
-        gears: [gear(1.0), gear(-1.0)],
-        center_distance: 80e-3,
-    }
-}
 
 /// F = k(p) delta with k = 2e8 (1 + 0.2 cos 2 pi p) N/m, contact 1 mm above mid-face.
 fn stiffness(p: f64) -> f64 {
@@ -37,7 +12,7 @@ fn stiffness(p: f64) -> f64 {
 
 fn csv(torques: &[f64]) -> String {
     let mut text = format!("# a spring\n{}\n", COLUMNS.join(","));
-    let rb = geometry().gears[0].base_radius();
+    let rb = spur_pair().gears[0].base_radius();
     for t in torques {
         for i in 0..16 {
             let p = f64::from(i) / 16.0;
@@ -52,7 +27,7 @@ const TORQUES: [f64; 10] = [0.5, 2.0, 5.0, 10.0, 20.0, 40.0, 60.0, 90.0, 130.0, 
 #[test]
 fn a_linear_spring_comes_back_with_its_stiffness() {
     for torques in [&TORQUES[..], &[&[0.0], &TORQUES[..]].concat()] {
-        let imported = import_csv(&csv(torques), &geometry()).unwrap();
+        let imported = import_csv(&csv(torques), &spur_pair()).unwrap();
         assert_eq!(imported.maximum_torque, 200.0);
         let table = FlankTable::new(&imported.grid, Interpolation::Spline).unwrap();
         for i in 0..400 {
@@ -83,7 +58,7 @@ fn a_linear_spring_comes_back_with_its_stiffness() {
 #[test]
 fn samples_that_cannot_be_a_table_are_refused_by_line_and_value() {
     let good = csv(&TORQUES);
-    let refused = |text: String| import_csv(&text, &geometry()).unwrap_err().to_string();
+    let refused = |text: String| import_csv(&text, &spur_pair()).unwrap_err().to_string();
     let lines: Vec<&str> = good.lines().collect();
     let without = |i: usize| {
         let mut l = lines.clone();

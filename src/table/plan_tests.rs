@@ -3,33 +3,8 @@
 use super::super::samples::Spring;
 use super::super::source::{Sample, StaticPosition};
 use super::*;
-use crate::gear::{Gear, GearKind};
+use crate::gear::samples::spur_pair;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-
-fn geometry() -> PairGeometry {
-    let gear = |hand| Gear {
-        kind: GearKind::External,
-        teeth: 20,
-        hand,
-        normal_module: 4e-3,
-        normal_pressure_angle: 20f64.to_radians(),
-        helix_angle: 0.0,
-        profile_shift: 0.0,
-        face_width: 25e-3,
-        face_offset: 0.0,
-        tip_radius: 44e-3,
-        dedendum_coefficient: 1.25,
-        tool_tip_radius_coefficient: 0.38,
-        held_radius: 15e-3,
-        tooth_thinning: 0.0,
-        youngs_modulus: 206e9,
-        poisson_ratio: 0.3,
-    };
-    PairGeometry {
-        gears: [gear(1.0), gear(-1.0)],
-        center_distance: 80e-3,
-    }
-}
 
 struct Formula;
 
@@ -64,7 +39,7 @@ impl StaticPosition for At {
     }
 
     fn at_torque(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
-        let force = torque / geometry().gears[0].base_radius();
+        let force = torque / spur_pair().gears[0].base_radius();
         let (mut low, mut high) = (-1e-3, 1e-3);
         for _ in 0..80 {
             let middle = 0.5 * (low + high);
@@ -117,7 +92,7 @@ fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_o
         progress: &|_, _| {},
         cancel: &cancel,
     };
-    let (grid, found) = table_within(&Formula, &geometry(), &coverage(), 2e-3, &watch).unwrap();
+    let (grid, found) = table_within(&Formula, &spur_pair(), &coverage(), 2e-3, &watch).unwrap();
     assert!(found.force_rms <= 2e-3, "{found:?}");
     let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
     // Other points than those `measure` draws: a lattice.
@@ -138,7 +113,7 @@ fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_o
         squares += (w.gradient[0] - exact.loa_force).powi(2);
         n += 1.0;
     }
-    let nominal = 10.0 / geometry().gears[0].base_radius();
+    let nominal = 10.0 / spur_pair().gears[0].base_radius();
     let rms = f64::sqrt(squares / n) / nominal;
     assert!(rms < 2.5e-3, "{rms}");
     assert!((rms / found.force_rms - 1.0).abs() < 0.3, "{rms} {found:?}");

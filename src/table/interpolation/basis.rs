@@ -3,6 +3,7 @@
 //! de Boor, A Practical Guide to Splines (revised edition, 2001), chapters IX and X.
 
 use super::kernel::add;
+use nalgebra::DMatrix;
 
 /// `N` neighbouring basis functions at one point: values and derivatives by the coordinate.
 #[derive(Debug, Clone, Copy)]
@@ -58,8 +59,9 @@ pub struct Basis<const N: usize> {
     /// First cell to try, by equal buckets over the range.
     buckets: Vec<u32>,
     bucket_scale: f64,
-    /// How far the continuation of a bounded axis stays linear, in units of the coordinate.
-    pub(crate) guard: f64,
+    /// How far the continuation beyond the lower and the upper end of a bounded axis stays linear, in units of
+    /// the coordinate.
+    pub(crate) guard: [f64; 2],
 }
 
 impl<const N: usize> Basis<N> {
@@ -107,7 +109,7 @@ impl<const N: usize> Basis<N> {
             cells,
             buckets,
             bucket_scale: count as f64 / range,
-            guard: 0.25 * range,
+            guard: [0.25 * range; 2],
         }
     }
 
@@ -119,7 +121,7 @@ impl<const N: usize> Basis<N> {
             cells: vec![],
             buckets: vec![],
             bucket_scale: 0.0,
-            guard: 0.0,
+            guard: [0.0; 2],
         }
     }
 
@@ -127,11 +129,6 @@ impl<const N: usize> Basis<N> {
     /// ones again) or of an onset (zeros before it).
     pub fn stored(&self) -> usize {
         if N == 1 { 1 } else { self.cells.len() + N - 1 }
-    }
-
-    /// Ends of the cells.
-    pub fn breaks(&self) -> &[f64] {
-        &self.breaks
     }
 
     #[inline(always)]
@@ -240,12 +237,27 @@ impl<const N: usize> Basis<N> {
             }
             return;
         }
-        let (g, g1, g2) = levelled(d, self.guard);
+        let (g, g1, g2) = levelled(d, self.guard[usize::from(d > 0.0)]);
         for k in 0..N {
             w.value[k] += g * w.slope[k];
             w.curvature[k] = g2 * w.slope[k];
             w.slope[k] *= g1;
         }
+    }
+
+    /// Row that takes coefficients to where the continuation beyond the lower (0) or upper (1) `end` of a
+    /// bounded axis has levelled out.
+    pub fn far_end(&self, end: usize) -> DMatrix<f64> {
+        let (edge, sign) = [
+            (self.breaks[0], -1.0),
+            (self.breaks[self.breaks.len() - 1], 1.0),
+        ][end];
+        let w = self.inside(edge);
+        let mut row = DMatrix::zeros(1, self.stored());
+        for k in 0..N {
+            row[(0, w.first + k)] = w.value[k] + sign * 2.0 * self.guard[end] * w.slope[k];
+        }
+        row
     }
 
     /// Weights continued linearly however far outside `x` is (bounded axes).
@@ -267,7 +279,7 @@ impl<const N: usize> Basis<N> {
 
 /// The way `d` beyond an end as the continuation takes it, and its two derivatives: `d` itself up
 /// to the guard distance, then a parabola into a constant two guards out. Stiffness and force thus
-/// continue linearly, but never through zero (see `Tensor::set_guards`).
+/// continue linearly, but never through zero (see `continuation::limit`).
 fn levelled(d: f64, guard: f64) -> (f64, f64, f64) {
     let over = d.abs() - guard;
     if over <= 0.0 {

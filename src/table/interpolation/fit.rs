@@ -150,6 +150,25 @@ pub fn make_monotone(line: &mut [f64]) -> f64 {
     change
 }
 
+/// As [`make_monotone`] with increments, the first one from zero, of at least `least`.
+pub fn make_increasing(line: &mut [f64], least: &[f64]) -> f64 {
+    let before = line.to_vec();
+    let mut ramp = 0.0;
+    for (v, step) in line.iter_mut().zip(least) {
+        ramp += step;
+        *v -= ramp;
+    }
+    make_monotone(line);
+    ramp = 0.0;
+    let mut change: f64 = 0.0;
+    for ((v, step), before) in line.iter_mut().zip(least).zip(before) {
+        ramp += step;
+        *v += ramp;
+        change = change.max((*v - before).abs());
+    }
+    change
+}
+
 /// Coefficients of the integral over the displacement of splines of degree `degree` (de Boor, X (33)): running
 /// sums of c_j (t_(j + degree + 1) - t_j) / (degree + 1). `line` holds the stored coefficients of
 /// an onset basis, with `degree` zeros before the onset; the result has one more.
@@ -176,6 +195,15 @@ mod tests {
         let mut line = [-1.0, 2.0, 1.0, 3.0];
         assert_eq!(make_monotone(&mut line), 1.0);
         assert_eq!(line, [0.0, 1.5, 1.5, 3.0]);
+    }
+
+    #[test]
+    fn increments_are_no_smaller_than_asked() {
+        let mut line = [1.0, 2.0, 3.0];
+        assert_eq!(make_increasing(&mut line, &[0.5; 3]), 0.0);
+        let mut line = [-1.0, 2.0, 2.0, 2.5];
+        assert_eq!(make_increasing(&mut line, &[0.25; 4]), 1.25);
+        assert_eq!(line, [0.25, 1.875, 2.125, 2.5]);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 mod basis;
 mod chain;
+mod continuation;
 mod fit;
 mod kernel;
 mod line;
@@ -44,7 +45,8 @@ pub struct Checks {
     /// are, before the correction below; negative where the samples would make the spline swing back.
     /// Shepard: the least dF/du at 20 000 points of the finished interpolant.
     pub minimum_slope: f64,
-    /// Largest change of a spline coefficient that made the force monotone.
+    /// Largest change of a spline coefficient that made the force increase with the displacement by a
+    /// hundredth of the mean increments at least.
     pub monotone_correction: f64,
 }
 
@@ -174,7 +176,7 @@ impl FlankTable {
     ///
     /// Outside the range of an axis the force goes on linearly with a continuous slope, and
     /// `out_of_range` is set. Beyond a quarter of the range of C or M (less where that would make a stiffness
-    /// negative) the stiffness levels out; the onset of contact goes on linearly.
+    /// negative) the stiffness levels out, never with a kink; the onset of contact goes on linearly.
     ///
     /// A NaN in the query gives NaN or zero, never a panic.
     #[inline]
@@ -202,6 +204,8 @@ fn boxed(interpolant: impl Interpolant + 'static) -> Box<dyn Interpolant> {
     Box::new(interpolant)
 }
 
+#[cfg(test)]
+mod continuation_tests;
 #[cfg(test)]
 mod robustness_tests;
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::basis::{Basis, Ends};
 use super::fit::{Block, breaks, stored_from_values};
 use super::kernel::{Coefficients, Jet, contract, fields};
 use super::tensor::axis_basis;
-use super::{Checks, Interpolant, chain};
+use super::{Checks, Interpolant, chain, continuation};
 use crate::table::{FlankGrid, Potential, Query, TableError};
 
 /// W = F_n (delta - O)² / (2 (STE - O)), that is S w(u) with u = (delta - O)/S, S = STE - O, w = F_n u²/2.
@@ -25,8 +25,8 @@ impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
     pub fn new(grid: &FlankGrid, loa_force: f64) -> Result<Self, TableError> {
         let at = at_force(grid, loa_force)?;
         let axes = &grid.axes;
-        let c = axis_basis::<NC>(&axes.center_distance_offset, Ends::Bounded);
-        let m = axis_basis::<NM>(&axes.misalignment, Ends::Bounded);
+        let mut c = axis_basis::<NC>(&axes.center_distance_offset, Ends::Bounded);
+        let mut m = axis_basis::<NM>(&axes.misalignment, Ends::Bounded);
         let p = axis_basis::<NP>(&axes.mesh_position, Ends::Periodic);
         let along = [
             stored_from_values(
@@ -55,6 +55,7 @@ impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
                 ));
             }
         }
+        continuation::limit(&mut c, &mut m, &continuation::spans(&stiffness), None)?;
         Ok(Secant {
             c,
             m,

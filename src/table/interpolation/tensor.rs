@@ -7,10 +7,10 @@
 //! and the other gradients are its derivatives.
 
 use super::basis::{Basis, Ends};
-use super::fit::{Block, breaks, integrated, make_monotone, stored_from_values};
+use super::fit::{Block, breaks, integrated, make_increasing, stored_from_values};
 use super::kernel::{Coefficients, fields, over_displacement};
 use super::line::Line;
-use super::{Checks, Interpolant, chain};
+use super::{Checks, Interpolant, chain, continuation};
 use crate::table::{FlankGrid, Potential, Query, TableError};
 
 /// `NU`, `NC`, `NM`, `NP`: functions at one point per coordinate (1: no such axis). Spline 5, 4, 4, 4;
@@ -41,8 +41,8 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
         let axes = &grid.axes;
         let u_breaks = breaks(&axes.displacement_fraction, NF - 1, Ends::Onset);
         let force_basis = Basis::<NF>::new(&u_breaks, Ends::Onset);
-        let c = axis_basis::<NC>(&axes.center_distance_offset, Ends::Bounded);
-        let m = axis_basis::<NM>(&axes.misalignment, Ends::Bounded);
+        let mut c = axis_basis::<NC>(&axes.center_distance_offset, Ends::Bounded);
+        let mut m = axis_basis::<NM>(&axes.misalignment, Ends::Bounded);
         let p = axis_basis::<NP>(&axes.mesh_position, Ends::Periodic);
         let along = [
             stored_from_values(
@@ -73,8 +73,9 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
         let mut force = fit(grid.force_block(), true);
         let top = grid.top_force();
         let mut checks = Checks::default();
-        let (lines, stride) = (force.lines(2), force.stride(2));
-        for start in lines {
+        let least = least_increments(&force, NF - 1);
+        let stride = force.stride(2);
+        for start in force.lines(2) {
             let index = |r: usize| start + r * stride;
             let mut line: Vec<f64> = (0..force.lengths[2])
                 .map(|r| force.values[index(r)])
@@ -86,7 +87,7 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
                 let slope = (line[degree + j] - line[degree + j - 1]) * degree as f64 / width;
                 checks.minimum_slope = checks.minimum_slope.min(slope / top);
             }
-            let change = make_monotone(&mut line[NF - 1..]);
+            let change = make_increasing(&mut line[NF - 1..], &least);
             checks.monotone_correction = checks.monotone_correction.max(change / top);
             for (r, v) in line.into_iter().enumerate() {
                 force.values[index(r)] = v;
@@ -98,11 +99,12 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
             .filter(|_| NM == 1)
             .map(|b| Coefficients::new(integrate(&fit(b, true), &u_breaks, NF - 1)));
         let fields = fit(grid.field_block(), false);
+        continuation::limit(&mut c, &mut m, &continuation::spans(&fields), Some(&force))?;
         let u = Basis::new(&u_breaks, Ends::Onset);
         let alone = Self::PRESENT == [false; 3];
         let line = |c: &Coefficients| Line::new(&u, &c.values);
         let shape = Coefficients::new(shape);
-        let mut tensor = Tensor {
+        Ok(Tensor {
             lines: alone.then(|| [&shape].into_iter().chain(&moment).map(line).collect()),
             u,
             c,
@@ -112,74 +114,12 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
             moment,
             fields: Coefficients::new(fields),
             checks,
-        };
-        tensor.set_guards(&force)?;
-        Ok(tensor)
+        })
     }
 
     /// The coordinate alone: bases of C, M and PMC, and the coefficients of no-load approach and span.
     pub fn into_frame(self) -> (Basis<NC>, Basis<NM>, Basis<NP>, Coefficients) {
         (self.c, self.m, self.p, self.fields)
-    }
-
-    /// Shortens the linear part of the continuation beyond the ends of C and M until, at its very
-    /// end, the span keeps at least half of its least value and no force decreases over u.
-    fn set_guards(&mut self, force: &Block) -> Result<(), TableError> {
-        let spans = |f: &Coefficients| {
-            let row = f.strides[2];
-            f.values
-                .chunks(2 * row)
-                .flat_map(move |c| c[row..].to_vec())
-                .collect::<Vec<f64>>()
-        };
-        let span = Block {
-            lengths: [force.lengths[0], force.lengths[1], 1, force.lengths[3]],
-            values: spans(&self.fields),
-        };
-        let least = span.values.iter().copied().fold(f64::INFINITY, f64::min);
-        if least <= 0.0 {
-            return Err(TableError::TooCoarse { least_m: least });
-        }
-        for _ in 0..30 {
-            let legal = self.beyond_corners().iter().all(|(wc, wm)| {
-                let s = span.transformed(0, wc).transformed(1, wm);
-                let f = force.transformed(0, wc).transformed(1, wm);
-                let (n, stride) = (f.lengths[2], f.stride(2));
-                s.values.iter().all(|&v| v >= 0.5 * least)
-                    && f.lines(2).all(|start| {
-                        (1..n).all(|r| {
-                            f.values[start + r * stride] >= f.values[start + (r - 1) * stride]
-                        })
-                    })
-            });
-            if legal {
-                return Ok(());
-            }
-            self.c.guard *= 0.5;
-            self.m.guard *= 0.5;
-        }
-        // A plateau of equal coefficients may leave no room at all: then hold the edge.
-        self.c.guard = f64::MIN_POSITIVE;
-        self.m.guard = f64::MIN_POSITIVE;
-        Ok(())
-    }
-
-    /// Matrices that take coefficients along C and M to the two ends of the continuation, one
-    /// coordinate or both beyond its range (the inside of the other: its coefficients as they are).
-    fn beyond_corners(&self) -> Vec<(nalgebra::DMatrix<f64>, nalgebra::DMatrix<f64>)> {
-        let ends_c = far_ends(&self.c);
-        let ends_m = far_ends(&self.m);
-        let identity = |n| nalgebra::DMatrix::identity(n, n);
-        let mut corners = Vec::new();
-        for c in ends_c.iter().map(Some).chain([None]) {
-            for m in ends_m.iter().map(Some).chain([None]) {
-                corners.push((
-                    c.cloned().unwrap_or_else(|| identity(self.c.stored())),
-                    m.cloned().unwrap_or_else(|| identity(self.m.stored())),
-                ));
-            }
-        }
-        corners
     }
 
     /// Which coordinates beside the displacement there are.
@@ -261,20 +201,25 @@ pub(super) fn axis_basis<const N: usize>(nodes: &[f64], ends: Ends) -> Basis<N> 
     Basis::new(&breaks(nodes, N - 1, ends), ends)
 }
 
-fn far_ends<const N: usize>(basis: &Basis<N>) -> Vec<nalgebra::DMatrix<f64>> {
-    let [Some(&low), Some(&high)] = [basis.breaks().first(), basis.breaks().last()] else {
-        return vec![];
+/// Least increments of the force from one coefficient over u to the next: a hundredth of the mean ones. Without,
+/// coefficients that are equal over a stretch would leave no room for a continuation beyond the ends of C and M
+/// that has a continuous slope and does not fall over u.
+fn least_increments(force: &Block, degree: usize) -> Vec<f64> {
+    let (n, stride) = (force.lengths[2], force.stride(2));
+    let lines = force.values.len() / n;
+    let mean = |r: usize| {
+        let sum: f64 = force
+            .lines(2)
+            .map(|start| force.values[start + r * stride])
+            .sum();
+        sum / lines as f64
     };
-    [low - 3.0 * basis.guard, high + 3.0 * basis.guard]
-        .map(|x| {
-            let (w, _) = basis.weights(x);
-            let mut row = nalgebra::DMatrix::zeros(1, basis.stored());
-            for k in 0..N {
-                row[(0, w.first + k)] = w.value[k];
-            }
-            row
+    (degree..n)
+        .map(|r| {
+            let before = if r == degree { 0.0 } else { mean(r - 1) };
+            0.01 * (mean(r) - before).max(0.0)
         })
-        .to_vec()
+        .collect()
 }
 
 fn integrate(force: &Block, breaks: &[f64], degree: usize) -> Block {

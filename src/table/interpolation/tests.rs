@@ -41,7 +41,7 @@ pub(super) fn moved(q: &Query, i: usize, by: f64) -> Query {
 }
 
 /// Size of each coordinate.
-const SCALE: [f64; 4] = [1e-6, 1e-4, 3e-3, 1.0];
+pub(super) const SCALE: [f64; 4] = [1e-6, 1e-4, 3e-3, 1.0];
 
 /// All combinations of axes, by their counts.
 fn shapes() -> impl Iterator<Item = [usize; 4]> {
@@ -410,41 +410,6 @@ fn everything_is_periodic_in_mesh_position() {
             assert_eq!(table.evaluate(&q, true), table.evaluate(&turned, true));
         }
     }
-}
-
-#[test]
-fn continuation_is_linear_with_a_continuous_slope_and_says_so() {
-    let table = FlankTable::new(&Spring::grid([10, 9, 9, 16]), Interpolation::Spline).unwrap();
-    let inside = Query {
-        delta: 6e-6,
-        center_distance_offset: 0.0,
-        misalignment: 1e-3,
-        mesh_position: 0.3,
-    };
-    assert!(!table.evaluate(&inside, false).out_of_range);
-    let force = |d: f64| {
-        table
-            .evaluate(&Query { delta: d, ..inside }, false)
-            .gradient[0]
-    };
-    let second = force(20e-6) - 2.0 * force(30e-6) + force(40e-6);
-    assert!(second.abs() < 1e-9 * force(40e-6));
-    for i in [1, 2] {
-        let edge = moved(&inside, i, if i == 1 { 100e-6 } else { 2e-3 });
-        let (a, b) = (
-            table.evaluate(&moved(&edge, i, -1e-9 * SCALE[i]), false),
-            table.evaluate(&moved(&edge, i, 1e-9 * SCALE[i]), false),
-        );
-        assert!(b.out_of_range && !a.out_of_range);
-        for k in 0..4 {
-            assert!((a.gradient[k] - b.gradient[k]).abs() <= 1e-6 * (1e-9 + a.gradient[k].abs()));
-        }
-    }
-    let far = Query {
-        misalignment: 1.0,
-        ..inside
-    };
-    assert!(table.evaluate(&far, true).out_of_range);
 }
 
 #[test]

@@ -45,6 +45,10 @@ pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
+mod tests_constant_load;
+#[cfg(test)]
+mod tests_flanks;
+#[cfg(test)]
 mod tests_limits;
 #[cfg(test)]
 mod tests_poses;

@@ -6,7 +6,10 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum PairError {
     /// The file cannot be read.
-    #[error("cannot read the pair file {}: {source}", path.display())]
+    #[error(
+        "cannot read the pair file {}: {source}; name a file that exists and that you may read",
+        path.display()
+    )]
     Read {
         /// The file.
         path: PathBuf,
@@ -14,7 +17,7 @@ pub enum PairError {
         source: std::io::Error,
     },
     /// Not JSON, or JSON of another form: unknown or missing field, wrong type.
-    #[error("pair file, at `{field}`: {message}")]
+    #[error("pair file, at `{field}`: {message}; docs/pair-file.md has every field and its form")]
     Form {
         /// Path of the field, such as `gear1.tip_relief.shape`; `.` is the whole file.
         field: String,

@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum TableError {
     /// The file could not be read or written.
-    #[error("{path}: {source}")]
+    #[error("{path}: {source}; name a tables file that exists and that you may read")]
     Io {
         /// File as given.
         path: String,

@@ -44,6 +44,12 @@ pub struct Imported {
 /// empty lines and lines that begin with # are skipped. `contact_z_mm` counts from gear 1's z = 0 face.
 ///
 /// The no-load approach is the sample at torque 0, or the line through the two smallest torques taken to 0.
+/// `contact_z_mm` at torque 0 is not looked at.
+///
+/// Between that and the smallest torque above 0 the samples say nothing. The table has two nodes there, at a
+/// quarter and a sixteenth of that displacement. The lowest one takes 19/28 of the force that the line through the
+/// samples has there, which rounds the kink of the onset off below the other: a linear spring comes out exact
+/// from a quarter of the displacement at the smallest torque on.
 ///
 /// # Errors
 /// Unknown or missing columns, numbers that are none, repeated or missing grid points, displacement that
@@ -84,6 +90,7 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
         }
     }
 
+    check_on_face(&rows, geometry)?;
     let z_ref = geometry.z_ref();
     let base_radius = geometry.gears[0].base_radius();
     let mut lines = Vec::new();
@@ -160,6 +167,29 @@ fn describe(v: [f64; 6]) -> String {
     format!("{}, {}, {}, {}", name(0), name(1), name(2), name(3))
 }
 
+/// How far off the face a resultant may be written for rounding, mm.
+const OFF_FACE_MM: f64 = 1e-3;
+
+/// Every resultant acts within the common face.
+fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError> {
+    let (low, width) = geometry.face_overlap();
+    let [low, high] = [1e3 * low, 1e3 * (low + width)];
+    let off = |r: &&Row| {
+        let z = r.values[5];
+        r.values[0] > 0.0 && (z < low - OFF_FACE_MM || z > high + OFF_FACE_MM)
+    };
+    match rows.iter().find(off) {
+        None => Ok(()),
+        Some(row) => Err(refused(format!(
+            "line {}: contact_z_mm = {} at {} lies off the common face of the gears, {low} to {high} mm from \
+             gear 1's z = 0 face; give the axial position of the resultant from that face",
+            row.line,
+            row.values[5],
+            describe(row.values)
+        ))),
+    }
+}
+
 fn parse(text: &str) -> Result<Vec<Row>, TableError> {
     let mut lines = text
         .trim_start_matches('\u{feff}')
@@ -220,7 +250,9 @@ fn parse(text: &str) -> Result<Vec<Row>, TableError> {
         rows.push(Row { line, values });
     }
     if rows.is_empty() {
-        return Err(refused("no rows after the header".into()));
+        return Err(refused(
+            "no rows after the header; give one for every point of the grid".into(),
+        ));
     }
     Ok(rows)
 }

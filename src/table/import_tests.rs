@@ -56,6 +56,55 @@ fn a_linear_spring_comes_back_with_its_stiffness() {
 }
 
 #[test]
+fn the_lowest_load_node_makes_a_linear_spring_exact_beyond_the_rounded_onset() {
+    let imported = import_csv(&csv(&TORQUES), &spur_pair()).unwrap();
+    let grid = &imported.grid;
+    let span = |p: usize| grid.top_load_approach[p] - grid.no_load_approach[p];
+    let nodes = &grid.axes.displacement_fraction;
+    // Nodes at a sixteenth and a quarter of the displacement at 0.5 N m.
+    let smallest = 0.5 / 200.0;
+    approx::assert_relative_eq!(nodes[0], smallest / 16.0, max_relative = 1e-9);
+    approx::assert_relative_eq!(nodes[1], smallest / 4.0, max_relative = 1e-9);
+    for p in 0..16 {
+        let line = stiffness(p as f64 / 16.0) * nodes[0] * span(p);
+        approx::assert_relative_eq!(grid.loa_force[p], 19.0 / 28.0 * line, max_relative = 1e-9);
+    }
+    let table = FlankTable::new(grid, Interpolation::Spline).unwrap();
+    for p in 0..16 {
+        for share in [1.0, 1.7, 4.0, 50.0, 399.0] {
+            let mesh_position = p as f64 / 16.0;
+            let delta = grid.no_load_approach[p] + share * nodes[1] * span(p);
+            let q = Query {
+                delta,
+                center_distance_offset: 0.0,
+                misalignment: 0.0,
+                mesh_position,
+            };
+            let force = table.evaluate(&q, false).gradient[0];
+            let line = stiffness(mesh_position) * share * nodes[1] * span(p);
+            approx::assert_relative_eq!(force, line, max_relative = 1e-8);
+        }
+    }
+}
+
+#[test]
+fn a_resultant_off_the_face_is_refused_with_the_face_and_one_on_its_edge_is_not() {
+    let good = csv(&TORQUES);
+    let with = |z: &str| import_csv(&good.replacen(",13.5", &format!(",{z}"), 1), &spur_pair());
+    for z in ["-0.01", "25.2", "13500"] {
+        let text = with(z).unwrap_err().to_string();
+        let value = format!("line 3: contact_z_mm = {z}");
+        assert!(
+            text.contains(&value) && text.contains("0 to 25 mm"),
+            "{text}"
+        );
+    }
+    for z in ["0", "25", "-0.0005", "25.0005"] {
+        with(z).unwrap();
+    }
+}
+
+#[test]
 fn samples_that_cannot_be_a_table_are_refused_by_line_and_value() {
     let good = csv(&TORQUES);
     let refused = |text: String| import_csv(&text, &spur_pair()).unwrap_err().to_string();

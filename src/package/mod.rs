@@ -48,7 +48,7 @@ pub struct Packed {
 #[derive(Debug, thiserror::Error)]
 pub enum PackageError {
     /// A file cannot be read or written.
-    #[error("{path}: {source}")]
+    #[error("{path}: {source}; name a file that can be read, or a folder that can be written")]
     File {
         /// The file.
         path: PathBuf,
@@ -56,7 +56,9 @@ pub enum PackageError {
         source: std::io::Error,
     },
     /// The archive cannot be written or read.
-    #[error("{path}: {source}")]
+    #[error(
+        "{path}: {source}; name an FMU that `gearmesh pack` or `gearmesh build` wrote, or pack it again"
+    )]
     Archive {
         /// The file.
         path: PathBuf,

@@ -38,7 +38,7 @@ impl Import {
         let pair = Pair::read(&self.pair)?;
         let read = |path: &PathBuf| -> Result<_, crate::Error> {
             let place = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-            let text = std::fs::read_to_string(path).map_err(|e| place(&e))?;
+            let text = std::fs::read_to_string(path).map_err(|e| output::unreadable(path, &e))?;
             Ok(import_csv(&text, &pair.geometry).map_err(|e| place(&e))?)
         };
         let drive = read(&self.samples)?;

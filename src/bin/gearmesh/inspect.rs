@@ -23,8 +23,8 @@ pub struct Inspect {
 impl Inspect {
     /// Prints the summary.
     pub fn run(self) -> Result<(), Error> {
-        let bytes = std::fs::read(&self.file)
-            .map_err(|error| format!("cannot read {}: {error}", self.file.display()))?;
+        let bytes =
+            std::fs::read(&self.file).map_err(|error| output::unreadable(&self.file, &error))?;
         let text = if bytes.starts_with(b"PK") {
             fmu(&self.file)?
         } else {

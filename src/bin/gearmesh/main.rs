@@ -6,6 +6,7 @@
 mod build;
 mod import;
 mod inspect;
+mod interrupt;
 mod limits;
 mod model;
 mod output;
@@ -43,7 +44,8 @@ enum Command {
 type Error = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let command = Cli::parse().command;
+    let result = interrupt::handle().and_then(|()| match command {
         Command::Solve(command) => command.run(),
         Command::Tables(command) => command.run(),
         Command::Import(command) => command.run(),
@@ -51,7 +53,7 @@ fn main() -> ExitCode {
         Command::Pack(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Report(command) => command.run(),
-    };
+    });
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

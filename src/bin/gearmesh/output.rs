@@ -3,6 +3,8 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use crate::interrupt;
+
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}; name a file in a folder that exists and can be written", path.display())]
@@ -11,8 +13,8 @@ pub struct WriteError {
     source: io::Error,
 }
 
-/// Writes `bytes` to `path`, whole or not at all: to a temporary file in the same folder, which then
-/// takes the name.
+/// Writes `bytes` to `path`, whole or not at all, Ctrl-C or not: to a temporary file in the same folder, which
+/// then takes the name.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let write = || -> io::Result<()> {
         let folder = match path.parent() {
@@ -29,10 +31,18 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         file.persist(path)?;
         Ok(())
     };
-    write().map_err(|source| WriteError {
+    interrupt::uninterrupted(write).map_err(|source| WriteError {
         path: path.to_owned(),
         source,
     })
+}
+
+/// What to say of a file that `error` keeps from being read.
+pub fn unreadable(path: &Path, error: &io::Error) -> String {
+    format!(
+        "cannot read {}: {error}; name a file that exists and that you may read",
+        path.display()
+    )
 }
 
 /// Prints `text` to standard output. A reader that has gone away (`gearmesh ... | head`) is no error.

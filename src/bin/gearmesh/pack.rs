@@ -7,7 +7,7 @@ use gearmesh::package::{self, Contents, Library, Packed, Starts};
 use gearmesh::pair::Pair;
 use gearmesh::table::TableFile;
 
-use crate::output;
+use crate::{interrupt, output};
 
 /// Pack tables, or a pair with constant stiffness, into an FMU.
 #[derive(Debug, Args)]
@@ -32,8 +32,8 @@ impl Pack {
     pub fn run(self) -> Result<(), crate::Error> {
         let libraries = libraries(&self.library)?;
         let packed = if let Some(path) = &self.tables {
-            let text = std::fs::read_to_string(path)
-                .map_err(|error| format!("{}: {error}", path.display()))?;
+            let text =
+                std::fs::read_to_string(path).map_err(|error| output::unreadable(path, &error))?;
             pack_tables(&text, &libraries, &self.output)?
         } else {
             let pair = Pair::read(self.pair.as_deref().unwrap_or("".as_ref()))?;
@@ -44,7 +44,7 @@ impl Pack {
                 tables: None,
                 starts: &starts,
             };
-            package::pack(&contents, &libraries, &self.output)?
+            interrupt::uninterrupted(|| package::pack(&contents, &libraries, &self.output))?
         };
         let (path, size) = (self.output.display(), packed.bytes as f64 / 1e6);
         output::print(&format!("{path}: {size:.2} MB, GUID {}\n", packed.guid))?;
@@ -65,7 +65,8 @@ pub fn pack_tables(
         tables: Some(text),
         starts: &Starts::of_tables(&tables)?,
     };
-    Ok(package::pack(&contents, libraries, output)?)
+    let packed = interrupt::uninterrupted(|| package::pack(&contents, libraries, output))?;
+    Ok(packed)
 }
 
 /// The libraries at `paths`, or the one beside this program if there are none.

@@ -7,13 +7,15 @@
 //! ```
 //!
 //! [`variables`] is generated from modelDescription.xml; [`resources`] reads what packing put beside
-//! the library. Only [`c_interface`] has unsafe code.
+//! the library. In the product only [`c_interface`] has unsafe code; the tests that call it as C does
+//! (c_interface_tests.rs here and tests/c_interface.rs) need it for that, and nothing else may have any.
 
 mod boundary;
 pub mod c_interface;
 mod derivatives;
 pub mod instance;
 pub mod lifecycle;
+mod location;
 mod parameters;
 pub mod report;
 pub mod resources;

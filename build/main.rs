@@ -2,9 +2,11 @@
 //! library and the file that hosts read cannot drift. What the public checkers of FMUs miss is
 //! refused here, at compile time.
 
+mod checks;
+mod emit;
+
 use std::collections::{HashMap, HashSet};
 use std::error::Error;
-use std::fmt::Write as _;
 use std::path::Path;
 use std::{env, fs};
 
@@ -19,7 +21,7 @@ type Enumerations = Vec<(String, Vec<String>)>;
 
 fn main() {
     println!("cargo::rerun-if-changed={SOURCE}");
-    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=build");
     // Line tables serve the command and the tests; in every FMU they would weigh twenty times the code.
     if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("linux") {
         println!("cargo::rustc-cdylib-link-arg=-Wl,--strip-debug");
@@ -41,10 +43,10 @@ fn generate() -> Result<()> {
     let units = units(root)?;
     let enumerations = enumerations(root)?;
     let variables = variables(root, &units, &enumerations)?;
-    check_blocks(&variables)?;
-    check_structure(root, &variables)?;
-    check_capabilities(root)?;
-    let code = emit(root, &variables, &enumerations)?;
+    checks::check_blocks(&variables)?;
+    checks::check_structure(root, &variables)?;
+    checks::check_capabilities(root)?;
+    let code = emit::emit(root, &variables, &enumerations)?;
     let out = env::var("OUT_DIR")?;
     fs::write(Path::new(&out).join("model_description.rs"), code)?;
     Ok(())
@@ -163,7 +165,7 @@ fn variable(
         })
     };
     let (start, mut min, mut max) = (number("start")?, number("min")?, number("max")?);
-    check_role(
+    checks::check_role(
         causality,
         variability,
         node.attribute("initial"),
@@ -216,196 +218,4 @@ fn variable(
         enumeration: enumeration.map(str::to_owned),
         description: attribute(node, "description")?.to_owned(),
     })
-}
-
-/// Inputs have a start and no `initial`, parameters are exact with a start, outputs are calculated
-/// without one.
-fn check_role(
-    causality: &str,
-    variability: &str,
-    initial: Option<&str>,
-    has_start: bool,
-) -> Result<()> {
-    let (expected, start) = match (causality, variability) {
-        ("input", "continuous") => (None, true),
-        ("parameter", "fixed" | "tunable") => (Some("exact"), true),
-        ("output", "continuous" | "discrete") => (Some("calculated"), false),
-        _ => return Err(format!("causality {causality} with variability {variability}").into()),
-    };
-    if initial != expected {
-        return Err(format!("{causality} with initial {initial:?}, expected {expected:?}").into());
-    }
-    if has_start != start {
-        let verb = if start { "needs a" } else { "must have no" };
-        return Err(format!("{causality} {verb} start value").into());
-    }
-    Ok(())
-}
-
-/// Hosts pass inputs and outputs as blocks: value references ascend, and within one causality they
-/// have no gap; the inputs come first, from 0.
-fn check_blocks(variables: &[Variable]) -> Result<()> {
-    for pair in variables.windows(2) {
-        let (a, b) = (&pair[0], &pair[1]);
-        if b.reference <= a.reference {
-            return Err(format!("{}: value references must ascend", b.name).into());
-        }
-        if a.causality == b.causality && b.reference != a.reference + 1 {
-            return Err(format!("{}: a gap before it inside the {}s", b.name, b.causality).into());
-        }
-    }
-    if variables
-        .first()
-        .is_none_or(|v| v.causality != "input" || v.reference != 0)
-    {
-        return Err("the inputs come first, from value reference 0".into());
-    }
-    Ok(())
-}
-
-/// ModelStructure: every output stands in Outputs and in InitialUnknowns, in order; dependencies
-/// ascend and name inputs only.
-fn check_structure(root: Node, variables: &[Variable]) -> Result<()> {
-    let structure = child(root, "ModelStructure")?;
-    let outputs: Vec<usize> = (1..=variables.len())
-        .filter(|&i| variables[i - 1].causality == "output")
-        .collect();
-    for block in ["Outputs", "InitialUnknowns"] {
-        let mut listed = Vec::new();
-        for unknown in elements(child(structure, block)?) {
-            let index: usize = attribute(unknown, "index")?.parse()?;
-            listed.push(index);
-            let mut last = 0;
-            for word in unknown
-                .attribute("dependencies")
-                .unwrap_or("")
-                .split_whitespace()
-            {
-                let known: usize = word.parse()?;
-                if known <= last {
-                    return Err(format!("{block}, {index}: dependencies must ascend").into());
-                }
-                if variables
-                    .get(known - 1)
-                    .is_none_or(|v| v.causality != "input")
-                {
-                    return Err(format!("{block}, {index}: {known} is not an input").into());
-                }
-                last = known;
-            }
-        }
-        if listed != outputs {
-            return Err(format!("{block} must list every output once, in order").into());
-        }
-    }
-    Ok(())
-}
-
-fn check_capabilities(root: Node) -> Result<()> {
-    for interface in
-        elements(root).filter(|n| n.has_tag_name("CoSimulation") || n.has_tag_name("ModelExchange"))
-    {
-        let is = |name: &str| interface.attribute(name) == Some("true");
-        if is("canSerializeFMUstate") && !is("canGetAndSetFMUstate") {
-            return Err("canSerializeFMUstate needs canGetAndSetFMUstate".into());
-        }
-        if !is("canNotUseMemoryManagementFunctions") {
-            return Err("canNotUseMemoryManagementFunctions must be true: Rust allocates".into());
-        }
-        if root.attribute("modelName") != Some(attribute(interface, "modelIdentifier")?) {
-            return Err("modelIdentifier and modelName differ".into());
-        }
-    }
-    Ok(())
-}
-
-/// `gear1.position[1]` -> `GEAR1_POSITION_1`, `mesh.contactZ` -> `MESH_CONTACT_Z`.
-fn constant(name: &str) -> String {
-    let mut out = String::new();
-    for c in name.chars() {
-        match c {
-            '.' | '[' => out.push('_'),
-            ']' => {}
-            c if c.is_ascii_uppercase() => out.extend(['_', c]),
-            c => out.push(c.to_ascii_uppercase()),
-        }
-    }
-    out
-}
-
-/// `input` -> `Input`.
-fn variant(word: &str) -> String {
-    word[..1].to_ascii_uppercase() + &word[1..]
-}
-
-fn emit(root: Node, variables: &[Variable], enumerations: &Enumerations) -> Result<String> {
-    let mut code = String::from("// Generated by build.rs from modelDescription.xml.\n");
-    for (name, key) in [("GUID_RANGE", "guid"), ("DESCRIPTION_RANGE", "description")] {
-        let range = root
-            .attribute_node(key)
-            .ok_or("no guid or description")?
-            .range_value();
-        let (from, to) = (range.start, range.end);
-        writeln!(code, "const {name}: (usize, usize) = ({from}, {to});")?;
-    }
-    let identifier = attribute(root, "modelName")?;
-    writeln!(
-        code,
-        "/// Model identifier, the base name of the library in the archive.\n\
-         pub const MODEL_IDENTIFIER: &str = {identifier:?};"
-    )?;
-    let inputs = variables.iter().filter(|v| v.causality == "input").count();
-    let all = variables.len();
-    writeln!(
-        code,
-        "/// Number of inputs.\npub const INPUT_COUNT: usize = {inputs};"
-    )?;
-    writeln!(
-        code,
-        "/// Number of variables.\npub const VARIABLE_COUNT: usize = {all};"
-    )?;
-    let categories: Vec<&str> = elements(child(root, "LogCategories")?)
-        .map(|n| attribute(n, "name"))
-        .collect::<Result<_>>()?;
-    writeln!(
-        code,
-        "/// Log categories in the order of modelDescription.xml.\n\
-         pub const LOG_CATEGORIES: [&str; {}] = {categories:?};\n\
-         /// Index of each variable in [`VARIABLES`].\n\
-         pub mod index {{\n    #![allow(missing_docs)]",
-        categories.len()
-    )?;
-    for (i, v) in variables.iter().enumerate() {
-        writeln!(code, "    pub const {}: usize = {i};", constant(&v.name))?;
-    }
-    writeln!(
-        code,
-        "}}\n/// All variables in the order of modelDescription.xml.\n\
-         pub static VARIABLES: [Variable; VARIABLE_COUNT] = ["
-    )?;
-    for v in variables {
-        let items = enumerations
-            .iter()
-            .find(|e| Some(&e.0) == v.enumeration.as_ref());
-        let items = items.map_or(&[] as &[String], |e| &e.1);
-        writeln!(
-            code,
-            "    Variable {{ name: {:?}, value_reference: {}, kind: Kind::{}, \
-             causality: Causality::{}, variability: Variability::{}, start: {:?}, min: {:?}, \
-             max: {:?}, unit: {:?}, items: &{items:?}, description: {:?}, start_range: {:?} }},",
-            v.name,
-            v.reference,
-            v.kind,
-            variant(&v.causality),
-            variant(&v.variability),
-            v.start,
-            v.min,
-            v.max,
-            v.unit,
-            v.description,
-            v.start_range
-        )?;
-    }
-    code.push_str("];\n");
-    Ok(code)
 }

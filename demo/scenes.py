@@ -50,78 +50,73 @@ class Files:
     drawing: Drawing
 
 
+def simulate(files: Files, choices: dict, **scene) -> Record:
+    """One run of the unit in the paper's formulation with these choices of parameters."""
+    with GearPair(files.fmu, PAPER | choices) as pair:
+        pair.initialize()
+        return run(pair, files.drawing, **scene)
+
+
 def slow_cycles(files: Files, torque: float, load_dependent: bool = True, cycles: int = 3) -> Record:
     """Whole mesh cycles at 50 rpm, aligned, under a constant torque."""
     period = 60.0 / (SLOW_RPM * files.drawing.teeth[0])
-    parameters = PAPER | {"stiffnessModel": "table", "loadDependent": load_dependent}
-    with GearPair(files.fmu, parameters) as pair:
-        pair.initialize()
-        record = run(
-            pair,
-            files.drawing,
-            gear1=constant_speed(SLOW_RPM),
-            torque=lambda t: torque,
-            duration=(cycles + 1) * period,
-            step=IMPLICIT_STEP,
-        )
+    record = simulate(
+        files,
+        {"stiffnessModel": "table", "loadDependent": load_dependent},
+        gear1=constant_speed(SLOW_RPM),
+        torque=lambda t: torque,
+        duration=(cycles + 1) * period,
+        step=IMPLICIT_STEP,
+    )
     return record.after(period)
 
 
 def torque_ramp(files: Files, load_dependent: bool, duration: float = 2.4) -> Record:
     """70 to 130 N m at 50 rpm (Fig. 19)."""
-    parameters = PAPER | {"stiffnessModel": "table", "loadDependent": load_dependent}
-    with GearPair(files.fmu, parameters) as pair:
-        pair.initialize()
-        record = run(
-            pair,
-            files.drawing,
-            gear1=constant_speed(SLOW_RPM),
-            torque=ramp(70.0, 130.0, SETTLING, duration),
-            duration=duration,
-            step=IMPLICIT_STEP,
-            record_every=4,
-        )
+    record = simulate(
+        files,
+        {"stiffnessModel": "table", "loadDependent": load_dependent},
+        gear1=constant_speed(SLOW_RPM),
+        torque=ramp(70.0, 130.0, SETTLING, duration),
+        duration=duration,
+        step=IMPLICIT_STEP,
+        record_every=4,
+    )
     return record.after(SETTLING)
 
 
 def misalignment_ramp(files: Files, end: float, duration: float = 2.4) -> Record:
     """Misalignment from 0 to `end` rad at 50 rpm and nominal torque (Fig. 21 to 23)."""
-    parameters = PAPER | {
-        "stiffnessModel": "table",
-        "loadDependent": True,
-        "misalignmentEffect": True,
-        "shuttlingEffect": True,
-    }
-    with GearPair(files.fmu, parameters) as pair:
-        pair.initialize()
-        record = run(
-            pair,
-            files.drawing,
-            gear1=constant_speed(SLOW_RPM),
-            torque=lambda t: files.drawing.nominal_torque,
-            misalignment=ramp(0.0, end, SETTLING, duration),
-            duration=duration,
-            step=IMPLICIT_STEP,
-            record_every=4,
-        )
+    record = simulate(
+        files,
+        {
+            "stiffnessModel": "table",
+            "loadDependent": True,
+            "misalignmentEffect": True,
+            "shuttlingEffect": True,
+        },
+        gear1=constant_speed(SLOW_RPM),
+        torque=lambda t: files.drawing.nominal_torque,
+        misalignment=ramp(0.0, end, SETTLING, duration),
+        duration=duration,
+        step=IMPLICIT_STEP,
+        record_every=4,
+    )
     return record.after(SETTLING)
 
 
 def speed_sweep(files: Files, duration: float = 1.2) -> Record:
     """Run-up from 0 to 3000 rpm in one continuous sweep, constant load, explicit (Fig. 15, 17)."""
-    parameters = PAPER | {"stiffnessModel": "table", "loadDependent": False}
-    with GearPair(files.fmu, parameters) as pair:
-        pair.initialize()
-        record = run(
-            pair,
-            files.drawing,
-            gear1=run_up(3000.0, duration),
-            torque=lambda t: files.drawing.nominal_torque,
-            duration=duration,
-            step=EXPLICIT_STEP,
-            explicit=True,
-            record_every=5,
-        )
+    record = simulate(
+        files,
+        {"stiffnessModel": "table", "loadDependent": False},
+        gear1=run_up(3000.0, duration),
+        torque=lambda t: files.drawing.nominal_torque,
+        duration=duration,
+        step=EXPLICIT_STEP,
+        explicit=True,
+        record_every=5,
+    )
     return record.after(SETTLING)
 
 
@@ -129,18 +124,15 @@ def steady_cycles(files: Files, rpm: float, cycles: int = 2) -> Record:
     """The last whole mesh cycles at a constant speed, constant load, explicit."""
     period = 60.0 / (rpm * files.drawing.teeth[0])
     settling = period * math.ceil(SETTLING / period)
-    parameters = PAPER | {"stiffnessModel": "table", "loadDependent": False}
-    with GearPair(files.fmu, parameters) as pair:
-        pair.initialize()
-        record = run(
-            pair,
-            files.drawing,
-            gear1=constant_speed(rpm),
-            torque=lambda t: files.drawing.nominal_torque,
-            duration=settling + cycles * period,
-            step=EXPLICIT_STEP,
-            explicit=True,
-        )
+    record = simulate(
+        files,
+        {"stiffnessModel": "table", "loadDependent": False},
+        gear1=constant_speed(rpm),
+        torque=lambda t: files.drawing.nominal_torque,
+        duration=settling + cycles * period,
+        step=EXPLICIT_STEP,
+        explicit=True,
+    )
     return record.after(settling)
 
 
@@ -163,7 +155,7 @@ def linear_gain(frequency, drawing: Drawing) -> np.ndarray:
 
 def frequency_response(files: Files, frequencies: np.ndarray) -> FrequencyResponse:
     """Gear 1 at rest, constant stiffness, a torque that oscillates about the nominal one (Fig. 16)."""
-    parameters = PAPER | {"stiffnessModel": "constant", "constantStiffness": CONSTANT_STIFFNESS}
+    choices = {"stiffnessModel": "constant", "constantStiffness": CONSTANT_STIFFNESS}
     mean = files.drawing.nominal_torque
     amplitude = 0.2 * mean
     static = amplitude / files.drawing.pitch_radii[1] / CONSTANT_STIFFNESS
@@ -175,17 +167,15 @@ def frequency_response(files: Files, frequencies: np.ndarray) -> FrequencyRespon
         # A whole number of steps per period, so that the Fourier sum below is over whole periods.
         step = period / math.ceil(period / EXPLICIT_STEP)
         cycles = max(1, round(4e-3 / period))
-        with GearPair(files.fmu, parameters) as pair:
-            pair.initialize()
-            record = run(
-                pair,
-                files.drawing,
-                gear1=lambda t: (0.0, 0.0),
-                torque=lambda t: mean + amplitude * math.sin(omega * t),
-                duration=settling + cycles * period,
-                step=step,
-                explicit=True,
-            )
+        record = simulate(
+            files,
+            choices,
+            gear1=lambda t: (0.0, 0.0),
+            torque=lambda t: mean + amplitude * math.sin(omega * t),
+            duration=settling + cycles * period,
+            step=step,
+            explicit=True,
+        )
         count = cycles * round(period / step)
         tail = record["mesh.transmissionError"][-count:]
         time = record.time[-count:]

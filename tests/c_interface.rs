@@ -141,8 +141,8 @@ fn an_instance_lives_from_instantiation_to_freeing() {
             fmi2GetReal(c, outputs.as_ptr(), 24, results.as_mut_ptr()),
             fmi2Status_fmi2OK
         );
-        // 1 mrad on a pitch radius of 20 mm.
-        assert!((results[15] - 20e-6).abs() < 1e-15, "{}", results[15]);
+        // 1 mrad on a pitch radius of 40 mm.
+        assert!((results[15] - 40e-6).abs() < 1e-15, "{}", results[15]);
         assert!(results[7] > 0.0, "gear 2 is pushed along +y");
 
         // A length that no array can have is seen before anything is read.

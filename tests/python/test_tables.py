@@ -153,7 +153,11 @@ def scan(instance, name, values, force):
     elongations, flags = [], []
     for value in values:
         instance.set({name: value})
-        press(instance, 1e-5)
+        # The paper's transmission error is that of the z = 0 face: misaligned, the teeth touch elsewhere.
+        for elongation in itertools.count(1e-5, 1e-5):
+            press(instance, elongation)
+            if instance.get("mesh.tangentialForce") > 0.0:
+                break
         for _ in range(40):
             missing = (force - instance.get("mesh.tangentialForce")) / instance.get("mesh.stiffness")
             angle = instance.get("gear1.angles[3]")
@@ -224,10 +228,9 @@ def test_beyond_the_range_of_an_axis_a_flag_is_raised_and_nothing_jumps(
     [
         {"loadDependent": 1, "interpolation": SPLINE},
         {"loadDependent": 0, "interpolation": SPLINE},
-        {"loadDependent": 1, "interpolation": SHEPARD},
         {"loadDependent": 1, "interpolation": LINEAR},
     ],
-    ids=["spline", "constant-load", "shepard", "linear"],
+    ids=["spline", "constant-load", "linear"],
 )
 def test_directional_derivatives_of_tables_are_those_of_differences(table_mesh, pair, formulation, choice):
     rng = np.random.default_rng(7)

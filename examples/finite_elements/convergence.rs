@@ -125,10 +125,7 @@ fn one_pair(models: &Models, name: &str, pair: &Pair) -> Outcome<String> {
         Ok((cases::ste(&solver, TORQUE, POSITIONS)?, seconds))
     };
     let fine = Settings {
-        discretization: Discretization {
-            edge_kernel_half_width: default.discretization.edge_kernel_half_width,
-            ..Discretization::of(Refinement::Fine)
-        },
+        discretization: Discretization::of(Refinement::Fine),
         ..default
     };
     let (finest, fine_seconds) = cycle(&fine, 80)?;

@@ -3,9 +3,12 @@
 
 pub mod analytical;
 pub mod finite_element;
+mod widest_contact;
 
 use nalgebra::DMatrix;
+
 use thiserror::Error;
+pub use widest_contact::widest_contact;
 
 /// Two strips lie on teeth farther apart than the elastic model goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]

@@ -19,6 +19,7 @@
 mod candidates;
 mod cholesky;
 mod complementarity;
+mod division;
 mod error;
 mod hertz;
 mod mesh_cycle;

@@ -1,11 +1,13 @@
 //! Contact at one position of the mesh, for any load and misalignment.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
 use super::candidates::{Candidate, POINTS};
 use super::complementarity::{Failure, Problem, Solution, Target};
+use super::division;
 use super::error::{ContactError, OperatingPoint, Prescribed};
 use super::hertz::{LocalBody, LocalContact};
 use crate::compliance::{BeyondModel, Strip, ToothCompliance};
@@ -104,29 +106,41 @@ impl PositionProblem {
     ) -> Result<PositionProblem, BeyondModel> {
         let n = candidates.len();
         let mut bulk = DMatrix::zeros(n, n);
-        let mut lengths = Vec::new();
+        let mut lengths = [Vec::new(), Vec::new()];
         for (i, model) in compliance.iter().enumerate() {
             let strips: Vec<Strip> = candidates.iter().map(|c| c.strips[i]).collect();
             bulk += model.bulk(&strips)?;
-            lengths.push(model.reference_lengths(&strips));
+            lengths[i] = model.reference_lengths(&strips);
         }
         // Rounding must not break the symmetry that the energy rests on.
-        let symmetric = (0..n * n)
+        let mut symmetric: Vec<f64> = (0..n * n)
             .map(|at| 0.5 * (bulk[(at / n, at % n)] + bulk[(at % n, at / n)]))
             .collect();
         let cos_beta_b = geometry.base_helix_angle().cos();
+        let plane_compliance = [0, 1].map(|i| {
+            let gear = &geometry.gears[i];
+            (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus
+        });
+        let strip_lengths: Vec<f64> = candidates
+            .iter()
+            .map(|c| (c.z[1] - c.z[0]) / cos_beta_b)
+            .collect();
+        division::divide(
+            &mut symmetric,
+            &mut lengths,
+            plane_compliance.map(|p| 2.0 * p / PI),
+            &strip_lengths,
+            division::WANTED_LENGTH * geometry.gears[0].normal_module,
+        );
         let local = candidates
             .iter()
             .enumerate()
             .map(|(strip, candidate)| {
-                let bodies = [0, 1].map(|i| {
-                    let gear = &geometry.gears[i];
-                    LocalBody {
-                        plane_compliance: (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus,
-                        reference_length: lengths[i][strip],
-                    }
+                let bodies = [0, 1].map(|i| LocalBody {
+                    plane_compliance: plane_compliance[i],
+                    reference_length: lengths[i][strip],
                 });
-                let length = (candidate.z[1] - candidate.z[0]) / cos_beta_b / POINTS as f64;
+                let length = strip_lengths[strip] / POINTS as f64;
                 LocalContact::new(bodies, candidate.radius, length, candidate.edge_slope)
             })
             .collect();
@@ -152,7 +166,8 @@ impl PositionProblem {
         &self.candidates
     }
 
-    /// Bulk influence matrix of both gears over the strips, m/N, row by row.
+    /// Bulk influence matrix of both gears over the strips, m/N, row by row, less what the local contact has
+    /// taken over from its diagonal.
     pub fn bulk(&self) -> &[f64] {
         &self.bulk
     }

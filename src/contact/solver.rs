@@ -6,9 +6,9 @@ use super::candidates::ContactLines;
 use super::error::ContactError;
 use super::position::{Limits, PositionProblem};
 use super::transverse::TransverseSection;
-use crate::compliance::ToothCompliance;
+use crate::compliance::{ToothCompliance, widest_contact};
 use crate::gear::{Flank, Microgeometry, PairGeometry, ToothProfile};
-use crate::pair::Pair;
+use crate::pair::{Pair, Refinement};
 
 /// Stiffness of a tooth pair per length of contact line over Young's modulus, a rule of thumb (14
 /// N/(mm um) for steel, ISO 6336-1): for starting values and for how far tip corners are followed.
@@ -26,10 +26,39 @@ pub struct ContactSettings {
     pub reach: Option<f64>,
 }
 
+/// Stations of a pair whose contacts are narrow.
+const MOST_STATIONS: usize = 40;
+
+/// Least length of a strip over the width of the widest contact: shorter ones cannot be line contacts of
+/// their own.
+const STRIP_OVER_WIDTH: f64 = 1.0;
+
+/// Elements of level coarse over those of level normal; strips shorter than the elements follow no load of
+/// their own either.
+const COARSE_OVER_NORMAL: f64 = 5.0 / 3.0;
+
+impl ContactSettings {
+    /// Settings for `pair`: 40 stations, or as many as leave each as long as the widest contact of the
+    /// pair's loads and misalignments is wide, but at least 10; tip corners as the pair file says.
+    pub fn for_pair(pair: &Pair) -> ContactSettings {
+        let elements = match pair.compliance.refinement {
+            Refinement::Coarse => COARSE_OVER_NORMAL,
+            Refinement::Normal | Refinement::Fine => 1.0,
+        };
+        let least = elements * STRIP_OVER_WIDTH * 2.0 * widest_contact(pair);
+        let (_, face) = pair.geometry.face_overlap();
+        ContactSettings {
+            stations: ((face / least) as usize).clamp(10, MOST_STATIONS),
+            tip_corner_contact: pair.tip_corner_contact,
+            ..ContactSettings::default()
+        }
+    }
+}
+
 impl Default for ContactSettings {
     fn default() -> Self {
         ContactSettings {
-            stations: 40,
+            stations: MOST_STATIONS,
             tip_corner_contact: true,
             reach: None,
         }

@@ -65,9 +65,9 @@ pub struct ModelArgs {
     #[arg(long)]
     plane_strain: bool,
 
-    /// Stations along the face
-    #[arg(long, default_value_t = ContactSettings::default().stations)]
-    stations: usize,
+    /// Stations along the face [default: 40, fewer where a station would be shorter than the widest contact]
+    #[arg(long)]
+    stations: Option<usize>,
 
     /// Folder that keeps finite-element models; a change of microgeometry, loads or misalignments alone
     /// finds its model there [default: where tables or an FMU are written .gearmesh-compliance beside them, else
@@ -150,18 +150,17 @@ impl ModelArgs {
     /// The solver for `pair`, to which the command line has been applied. Its finite-element models are kept
     /// beside `output`, the tables or the FMU that is made of them, if there is one.
     pub fn solver(&self, pair: &Pair, output: Option<&Path>) -> Result<Model, Error> {
-        limits::stations(self.stations)?;
+        let mut settings = ContactSettings::for_pair(pair);
+        if let Some(stations) = self.stations {
+            limits::stations(stations)?;
+            settings.stations = stations;
+        }
         let begin = Instant::now();
         let (compliance, origin) = match pair.compliance.method {
             ComplianceMethod::Analytical => (self.analytical(pair)?, "computed".to_owned()),
             ComplianceMethod::FiniteElement => self.finite_element(pair, output)?,
         };
         let compliance_seconds = begin.elapsed().as_secs_f64();
-        let settings = ContactSettings {
-            stations: self.stations,
-            tip_corner_contact: pair.tip_corner_contact,
-            ..ContactSettings::default()
-        };
         Ok(Model {
             solver: ContactSolver::new(pair, compliance, settings)?,
             compliance_seconds,

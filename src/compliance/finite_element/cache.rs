@@ -243,7 +243,6 @@ fn decode(
         form_roll: scalars[0],
         arc_per_roll_squared: scalars[1],
         kernel_half_width: settings.discretization.kernel_half_width * gear.normal_module,
-        edge_kernel_half_width: settings.discretization.edge_kernel_half_width * gear.normal_module,
     };
     let n = grid.len();
     let influence = (0..matrices)

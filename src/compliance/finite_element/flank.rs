@@ -24,8 +24,6 @@ pub(super) struct FlankGrid {
     pub arc_per_roll_squared: f64,
     /// Half-width of the kernel, m.
     pub kernel_half_width: f64,
-    /// Half-width to which it may narrow at a tip edge, m.
-    pub edge_kernel_half_width: f64,
 }
 
 /// Half-width of the kernel at the tip edge over the element there.
@@ -33,20 +31,13 @@ const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
 
 impl FlankGrid {
     /// Grid of the flank nodes' arc lengths `arcs` (corner, mid-edge, corner, ...).
-    /// `half_widths` of the kernel, m: inside and at a tip edge.
-    pub fn new(
-        outline: &Outline,
-        arcs: &[f64],
-        stations: &[f64],
-        half_widths: [f64; 2],
-    ) -> FlankGrid {
+    pub fn new(outline: &Outline, arcs: &[f64], stations: &[f64], half_width: f64) -> FlankGrid {
         FlankGrid {
             arcs: arcs.iter().step_by(2).copied().collect(),
             stations: stations.to_vec(),
             form_roll: outline.form_roll,
             arc_per_roll_squared: outline.kappa / (2.0 * outline.base_radius),
-            kernel_half_width: half_widths[0],
-            edge_kernel_half_width: half_widths[1],
+            kernel_half_width: half_width,
         }
     }
 
@@ -72,17 +63,16 @@ impl FlankGrid {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
         let arc = self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll);
         // Not wider than the distance to the tip edge, so that the load stays where it acts, down to what the
-        // elements at the edge resolve and the local contact needs.
+        // elements at the edge resolve.
         let least = self.edge_half_width().min(self.kernel_half_width);
         let half_width = (edges[1] - arc).clamp(least, self.kernel_half_width);
         Kernel::new(half_width, arc, edges)
     }
 
-    /// Half-width of the kernel at the tip edge, m: one and a half of the element there, or what is asked for.
+    /// Half-width of the kernel at the tip edge, m: one and a half of the element there.
     fn edge_half_width(&self) -> f64 {
         let last = self.arcs.len() - 1;
-        let resolved = EDGE_KERNEL_OVER_ELEMENT * (self.arcs[last] - self.arcs[last - 1]);
-        resolved.max(self.edge_kernel_half_width)
+        EDGE_KERNEL_OVER_ELEMENT * (self.arcs[last] - self.arcs[last - 1])
     }
 
     /// Reference length of the kernel at the middle of `strip`, m.

@@ -76,9 +76,9 @@ impl Model {
             )
         };
         let arcs: Vec<f64> = section.flank.iter().map(|(_, arc)| *arc).collect();
-        let half_widths = [sizes.kernel_half_width, sizes.edge_kernel_half_width].map(|w| w * m);
+        let half_width = sizes.kernel_half_width * m;
         Ok(Model {
-            grid: FlankGrid::new(&outline, &arcs, &stations, half_widths),
+            grid: FlankGrid::new(&outline, &arcs, &stations, half_width),
             mesh,
             gear: gear.clone(),
         })

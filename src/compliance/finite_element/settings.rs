@@ -1,15 +1,12 @@
 //! What the caller chooses: level of refinement, plane strain or solid, kernel width.
 
 use super::section::SectionSizes;
+use crate::compliance::widest_contact;
 use crate::pair::{Pair, Refinement};
 
 /// Half-width of the kernel over that of the Hertz contact: the kernel's reference length, 0.29 of its
 /// half-width, then exceeds the contact's half-width, and the local contact adds to the bulk.
 const KERNEL_OVER_HERTZ: f64 = 4.0;
-
-/// Least half-width of the kernel at a tip edge over that of the Hertz contact: the local contact there must
-/// not be wider than its law holds, see `contact::hertz`.
-const EDGE_KERNEL_OVER_HERTZ: f64 = 1.0;
 
 /// Widest kernel in normal modules: beyond it the 0.2 % independence of the width is lost.
 const WIDEST_KERNEL: f64 = 0.35;
@@ -33,8 +30,6 @@ pub struct Discretization {
     pub end_layer: f64,
     /// Half-width of the kernel that spreads a line load over the flank.
     pub kernel_half_width: f64,
-    /// Half-width to which it may narrow at a tip edge; not below one and a half of the element there.
-    pub edge_kernel_half_width: f64,
 }
 
 impl Discretization {
@@ -48,7 +43,6 @@ impl Discretization {
             layer: 0.75,
             end_layer: 0.3,
             kernel_half_width: 0.15,
-            edge_kernel_half_width: 0.0,
         };
         // The kernel must be resolved: 1.25 elements in its half-width keep the sum of bulk and Hertz
         // within 0.1 % of a ten times finer mesh; see docs.
@@ -60,7 +54,6 @@ impl Discretization {
             layer: by * normal.layer,
             end_layer: by * normal.end_layer,
             kernel_half_width: kernel,
-            edge_kernel_half_width: 0.0,
         };
         match refinement {
             Refinement::Coarse => scaled(5.0 / 3.0, 0.25),
@@ -70,7 +63,7 @@ impl Discretization {
         }
     }
 
-    /// All sizes but the kernels', which the influence of the flank nodes does not depend on.
+    /// All sizes but the kernel's, which the influence of the flank nodes does not depend on.
     pub(super) fn mesh_sizes(&self) -> [f64; 6] {
         let Discretization {
             flank_element,
@@ -80,7 +73,6 @@ impl Discretization {
             layer,
             end_layer,
             kernel_half_width: _,
-            edge_kernel_half_width: _,
         } = *self;
         [
             flank_element,
@@ -149,11 +141,9 @@ impl Settings {
             pair.compliance.refinement,
             (ratio.max(1.0) + 0.5).ceil() as usize,
         );
-        let sizes = &mut settings.discretization;
-        let hertz = widest_contact(pair) / geometry.gears[0].normal_module;
-        let wide = |over_hertz: f64| (over_hertz * hertz).min(WIDEST_KERNEL);
-        sizes.kernel_half_width = sizes.kernel_half_width.max(wide(KERNEL_OVER_HERTZ));
-        sizes.edge_kernel_half_width = wide(EDGE_KERNEL_OVER_HERTZ);
+        let width = &mut settings.discretization.kernel_half_width;
+        let module = geometry.gears[0].normal_module;
+        *width = width.max((KERNEL_OVER_HERTZ * widest_contact(pair) / module).min(WIDEST_KERNEL));
         settings
     }
 
@@ -165,40 +155,4 @@ impl Settings {
             reach,
         }
     }
-}
-
-/// Estimate of the largest Hertz half-width of the pair, m: the maximum torque on one tooth pair, spread
-/// over the face evenly or, with misalignment, as a triangle on an elastic foundation.
-fn widest_contact(pair: &Pair) -> f64 {
-    let g = &pair.geometry;
-    let c = g.center_distance;
-    let path = g.path_of_contact(c);
-    let radius = (0..=20)
-        .map(|i| {
-            let xi = path.start + path.length() * f64::from(i) / 20.0;
-            let rho = [0, 1].map(|k| g.gears[k].kappa() * g.roll_at(k, c, xi));
-            1.0 / (1.0 / rho[0] + 1.0 / rho[1])
-        })
-        .fold(0.0, f64::max)
-        / g.base_helix_angle().cos();
-    let force = pair.operating.maximum_torque / g.gears[0].base_radius();
-    let modulus = g
-        .gears
-        .iter()
-        .map(|g| g.youngs_modulus)
-        .fold(f64::INFINITY, f64::min);
-    let misalignment = pair
-        .operating
-        .misalignment
-        .iter()
-        .fold(0.0f64, |m, v| m.max(v.abs()));
-    // 14 N/(mm um) for steel (ISO 6336-1) is 0.07 E.
-    let triangle = (2.0 * force * 0.07 * modulus * misalignment).sqrt();
-    let line_load = (force / g.face_overlap().1).max(triangle);
-    let softness: f64 = g
-        .gears
-        .iter()
-        .map(|g| (1.0 - g.poisson_ratio * g.poisson_ratio) / g.youngs_modulus)
-        .sum();
-    (4.0 * line_load * radius * softness / std::f64::consts::PI).sqrt()
 }

@@ -33,7 +33,9 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
          with the gap alpha s + s²/(2 R) at the distance s from the edge, the pressure between half-planes is \
          sqrt((a - s)/s) (alpha + (s + a/2)/R) / (pi c), alpha the inclination of the flanks, and its displacement replaces that \
          of Hertz. Inside the flank alpha = -(distance to the edge)/R, and the law passes into that of Hertz exactly where \
-         contact just reaches the edge. Left out is that the tip is a wedge, not a half-plane, below the size of the elements at \
+         contact just reaches the edge. The force acts along the normal of the flank that the edge bears on. Under the tip edge \
+         of gear 1 this normal touches the base circle of gear 2, so that its arm about the axis of gear 1 is a few hundredths \
+         less than the base radius; the torque given is that on gear 1. Left out is that the tip is a wedge, not a half-plane, below the size of the elements at \
          the edge.\n\n\
          **Contact** is the frictionless complementarity problem over all strips of all tooth pairs in reach, solved by Newton's \
          method to a relative residual of 1e-10.\n",

@@ -38,20 +38,30 @@ fn peak_to_peak_of_the_modified_pair_is_least_between_85_and_130_nm() {
 }
 
 #[test]
-fn tip_corner_contact_takes_about_a_fifth_off_the_peak_to_peak() {
+fn tip_corner_contact_takes_as_much_off_the_peak_to_peak_as_in_finite_elements() {
+    let path = ContactSettings {
+        tip_corner_contact: false,
+        ..Default::default()
+    };
     let with = paper_solver(UNMODIFIED, ContactSettings::default());
-    let without = paper_solver(
-        UNMODIFIED,
-        ContactSettings {
-            tip_corner_contact: false,
-            ..Default::default()
-        },
-    );
-    let ratio = cycle(&with, 100.0, 0.0).peak_to_peak_ste()
-        / cycle(&without, 100.0, 0.0).peak_to_peak_ste();
-    // Hertz contact of full width on the edges would take off a little more; direct finite-element
-    // contact (tests/finite_element_contact.rs) finds edges as soft as here.
-    assert!((0.75..0.85).contains(&ratio), "{ratio}");
+    let without = paper_solver(UNMODIFIED, path);
+    // Ratios of case c of tests/data/finite_element_contact.json, an independent program without any law of
+    // local contact, at these positions.
+    for (torque, expected) in [(50.0, 0.878), (100.0, 0.824), (200.0, 0.759)] {
+        let [with, without] = [&with, &without].map(|solver| {
+            let ste = [0.0, 0.125, 0.25, 0.375, 0.5].map(|tau| {
+                let problem = solver.position(Flank::Drive, tau, 0.0).unwrap();
+                problem.solve_torque(torque, 0.0, None).unwrap().approach
+            });
+            let least = ste.iter().copied().fold(f64::INFINITY, f64::min);
+            ste.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
+        });
+        let ratio = with / without;
+        assert!(
+            (ratio - expected).abs() < 0.02,
+            "{torque} N m: {ratio} instead of {expected}"
+        );
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //!
 //! de Boor, A Practical Guide to Splines (revised edition, 2001), chapters IX and X.
 
-use super::kernel::add;
+use super::lanes::{Registers, Two};
 use nalgebra::DMatrix;
 
 /// `N` neighbouring basis functions at one point: values and derivatives by the coordinate.
@@ -46,16 +46,25 @@ pub enum Ends {
     Onset,
 }
 
+/// One cell of a [`Basis`].
+#[derive(Debug, Clone)]
+pub struct Cell<const N: usize> {
+    start: f64,
+    end: f64,
+    /// 1 / length.
+    scale: f64,
+    /// The functions as polynomials of the local coordinate in [0, 1], `[power][function]`.
+    pub polynomials: [[f64; N]; N],
+}
+
 /// B-splines of degree N - 1 over one axis; `N` = 1: the axis has a single point and no extent.
 #[derive(Debug, Clone)]
 pub struct Basis<const N: usize> {
     ends: Ends,
-    /// Ends of the cells, ascending.
-    breaks: Vec<f64>,
-    /// 1 / length of each cell.
-    inverse: Vec<f64>,
-    /// Per cell: coefficients of the local coordinate in [0, 1], `[power][function]`.
-    cells: Vec<[[f64; N]; N]>,
+    /// Ends of the range.
+    low: f64,
+    high: f64,
+    cells: Vec<Cell<N>>,
     /// First cell to try, by equal buckets over the range.
     buckets: Vec<u32>,
     bucket_scale: f64,
@@ -90,7 +99,14 @@ impl<const N: usize> Basis<N> {
                 Ends::Bounded | Ends::Onset => breaks[n],
             });
         }
-        let cells = (0..n).map(|i| polynomials(&knots, i + degree)).collect();
+        let cells = (0..n)
+            .map(|i| Cell {
+                start: breaks[i],
+                end: breaks[i + 1],
+                scale: 1.0 / (breaks[i + 1] - breaks[i]),
+                polynomials: polynomials(&knots, i + degree),
+            })
+            .collect();
         let smallest = breaks
             .windows(2)
             .map(|w| w[1] - w[0])
@@ -104,8 +120,8 @@ impl<const N: usize> Basis<N> {
             .collect();
         Basis {
             ends,
-            breaks: breaks.to_vec(),
-            inverse: breaks.windows(2).map(|w| 1.0 / (w[1] - w[0])).collect(),
+            low: breaks[0],
+            high: breaks[n],
             cells,
             buckets,
             bucket_scale: count as f64 / range,
@@ -116,8 +132,8 @@ impl<const N: usize> Basis<N> {
     fn absent() -> Self {
         Basis {
             ends: Ends::Bounded,
-            breaks: vec![],
-            inverse: vec![],
+            low: 0.0,
+            high: 0.0,
             cells: vec![],
             buckets: vec![],
             bucket_scale: 0.0,
@@ -131,103 +147,123 @@ impl<const N: usize> Basis<N> {
         if N == 1 { 1 } else { self.cells.len() + N - 1 }
     }
 
+    /// Index of the cell of `x` (the end cell beyond the range) and the cell.
     #[inline(always)]
-    fn cell(&self, x: f64) -> usize {
-        // `as` takes NaN and what lies below to 0, what lies above is cut by min.
-        let bucket = ((x - self.breaks[0]) * self.bucket_scale) as u32 as usize;
-        let i = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
+    fn cell(&self, x: f64) -> (usize, &Cell<N>) {
+        // `as` takes NaN and what lies below to 0; what lies above has no bucket.
+        let bucket = ((x - self.low) * self.bucket_scale) as u32 as usize;
+        let last = self.cells.len() - 1;
+        let i = self.buckets.get(bucket).map_or(last, |&i| i as usize);
         // A bucket is no longer than the shortest cell, so at most one cell ends in it. (A rounding at
         // its edge may take the neighbour's polynomials, which agree there.)
-        let last = self.cells.len() - 1;
-        i + usize::from(i < last && x >= self.breaks[i + 1])
+        let i = i + usize::from(i < last && x >= self.cells[i].end);
+        (i, &self.cells[i])
     }
 
-    /// Polynomials of the functions on each cell, `[power][function]`.
-    pub fn cells(&self) -> &[[[f64; N]; N]] {
+    /// Whether `x` lies inside the range, its upper end left out, or there is no range to leave.
+    #[inline(always)]
+    pub fn holds(&self, x: f64) -> bool {
+        N == 1 || (x >= self.low && x < self.high)
+    }
+
+    /// All cells.
+    pub fn cells(&self) -> &[Cell<N>] {
         &self.cells
     }
 
     /// Cell of `x` (the end cell beyond the range), local coordinate in it, 1 / its length.
     #[inline(always)]
     pub fn local(&self, x: f64) -> (usize, f64, f64) {
-        let i = self.cell(x);
-        let scale = self.inverse[i];
-        (i, (x - self.breaks[i]) * scale, scale)
+        let (i, cell) = self.cell(x);
+        (i, (x - cell.start) * cell.scale, cell.scale)
     }
 
-    /// Weights inside the range, the end cell's polynomials beyond it.
+    /// Weights inside the range, the end cell's polynomials beyond it. Derivatives up to the `order`th, zero
+    /// above.
     #[inline(always)]
-    pub fn inside(&self, x: f64) -> Weights<N> {
+    fn inside_of(&self, registers: impl Registers, x: f64, order: usize) -> Weights<N> {
         if N == 1 {
             return Weights::constant();
         }
-        let (i, t, scale) = self.local(x);
-        let p = &self.cells[i];
-        let mut powers = [1.0; N];
-        for k in 1..N {
-            powers[k] = powers[k - 1] * t;
+        let (first, cell) = self.cell(x);
+        let t = (x - cell.start) * cell.scale;
+        // Horner's scheme for the polynomials and, k! times too small, their derivatives.
+        let mut horner = [[0.0; N]; 4];
+        horner[0] = cell.polynomials[N - 1];
+        for k in (0..N - 1).rev() {
+            for d in (1..=order.min(3)).rev() {
+                let known = N - 1 - k;
+                if d < known {
+                    let mut next = horner[d - 1];
+                    registers.add(&mut next, t, &horner[d]);
+                    horner[d] = next;
+                } else if d == known {
+                    horner[d] = horner[d - 1];
+                }
+            }
+            let mut next = cell.polynomials[k];
+            registers.add(&mut next, t, &horner[0]);
+            horner[0] = next;
         }
+        let s = cell.scale;
         let mut w = Weights {
-            first: i,
-            value: p[0],
+            first,
+            value: horner[0],
             slope: [0.0; N],
             curvature: [0.0; N],
             third: [0.0; N],
         };
-        for k in 1..N {
-            let (a, b, c) = (
-                k as f64,
-                (k * (k - 1)) as f64,
-                (k * (k - 1) * (k.max(2) - 2)) as f64,
-            );
-            add(&mut w.value, powers[k], &p[k]);
-            add(&mut w.slope, a * scale * powers[k - 1], &p[k]);
-            if k >= 2 {
-                add(&mut w.curvature, b * scale * scale * powers[k - 2], &p[k]);
-            }
-            if k >= 3 {
-                add(
-                    &mut w.third,
-                    c * scale * scale * scale * powers[k - 3],
-                    &p[k],
-                );
-            }
+        if order >= 1 {
+            w.slope = registers.scaled(s, &horner[1]);
+        }
+        if order >= 2 {
+            w.curvature = registers.scaled(2.0 * s * s, &horner[2]);
+        }
+        if order >= 3 {
+            w.third = registers.scaled(6.0 * s * s * s, &horner[3]);
         }
         w
     }
 
-    /// Weights at `x`, wrapped, or continued linearly from the nearer end, and whether `x` is outside.
+    /// All weights inside the range, the end cell's polynomials beyond it.
+    pub fn inside(&self, x: f64) -> Weights<N> {
+        self.inside_of(Two, x, 3)
+    }
+
+    /// Weights at `x` with derivatives up to the `order`th (zero above), wrapped, or continued linearly from the
+    /// nearer end, and whether `x` is outside.
     #[inline(always)]
-    pub fn weights(&self, x: f64) -> (Weights<N>, bool) {
+    pub fn weights(&self, registers: impl Registers, x: f64, order: usize) -> (Weights<N>, bool) {
         if N == 1 {
             return (Weights::constant(), false);
         }
-        match self.ends {
-            Ends::Periodic => {
-                let (low, high) = (self.breaks[0], self.breaks[self.breaks.len() - 1]);
-                // Wrapped already, as a rule: `floor` is a call on baseline x86-64.
-                let turns = if x >= low && x < high {
-                    0.0
-                } else {
-                    ((x - low) / (high - low)).floor()
-                };
-                (self.inside(x - turns * (high - low)), false)
-            }
-            Ends::Bounded | Ends::Onset => {
-                let edge = x.clamp(self.breaks[0], self.breaks[self.breaks.len() - 1]);
-                let mut w = self.inside(edge);
-                let outside = x != edge;
-                if outside {
-                    self.go_beyond(&mut w, x - edge);
-                }
-                (w, outside)
-            }
+        if self.holds(x) {
+            (self.inside_of(registers, x, order), false)
+        } else if self.ends == Ends::Periodic {
+            (self.inside_of(registers, self.wrapped(x), order), false)
+        } else {
+            (self.beyond(x), x != self.high)
         }
     }
 
+    /// `x` brought into the range by whole periods. Wrapped already, as a rule.
     #[cold]
     #[inline(never)]
-    fn go_beyond(&self, w: &mut Weights<N>, d: f64) {
+    fn wrapped(&self, x: f64) -> f64 {
+        let period = self.high - self.low;
+        x - ((x - self.low) / period).floor() * period
+    }
+
+    /// Weights at the ends and outside.
+    #[cold]
+    #[inline(never)]
+    fn beyond(&self, x: f64) -> Weights<N> {
+        let edge = x.clamp(self.low, self.high);
+        let d = x - edge;
+        let mut w = self.inside(edge);
+        if d == 0.0 {
+            return w;
+        }
         if self.ends == Ends::Onset {
             // The potential goes on quadratically, so the force goes on linearly.
             for k in 0..N {
@@ -235,7 +271,7 @@ impl<const N: usize> Basis<N> {
                 w.slope[k] += d * w.curvature[k];
                 w.third[k] = 0.0;
             }
-            return;
+            return w;
         }
         let (g, g1, g2) = levelled(d, self.guard[usize::from(d > 0.0)]);
         for k in 0..N {
@@ -243,15 +279,13 @@ impl<const N: usize> Basis<N> {
             w.curvature[k] = g2 * w.slope[k];
             w.slope[k] *= g1;
         }
+        w
     }
 
     /// Row that takes coefficients to where the continuation beyond the lower (0) or upper (1) `end` of a
     /// bounded axis has levelled out.
     pub fn far_end(&self, end: usize) -> DMatrix<f64> {
-        let (edge, sign) = [
-            (self.breaks[0], -1.0),
-            (self.breaks[self.breaks.len() - 1], 1.0),
-        ][end];
+        let (edge, sign) = [(self.low, -1.0), (self.high, 1.0)][end];
         let w = self.inside(edge);
         let mut row = DMatrix::zeros(1, self.stored());
         for k in 0..N {
@@ -261,11 +295,13 @@ impl<const N: usize> Basis<N> {
     }
 
     /// Weights continued linearly however far outside `x` is (bounded axes).
+    #[cold]
+    #[inline(never)]
     pub fn linear(&self, x: f64) -> Weights<N> {
         if N == 1 || self.ends != Ends::Bounded {
-            return self.weights(x).0;
+            return self.weights(Two, x, 3).0;
         }
-        let edge = x.clamp(self.breaks[0], self.breaks[self.breaks.len() - 1]);
+        let edge = x.clamp(self.low, self.high);
         let mut w = self.inside(edge);
         if x != edge {
             for k in 0..N {
@@ -356,7 +392,7 @@ mod tests {
         for ends in [Ends::Bounded, Ends::Periodic] {
             let basis = Basis::<4>::new(&UNEVEN, ends);
             for i in 0..=300 {
-                let (w, _) = basis.weights(-1.0 + 3.0 * f64::from(i) / 300.0);
+                let (w, _) = basis.weights(Two, -1.0 + 3.0 * f64::from(i) / 300.0, 3);
                 assert_abs_diff_eq!(w.value.iter().sum::<f64>(), 1.0, epsilon = 1e-14);
                 assert_abs_diff_eq!(w.slope.iter().sum::<f64>(), 0.0, epsilon = 1e-12);
                 assert_abs_diff_eq!(w.curvature.iter().sum::<f64>(), 0.0, epsilon = 1e-11);
@@ -386,8 +422,11 @@ mod tests {
         let basis = Basis::<5>::new(&UNEVEN, Ends::Bounded);
         for x in [-2.9, -1.4, -0.7, -0.1, 0.3, 1.7, 2.4, 3.9, 9.0] {
             let h = 1e-6;
-            let (w, _) = basis.weights(x);
-            let (a, b) = (basis.weights(x - h).0, basis.weights(x + h).0);
+            let (w, _) = basis.weights(Two, x, 3);
+            let (a, b) = (
+                basis.weights(Two, x - h, 3).0,
+                basis.weights(Two, x + h, 3).0,
+            );
             for k in 0..5 {
                 assert_abs_diff_eq!(
                     w.slope[k],

@@ -1,10 +1,12 @@
 //! The innermost loop: contraction of a block of coefficients with the weights of each coordinate.
 //!
 //! The mesh position is the fastest index, so its neighbouring coefficients fill vector registers and
-//! nothing is summed across a register until the very end.
+//! nothing is summed across a register until the very end. The coordinates that only few sums need come first:
+//! misalignment, then centre distance, then displacement.
 
 use super::basis::Weights;
-use wide::f64x2;
+use super::fit::Block;
+use super::lanes::{Registers, dot};
 
 /// Value and derivatives over (centre distance, misalignment, mesh position).
 #[derive(Debug, Clone, Copy, Default)]
@@ -20,127 +22,182 @@ pub struct Jet {
 /// Where the second derivative by coordinates i and j stands in [`Jet::second`].
 pub const SECOND: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
 
-/// `sum` += `factor` `row`, two lanes at a time, in the vector registers that every x86-64 has.
+/// `to` += `factor` `from`; the first time `to` = `factor` `from`.
 #[inline(always)]
-pub fn add<const N: usize>(sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
-    let (pairs, single) = sum.as_chunks_mut::<2>();
-    let (row_pairs, row_single) = row.as_chunks::<2>();
-    for (s, r) in pairs.iter_mut().zip(row_pairs) {
-        *s = (f64x2::new(*s) + f64x2::splat(factor) * f64x2::new(*r)).to_array();
-    }
-    for (s, r) in single.iter_mut().zip(row_single) {
-        *s += factor * r;
+fn put<const N: usize>(
+    registers: impl Registers,
+    time: usize,
+    to: &mut [f64; N],
+    factor: f64,
+    from: &[f64; N],
+) {
+    if time == 0 {
+        *to = registers.scaled(factor, from);
+    } else {
+        registers.add(to, factor, from);
     }
 }
 
-#[inline(always)]
-fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    let mut sum = a[0] * b[0];
-    for k in 1..N {
-        sum += a[k] * b[k];
-    }
-    sum
+/// Sums over centre distance and misalignment, still open along the mesh position.
+#[derive(Clone, Copy)]
+struct Plane<const NP: usize> {
+    value: [f64; NP],
+    /// Derivatives by centre distance and misalignment.
+    c: [f64; NP],
+    m: [f64; NP],
+    /// Second derivatives, only with `H`.
+    cc: [f64; NP],
+    cm: [f64; NP],
+    mm: [f64; NP],
 }
 
-/// Contracts K quantities, given as rows over the mesh position for each (c, m), at once.
-///
-/// What the caller does not use of the result costs nothing once inlined. `H`: second derivatives.
+impl<const NP: usize> Plane<NP> {
+    const ZERO: Self = Plane {
+        value: [0.0; NP],
+        c: [0.0; NP],
+        m: [0.0; NP],
+        cc: [0.0; NP],
+        cm: [0.0; NP],
+        mm: [0.0; NP],
+    };
+
+    /// Of the rows of `lanes` from `start` on, `c` and `m` apart. `H`: with second derivatives.
+    #[inline(always)]
+    fn new<const NC: usize, const NM: usize, const H: bool>(
+        registers: impl Registers,
+        lanes: &[[f64; NP]],
+        [start, c, m]: [usize; 3],
+        wc: &Weights<NC>,
+        wm: &Weights<NM>,
+    ) -> Self {
+        let mut sum = Self::ZERO;
+        for i in 0..NC {
+            let first = &lanes[start + i * c];
+            let mut a = registers.scaled(wm.value[0], first);
+            let mut a_m = registers.scaled(wm.slope[0], first);
+            let mut a_mm = registers.scaled(wm.curvature[0], first);
+            for j in 1..NM {
+                let row = &lanes[start + i * c + j * m];
+                registers.add(&mut a, wm.value[j], row);
+                registers.add(&mut a_m, wm.slope[j], row);
+                if H {
+                    registers.add(&mut a_mm, wm.curvature[j], row);
+                }
+            }
+            put(registers, i, &mut sum.value, wc.value[i], &a);
+            put(registers, i, &mut sum.c, wc.slope[i], &a);
+            put(registers, i, &mut sum.m, wc.value[i], &a_m);
+            if H {
+                put(registers, i, &mut sum.cc, wc.curvature[i], &a);
+                put(registers, i, &mut sum.cm, wc.slope[i], &a_m);
+                put(registers, i, &mut sum.mm, wc.value[i], &a_mm);
+            }
+        }
+        sum
+    }
+
+    /// Closed along the mesh position.
+    #[inline(always)]
+    fn jet<const H: bool>(&self, wp: &Weights<NP>) -> Jet {
+        let mut jet = Jet {
+            value: dot(&self.value, &wp.value),
+            gradient: [
+                dot(&self.c, &wp.value),
+                dot(&self.m, &wp.value),
+                dot(&self.value, &wp.slope),
+            ],
+            ..Jet::default()
+        };
+        if H {
+            jet.second = [
+                dot(&self.cc, &wp.value),
+                dot(&self.cm, &wp.value),
+                dot(&self.c, &wp.slope),
+                dot(&self.mm, &wp.value),
+                dot(&self.m, &wp.slope),
+                dot(&self.value, &wp.curvature),
+            ];
+        }
+        jet
+    }
+}
+
+/// A block of coefficients `[c][m][row][mesh position]`, rows as long as whole groups of NP lanes.
+#[derive(Debug, Clone)]
+pub struct Coefficients<const NP: usize> {
+    values: Vec<f64>,
+    /// Distances from one c, m and row to the next, in groups; short, so that sums of a few cannot overflow and
+    /// one check serves a whole cell.
+    strides: [u32; 3],
+}
+
+impl<const NP: usize> Coefficients<NP> {
+    /// From the array of a fit with lengths (c, m, row, mesh position).
+    pub fn new(block: &Block) -> Self {
+        let [_, nm, rows, np] = block.lengths;
+        let groups = np.div_ceil(NP);
+        let stride = |n: usize| u32::try_from(n).expect("a table fits into memory");
+        let mut values = Vec::with_capacity(block.values.len() / np * groups * NP);
+        for row in block.values.chunks_exact(np) {
+            values.extend_from_slice(row);
+            values.resize(values.len().next_multiple_of(NP), 0.0);
+        }
+        Coefficients {
+            values,
+            strides: [
+                stride(groups * rows * nm),
+                stride(groups * rows),
+                stride(groups),
+            ],
+        }
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        8 * self.values.len()
+    }
+
+    /// The lanes from mesh-position coefficient `first` on, of every row.
+    #[inline(always)]
+    fn from(&self, first: usize) -> &[[f64; NP]] {
+        self.values[first..].as_chunks().0
+    }
+}
+
+/// One number over (centre distance, misalignment, mesh position): row `r` of `coefficients`.
 #[inline(always)]
-pub fn contract<
-    const K: usize,
-    const NC: usize,
-    const NM: usize,
-    const NP: usize,
-    const H: bool,
->(
-    rows: impl Fn(usize, usize) -> [[f64; NP]; K],
+pub fn field<const NC: usize, const NM: usize, const NP: usize, const H: bool>(
+    registers: impl Registers,
+    coefficients: &Coefficients<NP>,
+    r: usize,
     wc: &Weights<NC>,
     wm: &Weights<NM>,
     wp: &Weights<NP>,
-) -> [Jet; K] {
-    let zero = [[0.0; NP]; K];
-    let (mut v, mut c, mut m) = (zero, zero, zero);
-    let (mut cc, mut cm, mut mm) = (zero, zero, zero);
-    for i in 0..NC {
-        let (mut a, mut a_m, mut a_mm) = (zero, zero, zero);
-        for j in 0..NM {
-            let row = rows(i, j);
-            for k in 0..K {
-                add(&mut a[k], wm.value[j], &row[k]);
-                add(&mut a_m[k], wm.slope[j], &row[k]);
-                if H {
-                    add(&mut a_mm[k], wm.curvature[j], &row[k]);
-                }
-            }
-        }
-        for k in 0..K {
-            add(&mut v[k], wc.value[i], &a[k]);
-            add(&mut c[k], wc.slope[i], &a[k]);
-            add(&mut m[k], wc.value[i], &a_m[k]);
-            if H {
-                add(&mut cc[k], wc.curvature[i], &a[k]);
-                add(&mut cm[k], wc.slope[i], &a_m[k]);
-                add(&mut mm[k], wc.value[i], &a_mm[k]);
-            }
-        }
-    }
-    let mut out = [Jet::default(); K];
-    for k in 0..K {
-        out[k].value = dot(&v[k], &wp.value);
-        out[k].gradient = [
-            dot(&c[k], &wp.value),
-            dot(&m[k], &wp.value),
-            dot(&v[k], &wp.slope),
-        ];
-        if H {
-            out[k].second = [
-                dot(&cc[k], &wp.value),
-                dot(&cm[k], &wp.value),
-                dot(&c[k], &wp.slope),
-                dot(&mm[k], &wp.value),
-                dot(&m[k], &wp.slope),
-                dot(&v[k], &wp.curvature),
-            ];
-        }
-    }
-    out
+) -> Jet {
+    let lanes = coefficients.from(wp.first);
+    let [c, m, u] = coefficients.strides.map(|x| x as usize);
+    let lanes = &lanes[wc.first * c + wm.first * m..];
+    assert!((NC - 1) * c + (NM - 1) * m + r * u < lanes.len());
+    Plane::new::<NC, NM, H>(registers, lanes, [r * u, c, m], wc, wm).jet::<H>(wp)
 }
 
-/// A block of coefficients `[c][m][row][mesh position]`.
-#[derive(Debug, Clone)]
-pub struct Coefficients {
-    pub(super) values: Vec<f64>,
-    /// Distances from one c, m and row to the next.
-    pub(super) strides: [usize; 3],
+/// The no-load approach (row 0) and the span up to the top load (row 1).
+#[inline(always)]
+pub fn fields<const NC: usize, const NM: usize, const NP: usize, const H: bool>(
+    registers: impl Registers,
+    coefficients: &Coefficients<NP>,
+    wc: &Weights<NC>,
+    wm: &Weights<NM>,
+    wp: &Weights<NP>,
+) -> [Jet; 2] {
+    [
+        field::<NC, NM, NP, H>(registers, coefficients, 0, wc, wm, wp),
+        field::<NC, NM, NP, H>(registers, coefficients, 1, wc, wm, wp),
+    ]
 }
 
-impl Coefficients {
-    /// From the array of a fit with lengths (c, m, row, mesh position).
-    pub fn new(block: super::fit::Block) -> Self {
-        Coefficients {
-            strides: [block.stride(0), block.stride(1), block.stride(2)],
-            values: block.values,
-        }
-    }
-
-    /// Rows `first_row..first_row + R` at (c, m), from mesh-position coefficient `p` on.
-    #[inline(always)]
-    pub fn rows<const R: usize, const NP: usize>(
-        &self,
-        [c, m, first_row, p]: [usize; 4],
-    ) -> [&[f64; NP]; R] {
-        let start = c * self.strides[0] + m * self.strides[1] + first_row * self.strides[2] + p;
-        let window = &self.values[start..start + (R - 1) * self.strides[2] + NP];
-        std::array::from_fn(|r| {
-            window[r * self.strides[2]..]
-                .first_chunk()
-                .expect("the window holds every row")
-        })
-    }
-}
-
-/// Value, first and second derivative over the displacement, each with its derivatives by the other
-/// coordinates; and the third one, only with `H`, zero otherwise.
+/// Value, first and second derivative over the displacement, with what [`chain`](super::chain) needs of their
+/// derivatives by the other coordinates; and the third one, only with `H`, zero otherwise.
 #[inline(always)]
 pub fn over_displacement<
     const NU: usize,
@@ -149,59 +206,37 @@ pub fn over_displacement<
     const NP: usize,
     const H: bool,
 >(
-    coefficients: &Coefficients,
+    registers: impl Registers,
+    coefficients: &Coefficients<NP>,
     wu: &Weights<NU>,
     wc: &Weights<NC>,
     wm: &Weights<NM>,
     wp: &Weights<NP>,
 ) -> ([Jet; 3], f64) {
-    let rows = |i, j| -> [&[f64; NP]; NU] {
-        coefficients.rows([wc.first + i, wm.first + j, wu.first, wp.first])
-    };
-    if H {
-        let over_u = [&wu.value, &wu.slope, &wu.curvature, &wu.third];
-        let [w, f, k, third] =
-            contract::<4, NC, NM, NP, H>(|i, j| summed(&rows(i, j), over_u), wc, wm, wp);
-        ([w, f, k], third.value)
-    } else {
-        let over_u = [&wu.value, &wu.slope, &wu.curvature];
-        let shape = contract::<3, NC, NM, NP, H>(|i, j| summed(&rows(i, j), over_u), wc, wm, wp);
-        (shape, 0.0)
-    }
-}
-
-/// K sums over `rows`.
-#[inline(always)]
-fn summed<const K: usize, const R: usize, const NP: usize>(
-    rows: &[&[f64; NP]; R],
-    weights: [&[f64; R]; K],
-) -> [[f64; NP]; K] {
-    let mut sums = [[0.0; NP]; K];
-    for r in 0..R {
-        for k in 0..K {
-            add(&mut sums[k], weights[k][r], rows[r]);
+    let lanes = coefficients.from(wp.first);
+    let [c, m, u] = coefficients.strides.map(|x| x as usize);
+    let lanes = &lanes[wc.first * c + wm.first * m + wu.first * u..];
+    assert!((NC - 1) * c + (NM - 1) * m + (NU - 1) * u < lanes.len());
+    let [mut w, mut f, mut k] = [Plane::<NP>::ZERO; 3];
+    let mut third = [0.0; NP];
+    for r in 0..NU {
+        let plane = Plane::new::<NC, NM, H>(registers, lanes, [r * u, c, m], wc, wm);
+        put(registers, r, &mut w.value, wu.value[r], &plane.value);
+        put(registers, r, &mut w.c, wu.value[r], &plane.c);
+        put(registers, r, &mut w.m, wu.value[r], &plane.m);
+        put(registers, r, &mut f.value, wu.slope[r], &plane.value);
+        put(registers, r, &mut k.value, wu.curvature[r], &plane.value);
+        if H {
+            put(registers, r, &mut w.cc, wu.value[r], &plane.cc);
+            put(registers, r, &mut w.cm, wu.value[r], &plane.cm);
+            put(registers, r, &mut w.mm, wu.value[r], &plane.mm);
+            put(registers, r, &mut f.c, wu.slope[r], &plane.c);
+            put(registers, r, &mut f.m, wu.slope[r], &plane.m);
+            put(registers, r, &mut k.c, wu.curvature[r], &plane.c);
+            put(registers, r, &mut k.m, wu.curvature[r], &plane.m);
+            put(registers, r, &mut third, wu.third[r], &plane.value);
         }
     }
-    sums
-}
-
-/// The no-load approach (row 0) and the span up to the top load (row 1).
-#[inline(always)]
-pub fn fields<const NC: usize, const NM: usize, const NP: usize, const H: bool>(
-    coefficients: &Coefficients,
-    wc: &Weights<NC>,
-    wm: &Weights<NM>,
-    wp: &Weights<NP>,
-) -> [Jet; 2] {
-    contract::<2, NC, NM, NP, H>(
-        #[inline(always)]
-        |i, j| {
-            let rows: [&[f64; NP]; 2] =
-                coefficients.rows([wc.first + i, wm.first + j, 0, wp.first]);
-            [*rows[0], *rows[1]]
-        },
-        wc,
-        wm,
-        wp,
-    )
+    let shape = [w.jet::<H>(wp), f.jet::<false>(wp), k.jet::<false>(wp)];
+    (shape, dot(&third, &wp.value))
 }

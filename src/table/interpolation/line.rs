@@ -2,7 +2,7 @@
 //!
 //! With a single coordinate the weights cost more than the sum they serve, so the sum is done beforehand.
 
-use super::basis::Basis;
+use super::basis::{Basis, Cell};
 use super::kernel::Jet;
 
 /// Coefficients of each cell's polynomial of the local coordinate in [0, 1], powers ascending.
@@ -12,8 +12,8 @@ pub struct Line<const N: usize>(Vec<[f64; N]>);
 impl<const N: usize> Line<N> {
     /// From the B-spline `coefficients` over `basis`.
     pub fn new(basis: &Basis<N>, coefficients: &[f64]) -> Self {
-        let cell = |(first, polynomials): (usize, &[[f64; N]; N])| {
-            polynomials.map(|of_power| {
+        let cell = |(first, cell): (usize, &Cell<N>)| {
+            cell.polynomials.map(|of_power| {
                 (0..N)
                     .map(|k| of_power[k] * coefficients[first + k])
                     .sum::<f64>()

@@ -55,7 +55,8 @@ struct Near {
     scale: f64,
 }
 
-/// More nodes than can reach a point along one axis, but for wildly graded axes, which `Line::new` refuses to serve.
+/// Most nodes that are looked at along one axis. On an even axis four can reach a point; on one so wildly graded that
+/// more than these do, the farther ones are left out.
 const MOST: usize = 24;
 
 impl Line {

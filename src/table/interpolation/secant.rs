@@ -2,9 +2,10 @@
 
 use super::basis::{Basis, Ends};
 use super::fit::{Block, breaks, stored_from_values};
-use super::kernel::{Coefficients, Jet, contract, fields};
+use super::kernel::{Coefficients, Jet, field, fields};
+use super::lanes::Registers;
 use super::tensor::axis_basis;
-use super::{Checks, Interpolant, chain, continuation};
+use super::{Checks, Evaluate, chain, continuation};
 use crate::table::{FlankGrid, Potential, Query, TableError};
 
 /// W = F_n (delta - O)² / (2 (STE - O)), that is S w(u) with u = (delta - O)/S, S = STE - O, w = F_n u²/2.
@@ -14,9 +15,9 @@ pub struct Secant<const NC: usize, const NM: usize, const NP: usize> {
     m: Basis<NM>,
     p: Basis<NP>,
     /// O and S over (c, m, row, mesh position).
-    fields: Coefficients,
+    fields: Coefficients<NP>,
     /// z_c - z_ref likewise.
-    lever: Option<Coefficients>,
+    lever: Option<Coefficients<NP>>,
     loa_force: f64,
 }
 
@@ -60,28 +61,31 @@ impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
             c,
             m,
             p,
-            fields: Coefficients::new(stiffness),
-            lever: at.lever.map(|b| Coefficients::new(fit(b))),
+            fields: Coefficients::new(&stiffness),
+            lever: at.lever.map(|b| Coefficients::new(&fit(b))),
             loa_force,
         })
     }
 
     /// Which coordinates there are.
     const PRESENT: [bool; 3] = [NC > 1, NM > 1, NP > 1];
+}
+
+impl<const NC: usize, const NM: usize, const NP: usize> Evaluate for Secant<NC, NM, NP> {
+    const WIDE: bool = NP == 4;
 
     #[inline(always)]
-    fn at<const H: bool>(&self, q: &Query) -> Potential {
-        let (wc, c_outside) = self.c.weights(q.center_distance_offset);
-        let (wm, m_outside) = self.m.weights(q.misalignment);
-        let (wp, _) = self.p.weights(q.mesh_position);
-        let [mut origin, span] = fields::<NC, NM, NP, H>(&self.fields, &wc, &wm, &wp);
+    fn at<const H: bool>(&self, registers: impl Registers, q: &Query) -> Potential {
+        let order = if H { 2 } else { 1 };
+        let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
+        let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
+        let (wp, _) = self.p.weights(registers, q.mesh_position, order);
+        let [mut origin, span] = fields::<NC, NM, NP, H>(registers, &self.fields, &wc, &wm, &wp);
         let out_of_range = c_outside || m_outside;
         if out_of_range {
-            let (wc, wm) = (
-                self.c.linear(q.center_distance_offset),
-                self.m.linear(q.misalignment),
-            );
-            [origin, _] = fields::<NC, NM, NP, H>(&self.fields, &wc, &wm, &wp);
+            let wc = self.c.linear(q.center_distance_offset);
+            let wm = self.m.linear(q.misalignment);
+            origin = field::<NC, NM, NP, H>(registers, &self.fields, 0, &wc, &wm, &wp);
         }
         let u = (q.delta - origin.value) / span.value;
         if u <= 0.0 {
@@ -104,17 +108,7 @@ impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
             Self::PRESENT,
         );
         if let Some(lever) = &self.lever {
-            let [z] = contract::<1, NC, NM, NP, H>(
-                #[inline(always)]
-                |i, j| {
-                    let [row]: [&[f64; NP]; 1] =
-                        lever.rows([wc.first + i, wm.first + j, 0, wp.first]);
-                    [*row]
-                },
-                &wc,
-                &wm,
-                &wp,
-            );
+            let z = field::<NC, NM, NP, H>(registers, lever, 0, &wc, &wm, &wp);
             let moment = Jet {
                 value: f * u * z.value,
                 gradient: z.gradient.map(|g| f * u * g),
@@ -132,16 +126,6 @@ impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
         out.out_of_range = out_of_range;
         out
     }
-}
-
-impl<const NC: usize, const NM: usize, const NP: usize> Interpolant for Secant<NC, NM, NP> {
-    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
-        if want_hessian {
-            self.at::<true>(query)
-        } else {
-            self.at::<false>(query)
-        }
-    }
 
     fn checks(&self) -> Checks {
         Checks {
@@ -152,8 +136,8 @@ impl<const NC: usize, const NM: usize, const NP: usize> Interpolant for Secant<N
     }
 
     fn bytes(&self) -> usize {
-        let lever = self.lever.as_ref().map_or(0, |m| m.values.len());
-        8 * (self.fields.values.len() + lever)
+        let lever = self.lever.as_ref().map_or(0, Coefficients::bytes);
+        self.fields.bytes() + lever
     }
 }
 

@@ -8,17 +8,18 @@
 
 use super::basis::{Basis, Ends};
 use super::fit::{Block, breaks, integrated, make_monotone, stored_from_values};
-use super::kernel::{Coefficients, Jet, fields};
+use super::kernel::{Coefficients, Jet, field, fields};
+use super::lanes::{Registers, Two};
 use super::scatter::{Jet4, PAIR, Scatter, saturated};
 use super::tensor::Tensor;
-use super::{Checks, Interpolant, chain};
+use super::{Checks, Evaluate, chain};
 use crate::table::{FlankGrid, Potential, Query, TableError};
 
 /// Coordinates of the scattered data that are not the displacement.
 const Y: [usize; 3] = [0, 1, 3];
 
 /// Points at which the slope of the force is looked at.
-const SCANNED: usize = 20_000;
+const SCANNED: usize = 8_000;
 
 /// `K` = 2 with a moment of its own (where it is not dW/dM). `NC`, `NM`, `NP`: 4, or 1 without this axis.
 #[derive(Debug)]
@@ -27,7 +28,7 @@ pub struct Shepard<const K: usize, const NC: usize, const NM: usize, const NP: u
     m: Basis<NM>,
     p: Basis<NP>,
     /// No-load approach and span: the coordinate, by the spline.
-    fields: Coefficients,
+    fields: Coefficients<NP>,
     u: Basis<5>,
     /// Coefficients of h.
     mean: Vec<f64>,
@@ -174,7 +175,7 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Shepard<
         for jet in &mut jets {
             through_stops(jet, &stops);
         }
-        let (w, _) = self.u.weights(u);
+        let (w, _) = self.u.weights(Two, u, 2);
         let dot = |a: &[f64; 5]| (0..5).map(|k| a[k] * self.mean[w.first + k]).sum::<f64>();
         let [h, h1, h2] = [dot(&w.value), dot(&w.slope), dot(&w.curvature)];
         let (g, g1, g2) = along_displacement::<H>(&jets[0]);
@@ -200,16 +201,24 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Shepard<
 
     /// Which coordinates beside the displacement there are.
     const PRESENT: [bool; 3] = [NC > 1, NM > 1, NP > 1];
+}
 
-    fn at_point<const H: bool>(&self, q: &Query) -> Potential {
-        let (wc, c_outside) = self.c.weights(q.center_distance_offset);
-        let (wm, m_outside) = self.m.weights(q.misalignment);
-        let (wp, _) = self.p.weights(q.mesh_position);
-        let [mut no_load, span] = fields::<NC, NM, NP, H>(&self.fields, &wc, &wm, &wp);
+impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Evaluate
+    for Shepard<K, NC, NM, NP>
+{
+    const WIDE: bool = false;
+
+    #[inline(always)]
+    fn at<const H: bool>(&self, registers: impl Registers, q: &Query) -> Potential {
+        let order = if H { 2 } else { 1 };
+        let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
+        let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
+        let (wp, _) = self.p.weights(registers, q.mesh_position, order);
+        let [mut no_load, span] = fields::<NC, NM, NP, H>(registers, &self.fields, &wc, &wm, &wp);
         if c_outside || m_outside {
             let wc = self.c.linear(q.center_distance_offset);
             let wm = self.m.linear(q.misalignment);
-            [no_load, _] = fields::<NC, NM, NP, H>(&self.fields, &wc, &wm, &wp);
+            no_load = field::<NC, NM, NP, H>(registers, &self.fields, 0, &wc, &wm, &wp);
         }
         let u = (q.delta - no_load.value) / span.value;
         if u <= 0.0 || u.is_nan() {
@@ -226,6 +235,14 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Shepard<
         }
         out.out_of_range = c_outside || m_outside || u > 1.0;
         out
+    }
+
+    fn checks(&self) -> Checks {
+        self.checks
+    }
+
+    fn bytes(&self) -> usize {
+        self.scatter.bytes() + self.fields.bytes() + 8 * self.mean.len()
     }
 }
 
@@ -282,24 +299,4 @@ fn combined(terms: &[(f64, &Jet)]) -> Jet {
         }
     }
     out
-}
-
-impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Interpolant
-    for Shepard<K, NC, NM, NP>
-{
-    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
-        if want_hessian {
-            self.at_point::<true>(query)
-        } else {
-            self.at_point::<false>(query)
-        }
-    }
-
-    fn checks(&self) -> Checks {
-        self.checks
-    }
-
-    fn bytes(&self) -> usize {
-        self.scatter.bytes() + 8 * (self.fields.values.len() + self.mean.len())
-    }
 }

@@ -8,9 +8,10 @@
 
 use super::basis::{Basis, Ends};
 use super::fit::{Block, breaks, integrated, make_increasing, stored_from_values};
-use super::kernel::{Coefficients, fields, over_displacement};
+use super::kernel::{Coefficients, field, fields, over_displacement};
+use super::lanes::Registers;
 use super::line::Line;
-use super::{Checks, Interpolant, chain, continuation};
+use super::{Checks, Evaluate, chain, continuation};
 use crate::table::{FlankGrid, Potential, Query, TableError};
 
 /// `NU`, `NC`, `NM`, `NP`: functions at one point per coordinate (1: no such axis). Spline 5, 4, 4, 4;
@@ -22,11 +23,13 @@ pub struct Tensor<const NU: usize, const NC: usize, const NM: usize, const NP: u
     m: Basis<NM>,
     p: Basis<NP>,
     /// w over (c, m, u, mesh position).
-    shape: Coefficients,
+    shape: Coefficients<NP>,
     /// Integral over u of the moment, likewise, where it is not dW/dM.
-    moment: Option<Coefficients>,
+    moment: Option<Coefficients<NP>>,
     /// No-load approach and span.
-    fields: Coefficients,
+    fields: Coefficients<NP>,
+    /// Below it there is no contact anywhere inside the range: less than every coefficient of the no-load approach.
+    no_contact: f64,
     /// Potential and moment without any other coordinate, for u up to 1.
     lines: Option<Vec<Line<NU>>>,
     checks: Checks,
@@ -97,45 +100,59 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
         let moment = grid
             .moment_block()
             .filter(|_| NM == 1)
-            .map(|b| Coefficients::new(integrate(&fit(b, true), &u_breaks, NF - 1)));
+            .map(|b| integrate(&fit(b, true), &u_breaks, NF - 1));
         let fields = fit(grid.field_block(), false);
         continuation::limit(&mut c, &mut m, &continuation::spans(&fields), Some(&force))?;
         let u = Basis::new(&u_breaks, Ends::Onset);
         let alone = Self::PRESENT == [false; 3];
-        let line = |c: &Coefficients| Line::new(&u, &c.values);
-        let shape = Coefficients::new(shape);
+        let line = |b: &Block| Line::new(&u, &b.values);
         Ok(Tensor {
             lines: alone.then(|| [&shape].into_iter().chain(&moment).map(line).collect()),
             u,
             c,
             m,
             p,
-            shape,
-            moment,
-            fields: Coefficients::new(fields),
+            shape: Coefficients::new(&shape),
+            moment: moment.as_ref().map(Coefficients::new),
+            fields: Coefficients::new(&fields),
+            no_contact: below_all(&fields),
             checks,
         })
     }
 
     /// The coordinate alone: bases of C, M and PMC, and the coefficients of no-load approach and span.
-    pub fn into_frame(self) -> (Basis<NC>, Basis<NM>, Basis<NP>, Coefficients) {
+    pub fn into_frame(self) -> (Basis<NC>, Basis<NM>, Basis<NP>, Coefficients<NP>) {
         (self.c, self.m, self.p, self.fields)
     }
 
     /// Which coordinates beside the displacement there are.
     const PRESENT: [bool; 3] = [NC > 1, NM > 1, NP > 1];
+}
+
+impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Evaluate
+    for Tensor<NU, NC, NM, NP>
+{
+    const WIDE: bool = NP == 4;
 
     #[inline(always)]
-    fn at<const H: bool>(&self, q: &Query) -> Potential {
-        let (wc, c_outside) = self.c.weights(q.center_distance_offset);
-        let (wm, m_outside) = self.m.weights(q.misalignment);
-        let (wp, _) = self.p.weights(q.mesh_position);
-        let [mut no_load, span] = fields::<NC, NM, NP, H>(&self.fields, &wc, &wm, &wp);
+    fn at<const H: bool>(&self, registers: impl Registers, q: &Query) -> Potential {
+        // The flank that does not carry, as a rule.
+        if q.delta < self.no_contact
+            && self.c.holds(q.center_distance_offset)
+            && self.m.holds(q.misalignment)
+        {
+            return Potential::default();
+        }
+        let order = if H { 2 } else { 1 };
+        let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
+        let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
+        let (wp, _) = self.p.weights(registers, q.mesh_position, order);
+        let [mut no_load, span] = fields::<NC, NM, NP, H>(registers, &self.fields, &wc, &wm, &wp);
         if c_outside || m_outside {
             // The onset follows the coordinate however far it goes; only stiffness levels out.
             let wc = self.c.linear(q.center_distance_offset);
             let wm = self.m.linear(q.misalignment);
-            [no_load, _] = fields::<NC, NM, NP, H>(&self.fields, &wc, &wm, &wp);
+            no_load = field::<NC, NM, NP, H>(registers, &self.fields, 0, &wc, &wm, &wp);
         }
         let u = (q.delta - no_load.value) / span.value;
         if u <= 0.0 {
@@ -157,28 +174,17 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
             }
             return out;
         }
-        let (wu, u_outside) = self.u.weights(u);
+        let (wu, u_outside) = self.u.weights(registers, u, order + 1);
         let (shape, third) =
-            over_displacement::<NU, NC, NM, NP, H>(&self.shape, &wu, &wc, &wm, &wp);
+            over_displacement::<NU, NC, NM, NP, H>(registers, &self.shape, &wu, &wc, &wm, &wp);
         let mut out = chain::potential::<H>(u, &shape, Some(third), &no_load, &span, Self::PRESENT);
         if let Some(moment) = &self.moment {
-            let (shape, _) = over_displacement::<NU, NC, NM, NP, H>(moment, &wu, &wc, &wm, &wp);
+            let (shape, _) =
+                over_displacement::<NU, NC, NM, NP, H>(registers, moment, &wu, &wc, &wm, &wp);
             chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, Self::PRESENT);
         }
         out.out_of_range = c_outside || m_outside || u_outside;
         out
-    }
-}
-
-impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Interpolant
-    for Tensor<NU, NC, NM, NP>
-{
-    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
-        if want_hessian {
-            self.at::<true>(query)
-        } else {
-            self.at::<false>(query)
-        }
     }
 
     fn checks(&self) -> Checks {
@@ -186,9 +192,9 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Interpo
     }
 
     fn bytes(&self) -> usize {
-        let moment = self.moment.as_ref().map_or(0, |m| m.values.len());
+        let moment = self.moment.as_ref().map_or(0, Coefficients::bytes);
         let lines = self.lines.iter().flatten().map(Line::bytes).sum::<usize>();
-        8 * (self.shape.values.len() + self.fields.values.len() + moment) + lines
+        self.shape.bytes() + self.fields.bytes() + moment + lines
     }
 }
 
@@ -199,6 +205,17 @@ pub(super) fn axis_basis<const N: usize>(nodes: &[f64], ends: Ends) -> Basis<N> 
         return Basis::new(&[], ends);
     }
     Basis::new(&breaks(nodes, N - 1, ends), ends)
+}
+
+/// A value below the spline of the first of two rows of `fields`, which stays above its least coefficient, by more
+/// than its rounding.
+fn below_all(fields: &Block) -> f64 {
+    let row = fields.stride(2);
+    let values = fields.values.chunks(2 * row).flat_map(|c| &c[..row]);
+    let (least, largest) = values.fold((f64::INFINITY, 0.0_f64), |(least, largest), &v| {
+        (least.min(v), largest.max(v.abs()))
+    });
+    least - 1e-12 * largest
 }
 
 /// Least increments of the force from one coefficient over u to the next: a hundredth of the mean ones. Without,

@@ -1,8 +1,8 @@
 //! Beyond the ends of the axes.
 
-use super::tests::{SCALE, moved, point};
-use super::*;
+use super::{SCALE, moved, point};
 use crate::table::samples::Spring;
+use crate::table::{FlankGrid, FlankTable, Interpolation, Query};
 
 const ALL: [Interpolation; 3] = [
     Interpolation::Linear,

@@ -1,9 +1,8 @@
 //! Jagged samples, NaN, refusals.
 
-use super::tests::{moved, point};
-use super::*;
-use crate::table::Axes;
+use super::{moved, point};
 use crate::table::samples::Spring;
+use crate::table::{Axes, FlankGrid, FlankTable, Interpolation};
 use proptest::prelude::*;
 
 proptest! {

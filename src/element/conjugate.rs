@@ -28,7 +28,7 @@ use super::error::{Body, ElementError};
 use super::geometry::{FLANKS, TILT_LIMIT};
 use super::load::{FlankLoad, carrying_flank};
 use super::motion::{Inputs, Latch, Outputs};
-use super::scalar::{Scalar, fraction, wrap};
+use super::scalar::{Scalar, angles, fraction, wrap};
 use nalgebra::Vector3;
 
 /// Where the gears stand.
@@ -43,15 +43,16 @@ enum Placed<T> {
 struct Geometry<T> {
     /// Axes.
     a: [Vector3<T>; 2],
-    /// a1 . a2.
-    aa: T,
+    /// 1 / (a1 . a2).
+    per_aa: T,
     /// c1 - p1.
     k1: Vector3<T>,
     /// Axial position of c2 in gear 2's frame.
     lambda: T,
-    /// c2 - c1 and its length.
+    /// c2 - c1, its length and 1 / length.
     u: Vector3<T>,
     c: T,
+    per_c: T,
     /// Unit vectors of the line of centres and across it.
     xh: Vector3<T>,
     yh: Vector3<T>,
@@ -77,14 +78,16 @@ fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Placed<T>, El
     check::tilt(Body::Gear2, Body::Gear1, aa.re(), TILT_LIMIT)?;
     let rel = g2.p - g1.p;
     let k1 = a[0] * T::from(k.z_ref);
-    let lambda = (k1 - rel).dot(&a[0]) / aa;
+    let per_aa = aa.recip();
+    let lambda = (k1 - rel).dot(&a[0]) * per_aa;
     let u = rel + a[1] * lambda - k1;
     let c = u.dot(&u).sqrt();
     let w = k.pitch_fraction;
     if check::center_distance(k, c.re())? == Distance::OutOfReach {
         return Ok(Placed::Far(k1 + u * T::from(w), c));
     }
-    let xh = u / c;
+    let per_c = c.recip();
+    let xh = u * per_c;
     let yh = a[0].cross(&xh);
 
     let side = w.signum();
@@ -94,56 +97,77 @@ fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Placed<T>, El
     let zeta2 = lambda - along;
     let arm2 = a[1] * along - u * T::from(1.0 - w);
     let rho2 = arm2.dot(&arm2).sqrt();
-    let radial2 = arm2 / rho2;
-    let radial = [radial1, radial2];
-    let rho = [rho1, rho2];
+    let per_rho = [rho1.recip(), rho2.recip()];
+    let radial = [radial1, arm2 * per_rho[1]];
 
-    let mut even = [Vector3::zeros(); 2];
-    let mut odd = [Vector3::zeros(); 2];
-    let mut half_gap = T::from(k.half_gap);
-    let mut theta = [T::from(0.0); 2];
-    let mut turn = Vector3::zeros();
-    for i in 0..2 {
-        let ratio = rho[i] / k.rb[i];
-        let square = ratio * ratio - 1.0;
-        // Tilt shortens rho_2 by its square; at C = abs(rb1 + e rb2) that can cross the base circle.
-        let t = if square.re() > 0.0 {
-            square.sqrt()
-        } else {
-            T::from(0.0)
-        };
-        half_gap += (t - t.atan()) * (k.kappa[i] * k.rb[i]);
-        let r = &inputs.gears[i].r;
-        theta[i] = radial[i]
-            .dot(&r.column(1))
-            .atan2(radial[i].dot(&r.column(0)));
-        let around = a[i].cross(&radial[i]);
-        let hand = if i == 0 { k.hand } else { -k.e * k.hand };
-        even[i] = radial[i] * (t / ratio * k.kappa[i]);
-        odd[i] = around / ratio - a[i] * T::from(hand * k.tan_beta_b);
-        if i == 0 {
-            turn = around / rho[i];
-        }
-    }
+    // Tangent of the pressure angle at X on either gear. Tilt shortens rho_2 by its square; at
+    // C = abs(rb1 + e rb2) that can cross the base circle.
+    let tangent = [
+        tangent(rho1 * (1.0 / k.rb[0])),
+        tangent(rho2 * (1.0 / k.rb[1])),
+    ];
+    let one = T::from(1.0);
+    let [theta1, theta2, phi1, phi2] = angles(
+        [
+            radial[0].dot(&g1.r.column(1)),
+            radial[1].dot(&g2.r.column(1)),
+            tangent[0],
+            tangent[1],
+        ],
+        [
+            radial[0].dot(&g1.r.column(0)),
+            radial[1].dot(&g2.r.column(0)),
+            one,
+            one,
+        ],
+    );
+    let half_gap = (tangent[0] - phi1) * (k.kappa[0] * k.rb[0])
+        + (tangent[1] - phi2) * (k.kappa[1] * k.rb[1])
+        + k.half_gap;
+
+    let hands = [k.hand, -k.e * k.hand];
+    let around = [a[0].cross(&radial[0]), a[1].cross(&radial[1])];
+    let cosine = [per_rho[0] * k.rb[0], per_rho[1] * k.rb[1]];
+    let even = [
+        radial[0] * (tangent[0] * cosine[0] * k.kappa[0]),
+        radial[1] * (tangent[1] * cosine[1] * k.kappa[1]),
+    ];
+    let odd = [
+        around[0] * cosine[0] - a[0] * T::from(hands[0] * k.tan_beta_b),
+        around[1] * cosine[1] - a[1] * T::from(hands[1] * k.tan_beta_b),
+    ];
+    let turn = around[0] * per_rho[0];
     // sum of sigma_i/s [theta_i - h_i zeta_i tan(beta_b)/rb_i] in units of 2 pi per pitch; h2 = -e h.
     let helix = (zeta2 - k.z_ref) * (k.hand * k.tan_beta_b * k.z[0] / k.rb[0]);
-    let tooth_angle = -(theta[0] * k.z[0] + theta[1] * (k.e * k.z[1])) - helix + k.tooth_zero;
+    let tooth_angle = -(theta1 * k.z[0] + theta2 * (k.e * k.z[1])) - helix + k.tooth_zero;
     Ok(Placed::Near(Geometry {
         a,
-        aa,
+        per_aa,
         k1,
         lambda,
         u,
         c,
+        per_c,
         xh,
         yh,
         even,
         odd,
         turn,
-        theta1: theta[0],
+        theta1,
         tooth_angle,
         half_gap,
     }))
+}
+
+/// Tangent of the pressure angle where the radius is `ratio` times the base radius; zero inside the base circle.
+#[inline(always)]
+fn tangent<T: Scalar>(ratio: T) -> T {
+    let square = ratio * ratio - 1.0;
+    if square.re() > 0.0 {
+        square.sqrt()
+    } else {
+        T::from(0.0)
+    }
 }
 
 /// Tooth angle, half gap in radians of it, and mesh positions without a latch.
@@ -189,13 +213,13 @@ pub(crate) fn evaluate<T: Scalar>(
     let zero = T::from(0.0);
     let w = k.pitch_fraction;
     let x = wrap(g.tooth_angle + latch.tooth_angle) * (k.rb[0] / k.z[0]);
-    let sin_phi = (-(g.c.recip() * k.base_sum).powi(2) + 1.0).sqrt();
-    let cos_phi = g.c.recip() * k.base_sum;
+    let cos_phi = g.per_c * k.base_sum;
+    let sin_phi = (-cos_phi * cos_phi + 1.0).sqrt();
 
     // Velocities: D of c2's material against c1's, and of X against either gear's material.
     let d = g2.v + g2.w.cross(&(g.a[1] * g.lambda)) - g1.v - g1.w.cross(&g.k1);
     let tilting = g.a[0].cross(&g.u);
-    let lambda_rate = -(d.dot(&g.a[0]) + g1.w.dot(&tilting)) / g.aa;
+    let lambda_rate = -(d.dot(&g.a[0]) + g1.w.dot(&tilting)) * g.per_aa;
     let slip = g.a[1] * lambda_rate;
     let u_rate = d + slip;
     let y1 = (u_rate - g1.w.cross(&g.u)) * T::from(w);
@@ -211,11 +235,10 @@ pub(crate) fn evaluate<T: Scalar>(
     let misalignment_odd = -cos_phi * tilt_y * k.sc;
     let u_axial = g.u.dot(&g.a[1]);
     let u_cross = tilting.dot(&g.a[1]);
-    let root = g.c * sin_phi;
-    let alpha = root / (g.c * g.c);
-    let beta = (g.c * g.c).recip() * k.base_sum;
-    let alpha_slope = (sin_phi.recip() - sin_phi * 2.0) / (g.c * g.c);
-    let beta_slope = -beta / g.c * 2.0;
+    let alpha = sin_phi * g.per_c;
+    let beta = cos_phi * g.per_c;
+    let alpha_slope = (sin_phi.recip() - sin_phi * 2.0) * (g.per_c * g.per_c);
+    let beta_slope = -beta * g.per_c * 2.0;
     // Gradients of M by u (even and odd in s) at fixed axes; by a1: odd; by a2: both.
     let even_u = (g.a[1] * alpha + g.xh * (u_axial * alpha_slope)) * T::from(-k.e);
     let odd_u = (g.a[1].cross(&g.a[0]) * beta + g.xh * (u_cross * beta_slope)) * T::from(-k.sc);
@@ -266,8 +289,8 @@ pub(crate) fn evaluate<T: Scalar>(
     let n2 = g.even[1] * p + g.odd[1] * (q * k.e);
     let by_u = even_u * m_even + odd_u * m_odd + g.xh * by_c;
     let by_lambda = by_u.dot(&g.a[1]) - (n1 + n2).dot(&g.a[1]) * w + by_axial;
-    let by_d = by_u - n1 * T::from(w) + n2 * T::from(1.0 - w) - g.a[0] * (by_lambda / g.aa);
-    let by_w1 = g.u.cross(&n1) * T::from(w) - tilting * (by_lambda / g.aa)
+    let by_d = by_u - n1 * T::from(w) + n2 * T::from(1.0 - w) - g.a[0] * (by_lambda * g.per_aa);
+    let by_w1 = g.u.cross(&n1) * T::from(w) - tilting * (by_lambda * g.per_aa)
         + g.a[0].cross(&(odd_a1 * m_odd));
     let by_w2 =
         g.u.cross(&n2) * T::from(w - 1.0) + g.a[1].cross(&(even_a2 * m_even + odd_a2 * m_odd));
@@ -282,7 +305,8 @@ pub(crate) fn evaluate<T: Scalar>(
     let axial = shown.axial_offset();
     let reference = el.reference_flank;
     let sign = FLANKS[reference].sign();
-    let per_loa = g.c / k.base_sum;
+    let per_base_sum = 1.0 / k.base_sum;
+    let per_loa = g.c * per_base_sum;
     let (stiffness, _) = both(|l| l.stiffness);
     Ok(Outputs {
         force,
@@ -290,7 +314,7 @@ pub(crate) fn evaluate<T: Scalar>(
         contact_point: g1.p + g.k1 + g.u * T::from(w) + g.a[0] * axial,
         transmission_error: loads[reference].delta * per_loa * sign,
         transmission_error_rate: (rates[reference] * per_loa
-            + loads[reference].delta * (c_rate / k.base_sum))
+            + loads[reference].delta * (c_rate * per_base_sum))
             * sign,
         mesh_position: shown.mesh_position,
         center_distance: g.c,

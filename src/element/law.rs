@@ -135,6 +135,7 @@ impl Law {
     }
 
     /// Potential at the coordinates (delta, C - C_nominal, M, PMC), effects that are off left out.
+    #[inline]
     pub(crate) fn respond<T: Scalar>(&self, coordinates: [T; COORDINATES]) -> Response<T> {
         let mut q = coordinates;
         if !self.effects.center_distance {
@@ -146,7 +147,7 @@ impl Law {
         if self.mirrored {
             q[2] = -q[2];
         }
-        let at = q.map(|x| x.re());
+        let at = [q[0].re(), q[1].re(), q[2].re(), q[3].re()];
         let w = self.surface.evaluate(&query(at), T::NDERIV > 0);
         let mut gradient = [T::from(0.0); COORDINATES];
         for (i, g) in gradient.iter_mut().enumerate() {

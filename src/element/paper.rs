@@ -15,7 +15,7 @@ use super::load::FlankLoad;
 use super::load::carrying_flank;
 use super::motion::{Inputs, Latch, Motion, Outputs};
 use super::parameters::StiffnessModel;
-use super::scalar::{Scalar, fraction, wrap};
+use super::scalar::{Scalar, angles, fraction, wrap};
 use nalgebra::{Matrix3, Vector3};
 
 /// Motion of one gear relative to the carrier, in carrier axes.
@@ -25,9 +25,9 @@ struct Relative<T> {
     w: Vector3<T>,
     /// Axis of the gear.
     a: Vector3<T>,
-    /// Rotation about the carrier's axis, rad: the twist of the swing-twist decomposition, which a
-    /// static tilt does not disturb.
-    theta: T,
+    /// Sine and cosine, to one factor, of the rotation about the carrier's axis: the twist of the swing-twist
+    /// decomposition, which a static tilt does not disturb.
+    twist: [T; 2],
     /// Its rate.
     theta_rate: T,
 }
@@ -48,7 +48,7 @@ fn relative<T: Scalar>(
         v: to_carrier * (gear.v - carrier.v - carrier.w.cross(&arm)),
         w,
         a,
-        theta: (r[(1, 0)] - r[(0, 1)]).atan2(r[(0, 0)] + r[(1, 1)]),
+        twist: [r[(1, 0)] - r[(0, 1)], r[(0, 0)] + r[(1, 1)]],
         // The twist rate lies along the half-way direction of both axes.
         theta_rate: (w.dot(&a) + w.z) / (a.z + 1.0),
     })
@@ -84,14 +84,18 @@ fn geometry<T: Scalar>(el: &Element, inputs: &Inputs<T>) -> Result<Placed<T>, El
         let point = Vector3::new(d.x * w, d.y * w, T::from(k.z_ref));
         return Ok(Placed::Far(inputs.carrier.r * point, c));
     }
-    let gamma = d.y.atan2(d.x);
-    let angle = (g1.theta - gamma) / k.pitch_angle;
+    let one = T::from(1.0);
+    let [theta1, theta2, gamma, _] = angles(
+        [g1.twist[0], g2.twist[0], d.y, zero],
+        [g1.twist[1], g2.twist[1], d.x, one],
+    );
+    let angle = (theta1 - gamma) / k.pitch_angle;
     Ok(Placed::Near(Geometry {
         c,
         xh: Vector3::new(d.x / c, d.y / c, zero),
         yh: Vector3::new(-d.y / c, d.x / c, zero),
-        tooth_angle: (g1.theta - gamma) * k.z[0]
-            + (g2.theta - gamma) * (k.e * k.z[1])
+        tooth_angle: (theta1 - gamma) * k.z[0]
+            + (theta2 - gamma) * (k.e * k.z[1])
             + tooth_angle_zero(k),
         mesh_position: [angle + k.mesh_zero[0], -angle + k.mesh_zero[1]], // (13)
         gears: [g1, g2],

@@ -16,7 +16,14 @@ use super::values::{check_finite, check_value, find};
 use super::variables::{
     Causality, INPUT_COUNT, Kind, VARIABLE_COUNT, VARIABLES, Variability, Variable, index, index_of,
 };
-use crate::element::{Element, Outputs};
+use crate::element::{CONTINUOUS_OUTPUTS, Element, Outputs};
+
+/// Outputs at the present inputs.
+pub struct Evaluated {
+    pub(super) all: Outputs,
+    /// The continuous ones in the order of their variables.
+    continuous: [f64; CONTINUOUS_OUTPUTS],
+}
 
 /// One instance of the unit.
 pub struct Instance {
@@ -25,7 +32,7 @@ pub struct Instance {
     pub(super) now: Snapshot,
     /// Made from the parameters when first needed.
     pub(super) element: Option<Element>,
-    pub(super) outputs: Option<Outputs>,
+    pub(super) outputs: Option<Evaluated>,
     /// Whether the last evaluation lay outside the table, for the log.
     was_out_of_range: bool,
     pub(super) stored: Stored,
@@ -130,7 +137,7 @@ impl Instance {
         self.outputs = None;
         self.evaluate()?;
         self.now.state = State::StepComplete;
-        let outputs = self.outputs.as_ref().expect("evaluated above");
+        let outputs = &self.outputs.as_ref().expect("evaluated above").all;
         self.events.push(format!(
             "initialized at t = {} s: pair {}, centre distance {} m, mesh position {}",
             self.now.time, self.resources.unit.name, outputs.center_distance, outputs.mesh_position
@@ -164,6 +171,13 @@ impl Instance {
         items: impl Iterator<Item = (u32, f64)> + Clone,
     ) -> Result<(), Refusal> {
         for (reference, value) in items.clone() {
+            // Inputs are Real, always settable and unbounded (tested in `variables`); they are set in every step.
+            if kind == Kind::Real
+                && index_of(reference).is_some_and(|i| i < INPUT_COUNT)
+                && value.is_finite()
+            {
+                continue;
+            }
             let i = find(function, kind, reference)?;
             let variable = &VARIABLES[i];
             self.settable(function, variable)?;
@@ -226,6 +240,16 @@ impl Instance {
         mut put: impl FnMut(f64),
     ) -> Result<(), Refusal> {
         for reference in references {
+            // Read in every step.
+            if kind == Kind::Real
+                && let Some(Evaluated { continuous, .. }) = &self.outputs
+                && let Some(value) = index_of(reference)
+                    .and_then(|i| i.checked_sub(INPUT_COUNT))
+                    .and_then(|row| continuous.get(row))
+            {
+                put(*value);
+                continue;
+            }
             let i = find(function, kind, reference)?;
             put(match VARIABLES[i].causality {
                 Causality::Input => self.now.signals.value[i],
@@ -239,9 +263,9 @@ impl Instance {
     fn output(&mut self, i: usize) -> Result<f64, Refusal> {
         let outputs = self.evaluate()?;
         Ok(match i {
-            index::MESH_FLANK => f64::from(outputs.flank),
-            index::MESH_OUT_OF_RANGE => f64::from(u8::from(outputs.out_of_range)),
-            _ => outputs.to_array()[i - INPUT_COUNT],
+            index::MESH_FLANK => f64::from(outputs.all.flank),
+            index::MESH_OUT_OF_RANGE => f64::from(u8::from(outputs.all.out_of_range)),
+            _ => outputs.continuous[i - INPUT_COUNT],
         })
     }
 
@@ -270,15 +294,16 @@ impl Instance {
         Ok((element, latch, inputs))
     }
 
-    pub(super) fn evaluate(&mut self) -> Result<&Outputs, Refusal> {
+    pub(super) fn evaluate(&mut self) -> Result<&Evaluated, Refusal> {
         if self.outputs.is_none() {
             let (element, latch, inputs) = self.element_and_latch()?;
-            let outputs = element.evaluate(&latch, &inputs).map_err(refuse)?;
-            if let Some(row) = outputs.to_array().iter().position(|x| !x.is_finite()) {
+            let all = element.evaluate(&latch, &inputs).map_err(refuse)?;
+            let continuous = all.to_array();
+            if let Some(row) = continuous.iter().position(|x| !x.is_finite()) {
                 let name = VARIABLES[INPUT_COUNT + row].name;
                 return Err(self.overflow(name));
             }
-            self.outputs = Some(outputs);
+            self.outputs = Some(Evaluated { all, continuous });
         }
         Ok(self.outputs.as_ref().expect("evaluated above"))
     }
@@ -365,7 +390,7 @@ impl Instance {
             .advance(step, poses, orientation(parameters));
         self.now.time = end;
         self.outputs = None;
-        let out_of_range = self.evaluate()?.out_of_range;
+        let out_of_range = self.evaluate()?.all.out_of_range;
         if out_of_range != self.was_out_of_range {
             let what = if out_of_range { "left" } else { "entered" };
             self.events

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! [`variables`] is generated from modelDescription.xml; [`resources`] reads what packing put beside
-//! the library. In the product only [`c_interface`] has unsafe code; the tests that call it as C does
+//! the library. In the product only [`c_interface`] and the vector registers of the table's kernel
+//! (src/table/interpolation/lanes.rs) have unsafe code; the tests that call the interface as C does
 //! (c_interface_tests.rs here and tests/c_interface.rs) need it for that, and nothing else may have any.
 
 mod boundary;

@@ -302,7 +302,7 @@ mod tests {
             misalignment: 0.0,
             mesh_position: turn / std::f64::consts::TAU * pair.gears[0].z(),
         });
-        let force = instance.evaluate().unwrap().tangential_force / phi.cos();
+        let force = instance.evaluate().unwrap().all.tangential_force / phi.cos();
         assert!(exact.gradient[0] > 50.0);
         let error = force / exact.gradient[0] - 1.0;
         assert!(

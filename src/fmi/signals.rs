@@ -82,6 +82,10 @@ impl Signals {
                 self.advance_pose(body * BLOCK, h, orientation);
             }
         }
+        // Derivatives are zero but where given.
+        if !self.given.contains(&true) {
+            return;
+        }
         for (value, derivative) in self.value.iter_mut().zip(&mut self.derivative) {
             if derivative.iter().all(|d| *d == 0.0) {
                 continue;
@@ -107,6 +111,9 @@ impl Signals {
         };
         let moved = way(self, VELOCITY);
         let turned = way(self, ANGULAR_VELOCITY);
+        if moved == Vector3::zeros() && turned == Vector3::zeros() {
+            return;
+        }
         for k in 0..3 {
             self.value[start + POSITION + k] += moved[k];
         }

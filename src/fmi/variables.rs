@@ -91,6 +91,7 @@ static BY_REFERENCE: [u8; REFERENCES] = {
 };
 
 /// Index in [`VARIABLES`] of the variable with this value reference.
+#[inline]
 pub fn index_of(value_reference: u32) -> Option<usize> {
     match BY_REFERENCE.get(value_reference as usize) {
         None | Some(&UNUSED) => None,
@@ -160,6 +161,21 @@ mod tests {
         }
         assert_eq!(index_of(99), None);
         assert_eq!(index_of(u32::MAX), None);
+    }
+
+    #[test]
+    fn inputs_are_real_and_without_bounds_and_the_continuous_outputs_follow_them() {
+        let continuous = INPUT_COUNT + crate::element::CONTINUOUS_OUTPUTS;
+        for (i, v) in VARIABLES[..continuous].iter().enumerate() {
+            assert_eq!(v.kind, Kind::Real, "{}", v.name);
+            let causality = if i < INPUT_COUNT {
+                assert_eq!((v.min, v.max), (None, None), "{}", v.name);
+                Causality::Input
+            } else {
+                Causality::Output
+            };
+            assert_eq!(v.causality, causality, "{}", v.name);
+        }
     }
 
     #[test]

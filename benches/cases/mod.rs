@@ -116,17 +116,35 @@ fn elements(cases: &mut Vec<Case>) {
                 loaded_flank: LoadedFlank::Both,
                 ..Parameters::default()
             };
-            for (what, derivative) in [("wrench", false), ("directional-derivative", true)] {
+            for ask in [Ask::Wrench, Ask::DirectionalDerivative, Ask::Jacobian] {
                 cases.push(Case {
-                    name: format!("element/{formulation:?}/{name}/{what}").to_lowercase(),
-                    make: Box::new(move || element(&parameters, derivative)),
+                    name: format!("element/{formulation:?}/{name}/{ask}").to_lowercase(),
+                    make: Box::new(move || element(&parameters, ask)),
                 });
             }
         }
     }
 }
 
-fn element(parameters: &Parameters, derivative: bool) -> Run {
+/// What an element is asked for.
+#[derive(Debug, Clone, Copy)]
+enum Ask {
+    Wrench,
+    DirectionalDerivative,
+    Jacobian,
+}
+
+impl std::fmt::Display for Ask {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Ask::Wrench => "wrench",
+            Ask::DirectionalDerivative => "directional-derivative",
+            Ask::Jacobian => "jacobian",
+        })
+    }
+}
+
+fn element(parameters: &Parameters, ask: Ask) -> Run {
     let pair = Pair::from_json(include_str!("../../resources/pairs/palermo2013.json"))
         .expect("a shipped pair");
     let grid = Spring::grid([10, 9, 9, 32]);
@@ -152,10 +170,16 @@ fn element(parameters: &Parameters, derivative: bool) -> Run {
     direction.gears[1].p = Vector3::new(1e-2, 2e-2, 3e-2);
     Box::new(move |i| {
         let x = black_box(&poses[i % POINTS]);
-        if derivative {
-            let _ = black_box(element.directional_derivative(&latch, x, &direction));
-        } else {
-            let _ = black_box(element.evaluate(&latch, x));
+        match ask {
+            Ask::Wrench => {
+                let _ = black_box(element.evaluate(&latch, x));
+            }
+            Ask::DirectionalDerivative => {
+                let _ = black_box(element.directional_derivative(&latch, x, &direction));
+            }
+            Ask::Jacobian => {
+                let _ = black_box(element.jacobian(&latch, x));
+            }
         }
     })
 }

@@ -41,7 +41,7 @@ pub fn report(document: &mut Document, kernel: f64, element: f64) {
     document.paragraph(&format!(
         "Floor: loading the {BLOCK} coefficients under one 4-D cell and multiplying each into {SUMS} sums \
          (potential, force, stiffness), with weights given, no addresses to compute and no derivatives \
-         across, takes {floor:.0} ns here, compiled like the rest. The spline kernel's value takes {:.1} \
+         across, takes {floor:.0} ns here with two-lane registers. The spline kernel's value takes {:.1} \
          times that, the whole element {:.1} times.",
         kernel / floor,
         element / floor,

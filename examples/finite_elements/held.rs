@@ -49,7 +49,8 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
     }
     let mut text = format!(
         "The paper's pair at {TORQUE} N m; face 25 mm, root diameter 72.1 mm, level coarse (its own error is in the tables \
-         above). The mean follows the bore, the peak-to-peak hardly.\n\n{}{}",
+         above). The mean follows the bore, the peak-to-peak hardly until the \
+         rim becomes thin.\n\n{}{}",
         table(
             [
                 "bore, mm",

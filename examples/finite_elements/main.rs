@@ -1,7 +1,7 @@
 //! Writes docs/finite-elements.md with its plots: the finite-element compliance, its error and its cost.
 //!
-//! `cargo run --release --example finite_elements`, from the root of the repository. With words as arguments, it
-//! only prints the chapters whose titles contain one of them. The chapter on cost starts this program again, once
+//! `cargo run --release --example finite_elements`, from the root of the repository. With words as arguments, only
+//! the chapters whose titles contain one of them are measured anew and the others stay as they are in the page. The chapter on cost starts this program again, once
 //! per level, so that each has a memory of its own to measure.
 
 mod cases;
@@ -56,30 +56,42 @@ fn main() -> Outcome<()> {
     let plots = docs.join("finite-elements");
     std::fs::create_dir_all(&plots)?;
     let models = Models::default();
+    let page = docs.join("finite-elements.md");
+    let before = std::fs::read_to_string(&page).unwrap_or_default();
     let mut text = format!(
         "# Finite-element compliance: model, error and cost\n\nWritten by `cargo run --release --example \
-         finite_elements` (`make report` runs it, too); every number comes from that run. Torques are those on \
+         finite_elements` (`make report` runs it, too); every number comes from there. Torques are those on \
          gear 1, transmission errors (STE) those on the line of action at mid-face.\n\n{}\n",
         machine::description()
     );
     let start = Instant::now();
     for (title, chapter) in CHAPTERS {
+        let known = chapter_of(&before, title);
         if !chosen.is_empty() && !chosen.iter().any(|word| title.contains(word.as_str())) {
+            if let Some(body) = known {
+                write!(text, "\n## {title}\n\n{body}\n")?;
+            }
             continue;
         }
         eprintln!("[{:6.1} s] {title}", start.elapsed().as_secs_f64());
         let body = chapter(&models, &plots)?;
-        if chosen.is_empty() {
-            write!(text, "\n## {title}\n\n{}\n", body.trim())?;
-        } else {
-            println!("## {title}\n\n{body}");
-        }
+        write!(text, "\n## {title}\n\n{}\n", body.trim())?;
     }
-    if chosen.is_empty() {
-        let part = docs.join("finite-elements.md.part");
-        std::fs::write(&part, text)?;
-        std::fs::rename(part, docs.join("finite-elements.md"))?;
-    }
-    eprintln!("[{:6.1} s] done", start.elapsed().as_secs_f64());
+    let part = docs.join("finite-elements.md.part");
+    std::fs::write(&part, text)?;
+    std::fs::rename(part, page)?;
+    eprintln!(
+        "[{:6.1} s] docs/finite-elements.md",
+        start.elapsed().as_secs_f64()
+    );
     Ok(())
+}
+
+/// The text under the heading `title` of a page.
+fn chapter_of<'a>(page: &'a str, title: &str) -> Option<&'a str> {
+    let mut chapters = page.split("\n## ").skip(1);
+    chapters.find_map(|chapter| {
+        let (heading, body) = chapter.split_once('\n')?;
+        (heading == title).then_some(body.trim())
+    })
 }

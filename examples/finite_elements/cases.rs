@@ -90,7 +90,7 @@ impl Models {
     /// Solver of `pair` at its level of refinement.
     pub fn solver(&self, pair: &Pair) -> Outcome<ContactSolver> {
         let models = self.get(pair, &Settings::for_pair(pair))?;
-        solver(pair, &models, ContactSettings::default())
+        solver(pair, &models, ContactSettings::for_pair(pair))
     }
 }
 

@@ -21,7 +21,7 @@ fn solved(modified: bool, bore_mm: f64, refinement: Refinement) -> Outcome<[f64;
     let settings = Settings::for_pair(&pair);
     // Not kept: no other chapter asks for these bores.
     let models = PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true)?;
-    let solver = solver(&pair, &models, ContactSettings::default())?;
+    let solver = solver(&pair, &models, ContactSettings::for_pair(&pair))?;
     let [mean, swing] = cases::ste(&solver, TORQUE, POSITIONS)?;
     Ok([mean, swing, cases::ste(&solver, 0.0, POSITIONS)?[0]])
 }

@@ -22,7 +22,7 @@ pub fn report(models: &Models, _: &Path) -> Outcome<String> {
         let mut rough = pair.clone();
         rough.compliance.refinement = Refinement::Coarse;
         let coarse = models.get(&rough, &Settings::for_pair(&rough))?;
-        let coarse = solver(&rough, &coarse, ContactSettings::default())?;
+        let coarse = solver(&rough, &coarse, ContactSettings::for_pair(&rough))?;
         let analytical = analytical(&pair)?;
         let operating = &pair.operating;
         for torque in [

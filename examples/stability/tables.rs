@@ -41,7 +41,7 @@ fn closed_form(pair_file: &str) -> Result<(Pair, Arc<Table>)> {
         Arc::new(AnalyticalCompliance::new(first, axial)?),
         Arc::new(AnalyticalCompliance::new(second, axial)?),
     ];
-    let solver = ContactSolver::new(&pair, compliance, ContactSettings::default())?;
+    let solver = ContactSolver::new(&pair, compliance, ContactSettings::for_pair(&pair))?;
     let even = |[low, high]: [f64; 2], n: usize| -> Vec<f64> {
         (0..n)
             .map(|i| low + (high - low) * i as f64 / (n - 1) as f64)

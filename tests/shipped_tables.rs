@@ -1,0 +1,147 @@
+//! The tables that are shipped: whole, monotone, as accurate as they say, and of the pairs beside them.
+#![cfg(feature = "preprocess")]
+
+use gearmesh::compliance::ToothCompliance;
+use gearmesh::compliance::finite_element::{PairCompliance, Settings};
+use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use gearmesh::table::plan::{Coverage, measure};
+use gearmesh::table::sweep::Watch;
+use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+const PAIRS: [&str; 4] = ["fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84"];
+
+fn resource(folder: &str, name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("resources")
+        .join(folder)
+        .join(format!("{name}.json"))
+}
+
+#[test]
+fn each_has_its_pairs_geometry_and_range_and_the_error_that_was_asked_for() {
+    for name in PAIRS {
+        // Reading verifies the checksum.
+        let file = TableFile::read(resource("tables", name)).unwrap();
+        let pair = Pair::read(resource("pairs", name)).unwrap();
+        assert_eq!(file.name, pair.name);
+        assert_eq!(
+            file.geometry.pair_geometry().unwrap(),
+            pair.geometry,
+            "{name}"
+        );
+        assert_eq!(file.maximum_torque_nm, pair.operating.maximum_torque);
+        assert_eq!(file.nominal_torque_nm, pair.operating.nominal_torque);
+        let ends = |axis: &[f64]| [axis[0], axis[axis.len() - 1]];
+        assert_eq!(
+            ends(&file.axes.misalignment_rad),
+            pair.operating.misalignment
+        );
+        assert_eq!(
+            ends(&file.axes.center_distance_offset_m),
+            pair.operating.center_distance_offset
+        );
+        assert_eq!(file.coast.is_none(), pair.coast_mirrors_drive(), "{name}");
+        let error = file.interpolation_error.expect("measured when made");
+        assert!(
+            error.points >= 1000 && error.force_rms < 2e-3 && error.force_maximum < 1.5e-2,
+            "{name}: {error:?}"
+        );
+        assert!(
+            error.moment_rms < 4e-3 && error.moment_maximum < 3e-2,
+            "{name}: {error:?}"
+        );
+    }
+}
+
+#[test]
+fn no_solve_of_theirs_came_near_a_limit_of_iterations() {
+    for name in PAIRS {
+        let file = TableFile::read(resource("tables", name)).unwrap();
+        let setting = |key: &str| file.solver[key].as_f64().unwrap();
+        assert_eq!(file.solver["elastic_model"], "finite elements, normal");
+        let nodes = file.drive.loa_force_n.len() as f64;
+        assert!(setting("contact_solves") > nodes, "{name}");
+        assert!(
+            setting("most_newton_steps") < 0.2 * setting("newton_steps_allowed"),
+            "{name}"
+        );
+        assert!(setting("largest_kkt_residual") < 1e-8, "{name}");
+    }
+}
+
+#[test]
+fn force_never_falls_over_the_displacement() {
+    for name in PAIRS {
+        let table = Table::read(resource("tables", name)).unwrap();
+        let axes = &table.file().axes;
+        let top = table.file().drive_grid().top_force();
+        let (c, m) = (&axes.center_distance_offset_m, &axes.misalignment_rad);
+        for flank in [Flank::Drive, Flank::Coast] {
+            let (flank, _) = table.flank(flank);
+            for n in 0..400 {
+                let s = |root: f64| (0.5 + root * f64::from(n)).fract();
+                let mut query = Query {
+                    delta: 0.0,
+                    center_distance_offset: c[0] + s(0.819_172_5) * (c[c.len() - 1] - c[0]),
+                    misalignment: m[0] + s(0.671_043_6) * (m[m.len() - 1] - m[0]),
+                    mesh_position: s(0.549_700_4),
+                };
+                let mut below = 0.0;
+                for step in 0..400 {
+                    query.delta = -100e-6 + 0.5e-6 * f64::from(step);
+                    let w = flank.evaluate(&query, false);
+                    assert!(w.gradient[0] >= below - 1e-12 * top, "{name} {query:?}");
+                    assert!(w.hessian[0][0] >= -1e-6, "{name} {query:?}");
+                    below = w.gradient[0];
+                }
+                assert!(below > 0.0, "{name} {query:?}");
+            }
+        }
+    }
+}
+
+/// Fresh solutions of today's pair file, modifications included, at points that had no part in the tables.
+#[test]
+fn each_agrees_with_fresh_solutions_within_its_stated_error() {
+    for name in PAIRS {
+        let pair = Pair::read(resource("pairs", name)).unwrap();
+        let file = TableFile::read(resource("tables", name)).unwrap();
+        let settings = Settings::for_pair(&pair);
+        let compliance =
+            PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true).unwrap();
+        let compliance = compliance.gears.map(|g| g as Arc<dyn ToothCompliance>);
+        let solver =
+            ContactSolver::new(&pair, compliance, ContactSettings::for_pair(&pair)).unwrap();
+        let coverage = Coverage {
+            // Just inside the ranges: other random points than those of the error in the file.
+            center_distance_offset: Some(pair.operating.center_distance_offset.map(|c| 0.97 * c)),
+            misalignment: Some(pair.operating.misalignment.map(|m| 0.97 * m)),
+            nominal_torque: pair.operating.nominal_torque,
+            maximum_torque: 0.97 * pair.operating.maximum_torque,
+        };
+        let cancel = AtomicBool::new(false);
+        let watch = Watch {
+            progress: &|_, _| {},
+            cancel: &cancel,
+        };
+        let found = |interpolation| {
+            let table = FlankTable::new(&file.drive_grid(), interpolation).unwrap();
+            let (geometry, flank) = (&pair.geometry, Flank::Drive);
+            measure(&solver, geometry, flank, &coverage, &table, 100, &watch).unwrap()
+        };
+        let stated = file.interpolation_error.unwrap();
+        let spline = found(Interpolation::Spline);
+        assert!(
+            spline.force_rms < 1.5 * stated.force_rms
+                && spline.force_maximum < 1.2 * stated.force_maximum
+                && spline.moment_rms < 1.5 * stated.moment_rms,
+            "{name}: {spline:?}, stated {stated:?}"
+        );
+        assert!(spline.force_rms < found(Interpolation::Linear).force_rms);
+    }
+}

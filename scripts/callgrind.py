@@ -5,7 +5,7 @@
 Counts each case of `target/release/examples/instructions` twice, with N and 2 N evaluations; the
 difference over N is free of start-up. Compares with benches/instructions.json and fails if a case got more
 than 3 % worse; `--record` writes that file. Counts belong to a compiler version: under another one than the
-recorded one they are printed but not judged.
+recorded one they are printed but not judged. The recorded ones are those of a processor with AVX.
 """
 
 import json

@@ -1,8 +1,9 @@
 //! Writes docs/finite-elements.md with its plots: the finite-element compliance, its error and its cost.
 //!
-//! `cargo run --release --example finite_elements`, from the root of the repository. With words as arguments, only
-//! the chapters whose titles contain one of them are measured anew and the others stay as they are in the page. The chapter on cost starts this program again, once
-//! per level, so that each has a memory of its own to measure.
+//! `cargo run --release --example finite_elements`, from the root of the repository. With words as arguments,
+//! only the chapters whose titles contain one of them are measured anew and the others stay as they are in the
+//! page. The chapter on cost starts this program again, once per level, so that each has a memory of its own
+//! to measure.
 
 mod cases;
 mod convergence;

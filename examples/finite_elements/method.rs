@@ -29,7 +29,9 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
          unit load. A strip of a contact line is a line load spread across it by a smooth kernel; the kernel's own half-plane \
          logarithm is taken out again, and the Hertz contact, whose width follows the load, put in its place.\n\n\
          **Tip edges.** Beyond the path of contact the tip edge of one gear bears on the flank of the other. The kernel there is \
-         no wider than the distance to the edge, down to what elements and local contact allow, and contact has one side only: \
+         no wider than the distance to the edge, down to what the elements resolve. Where that is narrower than the contact, as much of the displacement of a strip under its \
+         own load is moved from the bulk to the local contact as the bulk matrix can give and stay positive definite, which \
+         changes nothing but the range of the local law. And contact has one side only: \
          with the gap alpha s + s²/(2 R) at the distance s from the edge, the pressure between half-planes is \
          sqrt((a - s)/s) (alpha + (s + a/2)/R) / (pi c), alpha the inclination of the flanks, and its displacement replaces that \
          of Hertz. Inside the flank alpha = -(distance to the edge)/R, and the law passes into that of Hertz exactly where \

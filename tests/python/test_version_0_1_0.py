@@ -1,0 +1,61 @@
+"""A unit that version 0.1.0 packed goes on running, with today's library, and gives what it gave then.
+
+`tests/data/version-0.1.0/pair.fmu` holds that version's modelDescription.xml and resources; the library is
+put in here. `outputs.json` has the outputs that the library of 0.1.0 gave, without damping.
+"""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ROOT, gearmesh
+from host import Unit
+
+DATA = ROOT / "tests" / "data" / "version-0.1.0"
+GEAR_1_SPIN = "gear1.angles[3]"
+
+# Outputs of one kind have the size of the largest among them.
+KINDS = ["force", "moment", "contact.point"]
+
+
+@pytest.fixture(scope="module")
+def old(units, tmp_path_factory):
+    """The unit of 0.1.0 with the library that today's units carry."""
+    unit = Unit(DATA / "pair.fmu", tmp_path_factory.mktemp("version-0.1.0") / "unit")
+    shutil.copytree(Path(units["external"].folder) / "binaries", Path(unit.folder) / "binaries")
+    yield unit
+    unit.close()
+
+
+def test_a_unit_packed_by_version_0_1_0_gives_the_outputs_it_gave_then(old):
+    record = json.loads((DATA / "outputs.json").read_text())
+    names = record["outputs"]
+    # What an importer may take from modelDescription.xml: the fixed parameters that this unit started with.
+    starts = {
+        v.name: v.start
+        for v in old.description.modelVariables
+        if v.causality == "parameter" and v.type in ("Real", "Enumeration")
+    }
+    starts = {n: float(x) if old.variables[n].type == "Real" else int(x) for n, x in starts.items()}
+    assert len(record["rows"]) == 40
+    for row, (parameters, spin, inputs, outputs) in enumerate(record["rows"]):
+        instance = old.instance()
+        chosen = dict(zip(record["parameters"], parameters))
+        instance.initialize({**starts, **chosen, GEAR_1_SPIN: spin})
+        instance.set(dict(zip(record["inputs"], inputs)))
+        found, expected = np.array([float(instance.get(n)) for n in names]), np.array(outputs)
+        scale = np.abs(expected)
+        for kind in KINDS:
+            same = [i for i, n in enumerate(names) if kind in n]
+            scale[same] = scale[same].max()
+        # A rounding of the poses times the stiffness; without load, of the length of a tooth.
+        wrong = np.abs(found - expected) > 1e-10 * scale + 1e-15
+        assert not wrong.any(), (row, [(names[i], found[i], expected[i]) for i in np.flatnonzero(wrong)])
+        instance.close()
+
+
+def test_inspect_reads_units_and_tables_of_version_0_1_0():
+    for file in ("pair.fmu", "tables.json"):
+        assert "helical-25-47-sloped" in gearmesh("inspect", DATA / file)

@@ -1,0 +1,208 @@
+"""The loads of packed units against two helicoids of the tests' own (`oracle.py`), in arbitrary poses."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import PAIRS, gearmesh, instances, other_hand, pair_files, swapped
+from host import Unit
+from oracle import STEP, Flank, Mesh
+from test_mechanics import body, product, rotation
+
+POSES = 20
+LOADS = ("gear1.force", "gear1.moment", "gear2.force", "gear2.moment")
+
+
+def shifted_files():
+    """Profile shifts, unequal faces and a face offset: external (both hands), ring as gear 2 and as gear 1."""
+    external = json.loads((PAIRS / "helical-25-47.json").read_text())
+    ring = pair_files()["ring2"]
+    ring |= {"name": "ring-shifted", "face_offset_mm": -2.5}
+    ring["gear2"] |= {"face_width_mm": 26.0, "profile_shift": 0.3}
+    # The centre distance of these shifts, and teeth of standard height there.
+    del ring["center_distance_mm"]
+    for gear in ("gear1", "gear2"):
+        ring[gear].pop("tip_diameter_mm")
+        ring[gear].pop("tip_relief")
+    return {
+        "external-shifted": external,
+        "external-shifted-left": other_hand(external),
+        "ring2-shifted": ring,
+        "ring1-shifted": dict(swapped(ring), face_offset_mm=2.5),
+    }
+
+
+PAIR_NAMES = [*pair_files(), *shifted_files()]
+
+
+@pytest.fixture(scope="module")
+def every_unit(units, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("shifted")
+    shifted = {}
+    for name, pair in shifted_files().items():
+        file, fmu = folder / f"{name}.json", folder / f"{name}.fmu"
+        file.write_text(json.dumps(pair))
+        gearmesh("pack", "--pair", file, "-o", fmu)
+        shifted[name] = Unit(fmu)
+    yield units | shifted
+    for unit in shifted.values():
+        unit.close()
+
+
+@pytest.fixture
+def make(every_unit):
+    yield from instances(every_unit)
+
+
+def matrix(q):
+    w, x, y, z = q
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + 2 * w * cross + 2 * cross @ cross
+
+
+class Poses:
+    """Poses of both gears (position, unit quaternion) anywhere in the world."""
+
+    def __init__(self, mesh, rng):
+        self.mesh, self.rng = mesh, rng
+        self.world, self.turn_world = rotation(rng)
+        self.origin = rng.uniform(-0.5, 0.5, 3)
+        self.tilt, self.shift = rng.uniform(-2e-3, 2e-3, (2, 2)), rng.uniform(-5e-5, 5e-5, (2, 3))
+
+    def at(self, turn, slip, off=1.0):
+        """Rolled by `turn`, gear 1 turned on by `slip`; `off`: how much of tilt and shift."""
+        mesh, out = self.mesh, []
+        spins = turn + slip, -mesh.e * turn * mesh.z[0] / mesh.z[1]
+        for i, spin in enumerate(spins):
+            tilted = np.array([1.0, *(0.5 * off * self.tilt[i]), 0.0])
+            q = product(tilted, np.array([np.cos(spin / 2), 0.0, 0.0, np.sin(spin / 2)]))
+            q = product(self.world, q)
+            p = np.array([i * mesh.c, 0.0, i * mesh.face_offset]) + off * self.shift[i]
+            out.append((self.turn_world @ p + self.origin, q / np.linalg.norm(q)))
+        return out
+
+
+def matrices(poses):
+    return [(p, matrix(q)) for p, q in poses]
+
+
+def inputs(poses, velocities=np.zeros((2, 2, 3))):
+    gear1, gear2 = (body(f"gear{i + 1}", *poses[i], *velocities[i]) for i in (0, 1))
+    return gear1 | gear2
+
+
+def loaded(make, pair, case, rng, damping=0.0, room=0.0):
+    """An instance under 10 to 40 um on one flank, its oracle, poses, touching pose and which flank it is.
+
+    `room`: backlash (m) beside the pair's own; without any, poses with both flanks pressed are among them.
+    """
+    instance = make(pair)
+    unit = instance.unit
+    geometry = json.loads((Path(unit.folder) / "resources" / "unit.json").read_text())["geometry"]
+    stiffness = float(unit.variables["constantStiffness"].start)
+    backlash = float(unit.variables["backlash"].start) + room + 1e-4 * (case % 3)
+    mesh = Mesh(geometry, stiffness, backlash)
+    poses, radius = Poses(mesh, rng), mesh.flanks[1][0].rb
+    absolute, s = case % 2, (1, -1)[case // 2 % 2]
+    # Absolute phases must start with teeth in gaps: the drive flank 1 um from its partner.
+    start = poses.at(0.0, 0.0, off=0.0)
+    if absolute:
+        gap = mesh.elongation(1, matrices(start)).real + 1e-6
+        start = poses.at(0.0, -gap / radius, off=0.0)
+    touching = None if absolute else matrices(start)
+    parameters = {"stiffnessModel": 1, "damping": damping, "orientationInput": 2, "formulation": 2}
+    parameters |= {"loadedFlank": 3, "phaseReference": 1 + absolute, "backlash": backlash}
+    instance.initialize(parameters | inputs(start))
+    turn = rng.uniform(-3.0, 3.0)
+    _, elongation = mesh.wrench(matrices(poses.at(turn, 0.0)), touching)
+    slip = s * (rng.uniform(1e-5, 4e-5) - elongation[s]) / radius
+    return instance, mesh, poses.at(turn, slip), touching, s
+
+
+def assert_same_wrench(instance, expected, bar):
+    found = np.concatenate([instance.vector(name) for name in LOADS]).reshape(2, 2, 3)
+    expected = expected.reshape(2, 2, 3)
+    force = np.linalg.norm(expected[0, 0])
+    assert np.abs(found - expected)[:, 0].max() <= bar * force
+    for i in (0, 1):
+        moment = np.linalg.norm(expected[i, 1])
+        assert np.abs(found[i, 1] - expected[i, 1]).max() <= bar * moment
+
+
+@pytest.mark.parametrize("pair", PAIR_NAMES)
+def test_the_wrench_is_the_gradient_of_the_distance_of_two_helicoids(make, pair):
+    rng = np.random.default_rng(20130411)
+    for case in range(POSES):
+        instance, mesh, poses, touching, s = loaded(make, pair, case, rng)
+        instance.set(inputs(poses))
+        expected, _ = mesh.wrench(matrices(poses), touching)
+        assert np.linalg.norm(expected[:3]) > 1000.0 and instance.get("mesh.flank") == s
+        assert_same_wrench(instance, expected, 1e-9)
+        point, distance = mesh.pitch_point(matrices(poses))
+        assert np.abs(np.array(instance.vector("contact.point")) - point).max() <= 1e-12
+        assert instance.get("mesh.centerDistance") == pytest.approx(distance, abs=1e-15)
+
+
+@pytest.mark.parametrize("pair", PAIR_NAMES)
+def test_the_damper_acts_along_the_same_gradient_against_its_rate(make, pair):
+    rng = np.random.default_rng(1687)
+    damping = 2e3
+    for case in range(POSES):
+        instance, mesh, poses, touching, s = loaded(make, pair, case, rng, damping, 1e-4)
+        # The damper is whole from dampingOnset (0.1) of the nominal force on, and these do not lift the teeth.
+        velocities = rng.uniform(-1.0, 1.0, (2, 2, 3)) * np.array([5e-3, 0.1])[:, None]
+        instance.set(inputs(poses, velocities))
+        expected, _ = mesh.wrench(matrices(poses), touching)
+        gradient = mesh.gradient(s, matrices(poses))
+        rate = gradient @ velocities.ravel()
+        cos_phi = mesh.base_sum / mesh.c
+        expected -= damping / cos_phi**2 * rate * gradient
+        assert_same_wrench(instance, expected, 1e-9)
+
+
+def foot(flank, x):
+    """Signed distance of `x` from its closest point on the flank's surface, by Newton's method."""
+    t, zeta = np.sqrt((x[0] ** 2 + x[1] ** 2) / flank.rb**2 - 1), x[2]
+
+    def tangents(t, zeta):
+        by_t = flank.surface(t + 1j * STEP, zeta).imag / STEP
+        return by_t, flank.surface(t, zeta + 1j * STEP).imag / STEP
+
+    def slope(t, zeta):
+        by_t, by_zeta = tangents(t, zeta)
+        way = flank.surface(t, zeta) - x
+        return np.array([way @ by_t, way @ by_zeta])
+
+    for _ in range(12):
+        h = 1e-7
+        columns = [slope(t + h, zeta) - slope(t - h, zeta), slope(t, zeta + h) - slope(t, zeta - h)]
+        step = np.linalg.solve(np.array(columns).T / (2 * h), slope(t, zeta))
+        t, zeta = t - step[0], zeta - step[1]
+    at = flank.surface(t, zeta)
+    normal = np.cross(*tangents(t, zeta))
+    outside = np.sign(normal @ np.array([-at[1], at[0], 0.0])) * flank.sigma
+    return outside * (x - at) @ normal / np.linalg.norm(normal)
+
+
+@pytest.mark.parametrize("helix", [0.0, 0.4])
+@pytest.mark.parametrize("kind", ["external", "ring"])
+def test_the_oracles_distance_is_that_of_the_closest_point_on_the_surface(kind, helix):
+    rng = np.random.default_rng(1842)
+    gear = {"kind": kind, "teeth": 30, "helix_angle": helix, "normal_pressure_angle": np.radians(20.0)}
+    gear |= {"normal_module": 4e-3, "profile_shift": 0.3}
+    module = gear["normal_module"] / np.cos(helix)
+    for hand in (1, -1):
+        flanks = {sigma: Flank(gear, sigma, hand, 2e-5) for sigma in (1, -1)}
+        # On the reference circle a tooth (ring: a space) is as thick as the rack that cuts it says.
+        reference = np.sqrt((0.5 * 30 * module / flanks[1].rb) ** 2 - 1)
+        ends = [np.arctan2(*flanks[s].surface(reference, 0.0)[1::-1]) for s in (1, -1)]
+        rack = 0.5 * np.pi * module + 2 * 0.3 * module * np.tan(gear["normal_pressure_angle"])
+        thinned = (1 if kind == "external" else -1) * 2e-5 / flanks[1].rb
+        thickness = abs(ends[0] - ends[1]) + thinned
+        assert thickness == pytest.approx(rack / (0.5 * 30 * module), abs=1e-15)
+        for sigma, flank in flanks.items():
+            for _ in range(10):
+                on = flank.surface(rng.uniform(0.25, 0.6), rng.uniform(0.0, 0.03))
+                x = on + rng.uniform(-2e-4, 2e-4, 3)
+                assert flank.distance(x).real == pytest.approx(foot(flank, x), abs=1e-15)

@@ -18,16 +18,11 @@ def main() -> None:
     parser.add_argument("--gearmesh", type=Path, default=ROOT / "target" / "release" / "gearmesh")
     parser.add_argument("--out", type=Path, default=ROOT / "target" / "demo", help="folder for all files")
     parser.add_argument("--docs", type=Path, help="folder for paper-comparison.md, which is then written, too")
-    parser.add_argument("--compliance", help="elastic model, as of `gearmesh solve`")
     parser.add_argument("--refinement", help="of the finite elements, as of `gearmesh solve`")
     arguments = parser.parse_args()
-    model = [
-        word
-        for name in ("compliance", "refinement")
-        if (value := getattr(arguments, name)) is not None
-        for word in (f"--{name}", value)
-    ]
-    model += ["--cache-dir", arguments.out / "cache"]
+    model = ["--cache-dir", arguments.out / "cache"]
+    if arguments.refinement is not None:
+        model += ["--refinement", arguments.refinement]
 
     arguments.out.mkdir(parents=True, exist_ok=True)
     results = compute(Command(arguments.gearmesh, model), ROOT, arguments.out)

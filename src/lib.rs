@@ -64,3 +64,5 @@ pub mod package;
 #[cfg(feature = "preprocess")]
 pub mod pair;
 pub mod table;
+#[cfg(all(test, feature = "preprocess"))]
+mod testing;

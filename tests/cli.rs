@@ -16,6 +16,14 @@ fn pair_file(name: &str) -> PathBuf {
         .join(name)
 }
 
+/// Coarse finite elements, computed once for all tests.
+const QUICK: [&str; 4] = [
+    "--refinement",
+    "coarse",
+    "--cache-dir",
+    concat!(env!("CARGO_TARGET_TMPDIR"), "/elastic-models"),
+];
+
 fn paper() -> String {
     pair_file("palermo2013.json").display().to_string()
 }
@@ -121,9 +129,7 @@ fn a_reader_that_goes_away_is_no_failure() {
 
 fn solve_json(arguments: &[&str]) -> serde_json::Value {
     let pair = paper();
-    let mut all = vec!["solve", &pair, "--json", "--compliance", "analytical"];
-    all.extend(arguments);
-    let output = gearmesh(&all);
+    let output = gearmesh(&[&["solve", &pair, "--json"], &QUICK[..], arguments].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     serde_json::from_str(stdout(&output)).expect("JSON")
 }
@@ -165,6 +171,35 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
 }
 
 #[test]
+fn the_error_is_estimated_from_another_refinement() {
+    let output = succeed(&[&["solve", &paper(), "--estimate-error"], &QUICK[..]].concat());
+    let text = stdout(&output);
+    let estimate = text.split("estimated error").nth(1).expect(text);
+    assert!(estimate.contains("finite elements, normal"), "{estimate}");
+    let percent = |name: &str| -> f64 {
+        let line = estimate.lines().find(|line| line.contains(name));
+        let words = line.expect(name).split_whitespace();
+        words.rev().nth(1).unwrap().parse().unwrap()
+    };
+    // docs/finite-elements.md: coarse is 0.3 % and some percent of a small swing away.
+    let (mean, swing) = (percent("mean STE"), percent("peak-to-peak STE"));
+    assert!(mean != 0.0 && mean.abs() < 1.0, "{mean}");
+    assert!(swing != 0.0 && swing.abs() < 10.0, "{swing}");
+}
+
+#[test]
+fn an_option_that_does_not_exist_is_an_error() {
+    let output = gearmesh(&["solve", &paper(), "--compliance", "analytical"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(stdout(&output), "");
+    assert!(
+        stderr(&output).contains("'--compliance'"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
 fn harmonics_that_the_positions_cannot_tell_apart_are_null() {
     let json = solve_json(&["--positions", "4"]);
     let harmonics = json["harmonics_loa_um"].as_array().unwrap();
@@ -197,14 +232,7 @@ fn the_coast_flank_of_a_symmetric_pair_is_as_stiff_as_the_drive_flank() {
 #[test]
 fn the_table_for_people_shows_the_numbers_of_the_json() {
     let pair = paper();
-    let output = gearmesh(&[
-        "solve",
-        &pair,
-        "--compliance",
-        "analytical",
-        "--positions",
-        "8",
-    ]);
+    let output = gearmesh(&[&["solve", &pair, "--positions", "8"], &QUICK[..]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let json = solve_json(&["--positions", "8"]);
     let mean = json["mean_ste_loa_um"].as_f64().unwrap();
@@ -219,7 +247,7 @@ fn the_table_for_people_shows_the_numbers_of_the_json() {
 fn a_torque_that_cannot_be_is_refused_by_name() {
     for torque in ["-5", "nan"] {
         let flag = format!("--torque-nm={torque}");
-        let output = gearmesh(&["solve", &paper(), "--compliance", "analytical", &flag]);
+        let output = gearmesh(&[&["solve", &paper(), &flag], &QUICK[..]].concat());
         assert_eq!(output.status.code(), Some(1), "{torque}");
         assert!(stderr(&output).contains("torque"), "{}", stderr(&output));
         assert_eq!(stderr(&output).lines().count(), 1);
@@ -231,18 +259,19 @@ fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("report.html");
     let figures = folder.path().join("figures");
-    let output = gearmesh(&[
+    let (page, drawn) = (file.to_str().unwrap(), figures.to_str().unwrap());
+    let pair = paper();
+    let asked = [
         "report",
-        &paper(),
-        "--compliance",
-        "analytical",
+        &pair,
         "--positions",
         "8",
         "-o",
-        file.to_str().unwrap(),
+        page,
         "--figures",
-        figures.to_str().unwrap(),
-    ]);
+        drawn,
+    ];
+    let output = gearmesh(&[&asked, &QUICK[..]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let html = std::fs::read_to_string(&file).unwrap();
     assert!(html.matches("<svg").count() >= 8);
@@ -263,24 +292,25 @@ fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
 
 #[test]
 fn a_report_that_cannot_be_written_is_a_failure_that_names_the_file() {
-    let output = gearmesh(&[
-        "report",
-        &paper(),
-        "--compliance",
-        "analytical",
-        "--positions",
-        "2",
-        "-o",
-        "/no/such/folder/report.html",
-    ]);
+    let page = "/no/such/folder/report.html";
+    let pair = paper();
+    let output = gearmesh(
+        &[
+            &["report", &pair, "--positions", "2", "-o", page],
+            &QUICK[..],
+        ]
+        .concat(),
+    );
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("/no/such/folder/report.html"));
 }
 
-/// Options that make tables in a moment: closed-form compliance, load and mesh position only.
-const SMALL: [&str; 4] = [
-    "--compliance",
-    "analytical",
+/// Options that make tables in a moment: load and mesh position only.
+const SMALL: [&str; 6] = [
+    QUICK[0],
+    QUICK[1],
+    QUICK[2],
+    QUICK[3],
     "--no-center-distance",
     "--no-misalignment",
 ];

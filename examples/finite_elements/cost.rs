@@ -23,7 +23,7 @@ const PAIR: &str = "palermo2013";
 /// Prints seconds, processor seconds and the largest memory (MB) of the elastic models of a shipped pair.
 pub fn measure(pair: &str, level: &str) -> Outcome<()> {
     let mut pair = shipped(pair)?;
-    pair.compliance.refinement = match level {
+    pair.refinement = match level {
         "coarse" => Refinement::Coarse,
         "normal" => Refinement::Normal,
         "fine" => Refinement::Fine,

@@ -17,7 +17,7 @@ const PAPER: [f64; 2] = [5.4, 5.1];
 /// Mean, p-p at 100 N m and mean without load, um.
 fn solved(modified: bool, bore_mm: f64, refinement: Refinement) -> Outcome<[f64; 3]> {
     let mut pair = paper(modified, bore_mm)?;
-    pair.compliance.refinement = refinement;
+    pair.refinement = refinement;
     let settings = Settings::for_pair(&pair);
     // Not kept: no other chapter asks for these bores.
     let models = PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true)?;

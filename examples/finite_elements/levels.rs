@@ -2,13 +2,10 @@
 
 use crate::cases::{self, Models, SHIPPED, shipped, solver};
 use crate::page::{Outcome, percent, table};
-use gearmesh::compliance::ToothCompliance;
-use gearmesh::compliance::analytical::{AnalyticalCompliance, AxialState};
 use gearmesh::compliance::finite_element::Settings;
 use gearmesh::contact::{ContactSettings, ContactSolver};
-use gearmesh::pair::{Pair, Refinement};
+use gearmesh::pair::Refinement;
 use std::path::Path;
-use std::sync::Arc;
 
 const POSITIONS: usize = 32;
 
@@ -20,10 +17,9 @@ pub fn report(models: &Models, _: &Path) -> Outcome<String> {
         let pair = shipped(name)?;
         let normal = models.solver(&pair)?;
         let mut rough = pair.clone();
-        rough.compliance.refinement = Refinement::Coarse;
+        rough.refinement = Refinement::Coarse;
         let coarse = models.get(&rough, &Settings::for_pair(&rough))?;
         let coarse = solver(&rough, &coarse, ContactSettings::for_pair(&rough))?;
-        let analytical = analytical(&pair)?;
         let operating = &pair.operating;
         for torque in [
             0.4 * operating.nominal_torque,
@@ -31,7 +27,7 @@ pub fn report(models: &Models, _: &Path) -> Outcome<String> {
             operating.maximum_torque,
         ] {
             let of = |solver: &ContactSolver| cases::ste(solver, torque, POSITIONS);
-            let [n, c, a] = [of(&normal)?, of(&coarse)?, of(&analytical)?];
+            let [n, c] = [of(&normal)?, of(&coarse)?];
             rows.push([
                 name.to_owned(),
                 format!("{torque:.0}"),
@@ -39,8 +35,6 @@ pub fn report(models: &Models, _: &Path) -> Outcome<String> {
                 format!("{:.3}", n[1]),
                 percent(c[0], n[0]),
                 percent(c[1], n[1]),
-                percent(a[0], n[0]),
-                percent(a[1], n[1]),
             ]);
         }
     }
@@ -55,23 +49,8 @@ pub fn report(models: &Models, _: &Path) -> Outcome<String> {
                 "p-p, µm",
                 "coarse mean",
                 "p-p",
-                "analytical mean",
-                "p-p",
             ],
             &rows
         )
     ))
-}
-
-fn analytical(pair: &Pair) -> Outcome<ContactSolver> {
-    let [first, second] = &pair.geometry.gears;
-    let model = |gear| -> Outcome<Arc<dyn ToothCompliance>> {
-        Ok(Arc::new(AnalyticalCompliance::new(gear, AxialState::Free)?))
-    };
-    let compliance = [model(first)?, model(second)?];
-    Ok(ContactSolver::new(
-        pair,
-        compliance,
-        ContactSettings::default(),
-    )?)
 }

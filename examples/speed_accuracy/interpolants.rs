@@ -133,8 +133,8 @@ fn front(outcomes: &[&Outcome]) -> Vec<usize> {
 pub fn report(document: &mut Document, outcomes: &[Outcome]) -> Result<(), Error> {
     document.section("Time against error");
     document.paragraph(
-        "The tables' samples come from the contact solver of the reference pair with closed-form \
-         compliance; errors are those of the force, over the nominal force, at random operating points \
+        "The tables' samples come from the contact solver of the reference pair on coarse \
+         finite elements; errors are those of the force, over the nominal force, at random operating points \
          (torques from 0 to the maximum, other coordinates over their ranges) against direct solutions \
          there. *Value* is force, shuttling moment, tangent stiffness and the two side terms dW/dC and \
          dW/dPMC, which is what an evaluation of the loads needs; *with gradient* adds the derivatives \

@@ -73,31 +73,34 @@ fn main() -> Result<(), Error> {
             ""
         },
     ));
-    let analytical = Setting::analytical(PAIR)?;
+    let setting = Setting::new(PAIR, Refinement::Coarse)?;
     let counts = [16, 9, 17, if quick { 32 } else { 64 }];
     eprintln!("Samples of the contact solver");
-    let samples = analytical.samples(counts)?;
+    let samples = setting.samples(counts)?;
 
-    let outcomes = interpolants::measure(&analytical, &samples, points(quick))?;
+    let outcomes = interpolants::measure(&setting, &samples, points(quick))?;
     interpolants::report(&mut document, &outcomes)?;
     document.save()?;
-    whole_element::report(&mut document, &analytical, &samples, points(quick))?;
+    whole_element::report(&mut document, &setting, &samples, points(quick))?;
     document.save()?;
-    let spur = Setting::analytical(SPUR)?;
-    effects::report(&mut document, &analytical, &spur, &samples, points(quick))?;
+    let spur = Setting::new(SPUR, Refinement::Coarse)?;
+    effects::report(&mut document, &setting, &spur, &samples, points(quick))?;
     document.save()?;
-    growth::report(&mut document, &analytical, &samples)?;
+    growth::report(&mut document, &setting, &samples)?;
     document.save()?;
-    hosts::report(&mut document, &analytical, &samples, &library, python)?;
+    hosts::report(&mut document, &setting, &samples, &library, python)?;
     document.save()?;
-    run_up::report(&mut document, &Setting::analytical(UNMODIFIED)?)?;
+    run_up::report(
+        &mut document,
+        &Setting::new(UNMODIFIED, Refinement::Coarse)?,
+    )?;
     document.save()?;
     let levels = [
         (Refinement::Coarse, "coarse"),
         (Refinement::Normal, "normal"),
     ];
     let levels = &levels[..if quick { 1 } else { 2 }];
-    preprocessing::report(&mut document, PAIR, &analytical, levels, points(quick))?;
+    preprocessing::report(&mut document, PAIR, levels, points(quick))?;
     let path = document.save()?;
     eprintln!("Wrote {}", path.display());
     Ok(())

@@ -1,45 +1,11 @@
-//! What tables cost to make, and how far closed-form compliance is from finite elements.
+//! What tables cost to make, and how far the levels of refinement are from each other.
 
 use crate::document::{Document, Error};
 use crate::setting::Setting;
 use crate::timing::timed;
-use gearmesh::compliance::ToothCompliance;
-use gearmesh::compliance::finite_element::{FiniteElementCompliance, Settings};
 use gearmesh::contact::{ContactSettings, CycleInput, MeshCycle};
-use gearmesh::gear::Gear;
-use gearmesh::pair::{Pair, Refinement};
+use gearmesh::pair::Refinement;
 use gearmesh::table::{FlankTable, Interpolation};
-use std::sync::Arc;
-
-/// The pair file at `path` on finite elements, and seconds for the elastic models.
-fn finite_element(path: &str, refinement: Refinement) -> Result<(Setting, f64), Error> {
-    let mut pair = Pair::read(path)?;
-    pair.compliance.refinement = refinement;
-    let settings = Settings::for_pair(&pair);
-    let (models, seconds) = timed(|| -> Result<[Arc<dyn ToothCompliance>; 2], Error> {
-        let model = |i: usize| -> Result<Arc<dyn ToothCompliance>, Error> {
-            let gear = &pair.geometry.gears[i];
-            Ok(Arc::new(FiniteElementCompliance::new(
-                gear,
-                &settings,
-                &|_, _| true,
-            )?))
-        };
-        let first = model(0)?;
-        let [a, b] = &pair.geometry.gears;
-        // Equal but for hand and axial position, which the compliance does not know: one model serves both.
-        let equal = *b
-            == Gear {
-                hand: b.hand,
-                face_offset: b.face_offset,
-                ..a.clone()
-            };
-        let second = if equal { first.clone() } else { model(1)? };
-        Ok([first, second])
-    });
-    let models = models?;
-    Ok((Setting::with(pair, models)?, seconds))
-}
 
 /// Mean and peak-to-peak STE at `torque`, µm on the line of action.
 fn cycle(setting: &Setting, torque: f64) -> Result<[f64; 2], Error> {
@@ -54,24 +20,22 @@ fn cycle(setting: &Setting, torque: f64) -> Result<[f64; 2], Error> {
     Ok([1e6 * cycle.mean_ste(), 1e6 * cycle.peak_to_peak_ste()])
 }
 
-/// The section. `path` is the pair file of `analytical`.
+/// The section, on the pair file at `path`; the last of `levels` is the finest.
 pub fn report(
     document: &mut Document,
     path: &str,
-    analytical: &Setting,
     levels: &[(Refinement, &str)],
     points: usize,
 ) -> Result<(), Error> {
-    document.section("Preprocessing, and closed-form against finite-element tables");
-    let (_, seconds) = timed(|| Setting::analytical(path));
-    let mut settings = vec![("closed form".to_owned(), None, seconds)];
+    document.section("Preprocessing");
+    let mut settings = vec![];
     for &(refinement, name) in levels {
-        let (setting, seconds) = finite_element(path, refinement)?;
-        settings.push((format!("finite elements, {name}"), Some(setting), seconds));
+        let (setting, seconds) = timed(|| Setting::new(path, refinement));
+        settings.push((name, setting?, seconds));
     }
+    let best = &settings.last().ok_or("a level of refinement")?.1;
     let mut rows = vec![];
     for (name, setting, seconds) in &settings {
-        let setting = setting.as_ref().unwrap_or(analytical);
         let mut cells = [const { String::new() }; 4];
         for (cell, counts) in cells.iter_mut().zip([
             [12, 1, 1, 1],
@@ -84,17 +48,17 @@ pub fn report(
             *cell = format!("{seconds:.2} ({solves})");
         }
         let [a, b, c, d] = cells;
-        rows.push([name.clone(), format!("{seconds:.2}"), a, b, c, d]);
+        rows.push([(*name).to_owned(), format!("{seconds:.2}"), a, b, c, d]);
     }
     document.paragraph(&format!(
         "Seconds on {} threads for the elastic models of both gears and for the sweeps of tables with one to \
-         four axes (in brackets: static solutions). The cost of contact hardly depends on where the \
-         compliance came from; only axes that are asked for are computed.",
+         four axes (in brackets: static solutions). The cost of contact hardly depends on the refinement; only \
+         axes that are asked for are computed.",
         rayon::current_num_threads()
     ));
     document.table(
         [
-            "compliance",
+            "refinement",
             "models, s",
             "12, s",
             "12 × 32, s",
@@ -104,15 +68,10 @@ pub fn report(
         &rows,
     );
 
-    let nominal = analytical.pair.operating.nominal_torque;
-    let best = settings
-        .last()
-        .and_then(|s| s.1.as_ref())
-        .unwrap_or(analytical);
+    let nominal = best.pair.operating.nominal_torque;
     let exact = best.exact(&best.ranges(3), points)?;
     let mut rows = vec![];
     for (name, setting, _) in &settings {
-        let setting = setting.as_ref().unwrap_or(analytical);
         let mut ste = vec![];
         for torque in [0.7 * nominal, nominal, 1.3 * nominal] {
             let [mean, swing] = cycle(setting, torque)?;
@@ -122,7 +81,7 @@ pub fn report(
         let [rms, largest] = crate::interpolants::force_error(&table, &exact, best.nominal_force());
         let [a, b, c] = <[String; 3]>::try_from(ste).map_err(|_| "three torques")?;
         rows.push([
-            name.clone(),
+            (*name).to_owned(),
             a,
             b,
             c,
@@ -132,15 +91,15 @@ pub fn report(
     }
     document.paragraph(&format!(
         "STE on the line of action, mean / peak to peak in µm, at three torques; and the force error of 3-D \
-         tables (load, misalignment, mesh position) against direct solutions with the finest compliance \
+         tables (load, misalignment, mesh position) against direct solutions with the finest model \
          above, at the same displacement, over the nominal force. {} stations along the face. For the \
-         finest compliance itself the error is that of the interpolation alone.",
+         finest model itself the error is that of the interpolation alone.",
         ContactSettings::default().stations
     ));
     let head = |t: f64| format!("{t:.0} N m");
     document.table(
         [
-            "compliance",
+            "refinement",
             &head(0.7 * nominal),
             &head(nominal),
             &head(1.3 * nominal),

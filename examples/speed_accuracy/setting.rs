@@ -1,16 +1,14 @@
 //! The pair, its solver, its samples, and operating points that no table has seen.
 
 use crate::document::Error;
-use gearmesh::compliance::ToothCompliance;
-use gearmesh::compliance::analytical::{AnalyticalCompliance, AxialState};
+use gearmesh::compliance::finite_element::{PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
+use gearmesh::pair::{Pair, Refinement};
 use gearmesh::table::plan::{Coverage, default_axes, displacement_nodes, mesh_positions};
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{Axes, FlankGrid, Query, TableFile};
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// Numbers in [0, 1), the same in every run (xorshift64, Marsaglia 2003).
@@ -55,24 +53,20 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// The pair file at `path` with closed-form compliance.
-    pub fn analytical(path: &str) -> Result<Self, Error> {
-        let pair = Pair::read(path)?;
-        let model = |i: usize| -> Result<Arc<dyn ToothCompliance>, Error> {
-            let gear = &pair.geometry.gears[i];
-            Ok(Arc::new(AnalyticalCompliance::new(gear, AxialState::Free)?))
+    /// The pair file at `path` on finite elements, computed here.
+    pub fn new(path: &str, refinement: Refinement) -> Result<Self, Error> {
+        let pair = Pair {
+            refinement,
+            ..Pair::read(path)?
         };
-        let compliance = [model(0)?, model(1)?];
-        Self::with(pair, compliance)
-    }
-
-    /// `pair` with any compliance.
-    pub fn with(pair: Pair, compliance: [Arc<dyn ToothCompliance>; 2]) -> Result<Self, Error> {
+        let settings = Settings::for_pair(&pair);
+        let [first, second] =
+            PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true)?.gears;
         let settings = ContactSettings {
             tip_corner_contact: pair.tip_corner_contact,
             ..ContactSettings::default()
         };
-        let solver = ContactSolver::new(&pair, compliance, settings)?;
+        let solver = ContactSolver::new(&pair, [first, second], settings)?;
         Ok(Setting { pair, solver })
     }
 

@@ -199,7 +199,7 @@ fn worst(curve: &[(f64, f64)]) -> f64 {
 pub fn report(folder: &Path) -> crate::Outcome {
     let mut text = String::from(
         "Two laws over displacement, centre distance, misalignment and mesh position, every effect on, both flanks: `sampled potential` \
-         (`table::samples::Spring`) and `palermo2013`, the table of that pair with closed-form compliance. \
+         (`table::samples::Spring`) and `palermo2013`, the table of that pair on coarse finite elements. \
          Loops: ellipses of 1 um (rotations: 1 um at 40 mm) in each of the 66 pairs of the twelve freedoms, worst work over energy; then \
          5 um of rotation by 10 um radially (ellipse inscribed).\n\n\
          | law | formulation | interpolant | worst work / energy | work 5 um x 10 um, J | energy there, J |\n|---|---|---|---|---|---|\n",

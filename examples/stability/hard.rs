@@ -220,7 +220,7 @@ pub fn report(_: &Path) -> crate::Outcome {
     let stiffness = Parameters::default().constant_stiffness;
     let mut text = format!(
         "Tangential force, both flanks able to carry, no damping, pressed by {:.0} um on the line of action unless said. The external pair with \
-         {stiffness:.2e} N/m, the paper's pair with its shipped table, and planet and ring with a table of closed-form compliance \
+         {stiffness:.2e} N/m, the paper's pair with its shipped table, and planet and ring with a table on coarse finite elements \
          (backlash {:.0} um), all effects on, spline.\n\n| case |",
         1e6 * PRESS,
         1e6 * BACKLASH

@@ -1,11 +1,10 @@
 //! The tables of the experiments: one of a real pair, one imported from samples of a textbook spring.
 
 use crate::pair;
-use gearmesh::compliance::ToothCompliance;
-use gearmesh::compliance::analytical::{AnalyticalCompliance, AxialState};
+use gearmesh::compliance::finite_element::{PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
+use gearmesh::pair::{Pair, Refinement};
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{Axes, FlankTable, Interpolation, Table, TableFile, import, plan};
 use std::f64::consts::TAU;
@@ -17,12 +16,12 @@ type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
 /// The paper's modified pair with a table made here.
 pub fn palermo() -> Result<(Pair, Arc<Table>)> {
-    closed_form(include_str!("../../resources/pairs/palermo2013.json"))
+    coarse(include_str!("../../resources/pairs/palermo2013.json"))
 }
 
 /// The shipped planet and ring with a table made here.
 pub fn planet_and_ring() -> Result<(Pair, Arc<Table>)> {
-    closed_form(include_str!("../../resources/pairs/planet-ring-27-84.json"))
+    coarse(include_str!("../../resources/pairs/planet-ring-27-84.json"))
 }
 
 /// The paper's modified pair with its shipped table, from finite elements.
@@ -32,16 +31,16 @@ pub fn shipped_palermo() -> Result<(Pair, Arc<Table>)> {
     Ok((pair, Arc::new(table)))
 }
 
-/// Table over all four dimensions of a pair file, closed-form compliance, on a grid that takes seconds.
-fn closed_form(pair_file: &str) -> Result<(Pair, Arc<Table>)> {
-    let pair = Pair::from_json(pair_file)?;
-    let axial = AxialState::Free;
-    let [first, second] = &pair.geometry.gears;
-    let compliance: [Arc<dyn ToothCompliance>; 2] = [
-        Arc::new(AnalyticalCompliance::new(first, axial)?),
-        Arc::new(AnalyticalCompliance::new(second, axial)?),
-    ];
-    let solver = ContactSolver::new(&pair, compliance, ContactSettings::for_pair(&pair))?;
+/// Table over all four dimensions of a pair file, on coarse finite elements and a grid that takes seconds.
+fn coarse(pair_file: &str) -> Result<(Pair, Arc<Table>)> {
+    let pair = Pair {
+        refinement: Refinement::Coarse,
+        ..Pair::from_json(pair_file)?
+    };
+    let settings = Settings::for_pair(&pair);
+    let [first, second] =
+        PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true)?.gears;
+    let solver = ContactSolver::new(&pair, [first, second], ContactSettings::for_pair(&pair))?;
     let even = |[low, high]: [f64; 2], n: usize| -> Vec<f64> {
         (0..n)
             .map(|i| low + (high - low) * i as f64 / (n - 1) as f64)

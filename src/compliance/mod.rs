@@ -1,7 +1,6 @@
 //! How far a loaded flank gives way: bulk compliance (bending, shear, base, blank, neighbours) apart
 //! from the local contact, whose width depends on the load.
 
-pub mod analytical;
 pub mod finite_element;
 mod widest_contact;
 

@@ -41,7 +41,7 @@ impl ContactSettings {
     /// Settings for `pair`: 40 stations, or as many as leave each as long as the widest contact of the
     /// pair's loads and misalignments is wide, but at least 10; tip corners as the pair file says.
     pub fn for_pair(pair: &Pair) -> ContactSettings {
-        let elements = match pair.compliance.refinement {
+        let elements = match pair.refinement {
             Refinement::Coarse => COARSE_OVER_NORMAL,
             Refinement::Normal | Refinement::Fine => 1.0,
         };

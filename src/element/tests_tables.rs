@@ -2,18 +2,17 @@
 
 use super::testing::{FORMULATIONS, at, compressed, spun, undamped};
 use super::*;
-use crate::compliance::ToothCompliance;
-use crate::compliance::analytical::{AnalyticalCompliance, AxialState};
-use crate::contact::{ContactSettings, ContactSolver};
+use crate::contact::ContactSettings;
 use crate::gear::Flank;
 use crate::pair::Pair;
 use crate::table::source::StaticSource;
 use crate::table::sweep::{Watch, sweep};
 use crate::table::{Axes, TableFile, plan};
+use crate::testing::coarse_solver;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use std::f64::consts::TAU;
 
-/// The paper's modified pair with a lead slope, so that the flanks differ; closed-form compliance. The element at
+/// The paper's modified pair with a lead slope, so that the flanks differ; coarse finite elements. The element at
 /// rest under a torque has, on either flank, transmission error and axial position of the contact as the contact
 /// solver has them there, between the table's nodes.
 #[test]
@@ -28,10 +27,7 @@ fn a_real_pair_under_torque_stands_on_either_flank_as_the_contact_solver_says() 
     let pair = Pair::from_json(&sloped).unwrap();
     assert!(!pair.coast_mirrors_drive());
     let geometry = &pair.geometry;
-    let compliance = [0, 1].map(|i| -> Arc<dyn ToothCompliance> {
-        Arc::new(AnalyticalCompliance::new(&geometry.gears[i], AxialState::Free).unwrap())
-    });
-    let solver = ContactSolver::new(&pair, compliance, ContactSettings::default()).unwrap();
+    let solver = coarse_solver(&pair, ContactSettings::default());
     let axes = Axes {
         displacement_fraction: plan::displacement_nodes(10, 1.6),
         center_distance_offset: vec![0.0],

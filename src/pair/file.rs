@@ -40,7 +40,7 @@ pub struct PairFile {
     pub gear2: GearFile,
     /// Loads and deviations to be covered.
     pub operating: OperatingFile,
-    /// Elastic model. Default: finite elements, normal refinement.
+    /// Elastic model. Default: normal refinement.
     #[serde(default)]
     pub compliance: ComplianceFile,
     /// Whether contact of tip corners outside the path of contact is counted. Default true.
@@ -181,23 +181,9 @@ pub struct OperatingFile {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ComplianceFile {
-    /// Model. Default `finite-element`.
-    #[serde(default)]
-    pub method: ComplianceMethod,
     /// Mesh of the finite-element model. Default `normal`.
     #[serde(default)]
     pub refinement: Refinement,
-}
-
-/// Elastic model of the teeth and blanks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ComplianceMethod {
-    /// Three-dimensional finite elements.
-    #[default]
-    FiniteElement,
-    /// Closed-form tooth, base and blank.
-    Analytical,
 }
 
 /// Fineness of the finite-element model.

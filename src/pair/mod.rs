@@ -16,7 +16,7 @@ use std::path::Path;
 
 pub use error::{PairError, Refusal};
 use file::PairFile;
-pub use file::{ComplianceMethod, Refinement};
+pub use file::Refinement;
 
 use crate::gear::{Microgeometry, PairGeometry};
 
@@ -33,15 +33,6 @@ pub struct Operating {
     pub misalignment: [f64; 2],
 }
 
-/// How the teeth are modelled, as the pair file chooses it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct ComplianceChoice {
-    /// Elastic model.
-    pub method: ComplianceMethod,
-    /// Fineness of the finite-element model.
-    pub refinement: Refinement,
-}
-
 /// A gear pair that has passed all checks, SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
@@ -53,8 +44,8 @@ pub struct Pair {
     pub microgeometry: [Microgeometry; 2],
     /// Loads and deviations to be covered.
     pub operating: Operating,
-    /// Elastic model.
-    pub compliance: ComplianceChoice,
+    /// Fineness of the finite elements.
+    pub refinement: Refinement,
     /// Whether contact of tip corners outside the path of contact is counted.
     pub tip_corner_contact: bool,
     /// What is legal but worth knowing, one sentence each.

@@ -7,7 +7,7 @@ use super::mesh_checks::{
     Place, check_clearance, check_contact, check_gear, check_tooth_difference, field, warnings,
 };
 use super::modifications::microgeometry;
-use super::{ComplianceChoice, Operating, Pair};
+use super::{Operating, Pair};
 use crate::gear::{Gear, GearKind, PairGeometry, ToothProfile, inverse_involute};
 
 pub(super) const MM: f64 = 1e-3;
@@ -44,10 +44,7 @@ pub(super) fn resolve(file: &PairFile) -> Result<Pair, Refusal> {
             center_distance_offset: file.operating.center_distance_offset_um.map(|v| v * UM),
             misalignment: file.operating.misalignment_mrad.map(|v| v * 1e-3),
         },
-        compliance: ComplianceChoice {
-            method: file.compliance.method,
-            refinement: file.compliance.refinement,
-        },
+        refinement: file.compliance.refinement,
         tip_corner_contact: file.tip_corner_contact,
         warnings: notes,
         geometry,

@@ -11,6 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
+from conftest import COARSE  # noqa: E402
 from demo import scenes  # noqa: E402
 from demo.drawing import Drawing  # noqa: E402
 from demo.gear_pair import GearPair, GearPairError  # noqa: E402
@@ -39,11 +40,10 @@ def spring(tmp_path_factory, drawing):
 
 @pytest.fixture(scope="module")
 def tabulated(tmp_path_factory, drawing):
-    """The paper's pair on tables over load and mesh position, analytical compliance for speed."""
+    """The paper's pair on tables over load and mesh position, coarse finite elements for speed."""
     folder = tmp_path_factory.mktemp("tables")
     fmu = folder / "pair with spaces ä.fmu"
-    options = ("--compliance", "analytical", "--no-center-distance", "--no-misalignment")
-    gearmesh("build", PAIR, "-o", fmu, *options)
+    gearmesh("build", PAIR, "-o", fmu, "--no-center-distance", "--no-misalignment", *COARSE)
     return Files(fmu, drawing)
 
 
@@ -76,7 +76,7 @@ def test_explicit_and_implicit_steps_agree_on_the_slow_cycle(tabulated):
 def test_slow_rotation_reproduces_the_static_solution(tabulated, drawing):
     from demo.solver import Command
 
-    cycle = Command(GEARMESH).solve(PAIR, 100.0, "--compliance", "analytical")
+    cycle = Command(GEARMESH).solve(PAIR, 100.0, *COARSE)
     record = scenes.slow_cycles(tabulated, 100.0, cycles=2)
     one = scenes.cycles_of(record)[0]
     delta = record["mesh.transmissionError"][one] * math.cos(drawing.pressure_angle)

@@ -6,11 +6,9 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use gearmesh::compliance::ToothCompliance;
-use gearmesh::compliance::analytical::{AnalyticalCompliance, AxialState};
 use gearmesh::compliance::finite_element::{Origin, PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
-use gearmesh::gear::Gear;
-use gearmesh::pair::{ComplianceMethod, Pair, Refinement};
+use gearmesh::pair::{Pair, Refinement};
 
 use crate::Error;
 use crate::limits;
@@ -23,15 +21,6 @@ pub enum Switch {
     On,
     /// No
     Off,
-}
-
-/// Elastic model of the teeth on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    /// Three-dimensional finite elements
-    FiniteElement,
-    /// Closed form: milliseconds, for first looks
-    Analytical,
 }
 
 /// Fineness of the finite-element model on the command line.
@@ -49,10 +38,6 @@ pub enum Level {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Model")]
 pub struct ModelArgs {
-    /// Elastic model of teeth and blanks [default: as the pair file says, finite-element]
-    #[arg(long, value_enum)]
-    compliance: Option<Method>,
-
     /// Fineness of the finite elements [default: as the pair file says, normal]
     #[arg(long, value_enum)]
     refinement: Option<Level>,
@@ -108,14 +93,8 @@ const BESIDE: &str = ".gearmesh-compliance";
 impl ModelArgs {
     /// The pair with the choices of the command line in place of those of the file.
     pub fn applied_to(&self, mut pair: Pair) -> Pair {
-        if let Some(method) = self.compliance {
-            pair.compliance.method = match method {
-                Method::FiniteElement => ComplianceMethod::FiniteElement,
-                Method::Analytical => ComplianceMethod::Analytical,
-            };
-        }
         if let Some(level) = self.refinement {
-            pair.compliance.refinement = match level {
+            pair.refinement = match level {
                 Level::Coarse => Refinement::Coarse,
                 Level::Normal => Refinement::Normal,
                 Level::Fine => Refinement::Fine,
@@ -156,10 +135,7 @@ impl ModelArgs {
             settings.stations = stations;
         }
         let begin = Instant::now();
-        let (compliance, origin) = match pair.compliance.method {
-            ComplianceMethod::Analytical => (self.analytical(pair)?, "computed".to_owned()),
-            ComplianceMethod::FiniteElement => self.finite_element(pair, output)?,
-        };
+        let (compliance, origin) = self.finite_element(pair, output)?;
         let compliance_seconds = begin.elapsed().as_secs_f64();
         Ok(Model {
             solver: ContactSolver::new(pair, compliance, settings)?,
@@ -169,30 +145,26 @@ impl ModelArgs {
         })
     }
 
-    /// The pair with the elastic model whose difference to that of `pair` tells the error: the next
-    /// finer one where it is cheap, else the next coarser one.
+    /// The pair with the refinement whose difference to that of `pair` tells the error: the next finer one
+    /// where it is cheap, else the next coarser one.
     pub fn reference(pair: &Pair) -> Pair {
         let mut other = pair.clone();
-        other.compliance.refinement = match (pair.compliance.method, pair.compliance.refinement) {
-            (ComplianceMethod::Analytical, _) | (_, Refinement::Normal) => Refinement::Coarse,
-            (_, Refinement::Coarse | Refinement::Fine) => Refinement::Normal,
+        other.refinement = match pair.refinement {
+            Refinement::Normal => Refinement::Coarse,
+            Refinement::Coarse | Refinement::Fine => Refinement::Normal,
         };
-        other.compliance.method = ComplianceMethod::FiniteElement;
         other
     }
 
     fn description(&self, pair: &Pair) -> String {
-        let mut words = match pair.compliance.method {
-            ComplianceMethod::Analytical => "analytical".to_owned(),
-            ComplianceMethod::FiniteElement => format!(
-                "finite elements, {}",
-                match pair.compliance.refinement {
-                    Refinement::Coarse => "coarse",
-                    Refinement::Normal => "normal",
-                    Refinement::Fine => "fine",
-                }
-            ),
-        };
+        let mut words = format!(
+            "finite elements, {}",
+            match pair.refinement {
+                Refinement::Coarse => "coarse",
+                Refinement::Normal => "normal",
+                Refinement::Fine => "fine",
+            }
+        );
         if self.plane_strain {
             words.push_str(", plane strain");
         }
@@ -200,19 +172,6 @@ impl ModelArgs {
             words.push_str(", contact on the path only");
         }
         words
-    }
-
-    fn analytical(&self, pair: &Pair) -> Result<Compliance, Error> {
-        let axial = if self.plane_strain {
-            AxialState::PlaneStrain
-        } else {
-            AxialState::Free
-        };
-        let model = |gear: &Gear| -> Result<Arc<dyn ToothCompliance>, Error> {
-            Ok(Arc::new(AnalyticalCompliance::new(gear, axial)?))
-        };
-        let [first, second] = &pair.geometry.gears;
-        Ok([model(first)?, model(second)?])
     }
 
     fn finite_element(

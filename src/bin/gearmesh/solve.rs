@@ -57,7 +57,7 @@ pub struct Solve {
     #[arg(long, value_enum, default_value_t = Flank::Drive)]
     flank: Flank,
 
-    /// Solve with another elastic model, too, and print how far the results differ
+    /// Solve with finite elements of another refinement, too, and print how far the results differ
     #[arg(long, conflicts_with = "json")]
     estimate_error: bool,
 
@@ -119,7 +119,7 @@ impl Solve {
         );
     }
 
-    /// How far another elastic model is from this one.
+    /// How far the elastic model of another refinement is from this one.
     fn difference(
         &self,
         pair: &Pair,
@@ -141,7 +141,7 @@ impl Solve {
                 format!("{:.3} s, {}", model.compliance_seconds, model.origin),
             );
         Ok(format!(
-            "\nestimated error, from the difference to another model\n{rows}"
+            "\nestimated error, from the difference to another refinement\n{rows}"
         ))
     }
 }

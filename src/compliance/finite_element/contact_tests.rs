@@ -150,7 +150,7 @@ fn a_ring_carries_its_torque_on_the_end_of_its_face() {
     // Flat flanks, and all load on a few millimetres: contacts as wide as a quarter of the tooth is high.
     let text = include_str!("../../../resources/pairs/planet-ring-27-84.json");
     let mut pair = Pair::from_json(text).unwrap();
-    pair.compliance.refinement = crate::pair::Refinement::Coarse;
+    pair.refinement = crate::pair::Refinement::Coarse;
     let torque = 1.5 * pair.operating.nominal_torque;
     pair.operating.maximum_torque = torque;
     pair.operating.misalignment = [-3e-3, 3e-3];

@@ -137,10 +137,7 @@ impl Settings {
         // smallest centre distance. Half a pitch more for a centre distance outside the stated range.
         let nearest = geometry.center_distance + pair.operating.center_distance_offset[0].min(0.0);
         let ratio = 2.0 * geometry.transverse_contact_ratio(nearest) + geometry.overlap_ratio();
-        let mut settings = Settings::new(
-            pair.compliance.refinement,
-            (ratio.max(1.0) + 0.5).ceil() as usize,
-        );
+        let mut settings = Settings::new(pair.refinement, (ratio.max(1.0) + 0.5).ceil() as usize);
         let width = &mut settings.discretization.kernel_half_width;
         let module = geometry.gears[0].normal_module;
         *width = width.max((KERNEL_OVER_HERTZ * widest_contact(pair) / module).min(WIDEST_KERNEL));

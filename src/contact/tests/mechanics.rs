@@ -1,10 +1,10 @@
 //! Energy, monotony, equilibrium and refusals.
 
 use super::*;
-use crate::compliance::{BeyondModel, Strip};
+use crate::compliance::finite_element::{PairCompliance, Settings};
 use crate::contact::cholesky::Cholesky;
 use crate::gear::Flank;
-use nalgebra::DMatrix;
+use crate::pair::Refinement;
 
 const SHIPPED: [&str; 4] = [
     include_str!("../../../resources/pairs/palermo2013.json"),
@@ -16,7 +16,7 @@ const SHIPPED: [&str; 4] = [
 fn shipped() -> impl Iterator<Item = (Pair, ContactSolver)> {
     SHIPPED.iter().map(|text| {
         let pair = Pair::from_json(text).unwrap();
-        let solver = solver(&pair, AxialState::Free, ContactSettings::default());
+        let solver = coarse_solver(&pair, ContactSettings::default());
         (pair, solver)
     })
 }
@@ -178,7 +178,7 @@ fn ste_is_continuous_over_the_mesh_position() {
                 stations: 12,
                 ..Default::default()
             };
-            let solver = solver(&pair, AxialState::Free, settings);
+            let solver = coarse_solver(&pair, settings);
             let ste = |tau: f64| {
                 solver
                     .position(Flank::Drive, tau, 0.0)
@@ -253,7 +253,7 @@ fn loads_that_no_tooth_can_carry_are_refused_with_their_torque() {
         reach: Some(0.1),
         ..ContactSettings::default()
     };
-    let solver = solver(&pair, AxialState::Free, settings);
+    let solver = coarse_solver(&pair, settings);
     let problem = solver.position(Flank::Drive, 0.2, 0.0).unwrap();
     let error = problem.solve_torque(1e6, 1e-3, None).unwrap_err();
     assert!(
@@ -269,27 +269,12 @@ fn loads_that_no_tooth_can_carry_are_refused_with_their_torque() {
 
 #[test]
 fn teeth_that_the_elastic_model_does_not_know_are_refused_with_the_center_distance() {
-    struct Single(AnalyticalCompliance);
-    impl ToothCompliance for Single {
-        fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
-            let teeth = || strips.iter().map(|s| s.tooth);
-            let distance = (teeth().max().unwrap() - teeth().min().unwrap()) as usize;
-            match distance {
-                0 => self.0.bulk(strips),
-                _ => Err(BeyondModel { distance, reach: 0 }),
-            }
-        }
-        fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
-            self.0.reference_lengths(strips)
-        }
-    }
     let (pair, _) = shipped().next().unwrap();
-    let compliance = [0, 1].map(|i| {
-        let gear = &pair.geometry.gears[i];
-        let model = AnalyticalCompliance::new(gear, AxialState::Free).unwrap();
-        Arc::new(Single(model)) as Arc<dyn ToothCompliance>
-    });
-    let solver = ContactSolver::new(&pair, compliance, ContactSettings::default()).unwrap();
+    let alone = Settings::new(Refinement::Coarse, 0);
+    let [first, second] = PairCompliance::new(&pair.geometry, &alone, None, &|_, _, _| true)
+        .unwrap()
+        .gears;
+    let solver = ContactSolver::new(&pair, [first, second], ContactSettings::default()).unwrap();
     let text = match solver.position(Flank::Drive, 0.5, 80e-6) {
         Err(error) => error.to_string(),
         Ok(_) => String::from("accepted"),

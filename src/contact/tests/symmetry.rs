@@ -52,7 +52,7 @@ fn solve_with(
         ..Default::default()
     };
     let torque = loa_force * pair.geometry.gears[0].base_radius();
-    solver(&pair, AxialState::Free, settings)
+    coarse_solver(&pair, settings)
         .position(flank, tau, 20e-6)
         .unwrap()
         .solve_torque(torque, misalignment, None)

@@ -107,8 +107,7 @@ fn stated_defaults_are_those_that_are_filled_in() {
         (0.38, 0.0)
     );
     assert_eq!(pair.microgeometry, [Microgeometry::default(); 2]);
-    assert_eq!(pair.compliance.method, ComplianceMethod::FiniteElement);
-    assert_eq!(pair.compliance.refinement, Refinement::Normal);
+    assert_eq!(pair.refinement, Refinement::Normal);
     assert!(pair.tip_corner_contact);
     assert!(pair.warnings.is_empty(), "{:?}", pair.warnings);
 }

@@ -241,9 +241,9 @@ fn text_of_another_form_is_refused_with_the_path_of_the_field() {
             "2",
         ),
         (
-            patched(PAPER, r#"{"compliance": {"method": "fem"}}"#),
-            "compliance.method",
-            "finite-element",
+            patched(PAPER, r#"{"compliance": {"refinement": "finest"}}"#),
+            "compliance.refinement",
+            "coarse",
         ),
         (PAPER.replace("4.0,", "NaN,"), "normal_module_mm", "line"),
         (

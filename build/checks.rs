@@ -50,32 +50,32 @@ pub fn check_blocks(variables: &[Variable]) -> Result<()> {
 }
 
 /// ModelStructure: every output stands in Outputs and in InitialUnknowns, in order; dependencies
-/// ascend and name inputs only.
+/// ascend and name inputs only, in the initialization parameters, too.
 pub fn check_structure(root: Node, variables: &[Variable]) -> Result<()> {
     let structure = child(root, "ModelStructure")?;
     let outputs: Vec<usize> = (1..=variables.len())
         .filter(|&i| variables[i - 1].causality == "output")
         .collect();
-    for block in ["Outputs", "InitialUnknowns"] {
+    for (block, sources) in [
+        ("Outputs", ["input"].as_slice()),
+        ("InitialUnknowns", &["input", "parameter"]),
+    ] {
         let mut listed = Vec::new();
         for unknown in elements(child(structure, block)?) {
             let index: usize = attribute(unknown, "index")?.parse()?;
             listed.push(index);
             let mut last = 0;
-            for word in unknown
-                .attribute("dependencies")
-                .unwrap_or("")
-                .split_whitespace()
-            {
+            for word in attribute(unknown, "dependencies")?.split_whitespace() {
                 let known: usize = word.parse()?;
                 if known <= last {
                     return Err(format!("{block}, {index}: dependencies must ascend").into());
                 }
                 if variables
                     .get(known - 1)
-                    .is_none_or(|v| v.causality != "input")
+                    .is_none_or(|v| !sources.contains(&v.causality.as_str()))
                 {
-                    return Err(format!("{block}, {index}: {known} is not an input").into());
+                    let sources = sources.join(" or ");
+                    return Err(format!("{block}, {index}: {known} is no {sources}").into());
                 }
                 last = known;
             }

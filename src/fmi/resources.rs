@@ -15,7 +15,7 @@ use super::report::Refusal;
 use super::variables::{VARIABLE_COUNT, index_by_name, template_starts};
 use crate::element::{Element, ElementError, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
-use crate::table::{Table, TableFile};
+use crate::table::{Effects, Table, TableError, TableFile};
 
 /// File with the pair and the GUID.
 pub const UNIT_FILE: &str = "unit.json";
@@ -48,10 +48,21 @@ pub struct Resources {
     /// The pair and the GUID.
     pub unit: Unit,
     /// The tables; `None` in a unit of constant stiffness.
-    pub tables: Option<TableFile>,
+    tables: Option<Arc<TableFile>>,
+    /// What instances have made of the tables, one for each choice of effects in use.
+    made: Mutex<Vec<Weak<Table>>>,
 }
 
 impl Resources {
+    /// The resources of `unit` with its `tables`.
+    pub fn new(unit: Unit, tables: Option<TableFile>) -> Self {
+        Self {
+            unit,
+            tables: tables.map(Arc::new),
+            made: Mutex::new(Vec::new()),
+        }
+    }
+
     /// Start values of all variables as modelDescription.xml of this unit gives them.
     pub fn starts(&self) -> [f64; VARIABLE_COUNT] {
         let mut starts = template_starts();
@@ -73,12 +84,25 @@ impl Resources {
         let table = match (&self.tables, parameters.stiffness_model) {
             (Some(file), StiffnessModel::Table) => {
                 let effects = parameters.table_effects(geometry);
-                let table = Table::shared(file.clone(), &effects);
-                Some(table.map_err(|e| refuse(e.into()))?)
+                Some(self.table(file, effects).map_err(|e| refuse(e.into()))?)
             }
             _ => None,
         };
         Element::new(geometry, parameters, table).map_err(refuse)
+    }
+
+    /// One table in memory for all who ask for the same `effects`, while one of them still holds it.
+    fn table(&self, file: &Arc<TableFile>, effects: Effects) -> Result<Arc<Table>, TableError> {
+        // The list is whole even if a thread panicked while it held the lock.
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        made.retain(|table| table.strong_count() > 0);
+        let mut present = made.iter().filter_map(Weak::upgrade);
+        if let Some(table) = present.find(|table| *table.effects() == effects) {
+            return Ok(table);
+        }
+        let table = Arc::new(Table::with_effects(file.clone(), effects)?);
+        made.push(Arc::downgrade(&table));
+        Ok(table)
     }
 }
 
@@ -186,7 +210,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, ResourceError> {
     } else {
         None
     };
-    Ok(Resources { unit, tables })
+    Ok(Resources::new(unit, tables))
 }
 
 /// Reads the text of a [`UNIT_FILE`].
@@ -256,10 +280,7 @@ mod tests {
             .into(),
             geometry,
         };
-        let mut instance = Instance::new(Arc::new(Resources {
-            unit,
-            tables: Some(tables),
-        }));
+        let mut instance = Instance::new(Arc::new(Resources::new(unit, Some(tables))));
         instance.enter_initialization();
         for &(i, value) in sets {
             let v = &VARIABLES[i];
@@ -267,6 +288,35 @@ mod tests {
             instance.set("set", v.kind, item).unwrap();
         }
         instance
+    }
+
+    #[test]
+    fn instances_of_one_unit_share_tables_and_leave_none_behind() {
+        let first = on_table([8, 1, 5, 6], &[]);
+        let resources = first.resources.clone();
+        let table = |misalignment| {
+            let effects = Effects {
+                misalignment,
+                ..Parameters::default().table_effects(&resources.unit.geometry)
+            };
+            let effects = Effects {
+                center_distance: false,
+                ..effects
+            };
+            resources.table(resources.tables.as_ref().unwrap(), effects)
+        };
+        let (one, two, fewer) = (
+            table(true).unwrap(),
+            table(true).unwrap(),
+            table(false).unwrap(),
+        );
+        assert!(Arc::ptr_eq(&one, &two) && !Arc::ptr_eq(&one, &fewer));
+        assert!(
+            std::ptr::eq(one.file(), fewer.file()),
+            "the samples are shared even then"
+        );
+        drop((one, two, fewer));
+        assert_eq!(Arc::strong_count(resources.tables.as_ref().unwrap()), 1);
     }
 
     #[test]

@@ -4,7 +4,6 @@ use super::*;
 use crate::gear::samples::paper_pair;
 use crate::table::samples::Spring;
 use crate::table::{Effects, Interpolation, Load, Table};
-use std::sync::Arc;
 
 fn file() -> TableFile {
     let grid = Spring::grid([8, 1, 5, 6]);
@@ -134,24 +133,4 @@ fn an_effect_without_its_axis_is_refused_by_name() {
         .unwrap_err()
         .to_string();
     assert!(error.contains("nominalTorque"), "{error}");
-}
-
-#[test]
-fn instances_of_one_pair_share_one_table() {
-    let one = Table::shared(file(), &EFFECTS).unwrap();
-    let two = Table::shared(file(), &EFFECTS).unwrap();
-    assert!(Arc::ptr_eq(&one, &two));
-    let fewer = Table::shared(
-        file(),
-        &Effects {
-            misalignment: false,
-            ..EFFECTS
-        },
-    )
-    .unwrap();
-    assert!(!Arc::ptr_eq(&one, &fewer));
-    assert!(
-        std::ptr::eq(one.file(), fewer.file()),
-        "the samples are shared even then"
-    );
 }

@@ -3,7 +3,7 @@
 use super::{FlankGrid, FlankTable, Interpolation, SlicedAxis, TableError, TableFile};
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::Arc;
 
 /// How the stiffness depends on the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,7 +83,11 @@ impl Table {
         Self::with_effects(self.file.clone(), *effects)
     }
 
-    fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
+    /// The tables of `file`, which stays shared, with only the dimensions that `effects` switch on.
+    ///
+    /// # Errors
+    /// As [`Table::sliced`].
+    pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
         let geometry = file.geometry.pair_geometry()?;
         let flank = |grid: FlankGrid| flank_table(grid, &effects);
         Ok(Table {
@@ -93,32 +97,6 @@ impl Table {
             effects,
             file,
         })
-    }
-
-    /// As [`Table::sliced`] of the file with this text, but one table in memory for all who ask for
-    /// the same content and effects while one of them still holds it.
-    ///
-    /// # Errors
-    /// As [`Table::from_json`] and [`Table::sliced`].
-    pub fn shared(file: TableFile, effects: &Effects) -> Result<Arc<Self>, TableError> {
-        static TABLES: Mutex<Vec<Weak<Table>>> = Mutex::new(Vec::new());
-        // The list is whole even if a thread panicked while it held the lock.
-        let mut tables = TABLES.lock().unwrap_or_else(PoisonError::into_inner);
-        tables.retain(|t| t.strong_count() > 0);
-        let same_file = tables
-            .iter()
-            .filter_map(Weak::upgrade)
-            .filter(|t| t.file.checksum_sha256 == file.checksum_sha256)
-            .collect::<Vec<_>>();
-        if let Some(table) = same_file.iter().find(|t| t.effects == *effects) {
-            return Ok(table.clone());
-        }
-        let file = same_file
-            .first()
-            .map_or_else(|| Arc::new(file), |t| t.file.clone());
-        let table = Arc::new(Self::with_effects(file, *effects)?);
-        tables.push(Arc::downgrade(&table));
-        Ok(table)
     }
 
     /// The pair these tables belong to.

@@ -2,11 +2,14 @@
 
 import ctypes
 import re
+import subprocess
 import zipfile
 from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
+from conftest import gearmesh
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
@@ -43,16 +46,81 @@ def test_inputs_and_main_outputs_are_contiguous_blocks(xml):
     assert main == list(range(main[0], main[0] + 15))
 
 
-def test_outputs_depend_on_inputs_alone(xml):
+def listed(xml, block):
+    """Names of what each unknown of a block of ModelStructure depends on, by its name."""
     variables = scalars(xml)
-    structure = xml.find("ModelStructure")
-    outputs = {i for i, v in enumerate(variables, 1) if v.get("causality") == "output"}
-    assert {int(u.get("index")) for u in structure.find("Outputs")} == outputs
-    assert {int(u.get("index")) for u in structure.find("InitialUnknowns")} == outputs
-    for unknown in structure.find("Outputs"):
+    out = {}
+    for unknown in xml.find("ModelStructure").find(block):
         known = [int(k) for k in unknown.get("dependencies").split()]
         assert known == sorted(set(known))
-        assert {variables[k - 1].get("causality") for k in known} == {"input"}
+        out[variables[int(unknown.get("index")) - 1].get("name")] = [
+            variables[k - 1].get("name") for k in known
+        ]
+    return out
+
+
+def named(xml, causality):
+    return {v.get("name") for v in scalars(xml) if v.get("causality") == causality}
+
+
+def test_outputs_depend_on_inputs_and_at_first_on_parameters(xml):
+    running, initial = listed(xml, "Outputs"), listed(xml, "InitialUnknowns")
+    assert set(running) == set(initial) == named(xml, "output")
+    for name, known in running.items():
+        assert set(known) <= named(xml, "input"), name
+        # In initialization parameters count as well; this one acts inside steps alone.
+        assert set(initial[name]) - set(known) == named(xml, "parameter") - {"extrapolatePoses"}
+
+
+@pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])
+@pytest.mark.parametrize("pair", ["external-all", "ring2-all"])
+def test_no_output_changes_with_an_input_it_is_not_listed_with(table_mesh, xml, pair, formulation):
+    dependencies = listed(xml, "Outputs")
+    inputs, outputs = sorted(named(xml, "input")), list(dependencies)
+    rng = np.random.default_rng(7)
+    seen = set()
+    instance = table_mesh(pair)
+    instance.initialize({"formulation": formulation, "loadedFlank": 3, "damping": 3e3})
+    start = {n: instance.get(n) for n in inputs}
+    for _ in range(20):
+        # Poses about the nominal one, within a slack of some micrometres, moving either way.
+        values = {n: start[n] + rng.normal() * (2e-5 if "on[" in n or "angles" in n else 0.02) for n in inputs}
+        values["gear1.angles[3]"] = rng.choice([-1, 1]) * rng.uniform(0, 4e-4)
+        values |= {n: start[n] for n in inputs if "quaternion" in n}
+        instance.set(values)
+        before = dict(zip(outputs, instance.get(*outputs)))
+        for name in inputs:
+            instance.set({name: values[name] + (0.5 if "carrier" in name and "angles" not in name else 1e-6)})
+            for output, value in zip(outputs, instance.get(*outputs)):
+                if value != before[output]:
+                    assert name in dependencies[output], (name, output, value, before[output])
+                    seen.add((name, output))
+            instance.set({name: values[name]})
+    # Poses move all forces.
+    assert {("gear1.position[1]", f"gear2.force[{k}]") for k in (1, 2, 3)} <= seen
+
+
+def test_units_are_spelled_in_ascii(xml):
+    for unit in xml.find("UnitDefinitions"):
+        assert all(u.get("name").isascii() for u in [unit, *unit.findall("DisplayUnit")])
+
+
+def test_the_unit_names_its_author_and_its_date_and_is_packed_alike_every_time(fmus, tmp_path):
+    with zipfile.ZipFile(fmus["external"]) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    assert root.get("author") and root.get("copyright") and root.get("license")
+    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", root.get("generationDateAndTime"))
+    again = tmp_path / "again.fmu"
+    gearmesh("pack", "--pair", fmus["external"].with_suffix(".json"), "-o", again)
+    assert again.read_bytes() == fmus["external"].read_bytes()
+
+
+def test_the_library_exports_the_interface_and_nothing_else(units):
+    library = next((Path(units["external"].folder) / "binaries").glob("*/*"))
+    table = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True)
+    assert table.returncode == 0, table.stderr
+    names = [line.split()[-1] for line in table.stdout.splitlines()]
+    assert names and all(name.startswith("fmi2") for name in names), names
 
 
 def test_a_state_that_can_be_serialised_can_be_had(xml):

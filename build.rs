@@ -2,7 +2,9 @@
 //! library and the file that hosts read cannot drift. What the public checkers of FMUs miss is
 //! refused here, at compile time.
 
+#[path = "build/checks.rs"]
 mod checks;
+#[path = "build/emit.rs"]
 mod emit;
 
 use std::collections::{HashMap, HashSet};
@@ -21,10 +23,13 @@ type Enumerations = Vec<(String, Vec<String>)>;
 
 fn main() {
     println!("cargo::rerun-if-changed={SOURCE}");
+    println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=build");
-    // Line tables serve the command and the tests; in every FMU they would weigh twenty times the code.
     if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("linux") {
+        // Line tables serve the command and the tests; in every FMU they would weigh twenty times the code.
         println!("cargo::rustc-cdylib-link-arg=-Wl,--strip-debug");
+        // What dependencies export for themselves is none of the unit's interface.
+        println!("cargo::rustc-cdylib-link-arg=-Wl,--exclude-libs,ALL");
     }
     if let Err(error) = generate() {
         println!("cargo::error={SOURCE}: {error}");
@@ -183,6 +188,9 @@ fn variable(
             && !display.iter().any(|d| d == name)
         {
             return Err(format!("display unit {name} is not defined").into());
+        }
+        if !unit.is_ascii() || !typed.attribute("displayUnit").is_none_or(str::is_ascii) {
+            return Err("units are spelled in ASCII: importers read no others".into());
         }
         if number("nominal")?.is_none_or(|n| n <= 0.0) {
             return Err("a Real needs a positive nominal".into());

@@ -42,16 +42,6 @@ pub fn emit(root: Node, variables: &[Variable], enumerations: &Enumerations) -> 
         "/// Model identifier, the base name of the library in the archive.\n\
          pub const MODEL_IDENTIFIER: &str = {identifier:?};"
     )?;
-    let inputs = variables.iter().filter(|v| v.causality == "input").count();
-    let all = variables.len();
-    writeln!(
-        code,
-        "/// Number of inputs.\npub const INPUT_COUNT: usize = {inputs};"
-    )?;
-    writeln!(
-        code,
-        "/// Number of variables.\npub const VARIABLE_COUNT: usize = {all};"
-    )?;
     let categories: Vec<&str> = elements(child(root, "LogCategories")?)
         .map(|n| attribute(n, "name"))
         .collect::<Result<_>>()?;
@@ -69,7 +59,7 @@ pub fn emit(root: Node, variables: &[Variable], enumerations: &Enumerations) -> 
     writeln!(
         code,
         "}}\n/// All variables in the order of modelDescription.xml.\n\
-         pub static VARIABLES: [Variable; VARIABLE_COUNT] = ["
+         pub static VARIABLES: &[Variable] = &["
     )?;
     for v in variables {
         let items = enumerations

@@ -9,15 +9,15 @@ use std::sync::Mutex;
 
 use ::fmi::fmi2::binding::*;
 use gearmesh::fmi::c_interface::*;
-use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, Unit};
+use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, UnitFile};
 use gearmesh::gear::samples;
 
 const GUID: &str = "{00000000-0000-0000-0000-000000000001}";
 
 /// A spur pair.
-fn unit() -> Unit {
+fn unit() -> UnitFile {
     let start = |name: &str, value: f64| (name.to_owned(), value);
-    Unit {
+    UnitFile {
         version: UNIT_VERSION,
         guid: GUID.into(),
         name: "spur".into(),
@@ -27,7 +27,7 @@ fn unit() -> Unit {
 }
 
 /// Writes the resources of `unit` and returns their URI.
-fn resources(folder: &Path, unit: &Unit) -> CString {
+fn resources(folder: &Path, unit: &UnitFile) -> CString {
     let text = serde_json::to_string(unit).unwrap();
     std::fs::write(folder.join(UNIT_FILE), text).unwrap();
     CString::new(format!("file://{}", folder.display())).unwrap()
@@ -102,7 +102,11 @@ fn an_instance_lives_from_instantiation_to_freeing() {
             fmi2Type_fmi2CoSimulation,
             "the host passed GUID {other}",
         ),
-        (guid.as_c_str(), fmi2Type_fmi2ModelExchange, "co-simulation"),
+        (
+            guid.as_c_str(),
+            2,
+            "model exchange (0) and co-simulation (1)",
+        ),
     ] {
         assert!(instantiate(&uri, guid, kind).is_null());
         let last = LOG.lock().unwrap().pop().unwrap();
@@ -158,19 +162,117 @@ fn an_instance_lives_from_instantiation_to_freeing() {
 }
 
 #[test]
+fn text_without_an_end_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let uri = resources(folder.path(), &unit());
+    let endless = CString::new(vec![b'a'; 1 << 16]).unwrap();
+    assert!(instantiate(&uri, &endless, fmi2Type_fmi2CoSimulation).is_null());
+    let said = LOG.lock().unwrap().join("\n");
+    assert!(said.contains("fmuGUID does not end within"), "{said}");
+}
+
+/// Loads the library that lies beside this test, runs an instance, and unloads it again.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn load_and_unload(library: &CStr, uri: &CStr, guid: &CStr, kind: fmi2Type) {
+    // Safety: the symbols have the types of the standard (checked where they are made), the library
+    // stays loaded while they are called, and all pointers are valid during the calls.
+    unsafe {
+        let handle = libc::dlopen(library.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL);
+        assert!(!handle.is_null(), "{:?}", CStr::from_ptr(libc::dlerror()));
+        let symbol = |name: &CStr| libc::dlsym(handle, name.as_ptr());
+        macro_rules! function {
+            ($name:literal: $type:ty) => {
+                std::mem::transmute::<*mut c_void, $type>(symbol($name)).expect("exported")
+            };
+        }
+        let instantiate = function!(c"fmi2Instantiate": fmi2InstantiateTYPE);
+        let enter = function!(c"fmi2EnterInitializationMode": fmi2EnterInitializationModeTYPE);
+        let exit = function!(c"fmi2ExitInitializationMode": fmi2ExitInitializationModeTYPE);
+        let store = function!(c"fmi2GetFMUstate": fmi2GetFMUstateTYPE);
+        let reset = function!(c"fmi2Reset": fmi2ResetTYPE);
+        let free = function!(c"fmi2FreeInstance": fmi2FreeInstanceTYPE);
+        let (guid, uri) = (guid.as_ptr(), uri.as_ptr());
+        let c = instantiate(c"one".as_ptr(), kind, guid, uri, ptr::null(), 0, 0);
+        assert!(!c.is_null());
+        assert_eq!(enter(c), fmi2Status_fmi2OK);
+        assert_eq!(exit(c), fmi2Status_fmi2OK);
+        let mut state = ptr::null_mut();
+        assert_eq!(store(c, &mut state), fmi2Status_fmi2OK);
+        assert_eq!(reset(c), fmi2Status_fmi2OK);
+        free(c);
+        assert_eq!(libc::dlclose(handle), 0);
+        // Gone, not only counted down.
+        let flags = libc::RTLD_NOW | libc::RTLD_NOLOAD;
+        assert!(libc::dlopen(library.as_ptr(), flags).is_null());
+    }
+}
+
+/// To the byte: what malloc has given out before and after.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+#[test]
+fn loading_and_unloading_leaves_no_byte_behind() {
+    // In a process of its own: other tests allocate at the same time.
+    const ALONE: &str = "GEARMESH_TEST_ALONE";
+    if std::env::var_os(ALONE).is_none() {
+        let test = "loading_and_unloading_leaves_no_byte_behind";
+        let status = std::process::Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", test, "--test-threads=1", "--nocapture"])
+            .env(ALONE, "1")
+            // Without lists of freed blocks that would count as given out, and in one heap.
+            .env(
+                "GLIBC_TUNABLES",
+                "glibc.malloc.tcache_count=0:glibc.malloc.arena_max=1",
+            )
+            .status();
+        assert!(status.unwrap().success());
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let library = gearmesh::package::library_beside(&std::env::current_exe().unwrap()).unwrap();
+    // With tables, since these are what instances share.
+    let tables = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/resources/tables/palermo2013.json"
+    );
+    let file = gearmesh::table::TableFile::read(tables).unwrap();
+    let geometry = file.geometry.pair_geometry().unwrap();
+    let place = ("gear2.position[1]".to_owned(), geometry.center_distance);
+    let unit = UnitFile {
+        starts: [place, ("stiffnessModel".to_owned(), 2.0)].into(),
+        geometry,
+        ..unit()
+    };
+    std::fs::copy(tables, folder.path().join("tables.json")).unwrap();
+    let (uri, guid) = (resources(folder.path(), &unit), CString::new(GUID).unwrap());
+    let path = CString::new(library.path.to_str().unwrap()).unwrap();
+    // Safety: it asks for statistics.
+    let given_out = || unsafe { libc::mallinfo2() }.uordblks;
+    let mut before = 0;
+    for cycle in 0..12 {
+        let kind = [fmi2Type_fmi2CoSimulation, fmi2Type_fmi2ModelExchange][cycle % 2];
+        load_and_unload(&path, &uri, &guid, kind);
+        // The loader and C's library keep a few things of the first cycles.
+        if cycle == 3 {
+            before = given_out();
+        }
+    }
+    assert_eq!(given_out(), before);
+}
+
+#[test]
 fn altered_resources_are_refused_with_file_and_remedy() {
     let folder = tempfile::tempdir().unwrap();
-    let read = |unit: &Unit| {
+    let read = |unit: &UnitFile| {
         let uri = resources(folder.path(), unit);
         gearmesh::fmi::resources::load(uri.to_str().unwrap(), GUID)
             .unwrap_err()
             .to_string()
     };
-    let newer = Unit {
+    let newer = UnitFile {
         version: UNIT_VERSION + 1,
         ..unit()
     };
-    let foreign = Unit {
+    let foreign = UnitFile {
         starts: [("gear3.position[1]".to_owned(), 0.0)].into(),
         ..unit()
     };

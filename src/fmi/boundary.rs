@@ -6,9 +6,11 @@ use std::ffi::CString;
 use ::fmi::fmi2::binding::{
     fmi2Status, fmi2Status_fmi2Discard, fmi2Status_fmi2Error, fmi2Status_fmi2Fatal,
     fmi2Status_fmi2Warning, fmi2StatusKind, fmi2Type, fmi2Type_fmi2CoSimulation,
+    fmi2Type_fmi2ModelExchange,
 };
 
 use super::instance::Instance;
+use super::lifecycle::Interface;
 use super::report::{Refusal, Severity};
 use super::resources;
 
@@ -55,6 +57,16 @@ pub(super) fn check_array<T>(data: *const T, count: usize, what: &str) -> Result
     Ok(())
 }
 
+/// The unit has no continuous states and no event indicators: any are refused.
+pub(super) fn none_of(count: usize, what: &str) -> Result<(), Refusal> {
+    match count {
+        0 => Ok(()),
+        _ => Err(Refusal::error(format!(
+            "{count} {what}; this unit has none"
+        ))),
+    }
+}
+
 /// The unit has no variable of type String: any reference is refused.
 pub(super) fn no_strings(function: &str, references: &[u32]) -> Result<(), Refusal> {
     match references.first() {
@@ -79,18 +91,24 @@ pub(super) fn expect_status(
     )))
 }
 
-/// A new instance for co-simulation.
+/// A new instance for the interface that the host asks for.
 pub(super) fn instantiate(
     kind: fmi2Type,
     name: &str,
     guid: &str,
     location: &str,
 ) -> Result<Instance, Refusal> {
-    if kind != fmi2Type_fmi2CoSimulation {
-        return Err(Refusal::error(format!(
-            "fmuType = {kind}; this unit is for co-simulation ({fmi2Type_fmi2CoSimulation})"
-        )));
-    }
+    #[allow(non_upper_case_globals)] // names of the standard
+    let interface = match kind {
+        fmi2Type_fmi2ModelExchange => Interface::ModelExchange,
+        fmi2Type_fmi2CoSimulation => Interface::CoSimulation,
+        _ => {
+            return Err(Refusal::error(format!(
+                "fmuType = {kind}; this unit is for model exchange ({fmi2Type_fmi2ModelExchange}) \
+                 and co-simulation ({fmi2Type_fmi2CoSimulation})"
+            )));
+        }
+    };
     if name.is_empty() {
         return Err(Refusal::error(
             "instanceName is empty; give the instance a name",
@@ -98,7 +116,7 @@ pub(super) fn instantiate(
     }
     let resources =
         resources::load(location, guid).map_err(|error| Refusal::error(error.to_string()))?;
-    Ok(Instance::new(resources))
+    Ok(Instance::new(resources, interface))
 }
 
 #[cfg(test)]

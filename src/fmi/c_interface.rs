@@ -16,14 +16,17 @@
     clippy::missing_safety_doc
 )]
 
-use std::ffi::{CStr, CString, c_char};
+use std::ffi::CString;
 use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 
 use ::fmi::fmi2::binding::*;
+use libc::c_char;
 
-use super::boundary::{c_string, check_array, expect_status, instantiate, no_strings, status};
+use super::boundary::{
+    c_string, check_array, expect_status, instantiate, no_strings, none_of, status,
+};
 use super::instance::Instance;
 use super::lifecycle::{Function, State};
 use super::report::{EVENTS, Refusal, Severity, Wanted};
@@ -34,6 +37,25 @@ use super::variables::Kind;
 struct Component {
     instance: Instance,
     log: Log,
+}
+
+impl Component {
+    /// Moves the component to C's memory, since C holds it from now on: a host that watches its
+    /// allocations sees it, and where there is no memory left the answer is null.
+    unsafe fn hand_over(self) -> fmi2Component {
+        const { assert!(align_of::<Component>() <= align_of::<f64>()) }; // malloc serves any C type
+        let place = libc::malloc(size_of::<Component>()).cast::<Component>();
+        if !place.is_null() {
+            place.write(self);
+        }
+        place.cast()
+    }
+
+    /// Ends the component at `c`, which came from [`Component::hand_over`].
+    unsafe fn free(c: fmi2Component) {
+        ptr::drop_in_place(c.cast::<Component>());
+        libc::free(c);
+    }
 }
 
 /// The host's logger. The callbacks are copied: their struct is valid during fmi2Instantiate alone.
@@ -139,14 +161,21 @@ unsafe fn put<T>(place: *mut T, value: T) -> Result<(), Refusal> {
     put_all(place, 1, [value])
 }
 
+/// Bytes after which a host's string must have ended.
+const LONGEST_TEXT: usize = 1 << 16;
+
 /// The host's string.
 unsafe fn text<'a>(data: *const c_char, what: &str) -> Result<&'a str, Refusal> {
+    let refuse = |reason: &str| Err(Refusal::error(format!("{what} {reason}")));
     if data.is_null() {
-        return Err(Refusal::error(format!("{what} is null")));
+        return refuse("is null");
     }
-    CStr::from_ptr(data)
-        .to_str()
-        .map_err(|_| Refusal::error(format!("{what} is not UTF-8")))
+    let length = libc::strnlen(data, LONGEST_TEXT);
+    if length == LONGEST_TEXT {
+        return refuse("does not end within 65536 bytes");
+    }
+    let bytes = std::slice::from_raw_parts(data.cast::<u8>(), length);
+    std::str::from_utf8(bytes).or_else(|_| refuse("is not UTF-8"))
 }
 
 /// Exports functions that take a component and return a status, each checked against its type in the
@@ -196,7 +225,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
             logger: callbacks.and_then(|f| f.logger),
             environment: callbacks.map_or(ptr::null_mut(), |f| f.componentEnvironment),
             name: c_string(name.as_ref().map_or("", |n| n)),
-            wanted: Wanted::all(loggingOn != 0),
+            wanted: Wanted::new(loggingOn != 0),
         };
         let instance = name.and_then(|name| {
             let guid = text(fmuGUID, "fmuGUID")?;
@@ -204,7 +233,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
             instantiate(fmuType, name, guid, location)
         });
         match instance {
-            Ok(instance) => Box::into_raw(Box::new(Component { instance, log })).cast(),
+            Ok(instance) => Component { instance, log }.hand_over(),
             Err(refusal) => {
                 let message = format!("fmi2Instantiate: {refusal}");
                 log.write(fmi2Status_fmi2Error, Severity::Error.category(), &message);
@@ -222,46 +251,43 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
     if c.is_null() {
         return;
     }
-    // From Box::into_raw in fmi2Instantiate, not freed before. A panic ends here: the function has no
-    // status to return.
+    // From fmi2Instantiate, not freed before. A panic ends here: the function has no status to return.
     let _ = catch_unwind(AssertUnwindSafe(|| {
-        drop(Box::from_raw(c.cast::<Component>()));
+        Component::free(c);
         resources::release();
     }));
 }
 const _: fmi2FreeInstanceTYPE = Some(fmi2FreeInstance);
 
-/// Copies values of variables to the host.
-unsafe fn get<T>(
+/// Copies Integer, Enumeration or Boolean values, all of them C's int, to the host.
+unsafe fn get(
     c: &mut Component,
     function: &str,
     kind: Kind,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *mut T,
-    convert: impl Fn(f64) -> T,
+    (vr, nvr): (*const fmi2ValueReference, usize),
+    value: *mut fmi2Integer,
 ) -> Result<(), Refusal> {
     let references = array(vr, nvr, "vr")?.iter().copied();
     let mut places = array_mut(value, nvr, "value")?.iter_mut();
-    c.instance.get(function, kind, references, |v| {
+    c.instance.get_discrete(function, kind, references, |v| {
         if let Some(place) = places.next() {
-            place.write(convert(v));
+            place.write(v);
         }
     })
 }
 
-/// Sets variables to the host's values.
-unsafe fn set<T: Copy + Into<f64>>(
+/// Sets Enumeration or Boolean variables to the host's values.
+unsafe fn set(
     c: &mut Component,
     function: &str,
     kind: Kind,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *const T,
+    (vr, nvr): (*const fmi2ValueReference, usize),
+    value: *const fmi2Integer,
 ) -> Result<(), Refusal> {
-    let values = array(value, nvr, "value")?.iter().map(|v| (*v).into());
+    let values = array(value, nvr, "value")?.iter().copied();
     let references = array(vr, nvr, "vr")?.iter().copied();
-    c.instance.set(function, kind, references.zip(values))
+    c.instance
+        .set_discrete(function, kind, references.zip(values))
 }
 
 export! {
@@ -280,7 +306,7 @@ export! {
     }
     /// Opens the initialization.
     fn fmi2EnterInitializationMode: fmi2EnterInitializationModeTYPE, EnterInitializationMode (c) {
-        c.instance.enter_initialization();
+        c.instance.enter(State::InitializationMode);
         Ok(())
     }
     /// Closes the initialization: checks the parameters and latches the phases of the teeth.
@@ -289,7 +315,7 @@ export! {
     }
     /// Ends the simulation.
     fn fmi2Terminate: fmi2TerminateTYPE, Terminate (c) {
-        c.instance.terminate();
+        c.instance.enter(State::Terminated);
         Ok(())
     }
     /// Back to the state after fmi2Instantiate.
@@ -300,17 +326,23 @@ export! {
     /// Values of Real variables.
     fn fmi2GetReal: fmi2GetRealTYPE, Get
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Real) {
-        get(c, "fmi2GetReal", Kind::Real, vr, nvr, value, |v| v)
+        let references = array(vr, nvr, "vr")?.iter().copied();
+        let mut places = array_mut(value, nvr, "value")?.iter_mut();
+        c.instance.get_real(references, |v| {
+            if let Some(place) = places.next() {
+                place.write(v);
+            }
+        })
     }
     /// Values of Integer and Enumeration variables.
     fn fmi2GetInteger: fmi2GetIntegerTYPE, Get
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Integer) {
-        get(c, "fmi2GetInteger", Kind::Integer, vr, nvr, value, |v| v as fmi2Integer)
+        get(c, "fmi2GetInteger", Kind::Integer, (vr, nvr), value)
     }
     /// Values of Boolean variables.
     fn fmi2GetBoolean: fmi2GetBooleanTYPE, Get
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Boolean) {
-        get(c, "fmi2GetBoolean", Kind::Boolean, vr, nvr, value, |v| fmi2Boolean::from(v != 0.0))
+        get(c, "fmi2GetBoolean", Kind::Boolean, (vr, nvr), value)
     }
     /// Refuses any variable: there are none of type String.
     fn fmi2GetString: fmi2GetStringTYPE, Get
@@ -318,22 +350,24 @@ export! {
         no_strings("fmi2GetString", array(vr, nvr, "vr")?)
     }
     /// Sets Real inputs and parameters.
-    fn fmi2SetReal: fmi2SetRealTYPE, Set
+    fn fmi2SetReal: fmi2SetRealTYPE, SetReal
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Real) {
-        set(c, "fmi2SetReal", Kind::Real, vr, nvr, value)
+        let values = array(value, nvr, "value")?.iter().copied();
+        let references = array(vr, nvr, "vr")?.iter().copied();
+        c.instance.set_real(references.zip(values))
     }
     /// Sets Enumeration parameters.
-    fn fmi2SetInteger: fmi2SetIntegerTYPE, Set
+    fn fmi2SetInteger: fmi2SetIntegerTYPE, SetDiscrete
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Integer) {
-        set(c, "fmi2SetInteger", Kind::Integer, vr, nvr, value)
+        set(c, "fmi2SetInteger", Kind::Integer, (vr, nvr), value)
     }
     /// Sets Boolean parameters.
-    fn fmi2SetBoolean: fmi2SetBooleanTYPE, Set
+    fn fmi2SetBoolean: fmi2SetBooleanTYPE, SetDiscrete
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Boolean) {
-        set(c, "fmi2SetBoolean", Kind::Boolean, vr, nvr, value)
+        set(c, "fmi2SetBoolean", Kind::Boolean, (vr, nvr), value)
     }
     /// Refuses any variable: there are none of type String.
-    fn fmi2SetString: fmi2SetStringTYPE, Set
+    fn fmi2SetString: fmi2SetStringTYPE, SetDiscrete
         (_c, vr: *const fmi2ValueReference, nvr: usize, _value: *const fmi2String) {
         no_strings("fmi2SetString", array(vr, nvr, "vr")?)
     }
@@ -359,7 +393,7 @@ export! {
     /// Bytes that a kept state takes.
     fn fmi2SerializedFMUstateSize: fmi2SerializedFMUstateSizeTYPE, FmuState
         (c, state: fmi2FMUstate, size: *mut usize) {
-        put(size, c.instance.serialized_size(state.addr())?)
+        put(size, c.instance.serialize(state.addr())?.len())
     }
     /// Writes a kept state as bytes.
     fn fmi2SerializeFMUstate: fmi2SerializeFMUstateTYPE, FmuState
@@ -379,7 +413,7 @@ export! {
         put(state, ptr::without_provenance_mut(c.instance.deserialize(bytes)?))
     }
     /// Exact partial derivatives of outputs by inputs, times the seed.
-    fn fmi2GetDirectionalDerivative: fmi2GetDirectionalDerivativeTYPE, GetDerivative
+    fn fmi2GetDirectionalDerivative: fmi2GetDirectionalDerivativeTYPE, GetDirectionalDerivative
         (c, unknown: *const fmi2ValueReference, nUnknown: usize, known: *const fmi2ValueReference,
          nKnown: usize, dvKnown: *const fmi2Real, dvUnknown: *mut fmi2Real) {
         let known = array(known, nKnown, "vKnown_ref")?.iter().copied();
@@ -388,7 +422,7 @@ export! {
         put_all(dvUnknown, nUnknown, c.instance.directional_derivative(unknown, known.zip(seed))?)
     }
     /// Time derivatives of inputs at the start of the next step.
-    fn fmi2SetRealInputDerivatives: fmi2SetRealInputDerivativesTYPE, Set
+    fn fmi2SetRealInputDerivatives: fmi2SetRealInputDerivativesTYPE, SetInputDerivatives
         (c, vr: *const fmi2ValueReference, nvr: usize, order: *const fmi2Integer,
          value: *const fmi2Real) {
         let orders = array(order, nvr, "order")?.iter().copied();
@@ -441,6 +475,63 @@ export! {
     fn fmi2GetStringStatus: fmi2GetStringStatusTYPE, GetStatus
         (_c, kind: fmi2StatusKind, _value: *mut fmi2String) {
         expect_status(kind, fmi2StatusKind::MAX, "fmi2GetStringStatus")
+    }
+    /// The host handles an event: inputs and tunable parameters may jump.
+    fn fmi2EnterEventMode: fmi2EnterEventModeTYPE, EnterEventMode (c) {
+        c.instance.enter(State::EventMode);
+        Ok(())
+    }
+    /// There are no discrete states: one iteration is enough, and no event is to come.
+    fn fmi2NewDiscreteStates: fmi2NewDiscreteStatesTYPE, NewDiscreteStates
+        (_c, info: *mut fmi2EventInfo) {
+        put(info, fmi2EventInfo {
+            newDiscreteStatesNeeded: 0,
+            terminateSimulation: 0,
+            nominalsOfContinuousStatesChanged: 0,
+            valuesOfContinuousStatesChanged: 0,
+            nextEventTimeDefined: 0,
+            nextEventTime: 0.0,
+        })
+    }
+    /// The host integrates.
+    fn fmi2EnterContinuousTimeMode: fmi2EnterContinuousTimeModeTYPE, EnterContinuousTimeMode (c) {
+        c.instance.enter(State::ContinuousTimeMode);
+        Ok(())
+    }
+    /// Asks for nothing: outputs depend on nothing that came before.
+    fn fmi2CompletedIntegratorStep: fmi2CompletedIntegratorStepTYPE, CompletedIntegratorStep
+        (_c, _no_set_state_prior: fmi2Boolean, event: *mut fmi2Boolean, end: *mut fmi2Boolean) {
+        put(event, 0)?;
+        put(end, 0)
+    }
+    /// The time, on which nothing depends.
+    fn fmi2SetTime: fmi2SetTimeTYPE, SetTime (c, time: fmi2Real) {
+        c.instance.set_time(time)
+    }
+    /// There are no continuous states.
+    fn fmi2SetContinuousStates: fmi2SetContinuousStatesTYPE, SetContinuousStates
+        (_c, _x: *const fmi2Real, nx: usize) {
+        none_of(nx, "continuous states")
+    }
+    /// There are no continuous states.
+    fn fmi2GetDerivatives: fmi2GetDerivativesTYPE, GetStates
+        (_c, _derivatives: *mut fmi2Real, nx: usize) {
+        none_of(nx, "derivatives of continuous states")
+    }
+    /// There are no event indicators.
+    fn fmi2GetEventIndicators: fmi2GetEventIndicatorsTYPE, GetEventIndicators
+        (_c, _indicators: *mut fmi2Real, ni: usize) {
+        none_of(ni, "event indicators")
+    }
+    /// There are no continuous states.
+    fn fmi2GetContinuousStates: fmi2GetContinuousStatesTYPE, GetStates
+        (_c, _x: *mut fmi2Real, nx: usize) {
+        none_of(nx, "continuous states")
+    }
+    /// There are no continuous states.
+    fn fmi2GetNominalsOfContinuousStates: fmi2GetNominalsOfContinuousStatesTYPE, GetStates
+        (_c, _nominals: *mut fmi2Real, nx: usize) {
+        none_of(nx, "nominals of continuous states")
     }
 }
 

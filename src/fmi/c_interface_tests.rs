@@ -1,7 +1,9 @@
 //! What no host may provoke: a panic inside an export.
 
 use super::*;
-use crate::fmi::resources::{Resources, UNIT_VERSION, Unit};
+use crate::fmi::lifecycle::Interface;
+use crate::fmi::resources::{Resources, UNIT_VERSION, UnitFile};
+use std::ffi::CStr;
 use std::sync::Arc;
 
 static SAID: std::sync::Mutex<Vec<(fmi2Status, String)>> = std::sync::Mutex::new(Vec::new());
@@ -21,28 +23,29 @@ unsafe extern "C" fn listen(
 /// A component on the paper's pair with constant stiffness.
 fn component() -> fmi2Component {
     let geometry = crate::gear::samples::paper_pair(1.0);
-    let unit = Unit {
+    let unit = UnitFile {
         version: UNIT_VERSION,
         guid: "{guid}".into(),
         name: "paper".into(),
         starts: [("gear2.position[1]".to_owned(), geometry.center_distance)].into(),
         geometry,
     };
-    let resources = Arc::new(Resources::new(unit, None));
+    let resources = Arc::new(Resources::new(unit, None).unwrap());
     // A variadic function cannot be defined in stable Rust. This one is called with exactly its six
     // arguments, which the C conventions of x86-64 and AArch64 Linux pass alike for both.
     let logger =
         unsafe { std::mem::transmute::<*const (), fmi2CallbackLogger>(listen as *const ()) };
     let component = Component {
-        instance: Instance::new(resources),
+        instance: Instance::new(resources, Interface::CoSimulation),
         log: Log {
             logger,
             environment: ptr::null_mut(),
             name: c_string("mesh"),
-            wanted: Wanted::all(true),
+            wanted: Wanted::new(true),
         },
     };
-    Box::into_raw(Box::new(component)).cast()
+    // Safety: freed by fmi2FreeInstance alone.
+    unsafe { component.hand_over() }
 }
 
 #[test]

@@ -1,78 +1,104 @@
 //! One instance of the unit: what the functions of the interface do, in safe Rust.
-//!
-//! Outputs are a pure function of inputs, parameters and latch, evaluated when they are asked for
-//! (dirty flag), so that hosts may set and get without a step between and may go back in time.
 
 use std::sync::Arc;
 
-use super::lifecycle::{Function, State};
-use super::parameters::{element_parameters, orientation};
+use super::clock::Clock;
+use super::co_simulation::CoSimulation;
+use super::layout::inputs;
+use super::lifecycle::{Function, Interface, State};
+use super::polynomials::Polynomials;
 use super::report::{Refusal, Severity};
 use super::resources::Resources;
-use super::signals::{MAXIMUM_ORDER, Signals};
 use super::snapshot::Snapshot;
 use super::stored::Stored;
-use super::values::{check_finite, check_value, find};
-use super::variables::{
-    Causality, INPUT_COUNT, Kind, VARIABLE_COUNT, VARIABLES, Variability, Variable, index, index_of,
-};
-use crate::element::{CONTINUOUS_OUTPUTS, Element, Outputs};
-
-/// Outputs at the present inputs.
-pub struct Evaluated {
-    pub(super) all: Outputs,
-    /// The continuous ones in the order of their variables.
-    continuous: [f64; CONTINUOUS_OUTPUTS],
-}
+use super::unit::Unit;
+use super::values::{Value, accept, find};
+use super::variables::{Causality, Kind, VARIABLES, Variability, Variable, index_of};
 
 /// One instance of the unit.
 pub struct Instance {
-    pub(super) resources: Arc<Resources>,
-    starts: [f64; VARIABLE_COUNT],
-    pub(super) now: Snapshot,
-    /// Made from the parameters when first needed.
-    pub(super) element: Option<Element>,
-    pub(super) outputs: Option<Evaluated>,
-    /// Whether the last evaluation lay outside the table, for the log.
-    was_out_of_range: bool,
+    state: State,
+    unit: Unit,
+    simulation: Simulation,
     pub(super) stored: Stored,
+    /// Whether the last step ended outside the table, for the log.
+    was_out_of_range: bool,
     events: Vec<String>,
+}
+
+/// What goes beyond the unit.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(super) enum Simulation {
+    CoSimulation(CoSimulation),
+    /// The host integrates; there are no states and nothing depends on time.
+    ModelExchange(Clock),
+}
+
+impl Simulation {
+    fn new(interface: Interface) -> Self {
+        let clock = Clock::default();
+        match interface {
+            Interface::ModelExchange => Simulation::ModelExchange(clock),
+            Interface::CoSimulation => Simulation::CoSimulation(CoSimulation {
+                clock,
+                polynomials: Polynomials::constant(inputs()),
+            }),
+        }
+    }
+
+    fn interface(&self) -> Interface {
+        match self {
+            Simulation::CoSimulation(_) => Interface::CoSimulation,
+            Simulation::ModelExchange(_) => Interface::ModelExchange,
+        }
+    }
+
+    fn clock(&mut self) -> &mut Clock {
+        match self {
+            Simulation::CoSimulation(co_simulation) => &mut co_simulation.clock,
+            Simulation::ModelExchange(clock) => clock,
+        }
+    }
 }
 
 impl Instance {
     /// A new instance of the unit with these resources.
-    pub fn new(resources: Arc<Resources>) -> Self {
-        let starts = resources.starts();
-        let now = initial(&starts);
+    pub fn new(resources: Arc<Resources>, interface: Interface) -> Self {
         Self {
-            resources,
-            starts,
-            now,
-            element: None,
-            outputs: None,
-            was_out_of_range: false,
+            state: State::Instantiated,
+            unit: Unit::new(resources),
+            simulation: Simulation::new(interface),
             stored: Stored::default(),
+            was_out_of_range: false,
             events: Vec::new(),
         }
     }
 
     /// Current state of its life.
     pub fn state(&self) -> State {
-        self.now.state
+        self.state
+    }
+
+    /// What packing put beside the library.
+    pub(super) fn resources(&self) -> &Arc<Resources> {
+        self.unit.resources()
     }
 
     /// After a call that was refused with `severity`: fmi2Error and fmi2Fatal have states of their own.
     pub fn fail(&mut self, severity: Severity) {
         match severity {
-            Severity::Error => self.now.state = State::Error,
-            Severity::Fatal => self.now.state = State::Fatal,
+            Severity::Error => self.state = State::Error,
+            Severity::Fatal => self.state = State::Fatal,
             Severity::Warning | Severity::Discard => {}
         }
     }
 
-    /// Current communication point, s.
+    /// Current communication point, s; model exchange: the time last set.
     pub fn time(&self) -> f64 {
-        self.now.time
+        match &self.simulation {
+            Simulation::CoSimulation(co_simulation) => co_simulation.clock.time(),
+            Simulation::ModelExchange(clock) => clock.time(),
+        }
     }
 
     /// Events since the last call, for the log.
@@ -83,14 +109,20 @@ impl Instance {
     /// Refuses `function` where the state machine does not allow it.
     ///
     /// # Errors
-    /// Names the state and where the function is allowed.
+    /// Names the state and where the function is allowed, or the interface it belongs to.
     pub fn admit(&self, function: Function, name: &str) -> Result<(), Refusal> {
-        if function.is_allowed(self.now.state) {
+        let interface = self.simulation.interface();
+        if let Some(other) = function.interface().filter(|i| *i != interface) {
+            return Err(Refusal::error(format!(
+                "{name} belongs to {other:?}; this instance was made for {interface:?}"
+            )));
+        }
+        if function.is_allowed(self.state) {
             return Ok(());
         }
         Err(Refusal::error(format!(
             "{name} is not allowed in the state {:?}; it is in {}",
-            self.now.state,
+            self.state,
             function.allowed_names()
         )))
     }
@@ -98,321 +130,280 @@ impl Instance {
     /// fmi2SetupExperiment.
     ///
     /// # Errors
-    /// Times that are not finite or in the wrong order.
+    /// As [`Clock::setup`].
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
-        if !start.is_finite() {
-            return Err(Refusal::error(format!("startTime = {start} is not finite")));
-        }
-        // NaN is no time after the start.
-        let ordered = stop.is_none_or(|stop| stop >= start);
-        if let (Some(stop), false) = (stop, ordered) {
-            return Err(Refusal::error(format!(
-                "stopTime = {stop} lies before startTime = {start}"
-            )));
-        }
-        self.now.start_time = start;
-        self.now.time = start;
-        self.now.stop_time = stop;
-        Ok(())
+        self.simulation.clock().setup(start, stop)
     }
 
-    /// fmi2EnterInitializationMode.
-    pub fn enter_initialization(&mut self) {
-        self.now.state = State::InitializationMode;
+    /// fmi2EnterInitializationMode, fmi2EnterEventMode, fmi2EnterContinuousTimeMode, fmi2Terminate.
+    pub fn enter(&mut self, state: State) {
+        self.state = state;
     }
 
-    /// fmi2ExitInitializationMode: makes the element and latches the phases of the teeth.
+    /// fmi2ExitInitializationMode: makes the element and takes the phases of the teeth.
     ///
     /// # Errors
-    /// Parameters or poses that make no mesh; the instance stays in initialization.
+    /// Parameters or poses that make no mesh.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
-        let inputs = self
-            .now
-            .signals
-            .motions(orientation(&self.now.parameters))?;
-        self.make_element()?;
-        let element = self.element.as_ref().expect("made above");
-        let latch = element.latch(&inputs).map_err(refuse)?;
-        self.now.latch = Some(latch);
-        self.outputs = None;
-        self.evaluate()?;
-        self.now.state = State::StepComplete;
-        let outputs = &self.outputs.as_ref().expect("evaluated above").all;
-        self.events.push(format!(
-            "initialized at t = {} s: pair {}, centre distance {} m, mesh position {}",
-            self.now.time, self.resources.unit.name, outputs.center_distance, outputs.mesh_position
-        ));
+        self.unit.take_phases()?;
+        self.state = match self.simulation.interface() {
+            Interface::CoSimulation => State::StepComplete,
+            Interface::ModelExchange => State::EventMode,
+        };
+        let (time, name) = (self.time(), &self.resources().unit.name);
+        let said = self.unit.present().map(|outputs| {
+            format!(
+                "initialized at t = {time} s: pair {name}, centre distance {} m, mesh position {}",
+                outputs.all.center_distance, outputs.all.mesh_position
+            )
+        });
+        self.events = said.collect();
         Ok(())
-    }
-
-    /// fmi2Terminate.
-    pub fn terminate(&mut self) {
-        self.now.state = State::Terminated;
     }
 
     /// fmi2Reset: as after fmi2Instantiate; stored states stay valid.
     pub fn reset(&mut self) {
-        self.now = initial(&self.starts);
-        self.element = None;
-        self.outputs = None;
+        self.state = State::Instantiated;
+        self.unit = Unit::new(self.unit.resources().clone());
+        self.simulation = Simulation::new(self.simulation.interface());
         self.was_out_of_range = false;
         self.events.push("reset".into());
     }
 
-    /// Sets variables that are served by `kind` (Integer serves enumerations, too); all or none.
+    /// fmi2SetReal; all or none.
     ///
     /// # Errors
     /// Unknown references, wrong types, values that are not finite or outside their range, variables
     /// that may not be set now.
-    pub fn set(
+    pub fn set_real(
         &mut self,
-        function: &str,
-        kind: Kind,
         items: impl Iterator<Item = (u32, f64)> + Clone,
     ) -> Result<(), Refusal> {
+        const FUNCTION: &str = "fmi2SetReal";
+        let inputs = inputs();
         for (reference, value) in items.clone() {
             // Inputs are Real, always settable and unbounded (tested in `variables`); they are set in every step.
-            if kind == Kind::Real
-                && index_of(reference).is_some_and(|i| i < INPUT_COUNT)
-                && value.is_finite()
-            {
+            if index_of(reference).is_some_and(|i| i < inputs) && value.is_finite() {
                 continue;
             }
-            let i = find(function, kind, reference)?;
-            let variable = &VARIABLES[i];
-            self.settable(function, variable)?;
-            check_value(function, variable, value)?;
+            self.acceptable(FUNCTION, Kind::Real, reference, value)?;
         }
         for (reference, value) in items {
-            let Some(i) = index_of(reference) else {
-                continue;
-            };
-            if i < INPUT_COUNT {
-                self.now.signals.set(i, value);
-            } else if self.now.parameters[i].to_bits() != value.to_bits() {
-                self.now.parameters[i] = value;
-                self.retune(i)?;
+            match index_of(reference) {
+                Some(i) if i < inputs => {
+                    self.unit.set_input(i, value);
+                    if let Simulation::CoSimulation(co_simulation) = &mut self.simulation {
+                        co_simulation.polynomials.clear(i);
+                    }
+                }
+                Some(i) => self.unit.set_parameter(i, Value::Real(value))?,
+                None => {}
             }
-            self.outputs = None;
         }
         Ok(())
     }
 
-    /// A changed parameter: the element follows.
-    fn retune(&mut self, i: usize) -> Result<(), Refusal> {
-        if i == index::DAMPING
-            && let Some(element) = &self.element
-        {
-            self.element = Some(
-                element
-                    .with_damping(self.now.parameters[i])
-                    .map_err(refuse)?,
-            );
-        } else {
-            self.element = None;
+    /// fmi2SetInteger, which serves enumerations, too, and fmi2SetBoolean, with 0 and 1; all or none.
+    ///
+    /// # Errors
+    /// As [`Instance::set_real`].
+    pub fn set_discrete(
+        &mut self,
+        function: &str,
+        kind: Kind,
+        items: impl Iterator<Item = (u32, i32)>,
+    ) -> Result<(), Refusal> {
+        let accepted = items
+            .map(|(reference, value)| self.acceptable(function, kind, reference, f64::from(value)));
+        for (i, value) in accepted.collect::<Result<Vec<_>, _>>()? {
+            self.unit.set_parameter(i, value)?;
         }
         Ok(())
+    }
+
+    /// Index and value of a variable that may be set to `number` now.
+    fn acceptable(
+        &self,
+        function: &str,
+        kind: Kind,
+        reference: u32,
+        number: f64,
+    ) -> Result<(usize, Value), Refusal> {
+        let i = find(function, kind, reference)?;
+        self.settable(function, &VARIABLES[i])?;
+        Ok((i, accept(function, &VARIABLES[i], number)?))
     }
 
     fn settable(&self, function: &str, variable: &Variable) -> Result<(), Refusal> {
         let name = variable.name;
-        match (variable.causality, variable.variability) {
-            (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => Ok(()),
-            (Causality::Parameter, _) if self.now.state != State::StepComplete => Ok(()),
-            (Causality::Parameter, _) => Err(Refusal::error(format!(
-                "{function}: {name} is fixed after initialization; call fmi2Reset and set it before"
-            ))),
-            (Causality::Output, _) => Err(Refusal::error(format!(
-                "{function}: {name} is an output and cannot be set"
-            ))),
-        }
+        let initial = matches!(self.state, State::Instantiated | State::InitializationMode);
+        let integrating = self.state == State::ContinuousTimeMode;
+        let reason = match (variable.causality, variable.variability) {
+            (Causality::Input, _) => return Ok(()),
+            (Causality::Parameter, Variability::Tunable) if !integrating => return Ok(()),
+            (Causality::Parameter, _) if initial => return Ok(()),
+            (Causality::Parameter, Variability::Tunable) => {
+                "changes at events only; call fmi2EnterEventMode before"
+            }
+            (Causality::Parameter, _) => {
+                "is fixed after initialization; call fmi2Reset and set it before"
+            }
+            (Causality::Output, _) => "is an output and cannot be set",
+        };
+        Err(Refusal::error(format!("{function}: {name} {reason}")))
     }
 
-    /// Values of variables that are served by `kind`.
+    /// fmi2GetReal: calls `put` with each value.
     ///
     /// # Errors
     /// Unknown references, wrong types; inputs or parameters at which there are no outputs.
-    pub fn get(
+    pub fn get_real(
         &mut self,
-        function: &str,
-        kind: Kind,
         references: impl Iterator<Item = u32>,
         mut put: impl FnMut(f64),
     ) -> Result<(), Refusal> {
         for reference in references {
             // Read in every step.
-            if kind == Kind::Real
-                && let Some(Evaluated { continuous, .. }) = &self.outputs
-                && let Some(value) = index_of(reference)
-                    .and_then(|i| i.checked_sub(INPUT_COUNT))
-                    .and_then(|row| continuous.get(row))
-            {
-                put(*value);
+            if let Some(value) = index_of(reference).and_then(|i| self.unit.at_hand(i)) {
+                put(value);
                 continue;
             }
-            let i = find(function, kind, reference)?;
-            put(match VARIABLES[i].causality {
-                Causality::Input => self.now.signals.value[i],
-                Causality::Parameter => self.now.parameters[i],
-                Causality::Output => self.output(i)?,
+            put(self.value("fmi2GetReal", Kind::Real, reference)?.number());
+        }
+        Ok(())
+    }
+
+    /// fmi2GetInteger, which serves enumerations, too, and fmi2GetBoolean (0 and 1).
+    ///
+    /// # Errors
+    /// As [`Instance::get_real`].
+    pub fn get_discrete(
+        &mut self,
+        function: &str,
+        kind: Kind,
+        references: impl Iterator<Item = u32>,
+        mut put: impl FnMut(i32),
+    ) -> Result<(), Refusal> {
+        for reference in references {
+            put(match self.value(function, kind, reference)? {
+                Value::Integer(x) => x,
+                Value::Boolean(x) => i32::from(x),
+                Value::Real(x) => x as i32,
             });
         }
         Ok(())
     }
 
-    fn output(&mut self, i: usize) -> Result<f64, Refusal> {
-        let outputs = self.evaluate()?;
-        Ok(match i {
-            index::MESH_FLANK => f64::from(outputs.all.flank),
-            index::MESH_OUT_OF_RANGE => f64::from(u8::from(outputs.all.out_of_range)),
-            _ => outputs.continuous[i - INPUT_COUNT],
+    fn value(&mut self, function: &str, kind: Kind, reference: u32) -> Result<Value, Refusal> {
+        let i = find(function, kind, reference)?;
+        let value = self.unit.get(i);
+        self.solvable(value)
+    }
+
+    /// A solver of model exchange may try points at which there are no outputs, and take a shorter step
+    /// when they are discarded.
+    fn solvable<T>(&self, outcome: Result<T, Refusal>) -> Result<T, Refusal> {
+        outcome.map_err(|refusal| match (self.state, refusal.severity) {
+            (State::ContinuousTimeMode, Severity::Error) => Refusal::discard(refusal.message),
+            _ => refusal,
         })
     }
 
-    fn make_element(&mut self) -> Result<&Element, Refusal> {
-        if self.element.is_none() {
-            let parameters = element_parameters(&self.now.parameters);
-            self.element = Some(self.resources.element(&parameters)?);
-        }
-        Ok(self.element.as_ref().expect("made above"))
-    }
-
-    /// The element, and phase zeros: the latched ones, or in initialization those of the present pose.
-    pub(super) fn element_and_latch(
-        &mut self,
-    ) -> Result<(&Element, crate::element::Latch, crate::element::Inputs), Refusal> {
-        let inputs = self
-            .now
-            .signals
-            .motions(orientation(&self.now.parameters))?;
-        let latched = self.now.latch;
-        let element = self.make_element()?;
-        let latch = match latched {
-            Some(latch) => latch,
-            None => element.latch(&inputs).map_err(refuse)?,
-        };
-        Ok((element, latch, inputs))
-    }
-
-    pub(super) fn evaluate(&mut self) -> Result<&Evaluated, Refusal> {
-        if self.outputs.is_none() {
-            let (element, latch, inputs) = self.element_and_latch()?;
-            let all = element.evaluate(&latch, &inputs).map_err(refuse)?;
-            let continuous = all.to_array();
-            if let Some(row) = continuous.iter().position(|x| !x.is_finite()) {
-                let name = VARIABLES[INPUT_COUNT + row].name;
-                return Err(self.overflow(name));
-            }
-            self.outputs = Some(Evaluated { all, continuous });
-        }
-        Ok(self.outputs.as_ref().expect("evaluated above"))
-    }
-
-    /// Numbers so large that `what` cannot be computed; names the largest input.
-    pub(super) fn overflow(&self, what: &str) -> Refusal {
-        let values = self.now.signals.value.iter();
-        let largest = values
-            .enumerate()
-            .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
-        let (i, value) = largest.map_or((0, 0.0), |(i, v)| (i, *v));
-        Refusal::error(format!(
-            "{what} is not finite at these inputs and parameters; the largest input is {} = {value}: \
-             check it and the parameters for numbers out of all proportion",
-            VARIABLES[i].name
-        ))
-    }
-
-    /// fmi2SetRealInputDerivatives; all or none.
+    /// fmi2GetDirectionalDerivative; see [`Unit::directional_derivative`].
     ///
     /// # Errors
-    /// Unknown references, variables that are no inputs, orders beyond 1 to 3, values
-    /// that are not finite.
+    /// As there.
+    pub fn directional_derivative(
+        &mut self,
+        unknown: &[u32],
+        known: impl Iterator<Item = (u32, f64)>,
+    ) -> Result<Vec<f64>, Refusal> {
+        let all = self.unit.directional_derivative(unknown, known);
+        self.solvable(all)
+    }
+
+    /// The co-simulation; `admit` lets none of its functions in without one.
+    fn co_simulation(&mut self) -> Result<(&mut CoSimulation, &mut Unit), Refusal> {
+        match &mut self.simulation {
+            Simulation::CoSimulation(co_simulation) => Ok((co_simulation, &mut self.unit)),
+            Simulation::ModelExchange(_) => {
+                Err(Refusal::error("the instance was made for model exchange"))
+            }
+        }
+    }
+
+    /// fmi2SetRealInputDerivatives; see [`CoSimulation::set_input_derivatives`].
+    ///
+    /// # Errors
+    /// As there.
     pub fn set_input_derivatives(
         &mut self,
-        items: impl Iterator<Item = (u32, i32, f64)> + Clone,
+        items: impl Iterator<Item = (u32, i32, f64)>,
     ) -> Result<(), Refusal> {
-        const FUNCTION: &str = "fmi2SetRealInputDerivatives";
-        for (reference, order, value) in items.clone() {
-            let i = find(FUNCTION, Kind::Real, reference)?;
-            let name = VARIABLES[i].name;
-            if i >= INPUT_COUNT {
-                return Err(Refusal::error(format!("{FUNCTION}: {name} is no input")));
-            }
-            if usize::try_from(order).is_ok_and(|o| (1..=MAXIMUM_ORDER).contains(&o)) {
-                check_finite(FUNCTION, &format!("derivative {order} of {name}"), value)?;
-            } else {
-                return Err(Refusal::error(format!(
-                    "{FUNCTION}: order {order} of {name}; orders 1 to {MAXIMUM_ORDER} are taken"
-                )));
-            }
-        }
-        for (reference, order, value) in items {
-            if let Some(i) = index_of(reference) {
-                self.now.signals.set_derivative(i, order as usize, value);
-            }
-        }
-        Ok(())
+        self.co_simulation()?.0.set_input_derivatives(items)
     }
 
-    /// fmi2DoStep: moves the inputs to the end of the step and evaluates there.
+    /// fmi2GetRealOutputDerivatives; see [`CoSimulation::output_derivatives`].
     ///
     /// # Errors
-    /// A step that is not positive, does not start where the last one ended, or passes the stop time;
-    /// inputs without a right answer.
+    /// As there.
+    pub fn output_derivatives(
+        &mut self,
+        items: impl Iterator<Item = (u32, i32)> + Clone,
+    ) -> Result<Vec<f64>, Refusal> {
+        let (co_simulation, unit) = self.co_simulation()?;
+        co_simulation.output_derivatives(unit, items)
+    }
+
+    /// fmi2DoStep; see [`CoSimulation::step`].
+    ///
+    /// # Errors
+    /// As there.
     pub fn do_step(&mut self, point: f64, step: f64) -> Result<(), Refusal> {
-        if !step.is_finite() || step <= 0.0 {
-            return Err(Refusal::error(format!(
-                "fmi2DoStep: communicationStepSize = {step}; it must be positive and finite"
-            )));
-        }
-        // Hosts add up times in their own way: equal means equal to rounding, never exactly.
-        let tolerance = 1e-3 * step + 1e-9 * self.now.time.abs();
-        let follows = (point - self.now.time).abs() <= tolerance; // never for NaN
-        if !follows {
-            return Err(Refusal::error(format!(
-                "fmi2DoStep: currentCommunicationPoint = {point}, but the last step ended at {}; \
-                 restore a stored state to go back",
-                self.now.time
-            )));
-        }
-        let end = point + step;
-        if let Some(stop) = self.now.stop_time
-            && end > stop + tolerance
-        {
-            return Err(Refusal::error(format!(
-                "fmi2DoStep: the step ends at {end}, after stopTime = {stop}; shorten it"
-            )));
-        }
-        let parameters = &self.now.parameters;
-        let poses = parameters[index::EXTRAPOLATE_POSES] != 0.0;
-        self.now
-            .signals
-            .advance(step, poses, orientation(parameters));
-        self.now.time = end;
-        self.outputs = None;
-        let out_of_range = self.evaluate()?.all.out_of_range;
-        if out_of_range != self.was_out_of_range {
-            let what = if out_of_range { "left" } else { "entered" };
+        let (co_simulation, unit) = self.co_simulation()?;
+        co_simulation.step(unit, point, step)?;
+        let is_out = self.unit.present().any(|outputs| outputs.all.out_of_range);
+        if is_out != self.was_out_of_range {
+            let what = if is_out { "left" } else { "entered" };
+            let time = self.time();
             self.events
-                .push(format!("t = {end} s: {what} the range of the table"));
-            self.was_out_of_range = out_of_range;
+                .push(format!("t = {time} s: {what} the range of the table"));
+            self.was_out_of_range = is_out;
         }
         Ok(())
     }
-}
 
-fn initial(starts: &[f64; VARIABLE_COUNT]) -> Snapshot {
-    Snapshot {
-        state: State::Instantiated,
-        time: 0.0,
-        start_time: 0.0,
-        stop_time: None,
-        parameters: *starts,
-        signals: Signals::constant(std::array::from_fn(|i| starts[i])),
-        latch: None,
+    /// fmi2SetTime.
+    ///
+    /// # Errors
+    /// A time that is not finite.
+    pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
+        self.simulation.clock().set(time)
     }
-}
 
-pub(super) fn refuse(error: crate::element::ElementError) -> Refusal {
-    Refusal::error(error.to_string())
+    /// All that a later result depends on.
+    pub(super) fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            state: self.state,
+            simulation: self.simulation.clone(),
+            point: self.unit.point(),
+        }
+    }
+
+    /// Back to a snapshot of this unit.
+    ///
+    /// # Errors
+    /// A snapshot of the other interface, or one that does not fit; nothing is changed.
+    pub(super) fn go_to(&mut self, snapshot: &Snapshot) -> Result<(), Refusal> {
+        let (found, own) = (snapshot.simulation.interface(), self.simulation.interface());
+        if found != own {
+            return Err(Refusal::error(format!(
+                "the stored state belongs to {found:?}; this instance was made for {own:?}"
+            )));
+        }
+        self.unit.go_to(&snapshot.point)?;
+        self.state = snapshot.state;
+        self.simulation = snapshot.simulation.clone();
+        Ok(())
+    }
 }

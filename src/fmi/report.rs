@@ -43,6 +43,11 @@ impl Refusal {
     }
 }
 
+/// What the element refuses is an error of the call.
+pub(super) fn refuse(error: crate::element::ElementError) -> Refusal {
+    Refusal::error(error.to_string())
+}
+
 /// Log category of events.
 pub const EVENTS: &str = "logEvents";
 
@@ -58,14 +63,18 @@ impl Severity {
     }
 }
 
-/// Which categories the host wants to hear.
+/// Which categories the host hears.
+///
+/// `loggingOn` of fmi2Instantiate and fmi2SetDebugLogging without categories speak of debug logging:
+/// here, of events. Why a call was refused is no debug output. It reaches the logger until the host
+/// switches the category off by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wanted([bool; LOG_CATEGORIES.len()]);
 
 impl Wanted {
-    /// All categories or none.
-    pub const fn all(on: bool) -> Self {
-        Self([on; LOG_CATEGORIES.len()])
+    /// Reports of refused calls and, if `debug`, events.
+    pub fn new(debug: bool) -> Self {
+        Self(LOG_CATEGORIES.map(|category| debug || category != EVENTS))
     }
 
     /// Whether `category` is wanted.
@@ -76,17 +85,18 @@ impl Wanted {
             .is_some_and(|i| self.0[i])
     }
 
-    /// fmi2SetDebugLogging: switches `categories`, or all of them if there are none.
+    /// fmi2SetDebugLogging: switches `categories`; without any, all of them on, or debug logging off.
     ///
     /// # Errors
     /// A category that modelDescription.xml does not declare; nothing is changed.
     pub fn switch(&mut self, on: bool, categories: &[&str]) -> Result<(), Refusal> {
-        if categories.is_empty() {
-            *self = Self::all(on);
-            return Ok(());
-        }
+        let all = if on { &LOG_CATEGORIES[..] } else { &[EVENTS] };
         let mut wanted = *self;
-        for category in categories {
+        for category in if categories.is_empty() {
+            all
+        } else {
+            categories
+        } {
             let i = LOG_CATEGORIES
                 .iter()
                 .position(|c| c == category)
@@ -116,13 +126,27 @@ mod tests {
 
     #[test]
     fn an_undeclared_category_changes_nothing() {
-        let mut wanted = Wanted::all(false);
+        let mut wanted = Wanted::new(false);
         let error = wanted
             .switch(true, &["logEvents", "logNonsense"])
             .unwrap_err();
         assert!(error.message.contains("logNonsense"));
-        assert_eq!(wanted, Wanted::all(false));
+        assert_eq!(wanted, Wanted::new(false));
         wanted.switch(true, &["logEvents"]).unwrap();
-        assert!(wanted.contains("logEvents") && !wanted.contains("logStatusError"));
+        assert!(wanted.contains("logEvents"));
+    }
+
+    #[test]
+    fn refusals_are_heard_until_they_are_switched_off_by_name() {
+        let mut wanted = Wanted::new(false);
+        assert!(wanted.contains("logStatusError") && !wanted.contains("logEvents"));
+        wanted.switch(true, &[]).unwrap();
+        assert!(wanted.contains("logEvents"));
+        wanted.switch(false, &[]).unwrap();
+        assert!(wanted.contains("logStatusError") && !wanted.contains("logEvents"));
+        wanted.switch(false, &["logStatusError"]).unwrap();
+        assert!(!wanted.contains("logStatusError") && wanted.contains("logStatusFatal"));
+        wanted.switch(false, &[]).unwrap();
+        assert!(!wanted.contains("logStatusError"));
     }
 }

@@ -10,10 +10,12 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use serde::{Deserialize, Serialize};
 
+use super::layout::{MESHES, inputs};
 use super::location;
-use super::report::Refusal;
-use super::variables::{VARIABLE_COUNT, index_by_name, template_starts};
-use crate::element::{Element, ElementError, Parameters, StiffnessModel};
+use super::report::{Refusal, refuse};
+use super::settings::Settings;
+use super::variables::{index_by_name, template_starts};
+use crate::element::{Element, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
 use crate::table::{Effects, Table, TableError, TableFile};
 
@@ -23,13 +25,13 @@ pub const UNIT_FILE: &str = "unit.json";
 /// File with the tables; absent in a unit of constant stiffness.
 pub const TABLES_FILE: &str = "tables.json";
 
-/// Version of [`Unit`] that this library reads and writes.
+/// Version of [`UnitFile`] that this library reads and writes.
 pub const UNIT_VERSION: u32 = 1;
 
 /// Contents of [`UNIT_FILE`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Unit {
+pub struct UnitFile {
     /// Version of this layout, [`UNIT_VERSION`].
     pub version: u32,
     /// The guid of modelDescription.xml.
@@ -46,32 +48,59 @@ pub struct Unit {
 #[derive(Debug)]
 pub struct Resources {
     /// The pair and the GUID.
-    pub unit: Unit,
+    pub unit: UnitFile,
     /// The tables; `None` in a unit of constant stiffness.
     tables: Option<Arc<TableFile>>,
+    /// Start values, as modelDescription.xml of this unit gives them.
+    pub starts: Starts,
     /// What instances have made of the tables, one for each choice of effects in use.
     made: Mutex<Vec<Weak<Table>>>,
 }
 
+/// Start values of all variables that have some.
+#[derive(Debug, Clone)]
+pub struct Starts {
+    /// Of the inputs, in their order.
+    pub inputs: Vec<f64>,
+    /// Of the parameters of each mesh.
+    pub settings: Vec<Settings>,
+}
+
+impl Starts {
+    /// Those of the template with what `unit` has of its own.
+    ///
+    /// # Errors
+    /// Variables that are none, numbers that are none of their values, as text.
+    fn new(unit: &UnitFile) -> Result<Self, String> {
+        let mut starts = template_starts();
+        for (name, value) in &unit.starts {
+            let i = index_by_name(name)
+                .ok_or_else(|| format!("a start value for {name}, which is no variable"))?;
+            starts[i] = *value;
+        }
+        let settings = MESHES.iter().map(|mesh| {
+            Settings::of_starts(mesh.parameters, |i| starts[i])
+                .map_err(|v| format!("the start value of {} is none of its values", v.name))
+        });
+        Ok(Self {
+            settings: settings.collect::<Result<_, _>>()?,
+            inputs: starts[..inputs()].to_vec(),
+        })
+    }
+}
+
 impl Resources {
     /// The resources of `unit` with its `tables`.
-    pub fn new(unit: Unit, tables: Option<TableFile>) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// Start values that are none, as text.
+    pub fn new(unit: UnitFile, tables: Option<TableFile>) -> Result<Self, String> {
+        Ok(Self {
+            starts: Starts::new(&unit)?,
             unit,
             tables: tables.map(Arc::new),
             made: Mutex::new(Vec::new()),
-        }
-    }
-
-    /// Start values of all variables as modelDescription.xml of this unit gives them.
-    pub fn starts(&self) -> [f64; VARIABLE_COUNT] {
-        let mut starts = template_starts();
-        for (name, value) in &self.unit.starts {
-            if let Some(i) = index_by_name(name) {
-                starts[i] = *value;
-            }
-        }
-        starts
+        })
     }
 
     /// The element of this unit with `parameters`.
@@ -79,7 +108,6 @@ impl Resources {
     /// # Errors
     /// Parameters without meaning; an effect whose axis the tables lack.
     pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
-        let refuse = |e: ElementError| Refusal::error(e.to_string());
         let geometry = &self.unit.geometry;
         let table = match (&self.tables, parameters.stiffness_model) {
             (Some(file), StiffnessModel::Table) => {
@@ -210,24 +238,25 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, ResourceError> {
     } else {
         None
     };
-    Ok(Resources::new(unit, tables))
+    Resources::new(unit, tables).map_err(|reason| ResourceError::Contents {
+        path: folder.join(UNIT_FILE),
+        reason,
+    })
 }
 
 /// Reads the text of a [`UNIT_FILE`].
 ///
 /// # Errors
 /// What is wrong with it, as text.
-pub fn parse_unit(text: &str) -> Result<Unit, String> {
-    let unit: Unit = serde_json::from_str(text).map_err(|e| e.to_string())?;
+pub fn parse_unit(text: &str) -> Result<UnitFile, String> {
+    let unit: UnitFile = serde_json::from_str(text).map_err(|e| e.to_string())?;
     if unit.version != UNIT_VERSION {
         let found = unit.version;
         return Err(format!(
             "version {found}, this library reads {UNIT_VERSION}"
         ));
     }
-    if let Some(name) = unit.starts.keys().find(|n| index_by_name(n).is_none()) {
-        return Err(format!("a start value for {name}, which is no variable"));
-    }
+    Starts::new(&unit)?;
     Ok(unit)
 }
 
@@ -239,9 +268,10 @@ fn read_text(path: &Path) -> Result<String, ResourceError> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::fmi::instance::Instance;
+    use crate::fmi::lifecycle::{Interface, State};
     use crate::fmi::variables::{Kind, VARIABLES, index};
     use crate::table::Query;
     use crate::table::samples::Spring;
@@ -256,7 +286,7 @@ mod tests {
     }
 
     /// An instance on a table of a spring with a known potential; `counts` as in [`Spring::grid`].
-    fn on_table(counts: [usize; 4], sets: &[(usize, f64)]) -> Instance {
+    pub(in crate::fmi) fn on_table(counts: [usize; 4], sets: &[(usize, f64)]) -> Instance {
         let geometry = crate::gear::samples::paper_pair(1.0);
         let grid = Spring::grid(counts);
         let tables = TableFile::new(
@@ -268,7 +298,7 @@ mod tests {
             None,
         );
         let start = |name: &str, value| (name.to_owned(), value);
-        let unit = Unit {
+        let unit = UnitFile {
             version: UNIT_VERSION,
             guid: "{guid}".into(),
             name: "spring".into(),
@@ -280,12 +310,23 @@ mod tests {
             .into(),
             geometry,
         };
-        let mut instance = Instance::new(Arc::new(Resources::new(unit, Some(tables))));
-        instance.enter_initialization();
+        let resources = Arc::new(Resources::new(unit, Some(tables)).unwrap());
+        let mut instance = Instance::new(resources, Interface::CoSimulation);
+        instance.enter(State::InitializationMode);
         for &(i, value) in sets {
             let v = &VARIABLES[i];
-            let item = std::iter::once((v.value_reference, value));
-            instance.set("set", v.kind, item).unwrap();
+            if v.kind == Kind::Real {
+                instance
+                    .set_real(std::iter::once((v.value_reference, value)))
+                    .unwrap();
+                continue;
+            }
+            let kind = match v.kind {
+                Kind::Enumeration => Kind::Integer,
+                other => other,
+            };
+            let item = std::iter::once((v.value_reference, value as i32));
+            instance.set_discrete("set", kind, item).unwrap();
         }
         instance
     }
@@ -293,7 +334,7 @@ mod tests {
     #[test]
     fn instances_of_one_unit_share_tables_and_leave_none_behind() {
         let first = on_table([8, 1, 5, 6], &[]);
-        let resources = first.resources.clone();
+        let resources = first.resources().clone();
         let table = |misalignment| {
             let effects = Effects {
                 misalignment,
@@ -340,9 +381,7 @@ mod tests {
         instance.exit_initialization().unwrap();
         let turn = 1.2e-4;
         let spin = VARIABLES[index::GEAR1_ANGLES_3].value_reference;
-        instance
-            .set("set", Kind::Real, std::iter::once((spin, turn)))
-            .unwrap();
+        instance.set_real(std::iter::once((spin, turn))).unwrap();
         let pair = crate::gear::samples::paper_pair(1.0);
         let distance = pair.center_distance;
         let phi = pair.operating_pressure_angle(distance);
@@ -352,7 +391,12 @@ mod tests {
             misalignment: 0.0,
             mesh_position: turn / std::f64::consts::TAU * pair.gears[0].z(),
         });
-        let force = instance.evaluate().unwrap().all.tangential_force / phi.cos();
+        let force = VARIABLES[index::MESH_TANGENTIAL_FORCE].value_reference;
+        let mut loa = 0.0;
+        instance
+            .get_real(std::iter::once(force), |x| loa = x / phi.cos())
+            .unwrap();
+        let force = loa;
         assert!(exact.gradient[0] > 50.0);
         let error = force / exact.gradient[0] - 1.0;
         assert!(

@@ -1,208 +1,177 @@
 //! The state of an instance: everything that a later result depends on, without pointers, so that it
 //! can be kept, restored, and carried into another process.
 
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::instance::Simulation;
 use super::lifecycle::State;
 use super::report::Refusal;
-use super::signals::{MAXIMUM_ORDER, Signals};
-use super::variables::{INPUT_COUNT, VARIABLE_COUNT};
-use crate::element::Latch;
+use super::unit::Point;
 
 /// State of one instance.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Snapshot {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Snapshot {
     /// Where in its life the instance is.
     pub state: State,
-    /// Current communication point, s.
-    pub time: f64,
-    /// Start of the experiment, s.
-    pub start_time: f64,
-    /// End of the experiment, s, if the host set one.
-    pub stop_time: Option<f64>,
-    /// Parameters by variable index; places of inputs and outputs are not used.
-    pub parameters: [f64; VARIABLE_COUNT],
-    /// The inputs and their derivatives.
-    pub signals: Signals,
-    /// Phase zeros, from fmi2ExitInitializationMode on.
-    pub latch: Option<Latch>,
+    /// Clock, and the inputs' polynomials in co-simulation.
+    pub simulation: Simulation,
+    /// Inputs, parameters and phase zeros.
+    pub point: Point,
 }
 
 /// First bytes of a serialised state.
 const MAGIC: &[u8; 8] = b"gearmesh";
 
 /// Version of the layout below.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
-/// Numbers in a serialised state.
-const NUMBERS: usize = 7 + VARIABLE_COUNT + INPUT_COUNT * (2 + MAXIMUM_ORDER);
+/// Length of the checksum: SHA-256.
+const CHECKSUM: usize = 32;
 
-/// Length of a serialised state in bytes for a unit with this GUID.
-pub fn serialized_size(guid: &str) -> usize {
-    MAGIC.len() + 4 + 4 + guid.len() + 8 * NUMBERS + 8
+/// A state with the unit it belongs to.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    guid: String,
+    snapshot: Snapshot,
 }
 
-/// Writes `snapshot` as bytes, little-endian: magic, version, GUID with its length, the numbers, and
-/// a checksum over all before it.
-pub fn serialize(snapshot: &Snapshot, guid: &str) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(serialized_size(guid));
-    bytes.extend_from_slice(MAGIC);
-    bytes.extend_from_slice(&VERSION.to_le_bytes());
-    bytes.extend_from_slice(&(guid.len() as u32).to_le_bytes());
-    bytes.extend_from_slice(guid.as_bytes());
-    let s = &snapshot.signals;
-    let latch = snapshot.latch;
-    let numbers = [
-        f64::from(snapshot.state as u8),
-        snapshot.time,
-        snapshot.start_time,
-        // NaN says: no stop time, no latch. Neither is ever NaN itself.
-        snapshot.stop_time.unwrap_or(f64::NAN),
-        latch.map_or(f64::NAN, |l| l.tooth_angle),
-        latch.map_or(f64::NAN, |l| l.mesh_position),
-        INPUT_COUNT as f64,
-    ];
-    let all = numbers
-        .iter()
-        .copied()
-        .chain(snapshot.parameters.iter().copied())
-        .chain(s.value.iter().copied())
-        .chain(s.derivative.iter().flatten().copied())
-        .chain(s.given.iter().map(|g| f64::from(u8::from(*g))));
-    for number in all {
-        bytes.extend_from_slice(&number.to_le_bytes());
-    }
-    bytes.extend_from_slice(&checksum(&bytes).to_le_bytes());
+/// Writes `snapshot` as bytes: magic, version (little-endian), JSON, and a checksum over all before it.
+pub(super) fn serialize(snapshot: &Snapshot, guid: &str) -> Vec<u8> {
+    let mut bytes = [MAGIC.as_slice(), &VERSION.to_le_bytes()].concat();
+    let document = Document {
+        guid: guid.to_owned(),
+        snapshot: snapshot.clone(),
+    };
+    // Numbers, strings and lists alone: this cannot fail.
+    serde_json::to_writer(&mut bytes, &document).expect("a state serialises");
+    bytes.extend_from_slice(&Sha256::digest(&bytes));
     bytes
 }
 
 /// Reads what [`serialize`] wrote for the unit with this GUID.
 ///
 /// # Errors
-/// Bytes of another origin, version, unit, length, or altered ones.
-pub fn deserialize(bytes: &[u8], guid: &str) -> Result<Snapshot, Refusal> {
+/// Bytes of another origin, version or unit, and altered ones.
+pub(super) fn deserialize(bytes: &[u8], guid: &str) -> Result<Snapshot, Refusal> {
     let refuse = |reason: &str| {
-        Err(Refusal::error(format!(
+        Refusal::error(format!(
             "serialised state of {} bytes: {reason}; pass what fmi2SerializeFMUstate wrote for this unit",
             bytes.len()
-        )))
+        ))
     };
-    let mut rest = bytes;
-    let mut take = |count: usize| {
-        let (head, tail) = rest.split_at_checked(count)?;
-        rest = tail;
-        Some(head)
-    };
-    if take(MAGIC.len()) != Some(MAGIC) {
-        return refuse("it is not a state of gearmesh");
+    let version = bytes
+        .strip_prefix(MAGIC)
+        .and_then(|rest| rest.first_chunk())
+        .ok_or_else(|| refuse("it is not a state of gearmesh"))?;
+    let version = u32::from_le_bytes(*version);
+    if version != VERSION {
+        let reason = format!("it has version {version}, this library reads {VERSION}");
+        return Err(refuse(&reason));
     }
-    let mut word = || Some(u32::from_le_bytes(take(4)?.try_into().ok()?));
-    let (version, length) = (word(), word());
-    if version != Some(VERSION) {
-        return refuse("it has another version");
+    let (body, checksum) = bytes
+        .split_last_chunk::<CHECKSUM>()
+        .ok_or_else(|| refuse("it was cut"))?;
+    if Sha256::digest(body)[..] != checksum[..] {
+        return Err(refuse("it was cut or altered"));
     }
-    if length.and_then(|n| take(n as usize)) != Some(guid.as_bytes()) {
-        return refuse("it belongs to another unit");
+    let text = body
+        .get(MAGIC.len() + size_of::<u32>()..)
+        .unwrap_or_default();
+    let document: Document =
+        serde_json::from_slice(text).map_err(|error| refuse(&error.to_string()))?;
+    if document.guid != guid {
+        return Err(refuse("it belongs to another unit"));
     }
-    if bytes.len() != serialized_size(guid) {
-        return refuse("it has another length");
-    }
-    let (body, sum) = bytes.split_at(bytes.len() - 8);
-    if checksum(body).to_le_bytes() != sum {
-        return refuse("it was altered");
-    }
-    let mut numbers = rest[..8 * NUMBERS]
-        .chunks_exact(8)
-        .map(|c| f64::from_le_bytes(c.try_into().expect("chunks of eight bytes")));
-    let mut next = || numbers.next().expect("the length was compared above");
-    let [
-        state,
-        time,
-        start_time,
-        stop,
-        tooth_angle,
-        mesh_position,
-        inputs,
-    ] = std::array::from_fn(|_| next());
-    let state = State::ALL
-        .into_iter()
-        .find(|s| f64::from(*s as u8) == state);
-    let (Some(state), true) = (state, inputs == INPUT_COUNT as f64) else {
-        return refuse("it has another layout");
-    };
-    Ok(Snapshot {
-        state,
-        time,
-        start_time,
-        stop_time: (!stop.is_nan()).then_some(stop),
-        parameters: std::array::from_fn(|_| next()),
-        signals: Signals {
-            value: std::array::from_fn(|_| next()),
-            derivative: std::array::from_fn(|_| std::array::from_fn(|_| next())),
-            given: std::array::from_fn(|_| next() != 0.0),
-        },
-        latch: (!tooth_angle.is_nan()).then_some(Latch {
-            tooth_angle,
-            mesh_position,
-        }),
-    })
-}
-
-/// FNV-1a, 64 bit: against damage, not against malice.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
-    })
+    Ok(document.snapshot)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fmi::variables::template_starts;
+    use crate::fmi::instance::Instance;
+    use crate::fmi::lifecycle::Interface;
+    use crate::fmi::resources::tests::on_table;
+    use crate::fmi::variables::{VARIABLES, index};
 
-    fn snapshot() -> Snapshot {
-        let mut signals = Signals::constant(std::array::from_fn(|i| (i as f64).sqrt()));
-        signals.set_derivative(3, 2, -7.25);
-        Snapshot {
-            state: State::StepComplete,
-            time: 0.125,
-            start_time: -1.0,
-            stop_time: None,
-            parameters: template_starts(),
-            signals,
-            latch: Some(Latch {
-                tooth_angle: 1.5,
-                mesh_position: 0.25,
-            }),
-        }
+    fn reference(i: usize) -> u32 {
+        VARIABLES[i].value_reference
+    }
+
+    /// An instance in the middle of a simulation, with numbers that are not round.
+    fn running() -> Instance {
+        let mut instance = on_table([8, 1, 1, 6], &[(index::EXTRAPOLATE_POSES, 1.0)]);
+        instance.setup(-1.0 / 3.0, None).unwrap();
+        let sets = [
+            (index::GEAR1_ANGLES_3, 1e-4),
+            (index::GEAR2_ANGULAR_VELOCITY_3, -0.1),
+            (index::GEAR1_VELOCITY_1, -0.0),
+        ];
+        let sets = sets.map(|(i, value)| (reference(i), value));
+        instance.set_real(sets.into_iter()).unwrap();
+        let rate = (reference(index::GEAR1_ANGLES_3), 1, 0.7);
+        instance
+            .set_input_derivatives(std::iter::once(rate))
+            .unwrap();
+        instance.exit_initialization().unwrap();
+        instance.do_step(-1.0 / 3.0, 1e-5).unwrap();
+        instance
     }
 
     #[test]
     fn a_state_survives_its_serialisation_to_the_last_bit() {
-        let before = snapshot();
+        let mut instance = running();
+        let before = instance.snapshot();
         let bytes = serialize(&before, "{guid}");
-        assert_eq!(bytes.len(), serialized_size("{guid}"));
-        assert_eq!(deserialize(&bytes, "{guid}").unwrap(), before);
-        let without = Snapshot {
-            latch: None,
-            stop_time: Some(2.0),
-            ..before
+        let after = deserialize(&bytes, "{guid}").unwrap();
+        assert_eq!(after, before);
+        assert_eq!(serialize(&after, "{guid}"), bytes);
+        let outputs: Vec<u32> = (100..124).collect();
+        let read = |instance: &mut Instance| {
+            let mut values = Vec::new();
+            instance
+                .get_real(outputs.iter().copied(), |x| values.push(x.to_bits()))
+                .unwrap();
+            values
         };
-        let bytes = serialize(&without, "{guid}");
-        assert_eq!(deserialize(&bytes, "{guid}").unwrap(), without);
+        let expected = read(&mut instance);
+        let mut other = on_table([8, 1, 1, 6], &[]);
+        other.go_to(&after).unwrap();
+        assert_eq!(read(&mut other), expected);
     }
 
     #[test]
-    fn a_state_that_is_cut_altered_or_of_another_unit_is_refused() {
-        let good = serialize(&snapshot(), "{guid}");
+    fn a_state_that_is_cut_altered_or_of_another_unit_or_version_is_refused() {
+        let good = serialize(&running().snapshot(), "{guid}");
         for i in (0..good.len()).step_by(7) {
             let mut bad = good.clone();
             bad[i] ^= 1;
             assert!(deserialize(&bad, "{guid}").is_err(), "byte {i}");
         }
-        for length in [0, 7, 20, good.len() - 1] {
+        for length in [0, 7, 12, 20, good.len() - 1] {
             assert!(deserialize(&good[..length], "{guid}").is_err());
         }
         assert!(deserialize(&[good.as_slice(), &[0]].concat(), "{guid}").is_err());
         let error = deserialize(&good, "{diug}").unwrap_err();
         assert!(error.message.contains("another unit"));
+        let mut old = good;
+        old[MAGIC.len()] = 1;
+        let error = deserialize(&old, "{guid}").unwrap_err();
+        assert!(error.message.contains("it has version 1"), "{error}");
+    }
+
+    #[test]
+    fn a_state_of_model_exchange_is_none_of_a_co_simulation() {
+        let mut co_simulation = running();
+        let resources = co_simulation.resources().clone();
+        let before = co_simulation.snapshot();
+        let other = Instance::new(resources, Interface::ModelExchange).snapshot();
+        let error = co_simulation.go_to(&other).unwrap_err();
+        assert!(
+            error.message.contains("belongs to ModelExchange"),
+            "{error}"
+        );
+        assert_eq!(co_simulation.snapshot(), before);
     }
 }

@@ -28,7 +28,8 @@ impl Instance {
             }
             None => NEXT_HANDLE.fetch_add(1, Ordering::Relaxed),
         };
-        self.stored.0.insert(handle, self.now.clone());
+        let snapshot = self.snapshot();
+        self.stored.0.insert(handle, snapshot);
         Ok(handle)
     }
 
@@ -43,15 +44,10 @@ impl Instance {
     /// fmi2SetFMUstate.
     ///
     /// # Errors
-    /// A handle that is none of this instance.
+    /// A handle that is none of this instance; a state of the other interface.
     pub fn restore(&mut self, handle: usize) -> Result<(), Refusal> {
         let state = self.stored(handle)?.clone();
-        if state.parameters.map(f64::to_bits) != self.now.parameters.map(f64::to_bits) {
-            self.element = None;
-        }
-        self.now = state;
-        self.outputs = None;
-        Ok(())
+        self.go_to(&state)
     }
 
     /// fmi2FreeFMUstate.
@@ -64,23 +60,14 @@ impl Instance {
         Ok(())
     }
 
-    /// fmi2SerializedFMUstateSize, bytes.
-    ///
-    /// # Errors
-    /// A handle that is none of this instance.
-    pub fn serialized_size(&self, handle: usize) -> Result<usize, Refusal> {
-        self.stored(handle)?;
-        Ok(snapshot::serialized_size(&self.resources.unit.guid))
-    }
-
-    /// fmi2SerializeFMUstate.
+    /// fmi2SerializeFMUstate, and with its length fmi2SerializedFMUstateSize.
     ///
     /// # Errors
     /// A handle that is none of this instance.
     pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, Refusal> {
         Ok(snapshot::serialize(
             self.stored(handle)?,
-            &self.resources.unit.guid,
+            &self.resources().unit.guid,
         ))
     }
 
@@ -89,7 +76,7 @@ impl Instance {
     /// # Errors
     /// Bytes that are no state of this unit.
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
-        let state = snapshot::deserialize(bytes, &self.resources.unit.guid)?;
+        let state = snapshot::deserialize(bytes, &self.resources().unit.guid)?;
         let handle = NEXT_HANDLE.fetch_add(1, Ordering::Relaxed);
         self.stored.0.insert(handle, state);
         Ok(handle)

@@ -1,7 +1,44 @@
-//! What is checked of the value references and values that a host passes.
+//! Values of variables, and what is checked of those that a host passes.
 
+use super::layout::{Role, role};
 use super::report::Refusal;
 use super::variables::{Kind, VARIABLES, Variable, index_of};
+
+/// Value of a variable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// Of a Real.
+    Real(f64),
+    /// Of an Integer, or the number of an enumeration's item, counted from 1.
+    Integer(i32),
+    /// Of a Boolean.
+    Boolean(bool),
+}
+
+impl Value {
+    /// The value of a variable of `kind` that a start value writes as `number`: a Boolean as 0 or 1.
+    /// `None` if it is no such value.
+    pub fn of(kind: Kind, number: f64) -> Option<Self> {
+        let whole = number as i32;
+        match kind {
+            Kind::Real => Some(Value::Real(number)),
+            Kind::Boolean if number == 0.0 || number == 1.0 => Some(Value::Boolean(whole == 1)),
+            Kind::Integer | Kind::Enumeration if f64::from(whole) == number => {
+                Some(Value::Integer(whole))
+            }
+            _ => None,
+        }
+    }
+
+    /// The number that a start value writes for it.
+    pub fn number(self) -> f64 {
+        match self {
+            Value::Real(x) => x,
+            Value::Integer(x) => f64::from(x),
+            Value::Boolean(x) => f64::from(u8::from(x)),
+        }
+    }
+}
 
 /// Index of the variable with this reference, if functions of `kind` serve it.
 pub(super) fn find(function: &str, kind: Kind, reference: u32) -> Result<usize, Refusal> {
@@ -24,6 +61,16 @@ pub(super) fn find(function: &str, kind: Kind, reference: u32) -> Result<usize, 
     Ok(i)
 }
 
+/// Index and name of the input with this reference.
+pub(super) fn input(function: &str, reference: u32) -> Result<(usize, &'static str), Refusal> {
+    let i = find(function, Kind::Real, reference)?;
+    let name = VARIABLES[i].name;
+    if role(i) == Role::Input {
+        return Ok((i, name));
+    }
+    Err(Refusal::error(format!("{function}: {name} is no input")))
+}
+
 /// Refuses NaN and infinities.
 pub(super) fn check_finite(function: &str, name: &str, value: f64) -> Result<(), Refusal> {
     if value.is_finite() {
@@ -34,16 +81,19 @@ pub(super) fn check_finite(function: &str, name: &str, value: f64) -> Result<(),
     )))
 }
 
-/// Refuses NaN, infinities and values outside the variable's range.
-pub(super) fn check_value(function: &str, variable: &Variable, value: f64) -> Result<(), Refusal> {
+/// The value that `number` is for `variable`: not for NaN, infinities and what lies outside its range.
+pub(super) fn accept(function: &str, variable: &Variable, number: f64) -> Result<Value, Refusal> {
     let name = variable.name;
-    check_finite(function, name, value)?;
+    check_finite(function, name, number)?;
     let (min, max) = match variable.kind {
         Kind::Boolean => (Some(0.0), Some(1.0)),
         _ => (variable.min, variable.max),
     };
-    if min.is_none_or(|m| value >= m) && max.is_none_or(|m| value <= m) {
-        return Ok(());
+    if min.is_none_or(|m| number >= m)
+        && max.is_none_or(|m| number <= m)
+        && let Some(value) = Value::of(variable.kind, number)
+    {
+        return Ok(value);
     }
     let remedy = match (variable.kind, min, max) {
         (Kind::Enumeration, _, _) => {
@@ -56,7 +106,7 @@ pub(super) fn check_value(function: &str, variable: &Variable, value: f64) -> Re
         (_, _, max) => format!("set {} or less", max.unwrap_or(f64::INFINITY)),
     };
     Err(Refusal::error(format!(
-        "{function}: {name} = {value}; {remedy}"
+        "{function}: {name} = {number}; {remedy}"
     )))
 }
 
@@ -66,7 +116,7 @@ mod tests {
     use crate::fmi::variables::index;
 
     fn message(i: usize, value: f64) -> String {
-        let refused = check_value("fmi2SetX", &VARIABLES[i], value);
+        let refused = accept("fmi2SetX", &VARIABLES[i], value);
         refused.expect_err("out of range").message
     }
 
@@ -91,8 +141,19 @@ mod tests {
     }
 
     #[test]
+    fn a_value_keeps_the_type_of_its_variable() {
+        let of = |i: usize, number| accept("f", &VARIABLES[i], number).unwrap();
+        assert_eq!(of(index::DAMPING, 2.5), Value::Real(2.5));
+        assert_eq!(of(index::FORMULATION, 2.0), Value::Integer(2));
+        assert_eq!(of(index::LOAD_DEPENDENT, 1.0), Value::Boolean(true));
+        assert_eq!(Value::of(Kind::Enumeration, 1.5), None);
+        assert_eq!(Value::of(Kind::Integer, 1e10), None);
+        assert_eq!(Value::of(Kind::Boolean, f64::NAN), None);
+    }
+
+    #[test]
     fn each_variable_is_served_by_the_functions_of_its_type_alone() {
-        for v in &VARIABLES {
+        for v in VARIABLES {
             for kind in [Kind::Real, Kind::Integer, Kind::Boolean] {
                 let serves =
                     v.kind == kind || (v.kind == Kind::Enumeration && kind == Kind::Integer);

@@ -72,19 +72,19 @@ include!(concat!(env!("OUT_DIR"), "/model_description.rs"));
 pub const TEMPLATE: &str = include_str!("../../modelDescription.xml");
 
 /// Length of the map from value references to variables.
-const REFERENCES: usize = VARIABLES[VARIABLE_COUNT - 1].value_reference as usize + 1;
+const REFERENCES: usize = VARIABLES[VARIABLES.len() - 1].value_reference as usize + 1;
 
 /// Marks a value reference that belongs to no variable.
-const UNUSED: u8 = u8::MAX;
+const UNUSED: u16 = u16::MAX;
 
-const _: () = assert!(VARIABLE_COUNT < UNUSED as usize);
+const _: () = assert!(VARIABLES.len() < UNUSED as usize);
 
 /// Index of the variable of each value reference.
-static BY_REFERENCE: [u8; REFERENCES] = {
+static BY_REFERENCE: [u16; REFERENCES] = {
     let mut map = [UNUSED; REFERENCES];
     let mut i = 0;
-    while i < VARIABLE_COUNT {
-        map[VARIABLES[i].value_reference as usize] = i as u8;
+    while i < VARIABLES.len() {
+        map[VARIABLES[i].value_reference as usize] = i as u16;
         i += 1;
     }
     map
@@ -105,8 +105,9 @@ pub fn index_by_name(name: &str) -> Option<usize> {
 }
 
 /// Start values of the template, outputs 0.
-pub fn template_starts() -> [f64; VARIABLE_COUNT] {
-    std::array::from_fn(|i| VARIABLES[i].start.unwrap_or(0.0))
+pub fn template_starts() -> Vec<f64> {
+    let starts = VARIABLES.iter().map(|v| v.start);
+    starts.map(|start| start.unwrap_or(0.0)).collect()
 }
 
 /// modelDescription.xml of a packed unit: the template with its GUID, description and start values.
@@ -165,16 +166,17 @@ mod tests {
 
     #[test]
     fn inputs_are_real_and_without_bounds_and_the_continuous_outputs_follow_them() {
-        let continuous = INPUT_COUNT + crate::element::CONTINUOUS_OUTPUTS;
+        let inputs = VARIABLES.iter().filter(|v| v.causality == Causality::Input);
+        let inputs = inputs.count();
+        let continuous = inputs + crate::element::CONTINUOUS_OUTPUTS;
         for (i, v) in VARIABLES[..continuous].iter().enumerate() {
             assert_eq!(v.kind, Kind::Real, "{}", v.name);
-            let causality = if i < INPUT_COUNT {
+            if i < inputs {
                 assert_eq!((v.min, v.max), (None, None), "{}", v.name);
-                Causality::Input
+                assert_eq!(v.causality, Causality::Input, "{}", v.name);
             } else {
-                Causality::Output
-            };
-            assert_eq!(v.causality, causality, "{}", v.name);
+                assert_eq!(v.causality, Causality::Output, "{}", v.name);
+            }
         }
     }
 

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::starts::meshing_spin;
-use crate::fmi::resources::Unit;
+use crate::fmi::resources::UnitFile;
 use crate::fmi::variables::{
     Causality, Kind, VARIABLES, Variability, Variable, escape, template_starts,
 };
@@ -16,7 +16,7 @@ const FRAMES: &str = include_str!("../../docs/frames.svg");
 pub(super) const PICTURE: &[u8] = include_bytes!("../../resources/documentation/model.png");
 
 /// One sentence about the unit.
-pub(super) fn summary(unit: &Unit, has_tables: bool) -> String {
+pub(super) fn summary(unit: &UnitFile, has_tables: bool) -> String {
     let [g1, g2] = &unit.geometry.gears;
     let kind = if unit.geometry.ring().is_some() {
         "internal"
@@ -34,7 +34,7 @@ pub(super) fn summary(unit: &Unit, has_tables: bool) -> String {
 }
 
 /// The files of the folder `documentation`.
-pub(super) fn files(unit: &Unit, has_tables: bool) -> Vec<(String, Vec<u8>)> {
+pub(super) fn files(unit: &UnitFile, has_tables: bool) -> Vec<(String, Vec<u8>)> {
     let text = |name: &str, text: String| (format!("documentation/{name}"), text.into_bytes());
     vec![
         text("index.html", page(unit, has_tables)),
@@ -57,7 +57,7 @@ fn licence() -> String {
         .into()
 }
 
-fn page(unit: &Unit, has_tables: bool) -> String {
+fn page(unit: &UnitFile, has_tables: bool) -> String {
     let frames = FRAMES.find("<svg").map_or(FRAMES, |start| &FRAMES[start..]);
     let mut starts = template_starts();
     for (i, v) in VARIABLES.iter().enumerate() {
@@ -76,7 +76,7 @@ fn page(unit: &Unit, has_tables: bool) -> String {
         .replace("@OUTPUTS@", &table(Causality::Output))
 }
 
-fn pair(unit: &Unit) -> String {
+fn pair(unit: &UnitFile) -> String {
     let geometry = &unit.geometry;
     let distance = geometry.center_distance;
     let angle = geometry.operating_pressure_angle(distance).to_degrees();

@@ -7,13 +7,13 @@ use std::path::Path;
 use zip::ZipArchive;
 
 use super::PackageError;
-use crate::fmi::resources::{TABLES_FILE, UNIT_FILE, Unit, parse_unit};
+use crate::fmi::resources::{TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
 
 /// Contents of a packed unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection {
     /// Name, GUID, pair and start values.
-    pub unit: Unit,
+    pub unit: UnitFile,
     /// Text of the tables, if there are any.
     pub tables: Option<String>,
     /// Platforms there are libraries for.

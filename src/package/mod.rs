@@ -18,7 +18,7 @@ pub use inspect::{Inspection, inspect};
 pub use library::{Library, library_beside};
 pub use starts::{Starts, estimated_stiffness, meshing_spin};
 
-use crate::fmi::resources::{TABLES_FILE, UNIT_FILE, UNIT_VERSION, Unit};
+use crate::fmi::resources::{TABLES_FILE, UNIT_FILE, UNIT_VERSION, UnitFile};
 use crate::fmi::variables::{self, MODEL_IDENTIFIER};
 use crate::gear::PairGeometry;
 
@@ -121,7 +121,7 @@ pub fn pack(
     out: &Path,
 ) -> Result<Packed, PackageError> {
     let starts = contents.starts.of_variables(contents.geometry)?;
-    let mut unit = Unit {
+    let mut unit = UnitFile {
         version: UNIT_VERSION,
         guid: String::new(),
         name: contents.name.to_owned(),
@@ -169,13 +169,13 @@ pub fn pack(
     })
 }
 
-fn unit_text(unit: &Unit) -> String {
+fn unit_text(unit: &UnitFile) -> String {
     // A struct of numbers, strings and string keys always serialises.
     serde_json::to_string_pretty(unit).expect("a unit serialises") + "\n"
 }
 
 /// GUID of a unit: a hash over everything in it that decides how it behaves.
-fn guid(unit: &Unit, tables: Option<&str>, libraries: &[Library]) -> String {
+fn guid(unit: &UnitFile, tables: Option<&str>, libraries: &[Library]) -> String {
     let mut hash = Sha256::new();
     let mut add = |bytes: &[u8]| {
         hash.update((bytes.len() as u64).to_le_bytes());

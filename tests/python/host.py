@@ -13,6 +13,7 @@ from fmpy import extract, freeLibrary, read_model_description
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+MODEL_EXCHANGE, CO_SIMULATION = range(2)
 
 LOGGER = ctypes.CFUNCTYPE(
     None,
@@ -23,6 +24,19 @@ LOGGER = ctypes.CFUNCTYPE(
     ctypes.c_char_p,
     ctypes.c_char_p,
 )
+
+
+class EventInfo(ctypes.Structure):
+    """fmi2EventInfo."""
+
+    _fields_ = [
+        ("newDiscreteStatesNeeded", ctypes.c_int),
+        ("terminateSimulation", ctypes.c_int),
+        ("nominalsOfContinuousStatesChanged", ctypes.c_int),
+        ("valuesOfContinuousStatesChanged", ctypes.c_int),
+        ("nextEventTimeDefined", ctypes.c_int),
+        ("nextEventTime", ctypes.c_double),
+    ]
 
 
 class Unit:
@@ -43,8 +57,18 @@ class Unit:
 class Instance:
     """One instance; methods without checks return the status, `set`, `get`, ... expect success."""
 
-    def __init__(self, unit, name="mesh", logging=True, resources=None, guid=None, logger=True):
+    def __init__(
+        self,
+        unit,
+        name="mesh",
+        logging=True,
+        resources=None,
+        guid=None,
+        logger=True,
+        kind=CO_SIMULATION,
+    ):
         self.unit = unit
+        self.is_co_simulation = kind == CO_SIMULATION
         self.messages = []
         self.slave = FMU2Slave(
             guid=guid or unit.description.guid,
@@ -57,15 +81,15 @@ class Instance:
         self._logger = LOGGER(self._log)
         self._callbacks = fmi2CallbackFunctions()
         if logger:
-            kind = type(self._callbacks.logger)
-            self._callbacks.logger = ctypes.cast(self._logger, kind)
+            pointer = type(self._callbacks.logger)
+            self._callbacks.logger = ctypes.cast(self._logger, pointer)
         uri = resources
         if uri is None:
             uri = (Path(unit.folder) / "resources").as_uri()
         self.dll.fmi2Instantiate.restype = ctypes.c_void_p
         self.component = self.dll.fmi2Instantiate(
             name.encode(),
-            1,
+            kind,
             (guid or unit.description.guid).encode(),
             uri.encode(),
             ctypes.byref(self._callbacks),
@@ -168,11 +192,14 @@ class Instance:
         )
 
     def initialize(self, values=None, start=0.0, stop=None):
-        """From instantiated to the first communication point."""
+        """From instantiated to the first communication point, or to Continuous-Time Mode."""
         assert self.setup(start, stop) == OK
         self.expect("fmi2EnterInitializationMode")
         self.set(values or {})
         self.expect("fmi2ExitInitializationMode")
+        if not self.is_co_simulation:
+            self.expect("fmi2NewDiscreteStates", ctypes.byref(EventInfo()))
+            self.expect("fmi2EnterContinuousTimeMode")
         return self
 
     def step(self, time, step):

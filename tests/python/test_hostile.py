@@ -1,5 +1,6 @@
 """Hosts that err: altered files, absurd values, far places, many threads."""
 
+import ctypes
 import math
 import shutil
 import threading
@@ -180,6 +181,51 @@ def test_after_ten_million_revolutions_the_wrench_is_right_to_rounding(mesh, pai
     rounding = sum(np.spacing(abs(s)) * r for s, r in zip(spins, g.rw))
     k = instance.get("mesh.stiffness")
     assert abs(instance.get("mesh.tangentialForce") - k * 2e-5) <= 2 * k * rounding
+
+
+def test_an_angle_too_large_to_be_resolved_is_refused_by_name(mesh):
+    """A trillion turns: neighbouring numbers lie a hundred micrometres apart on the pitch circle."""
+    instance = mesh().initialize(CONSTANT)
+    instance.set({"gear1.angles[3]": 2 * math.pi * 1e12})
+    assert instance.step(0.0, STEP) == ERROR
+    assert "gear1.angles[3] = 6283185307179" in instance.log()
+    assert "take off whole turns" in instance.log()
+
+
+def test_input_derivatives_that_overflow_are_refused_and_leave_the_inputs(mesh):
+    for order, rate in ((1, 1e308), (3, 1.7e308)):
+        instance = mesh().initialize()
+        instance.expect(
+            "fmi2SetRealInputDerivatives",
+            instance.references(["gear1.position[1]"]),
+            ctypes.c_size_t(1),
+            (ctypes.c_int * 1)(order),
+            (ctypes.c_double * 1)(rate),
+        )
+        assert instance.step(0.0, 1e10) == ERROR
+        assert "gear1.position[1]" in instance.log() and "overflows" in instance.log()
+        assert instance.get("gear1.position[1]") == 0.0
+
+
+def test_inputs_that_the_formulation_does_not_use_are_not_looked_at(table_mesh):
+    instance = table_mesh("external-all")
+    inputs, outputs = variables(instance)
+    unused = {n: 1e300 for n in inputs if n.startswith("carrier.")}
+    for orientation in (1, 2):
+        instance.expect("fmi2Reset")
+        choices = {"orientationInput": orientation, "formulation": 2, "extrapolatePoses": 1}
+        instance.initialize(choices)
+        instance.set({"gear1.angularVelocity[3]": 10.0})
+        assert instance.step(0.0, STEP) == OK, instance.log()
+        before = evaluate(instance, outputs)
+        instance.expect("fmi2Reset")
+        idle = "angles" if orientation == 2 else "quaternion"
+        unused |= {n: -1e300 for n in inputs if idle in n}
+        instance.initialize({**choices, **unused})
+        instance.set({"gear1.angularVelocity[3]": 10.0})
+        assert instance.step(0.0, STEP) == OK, instance.log()
+        assert list(evaluate(instance, outputs)) == list(before)
+        unused = {n: v for n, v in unused.items() if n.startswith("carrier.")}
 
 
 @pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])

@@ -3,9 +3,12 @@
 import ctypes
 import math
 import resource
+import subprocess
+import sys
 
 import pytest
-from host import DISCARD, ERROR, OK, Unit
+from differences import directional, evaluate, variables
+from host import CO_SIMULATION, DISCARD, ERROR, MODEL_EXCHANGE, OK, EventInfo, Unit
 
 REAL = ctypes.c_double
 NULL = ctypes.c_void_p(None)
@@ -49,6 +52,16 @@ def calls(instance):
         "fmi2GetBooleanStatus": (3, place(ctypes.c_int())),
         "fmi2GetIntegerStatus": (0, place(ctypes.c_int())),
         "fmi2GetStringStatus": (1, text),
+        "fmi2EnterEventMode": (),
+        "fmi2NewDiscreteStates": (place(EventInfo()),),
+        "fmi2EnterContinuousTimeMode": (),
+        "fmi2CompletedIntegratorStep": (1, place(ctypes.c_int(7)), place(ctypes.c_int(7))),
+        "fmi2SetTime": (REAL(0.0),),
+        "fmi2SetContinuousStates": (NULL, ctypes.c_size_t(0)),
+        "fmi2GetDerivatives": (NULL, ctypes.c_size_t(0)),
+        "fmi2GetEventIndicators": (NULL, ctypes.c_size_t(0)),
+        "fmi2GetContinuousStates": (NULL, ctypes.c_size_t(0)),
+        "fmi2GetNominalsOfContinuousStates": (NULL, ctypes.c_size_t(0)),
     }
 
 
@@ -60,44 +73,67 @@ def enter(instance, state):
         instance.expect("fmi2EnterInitializationMode")
         return
     instance.initialize()
+    if state == "event":
+        instance.expect("fmi2EnterEventMode")
     if state == "terminated":
         instance.expect("fmi2Terminate")
     if state == "error":
         assert instance.status_of_setting({"gear1.angles[3]": math.nan}) == ERROR
 
 
-# After the table of FMI 2.0.5, section 4.2.4.
-I, M, S, T, E = "instantiated", "initialization", "step", "terminated", "error"
-STATES = (I, M, S, T, E)
-KEPT = {I, M, S, T, E}
+# After the tables of FMI 2.0.5, sections 4.2.4 (co-simulation) and 3.2.3 (model exchange).
+I, M, S, V, C, T, E = "instantiated", "initialization", "step", "event", "continuous", "terminated", "error"
+STATES = {CO_SIMULATION: (I, M, S, T, E), MODEL_EXCHANGE: (I, M, V, C, T, E)}
+KEPT = {I, M, S, V, C, T, E}
+TYPES = ("Real", "Integer", "Boolean", "String")
 ALLOWED = {
     "fmi2SetDebugLogging": KEPT,
     "fmi2SetupExperiment": {I},
     "fmi2EnterInitializationMode": {I},
     "fmi2ExitInitializationMode": {M},
-    "fmi2Terminate": {S},
+    "fmi2Terminate": {S, V, C},
     "fmi2Reset": KEPT,
-    **{f"fmi2Get{t}": {M, S, T, E} for t in ("Real", "Integer", "Boolean", "String")},
-    **{f"fmi2Set{t}": {I, M, S} for t in ("Real", "Integer", "Boolean", "String")},
+    **{f"fmi2Get{t}": {M, S, V, C, T, E} for t in TYPES},
+    "fmi2SetReal": {I, M, S, V, C},
+    **{f"fmi2Set{t}": {I, M, S, V} for t in TYPES[1:]},
     "fmi2GetFMUstate": KEPT,
     "fmi2FreeFMUstate": KEPT,
-    "fmi2GetDirectionalDerivative": {M, S, T, E},
+    "fmi2GetDirectionalDerivative": {M, S, V, C, T, E},
+}
+CO_SIMULATION_ALONE = {
     "fmi2SetRealInputDerivatives": {I, M, S},
     "fmi2GetRealOutputDerivatives": {S, T, E},
     "fmi2DoStep": {S},
     "fmi2CancelStep": set(),
     **{f"fmi2Get{t}Status": {S, T, E} for t in ("", "Real", "Boolean", "Integer", "String")},
 }
+MODEL_EXCHANGE_ALONE = {
+    "fmi2EnterEventMode": {V, C},
+    "fmi2NewDiscreteStates": {V},
+    "fmi2EnterContinuousTimeMode": {V},
+    "fmi2CompletedIntegratorStep": {C},
+    "fmi2SetTime": {V, C},
+    "fmi2SetContinuousStates": {C},
+    "fmi2GetDerivatives": {I, M, V, C, T, E},
+    "fmi2GetContinuousStates": {I, M, V, C, T, E},
+    "fmi2GetNominalsOfContinuousStates": {I, M, V, C, T, E},
+    "fmi2GetEventIndicators": {M, V, C, T, E},
+}
+EVERY = ALLOWED | CO_SIMULATION_ALONE | MODEL_EXCHANGE_ALONE
 
 
-@pytest.mark.parametrize("function", ALLOWED)
-def test_every_function_in_every_state(mesh, function):
-    for state in STATES:
-        instance = mesh(name=state)
-        assert set(calls(instance)) == set(ALLOWED)
+@pytest.mark.parametrize("kind", [CO_SIMULATION, MODEL_EXCHANGE], ids=["cs", "me"])
+@pytest.mark.parametrize("function", EVERY)
+def test_every_function_in_every_state(mesh, function, kind):
+    foreign = MODEL_EXCHANGE_ALONE if kind == CO_SIMULATION else CO_SIMULATION_ALONE
+    for state in STATES[kind]:
+        instance = mesh(name=state, kind=kind)
+        assert set(calls(instance)) == set(EVERY)
         enter(instance, state)
         status = instance.call(function, *calls(instance)[function])
-        if state in ALLOWED[function]:
+        if function in foreign:
+            assert status == ERROR and f"{function} belongs to" in instance.log(), state
+        elif state in EVERY[function]:
             discards = function in ("fmi2GetIntegerStatus", "fmi2GetStringStatus")
             assert status == (DISCARD if discards else OK), (state, instance.log())
         else:
@@ -106,10 +142,13 @@ def test_every_function_in_every_state(mesh, function):
         # The host lives, and the instance can be used again.
         instance.expect("fmi2Reset")
         instance.initialize()
-        assert instance.step(0.0, 1e-5) == OK
+        if kind == CO_SIMULATION:
+            assert instance.step(0.0, 1e-5) == OK
+        else:
+            assert abs(instance.get("gear1.force[2]")) < 1e-6
 
 
-@pytest.mark.parametrize("function", ALLOWED)
+@pytest.mark.parametrize("function", EVERY)
 def test_a_null_instance_is_an_error_and_no_crash(mesh, function):
     instance = mesh()
     arguments = calls(instance)[function]
@@ -211,26 +250,123 @@ def test_steps_must_follow_one_another(mesh):
         time = i * 1e-3 if i % 2 else time + 1e-3
 
 
-def test_the_log_speaks_when_it_is_on_and_in_declared_categories(mesh, units):
-    declared = set(units["external"].description.logCategories and [
-        c.name for c in units["external"].description.logCategories
-    ] or [])
-    silent = mesh(logging=False)
-    assert silent.status_of_setting({"damping": -1.0}) == ERROR
-    assert silent.messages == []
+def test_a_short_step_late_in_time_is_taken_once(mesh):
+    instance = mesh().initialize(start=1000.0)
+    assert instance.step(1000.0, 1e-7) == OK
+    assert instance.step(1000.0, 1e-7) == ERROR
+    assert "the last step ended at 1000.0000001" in instance.log()
+
+
+def last_successful_time(instance):
+    time = REAL()
+    instance.expect("fmi2GetRealStatus", 2, ctypes.byref(time))
+    return time.value
+
+
+@pytest.mark.parametrize("extrapolate", [0, 1])
+def test_a_refused_step_changes_nothing(mesh, extrapolate):
+    instance = mesh().initialize({"extrapolatePoses": extrapolate, "gear1.angularVelocity[3]": 1.0})
+    assert instance.step(0.0, 1e-5) == OK
+    # Gear 2 ends the step tilted beyond what has a meaning.
+    tilt = "gear2.angles[1]"
+    rates = ctypes.c_size_t(1), (ctypes.c_int * 1)(1), (REAL * 1)(1e5)
+    instance.expect("fmi2SetRealInputDerivatives", instance.references([tilt]), *rates)
+    inputs, outputs = variables(instance)
+    inputs_before = instance.get(*inputs)
+    before = evaluate(instance, outputs)
+    assert instance.step(1e-5, 1e-5) == ERROR
+    assert "tilted" in instance.log()
+    assert last_successful_time(instance) == 1e-5
+    assert instance.get(*inputs) == inputs_before
+    assert list(evaluate(instance, outputs)) == list(before)
+    assert instance.step(1e-5, 1e-5) == ERROR  # until a state, or a reset, leads out
+
+
+@pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])
+@pytest.mark.parametrize("pair", ["external", "ring2", "ring1"])
+@pytest.mark.parametrize("phase", [1, 2], ids=["fromInitialPose", "absolute"])
+def test_derivatives_in_initialization_are_those_of_the_values(mesh, pair, formulation, phase):
+    """With the initial pose as the touching one, the phases follow the pose until it is left."""
+    instance = mesh(pair)
+    inputs, outputs = variables(instance)
+    inputs = [n for n in inputs if "quaternion" not in n]
+    choices = {"formulation": formulation, "loadedFlank": 1, "phaseReference": phase}
+    instance.expect("fmi2EnterInitializationMode")
+    instance.set(choices)
+    values = {n: instance.get(n) for n in inputs}
+    for i, name in enumerate(inputs):
+        values[name] += 1e-5 * math.sin(i + 1.0)
+    # At zero angles a tooth of gear 1 may face a tooth of gear 2: half a pitch.
+    values["gear1.angles[3]"] += 1e-4 - {"external": math.pi / 20, "ring2": math.pi / 27, "ring1": 0.0}[pair]
+    instance.set(values)
+    exact = [directional(instance, outputs, [name], [1.0]) for name in inputs]
+    numeric = []
+    for name in inputs:
+        h = 1e-3 if "elocity" in name else 1e-7
+        sides = []
+        for sign in (1, -1):
+            instance.set({name: values[name] + sign * h})
+            sides.append(evaluate(instance, outputs))
+        instance.set({name: values[name]})
+        numeric.append((sides[0] - sides[1]) / (2 * h))
+    # What an output changes by where the phases are held is its scale.
+    instance.expect("fmi2ExitInitializationMode")
+    instance.set({"gear1.angles[3]": values["gear1.angles[3]"] + 1e-4})
+    held = [directional(instance, outputs, [name], [1.0]) for name in inputs]
+    if phase == 1:
+        te = outputs.index("mesh.transmissionError")
+        most, scale = (max(abs(column[te]) for column in columns) for columns in (exact, held))
+        assert most < 1e-8 * scale
+    for row, output in enumerate(outputs):
+        # At the touch itself the stiffness jumps, and differences of it say nothing.
+        if output == "mesh.stiffness":
+            continue
+        for kind in ("position", "angles", "velocity", "angularVelocity"):
+            columns = [j for j, n in enumerate(inputs) if n.split(".")[1].startswith(kind)]
+            scale = max(abs(held[j][row]) for j in columns) + 1e-3 * abs(instance.get(output)) + 1e-9
+            error = max(abs(exact[j][row] - numeric[j][row]) for j in columns)
+            assert error <= 2e-6 * scale, (output, kind, error, scale)
+
+
+def test_the_log_has_refusals_always_and_events_when_it_is_on(mesh, units):
+    declared = {c.name for c in units["external"].description.logCategories}
+    quiet = mesh(logging=False).initialize()
+    assert quiet.messages == []
+    assert quiet.status_of_setting({"damping": -1.0}) == ERROR
+    assert [m[2] for m in quiet.messages] == ["logStatusError"]
     loud = mesh(name="a#b")
     assert loud.status_of_setting({"damping": -1.0}) == ERROR
     (name, status, category, form, _text), = loud.messages
     assert (name, status, form) == ("a#b", ERROR, "%s")
-    assert category == "logStatusError" and (not declared or category in declared)
+    assert category == "logStatusError" and category in declared
     loud.expect("fmi2Reset")
-    events = (ctypes.c_char_p * 1)(b"logStatusError")
-    loud.expect("fmi2SetDebugLogging", 0, ctypes.c_size_t(1), events)
+    assert {m[2] for m in loud.messages} == {"logStatusError", "logEvents"} <= declared
+    # Debug logging off: no events. A category is silent once it is switched off by name.
+    loud.expect("fmi2SetDebugLogging", 0, ctypes.c_size_t(0), NULL)
     before = len(loud.messages)
-    assert loud.status_of_setting({"damping": -1.0}) == ERROR
+    loud.expect("fmi2Reset")
     assert len(loud.messages) == before
+    assert loud.status_of_setting({"damping": -1.0}) == ERROR
+    assert len(loud.messages) == before + 1
+    loud.expect("fmi2Reset")
+    errors = (ctypes.c_char_p * 1)(b"logStatusError")
+    loud.expect("fmi2SetDebugLogging", 0, ctypes.c_size_t(1), errors)
+    assert loud.status_of_setting({"damping": -1.0}) == ERROR
+    assert len(loud.messages) == before + 1
     unknown = (ctypes.c_char_p * 1)(b"logNonsense")
     assert mesh().call("fmi2SetDebugLogging", 1, ctypes.c_size_t(1), unknown) == ERROR
+
+
+def test_a_host_with_its_defaults_shows_why_a_call_was_refused(fmus):
+    """fmpy prints what reaches its logger, in a process of its own: loggers must not be mixed."""
+    script = (
+        "from fmpy import simulate_fmu\n"
+        f"simulate_fmu({str(fmus['external'])!r}, stop_time=1e-4, output_interval=1e-5,"
+        " start_values={'gear2.angles[1]': 1.5})\n"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert run.returncode != 0
+    assert "tilted" in run.stdout + run.stderr
 
 
 def test_what_cannot_be_instantiated_says_why(units):

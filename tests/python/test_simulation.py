@@ -1,9 +1,13 @@
 """Whole simulations through fmpy, both orientation inputs, and folders with awkward names."""
 
+import ctypes
+import math
+
 import numpy as np
 import pytest
+from differences import directional, evaluate, variables
 from fmpy import extract, simulate_fmu
-from host import OK, Unit
+from host import DISCARD, MODEL_EXCHANGE, OK, EventInfo, Unit
 
 OUTPUTS = ["gear1.force[2]", "gear1.moment[3]", "gear2.moment[3]", "mesh.transmissionError", "mesh.position"]
 
@@ -83,8 +87,6 @@ def test_fmpy_can_unpack_and_run_the_folder(fmus, tmp_path):
 
 def test_input_derivatives_and_poses_advance_inside_the_step(mesh):
     """Held, extrapolated by derivatives, and by velocities: the latter two see the end of the step."""
-    import ctypes
-
     step, rate = 1e-4, 2.0
 
     def force(extrapolate, derivative):
@@ -110,9 +112,58 @@ def test_input_derivatives_and_poses_advance_inside_the_step(mesh):
     assert force(True, False) == pytest.approx(end, rel=1e-12)
 
 
-def test_output_derivatives_are_the_rates_of_the_outputs(mesh):
-    import ctypes
+@pytest.mark.parametrize("orientation", [1, 2], ids=["angles", "quaternion"])
+@pytest.mark.parametrize("pair", ["external", "ring2"])
+def test_poses_go_on_alike_about_every_axis_of_the_world_and_inputs_stay(mesh, pair, orientation):
+    """Gears about world z, and turned by 90 degrees about y, where Cardan angles have no rates."""
+    step, steps = 1e-5, 10
+    rates = (30.0, -7.0)
 
+    def turned(vector):
+        x, y, z = vector
+        return [z, y, -x]
+
+    def run(quarter, extrapolate):
+        instance = mesh(pair)
+        place = [float(instance.unit.variables[f"gear2.position[{k}]"].start) for k in (1, 2, 3)]
+        place = turned(place) if quarter else place
+        values = {f"gear2.position[{k + 1}]": place[k] for k in range(3)}
+        h = math.sqrt(0.5)
+        for body in ("gear1", "gear2", "carrier"):
+            values[f"{body}.angles[2]"] = math.pi / 2 * quarter
+            q = [h, 0.0, h, 0.0] if quarter else [1.0, 0.0, 0.0, 0.0]
+            values |= {f"{body}.quaternion[{k + 1}]": q[k] for k in range(4)}
+        axis = 1 if quarter else 3
+        ways = {f"{body}.angularVelocity[{axis}]": rate for body, rate in zip(("gear1", "gear2"), rates)}
+        instance.initialize(
+            {**values, **ways, "orientationInput": orientation, "extrapolatePoses": int(extrapolate)}
+        )
+        if not extrapolate:
+            spins = [rate * step * steps for rate in rates]
+            for body, spin in zip(("gear1", "gear2"), spins):
+                instance.set({f"{body}.angles[3]": spin})
+                c, s = math.cos(spin / 2), math.sin(spin / 2)
+                q = [h * c, h * s, h * c, h * s] if quarter else [c, 0.0, 0.0, s]
+                instance.set({f"{body}.quaternion[{k + 1}]": q[k] for k in range(4)})
+            assert instance.step(0.0, step) == OK, instance.log()
+            return instance, instance.vector("gear2.force")
+        before = instance.get(*variables(instance)[0])
+        for n in range(steps):
+            assert instance.step(n * step, step) == OK, instance.log()
+        assert instance.get(*variables(instance)[0]) == before
+        return instance, instance.vector("gear2.force")
+
+    reference, force = run(False, False)
+    size = np.linalg.norm(force)
+    assert size > 1000.0
+    for quarter, extrapolate in ((False, True), (True, False), (True, True)):
+        instance, found = run(quarter, extrapolate)
+        assert found == pytest.approx(turned(force) if quarter else force, abs=1e-8 * size)
+        error = reference.get("mesh.transmissionError")
+        assert instance.get("mesh.transmissionError") == pytest.approx(error, rel=1e-8)
+
+
+def test_output_derivatives_are_the_rates_of_the_outputs(mesh):
     names = ["gear2.force[2]", "gear1.moment[3]", "mesh.transmissionError", "mesh.position"]
     rates = {"gear1.angularVelocity[3]": 0.3, "gear2.angularVelocity[3]": -0.2}
     step = 1e-6
@@ -136,3 +187,67 @@ def test_output_derivatives_are_the_rates_of_the_outputs(mesh):
     before, after = (instance_at(t).get(*names) for t in (-step, step))
     numeric = (np.array(after) - before) / (2 * step)
     assert np.array(list(data)) == pytest.approx(numeric, rel=1e-6)
+
+
+def test_model_exchange_gives_what_co_simulation_gives_through_fmpy(fmus, table_fmus):
+    for fmu in (fmus["external"], table_fmus["external-cycle"]):
+        times = np.arange(65) / 2.0**16  # exact in binary, so that both hosts ask at the same times
+        inputs = np.zeros(len(times), dtype=[("time", float), ("gear1.angles[3]", float)])
+        inputs["time"] = times
+        inputs["gear1.angles[3]"] = 3e-4 * np.sin(4e3 * times)
+        common = dict(
+            filename=str(fmu),
+            stop_time=times[-1],
+            output_interval=times[1],
+            input=inputs,
+            output=OUTPUTS,
+        )
+        exchange = simulate_fmu(fmi_type="ModelExchange", solver="Euler", step_size=times[1], **common)
+        steps = simulate_fmu(fmi_type="CoSimulation", **common)
+        assert len(exchange) == len(times) == len(steps)
+        assert np.abs(exchange["gear2.moment[3]"]).max() > 1.0
+        for name in OUTPUTS:
+            # A step's result at t + h belongs to the inputs at t: that is fmpy's way with co-simulation.
+            assert np.array_equal(exchange[name][:-1], steps[name][1:]), name
+
+
+def test_model_exchange_answers_at_every_stage_and_goes_on_after_a_point_that_is_none(mesh):
+    one, other = mesh(kind=MODEL_EXCHANGE).initialize(), mesh().initialize()
+    inputs, outputs = variables(one)
+    rng = np.random.default_rng(3)
+    for stage in range(20):
+        values = {"gear1.angles[3]": 2e-4 * rng.random(), "gear1.angularVelocity[3]": rng.normal()}
+        one.expect("fmi2SetTime", ctypes.c_double(0.1 * rng.random()))
+        for instance in (one, other):
+            instance.set(values)
+        assert list(evaluate(one, outputs)) == list(evaluate(other, outputs))
+        seeds = rng.normal(size=2)
+        along = [directional(i, outputs, list(values), seeds) for i in (one, other)]
+        assert list(along[0]) == list(along[1])
+        assert one.get("mesh.flank") == other.get("mesh.flank")
+        if stage == 10:
+            # A solver tries a pose without meaning and comes back.
+            one.set({"gear2.angles[1]": 1.5})
+            data = (ctypes.c_double * 1)()
+            references = one.references(["gear1.force[1]"])
+            assert one.call("fmi2GetReal", references, ctypes.c_size_t(1), data) == DISCARD
+            assert "tilted" in one.log()
+            one.set({"gear2.angles[1]": 0.0})
+    # Tunable parameters change at events.
+    one.expect("fmi2EnterEventMode")
+    one.set({"damping": 5e4})
+    info = EventInfo(*[7] * 6)
+    one.expect("fmi2NewDiscreteStates", ctypes.byref(info))
+    assert [getattr(info, name) for name, _ in EventInfo._fields_] == [0] * 6
+    one.expect("fmi2EnterContinuousTimeMode")
+    assert one.get("damping") == 5e4
+    event, end = ctypes.c_int(7), ctypes.c_int(7)
+    one.expect("fmi2CompletedIntegratorStep", 1, ctypes.byref(event), ctypes.byref(end))
+    assert (event.value, end.value) == (0, 0)
+    state = one.store()
+    data = one.serialize(state)
+    one.expect("fmi2Terminate")
+    # A state of one interface is none of the other.
+    status, foreign = other.deserialize(data)
+    assert status == OK and other.restore(foreign) != OK
+    assert "belongs to ModelExchange" in other.log()

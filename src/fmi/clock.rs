@@ -1,0 +1,197 @@
+//! Communication points.
+
+use super::report::Refusal;
+
+/// Units in the last place by which the host's communication point may differ from ours. We take the
+/// host's own point at every step, so differences do not add up: what is left is one addition of the
+/// host (t + h, or t0 + n h) against ours, two or three roundings; the rest is room for hosts that count
+/// in nanoseconds or convert units.
+const ROUNDINGS: f64 = 16.0;
+
+/// Where the simulation stands.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Clock {
+    /// Start of the experiment, s.
+    start: f64,
+    /// Current communication point, s.
+    time: f64,
+    /// End of the experiment, s, if the host set one.
+    stop: Option<f64>,
+    /// Start of the last step, s; `None` before the first one.
+    previous: Option<f64>,
+}
+
+impl Clock {
+    /// Current communication point, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// fmi2SetupExperiment.
+    ///
+    /// # Errors
+    /// Times that are not finite or in the wrong order.
+    pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
+        if !start.is_finite() {
+            return Err(Refusal::error(format!("startTime = {start} is not finite")));
+        }
+        // NaN is no time after the start.
+        let ordered = stop.is_none_or(|stop| stop >= start);
+        if let (Some(stop), false) = (stop, ordered) {
+            return Err(Refusal::error(format!(
+                "stopTime = {stop} lies before startTime = {start}"
+            )));
+        }
+        *self = Self {
+            start,
+            time: start,
+            stop,
+            previous: None,
+        };
+        Ok(())
+    }
+
+    /// fmi2SetTime of model exchange.
+    ///
+    /// # Errors
+    /// A time that is not finite.
+    pub fn set(&mut self, time: f64) -> Result<(), Refusal> {
+        if !time.is_finite() {
+            return Err(Refusal::error(format!(
+                "fmi2SetTime: time = {time} is not finite"
+            )));
+        }
+        self.time = time;
+        Ok(())
+    }
+
+    /// The clock after the step from `point` over `step` s.
+    ///
+    /// # Errors
+    /// A step that is not positive, does not start where the last one ended, or passes the stop time.
+    pub fn after(&self, point: f64, step: f64) -> Result<Self, Refusal> {
+        if !step.is_finite() || step <= 0.0 {
+            return Err(Refusal::error(format!(
+                "fmi2DoStep: communicationStepSize = {step}; it must be positive and finite"
+            )));
+        }
+        let tolerance = self.tolerance(point);
+        let follows = (point - self.time).abs() <= tolerance; // never for NaN
+        if !follows {
+            return Err(Refusal::error(format!(
+                "fmi2DoStep: currentCommunicationPoint = {point}, but the last step ended at {}; \
+                 restore a stored state to go back",
+                self.time
+            )));
+        }
+        let end = point + step;
+        if end <= point {
+            return Err(Refusal::error(format!(
+                "fmi2DoStep: communicationStepSize = {step} is lost in the rounding of the time \
+                 {point}; take longer steps, or start the experiment at time 0"
+            )));
+        }
+        // Hosts that add up their steps come to the stop time with the sum of all roundings.
+        let late = 1e-3 * step + 1e-9 * self.time.abs();
+        if let Some(stop) = self.stop
+            && end > stop + late
+        {
+            return Err(Refusal::error(format!(
+                "fmi2DoStep: the step ends at {end}, after stopTime = {stop}; shorten it"
+            )));
+        }
+        Ok(Self {
+            time: end,
+            previous: Some(point),
+            ..self.clone()
+        })
+    }
+
+    /// Largest distance of the host's `point` from ours: roundings of additions, and less than half the
+    /// last step, so that no step is ever taken twice however short it is.
+    fn tolerance(&self, point: f64) -> f64 {
+        // Near time 0 the summands are larger than the sum.
+        let size = self.start.abs().max(self.time.abs()).max(point.abs());
+        let rounding = ROUNDINGS * f64::EPSILON * size;
+        let half = |previous| 0.5 * (self.time - previous);
+        self.previous.map_or(rounding, |p| rounding.min(half(p)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn started(start: f64) -> Clock {
+        let mut clock = Clock::default();
+        clock.setup(start, None).unwrap();
+        clock
+    }
+
+    /// The next point of a host: from start, last point, step and number of the step.
+    type Next = fn(f64, f64, f64, f64) -> f64;
+
+    /// Steps of hosts that add up, multiply, count ticks, or mix these.
+    #[test]
+    fn every_honest_way_to_count_time_is_followed_over_a_million_steps() {
+        for (start, h) in [
+            (0.0_f64, 1e-3_f64),
+            (1000.0, 1e-7),
+            (0.3, 1e-5),
+            (-7.0, 1.0 / 3.0),
+        ] {
+            let hosts: [Next; 4] = [
+                |_, last, h, _| last + h,
+                |start, _, h, n| start + n * h,
+                |start, _, h, n| start + ((n * h) * 1e9).round() * 1e-9,
+                |start, last, h, n| {
+                    if n % 2.0 == 0.0 {
+                        last + h
+                    } else {
+                        start + n * h
+                    }
+                },
+            ];
+            for (k, next) in hosts.into_iter().enumerate() {
+                // Ticks are whole nanoseconds only for steps that are.
+                if k == 2 && (h * 1e9 - (h * 1e9).round()).abs() > 1e-9 {
+                    continue;
+                }
+                let mut clock = started(start);
+                let mut point = start;
+                for n in 1..=1_000_000 {
+                    clock = clock.after(point, h).unwrap();
+                    point = next(start, point, h, f64::from(n));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_step_is_taken_twice_however_short() {
+        for time in [0.0, 1e-3, 1.0, 1000.0, -1000.0, 1e9] {
+            for h in [1e-13, 1e-12, 1e-9, 1e-7, 1e-3] {
+                let Ok(once) = started(time).after(time, h) else {
+                    let lost = time + h == time;
+                    assert!(lost, "t = {time}, h = {h}");
+                    continue;
+                };
+                for again in [h, 1e-6, 1.0] {
+                    assert!(once.after(time, again).is_err(), "t = {time}, h = {h}");
+                }
+                let next = once.time();
+                assert!(once.after(next, h).is_ok(), "t = {time}, h = {h}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_off_by_more_than_rounding_is_refused_with_both_times() {
+        let clock = started(1000.0).after(1000.0, 1e-7).unwrap();
+        let said = clock.after(1000.0 + 2e-7, 1e-7).unwrap_err().message;
+        assert!(said.contains("1000.0000001"), "{said}");
+        assert!(clock.after(f64::NAN, 1e-7).is_err());
+        let lost = started(1e9).after(1e9, 1e-9).unwrap_err().message;
+        assert!(lost.contains("lost in the rounding"), "{lost}");
+    }
+}

@@ -1,0 +1,484 @@
+//! The inputs as poses and velocities of the bodies.
+
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+
+use super::layout::{
+    ANGLES, ANGULAR_VELOCITY, BODIES, BODY_INPUTS, POSITION, QUATERNION, VELOCITY, body_of,
+};
+use super::report::Refusal;
+use super::settings::Orientation;
+use super::variables::VARIABLES;
+use crate::element::Motion;
+
+/// Departure of a quaternion's length from 1 above which it is refused. Integrators and linear
+/// interpolation between orientations 10 degrees apart stay below.
+pub const QUATERNION_TOLERANCE: f64 = 1e-2;
+
+/// How far a body has moved beyond its pose inputs: `extrapolatePoses` moves bodies, never inputs.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Drift {
+    /// Way of the origin, m, world axes.
+    moved: [f64; 3],
+    /// Rotation in world axes, a unit quaternion w x y z.
+    turned: [f64; 4],
+    /// Whether angles, not a quaternion, gave the orientation that it started from.
+    from_angles: bool,
+}
+
+/// Values of all inputs, and how far the bodies have gone beyond them.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct InputValues {
+    /// In the order of the variables.
+    value: Vec<f64>,
+    /// By body.
+    drift: Vec<Option<Drift>>,
+    drifting: bool,
+}
+
+/// Sizes above which the rounding of a number alone moves the teeth.
+#[derive(Debug, Clone, Copy)]
+pub struct Resolution {
+    /// Of an angle, rad.
+    pub angle: f64,
+    /// Of a coordinate, m.
+    pub position: f64,
+}
+
+impl Resolution {
+    /// Of a gear with `teeth` teeth `pitch` metres apart. Tables resolve a thousandth of the
+    /// elongation under load, which is about a thousandth of a pitch: a number whose own rounding is
+    /// more than a millionth of a pitch says nothing to them.
+    pub fn new(teeth: f64, pitch: f64) -> Self {
+        const SHARE: f64 = 1e-6 / f64::EPSILON;
+        Self {
+            angle: SHARE * std::f64::consts::TAU / teeth,
+            position: SHARE * pitch,
+        }
+    }
+}
+
+impl InputValues {
+    /// The inputs with these values.
+    pub fn new(value: Vec<f64>) -> Self {
+        Self {
+            value,
+            drift: vec![None; BODIES.len()],
+            drifting: false,
+        }
+    }
+
+    /// Whether these are values for `count` inputs, all of them finite.
+    pub fn fits(&self, count: usize) -> bool {
+        let sizes = (self.value.len(), self.drift.len());
+        sizes == (count, BODIES.len()) && self.finite().is_ok()
+    }
+
+    /// Value of input `i`.
+    pub fn get(&self, i: usize) -> f64 {
+        self.value[i]
+    }
+
+    /// Sets input `i`: a body whose position or orientation (the one in use) is set stands there.
+    #[inline]
+    pub fn set(&mut self, i: usize, value: f64) {
+        self.value[i] = value;
+        if self.drifting {
+            self.stop(i);
+        }
+    }
+
+    fn stop(&mut self, i: usize) {
+        let Some(drift) = &mut self.drift[body_of(i)] else {
+            return;
+        };
+        match i % BODY_INPUTS {
+            ANGLES..QUATERNION if drift.from_angles => drift.turned = [1.0, 0.0, 0.0, 0.0],
+            QUATERNION..VELOCITY if !drift.from_angles => drift.turned = [1.0, 0.0, 0.0, 0.0],
+            POSITION..ANGLES => drift.moved = [0.0; 3],
+            _ => {}
+        }
+    }
+
+    /// Changes the value of input `i` without stopping the body: it goes on along its polynomial.
+    pub fn advance(&mut self, i: usize, by: f64) {
+        self.value[i] += by;
+    }
+
+    /// Moves a body on by a way (m) and a rotation vector (rad), both in world axes.
+    pub fn move_body(
+        &mut self,
+        body: usize,
+        way: Vector3<f64>,
+        turn: Vector3<f64>,
+        orientation: Orientation,
+    ) {
+        if way == Vector3::zeros() && turn == Vector3::zeros() {
+            return;
+        }
+        let drift = self.drift[body].get_or_insert(Drift {
+            moved: [0.0; 3],
+            turned: [1.0, 0.0, 0.0, 0.0],
+            from_angles: orientation == Orientation::Angles,
+        });
+        self.drifting = true;
+        let q = UnitQuaternion::from_scaled_axis(turn).into_inner() * unit(&drift.turned);
+        let q = q.normalize();
+        drift.moved = (Vector3::from(drift.moved) + way).into();
+        drift.turned = [q.w, q.i, q.j, q.k];
+    }
+
+    /// All values are finite; else the index of an input that is not.
+    pub fn finite(&self) -> Result<(), usize> {
+        let bad = |(i, body): (usize, &Option<Drift>)| {
+            let drift = body.as_ref()?;
+            let all = drift.moved.iter().chain(&drift.turned);
+            all.copied()
+                .any(|x| !x.is_finite())
+                .then_some(i * BODY_INPUTS + VELOCITY)
+        };
+        let value = self.value.iter().position(|x| !x.is_finite());
+        let drift = || self.drift.iter().enumerate().find_map(bad);
+        value.or_else(drift).map_or(Ok(()), Err)
+    }
+
+    /// The largest input in size, for messages.
+    pub fn largest(&self) -> (usize, f64) {
+        let sizes = self.value.iter().copied().enumerate();
+        sizes
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+            .unwrap_or((0, 0.0))
+    }
+
+    fn vector(&self, i: usize) -> Vector3<f64> {
+        Vector3::new(self.value[i], self.value[i + 1], self.value[i + 2])
+    }
+
+    fn quaternion(&self, i: usize) -> Quaternion<f64> {
+        let v = &self.value;
+        Quaternion::new(v[i], v[i + 1], v[i + 2], v[i + 3])
+    }
+
+    /// Velocity of a body's origin and its angular velocity.
+    pub fn velocities(&self, body: usize) -> [Vector3<f64>; 2] {
+        let first = BODIES[body].first;
+        [VELOCITY, ANGULAR_VELOCITY].map(|at| self.vector(first + at))
+    }
+
+    /// The motion of a body as the element takes it.
+    ///
+    /// # Errors
+    /// A quaternion in use whose length is not 1 within [`QUATERNION_TOLERANCE`]; angles and positions
+    /// beyond `resolution`.
+    pub fn motion(
+        &self,
+        body: usize,
+        orientation: Orientation,
+        resolution: Resolution,
+    ) -> Result<Motion, Refusal> {
+        let first = BODIES[body].first;
+        let mut motion = Motion {
+            p: self.vector(first + POSITION),
+            r: self.rotation(body, orientation, resolution.angle)?,
+            v: self.vector(first + VELOCITY),
+            w: self.vector(first + ANGULAR_VELOCITY),
+        };
+        self.resolved(first + POSITION, resolution.position, "m")?;
+        if let Some(drift) = &self.drift[body] {
+            motion.p += Vector3::from(drift.moved);
+            motion.r = turned(drift) * motion.r;
+        }
+        Ok(motion)
+    }
+
+    fn rotation(
+        &self,
+        body: usize,
+        orientation: Orientation,
+        largest: f64,
+    ) -> Result<Matrix3<f64>, Refusal> {
+        let first = BODIES[body].first;
+        match orientation {
+            Orientation::Angles => {
+                self.resolved(first + ANGLES, largest, "rad")?;
+                Ok(cardan(&self.vector(first + ANGLES)))
+            }
+            Orientation::Quaternion => {
+                let q = self.quaternion(first + QUATERNION);
+                let length = q.norm();
+                let is_unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE; // never for NaN
+                if !is_unit {
+                    return Err(Refusal::error(format!(
+                        "{}.quaternion has the length {length}; it must be 1 within \
+                         {QUATERNION_TOLERANCE}: normalise it, or set orientationInput = angles",
+                        BODIES[body].name
+                    )));
+                }
+                let q = UnitQuaternion::new_unchecked(q / length);
+                Ok(q.to_rotation_matrix().into_inner())
+            }
+        }
+    }
+
+    /// Three inputs from `i` on are small enough for their rounding not to matter.
+    fn resolved(&self, i: usize, largest: f64, unit: &str) -> Result<(), Refusal> {
+        let v = self.vector(i);
+        if v.abs().sum() <= largest {
+            return Ok(());
+        }
+        let Some(k) = v.iter().position(|x| x.abs() > largest) else {
+            return Ok(());
+        };
+        let remedy = match unit {
+            "rad" => "take off whole turns",
+            _ => "put the origin of the world nearer",
+        };
+        Err(Refusal::error(format!(
+            "{} = {} {unit}: above {largest:.1e} {unit} its own rounding moves the teeth by more \
+             than the table resolves; {remedy}",
+            VARIABLES[i + k].name,
+            v[k]
+        )))
+    }
+
+    /// What a change of input `i` at unit rate does to its body: which of small translation, small
+    /// rotation (both world axes), velocity and angular velocity changes, and how.
+    pub fn direction(&self, i: usize, orientation: Orientation) -> (Part, Vector3<f64>) {
+        let (body, k) = (body_of(i), i % BODY_INPUTS);
+        let first = BODIES[body].first;
+        let unit = |at: usize| Vector3::ith(k - at, 1.0);
+        let drifted = |rotation: Vector3<f64>| match &self.drift[body] {
+            Some(drift) => turned(drift) * rotation,
+            None => rotation,
+        };
+        match (k, orientation) {
+            (POSITION..ANGLES, _) => (Part::Translation, unit(POSITION)),
+            (ANGLES..QUATERNION, Orientation::Angles) => {
+                let axes = cardan_axes(&self.vector(first + ANGLES));
+                (
+                    Part::Rotation,
+                    drifted(axes.column(k - ANGLES).into_owned()),
+                )
+            }
+            (QUATERNION..VELOCITY, Orientation::Quaternion) => {
+                let q = self.quaternion(first + QUATERNION);
+                let mut dq = Quaternion::new(0.0, 0.0, 0.0, 0.0);
+                match k - QUATERNION {
+                    0 => dq.w = 1.0,
+                    c => dq.coords[c - 1] = 1.0,
+                }
+                // Vector part of 2 dq q*; the change of length is its scalar part.
+                let rate = (dq * q.conjugate()) * (2.0 / q.norm_squared());
+                (Part::Rotation, drifted(rate.imag()))
+            }
+            (VELOCITY..ANGULAR_VELOCITY, _) => (Part::Velocity, unit(VELOCITY)),
+            (ANGULAR_VELOCITY.., _) => (Part::AngularVelocity, unit(ANGULAR_VELOCITY)),
+            // The orientation that is not in use.
+            _ => (Part::Rotation, Vector3::zeros()),
+        }
+    }
+}
+
+/// Part of a body's motion that an input acts on, in the order of the element's freedoms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Small displacement of the origin, world.
+    Translation,
+    /// Small rotation vector, world.
+    Rotation,
+    /// Velocity of the origin.
+    Velocity,
+    /// Angular velocity.
+    AngularVelocity,
+}
+
+fn unit([w, x, y, z]: &[f64; 4]) -> Quaternion<f64> {
+    Quaternion::new(*w, *x, *y, *z)
+}
+
+fn turned(drift: &Drift) -> Matrix3<f64> {
+    let q = UnitQuaternion::new_unchecked(unit(&drift.turned));
+    q.to_rotation_matrix().into_inner()
+}
+
+/// Rx(a1) Ry(a2) Rz(a3).
+fn cardan(a: &Vector3<f64>) -> Matrix3<f64> {
+    let (s1, c1) = a.x.sin_cos();
+    let (s2, c2) = a.y.sin_cos();
+    let (s3, c3) = a.z.sin_cos();
+    Matrix3::new(
+        c2 * c3,
+        -c2 * s3,
+        s2,
+        c1 * s3 + s1 * s2 * c3,
+        c1 * c3 - s1 * s2 * s3,
+        -s1 * c2,
+        s1 * s3 - c1 * s2 * c3,
+        s1 * c3 + c1 * s2 * s3,
+        c1 * c2,
+    )
+}
+
+/// World axes about which the three Cardan angles turn: x, Rx y, Rx Ry z.
+fn cardan_axes(a: &Vector3<f64>) -> Matrix3<f64> {
+    let (s1, c1) = a.x.sin_cos();
+    let (s2, c2) = a.y.sin_cos();
+    Matrix3::new(1.0, 0.0, s2, 0.0, c1, -s1 * c2, 0.0, s1, c1 * c2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+    use nalgebra::Rotation3;
+    use std::f64::consts::FRAC_PI_2;
+
+    const FINE: Resolution = Resolution {
+        angle: 1e9,
+        position: 1e9,
+    };
+
+    fn values() -> InputValues {
+        let mut inputs = InputValues::new(vec![0.0; BODIES.len() * BODY_INPUTS]);
+        for body in BODIES {
+            inputs.set(body.first + QUATERNION, 1.0);
+        }
+        inputs
+    }
+
+    fn pose(inputs: &InputValues, orientation: Orientation) -> Motion {
+        inputs.motion(0, orientation, FINE).unwrap()
+    }
+
+    #[test]
+    fn angles_turn_about_x_then_the_new_y_then_the_new_z() {
+        let a = Vector3::new(0.3, -0.4, 5.0);
+        let product = Rotation3::from_axis_angle(&Vector3::x_axis(), a.x)
+            * Rotation3::from_axis_angle(&Vector3::y_axis(), a.y)
+            * Rotation3::from_axis_angle(&Vector3::z_axis(), a.z);
+        assert_abs_diff_eq!(cardan(&a), product.into_inner(), epsilon = 1e-15);
+    }
+
+    #[test]
+    fn a_moved_body_goes_as_a_rigid_body_and_its_inputs_stay_even_at_90_degrees() {
+        let turn = Vector3::new(0.02, -0.01, 0.4);
+        let way = Vector3::new(1e-3, 2e-3, 3e-3);
+        for a in [[2e-3, -1e-3, 0.7], [0.0, FRAC_PI_2, 0.0]].map(Vector3::from) {
+            let q = UnitQuaternion::from_matrix(&cardan(&a));
+            let mut inputs = values();
+            for k in 0..3 {
+                inputs.set(ANGLES + k, a[k]);
+            }
+            for (k, c) in [q.w, q.i, q.j, q.k].into_iter().enumerate() {
+                inputs.set(QUATERNION + k, c);
+            }
+            let set = inputs.value.clone();
+            for orientation in [Orientation::Angles, Orientation::Quaternion] {
+                let mut moved = inputs.clone();
+                for _ in 0..2 {
+                    moved.move_body(0, way, turn, orientation);
+                }
+                assert_eq!(moved.value, set);
+                let there = pose(&moved, orientation);
+                let exact = Rotation3::new(2.0 * turn).into_inner() * cardan(&a);
+                assert_abs_diff_eq!(there.r, exact, epsilon = 1e-15);
+                assert_abs_diff_eq!(there.p, 2.0 * way, epsilon = 1e-18);
+                // Setting one angle takes the orientation back, not the position; and the other way.
+                let first = if orientation == Orientation::Angles {
+                    ANGLES
+                } else {
+                    QUATERNION
+                };
+                let mut set_anew = moved.clone();
+                set_anew.set(first, inputs.get(first));
+                assert_abs_diff_eq!(pose(&set_anew, orientation).r, cardan(&a), epsilon = 1e-15);
+                assert_eq!(pose(&set_anew, orientation).p, there.p);
+                moved.set(POSITION, 0.0);
+                assert_eq!(pose(&moved, orientation).p, Vector3::zeros());
+                assert_eq!(pose(&moved, orientation).r, there.r);
+            }
+        }
+    }
+
+    #[test]
+    fn directions_of_orientation_inputs_are_small_rotations_of_the_world() {
+        let mut inputs = values();
+        let a = [0.1, -0.2, 2.0];
+        let q = UnitQuaternion::from_matrix(&cardan(&Vector3::from(a))).into_inner() * 1.003;
+        for (k, x) in a.into_iter().chain([q.w, q.i, q.j, q.k]).enumerate() {
+            inputs.set(ANGLES + k, x);
+        }
+        let step = 1e-6;
+        for (from, count, orientation) in [
+            (ANGLES, 3, Orientation::Angles),
+            (QUATERNION, 4, Orientation::Quaternion),
+        ] {
+            for drift in [Vector3::zeros(), Vector3::new(0.3, 0.2, -0.5)] {
+                let mut inputs = inputs.clone();
+                inputs.move_body(0, Vector3::zeros(), drift, orientation);
+                for i in from..from + count {
+                    let (part, rotation) = inputs.direction(i, orientation);
+                    assert_eq!(part, Part::Rotation);
+                    let at = |sign: f64| {
+                        let mut moved = inputs.clone();
+                        moved.advance(i, sign * step);
+                        pose(&moved, orientation).r
+                    };
+                    let r = pose(&inputs, orientation).r;
+                    let skew = (at(1.0) - at(-1.0)) / (2.0 * step) * r.transpose();
+                    let found = Vector3::new(skew.m32, skew.m13, skew.m21);
+                    assert_abs_diff_eq!(found, rotation, epsilon = 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_quaternion_far_from_unit_length_is_refused_by_name() {
+        let mut inputs = values();
+        let second = |inputs: &InputValues| inputs.motion(1, Orientation::Quaternion, FINE);
+        inputs.set(BODY_INPUTS + QUATERNION, 1.004);
+        let r = second(&inputs).unwrap().r;
+        assert_abs_diff_eq!(r, Matrix3::identity(), epsilon = 1e-15);
+        inputs.set(BODY_INPUTS + QUATERNION, 1.1);
+        let error = second(&inputs).unwrap_err();
+        assert!(
+            error
+                .message
+                .starts_with("gear2.quaternion has the length 1.1")
+        );
+        assert!(inputs.motion(1, Orientation::Angles, FINE).is_ok());
+    }
+
+    #[test]
+    fn numbers_whose_rounding_moves_the_teeth_are_refused_by_name() {
+        let (teeth, pitch) = (20.0, 12e-3);
+        let resolution = Resolution::new(teeth, pitch);
+        // Rounding of the largest angle and coordinate, in pitches.
+        let turn = resolution.angle * f64::EPSILON * teeth / std::f64::consts::TAU;
+        let way = resolution.position * f64::EPSILON / pitch;
+        assert_abs_diff_eq!(turn, 1e-6, epsilon = 1e-15);
+        assert_abs_diff_eq!(way, 1e-6, epsilon = 1e-15);
+        let mut inputs = values();
+        let ask = |inputs: &InputValues| inputs.motion(0, Orientation::Angles, resolution);
+        inputs.set(ANGLES + 2, 0.99 * resolution.angle);
+        assert!(ask(&inputs).is_ok());
+        inputs.set(ANGLES + 2, 6e12);
+        let said = ask(&inputs).unwrap_err().message;
+        assert!(
+            said.starts_with("gear1.angles[3] = 6000000000000 rad"),
+            "{said}"
+        );
+        assert!(
+            inputs
+                .motion(0, Orientation::Quaternion, resolution)
+                .is_ok()
+        );
+        inputs.set(ANGLES + 2, 0.0);
+        inputs.set(POSITION + 1, -1e9);
+        let said = ask(&inputs).unwrap_err().message;
+        assert!(
+            said.starts_with("gear1.position[2] = -1000000000 m"),
+            "{said}"
+        );
+    }
+}

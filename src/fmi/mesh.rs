@@ -1,0 +1,306 @@
+//! One mesh of the unit: its outputs and their derivatives, made when they are asked for.
+//!
+//! Both are a pure function of inputs, settings and phase zeros. What was made stays until one of these
+//! changes, so that a host may read value by value and ask derivatives column by column.
+
+use nalgebra::{Rotation3, SVector, Vector3};
+
+use super::inputs::{InputValues, Resolution};
+use super::layout::MeshVariables;
+use super::report::{Refusal, refuse};
+use super::resources::Resources;
+use super::settings::Settings;
+use crate::element::{
+    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Element, Formulation, Inputs, Jacobian, Latch, Motion,
+    Outputs,
+};
+use crate::gear::PairGeometry;
+
+/// A direction in the space of the motions of gear 1, gear 2 and carrier, as the columns of
+/// [`Jacobian`].
+pub(super) type Freedoms = SVector<f64, { 3 * BODY_COLUMNS }>;
+
+/// Outputs at the present inputs.
+pub struct Evaluated {
+    /// As the element gives them.
+    pub all: Outputs,
+    /// The continuous ones in the order of their variables.
+    pub continuous: [f64; CONTINUOUS_OUTPUTS],
+}
+
+/// One mesh.
+pub struct Mesh {
+    variables: &'static MeshVariables,
+    settings: Settings,
+    latch: Option<Latch>,
+    element: Option<Element>,
+    outputs: Option<Evaluated>,
+    slopes: Option<Box<Jacobian>>,
+}
+
+impl Mesh {
+    /// A mesh whose teeth have no phases yet.
+    pub fn new(variables: &'static MeshVariables, settings: Settings) -> Self {
+        Self {
+            variables,
+            settings,
+            latch: None,
+            element: None,
+            outputs: None,
+            slopes: None,
+        }
+    }
+
+    /// Its parameters.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Phase zeros; `None` until [`Mesh::take_phase`].
+    pub fn latch(&self) -> Option<Latch> {
+        self.latch
+    }
+
+    /// Its variables.
+    pub fn variables(&self) -> &'static MeshVariables {
+        self.variables
+    }
+
+    /// Takes other settings and phase zeros; what they leave valid is kept.
+    ///
+    /// # Errors
+    /// A damping without meaning; the element is then made anew, or refused, when it is needed.
+    pub fn configure(&mut self, settings: Settings, latch: Option<Latch>) -> Result<(), Refusal> {
+        let before = std::mem::replace(&mut self.settings, settings);
+        self.latch = latch;
+        self.forget();
+        if before == self.settings {
+            return Ok(());
+        }
+        let element = self.element.take();
+        if let Some(element) = element
+            && before.differs_in_damping_alone(&self.settings)
+        {
+            let damping = self.settings.element.damping;
+            self.element = Some(element.with_damping(damping).map_err(refuse)?);
+        }
+        Ok(())
+    }
+
+    /// Inputs have changed.
+    #[inline]
+    pub fn forget(&mut self) {
+        self.outputs = None;
+        self.slopes = None;
+    }
+
+    /// Outputs, if they were made since the last change.
+    #[inline]
+    pub fn present(&self) -> Option<&Evaluated> {
+        self.outputs.as_ref()
+    }
+
+    fn element(&mut self, resources: &Resources) -> Result<&Element, Refusal> {
+        if self.element.is_none() {
+            self.element = Some(resources.element(&self.settings.element)?);
+        }
+        Ok(self.element.as_ref().expect("made above"))
+    }
+
+    fn uses_carrier(&self) -> bool {
+        self.settings.element.formulation == Formulation::Paper
+    }
+
+    /// Whether its outputs depend on the motion of `body`.
+    pub fn looks_at(&self, body: usize) -> bool {
+        let is_carrier = body == self.variables.carrier && self.uses_carrier();
+        is_carrier || self.variables.gears.contains(&body)
+    }
+
+    /// The motions that the element looks at.
+    fn motions(&self, pair: &PairGeometry, inputs: &InputValues) -> Result<Inputs, Refusal> {
+        let orientation = self.settings.orientation;
+        let pitch = pair.base_pitch();
+        let motion = |body: usize, teeth: f64| {
+            inputs.motion(body, orientation, Resolution::new(teeth, pitch))
+        };
+        let [z1, z2] = [pair.gears[0].z(), pair.gears[1].z()];
+        let [one, two] = self.variables.gears;
+        let gears = [motion(one, z1)?, motion(two, z2)?];
+        let mut carrier = Motion::default();
+        if self.uses_carrier() {
+            // The place and velocity of its origin cancel out; gear 1's are those that cost no rounding.
+            let resolution = Resolution {
+                position: f64::INFINITY,
+                ..Resolution::new(z1.max(z2), pitch)
+            };
+            carrier = Motion {
+                p: gears[0].p,
+                v: gears[0].v,
+                ..inputs.motion(self.variables.carrier, orientation, resolution)?
+            };
+        }
+        Ok(Inputs { gears, carrier })
+    }
+
+    /// Element, phase zeros (before they are taken: those of the present pose) and motions.
+    fn ready(
+        &mut self,
+        resources: &Resources,
+        inputs: &InputValues,
+    ) -> Result<(&Element, Latch, Inputs), Refusal> {
+        let motions = self.motions(&resources.unit.geometry, inputs)?;
+        let latched = self.latch;
+        let element = self.element(resources)?;
+        let latch = match latched {
+            Some(latch) => latch,
+            None => element.latch(&motions).map_err(refuse)?,
+        };
+        Ok((element, latch, motions))
+    }
+
+    /// Keeps the phase zeros of the present pose.
+    ///
+    /// # Errors
+    /// Parameters or poses that make no mesh.
+    pub fn take_phase(
+        &mut self,
+        resources: &Resources,
+        inputs: &InputValues,
+    ) -> Result<(), Refusal> {
+        self.latch = None;
+        let (_, latch, _) = self.ready(resources, inputs)?;
+        self.latch = Some(latch);
+        self.slopes = None;
+        Ok(())
+    }
+
+    /// Outputs at `inputs`; the error is `Ok` inside where it is the number of a continuous output that
+    /// is not finite.
+    pub fn evaluate(
+        &mut self,
+        resources: &Resources,
+        inputs: &InputValues,
+    ) -> Result<&Evaluated, Failure> {
+        if self.outputs.is_none() {
+            let (element, latch, motions) = self.ready(resources, inputs)?;
+            let all = element.evaluate(&latch, &motions).map_err(refuse)?;
+            let continuous = all.to_array();
+            finite(&continuous)?;
+            self.outputs = Some(Evaluated { all, continuous });
+        }
+        Ok(self.outputs.as_ref().expect("evaluated above"))
+    }
+
+    /// Derivatives of the continuous outputs along `direction`.
+    pub fn along(
+        &mut self,
+        resources: &Resources,
+        inputs: &InputValues,
+        direction: &Freedoms,
+    ) -> Result<[f64; CONTINUOUS_OUTPUTS], Failure> {
+        if self.slopes.is_none() {
+            self.slopes = Some(Box::new(self.jacobian(resources, inputs)?));
+        }
+        let slopes = self.slopes.as_ref().expect("made above");
+        let all: [f64; CONTINUOUS_OUTPUTS] = (**slopes * direction).into();
+        finite(&all)?;
+        Ok(all)
+    }
+
+    /// All partial derivatives. While the phase zeros follow the pose, they have a share in them.
+    fn jacobian(
+        &mut self,
+        resources: &Resources,
+        inputs: &InputValues,
+    ) -> Result<Jacobian, Refusal> {
+        let follows = self.latch.is_none();
+        let bodies = if self.uses_carrier() { 3 } else { 2 };
+        let (element, latch, motions) = self.ready(resources, inputs)?;
+        let mut jacobian = element.jacobian(&latch, &motions).map_err(refuse)?;
+        if !follows {
+            return Ok(jacobian);
+        }
+        // A change of the phase zeros is a spin of the gears: only gear 1's moves the mesh position,
+        // by z1 / 2 pi per radian, and the tooth angle takes z1 and e z2.
+        let pair = &resources.unit.geometry;
+        let spin = |gear: usize| {
+            let axis = motions.gears[gear].r.column(2).into_owned();
+            let first = BODY_COLUMNS * gear + ROTATION;
+            jacobian.fixed_columns::<3>(first) * axis
+        };
+        let by_spin = [spin(0), spin(1)];
+        for body in 0..bodies {
+            for k in 0..ROTATION + 3 {
+                let change = latch_rate(element, &motions, body, k)?;
+                let first = change.mesh_position * std::f64::consts::TAU / pair.gears[0].z();
+                let rest = change.tooth_angle - first * pair.gears[0].z();
+                let second = rest / (pair.e() * pair.gears[1].z());
+                let mut column = jacobian.column_mut(BODY_COLUMNS * body + k);
+                column += by_spin[0] * first + by_spin[1] * second;
+            }
+        }
+        Ok(jacobian)
+    }
+}
+
+/// First of a body's rotations among its columns of the Jacobian; translations come before.
+const ROTATION: usize = 3;
+
+/// Rate of the phase zeros with freedom `k` (translations, then rotations) of `body`, by central
+/// differences: they are two smooth functions of the pose and have no kinks, so that these are good to
+/// nine digits.
+fn latch_rate(
+    element: &Element,
+    motions: &Inputs,
+    body: usize,
+    k: usize,
+) -> Result<Latch, Refusal> {
+    /// Small against a tooth in metres and in radians, large against rounding.
+    const STEP: f64 = 1e-6;
+    let at = |h: f64| {
+        let mut moved = *motions;
+        let motion = match body {
+            0 | 1 => &mut moved.gears[body],
+            _ => &mut moved.carrier,
+        };
+        if k < ROTATION {
+            motion.p[k] += h;
+        } else {
+            let turn = Rotation3::new(Vector3::ith(k - ROTATION, h));
+            motion.r = turn.matrix() * motion.r;
+        }
+        element.latch(&moved).map_err(refuse)
+    };
+    let (before, after) = (at(-STEP)?, at(STEP)?);
+    // Angles may jump by whole turns between both sides, mesh positions by whole pitches.
+    let rate =
+        |change: f64, period: f64| (change - period * (change / period).round()) / (2.0 * STEP);
+    Ok(Latch {
+        tooth_angle: rate(
+            after.tooth_angle - before.tooth_angle,
+            std::f64::consts::TAU,
+        ),
+        mesh_position: rate(after.mesh_position - before.mesh_position, 1.0),
+    })
+}
+
+/// Why there are no outputs.
+#[derive(Debug)]
+pub enum Failure {
+    /// The element refuses.
+    Refused(Refusal),
+    /// The continuous output in this place is not finite.
+    NotFinite(usize),
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        Failure::Refused(refusal)
+    }
+}
+
+fn finite(all: &[f64; CONTINUOUS_OUTPUTS]) -> Result<(), Failure> {
+    let bad = all.iter().position(|x| !x.is_finite());
+    bad.map_or(Ok(()), |row| Err(Failure::NotFinite(row)))
+}

@@ -1,0 +1,340 @@
+//! The unit without time: outputs as a pure function of inputs, parameters and phase zeros.
+//!
+//! [`super::co_simulation`] and model exchange both stand on it. Outputs and derivatives are made when
+//! they are asked for, so hosts may set and get without a step between, and go back in time.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use super::inputs::{InputValues, Part};
+use super::layout::{MESHES, MeshVariables, Role, body_of, inputs, role};
+use super::mesh::{Evaluated, Failure, Freedoms, Mesh};
+use super::report::Refusal;
+use super::resources::Resources;
+use super::settings::{FIELDS, Orientation, Settings};
+use super::values::{Value, find, input};
+use super::variables::{Kind, VARIABLES};
+use crate::element::{BODY_COLUMNS, Latch};
+
+/// The unit of one instance.
+pub struct Unit {
+    resources: Arc<Resources>,
+    inputs: InputValues,
+    meshes: Vec<Mesh>,
+}
+
+/// Everything that the outputs are a function of.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Point {
+    inputs: InputValues,
+    /// Of each mesh.
+    meshes: Vec<MeshPoint>,
+}
+
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+struct MeshPoint {
+    /// Numbers of the parameters in their order, as start values write them.
+    parameters: Vec<f64>,
+    latch: Option<Latch>,
+}
+
+impl Unit {
+    /// The unit with its start values.
+    pub fn new(resources: Arc<Resources>) -> Self {
+        let starts = &resources.starts;
+        let meshes = MESHES.iter().zip(&starts.settings);
+        let meshes = meshes.map(|(mesh, settings)| Mesh::new(mesh, settings.clone()));
+        Self {
+            inputs: InputValues::new(starts.inputs.clone()),
+            meshes: meshes.collect(),
+            resources,
+        }
+    }
+
+    /// What packing put beside the library.
+    pub fn resources(&self) -> &Arc<Resources> {
+        &self.resources
+    }
+
+    /// The inputs.
+    pub fn inputs(&self) -> &InputValues {
+        &self.inputs
+    }
+
+    /// Puts other inputs in their place and returns those before.
+    pub fn replace_inputs(&mut self, inputs: InputValues) -> InputValues {
+        self.forget();
+        std::mem::replace(&mut self.inputs, inputs)
+    }
+
+    fn forget(&mut self) {
+        self.meshes.iter_mut().for_each(Mesh::forget);
+    }
+
+    /// Orientation inputs in use of a body whose pose moves with its velocities inside a step.
+    pub fn extrapolates(&self, body: usize) -> Option<Orientation> {
+        let uses = |mesh: &&Mesh| mesh.settings().extrapolate_poses && mesh.looks_at(body);
+        Some(self.meshes.iter().find(uses)?.settings().orientation)
+    }
+
+    /// The point it stands at, to come back to.
+    pub fn point(&self) -> Point {
+        let meshes = self.meshes.iter().map(|mesh| MeshPoint {
+            parameters: mesh.settings().numbers(),
+            latch: mesh.latch(),
+        });
+        Point {
+            inputs: self.inputs.clone(),
+            meshes: meshes.collect(),
+        }
+    }
+
+    /// Goes to `point`, which came from [`Unit::point`] of this unit, in this process or another one.
+    ///
+    /// # Errors
+    /// A point with other variables or illegal numbers; nothing is changed.
+    pub fn go_to(&mut self, point: &Point) -> Result<(), Refusal> {
+        let settings = point.settings().ok_or_else(|| {
+            Refusal::error("the stored state has parameters or inputs that this unit has not")
+        })?;
+        self.inputs = point.inputs.clone();
+        for ((mesh, settings), to) in self.meshes.iter_mut().zip(settings).zip(&point.meshes) {
+            mesh.configure(settings, to.latch)?;
+        }
+        Ok(())
+    }
+
+    /// Sets input `i`.
+    #[inline]
+    pub fn set_input(&mut self, i: usize, value: f64) {
+        self.inputs.set(i, value);
+        self.forget();
+    }
+
+    /// Sets the parameter with the index `i` in [`VARIABLES`], if its type has `value`.
+    ///
+    /// # Errors
+    /// As [`Mesh::configure`].
+    pub fn set_parameter(&mut self, i: usize, value: Value) -> Result<(), Refusal> {
+        let Role::Parameter { mesh, field } = role(i) else {
+            return Ok(());
+        };
+        let mesh = &mut self.meshes[mesh];
+        let mut settings = mesh.settings().clone();
+        (FIELDS[field].set)(&mut settings, value);
+        let latch = mesh.latch();
+        mesh.configure(settings, latch)
+    }
+
+    /// Value of the variable with the index `i` in [`VARIABLES`].
+    ///
+    /// # Errors
+    /// Inputs or parameters at which there are no outputs.
+    pub fn get(&mut self, i: usize) -> Result<Value, Refusal> {
+        Ok(match role(i) {
+            Role::Input => Value::Real(self.inputs.get(i)),
+            Role::Parameter { mesh, field } => (FIELDS[field].get)(self.meshes[mesh].settings()),
+            Role::Output { mesh, row } => Value::Real(self.outputs(mesh)?.continuous[row]),
+            Role::Flank(mesh) => Value::Integer(self.outputs(mesh)?.all.flank),
+            Role::OutOfRange(mesh) => Value::Boolean(self.outputs(mesh)?.all.out_of_range),
+        })
+    }
+
+    /// Value of a Real output that is at hand.
+    #[inline]
+    pub fn at_hand(&self, i: usize) -> Option<f64> {
+        let mut meshes = self.meshes.iter();
+        meshes.find_map(|mesh| {
+            let row = i.checked_sub(mesh.variables().outputs)?;
+            mesh.present()?.continuous.get(row).copied()
+        })
+    }
+
+    /// Makes the outputs at the present inputs, unless they are at hand.
+    ///
+    /// # Errors
+    /// Inputs or parameters at which there are no outputs.
+    pub fn evaluate(&mut self) -> Result<(), Refusal> {
+        (0..self.meshes.len()).try_for_each(|mesh| self.outputs(mesh).map(drop))
+    }
+
+    /// Outputs of each mesh that are at hand.
+    pub fn present(&self) -> impl Iterator<Item = &Evaluated> {
+        self.meshes.iter().filter_map(Mesh::present)
+    }
+
+    fn outputs(&mut self, mesh: usize) -> Result<&Evaluated, Refusal> {
+        // The borrow of a result that is returned early would last: look first, then return.
+        if self.meshes[mesh].present().is_none() {
+            let made = self.meshes[mesh].evaluate(&self.resources, &self.inputs);
+            if let Err(failure) = made.map(drop) {
+                return Err(self.explain(mesh, "", failure));
+            }
+        }
+        Ok(self.meshes[mesh].present().expect("made above"))
+    }
+
+    fn explain(&self, mesh: usize, what: &str, failure: Failure) -> Refusal {
+        match failure {
+            Failure::Refused(refusal) => refusal,
+            Failure::NotFinite(row) => {
+                let name = VARIABLES[MESHES[mesh].outputs + row].name;
+                let (i, _) = self.inputs.largest();
+                self.overflow(i, &format!("{what}{name} is not finite"))
+            }
+        }
+    }
+
+    /// Numbers so large that nothing can be computed; `i` is the input to look at.
+    pub fn overflow(&self, i: usize, what: &str) -> Refusal {
+        Refusal::error(format!(
+            "{what}: check {} = {}, its derivatives and the parameters for numbers out of all proportion",
+            VARIABLES[i].name,
+            self.inputs.get(i)
+        ))
+    }
+
+    /// Takes the phases of the teeth from the present pose, and makes the outputs there.
+    ///
+    /// # Errors
+    /// Parameters or poses that make no mesh; phases and outputs are as before.
+    pub fn take_phases(&mut self) -> Result<(), Refusal> {
+        let before = self.point();
+        let mut outcome = Ok(());
+        for mesh in &mut self.meshes {
+            outcome = outcome.and_then(|()| mesh.take_phase(&self.resources, &self.inputs));
+        }
+        let outcome = outcome.and_then(|()| self.evaluate());
+        if outcome.is_err() {
+            self.go_to(&before)?;
+        }
+        outcome
+    }
+
+    /// fmi2GetDirectionalDerivative: derivatives of the `unknown` outputs, in their order, along the
+    /// change of inputs that `known` gives as (value reference, seed). Exact for the formulation in
+    /// use; in Initialization Mode the phases of the teeth follow the pose, and the derivatives with
+    /// them. Inputs that the formulation does not look at change nothing.
+    ///
+    /// # Errors
+    /// References that are no continuous outputs or inputs, seeds that are not finite, inputs at
+    /// which there are no outputs.
+    pub fn directional_derivative(
+        &mut self,
+        unknown: &[u32],
+        known: impl Iterator<Item = (u32, f64)>,
+    ) -> Result<Vec<f64>, Refusal> {
+        const FUNCTION: &str = "fmi2GetDirectionalDerivative";
+        let places = places(FUNCTION, unknown.iter().copied())?;
+        let mut directions = vec![Freedoms::zeros(); self.meshes.len()];
+        for (reference, seed) in known {
+            let (i, name) = input(FUNCTION, reference)?;
+            if !seed.is_finite() {
+                return Err(Refusal::error(format!(
+                    "{FUNCTION}: seed {seed} of {name} is not finite"
+                )));
+            }
+            for (mesh, direction) in self.meshes.iter().zip(&mut directions) {
+                let orientation = mesh.settings().orientation;
+                let (part, change) = self.inputs.direction(i, orientation);
+                for (k, body) in mesh.variables().bodies().into_iter().enumerate() {
+                    if body_of(i) == body {
+                        add(direction, k, part, change * seed);
+                    }
+                }
+            }
+        }
+        self.rows(&places, &directions)
+    }
+
+    /// Time derivatives of the outputs with these references: poses change with the velocity inputs,
+    /// which are their derivatives, and velocities with `acceleration` (of a body: linear, angular).
+    ///
+    /// # Errors
+    /// References that are no continuous outputs, inputs at which there are no outputs.
+    pub fn rates(
+        &mut self,
+        function: &str,
+        references: impl Iterator<Item = u32>,
+        acceleration: impl Fn(usize) -> [Vector3<f64>; 2],
+    ) -> Result<Vec<f64>, Refusal> {
+        let places = places(function, references)?;
+        let mut directions = vec![Freedoms::zeros(); self.meshes.len()];
+        for (mesh, direction) in self.meshes.iter().zip(&mut directions) {
+            for (k, body) in mesh.variables().bodies().into_iter().enumerate() {
+                let [v, w] = self.inputs.velocities(body);
+                let [a, alpha] = acceleration(body);
+                add(direction, k, Part::Translation, v);
+                add(direction, k, Part::Rotation, w);
+                add(direction, k, Part::Velocity, a);
+                add(direction, k, Part::AngularVelocity, alpha);
+            }
+        }
+        self.rows(&places, &directions)
+    }
+
+    fn rows(
+        &mut self,
+        places: &[(usize, usize)],
+        directions: &[Freedoms],
+    ) -> Result<Vec<f64>, Refusal> {
+        let mut all = Vec::with_capacity(directions.len());
+        for (k, direction) in directions.iter().enumerate() {
+            let along = self.meshes[k].along(&self.resources, &self.inputs, direction);
+            all.push(along.map_err(|failure| self.explain(k, "the derivative of ", failure))?);
+        }
+        Ok(places.iter().map(|&(mesh, row)| all[mesh][row]).collect())
+    }
+}
+
+impl Point {
+    /// The settings of its meshes, if it belongs to this unit.
+    fn settings(&self) -> Option<Vec<Settings>> {
+        if self.meshes.len() != MESHES.len() || !self.inputs.fits(inputs()) {
+            return None;
+        }
+        let of = |(mesh, variables): (&MeshPoint, &MeshVariables)| {
+            let numbers = &mesh.parameters;
+            let first = variables.parameters;
+            let settings = Settings::of_starts(first, |i| numbers[i - first]);
+            settings.ok().filter(|_| numbers.len() == FIELDS.len())
+        };
+        let fits = |mesh: &MeshPoint| mesh.parameters.len() == FIELDS.len();
+        let mut meshes = self.meshes.iter();
+        if !meshes.all(fits) {
+            return None;
+        }
+        self.meshes.iter().zip(MESHES).map(of).collect()
+    }
+}
+
+/// Adds to a direction of a mesh's body (0, 1: gears, 2: carrier). The place and the velocity of the
+/// carrier's origin change nothing.
+fn add(direction: &mut Freedoms, body: usize, part: Part, change: Vector3<f64>) {
+    let is_place = matches!(part, Part::Translation | Part::Velocity);
+    if body == 2 && is_place {
+        return;
+    }
+    let mut rows = direction.fixed_rows_mut::<3>(BODY_COLUMNS * body + 3 * part as usize);
+    rows += change;
+}
+
+/// Meshes and rows of the continuous outputs with these references.
+fn places(
+    function: &str,
+    references: impl Iterator<Item = u32>,
+) -> Result<Vec<(usize, usize)>, Refusal> {
+    references
+        .map(|reference| {
+            let i = find(function, Kind::Real, reference)?;
+            match role(i) {
+                Role::Output { mesh, row } => Ok((mesh, row)),
+                _ => {
+                    let name = VARIABLES[i].name;
+                    Err(Refusal::error(format!("{function}: {name} is no output")))
+                }
+            }
+        })
+        .collect()
+}

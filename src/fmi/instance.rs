@@ -130,7 +130,7 @@ impl Instance {
     /// fmi2SetupExperiment.
     ///
     /// # Errors
-    /// As [`Clock::setup`].
+    /// As `Clock::setup`.
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         self.simulation.clock().setup(start, stop)
     }
@@ -309,7 +309,7 @@ impl Instance {
         })
     }
 
-    /// fmi2GetDirectionalDerivative; see [`Unit::directional_derivative`].
+    /// fmi2GetDirectionalDerivative; see `Unit::directional_derivative`.
     ///
     /// # Errors
     /// As there.
@@ -332,7 +332,7 @@ impl Instance {
         }
     }
 
-    /// fmi2SetRealInputDerivatives; see [`CoSimulation::set_input_derivatives`].
+    /// fmi2SetRealInputDerivatives; see `CoSimulation::set_input_derivatives`.
     ///
     /// # Errors
     /// As there.
@@ -343,7 +343,7 @@ impl Instance {
         self.co_simulation()?.0.set_input_derivatives(items)
     }
 
-    /// fmi2GetRealOutputDerivatives; see [`CoSimulation::output_derivatives`].
+    /// fmi2GetRealOutputDerivatives; see `CoSimulation::output_derivatives`.
     ///
     /// # Errors
     /// As there.
@@ -355,7 +355,7 @@ impl Instance {
         co_simulation.output_derivatives(unit, items)
     }
 
-    /// fmi2DoStep; see [`CoSimulation::step`].
+    /// fmi2DoStep; see `CoSimulation::step`.
     ///
     /// # Errors
     /// As there.

@@ -66,3 +66,4 @@ pub mod pair;
 pub mod table;
 #[cfg(all(test, feature = "preprocess"))]
 mod testing;
+pub mod words;

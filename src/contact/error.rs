@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::compliance::BeyondModel;
 use crate::gear::ProfileError;
+use crate::words::rounded;
 
 /// What is prescribed at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,11 +43,6 @@ impl fmt::Display for OperatingPoint {
             rounded(1e6 * self.center_distance_offset)
         )
     }
-}
-
-/// Without the digits that a change of unit adds.
-fn rounded(value: f64) -> f64 {
-    (1e6 * value).round() / 1e6
 }
 
 /// Errors of the contact solver.

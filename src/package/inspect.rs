@@ -9,6 +9,12 @@ use zip::ZipArchive;
 use super::PackageError;
 use crate::fmi::resources::{TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
 
+/// Longest text that is read from a unit, bytes: some hundred times the tables of a pair.
+const LONGEST_TEXT: u64 = 256 << 20;
+
+/// Most files of a unit that is looked into; one of gearmesh has some twenty.
+const MOST_FILES: usize = 10_000;
+
 /// Contents of a packed unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection {
@@ -29,6 +35,13 @@ pub struct Inspection {
 pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
     let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
     let mut archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
+    if archive.len() > MOST_FILES {
+        let problem = format!(
+            "holds {} files, and was not packed by gearmesh",
+            archive.len()
+        );
+        return Err(PackageError::contents(path, problem));
+    }
     let mut files = Vec::new();
     for i in 0..archive.len() {
         let entry = archive
@@ -43,9 +56,18 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
             Err(e) => return Err(PackageError::archive(path, e)),
         };
         let mut text = String::new();
-        entry
+        // Few packed bytes may unfold into any number of them.
+        let length = (&mut entry)
+            .take(LONGEST_TEXT + 1)
             .read_to_string(&mut text)
             .map_err(|e| PackageError::file(path, e))?;
+        if length as u64 > LONGEST_TEXT {
+            let longest = LONGEST_TEXT >> 20;
+            let problem = format!(
+                "{name} unfolds into more than {longest} MB, and was not packed by gearmesh"
+            );
+            return Err(PackageError::contents(path, problem));
+        }
         Ok(Some(text))
     };
     let unit_name = format!("resources/{UNIT_FILE}");

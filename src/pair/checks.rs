@@ -2,6 +2,8 @@
 
 use super::error::Refusal;
 use super::file::{GearFile, Meshing, PairFile};
+use super::slips;
+use crate::words::rounded;
 
 /// Refuses unless `ok`; a comparison with NaN is not ok.
 pub(super) fn require(
@@ -18,53 +20,88 @@ pub(super) fn require(
     }
 }
 
-/// A number within [low, high], both as the file writes them.
-fn within(field: impl Into<String>, value: f64, low: f64, high: f64) -> Result<(), Refusal> {
+/// A number within [low, high], both as the file writes them. `probably` is what a value outside may be meant as.
+fn within(
+    field: impl Into<String>,
+    value: f64,
+    low: f64,
+    high: f64,
+    probably: Option<String>,
+) -> Result<(), Refusal> {
+    let problem = format!("lies outside {} to {}", rounded(low), rounded(high));
     require(
         (low..=high).contains(&value),
         field,
         value,
-        format!("lies outside {low} to {high}"),
-        "give a value in that range, in the unit of the name",
+        problem,
+        unit_remedy(probably),
     )
 }
 
 /// A number in (0, high].
-fn positive(field: impl Into<String>, value: f64, high: f64) -> Result<(), Refusal> {
+fn positive(
+    field: impl Into<String>,
+    value: f64,
+    high: f64,
+    probably: Option<String>,
+) -> Result<(), Refusal> {
     require(
         value > 0.0 && value <= high,
         field,
         value,
         format!("must be above 0 and at most {high}"),
-        "give a positive value in the unit of the name",
+        unit_remedy(probably),
     )
 }
+
+fn unit_remedy(probably: Option<String>) -> String {
+    match probably {
+        Some(probably) => format!("give it in the unit of the name: {probably}"),
+        None => "give a value in that range, in the unit of the name".into(),
+    }
+}
+
+/// Normal modules, mm. Smaller ones than any tooth has are metres.
+const MODULES: [f64; 2] = [0.02, 1000.0];
+
+/// Face widths over the normal module. Beyond the upper one the elastic model outgrows memory.
+const FACE_OVER_MODULE: [f64; 2] = [0.05, 100.0];
 
 /// Checks every field of the file by itself.
 pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
     let printable = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
     require(
-        !file.name.trim().is_empty() && file.name.len() <= 100 && file.name.chars().all(printable),
+        !file.name.trim().is_empty()
+            && file.name.chars().count() <= 100
+            && file.name.chars().all(printable),
         "name",
         format!("{:?}", file.name),
         "cannot serve as a file name",
         "give 1 to 100 characters without / \\ : * ? \" < > |",
     )?;
-    positive("normal_module_mm", file.normal_module_mm, 1000.0)?;
+    let (module, alpha) = (file.normal_module_mm, file.normal_pressure_angle_deg);
+    within(
+        "normal_module_mm",
+        module,
+        MODULES[0],
+        MODULES[1],
+        slips::module(module),
+    )?;
     within(
         "normal_pressure_angle_deg",
-        file.normal_pressure_angle_deg,
+        alpha,
         10.0,
         35.0,
+        slips::degrees(alpha),
     )?;
-    within("helix_angle_deg", file.helix_angle_deg, -60.0, 60.0)?;
+    within("helix_angle_deg", file.helix_angle_deg, -60.0, 60.0, None)?;
     if let Some(mm) = file.center_distance_mm {
-        positive("center_distance_mm", mm, 1e5)?;
+        positive("center_distance_mm", mm, 1e5, None)?;
     }
     if let Some(um) = file.backlash_um {
-        within("backlash_um", um, 0.0, 250.0 * file.normal_module_mm)?;
+        within("backlash_um", um, 0.0, 250.0 * module, None)?;
     }
-    within("face_offset_mm", file.face_offset_mm, -1e4, 1e4)?;
+    within("face_offset_mm", file.face_offset_mm, -1e4, 1e4, None)?;
     for (name, gear) in [("gear1", &file.gear1), ("gear2", &file.gear2)] {
         check_gear(name, gear, file.normal_module_mm)?;
     }
@@ -81,10 +118,17 @@ fn check_gear(name: &str, g: &GearFile, module_mm: f64) -> Result<(), Refusal> {
         "lies outside 4 to 5000",
         "give the number of teeth, positive for a ring, too",
     )?;
-    within(field("profile_shift"), g.profile_shift, -3.0, 3.0)?;
-    positive(field("face_width_mm"), g.face_width_mm, 1e4)?;
+    within(field("profile_shift"), g.profile_shift, -3.0, 3.0, None)?;
+    positive(field("face_width_mm"), g.face_width_mm, 1e4, None)?;
+    within(
+        field("face_width_mm"),
+        g.face_width_mm,
+        FACE_OVER_MODULE[0] * module_mm,
+        FACE_OVER_MODULE[1] * module_mm,
+        slips::face_width(g.face_width_mm, module_mm),
+    )?;
     if let Some(mm) = g.tip_diameter_mm {
-        positive(field("tip_diameter_mm"), mm, 1e5)?;
+        positive(field("tip_diameter_mm"), mm, 1e5, None)?;
         if let Some(addendum) = g.addendum_coefficient {
             return Err(Refusal::new(
                 field("addendum_coefficient"),
@@ -95,23 +139,35 @@ fn check_gear(name: &str, g: &GearFile, module_mm: f64) -> Result<(), Refusal> {
         }
     }
     if let Some(addendum) = g.addendum_coefficient {
-        positive(field("addendum_coefficient"), addendum, 3.0)?;
+        positive(field("addendum_coefficient"), addendum, 3.0, None)?;
     }
-    positive(field("dedendum_coefficient"), g.dedendum_coefficient, 3.0)?;
+    positive(
+        field("dedendum_coefficient"),
+        g.dedendum_coefficient,
+        3.0,
+        None,
+    )?;
     within(
         field("tool_tip_radius_coefficient"),
         g.tool_tip_radius_coefficient,
         0.0,
         1.0,
+        None,
     )?;
     if let Some(mm) = g.bore_diameter_mm {
-        positive(field("bore_diameter_mm"), mm, 1e5)?;
+        positive(field("bore_diameter_mm"), mm, 1e5, None)?;
     }
     if let Some(mm) = g.rim_diameter_mm {
-        positive(field("rim_diameter_mm"), mm, 1e5)?;
+        positive(field("rim_diameter_mm"), mm, 1e5, None)?;
     }
-    positive(field("youngs_modulus_gpa"), g.youngs_modulus_gpa, 2000.0)?;
-    within(field("poisson_ratio"), g.poisson_ratio, 0.0, 0.49)?;
+    let modulus = g.youngs_modulus_gpa;
+    positive(
+        field("youngs_modulus_gpa"),
+        modulus,
+        2000.0,
+        slips::modulus(modulus),
+    )?;
+    within(field("poisson_ratio"), g.poisson_ratio, 0.0, 0.49, None)?;
     check_amounts(name, g, module_mm)
 }
 
@@ -127,7 +183,10 @@ fn check_amounts(name: &str, g: &GearFile, module_mm: f64) -> Result<(), Refusal
             if um < low {
                 "adds material".into()
             } else {
-                format!("exceeds a twentieth of the normal module, {most} um")
+                format!(
+                    "exceeds a twentieth of the normal module, {} um",
+                    rounded(most)
+                )
             },
             "give the removal normal to the flank in micrometres, positive, as for a \
              modification of the flank",
@@ -152,7 +211,7 @@ fn check_amounts(name: &str, g: &GearFile, module_mm: f64) -> Result<(), Refusal
             r.length_mm,
             format!(
                 "must be above 0 and at most half of the face width, {} mm",
-                0.5 * g.face_width_mm
+                rounded(0.5 * g.face_width_mm)
             ),
             "shorten the end relief, or use `lead_crowning_um` over the whole face",
         )?;
@@ -210,7 +269,12 @@ fn rim_of_external(name: &str, rim: f64) -> Refusal {
 
 fn check_operating(file: &PairFile) -> Result<(), Refusal> {
     let o = &file.operating;
-    positive("operating.nominal_torque_nm", o.nominal_torque_nm, 1e9)?;
+    positive(
+        "operating.nominal_torque_nm",
+        o.nominal_torque_nm,
+        1e9,
+        None,
+    )?;
     require(
         o.maximum_torque_nm >= o.nominal_torque_nm && o.maximum_torque_nm <= 1e9,
         "operating.maximum_torque_nm",

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::words::shown;
+
 /// A pair file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PairError {
@@ -53,7 +55,7 @@ impl Refusal {
     ) -> Self {
         Refusal {
             field: field.into(),
-            value: value.to_string(),
+            value: shown(&value.to_string()),
             problem: problem.into(),
             remedy: remedy.into(),
         }

@@ -5,6 +5,7 @@ use super::error::Refusal;
 use super::file::PairFile;
 use super::interference::{assembles_radially, tip_corner_clearance};
 use super::resolve::{MM, gear_file};
+use super::slips;
 use crate::gear::{Gear, GearKind, PairGeometry, ProfileError, ToothProfile, inverse_involute};
 
 /// "gear1.<field>" or "gear2.<field>".
@@ -43,7 +44,10 @@ pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<Tooth
             field(i, "rim_diameter_mm"),
             held,
             format!("is no larger than the root diameter of the ring, {root:.3} mm"),
-            "give the outer diameter at which the ring is held",
+            match slips::diameter(held, 1.1 * root) {
+                Some(other) => format!("give the outer diameter in millimetres: {other}"),
+                None => "give the outer diameter at which the ring is held".into(),
+            },
         )?,
     }
     Ok(profile)
@@ -52,6 +56,20 @@ pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<Tooth
 fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) -> Refusal {
     let (tip, tip_value) = tip_field(file, gear, i);
     let problem = error.to_string();
+    let usual = 2.0
+        * (gear.reference_radius() + gear.normal_module * (gear.profile_shift + gear.kappa()))
+        / MM;
+    if let Some(other) = gear_file(file, i)
+        .tip_diameter_mm
+        .and_then(|mm| slips::diameter(mm, usual))
+    {
+        return Refusal::new(
+            tip,
+            tip_value,
+            problem,
+            format!("give the diameter in millimetres: {other}"),
+        );
+    }
     match error {
         ProfileError::PointedTooth => {
             let limit = match gear.kind {
@@ -118,6 +136,16 @@ pub(super) fn check_contact(
     }
     let transverse = geometry.transverse_contact_ratio(place.center_distance);
     let total = transverse + geometry.overlap_ratio();
+    if !(transverse > 0.0 && total >= 1.0)
+        && let Some((tip, value, problem)) = short_tooth(file, geometry)
+    {
+        return Err(Refusal::new(
+            tip,
+            value,
+            format!("{problem}, and the total contact ratio is {total:.3}"),
+            "give the diameter of the tips; check module and tooth number, too",
+        ));
+    }
     require(
         transverse > 0.0 && total >= 1.0,
         place.field,
@@ -125,6 +153,36 @@ pub(super) fn check_contact(
         format!("the total contact ratio is {total:.3}, and below 1 teeth lose contact"),
         "choose larger tip diameters, a smaller centre distance or, with helical teeth, a wider face",
     )
+}
+
+/// An addendum below this, in normal modules, is a slip where something fails for it.
+const SHORT_ADDENDUM: f64 = 0.5;
+
+/// Field, value and problem of the shorter tooth, if it is so short that it is probably a slip.
+pub(super) fn short_tooth(
+    file: &PairFile,
+    geometry: &PairGeometry,
+) -> Option<(String, String, String)> {
+    let addendum = |i: usize| {
+        let gear = &geometry.gears[i];
+        let above = (gear.tip_radius - gear.reference_radius()) / gear.normal_module;
+        gear.kappa() * (above - gear.profile_shift)
+    };
+    let i = usize::from(addendum(1) < addendum(0));
+    let given = gear_file(file, i);
+    let is_default = given.tip_diameter_mm.is_none() && given.addendum_coefficient.is_none();
+    if is_default || addendum(i) >= SHORT_ADDENDUM {
+        return None;
+    }
+    let gear = &geometry.gears[i];
+    let (tip, value) = tip_field(file, gear, i);
+    let usual = gear.reference_radius() + gear.normal_module * (gear.profile_shift + gear.kappa());
+    let problem = format!(
+        "the addendum is {:.3} modules, while one module asks for a tip diameter of {:.3} mm",
+        addendum(i),
+        2.0 * usual / MM
+    );
+    Some((tip, value, problem))
 }
 
 /// Tip circle against the mate's root circle.

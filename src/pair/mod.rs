@@ -11,11 +11,12 @@ mod interference;
 mod mesh_checks;
 mod modifications;
 mod resolve;
+mod slips;
+mod text;
 
 use std::path::Path;
 
 pub use error::{PairError, Refusal};
-use file::PairFile;
 pub use file::Refinement;
 
 use crate::gear::{Microgeometry, PairGeometry};
@@ -53,22 +54,14 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// Reads and checks the text of a pair file.
+    /// Reads and checks the text of a pair file: JSON in which comments (`//`, `/* */`, `#`), commas before a
+    /// closing bracket and a byte-order mark are allowed.
     ///
     /// # Errors
     /// [`PairError::Form`] for text of another form (unknown, missing or mistyped field),
     /// [`PairError::Refused`] for a pair that cannot work.
     pub fn from_json(text: &str) -> Result<Pair, PairError> {
-        let mut json = serde_json::Deserializer::from_str(text);
-        let file: PairFile =
-            serde_path_to_error::deserialize(&mut json).map_err(|error| PairError::Form {
-                field: error.path().to_string(),
-                message: error.inner().to_string(),
-            })?;
-        json.end().map_err(|error| PairError::Form {
-            field: ".".into(),
-            message: error.to_string(),
-        })?;
+        let file = text::parse(text)?;
         Ok(resolve::resolve(&file)?)
     }
 
@@ -77,12 +70,7 @@ impl Pair {
     /// # Errors
     /// [`PairError::Read`] when the file cannot be read, else as [`Pair::from_json`].
     pub fn read(path: impl AsRef<Path>) -> Result<Pair, PairError> {
-        let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|source| PairError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        Pair::from_json(&text)
+        Pair::from_json(&text::read(path.as_ref())?)
     }
 
     /// Whether the coast flank is the drive flank seen with both gears turned end for end, so that one

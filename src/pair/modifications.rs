@@ -3,8 +3,9 @@
 use super::checks::require;
 use super::error::Refusal;
 use super::file::{EndReliefFile, PairFile, ReliefFile, ReliefStart, Shape};
-use super::mesh_checks::field;
+use super::mesh_checks::{field, short_tooth};
 use super::resolve::{MM, UM, gear_file};
+use super::slips;
 use crate::gear::{
     EndRelief, Microgeometry, PairGeometry, ProfileCrowning, ProfileRelief, ReliefShape,
 };
@@ -21,7 +22,9 @@ pub(super) fn microgeometry(
     let tip = gear.roll_length(gear.tip_radius);
     let active_start = geometry.active_start_roll(i, geometry.center_distance);
     let relief = |name: &str, r: &Option<ReliefFile>, end_roll: f64| match r {
-        Some(r) => profile_relief(r, geometry, i, name, [active_start, tip], end_roll).map(Some),
+        Some(r) => {
+            profile_relief(r, file, geometry, i, name, [active_start, tip], end_roll).map(Some)
+        }
         None => Ok(None),
     };
     Ok(Microgeometry {
@@ -39,6 +42,7 @@ pub(super) fn microgeometry(
 
 fn profile_relief(
     r: &ReliefFile,
+    file: &PairFile,
     geometry: &PairGeometry,
     i: usize,
     name: &str,
@@ -58,8 +62,24 @@ fn profile_relief(
     };
     let (low, high) = (active[0].min(active[1]), active[0].max(active[1]));
     let diameter = |roll: f64| 2.0 * gear.radius_at_roll(roll) / MM;
+    let is_within = start_roll > low && start_roll < high;
+    if !is_within && let Some((tip, value, problem)) = short_tooth(file, geometry) {
+        return Err(Refusal::new(
+            tip,
+            value,
+            format!(
+                "{problem}, and the start of `gear{}.{name}` is not on the active profile",
+                i + 1
+            ),
+            "give the diameter of the tips, or another start of the relief",
+        ));
+    }
+    let remedy = match r.start {
+        ReliefStart::DiameterMm(mm) => slips::diameter(mm, diameter(0.5 * (low + high))),
+        ReliefStart::PitchPoint => None,
+    };
     require(
-        start_roll > low && start_roll < high,
+        is_within,
         field(i, &format!("{name}.start")),
         value,
         format!(
@@ -67,7 +87,10 @@ fn profile_relief(
             diameter(low),
             diameter(high)
         ),
-        "give {\"diameter_mm\": ...} within it",
+        match remedy {
+            Some(other) => format!("give the diameter in millimetres: {other}"),
+            None => "give {\"diameter_mm\": ...} within it".into(),
+        },
     )?;
     Ok(ProfileRelief {
         amount: r.amount_um * UM,

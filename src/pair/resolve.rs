@@ -7,6 +7,7 @@ use super::mesh_checks::{
     Place, check_clearance, check_contact, check_gear, check_tooth_difference, field, warnings,
 };
 use super::modifications::microgeometry;
+use super::slips;
 use super::{Operating, Pair};
 use crate::gear::{Gear, GearKind, PairGeometry, ToothProfile, inverse_involute};
 
@@ -29,7 +30,9 @@ pub(super) fn resolve(file: &PairFile) -> Result<Pair, Refusal> {
         check_gear(file, &geometry.gears[1], 1)?,
     ];
     check_overlap(file, &geometry)?;
-    let mut notes = warnings(&geometry, &profiles);
+    check_torques(file, &geometry)?;
+    let mut notes = slips::notes(file, &geometry);
+    notes.extend(warnings(&geometry, &profiles));
     check_center_distances(file, &geometry, &profiles, &mut notes)?;
     check_tooth_difference(&geometry)?;
     let microgeometry = [
@@ -90,7 +93,10 @@ fn place(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
                 "center_distance_mm",
                 mm,
                 format!("the base circles allow no mesh below {:.4} mm", least / MM),
-                "check centre distance, module and tooth numbers",
+                match slips::length(mm, backlash_free_center_distance(geometry) / MM) {
+                    Some(metres) => format!("give it in the unit of the name: {metres}"),
+                    None => check_distance(geometry),
+                },
             )
         }
         None => {
@@ -105,6 +111,42 @@ fn place(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
             )
         }
     }
+}
+
+/// What to compare a centre distance with that does not fit.
+fn check_distance(geometry: &PairGeometry) -> String {
+    format!(
+        "check it against module, tooth numbers and profile shifts, which ask for {:.4} mm without backlash",
+        backlash_free_center_distance(geometry) / MM
+    )
+}
+
+/// Torques that teeth of the material could carry.
+fn check_torques(file: &PairFile, geometry: &PairGeometry) -> Result<(), Refusal> {
+    let modulus = geometry.gears.iter().map(|g| g.youngs_modulus);
+    let most = slips::IMPOSSIBLE_LOAD * modulus.fold(f64::INFINITY, f64::min);
+    let torques = [
+        ("nominal_torque_nm", file.operating.nominal_torque_nm),
+        ("maximum_torque_nm", file.operating.maximum_torque_nm),
+    ];
+    for (name, torque) in torques {
+        let load = slips::load(geometry, torque);
+        require(
+            load <= most,
+            format!("operating.{name}"),
+            torque,
+            format!(
+                "means {:.0} N per mm of face and mm of module, and no tooth of this material carries above {:.0}",
+                load * UM,
+                most * UM
+            ),
+            match slips::torque(geometry, torque) {
+                Some(small) => format!("give N m on gear 1: {small}"),
+                None => "give the torque on gear 1 in N m".into(),
+            },
+        )?;
+    }
+    Ok(())
 }
 
 /// The ring's default tip: where an addendum of one module would run into the pinion's fillet at some
@@ -282,6 +324,21 @@ fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refu
     let cos_phi = geometry.operating_pressure_angle(c).cos();
     // Of full teeth, on the line of action.
     let natural = geometry.backlash(c);
+    // Beyond half a module it is no backlash, but another centre distance.
+    let out_of_place = 0.5 * geometry.gears[0].normal_module * cos_phi;
+    if let Some(um) = file.backlash_um
+        && (natural - um * UM * cos_phi).abs() > out_of_place
+    {
+        return Err(Refusal::new(
+            "center_distance_mm",
+            c / MM,
+            format!(
+                "module, tooth numbers and profile shifts leave a backlash of {:.3} mm there",
+                natural / cos_phi / MM
+            ),
+            check_distance(geometry),
+        ));
+    }
     let thinning = match file.backlash_um {
         Some(um) => um * UM * cos_phi - natural,
         None => {

@@ -7,6 +7,7 @@
 
 use super::{Axes, FlankGrid, TableError};
 use crate::gear::PairGeometry;
+use crate::words::rounded;
 use std::collections::BTreeMap;
 
 /// Columns of the file, in any order in its header.
@@ -38,6 +39,74 @@ pub struct Imported {
     pub grid: FlankGrid,
     /// Largest torque, N m on gear 1.
     pub maximum_torque: f64,
+}
+
+/// Stiffness of a tooth pair per length of contact line over Young's modulus: 14 N/(mm um) for steel (ISO 6336-1).
+const STIFFNESS_OVER_MODULUS: f64 = 0.07;
+
+/// Samples stiffer or softer than teeth by less than this factor may be meant, if they are odd.
+const ODD: f64 = 10.0;
+
+/// And beyond this one they are in another unit.
+const IMPOSSIBLE: f64 = 100.0;
+
+impl Imported {
+    /// What is odd about the samples for a pair with this geometry and nominal torque (N m on gear 1), one
+    /// sentence each.
+    ///
+    /// # Errors
+    /// Samples that no simulation can use: largest torque below the nominal one, an axis that leaves out the
+    /// nominal centre distance or parallel axes, or a stiffness that no teeth have.
+    pub fn doubts(
+        &self,
+        geometry: &PairGeometry,
+        nominal_torque: f64,
+    ) -> Result<Vec<String>, TableError> {
+        if self.maximum_torque < nominal_torque {
+            return Err(refused(format!(
+                "the largest torque_nm is {}, below the nominal torque of the pair file, {nominal_torque} N m; give \
+                 samples up to the torques that are to be simulated, or correct operating.nominal_torque_nm",
+                self.maximum_torque
+            )));
+        }
+        let axes = &self.grid.axes;
+        for (name, nodes, scale) in [
+            (COLUMNS[2], &axes.center_distance_offset, 1e6),
+            (COLUMNS[3], &axes.misalignment, 1e3),
+        ] {
+            let [low, high] = [nodes[0], nodes[nodes.len() - 1]].map(|node| rounded(node * scale));
+            if low > 0.0 || high < 0.0 {
+                return Err(refused(format!(
+                    "{name} runs from {low} to {high} and leaves out 0, the nominal state; give deviations from \
+                     nominal"
+                )));
+            }
+        }
+        let force = self.maximum_torque / geometry.gears[0].base_radius();
+        let nodes = self.grid.top_load_approach.len() as f64;
+        let travel = (self.grid.top_load_approach.iter().sum::<f64>()
+            - self.grid.no_load_approach.iter().sum::<f64>())
+            / nodes;
+        let modulus = geometry.gears.iter().map(|g| g.youngs_modulus);
+        let width = geometry.face_overlap().1;
+        let usual = STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min) * width;
+        let ratio = force / travel / usual;
+        let told = format!(
+            "ste_loa_um rises by {} um on average up to {} N m, {} times the stiffness usual for these teeth",
+            two_digits(1e6 * travel),
+            self.maximum_torque,
+            two_digits(ratio),
+        );
+        if !(IMPOSSIBLE.recip()..=IMPOSSIBLE).contains(&ratio) {
+            return Err(refused(format!(
+                "{told}; give the transmission error on the line of action in um, and the torque on gear 1 in N m"
+            )));
+        }
+        Ok((!(ODD.recip()..=ODD).contains(&ratio))
+            .then(|| format!("{told}; check units and pair file"))
+            .into_iter()
+            .collect())
+    }
 }
 
 /// Reads CSV text of the drive flank of `geometry`: header with [`COLUMNS`], then one row per sample;
@@ -156,6 +225,11 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
         grid,
         maximum_torque: torques[torques.len() - 1],
     })
+}
+
+/// `value` with two digits.
+fn two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
 }
 
 fn refused(message: String) -> TableError {

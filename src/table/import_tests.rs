@@ -139,3 +139,69 @@ fn samples_that_cannot_be_a_table_are_refused_by_line_and_value() {
     assert!(refused(csv(&TORQUES[..3])).contains("at least 4"));
     assert!(refused(String::new()).contains("empty"));
 }
+
+/// What is said of a spring whose displacements are `scale` times those of [`csv`].
+fn doubts(scale: f64, nominal_torque: f64) -> Result<Vec<String>, String> {
+    let mut imported = import_csv(&csv(&TORQUES), &spur_pair()).unwrap();
+    for values in [
+        &mut imported.grid.no_load_approach,
+        &mut imported.grid.top_load_approach,
+    ] {
+        values.iter_mut().for_each(|v| *v *= scale);
+    }
+    let doubts = imported.doubts(&spur_pair(), nominal_torque);
+    doubts.map_err(|error| error.to_string())
+}
+
+#[test]
+fn samples_that_end_below_the_nominal_torque_are_refused() {
+    assert_eq!(doubts(1.0, 200.0), Ok(vec![]));
+    let error = doubts(1.0, 250.0).unwrap_err();
+    assert!(
+        error.contains("is 200, below the nominal torque of the pair file, 250 N m"),
+        "{error}"
+    );
+}
+
+#[test]
+fn transmission_errors_in_another_unit_are_refused_and_odd_ones_noted() {
+    // In metres, in millimetres, in nanometres.
+    for scale in [1e-6, 1e-3, 1e3] {
+        let error = doubts(scale, 100.0).unwrap_err();
+        assert!(error.contains("times the stiffness usual"), "{error}");
+        assert!(
+            error.contains("in um, and the torque on gear 1 in N m"),
+            "{error}"
+        );
+    }
+    // A spring of 0.544 of the usual stiffness, 0.07 x 206 GPa x 25 mm, twenty times as soft.
+    let notes = doubts(20.0, 100.0).unwrap();
+    assert!(
+        notes[0].contains("0.027 times the stiffness usual"),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn an_axis_without_the_nominal_state_is_refused() {
+    let mut imported = import_csv(&csv(&TORQUES), &spur_pair()).unwrap();
+    imported.grid.axes.misalignment = vec![1e-3, 1.5e-3, 2e-3, 3e-3];
+    let error = imported
+        .doubts(&spur_pair(), 100.0)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("misalignment_mrad runs from 1 to 3 and leaves out 0"),
+        "{error}"
+    );
+    imported.grid.axes.misalignment = vec![0.0];
+    imported.grid.axes.center_distance_offset = vec![-100e-6, -50e-6, -20e-6, -10e-6];
+    let error = imported
+        .doubts(&spur_pair(), 100.0)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("center_distance_offset_um runs from -100 to -10"),
+        "{error}"
+    );
+}

@@ -3,6 +3,7 @@
 use super::source::{Sample, StaticSource};
 use super::{Axes, FlankGrid, TableError};
 use crate::gear::Flank;
+use crate::words::rounded;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -104,7 +105,7 @@ struct Column {
 pub(super) fn point(flank: Flank, c: f64, m: f64, p: f64) -> String {
     format!(
         "{flank:?} flank, center_distance_offset_um {}, misalignment_mrad {}, mesh_position {p}",
-        1e6 * c,
-        1e3 * m
+        rounded(1e6 * c),
+        rounded(1e3 * m)
     )
 }

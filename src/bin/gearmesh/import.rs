@@ -38,8 +38,15 @@ impl Import {
         let pair = Pair::read(&self.pair)?;
         let read = |path: &PathBuf| -> Result<_, crate::Error> {
             let place = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-            let text = std::fs::read_to_string(path).map_err(|e| output::unreadable(path, &e))?;
-            Ok(import_csv(&text, &pair.geometry).map_err(|e| place(&e))?)
+            let text = output::read_text(path)?;
+            let imported = import_csv(&text, &pair.geometry).map_err(|e| place(&e))?;
+            let doubts = imported
+                .doubts(&pair.geometry, pair.operating.nominal_torque)
+                .map_err(|e| place(&e))?;
+            for doubt in doubts {
+                eprintln!("gearmesh: note: {}: {doubt}", path.display());
+            }
+            Ok(imported)
         };
         let drive = read(&self.samples)?;
         let coast = self.coast.as_ref().map(read).transpose()?;

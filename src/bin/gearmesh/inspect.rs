@@ -1,12 +1,15 @@
 //! `gearmesh inspect FILE`: what is in a file that gearmesh reads or writes.
 
 use std::fmt::Write;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use gearmesh::package;
 use gearmesh::pair::Pair;
 use gearmesh::table::{Table, TableFile};
+use gearmesh::words::{count, fixed, rounded, shown};
+use serde::de::IgnoredAny;
 
 use crate::Error;
 use crate::output::{self, Listing};
@@ -23,17 +26,10 @@ pub struct Inspect {
 impl Inspect {
     /// Prints the summary.
     pub fn run(self) -> Result<(), Error> {
-        let bytes =
-            std::fs::read(&self.file).map_err(|error| output::unreadable(&self.file, &error))?;
-        let text = if bytes.starts_with(b"PK") {
+        let text = if is_archive(&self.file)? {
             fmu(&self.file)?
         } else {
-            let text = String::from_utf8(bytes).map_err(|_| {
-                format!(
-                    "{}: neither text nor an archive; name a pair file, tables or an FMU",
-                    self.file.display()
-                )
-            })?;
+            let text = output::read_text(&self.file)?;
             let place = |error: Error| format!("{}: {error}", self.file.display());
             match is_tables(&text) {
                 true => table_file(&TableFile::from_json(&text).map_err(|e| place(e.into()))?)?,
@@ -45,10 +41,24 @@ impl Inspect {
     }
 }
 
+/// Whether the file begins as zip archives do.
+fn is_archive(path: &Path) -> Result<bool, Error> {
+    let mut mark = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(2).read_to_end(&mut mark))
+        .map_err(|error| output::unreadable(path, &error))?;
+    Ok(mark == b"PK")
+}
+
 /// Tables say their format; a pair file does not.
 fn is_tables(text: &str) -> bool {
-    serde_json::from_str::<serde_json::Value>(text)
-        .is_ok_and(|value| value.get("format").is_some() && value.get("axes").is_some())
+    #[derive(serde::Deserialize)]
+    struct Marks {
+        format: Option<IgnoredAny>,
+        axes: Option<IgnoredAny>,
+    }
+    serde_json::from_str::<Marks>(text)
+        .is_ok_and(|marks| marks.format.is_some() && marks.axes.is_some())
 }
 
 fn table_file(file: &TableFile) -> Result<String, Error> {
@@ -60,8 +70,9 @@ fn table_file(file: &TableFile) -> Result<String, Error> {
         .row(
             "torque on gear 1",
             format!(
-                "nominal {} Nm, up to {} Nm",
-                file.nominal_torque_nm, file.maximum_torque_nm
+                "nominal {} N m, up to {} N m",
+                rounded(file.nominal_torque_nm),
+                rounded(file.maximum_torque_nm)
             ),
         )
         .row(
@@ -92,18 +103,18 @@ fn table_file(file: &TableFile) -> Result<String, Error> {
     for (name, value) in &file.solver {
         rows.row(format!("solver: {name}"), value.to_string());
     }
-    Ok(format!("{}: tables\n{rows}", file.name))
+    Ok(format!("{}: tables\n{rows}", shown(&file.name)))
 }
 
 fn range(nodes: &[f64], scale: f64, unit: &str) -> String {
     match nodes {
         [] => "none".into(),
-        [only] => format!("{:.4} {unit}, no axis", only * scale),
+        [only] => format!("{} {unit}, no axis", fixed(only * scale, 4)),
         [first, .., last] => format!(
-            "{:.4} to {:.4} {unit}, {} nodes",
-            first * scale,
-            last * scale,
-            nodes.len()
+            "{} to {} {unit}, {}",
+            fixed(first * scale, 4),
+            fixed(last * scale, 4),
+            count(nodes.len(), "node")
         ),
     }
 }
@@ -114,12 +125,12 @@ fn fmu(path: &Path) -> Result<String, Error> {
     rows.row("GUID", &found.unit.guid)
         .row("platforms", found.platforms.join(", "));
     for (name, value) in &found.unit.starts {
-        rows.row(format!("start: {name}"), format!("{value}"));
+        rows.row(format!("start: {name}"), rounded(*value).to_string());
     }
     for (name, size) in &found.files {
-        rows.row(format!("file: {name}"), format!("{size} bytes"));
+        rows.row(format!("file: {name}"), count(*size as usize, "byte"));
     }
-    let mut text = format!("{}: FMU\n{rows}", found.unit.name);
+    let mut text = format!("{}: FMU\n{rows}", shown(&found.unit.name));
     if let Some(tables) = &found.tables {
         let _ = write!(text, "\n{}", table_file(&TableFile::from_json(tables)?)?);
     }

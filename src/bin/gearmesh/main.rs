@@ -9,6 +9,7 @@ mod inspect;
 mod interrupt;
 mod limits;
 mod model;
+mod new;
 mod output;
 mod pack;
 mod pair_summary;
@@ -31,6 +32,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    New(new::New),
     Solve(solve::Solve),
     Tables(tables::Tables),
     Import(import::Import),
@@ -46,6 +48,7 @@ type Error = Box<dyn std::error::Error>;
 fn main() -> ExitCode {
     let command = Cli::parse().command;
     let result = interrupt::handle().and_then(|()| match command {
+        Command::New(command) => command.run(),
         Command::Solve(command) => command.run(),
         Command::Tables(command) => command.run(),
         Command::Import(command) => command.run(),

@@ -1,7 +1,9 @@
 //! Text to standard output, whole files to disk, errors in one line.
 
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+
+use gearmesh::words::shown;
 
 use crate::interrupt;
 
@@ -37,6 +39,34 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     })
 }
 
+/// Longest text that is read, bytes: some hundred times the tables of a pair.
+const LONGEST_TEXT: u64 = 256 << 20;
+
+/// The text of tables or samples. A pair file has its own limit.
+pub fn read_text(path: &Path) -> Result<String, String> {
+    let failed = |error: &io::Error| unreadable(path, error);
+    let file = std::fs::File::open(path).map_err(|error| failed(&error))?;
+    let not_text = || {
+        format!(
+            "{}: neither text nor an archive; name a pair file, tables, samples or an FMU",
+            path.display()
+        )
+    };
+    let mut text = String::new();
+    // One byte more than allowed tells a longer file, even where no length is known.
+    match file.take(LONGEST_TEXT + 1).read_to_string(&mut text) {
+        Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(not_text()),
+        Err(error) => Err(failed(&error)),
+        Ok(length) if length as u64 > LONGEST_TEXT => Err(format!(
+            "{}: longer than {} MB, and tables or samples of a pair have a few; name another file, or give fewer \
+             samples",
+            path.display(),
+            LONGEST_TEXT >> 20
+        )),
+        Ok(_) => Ok(text),
+    }
+}
+
 /// What to say of a file that `error` keeps from being read.
 pub fn unreadable(path: &Path, error: &io::Error) -> String {
     format!(
@@ -50,7 +80,11 @@ pub fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        other => other,
+        Err(error) => Err(io::Error::new(
+            error.kind(),
+            format!("cannot write to standard output: {error}; send it elsewhere, or make room"),
+        )),
+        Ok(()) => Ok(()),
     }
 }
 
@@ -78,7 +112,8 @@ pub struct Listing {
 impl Listing {
     /// Adds one row.
     pub fn row(&mut self, name: impl Into<String>, value: impl Into<String>) -> &mut Self {
-        self.rows.push((name.into(), value.into()));
+        // Either may come from a file that somebody else wrote.
+        self.rows.push((shown(&name.into()), shown(&value.into())));
         self
     }
 }

@@ -32,8 +32,7 @@ impl Pack {
     pub fn run(self) -> Result<(), crate::Error> {
         let libraries = libraries(&self.library)?;
         let packed = if let Some(path) = &self.tables {
-            let text =
-                std::fs::read_to_string(path).map_err(|error| output::unreadable(path, &error))?;
+            let text = output::read_text(path)?;
             pack_tables(&text, &libraries, &self.output)?
         } else {
             let pair = Pair::read(self.pair.as_deref().unwrap_or("".as_ref()))?;

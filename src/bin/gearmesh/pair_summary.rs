@@ -191,7 +191,7 @@ fn operating(pair: &Pair) -> Listing {
     rows.row(
         "torque on gear 1",
         format!(
-            "nominal {} Nm, up to {} Nm",
+            "nominal {} N m, up to {} N m",
             o.nominal_torque, o.maximum_torque
         ),
     )

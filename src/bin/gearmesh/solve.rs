@@ -9,6 +9,8 @@ use gearmesh::gear::{self, PairGeometry};
 use gearmesh::pair::{Operating, Pair};
 use serde::Serialize;
 
+use gearmesh::words::{fixed, rounded};
+
 use crate::limits;
 use crate::model::{Model, ModelArgs};
 use crate::output::{self, Listing};
@@ -225,16 +227,16 @@ fn text(
     report: &Report,
 ) -> String {
     let mut text = format!(
-        "{}: {} N m on gear 1, {} flank, centre distance offset {:.1} um, misalignment {:.3} mrad\n\n",
+        "{}: {} N m on gear 1, {} flank, centre distance offset {} um, misalignment {} mrad\n\n",
         pair.name,
-        input.torque,
+        rounded(input.torque),
         if input.flank.sign() > 0.0 {
             "drive"
         } else {
             "coast"
         },
-        input.center_distance_offset * 1e6,
-        input.misalignment * 1e3,
+        rounded(input.center_distance_offset * 1e6),
+        rounded(input.misalignment * 1e3),
     );
     let _ = write!(
         text,
@@ -256,10 +258,10 @@ fn text(
     for i in 0..report.mesh_position.len() {
         let _ = write!(
             text,
-            "{:>9.4} {:>11.4} {:>9.4} {:>9.1}",
+            "{:>9.4} {:>11} {:>9} {:>9.1}",
             report.mesh_position[i],
-            report.ste_loa_um[i],
-            report.contact_z_mm[i],
+            fixed(report.ste_loa_um[i], 4),
+            fixed(report.contact_z_mm[i], 4),
             report.maximum_pressure_mpa[i]
         );
         for share in &report.load_share[i] {
@@ -267,6 +269,12 @@ fn text(
         }
         text.push('\n');
     }
+    text.push_str(
+        "\nSTE: static transmission error on the line of action at mid-face, from unmodified flanks that just touch.\n\
+         z_c: axial position of the resulting force, from the z = 0 face of gear 1.\n\
+         pair k: share of a tooth pair in the load. Pair 0 touches at the pitch point at mid-face at mesh position 0;\n\
+         pair 1 is ahead of it by one pitch and leaves the mesh first, pair -1 comes into mesh after it.\n",
+    );
     let harmonics: Vec<String> = report
         .harmonics_loa_um
         .iter()

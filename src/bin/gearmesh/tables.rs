@@ -12,6 +12,7 @@ use gearmesh::table::plan::{Coverage, default_axes, measure, table_within};
 use gearmesh::table::source::{SolveQuality, WatchedSolver};
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{FlankGrid, FlankTable, Interpolation, InterpolationError, TableFile};
+use gearmesh::words::count;
 
 use crate::Error;
 use crate::model::{Model, ModelArgs};
@@ -277,11 +278,11 @@ pub fn in_words(file: &TableFile) -> String {
         },
     );
     format!(
-        "{} displacements x {} centre distances x {} misalignments x {} mesh positions, {} flank{}, {error}",
-        axes.displacement_fraction.len(),
-        axes.center_distance_offset_m.len(),
-        axes.misalignment_rad.len(),
-        axes.mesh_position.len(),
+        "{} x {} x {} x {}, {} flank{}, {error}",
+        count(axes.displacement_fraction.len(), "displacement"),
+        count(axes.center_distance_offset_m.len(), "centre distance"),
+        count(axes.misalignment_rad.len(), "misalignment"),
+        count(axes.mesh_position.len(), "mesh position"),
         if file.coast.is_some() { "each" } else { "one" },
         if file.coast.is_some() {
             ""

@@ -1,8 +1,11 @@
+use super::file::PairFile;
 use super::*;
 
 mod accepted;
 mod mutated;
 mod refused;
+mod slips;
+mod text;
 
 const PAPER: &str = include_str!("../../../resources/pairs/palermo2013.json");
 const UNMODIFIED: &str = include_str!("../../../resources/pairs/palermo2013-unmodified.json");

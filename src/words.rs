@@ -1,0 +1,76 @@
+//! Numbers and names as messages and listings show them.
+
+/// `value` with ten digits: without those that a change of unit adds, and without the sign of a zero.
+pub fn rounded(value: f64) -> f64 {
+    // Adding 0 turns -0 into 0.
+    format!("{value:.9e}").parse().unwrap_or(value) + 0.0
+}
+
+/// `value` with `digits` decimals, a zero without a sign.
+pub fn fixed(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.chars().all(|c| c == '0' || c == '.') => zero.to_owned(),
+        _ => text,
+    }
+}
+
+/// A number and what it counts: `1 node`, `3 nodes`.
+pub fn count(number: usize, of: &str) -> String {
+    let s = if number == 1 { "" } else { "s" };
+    format!("{number} {of}{s}")
+}
+
+/// Longest name or value that is repeated, in characters.
+const LONGEST: usize = 300;
+
+/// Text from a file: control characters escaped, cut where it is too long for a line.
+pub fn shown(text: &str) -> String {
+    let mut out = String::new();
+    for (i, c) in text.chars().enumerate() {
+        if i == LONGEST {
+            out.push_str("...");
+            break;
+        }
+        if c.is_control() {
+            out.extend(c.escape_default());
+        } else {
+            out.push(c);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_of_unit_leaves_no_digits_behind() {
+        assert_eq!(rounded(60e-6 * 1e6).to_string(), "60");
+        assert_eq!(rounded(59.99999999999999).to_string(), "60");
+        assert_eq!(rounded(-0.0).to_string(), "0");
+        assert_eq!(rounded(82.104).to_string(), "82.104");
+        assert!(rounded(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn a_zero_has_no_sign() {
+        assert_eq!(fixed(-0.04, 1), "0.0");
+        assert_eq!(fixed(-0.06, 1), "-0.1");
+        assert_eq!(fixed(0.0, 0), "0");
+    }
+
+    #[test]
+    fn one_is_no_plural() {
+        assert_eq!(count(1, "misalignment"), "1 misalignment");
+        assert_eq!(count(0, "node"), "0 nodes");
+    }
+
+    #[test]
+    fn names_are_counted_in_characters_and_move_no_cursor() {
+        assert_eq!(shown("齿轮\n\u{1b}[2J"), "齿轮\\n\\u{1b}[2J");
+        assert_eq!(shown(&"齿".repeat(1000)).chars().count(), LONGEST + 3);
+        assert_eq!(shown(&"齿".repeat(LONGEST)).chars().count(), LONGEST);
+    }
+}

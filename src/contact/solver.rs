@@ -7,7 +7,7 @@ use super::error::ContactError;
 use super::position::{Limits, PositionProblem};
 use super::transverse::TransverseSection;
 use crate::compliance::{ToothCompliance, widest_contact};
-use crate::gear::{Flank, Microgeometry, PairGeometry, ToothProfile};
+use crate::gear::{Flank, PairGeometry, PairMicrogeometry, ToothProfile};
 use crate::pair::{Pair, Refinement};
 
 /// Stiffness of a tooth pair per length of contact line over Young's modulus, a rule of thumb (14
@@ -71,7 +71,7 @@ impl Default for ContactSettings {
 #[derive(Clone)]
 pub struct ContactSolver {
     geometry: PairGeometry,
-    microgeometry: [Microgeometry; 2],
+    microgeometry: PairMicrogeometry,
     compliance: [Arc<dyn ToothCompliance>; 2],
     settings: ContactSettings,
     reach: f64,
@@ -114,7 +114,7 @@ impl ContactSolver {
         Ok(ContactSolver {
             form_rolls,
             geometry: pair.geometry.clone(),
-            microgeometry: pair.microgeometry,
+            microgeometry: pair.microgeometry.clone(),
             compliance,
             settings,
             reach,
@@ -169,7 +169,7 @@ impl ContactSolver {
         .ok_or_else(out_of_mesh)?;
         let candidates = ContactLines {
             geometry: &self.geometry,
-            microgeometry: &self.microgeometry,
+            microgeometry: self.microgeometry.flank(flank),
             section: &section,
             flank,
             stations: self.settings.stations,

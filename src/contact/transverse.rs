@@ -65,7 +65,7 @@ impl TransverseSection {
                 kappa: g.kappa(),
                 q: if i == 0 { g.kappa() } else { -g.kappa() },
                 up: if i == 0 { 1.0 } else { -geometry.e() },
-                tip_roll: g.roll_length(g.tip_radius),
+                tip_roll: g.tip_form_roll(),
                 form_roll: form_rolls[i],
             }
         };

@@ -41,6 +41,10 @@ pub struct Gear {
     pub face_offset: f64,
     /// Tip radius, m (ring: the inner radius).
     pub tip_radius: f64,
+    /// Radial height of the chamfer or rounding at the tips, m, >= 0: the involute ends this far from
+    /// the tip circle. Absent in files of units and tables it is 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub tip_chamfer: f64,
     /// Dedendum of the basic rack over the normal module.
     pub dedendum_coefficient: f64,
     /// Tip radius of the generating rack (ring: of the fillet) over the normal module.
@@ -53,6 +57,11 @@ pub struct Gear {
     pub youngs_modulus: f64,
     /// Poisson ratio.
     pub poisson_ratio: f64,
+}
+
+/// Left out of files, so that those without chamfers stay what they were.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Gear {
@@ -100,6 +109,16 @@ impl Gear {
         // it moves the root circle outward on both.
         self.reference_radius()
             + self.normal_module * (self.profile_shift - self.kappa() * self.dedendum_coefficient)
+    }
+
+    /// Radius at which the involute ends at the tip, m: that of the tip form circle (d_Fa / 2).
+    pub fn tip_form_radius(&self) -> f64 {
+        self.tip_radius - self.kappa() * self.tip_chamfer
+    }
+
+    /// Length of roll there, m.
+    pub fn tip_form_roll(&self) -> f64 {
+        self.roll_length(self.tip_form_radius())
     }
 
     /// Half angle of the tooth (ring: of the space) on the base cylinder, rad, thinning included:

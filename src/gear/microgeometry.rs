@@ -1,93 +1,18 @@
 //! What is taken off the involute flanks of one gear.
 //!
-//! Every amount is in metres along the flank normal, material removed positive, and holds for both
-//! flanks of every tooth alike. Profile modifications run over the length of roll
-//! (`roll`, [`Gear::roll_length`]), lead modifications over the gear's own face.
+//! Every amount is in metres along the flank normal, material removed positive. Profile modifications run over
+//! the length of roll (`roll`, [`Gear::roll_length`]), lead modifications over the gear's own face, bias and
+//! topography over both. [`Microgeometry::removal`] is their one home. Names and signs of drawings: ISO 21771-1,
+//! ISO 1328-1; where a sign differs from theirs, the field says so.
 
-use super::Gear;
+use std::sync::Arc;
 
-/// How a relief grows from its start to its end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ReliefShape {
-    /// In proportion to the distance from the start.
-    Linear,
-    /// With the square of the distance from the start, so that the flank has no kink there.
-    Parabolic,
-}
+use super::modification::{EndRelief, ProfileCrowning, ProfileRelief, ProfileSlope};
+use super::topography::Topography;
+use super::{Flank, Gear};
 
-impl ReliefShape {
-    /// Removal over the full amount at the fraction `t` of the way; zero for t <= 0, and continued
-    /// beyond t = 1, where the mate's tip may touch when the centre distance shrinks.
-    fn fraction(self, t: f64) -> f64 {
-        let t = t.max(0.0);
-        match self {
-            ReliefShape::Linear => t,
-            ReliefShape::Parabolic => t * t,
-        }
-    }
-}
-
-/// Tip or root relief, over the length of roll.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProfileRelief {
-    /// Removal at `end_roll`, m.
-    pub amount: f64,
-    /// Length of roll at which it starts, m.
-    pub start_roll: f64,
-    /// Length of roll at which it reaches `amount`, m: the tip, or for root relief the start of the
-    /// active profile. Below `start_roll` for a root relief and for the tip relief of a ring.
-    pub end_roll: f64,
-    /// Growth between them.
-    pub shape: ReliefShape,
-}
-
-impl ProfileRelief {
-    /// Removal at the length of roll `roll`, m.
-    pub fn removal(&self, roll: f64) -> f64 {
-        let t = (roll - self.start_roll) / (self.end_roll - self.start_roll);
-        self.amount * self.shape.fraction(t)
-    }
-}
-
-/// Profile crowning (barrelling): parabolic, zero at mid-profile.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProfileCrowning {
-    /// Removal at both ends of the active profile, m.
-    pub amount: f64,
-    /// Lengths of roll at these ends, m.
-    pub rolls: [f64; 2],
-}
-
-impl ProfileCrowning {
-    /// Removal at the length of roll `roll`, m.
-    pub fn removal(&self, roll: f64) -> f64 {
-        let [a, b] = self.rolls;
-        let t = (2.0 * roll - a - b) / (b - a);
-        self.amount * t * t
-    }
-}
-
-/// End relief: the same at both ends of the face.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EndRelief {
-    /// Removal at the face ends, m.
-    pub amount: f64,
-    /// How far it reaches into the face, m.
-    pub length: f64,
-    /// Growth towards the end.
-    pub shape: ReliefShape,
-}
-
-impl EndRelief {
-    /// Removal at `z` on a face 0 ..= `face_width`, m.
-    pub fn removal(&self, z: f64, face_width: f64) -> f64 {
-        let to_nearer_end = z.min(face_width - z);
-        self.amount * self.shape.fraction(1.0 - to_nearer_end / self.length)
-    }
-}
-
-/// All modifications of one gear, SI. The default is the unmodified involute helicoid.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// All modifications of one flank of one gear, SI. The default is the unmodified involute helicoid.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Microgeometry {
     /// Tip relief.
     pub tip_relief: Option<ProfileRelief>,
@@ -95,14 +20,18 @@ pub struct Microgeometry {
     pub root_relief: Option<ProfileRelief>,
     /// Profile crowning.
     pub profile_crowning: Option<ProfileCrowning>,
+    /// Profile slope (C_Ha), and its change along the face: bias.
+    pub profile_slope: Option<ProfileSlope>,
     /// Lead crowning: removal at each end of the face, m, parabolic, zero at mid-face.
     pub lead_crowning: f64,
-    /// Lead slope: removal at the z = face width end minus that at the z = 0 end, m; zero at
-    /// mid-face, so that it shifts no transmission error that is referred to mid-face. On both flanks
-    /// of a tooth alike: > 0 tapers the tooth towards larger z.
+    /// Lead slope (C_Hb): removal at the z = face width end minus that at the z = 0 end, m; zero at
+    /// mid-face, so that it shifts no transmission error that is referred to mid-face. The same on both flanks of a
+    /// tooth it tapers the tooth, of opposite signs it changes the helix angle.
     pub lead_slope: f64,
-    /// End relief.
-    pub end_relief: Option<EndRelief>,
+    /// End reliefs at the z = 0 end and at the z = face width end.
+    pub end_relief: [Option<EndRelief>; 2],
+    /// Measured or designed flank, in addition to all others.
+    pub topography: Option<Arc<Topography>>,
 }
 
 impl Microgeometry {
@@ -110,38 +39,110 @@ impl Microgeometry {
     /// from the z = 0 face of this gear towards its other face. This is the gear as it stands: who
     /// mirrors a gear along its axis must mirror `z` back first.
     pub fn removal(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
-        self.profile_removal(roll) + self.lead_removal(gear, z)
-    }
-
-    /// The part of [`Microgeometry::removal`] that depends on the length of roll alone, m.
-    pub fn profile_removal(&self, roll: f64) -> f64 {
+        let t = along_face(gear, z);
         self.tip_relief.map_or(0.0, |r| r.removal(roll))
             + self.root_relief.map_or(0.0, |r| r.removal(roll))
             + self.profile_crowning.map_or(0.0, |c| c.removal(roll))
+            + self.profile_slope.map_or(0.0, |p| p.removal(roll, t))
+            + self.lead_removal(gear, z)
+            + self.topography.as_ref().map_or(0.0, |f| f.removal(roll, z))
+    }
+
+    /// d [`Microgeometry::removal`] / d roll at the length of roll `roll` and at `z`, m per m.
+    pub fn slope(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
+        let t = along_face(gear, z);
+        self.tip_relief.map_or(0.0, |r| r.slope(roll))
+            + self.root_relief.map_or(0.0, |r| r.slope(roll))
+            + self.profile_crowning.map_or(0.0, |c| c.slope(roll))
+            + self.profile_slope.map_or(0.0, |p| p.slope(t))
+            + self.topography.as_ref().map_or(0.0, |f| f.slope(roll, z))
     }
 
     /// The part of [`Microgeometry::removal`] that depends on the place along the face alone, m.
-    pub fn lead_removal(&self, gear: &Gear, z: f64) -> f64 {
-        // -1 at the z = 0 face, +1 at the other.
-        let t = 2.0 * z / gear.face_width - 1.0;
-        self.lead_crowning * t * t
-            + 0.5 * self.lead_slope * t
+    fn lead_removal(&self, gear: &Gear, z: f64) -> f64 {
+        let t = along_face(gear, z);
+        let ends = [z, gear.face_width - z];
+        let end_relief: f64 = (self.end_relief.iter().zip(ends))
+            .map(|(relief, from_end)| relief.map_or(0.0, |r| r.removal(from_end)))
+            .sum();
+        self.lead_crowning * t * t + 0.5 * self.lead_slope * t + end_relief
+    }
+
+    /// Whether anything depends on the length of roll, so that [`Microgeometry::slope`] is not zero throughout.
+    pub fn has_profile(&self) -> bool {
+        self.tip_relief.is_some()
+            || self.root_relief.is_some()
+            || self.profile_crowning.is_some()
+            || self.profile_slope.is_some()
+            || self.topography.is_some()
+    }
+
+    /// Whether the slope over the length of roll changes along the face.
+    pub fn varies_along_face(&self) -> bool {
+        self.profile_slope.is_some_and(|p| p.bias != 0.0) || self.topography.is_some()
+    }
+
+    /// Bound of [`Microgeometry::removal`] over the lengths of roll `rolls` (the ends of the flank, either
+    /// first) and the whole face, m.
+    pub fn largest_removal(&self, gear: &Gear, rolls: [f64; 2]) -> f64 {
+        let smooth = Microgeometry {
+            topography: None,
+            ..self.clone()
+        };
+        // Without a topography removals are convex in both directions: largest in a corner.
+        let corners = rolls
+            .into_iter()
+            .flat_map(|roll| [0.0, gear.face_width].map(|z| smooth.removal(gear, roll, z)));
+        corners.fold(0.0, f64::max)
             + self
-                .end_relief
-                .map_or(0.0, |r| r.removal(z, gear.face_width))
+                .topography
+                .as_ref()
+                .map_or(0.0, |f| f.largest_removal())
     }
 
     /// Whether the flank looks the same from both ends of the face. Only then is the coast flank, seen
-    /// with the gear turned end for end, the drive flank again; a lead slope breaks it.
+    /// with the gear turned end for end, the drive flank again.
     pub fn is_symmetric(&self) -> bool {
         self.lead_slope == 0.0
+            && self.end_relief[0] == self.end_relief[1]
+            && !self.varies_along_face()
+    }
+}
+
+/// -1 at the z = 0 face, +1 at the other.
+fn along_face(gear: &Gear, z: f64) -> f64 {
+    2.0 * z / gear.face_width - 1.0
+}
+
+/// Modifications of both flanks of both gears.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PairMicrogeometry {
+    /// Gear 1 and gear 2, the flanks that touch when gear 1 turns in its + sense and drives. On gear 1 and on
+    /// gear 2 of an external pair they face +theta, on gear 2 of an internal pair -theta.
+    pub drive: [Microgeometry; 2],
+    /// The other flanks.
+    pub coast: [Microgeometry; 2],
+}
+
+impl PairMicrogeometry {
+    /// Modifications of gear 1 and gear 2 on the loaded flanks.
+    pub fn flank(&self, flank: Flank) -> &[Microgeometry; 2] {
+        match flank {
+            Flank::Drive => &self.drive,
+            Flank::Coast => &self.coast,
+        }
+    }
+
+    /// Whether the coast flanks are the drive flanks seen from the other end of the faces.
+    pub fn coast_mirrors_drive(&self) -> bool {
+        self.drive == self.coast && self.drive.iter().all(Microgeometry::is_symmetric)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::GearKind;
     use super::super::samples;
+    use super::super::{GearKind, ReliefShape};
     use super::*;
     use approx::assert_abs_diff_eq;
 
@@ -152,43 +153,62 @@ mod tests {
         }
     }
 
-    fn relief(start_roll: f64, end_roll: f64, shape: ReliefShape) -> ProfileRelief {
-        ProfileRelief {
+    /// One of everything.
+    fn all() -> Microgeometry {
+        let relief = |start_roll, end_roll, shape| ProfileRelief {
             amount: 8e-6,
             start_roll,
             end_roll,
             shape,
+        };
+        let [rolls, zs] = [[6e-3, 8e-3, 11e-3, 14e-3], [0.0, 7e-3, 15e-3, 24e-3]];
+        let removal =
+            rolls.map(|r: f64| zs.map(|z| 1e-4 * r * r + 2e-5 * z - 1e-3 * r * z).to_vec());
+        Microgeometry {
+            tip_relief: Some(relief(10e-3, 14e-3, ReliefShape::Parabolic)),
+            root_relief: Some(relief(9e-3, 6e-3, ReliefShape::Linear)),
+            profile_crowning: Some(ProfileCrowning {
+                amount: 3e-6,
+                rolls: [6e-3, 14e-3],
+            }),
+            profile_slope: Some(ProfileSlope {
+                amount: 4e-6,
+                bias: -2e-6,
+                rolls: [6e-3, 14e-3],
+            }),
+            lead_crowning: 5e-6,
+            lead_slope: 12e-6,
+            end_relief: [2e-3, 3e-3].map(|length| {
+                Some(EndRelief {
+                    amount: 10e-6,
+                    length,
+                    shape: ReliefShape::Linear,
+                })
+            }),
+            topography: Some(Arc::new(
+                Topography::new(rolls.to_vec(), zs.to_vec(), removal.to_vec()).unwrap(),
+            )),
         }
     }
 
     #[test]
-    fn relief_is_zero_before_its_start_and_whole_at_its_end() {
-        for shape in [ReliefShape::Linear, ReliefShape::Parabolic] {
-            // Tip relief of an external gear, then root relief (or the tip of a ring).
-            for (start, end) in [(10e-3, 14e-3), (10e-3, 6e-3)] {
-                let r = relief(start, end, shape);
-                assert_eq!(r.removal(start), 0.0);
-                assert_eq!(r.removal(2.0 * start - end), 0.0);
-                assert_abs_diff_eq!(r.removal(end), 8e-6, epsilon = 1e-20);
+    fn the_slope_is_the_derivative_of_the_removal_over_the_length_of_roll() {
+        let (m, gear) = (all(), gear());
+        for roll in [6.5e-3, 7.7e-3, 9.5e-3, 12.1e-3, 13.9e-3] {
+            for z in [0.0, 1e-3, 12e-3, 23.3e-3] {
+                let d = 1e-8;
+                let at = |roll| m.removal(&gear, roll, z);
+                let numeric = (at(roll + d) - at(roll - d)) / (2.0 * d);
+                assert_abs_diff_eq!(m.slope(&gear, roll, z), numeric, epsilon = 1e-9);
             }
         }
-    }
-
-    #[test]
-    fn half_way_a_linear_relief_has_half_and_a_parabolic_one_a_quarter() {
-        let half_way = |shape| relief(10e-3, 14e-3, shape).removal(12e-3);
-        assert_abs_diff_eq!(half_way(ReliefShape::Linear), 4e-6, epsilon = 1e-18);
-        assert_abs_diff_eq!(half_way(ReliefShape::Parabolic), 2e-6, epsilon = 1e-18);
     }
 
     #[test]
     fn crowning_takes_its_amount_off_both_ends_and_nothing_at_the_middle() {
         let m = Microgeometry {
             lead_crowning: 5e-6,
-            profile_crowning: Some(ProfileCrowning {
-                amount: 3e-6,
-                rolls: [6e-3, 14e-3],
-            }),
+            profile_crowning: all().profile_crowning,
             ..Default::default()
         };
         assert_abs_diff_eq!(m.removal(&gear(), 10e-3, 12e-3), 0.0, epsilon = 1e-20);
@@ -199,7 +219,7 @@ mod tests {
             }
         }
         // A parabola has a quarter of its end value half way out.
-        assert_abs_diff_eq!(m.lead_removal(&gear(), 6e-3), 1.25e-6, epsilon = 1e-18);
+        assert_abs_diff_eq!(m.removal(&gear(), 10e-3, 6e-3), 1.25e-6, epsilon = 1e-18);
         assert!(m.is_symmetric());
     }
 
@@ -217,25 +237,61 @@ mod tests {
                 epsilon = 1e-18
             );
         }
-        assert!(!m.is_symmetric());
+        assert!(!m.is_symmetric() && !m.has_profile());
     }
 
     #[test]
-    fn end_relief_touches_only_its_length_at_both_ends() {
+    fn bias_is_the_profile_slope_at_one_end_of_the_face_less_that_at_the_other() {
         let m = Microgeometry {
-            end_relief: Some(EndRelief {
-                amount: 10e-6,
-                length: 4e-3,
-                shape: ReliefShape::Linear,
-            }),
+            profile_slope: all().profile_slope,
+            ..Default::default()
+        };
+        let slope = |z| m.removal(&gear(), 14e-3, z) - m.removal(&gear(), 6e-3, z);
+        assert_abs_diff_eq!(slope(12e-3), 4e-6, epsilon = 1e-18);
+        assert_abs_diff_eq!(slope(24e-3) - slope(0.0), -2e-6, epsilon = 1e-18);
+        // Zero at mid-profile, so that the mean of the flank stays.
+        assert_abs_diff_eq!(m.removal(&gear(), 10e-3, 24e-3), 0.0, epsilon = 1e-18);
+        assert!(m.varies_along_face() && !m.is_symmetric());
+    }
+
+    #[test]
+    fn end_reliefs_touch_only_their_length_at_their_own_end() {
+        let m = Microgeometry {
+            end_relief: all().end_relief,
             ..Default::default()
         };
         let at = |z| m.removal(&gear(), 9e-3, z);
         assert_abs_diff_eq!(at(0.0), 10e-6, epsilon = 1e-18);
         assert_abs_diff_eq!(at(24e-3), 10e-6, epsilon = 1e-18);
-        assert_abs_diff_eq!(at(1e-3), 7.5e-6, epsilon = 1e-18);
-        assert_abs_diff_eq!(at(23e-3), 7.5e-6, epsilon = 1e-18);
-        assert_eq!(at(4e-3), 0.0);
-        assert_eq!(at(12e-3), 0.0);
+        assert_abs_diff_eq!(at(1e-3), 5e-6, epsilon = 1e-18);
+        assert_abs_diff_eq!(at(22.5e-3), 5e-6, epsilon = 1e-18);
+        assert_eq!((at(2e-3), at(12e-3), at(20.9e-3)), (0.0, 0.0, 0.0));
+        assert!(!m.is_symmetric());
+    }
+
+    #[test]
+    fn no_place_of_the_flank_exceeds_the_bound() {
+        let (m, gear) = (all(), gear());
+        let bound = m.largest_removal(&gear, [14e-3, 6e-3]);
+        let largest = (0..=40)
+            .flat_map(|i| (0..=40).map(move |j| [i, j].map(f64::from)))
+            .map(|[i, j]| m.removal(&gear, 6e-3 + 0.2e-3 * i, 0.6e-3 * j))
+            .fold(f64::NEG_INFINITY, f64::max);
+        assert!(
+            largest <= bound && bound < 2.0 * largest,
+            "{largest} {bound}"
+        );
+    }
+
+    #[test]
+    fn flanks_of_their_own_mirror_nothing() {
+        let mut both = PairMicrogeometry::default();
+        assert!(both.coast_mirrors_drive());
+        both.coast[1].lead_crowning = 3e-6;
+        assert!(!both.coast_mirrors_drive());
+        assert_eq!(both.flank(Flank::Coast)[1].lead_crowning, 3e-6);
+        assert_eq!(both.flank(Flank::Drive)[1].lead_crowning, 0.0);
+        both.drive[1].lead_crowning = 3e-6;
+        assert!(both.coast_mirrors_drive());
     }
 }

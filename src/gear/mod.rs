@@ -6,16 +6,20 @@
 
 mod blank;
 mod microgeometry;
+mod modification;
 mod pair_geometry;
 mod profile;
 mod ring_fillet;
 pub mod samples;
+mod topography;
 mod trochoid;
 
 pub use blank::{Gear, GearKind};
-pub use microgeometry::{EndRelief, Microgeometry, ProfileCrowning, ProfileRelief, ReliefShape};
+pub use microgeometry::{Microgeometry, PairMicrogeometry};
+pub use modification::{EndRelief, ProfileCrowning, ProfileRelief, ProfileSlope, ReliefShape};
 pub use pair_geometry::{Flank, PairGeometry, PathOfContact};
 pub use profile::{ProfileError, ProfilePoint, ToothProfile};
+pub use topography::{Topography, TopographyError};
 
 /// Involute function inv(alpha) = tan(alpha) - alpha, rad.
 pub fn involute(alpha: f64) -> f64 {

@@ -132,8 +132,7 @@ impl PairGeometry {
     /// Path of contact at `center_distance`, tip to tip.
     pub fn path_of_contact(&self, center_distance: f64) -> PathOfContact {
         let tan_phi = self.operating_pressure_angle(center_distance).tan();
-        let beyond =
-            |g: &Gear| g.kappa() * (g.roll_length(g.tip_radius) - g.base_radius() * tan_phi);
+        let beyond = |g: &Gear| g.kappa() * (g.tip_form_roll() - g.base_radius() * tan_phi);
         PathOfContact {
             start: -beyond(&self.gears[1]),
             end: beyond(&self.gears[0]),

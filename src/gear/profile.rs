@@ -119,7 +119,7 @@ impl ToothProfile {
         if gear.kind == GearKind::Ring && tip_roll.is_nan() {
             return Err(ProfileError::TipInsideBase);
         }
-        let left = gear.kappa() * (tip_roll - form_roll);
+        let left = gear.kappa() * (gear.tip_form_roll() - form_roll);
         if left.is_nan() || left <= 0.0 {
             return Err(ProfileError::NoInvolute);
         }

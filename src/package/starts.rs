@@ -205,6 +205,7 @@ mod tests {
                 tool_tip_radius_coefficient: 0.38,
                 held_radius: if z < 0 { r + 20e-3 } else { 5e-3 },
                 tooth_thinning: 0.0,
+                tip_chamfer: 0.0,
                 youngs_modulus: 206e9,
                 poisson_ratio: 0.3,
             }

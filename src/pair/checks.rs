@@ -1,7 +1,7 @@
 //! What can be said of each field on its own, before any geometry is built from it.
 
 use super::error::Refusal;
-use super::file::{GearFile, Meshing, PairFile};
+use super::file::{EndReliefFile, FlankFile, GearFile, Meshing, PairFile};
 use super::slips;
 use crate::words::rounded;
 
@@ -101,7 +101,13 @@ pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
     if let Some(um) = file.backlash_um {
         within("backlash_um", um, 0.0, 250.0 * module, None)?;
     }
-    within("face_offset_mm", file.face_offset_mm, -1e4, 1e4, None)?;
+    within(
+        "face_offset_mm",
+        file.face_offset_mm.unwrap_or(0.0),
+        -1e4,
+        1e4,
+        None,
+    )?;
     for (name, gear) in [("gear1", &file.gear1), ("gear2", &file.gear2)] {
         check_gear(name, gear, file.normal_module_mm)?;
     }
@@ -171,52 +177,82 @@ fn check_gear(name: &str, g: &GearFile, module_mm: f64) -> Result<(), Refusal> {
     check_amounts(name, g, module_mm)
 }
 
-/// Amounts of microgeometry: not negative, and no more than a twentieth of the module, beyond which the
-/// flank is another flank and no modification.
+/// Amounts of microgeometry: no more than a twentieth of the module, beyond which the flank is another flank and
+/// no modification; those that only take material off not negative.
 fn check_amounts(name: &str, g: &GearFile, module_mm: f64) -> Result<(), Refusal> {
     let most = 50.0 * module_mm;
-    let amount = |field: &str, um: f64, low: f64| {
-        require(
-            um >= low && um <= most,
-            format!("{name}.{field}"),
-            um,
-            if um < low {
-                "adds material".into()
-            } else {
+    for (prefix, flank) in g.flanks() {
+        for (field, um, low) in amounts(&flank, -most) {
+            require(
+                um >= low && um <= most,
+                format!("{name}.{prefix}{field}"),
+                um,
+                if um >= low || low < 0.0 {
+                    format!(
+                        "exceeds a twentieth of the normal module, {} um",
+                        rounded(most)
+                    )
+                } else {
+                    "adds material".into()
+                },
+                "give the removal normal to the flank in micrometres, positive, as for a \
+                 modification of the flank",
+            )?;
+        }
+        let longest = 0.5 * g.face_width_mm;
+        for (field, relief) in end_reliefs(&flank) {
+            require(
+                relief.length_mm > 0.0 && relief.length_mm <= longest,
+                format!("{name}.{prefix}{field}.length_mm"),
+                relief.length_mm,
                 format!(
-                    "exceeds a twentieth of the normal module, {} um",
-                    rounded(most)
-                )
-            },
-            "give the removal normal to the flank in micrometres, positive, as for a \
-             modification of the flank",
-        )
-    };
-    for (field, relief) in [
-        ("tip_relief", &g.tip_relief),
-        ("root_relief", &g.root_relief),
-    ] {
-        if let Some(r) = relief {
-            amount(&format!("{field}.amount_um"), r.amount_um, 0.0)?;
+                    "must be above 0 and at most half of the face width, {} mm",
+                    rounded(longest)
+                ),
+                "shorten the end relief, or use `lead_crowning_um` over the whole face",
+            )?;
         }
     }
-    amount("profile_crowning_um", g.profile_crowning_um, 0.0)?;
-    amount("lead_crowning_um", g.lead_crowning_um, 0.0)?;
-    amount("lead_slope_um", g.lead_slope_um, -most)?;
-    if let Some(r) = &g.end_relief {
-        amount("end_relief.amount_um", r.amount_um, 0.0)?;
-        require(
-            r.length_mm > 0.0 && r.length_mm <= 0.5 * g.face_width_mm,
-            format!("{name}.end_relief.length_mm"),
-            r.length_mm,
-            format!(
-                "must be above 0 and at most half of the face width, {} mm",
-                rounded(0.5 * g.face_width_mm)
-            ),
-            "shorten the end relief, or use `lead_crowning_um` over the whole face",
-        )?;
-    }
     Ok(())
+}
+
+fn end_reliefs(flank: &FlankFile) -> impl Iterator<Item = (&'static str, &EndReliefFile)> {
+    [
+        ("end_relief", &flank.end_relief),
+        ("lower_end_relief", &flank.lower_end_relief),
+        ("upper_end_relief", &flank.upper_end_relief),
+    ]
+    .into_iter()
+    .filter_map(|(field, relief)| Some((field, relief.as_ref()?)))
+}
+
+/// Field, amount in um and least amount of every modification that is given; those of either sign may go down to
+/// `least`.
+pub(super) fn amounts(flank: &FlankFile, least: f64) -> Vec<(String, f64, f64)> {
+    let mut all = Vec::new();
+    for (field, relief) in [
+        ("tip_relief", &flank.tip_relief),
+        ("root_relief", &flank.root_relief),
+    ] {
+        all.extend(
+            relief
+                .iter()
+                .map(|r| (format!("{field}.amount_um"), r.amount_um, 0.0)),
+        );
+    }
+    all.extend(
+        end_reliefs(flank).map(|(field, r)| (format!("{field}.amount_um"), r.amount_um, 0.0)),
+    );
+    for (field, um, low) in [
+        ("profile_crowning_um", flank.profile_crowning_um, 0.0),
+        ("profile_slope_um", flank.profile_slope_um, least),
+        ("bias_um", flank.bias_um, least),
+        ("lead_crowning_um", flank.lead_crowning_um, 0.0),
+        ("lead_slope_um", flank.lead_slope_um, least),
+    ] {
+        all.extend(um.map(|um| (field.to_owned(), um, low)));
+    }
+    all
 }
 
 /// Bore or rim: which of them a gear may have says whether it is a ring.

@@ -32,8 +32,8 @@ pub struct PairFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backlash_um: Option<f64>,
     /// z of gear 2's z = 0 face minus gear 1's. Default 0.
-    #[serde(default)]
-    pub face_offset_mm: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub face_offset_mm: Option<f64>,
     /// Gear 1.
     pub gear1: GearFile,
     /// Gear 2.
@@ -72,6 +72,10 @@ pub struct GearFile {
     /// Tip diameter (ring: inner). Default: from `addendum_coefficient`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip_diameter_mm: Option<f64>,
+    /// Diameter at which chamfer or rounding of the tips begins and the involute ends, d_Fa. Default: the tip
+    /// diameter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip_form_diameter_mm: Option<f64>,
     /// Addendum over the normal module. Default 1.0; only without `tip_diameter_mm`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub addendum_coefficient: Option<f64>,
@@ -101,17 +105,108 @@ pub struct GearFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub root_relief: Option<ReliefFile>,
     /// Profile crowning: removal at both ends of the active profile. Default 0.
-    #[serde(default)]
-    pub profile_crowning_um: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_crowning_um: Option<f64>,
+    /// Profile slope: removal at the tip minus that at the start of the active profile, -C_Ha. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_slope_um: Option<f64>,
+    /// Bias: profile slope at z = face width minus that at z = 0. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bias_um: Option<f64>,
     /// Lead crowning: removal at both ends of the face. Default 0.
-    #[serde(default)]
-    pub lead_crowning_um: f64,
-    /// Removal at the z = face width end minus that at z = 0, both flanks alike. Default 0.
-    #[serde(default)]
-    pub lead_slope_um: f64,
-    /// End relief. Default none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lead_crowning_um: Option<f64>,
+    /// Removal at the z = face width end minus that at z = 0, zero at mid-face. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lead_slope_um: Option<f64>,
+    /// End relief at both ends. Default none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_relief: Option<EndReliefFile>,
+    /// End relief at z = 0 instead of `end_relief`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower_end_relief: Option<EndReliefFile>,
+    /// End relief at z = face width instead of `end_relief`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub upper_end_relief: Option<EndReliefFile>,
+    /// CSV file of a measured or designed flank, in addition to all others. Default none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub topography_file: Option<String>,
+    /// Modifications of the drive flank instead of those above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive_flank: Option<FlankFile>,
+    /// Modifications of the coast flank instead of those above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coast_flank: Option<FlankFile>,
+}
+
+/// Modifications of one flank: those of [`GearFile`], which it replaces one by one.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FlankFile {
+    /// Tip relief. Default none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tip_relief: Option<ReliefFile>,
+    /// Root relief. Default none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub root_relief: Option<ReliefFile>,
+    /// Profile crowning: removal at both ends of the active profile. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_crowning_um: Option<f64>,
+    /// Profile slope: removal at the tip minus that at the start of the active profile, -C_Ha. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_slope_um: Option<f64>,
+    /// Bias: profile slope at z = face width minus that at z = 0. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bias_um: Option<f64>,
+    /// Lead crowning: removal at both ends of the face. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lead_crowning_um: Option<f64>,
+    /// Removal at the z = face width end minus that at z = 0, zero at mid-face. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lead_slope_um: Option<f64>,
+    /// End relief at both ends. Default none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_relief: Option<EndReliefFile>,
+    /// End relief at z = 0 instead of `end_relief`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower_end_relief: Option<EndReliefFile>,
+    /// End relief at z = face width instead of `end_relief`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub upper_end_relief: Option<EndReliefFile>,
+    /// CSV file of a measured or designed flank, in addition to all others. Default none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub topography_file: Option<String>,
+}
+
+impl GearFile {
+    /// Modifications that both flanks have unless a flank replaces them.
+    pub fn both_flanks(&self) -> FlankFile {
+        FlankFile {
+            tip_relief: self.tip_relief.clone(),
+            root_relief: self.root_relief.clone(),
+            profile_crowning_um: self.profile_crowning_um,
+            profile_slope_um: self.profile_slope_um,
+            bias_um: self.bias_um,
+            lead_crowning_um: self.lead_crowning_um,
+            lead_slope_um: self.lead_slope_um,
+            end_relief: self.end_relief.clone(),
+            lower_end_relief: self.lower_end_relief.clone(),
+            upper_end_relief: self.upper_end_relief.clone(),
+            topography_file: self.topography_file.clone(),
+        }
+    }
+
+    /// Every place at which modifications stand, with the start of the path of its fields.
+    pub fn flanks(&self) -> Vec<(&'static str, FlankFile)> {
+        let mut all = vec![("", self.both_flanks())];
+        for (prefix, flank) in [
+            ("drive_flank.", &self.drive_flank),
+            ("coast_flank.", &self.coast_flank),
+        ] {
+            all.extend(flank.clone().map(|flank| (prefix, flank)));
+        }
+        all
+    }
 }
 
 /// Tip or root relief of the file.
@@ -148,15 +243,17 @@ pub enum Shape {
     Linear,
     /// With its square.
     Parabolic,
+    /// A circular arc that leaves the flank as a tangent.
+    Arc,
 }
 
 /// End relief of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EndReliefFile {
-    /// Removal at both face ends.
+    /// Removal at the end of the face.
     pub amount_um: f64,
-    /// Reach into the face from each end.
+    /// Reach into the face from that end.
     pub length_mm: f64,
     /// Growth. Default `linear`.
     #[serde(default)]

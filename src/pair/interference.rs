@@ -91,6 +91,7 @@ mod tests {
             tool_tip_radius_coefficient: 0.2,
             held_radius: 1e-3,
             tooth_thinning: 0.0,
+            tip_chamfer: 0.0,
             youngs_modulus: 206e9,
             poisson_ratio: 0.3,
         };

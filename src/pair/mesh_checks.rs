@@ -30,6 +30,17 @@ fn tip_field(file: &PairFile, gear: &Gear, i: usize) -> (String, String) {
 /// Builds the tooth profile of gear `i` and checks it against bore or rim.
 pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<ToothProfile, Refusal> {
     let profile = ToothProfile::new(gear).map_err(|error| profile_refusal(file, gear, i, error))?;
+    // No more than the tip leaves of a tooth, and no less than a rounding of the file.
+    require(
+        (-1e-9..0.5 * gear.normal_module).contains(&gear.tip_chamfer),
+        field(i, "tip_form_diameter_mm"),
+        2.0 * gear.tip_form_radius() / MM,
+        format!(
+            "is the end of the involute of tips with the diameter {:.3} mm",
+            2.0 * gear.tip_radius / MM
+        ),
+        "give the diameter at which the chamfer begins, at most half a module of height from the tip diameter",
+    )?;
     let (root, held) = (2.0 * gear.root_radius() / MM, 2.0 * gear.held_radius / MM);
     match gear.kind {
         GearKind::External => require(

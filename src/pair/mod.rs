@@ -13,13 +13,14 @@ mod modifications;
 mod resolve;
 mod slips;
 mod text;
+mod topography;
 
 use std::path::Path;
 
 pub use error::{PairError, Refusal};
 pub use file::Refinement;
 
-use crate::gear::{Microgeometry, PairGeometry};
+use crate::gear::{PairGeometry, PairMicrogeometry};
 
 /// Loads and deviations that tables are to cover.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,8 +42,8 @@ pub struct Pair {
     pub name: String,
     /// The two gears and their centre distance.
     pub geometry: PairGeometry,
-    /// Modifications of gear 1 and gear 2.
-    pub microgeometry: [Microgeometry; 2],
+    /// Modifications of both flanks of gear 1 and gear 2.
+    pub microgeometry: PairMicrogeometry,
     /// Loads and deviations to be covered.
     pub operating: Operating,
     /// Fineness of the finite elements.
@@ -55,35 +56,42 @@ pub struct Pair {
 
 impl Pair {
     /// Reads and checks the text of a pair file: JSON in which comments (`//`, `/* */`, `#`), commas before a
-    /// closing bracket and a byte-order mark are allowed.
+    /// closing bracket and a byte-order mark are allowed. Files it names are sought in the working folder.
     ///
     /// # Errors
     /// [`PairError::Form`] for text of another form (unknown, missing or mistyped field),
     /// [`PairError::Refused`] for a pair that cannot work.
     pub fn from_json(text: &str) -> Result<Pair, PairError> {
         let file = text::parse(text)?;
-        Ok(resolve::resolve(&file)?)
+        Ok(resolve::resolve(&file, Path::new(""))?)
     }
 
     /// Reads and checks the pair file at `path`.
     ///
+    /// Files it names are sought in its folder.
+    ///
     /// # Errors
     /// [`PairError::Read`] when the file cannot be read, else as [`Pair::from_json`].
     pub fn read(path: impl AsRef<Path>) -> Result<Pair, PairError> {
-        Pair::from_json(&text::read(path.as_ref())?)
+        let path = path.as_ref();
+        let text = text::read(path).map_err(|source| PairError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Ok(resolve::resolve(&text::parse(&text)?, folder)?)
     }
 
     /// Whether the coast flank is the drive flank seen with both gears turned end for end, so that one
-    /// table serves both (with M -> -M and z_c mirrored at mid-face): no lead slope on either gear, and
-    /// both faces share their middle.
+    /// table serves both (with M -> -M and z_c mirrored at mid-face): both flanks modified alike and the same
+    /// from both ends of the face, and both faces share their middle.
     pub fn coast_mirrors_drive(&self) -> bool {
         let middle = |i: usize| {
             let g = &self.geometry.gears[i];
             g.face_offset + 0.5 * g.face_width
         };
         // Faces are given to a micrometre at best.
-        (middle(0) - middle(1)).abs() < 1e-9
-            && self.microgeometry.iter().all(Microgeometry::is_symmetric)
+        (middle(0) - middle(1)).abs() < 1e-9 && self.microgeometry.coast_mirrors_drive()
     }
 }
 

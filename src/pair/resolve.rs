@@ -1,15 +1,20 @@
 //! From the file's units and defaults to a [`Pair`] in SI.
 
+use std::path::Path;
+
 use super::checks::{check_fields, require};
 use super::error::Refusal;
 use super::file::{GearFile, Meshing, PairFile};
 use super::mesh_checks::{
     Place, check_clearance, check_contact, check_gear, check_tooth_difference, field, warnings,
 };
-use super::modifications::microgeometry;
+use super::modifications::Flanks;
 use super::slips;
 use super::{Operating, Pair};
-use crate::gear::{Gear, GearKind, PairGeometry, ToothProfile, inverse_involute};
+use crate::gear::{
+    Flank, Gear, GearKind, PairGeometry, PairMicrogeometry, ToothProfile, inverse_involute,
+};
+use crate::words::rounded;
 
 pub(super) const MM: f64 = 1e-3;
 pub(super) const UM: f64 = 1e-6;
@@ -19,26 +24,41 @@ pub(super) const UM: f64 = 1e-6;
 const ROUNDING_OF_CENTER_DISTANCE: f64 = 1e-6;
 
 /// Fills in defaults, checks, converts.
-pub(super) fn resolve(file: &PairFile) -> Result<Pair, Refusal> {
+pub(super) fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
     check_fields(file)?;
+    let mut notes = Vec::new();
     let mut geometry = unplaced_gears(file)?;
     place(file, &mut geometry)?;
     set_backlash(file, &mut geometry)?;
-    shorten_default_ring(file, &mut geometry)?;
+    shorten_default_ring(file, &mut geometry, &mut notes)?;
     let profiles = [
         check_gear(file, &geometry.gears[0], 0)?,
         check_gear(file, &geometry.gears[1], 1)?,
     ];
     check_overlap(file, &geometry)?;
     check_torques(file, &geometry)?;
-    let mut notes = slips::notes(file, &geometry);
+    notes.extend(slips::notes(file, &geometry));
+    notes.extend(flush_faces(file));
     notes.extend(warnings(&geometry, &profiles));
     check_center_distances(file, &geometry, &profiles, &mut notes)?;
     check_tooth_difference(&geometry)?;
-    let microgeometry = [
-        microgeometry(file, &geometry, 0)?,
-        microgeometry(file, &geometry, 1)?,
-    ];
+    let of_flank = |flank| -> Result<_, Refusal> {
+        let of_gear = |i| {
+            Flanks {
+                file,
+                geometry: &geometry,
+                folder,
+                i,
+                flank,
+            }
+            .microgeometry()
+        };
+        Ok([of_gear(0)?, of_gear(1)?])
+    };
+    let microgeometry = PairMicrogeometry {
+        drive: of_flank(Flank::Drive)?,
+        coast: of_flank(Flank::Coast)?,
+    };
     Ok(Pair {
         name: file.name.clone(),
         operating: Operating {
@@ -152,7 +172,11 @@ fn check_torques(file: &PairFile, geometry: &PairGeometry) -> Result<(), Refusal
 /// The ring's default tip: where an addendum of one module would run into the pinion's fillet at some
 /// centre distance of the range, the ring's teeth are shortened so that contact starts at least 0.02
 /// modules of roll above it.
-fn shorten_default_ring(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
+fn shorten_default_ring(
+    file: &PairFile,
+    geometry: &mut PairGeometry,
+    notes: &mut Vec<String>,
+) -> Result<(), Refusal> {
     let Some(ring) = geometry.ring() else {
         return Ok(());
     };
@@ -163,6 +187,7 @@ fn shorten_default_ring(file: &PairFile, geometry: &mut PairGeometry) -> Result<
     let pinion = 1 - ring;
     let form = check_gear(file, &geometry.gears[pinion], pinion)?.form_roll();
     let start = form + 0.02 * geometry.gears[pinion].normal_module;
+    let standard = geometry.gears[ring].tip_radius;
     for um in file.operating.center_distance_offset_um {
         let c = geometry.center_distance + um * UM;
         // Not a number where the addendum ends inside the ring's base circle: shortened, too.
@@ -174,6 +199,19 @@ fn shorten_default_ring(file: &PairFile, geometry: &mut PairGeometry) -> Result<
         let tip = geometry.gears[ring].radius_at_roll(geometry.roll_at(ring, c, xi));
         geometry.gears[ring].tip_radius = tip;
     }
+    let shortened = &mut geometry.gears[ring];
+    if shortened.tip_radius != standard {
+        if let Some(mm) = given.tip_form_diameter_mm {
+            shortened.tip_chamfer = 0.5 * mm * MM - shortened.tip_radius;
+        }
+        notes.push(format!(
+            "gear {}: the tips of the ring are shortened from {:.3} to {:.3} mm diameter to clear the fillets of the \
+             pinion; `tip_diameter_mm` says otherwise",
+            ring + 1,
+            2.0 * standard / MM,
+            2.0 * shortened.tip_radius / MM
+        ));
+    }
     Ok(())
 }
 
@@ -181,13 +219,24 @@ fn check_overlap(file: &PairFile, geometry: &PairGeometry) -> Result<(), Refusal
     require(
         geometry.face_overlap().1 > 0.0,
         "face_offset_mm",
-        file.face_offset_mm,
+        file.face_offset_mm.unwrap_or(0.0),
         format!(
             "the faces, {} mm and {} mm wide, do not overlap",
             file.gear1.face_width_mm, file.gear2.face_width_mm
         ),
         "give gear 2's z = 0 face minus gear 1's, so that the faces share a part",
     )
+}
+
+/// Faces of different width that are flush at one end because nothing else was said.
+fn flush_faces(file: &PairFile) -> Option<String> {
+    let [b1, b2] = [file.gear1.face_width_mm, file.gear2.face_width_mm];
+    (b1 != b2 && file.face_offset_mm.is_none()).then(|| {
+        format!(
+            "the faces, {b1} and {b2} mm wide, are flush at z = 0; `face_offset_mm` = {} lets them share their middle",
+            rounded(0.5 * (b1 - b2))
+        )
+    })
 }
 
 /// Checks the mesh at the nominal centre distance and at both ends of its range. What would be refused
@@ -281,13 +330,14 @@ fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
         face_offset: if i == 0 {
             0.0
         } else {
-            file.face_offset_mm * MM
+            file.face_offset_mm.unwrap_or(0.0) * MM
         },
         tip_radius: 0.0,
         dedendum_coefficient: g.dedendum_coefficient,
         tool_tip_radius_coefficient: g.tool_tip_radius_coefficient,
         held_radius: 0.0,
         tooth_thinning: 0.0,
+        tip_chamfer: 0.0,
         youngs_modulus: g.youngs_modulus_gpa * 1e9,
         poisson_ratio: g.poisson_ratio,
     };
@@ -299,6 +349,9 @@ fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
                 + gear.normal_module * (g.profile_shift + gear.kappa() * addendum)
         }
     };
+    if let Some(mm) = g.tip_form_diameter_mm {
+        gear.tip_chamfer = gear.kappa() * (gear.tip_radius - 0.5 * mm * MM);
+    }
     gear.held_radius = match gear.kind {
         GearKind::External => match g.bore_diameter_mm {
             Some(mm) => 0.5 * mm * MM,

@@ -2,7 +2,8 @@
 //!
 //! Where a value is impossible anyway, its refusal says what it probably is; where it is merely odd, a note does.
 
-use super::file::{GearFile, PairFile};
+use super::checks::amounts;
+use super::file::PairFile;
 use crate::gear::PairGeometry;
 use crate::words::rounded;
 
@@ -122,8 +123,10 @@ pub(super) fn notes(file: &PairFile, geometry: &PairGeometry) -> Vec<String> {
         small("backlash_um".into(), um);
     }
     for (name, gear) in [("gear1", &file.gear1), ("gear2", &file.gear2)] {
-        for (field, um) in amounts(gear) {
-            small(format!("{name}.{field}"), um);
+        for (prefix, flank) in gear.flanks() {
+            for (field, um, _) in amounts(&flank, 0.0) {
+                small(format!("{name}.{prefix}{field}"), um);
+            }
         }
     }
     let offsets = file.operating.center_distance_offset_um;
@@ -174,20 +177,4 @@ pub(super) fn notes(file: &PairFile, geometry: &PairGeometry) -> Vec<String> {
         }
     }
     out
-}
-
-/// Amounts of microgeometry of a gear, um.
-fn amounts(gear: &GearFile) -> Vec<(&'static str, f64)> {
-    let relief = |r: &Option<super::file::ReliefFile>| r.as_ref().map_or(0.0, |r| r.amount_um);
-    vec![
-        ("tip_relief.amount_um", relief(&gear.tip_relief)),
-        ("root_relief.amount_um", relief(&gear.root_relief)),
-        ("profile_crowning_um", gear.profile_crowning_um),
-        ("lead_crowning_um", gear.lead_crowning_um),
-        ("lead_slope_um", gear.lead_slope_um),
-        (
-            "end_relief.amount_um",
-            gear.end_relief.as_ref().map_or(0.0, |r| r.amount_um),
-        ),
-    ]
 }

@@ -10,27 +10,19 @@ use super::error::PairError;
 use super::file::{GearFile, OperatingFile, PairFile};
 use crate::words::shown;
 
-/// Longest pair file, bytes. One of gears has a few thousand.
+/// Longest pair file or topography, bytes.
 const LONGEST: u64 = 4 << 20;
 
-/// Reads the file at `path`.
-///
-/// # Errors
-/// [`PairError::Read`] for a file that cannot be read, is no UTF-8 or longer than 4 MiB.
-pub(super) fn read(path: &Path) -> Result<String, PairError> {
-    let failed = |source| PairError::Read {
-        path: path.to_owned(),
-        source,
-    };
-    let file = std::fs::File::open(path).map_err(failed)?;
+/// The text of the file at `path`, of at most 4 MiB.
+pub(super) fn read(path: &Path) -> std::io::Result<String> {
+    let file = std::fs::File::open(path)?;
     let mut text = String::new();
     // One byte more than allowed tells a longer file, even where no length is known.
-    let read = file.take(LONGEST + 1).read_to_string(&mut text);
-    if read.map_err(failed)? as u64 > LONGEST {
-        return Err(failed(std::io::Error::other(format!(
+    if file.take(LONGEST + 1).read_to_string(&mut text)? as u64 > LONGEST {
+        return Err(std::io::Error::other(format!(
             "it is longer than {} MiB, and a pair file has a few thousand bytes",
             LONGEST >> 20
-        ))));
+        )));
     }
     Ok(text)
 }

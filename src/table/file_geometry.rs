@@ -26,6 +26,9 @@ struct GearRecord {
     face_width_m: f64,
     face_offset_m: f64,
     tip_radius_m: f64,
+    /// Absent where the tips have none, so that files without chamfers stay what they were.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tip_chamfer_m: Option<f64>,
     dedendum_coefficient: f64,
     tool_tip_radius_coefficient: f64,
     held_radius_m: f64,
@@ -59,6 +62,7 @@ impl From<&PairGeometry> for GeometryRecord {
             face_width_m: g.face_width,
             face_offset_m: g.face_offset,
             tip_radius_m: g.tip_radius,
+            tip_chamfer_m: (g.tip_chamfer != 0.0).then_some(g.tip_chamfer),
             dedendum_coefficient: g.dedendum_coefficient,
             tool_tip_radius_coefficient: g.tool_tip_radius_coefficient,
             held_radius_m: g.held_radius,
@@ -160,6 +164,7 @@ impl GearRecord {
                 2.0,
             ),
             ("tooth_thinning_m", self.tooth_thinning_m, -1.0, 1.0),
+            ("tip_chamfer_m", self.tip_chamfer_m.unwrap_or(0.0), 0.0, 1e3),
             ("poisson_ratio", self.poisson_ratio, -1.0, 0.5),
         ];
         for (field, value, low, high) in within {
@@ -195,6 +200,7 @@ impl GearRecord {
             face_width: self.face_width_m,
             face_offset: self.face_offset_m,
             tip_radius: self.tip_radius_m,
+            tip_chamfer: self.tip_chamfer_m.unwrap_or(0.0),
             dedendum_coefficient: self.dedendum_coefficient,
             tool_tip_radius_coefficient: self.tool_tip_radius_coefficient,
             held_radius: self.held_radius_m,

@@ -52,7 +52,7 @@ impl Import {
         let coast = self.coast.as_ref().map(read).transpose()?;
         if coast.is_none() && !pair.coast_mirrors_drive() {
             return Err(format!(
-                "{}: lead slope or face offset make the flanks differ; give the samples of the coast \
+                "{}: modifications or face offset make the flanks differ; give the samples of the coast \
                  flank with --coast",
                 self.pair.display()
             )

@@ -4,6 +4,7 @@
 //! and the exit status is 0 only when the whole thing was done.
 
 mod build;
+mod flank_summary;
 mod import;
 mod inspect;
 mod interrupt;

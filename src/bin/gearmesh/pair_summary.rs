@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
-use gearmesh::gear::{GearKind, Microgeometry, ToothProfile};
+use gearmesh::gear::{GearKind, ToothProfile};
 use gearmesh::pair::Pair;
+use gearmesh::words::{fixed, rounded};
 
+use crate::flank_summary::modifications;
 use crate::output::Listing;
 
 /// The pair in text: geometry in mesh, each gear, its modifications, the ranges to be covered.
@@ -74,11 +76,11 @@ pub fn in_mesh(pair: &Pair) -> Listing {
     )
     .row(
         "backlash on the line of action",
-        format!("{:.1} um", g.backlash(c) * 1e6),
+        format!("{} um", fixed(g.backlash(c) * 1e6, 1)),
     )
     .row(
         "backlash at the operating pitch circle",
-        format!("{:.1} um", g.backlash(c) / phi.cos() * 1e6),
+        format!("{} um", fixed(g.backlash(c) / phi.cos() * 1e6, 1)),
     )
     .row(
         "normal force at nominal torque",
@@ -107,8 +109,19 @@ fn gear(pair: &Pair, i: usize) -> Listing {
         "profile shift coefficient",
         format!("{:.4}", g.profile_shift),
     )
-    .row("face width", format!("{:.3} mm", g.face_width * 1e3));
+    .row(
+        "face",
+        format!(
+            "{} mm wide, z {} to {} mm in the frame of gear 1",
+            fixed(g.face_width * 1e3, 3),
+            fixed(g.face_offset * 1e3, 3),
+            fixed((g.face_offset + g.face_width) * 1e3, 3)
+        ),
+    );
     mm("tip", g.tip_radius, &mut rows);
+    if g.tip_chamfer > 0.0 {
+        mm("tip form (chamfer)", g.tip_form_radius(), &mut rows);
+    }
     mm(
         "operating pitch",
         pair.geometry
@@ -148,41 +161,9 @@ fn gear(pair: &Pair, i: usize) -> Listing {
             g.youngs_modulus * 1e-9,
             g.poisson_ratio
         ),
-    )
-    .row("modifications", modifications(&pair.microgeometry[i]));
+    );
+    modifications(pair, i, &mut rows);
     rows
-}
-
-fn modifications(m: &Microgeometry) -> String {
-    let um = 1e6;
-    let mut parts = Vec::new();
-    if let Some(r) = m.tip_relief {
-        parts.push(format!("tip relief {:.1} um", r.amount * um));
-    }
-    if let Some(r) = m.root_relief {
-        parts.push(format!("root relief {:.1} um", r.amount * um));
-    }
-    if let Some(c) = m.profile_crowning {
-        parts.push(format!("profile crowning {:.1} um", c.amount * um));
-    }
-    if m.lead_crowning != 0.0 {
-        parts.push(format!("lead crowning {:.1} um", m.lead_crowning * um));
-    }
-    if m.lead_slope != 0.0 {
-        parts.push(format!("lead slope {:.1} um", m.lead_slope * um));
-    }
-    if let Some(r) = m.end_relief {
-        parts.push(format!(
-            "end relief {:.1} um over {:.1} mm",
-            r.amount * um,
-            r.length * 1e3
-        ));
-    }
-    if parts.is_empty() {
-        "none".into()
-    } else {
-        parts.join(", ")
-    }
 }
 
 fn operating(pair: &Pair) -> Listing {
@@ -192,23 +173,24 @@ fn operating(pair: &Pair) -> Listing {
         "torque on gear 1",
         format!(
             "nominal {} N m, up to {} N m",
-            o.nominal_torque, o.maximum_torque
+            rounded(o.nominal_torque),
+            rounded(o.maximum_torque)
         ),
     )
     .row(
         "centre distance offset",
         format!(
-            "{:.0} to {:.0} um",
-            o.center_distance_offset[0] * 1e6,
-            o.center_distance_offset[1] * 1e6
+            "{} to {} um",
+            rounded(o.center_distance_offset[0] * 1e6),
+            rounded(o.center_distance_offset[1] * 1e6)
         ),
     )
     .row(
         "misalignment",
         format!(
-            "{:.2} to {:.2} mrad",
-            o.misalignment[0] * 1e3,
-            o.misalignment[1] * 1e3
+            "{} to {} mrad",
+            rounded(o.misalignment[0] * 1e3),
+            rounded(o.misalignment[1] * 1e3)
         ),
     );
     rows

@@ -83,6 +83,8 @@ fn canonical_bytes(gear: &Gear) -> Vec<u8> {
         face_width,
         face_offset: _,
         tip_radius,
+        // Ends the flank; the body is meshed to the tip circle.
+        tip_chamfer: _,
         dedendum_coefficient,
         tool_tip_radius_coefficient,
         held_radius,

@@ -153,6 +153,7 @@ fn gear(kind: GearKind, teeth: u32, shift: f64, helix_deg: f64) -> Gear {
         tool_tip_radius_coefficient: 0.38,
         held_radius: 0.0,
         tooth_thinning: 0.0,
+        tip_chamfer: 0.0,
         youngs_modulus: E,
         poisson_ratio: 0.3,
     };

@@ -19,6 +19,7 @@ fn spur(teeth: u32, module: f64, bore_ratio: f64) -> Gear {
         tool_tip_radius_coefficient: 0.38,
         held_radius: 0.0,
         tooth_thinning: 0.0,
+        tip_chamfer: 0.0,
         youngs_modulus: 206e9,
         poisson_ratio: 0.3,
     };

@@ -21,6 +21,7 @@ fn gear(kind: GearKind, teeth: u32, hand: f64, helix_angle_deg: f64, x: f64) -> 
         tool_tip_radius_coefficient: 0.38,
         held_radius: 15e-3,
         tooth_thinning: 0.0,
+        tip_chamfer: 0.0,
         youngs_modulus: 206e9,
         poisson_ratio: 0.3,
     };

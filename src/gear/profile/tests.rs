@@ -20,6 +20,7 @@ fn external(teeth: u32, profile_shift: f64, helix_angle_deg: f64) -> Gear {
         tool_tip_radius_coefficient: 0.38,
         held_radius: 5e-3,
         tooth_thinning: 0.0,
+        tip_chamfer: 0.0,
         youngs_modulus: 206e9,
         poisson_ratio: 0.3,
     };

@@ -28,8 +28,9 @@ fn the_papers_relief_starts_at_the_pitch_circle_and_is_whole_at_the_tip() {
     let pair = Pair::from_json(PAPER).unwrap();
     for i in 0..2 {
         let gear = &pair.geometry.gears[i];
-        let removal =
-            |radius: f64| pair.microgeometry[i].removal(gear, gear.roll_length(radius), 12.5e-3);
+        let removal = |radius: f64| {
+            pair.microgeometry.drive[i].removal(gear, gear.roll_length(radius), 12.5e-3)
+        };
         assert_abs_diff_eq!(removal(41.052e-3), 0.0, epsilon = 1e-12);
         assert_abs_diff_eq!(removal(gear.tip_radius), 7e-6, epsilon = 1e-12);
     }
@@ -106,7 +107,7 @@ fn stated_defaults_are_those_that_are_filled_in() {
         (a.tool_tip_radius_coefficient, a.tooth_thinning),
         (0.38, 0.0)
     );
-    assert_eq!(pair.microgeometry, [Microgeometry::default(); 2]);
+    assert_eq!(pair.microgeometry, Default::default());
     assert_eq!(pair.refinement, Refinement::Normal);
     assert!(pair.tip_corner_contact);
     assert!(pair.warnings.is_empty(), "{:?}", pair.warnings);

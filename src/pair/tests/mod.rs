@@ -2,6 +2,7 @@ use super::file::PairFile;
 use super::*;
 
 mod accepted;
+mod flanks;
 mod mutated;
 mod refused;
 mod slips;

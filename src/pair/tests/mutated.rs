@@ -43,7 +43,7 @@ fn assert_sound(pair: &Pair) {
         let tip = gear.roll_length(gear.tip_radius);
         for roll in [start, tip] {
             for z in [0.0, gear.face_width] {
-                let removal = pair.microgeometry[i].removal(gear, roll, z);
+                let removal = pair.microgeometry.coast[i].removal(gear, roll, z);
                 // At most six modifications of a twentieth of a module each.
                 assert!(removal.abs() <= 0.3 * gear.normal_module, "{removal}");
             }

@@ -1,0 +1,195 @@
+//! The single modifications a flank may have.
+
+/// How a relief grows from its start to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReliefShape {
+    /// In proportion to the distance from the start.
+    Linear,
+    /// With the square of the distance from the start, so that the flank has no kink there.
+    Parabolic,
+    /// A circular arc that leaves the flank as a tangent. Over a length L an amount a differs from the parabola by
+    /// less than a (a / L)², a billionth of a metre at most, and is taken as one.
+    Arc,
+}
+
+impl ReliefShape {
+    /// Removal over the full amount at the fraction `t` of the way; zero for t <= 0, and continued
+    /// beyond t = 1, where the mate's tip may touch when the centre distance shrinks.
+    fn fraction(self, t: f64) -> f64 {
+        let t = t.max(0.0);
+        match self {
+            ReliefShape::Linear => t,
+            ReliefShape::Parabolic | ReliefShape::Arc => t * t,
+        }
+    }
+
+    /// Derivative of [`ReliefShape::fraction`].
+    fn slope(self, t: f64) -> f64 {
+        match self {
+            _ if t < 0.0 => 0.0,
+            ReliefShape::Linear => 1.0,
+            ReliefShape::Parabolic | ReliefShape::Arc => 2.0 * t,
+        }
+    }
+}
+
+/// Tip or root relief, over the length of roll.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProfileRelief {
+    /// Removal at `end_roll`, m.
+    pub amount: f64,
+    /// Length of roll at which it starts, m.
+    pub start_roll: f64,
+    /// Length of roll at which it reaches `amount`, m: the tip, or for root relief the start of the
+    /// active profile. Below `start_roll` for a root relief and for the tip relief of a ring.
+    pub end_roll: f64,
+    /// Growth between them.
+    pub shape: ReliefShape,
+}
+
+impl ProfileRelief {
+    fn way(&self, roll: f64) -> f64 {
+        (roll - self.start_roll) / (self.end_roll - self.start_roll)
+    }
+
+    /// Removal at the length of roll `roll`, m.
+    pub fn removal(&self, roll: f64) -> f64 {
+        self.amount * self.shape.fraction(self.way(roll))
+    }
+
+    /// d [`ProfileRelief::removal`] / d roll.
+    pub fn slope(&self, roll: f64) -> f64 {
+        self.amount * self.shape.slope(self.way(roll)) / (self.end_roll - self.start_roll)
+    }
+}
+
+/// Profile crowning (barrelling): parabolic, zero at mid-profile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProfileCrowning {
+    /// Removal at both ends of the active profile, m.
+    pub amount: f64,
+    /// Lengths of roll at these ends, m.
+    pub rolls: [f64; 2],
+}
+
+impl ProfileCrowning {
+    /// Removal at the length of roll `roll`, m.
+    pub fn removal(&self, roll: f64) -> f64 {
+        self.amount * along(self.rolls, roll).powi(2)
+    }
+
+    /// d [`ProfileCrowning::removal`] / d roll.
+    pub fn slope(&self, roll: f64) -> f64 {
+        let [a, b] = self.rolls;
+        4.0 * self.amount * along(self.rolls, roll) / (b - a)
+    }
+}
+
+/// Profile slope and its change along the face: linear over the length of roll, zero at mid-profile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProfileSlope {
+    /// Removal at the tip minus that at the start of the active profile, at mid-face, m: minus the C_Ha of
+    /// ISO 1328-1, which counts material that grows towards the tip.
+    pub amount: f64,
+    /// `amount` at the z = face width end minus that at the z = 0 end, m: the twist (bias) of the flank.
+    pub bias: f64,
+    /// Lengths of roll at the start of the active profile and at the tip, m.
+    pub rolls: [f64; 2],
+}
+
+impl ProfileSlope {
+    fn amount_at(&self, t: f64) -> f64 {
+        self.amount + 0.5 * self.bias * t
+    }
+
+    /// Removal at the length of roll `roll`, m, `t` from -1 at the z = 0 end to +1 at the other.
+    pub fn removal(&self, roll: f64, t: f64) -> f64 {
+        0.5 * self.amount_at(t) * along(self.rolls, roll)
+    }
+
+    /// d [`ProfileSlope::removal`] / d roll.
+    pub fn slope(&self, t: f64) -> f64 {
+        let [a, b] = self.rolls;
+        self.amount_at(t) / (b - a)
+    }
+}
+
+/// -1 at the first of both lengths of roll, +1 at the second.
+fn along([a, b]: [f64; 2], roll: f64) -> f64 {
+    (2.0 * roll - a - b) / (b - a)
+}
+
+/// End relief at one end of the face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndRelief {
+    /// Removal at the face end, m.
+    pub amount: f64,
+    /// How far it reaches into the face, m.
+    pub length: f64,
+    /// Growth towards the end.
+    pub shape: ReliefShape,
+}
+
+impl EndRelief {
+    /// Removal at the distance `from_end` from the end of the face, m.
+    pub fn removal(&self, from_end: f64) -> f64 {
+        self.amount * self.shape.fraction(1.0 - from_end / self.length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    const SHAPES: [ReliefShape; 3] = [
+        ReliefShape::Linear,
+        ReliefShape::Parabolic,
+        ReliefShape::Arc,
+    ];
+
+    fn relief(start_roll: f64, end_roll: f64, shape: ReliefShape) -> ProfileRelief {
+        ProfileRelief {
+            amount: 8e-6,
+            start_roll,
+            end_roll,
+            shape,
+        }
+    }
+
+    #[test]
+    fn relief_is_zero_before_its_start_and_whole_at_its_end() {
+        for shape in SHAPES {
+            // Tip relief of an external gear, then root relief (or the tip of a ring).
+            for (start, end) in [(10e-3, 14e-3), (10e-3, 6e-3)] {
+                let r = relief(start, end, shape);
+                assert_eq!((r.removal(start), r.slope(2.0 * start - end)), (0.0, 0.0));
+                assert_eq!(r.removal(2.0 * start - end), 0.0);
+                assert_abs_diff_eq!(r.removal(end), 8e-6, epsilon = 1e-20);
+            }
+        }
+    }
+
+    #[test]
+    fn half_way_a_linear_relief_has_half_and_a_parabolic_one_a_quarter() {
+        let half_way = |shape| relief(10e-3, 14e-3, shape).removal(12e-3);
+        assert_abs_diff_eq!(half_way(ReliefShape::Linear), 4e-6, epsilon = 1e-18);
+        assert_abs_diff_eq!(half_way(ReliefShape::Parabolic), 2e-6, epsilon = 1e-18);
+    }
+
+    #[test]
+    fn an_arc_is_a_circle_that_leaves_the_flank_as_a_tangent() {
+        // Steep for a modification: 200 um over 4 mm, radius from amount and length.
+        let (amount, length) = (200e-6f64, 4e-3f64);
+        let radius = (length * length + amount * amount) / (2.0 * amount);
+        let arc = ProfileRelief {
+            amount,
+            ..relief(10e-3, 14e-3, ReliefShape::Arc)
+        };
+        for x in [1e-3, 2e-3, 3e-3] {
+            let circle = radius - (radius * radius - x * x).sqrt();
+            let bound = amount * (amount / length).powi(2);
+            assert_abs_diff_eq!(arc.removal(10e-3 + x), circle, epsilon = bound);
+        }
+    }
+}

@@ -43,7 +43,10 @@ fn a_new_pair_file_is_commented_and_accepted_as_it_stands() {
         assert!(seen.status.success(), "{options}: {}", text(&seen.stderr));
         let seen = text(&seen.stdout);
         assert!(seen.starts_with(&format!("pair-{i}\n")), "{seen}");
-        assert!(!seen.contains("note:"), "{options}: {seen}");
+        let notes: Vec<&str> = seen.lines().filter(|l| l.starts_with("note:")).collect();
+        // The pinion's fillet asks for it, in whatever ring it turns.
+        let is_known = |note: &&str| note.contains("tips of the ring are shortened");
+        assert!(notes.iter().all(is_known), "{options}: {seen}");
     }
 }
 

@@ -42,7 +42,7 @@ impl Flanks<'_> {
             match given.or_else(|| of(&of_both).as_ref().map(|r| (false, r))) {
                 Some((is_own, r)) => self
                     .profile_relief(r, &self.path(is_own, name), rolls, end)
-                    .map(Some),
+                    .map(|relief| (relief.amount > 0.0).then_some(relief)),
                 None => Ok(None),
             }
         };
@@ -51,8 +51,8 @@ impl Flanks<'_> {
             let either = |flank: &FlankFile| of(flank).clone().or(flank.end_relief.clone());
             either(&own)
                 .or_else(|| either(&of_both))
-                .as_ref()
-                .map(end_relief)
+                .map(|r| end_relief(&r))
+                .filter(|r| r.amount > 0.0)
         };
         let (crowning, slope, bias) = (
             um(|f| f.profile_crowning_um),

@@ -61,6 +61,9 @@ fn the_coast_flank_mirrors_the_drive_flank_only_where_both_are_alike_and_symmetr
     }
     for patch in [
         r#"{"gear2": {"profile_slope_um": 5}}"#,
+        // No relief is none, whatever its start.
+        r#"{"gear2": {"tip_relief": {"amount_um": 0}, "coast_flank": {"tip_relief": {"amount_um": 0,
+            "start": {"diameter_mm": 88}}}}}"#,
         r#"{"gear2": {"coast_flank": {"lead_crowning_um": 4.5}}}"#,
         r#"{"gear2": {"end_relief": {"amount_um": 6, "length_mm": 3, "shape": "arc"}}}"#,
     ] {

@@ -348,7 +348,7 @@ fn building_is_tabulating_and_packing() {
 
     let inspection = succeed(&["inspect", &tables]);
     assert!(
-        stdout(&inspection).contains("1 misalignments"),
+        stdout(&inspection).contains("1 misalignment x"),
         "{}",
         stdout(&inspection)
     );

@@ -326,9 +326,12 @@ export! {
     /// Values of Real variables.
     fn fmi2GetReal: fmi2GetRealTYPE, Get
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Real) {
-        let references = array(vr, nvr, "vr")?.iter().copied();
+        let references = array(vr, nvr, "vr")?;
+        if let Some(values) = c.instance.outputs_at_hand(references) {
+            return put_all(value, nvr, values.iter().copied());
+        }
         let mut places = array_mut(value, nvr, "value")?.iter_mut();
-        c.instance.get_real(references, |v| {
+        c.instance.get_real(references.iter().copied(), |v| {
             if let Some(place) = places.next() {
                 place.write(v);
             }
@@ -352,9 +355,7 @@ export! {
     /// Sets Real inputs and parameters.
     fn fmi2SetReal: fmi2SetRealTYPE, SetReal
         (c, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Real) {
-        let values = array(value, nvr, "value")?.iter().copied();
-        let references = array(vr, nvr, "vr")?.iter().copied();
-        c.instance.set_real(references.zip(values))
+        c.instance.set_real(array(vr, nvr, "vr")?, array(value, nvr, "value")?)
     }
     /// Sets Enumeration parameters.
     fn fmi2SetInteger: fmi2SetIntegerTYPE, SetDiscrete

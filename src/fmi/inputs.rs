@@ -87,6 +87,15 @@ impl InputValues {
         }
     }
 
+    /// Sets the inputs from `first` on; see [`InputValues::set`].
+    pub fn set_block(&mut self, first: usize, values: &[f64]) {
+        let block = first..first + values.len();
+        self.value[block.clone()].copy_from_slice(values);
+        if self.drifting {
+            block.for_each(|i| self.stop(i));
+        }
+    }
+
     fn stop(&mut self, i: usize) {
         let Some(drift) = &mut self.drift[body_of(i)] else {
             return;

@@ -175,32 +175,44 @@ impl Instance {
     /// # Errors
     /// Unknown references, wrong types, values that are not finite or outside their range, variables
     /// that may not be set now.
-    pub fn set_real(
-        &mut self,
-        items: impl Iterator<Item = (u32, f64)> + Clone,
-    ) -> Result<(), Refusal> {
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
         const FUNCTION: &str = "fmi2SetReal";
         let inputs = inputs();
-        for (reference, value) in items.clone() {
-            // Inputs are Real, always settable and unbounded (tested in `variables`); they are set in every step.
-            if index_of(reference).is_some_and(|i| i < inputs) && value.is_finite() {
-                continue;
+        let items = references.iter().copied().zip(values.iter().copied());
+        // Inputs are Real, always settable and unbounded (tested in `variables`); most hosts set all of them in
+        // every step, as one block.
+        if let Some(block) = block(references)
+            && block.end <= inputs
+            && values.iter().all(|x| x.is_finite())
+        {
+            self.unit.inputs_mut().set_block(block.start, values);
+            if let Simulation::CoSimulation(co_simulation) = &mut self.simulation
+                && !co_simulation.polynomials.is_constant()
+            {
+                block.for_each(|i| co_simulation.polynomials.clear(i));
             }
+            return Ok(());
+        }
+        for (reference, value) in items.clone() {
             self.acceptable(FUNCTION, Kind::Real, reference, value)?;
         }
+        let mut parameters = Vec::new();
+        let values = self.unit.inputs_mut();
         for (reference, value) in items {
             match index_of(reference) {
                 Some(i) if i < inputs => {
-                    self.unit.set_input(i, value);
+                    values.set(i, value);
                     if let Simulation::CoSimulation(co_simulation) = &mut self.simulation {
                         co_simulation.polynomials.clear(i);
                     }
                 }
-                Some(i) => self.unit.set_parameter(i, Value::Real(value))?,
+                Some(i) => parameters.push((i, Value::Real(value))),
                 None => {}
             }
         }
-        Ok(())
+        parameters
+            .into_iter()
+            .try_for_each(|(i, value)| self.unit.set_parameter(i, value))
     }
 
     /// fmi2SetInteger, which serves enumerations, too, and fmi2SetBoolean, with 0 and 1; all or none.
@@ -253,6 +265,13 @@ impl Instance {
         Err(Refusal::error(format!("{function}: {name} {reason}")))
     }
 
+    /// What fmi2GetReal reads, if it is a block of continuous outputs that are at hand.
+    pub fn outputs_at_hand(&self, references: &[u32]) -> Option<&[f64]> {
+        let block = block(references)?;
+        let (first, values) = self.unit.at_hand()?;
+        values.get(block.start.checked_sub(first)?..block.end - first)
+    }
+
     /// fmi2GetReal: calls `put` with each value.
     ///
     /// # Errors
@@ -263,11 +282,6 @@ impl Instance {
         mut put: impl FnMut(f64),
     ) -> Result<(), Refusal> {
         for reference in references {
-            // Read in every step.
-            if let Some(value) = index_of(reference).and_then(|i| self.unit.at_hand(i)) {
-                put(value);
-                continue;
-            }
             put(self.value("fmi2GetReal", Kind::Real, reference)?.number());
         }
         Ok(())
@@ -406,4 +420,15 @@ impl Instance {
         self.simulation = snapshot.simulation.clone();
         Ok(())
     }
+}
+
+/// Indices of variables whose references follow one another, within inputs or within outputs.
+fn block(references: &[u32]) -> Option<std::ops::Range<usize>> {
+    let (first, last) = (*references.first()?, *references.last()?);
+    let mut places = references.iter().enumerate();
+    if !places.all(|(k, reference)| reference.wrapping_sub(first) as usize == k) {
+        return None;
+    }
+    let (start, end) = (index_of(first)?, index_of(last)? + 1);
+    (end - start == references.len()).then_some(start..end)
 }

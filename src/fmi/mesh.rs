@@ -31,6 +31,8 @@ pub struct Evaluated {
 /// One mesh.
 pub struct Mesh {
     variables: &'static MeshVariables,
+    /// What the teeth resolve: gear 1, gear 2, and the orientation of the carrier.
+    resolution: [Resolution; 3],
     settings: Settings,
     latch: Option<Latch>,
     element: Option<Element>,
@@ -39,10 +41,17 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh whose teeth have no phases yet.
-    pub fn new(variables: &'static MeshVariables, settings: Settings) -> Self {
+    /// A mesh of `pair` whose teeth have no phases yet.
+    pub fn new(variables: &'static MeshVariables, settings: Settings, pair: &PairGeometry) -> Self {
+        let [z1, z2] = [pair.gears[0].z(), pair.gears[1].z()];
+        let of = |teeth: f64| Resolution::new(teeth, pair.base_pitch());
+        let carrier = Resolution {
+            position: f64::INFINITY,
+            ..of(z1.max(z2))
+        };
         Self {
             variables,
+            resolution: [of(z1), of(z2), carrier],
             settings,
             latch: None,
             element: None,
@@ -118,26 +127,18 @@ impl Mesh {
     }
 
     /// The motions that the element looks at.
-    fn motions(&self, pair: &PairGeometry, inputs: &InputValues) -> Result<Inputs, Refusal> {
-        let orientation = self.settings.orientation;
-        let pitch = pair.base_pitch();
-        let motion = |body: usize, teeth: f64| {
-            inputs.motion(body, orientation, Resolution::new(teeth, pitch))
-        };
-        let [z1, z2] = [pair.gears[0].z(), pair.gears[1].z()];
-        let [one, two] = self.variables.gears;
-        let gears = [motion(one, z1)?, motion(two, z2)?];
+    fn motions(&self, inputs: &InputValues) -> Result<Inputs, Refusal> {
+        let bodies = self.variables.bodies();
+        let motion =
+            |k: usize| inputs.motion(bodies[k], self.settings.orientation, self.resolution[k]);
+        let gears = [motion(0)?, motion(1)?];
         let mut carrier = Motion::default();
         if self.uses_carrier() {
             // The place and velocity of its origin cancel out; gear 1's are those that cost no rounding.
-            let resolution = Resolution {
-                position: f64::INFINITY,
-                ..Resolution::new(z1.max(z2), pitch)
-            };
             carrier = Motion {
                 p: gears[0].p,
                 v: gears[0].v,
-                ..inputs.motion(self.variables.carrier, orientation, resolution)?
+                ..motion(2)?
             };
         }
         Ok(Inputs { gears, carrier })
@@ -149,7 +150,7 @@ impl Mesh {
         resources: &Resources,
         inputs: &InputValues,
     ) -> Result<(&Element, Latch, Inputs), Refusal> {
-        let motions = self.motions(&resources.unit.geometry, inputs)?;
+        let motions = self.motions(inputs)?;
         let latched = self.latch;
         let element = self.element(resources)?;
         let latch = match latched {

@@ -316,9 +316,7 @@ pub(super) mod tests {
         for &(i, value) in sets {
             let v = &VARIABLES[i];
             if v.kind == Kind::Real {
-                instance
-                    .set_real(std::iter::once((v.value_reference, value)))
-                    .unwrap();
+                instance.set_real(&[v.value_reference], &[value]).unwrap();
                 continue;
             }
             let kind = match v.kind {
@@ -381,7 +379,7 @@ pub(super) mod tests {
         instance.exit_initialization().unwrap();
         let turn = 1.2e-4;
         let spin = VARIABLES[index::GEAR1_ANGLES_3].value_reference;
-        instance.set_real(std::iter::once((spin, turn))).unwrap();
+        instance.set_real(&[spin], &[turn]).unwrap();
         let pair = crate::gear::samples::paper_pair(1.0);
         let distance = pair.center_distance;
         let phi = pair.operating_pressure_angle(distance);

@@ -108,8 +108,9 @@ mod tests {
             (index::GEAR2_ANGULAR_VELOCITY_3, -0.1),
             (index::GEAR1_VELOCITY_1, -0.0),
         ];
-        let sets = sets.map(|(i, value)| (reference(i), value));
-        instance.set_real(sets.into_iter()).unwrap();
+        instance
+            .set_real(&sets.map(|(i, _)| reference(i)), &sets.map(|(_, x)| x))
+            .unwrap();
         let rate = (reference(index::GEAR1_ANGLES_3), 1, 0.7);
         instance
             .set_input_derivatives(std::iter::once(rate))

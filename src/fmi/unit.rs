@@ -44,7 +44,8 @@ impl Unit {
     pub fn new(resources: Arc<Resources>) -> Self {
         let starts = &resources.starts;
         let meshes = MESHES.iter().zip(&starts.settings);
-        let meshes = meshes.map(|(mesh, settings)| Mesh::new(mesh, settings.clone()));
+        let pair = &resources.unit.geometry;
+        let meshes = meshes.map(|(mesh, settings)| Mesh::new(mesh, settings.clone(), pair));
         Self {
             inputs: InputValues::new(starts.inputs.clone()),
             meshes: meshes.collect(),
@@ -105,11 +106,11 @@ impl Unit {
         Ok(())
     }
 
-    /// Sets input `i`.
+    /// The inputs, to be set.
     #[inline]
-    pub fn set_input(&mut self, i: usize, value: f64) {
-        self.inputs.set(i, value);
+    pub fn inputs_mut(&mut self) -> &mut InputValues {
         self.forget();
+        &mut self.inputs
     }
 
     /// Sets the parameter with the index `i` in [`VARIABLES`], if its type has `value`.
@@ -141,14 +142,12 @@ impl Unit {
         })
     }
 
-    /// Value of a Real output that is at hand.
+    /// Continuous outputs that are at hand, as (index of the first in [`VARIABLES`], values), of one mesh:
+    /// hosts read them in every step.
     #[inline]
-    pub fn at_hand(&self, i: usize) -> Option<f64> {
-        let mut meshes = self.meshes.iter();
-        meshes.find_map(|mesh| {
-            let row = i.checked_sub(mesh.variables().outputs)?;
-            mesh.present()?.continuous.get(row).copied()
-        })
+    pub fn at_hand(&self) -> Option<(usize, &[f64])> {
+        let mesh = self.meshes.first()?;
+        Some((mesh.variables().outputs, &mesh.present()?.continuous))
     }
 
     /// Makes the outputs at the present inputs, unless they are at hand.

@@ -1,7 +1,7 @@
 //! Poses that have no meaning are refused here.
 
+use super::constants::Constants;
 use super::error::{Body, ElementError};
-use super::geometry::Constants;
 use super::motion::{Inputs, Motion};
 
 /// Departure from an orthonormal right-handed matrix above which an orientation is refused.

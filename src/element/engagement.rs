@@ -7,7 +7,7 @@
 //! where nothing is left; between them a quintic step, C2. Its slopes enter the loads, so energy is
 //! kept on the way out, too. [`Engagement::leaving`] tells when it is at work.
 
-use super::geometry::Constants;
+use super::constants::Constants;
 use super::scalar::Scalar;
 use crate::gear::PairGeometry;
 

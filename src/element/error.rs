@@ -91,14 +91,28 @@ pub enum ElementError {
     /// The table cannot give what the parameters ask for.
     #[error(transparent)]
     Table(#[from] crate::table::TableError),
-    /// In the absolute phase reference the start pose lets teeth overlap.
+    /// In the absolute phase reference the start pose lets teeth overlap more than any load of the table.
     #[error(
-        "phaseReference = absolute: at the initial pose the flanks overlap by {overlap_mm:.3} mm; turn gear 1 by {turn_rad:+.6} rad, or set phaseReference = fromInitialPose"
+        "phaseReference = absolute: at the initial pose the flanks overlap by {overlap_um:.1} um, which takes {force_kn:.2} kN on the line of action where the largest load is {largest_kn:.2} kN; turn gear 1 by {turn_rad:+.3e} rad, or set phaseReference = fromInitialPose"
     )]
     TeethOverlap {
-        /// Penetration on the line of action, mm.
-        overlap_mm: f64,
+        /// Penetration on the line of action beyond the first touch, um.
+        overlap_um: f64,
+        /// Its force, kN.
+        force_kn: f64,
+        /// Force of the largest load, kN.
+        largest_kn: f64,
         /// Rotation of gear 1 after which its loaded flank just touches, rad.
         turn_rad: f64,
+    },
+    /// With one flank alone the gears have turned back to the tooth behind.
+    #[error(
+        "loadedFlank = {loaded_flank}: the teeth overlap by {overlap_mm:.3} mm on the line of action; nothing holds the gears when they turn back from this flank, and they have come to the tooth behind: set loadedFlank = both"
+    )]
+    TeethPassed {
+        /// Penetration on the line of action, mm.
+        overlap_mm: f64,
+        /// The flank that can carry.
+        loaded_flank: &'static str,
     },
 }

@@ -1,9 +1,16 @@
 //! Exact derivatives of the outputs by poses and velocities.
 //!
-//! The equations run once more over dual numbers; only the table is differentiated by its own Hessian.
+//! Loads are -J^T g. Their derivatives by the pose take the change of J and, through the Hessian of the law,
+//! that of g: the equations run over dual numbers that carry the motions of gear 2 (and the turning of the paper's
+//! carrier). What gear 1 does follows, since moving everything alike moves the loads along. By the velocities the
+//! loads are linear through the dampers alone: -J^T B J, the outer product of one row a flank.
 
+use super::constants::FLANKS;
 use super::error::ElementError;
-use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
+use super::evaluate::{Evaluated, Solution, evaluate};
+use super::flank::along_approach;
+use super::map::{Coordinates, Spatial};
+use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion};
 use super::{Element, Formulation, check};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use num_dual::{Derivative, Dual64, DualSVec64};
@@ -45,16 +52,13 @@ pub struct InputsChange {
 /// Columns of one body in [`Jacobian`]: position, rotation, velocity, angular velocity.
 pub const BODY_COLUMNS: usize = 12;
 
-/// Rows: [`Outputs::to_array`]. Columns: gear 1, gear 2, carrier, each as position (m), rotation
+/// Rows: [`Outputs::to_array`](super::Outputs::to_array). Columns: gear 1, gear 2, carrier, each as position (m), rotation
 /// vector in world axes (rad), velocity (m/s), angular velocity (rad/s).
 pub type Jacobian = SMatrix<f64, CONTINUOUS_OUTPUTS, { 3 * BODY_COLUMNS }>;
 
 impl Element {
-    /// Derivative of the continuous outputs ([`Outputs::to_array`]) at `inputs` along `direction`.
-    ///
-    /// Exact; under a law that does not give [`Potential::stiffness_gradient`](crate::table::Potential),
-    /// the derivative of `stiffness` takes it by central differences. At the kinks of the law (first touch of constant stiffness,
-    /// clamped damping) it is that of the side the value is taken on.
+    /// Derivative of the continuous outputs ([`Outputs::to_array`](super::Outputs::to_array)) at `inputs` along `direction`:
+    /// [`Element::jacobian`] times the direction.
     ///
     /// # Errors
     /// As [`Element::evaluate`].
@@ -64,88 +68,195 @@ impl Element {
         inputs: &Inputs,
         direction: &InputsChange,
     ) -> Result<[f64; CONTINUOUS_OUTPUTS], ElementError> {
-        check::inputs(inputs, self.with_carrier())?;
-        let seed = |m: &Motion, d: &MotionChange| Motion {
-            p: m.p.zip_map(&d.p, Dual64::new),
-            r: m.r.zip_map(&(skew(&d.rotation) * m.r), Dual64::new),
-            v: m.v.zip_map(&d.v, Dual64::new),
-            w: m.w.zip_map(&d.w, Dual64::new),
-        };
-        let [g1, g2] = &inputs.gears;
-        let seeded = Inputs {
-            gears: [seed(g1, &direction.gears[0]), seed(g2, &direction.gears[1])],
-            carrier: seed(&inputs.carrier, &direction.carrier),
-        };
-        let out: Outputs<Dual64> = self.evaluate_generic(latch, &seeded)?;
-        Ok(out.to_array().map(|y| y.eps))
+        let jacobian = self.jacobian(latch, inputs)?;
+        Ok((jacobian * direction.to_vector()).into())
     }
 
-    /// All partial derivatives of the continuous outputs at `inputs`; see
-    /// [`Element::directional_derivative`].
+    /// All partial derivatives of the continuous outputs at `inputs`.
+    ///
+    /// Exact; under a law that does not give [`Potential::stiffness_gradient`](crate::table::Potential),
+    /// the derivative of `stiffness` takes it by central differences. At the kinks of the law (first touch of constant
+    /// stiffness, the paper's clamped damping) it is that of the side the value is taken on.
     ///
     /// # Errors
     /// As [`Element::evaluate`].
     pub fn jacobian(&self, latch: &Latch, inputs: &Inputs) -> Result<Jacobian, ElementError> {
         check::inputs(inputs, self.with_carrier())?;
-        let mut jacobian = Jacobian::zeros();
-        let bodies = match self.parameters.formulation {
-            Formulation::Paper => 3,
-            Formulation::Conjugate => 2,
+        match self.parameters.formulation {
+            Formulation::Conjugate => self.jacobian_over::<6>(latch, inputs),
+            Formulation::Paper => self.jacobian_over::<9>(latch, inputs),
+        }
+    }
+
+    /// With `N` dual parts: 3 translations and 3 rotations of gear 2, then 3 rotations of the carrier if it counts.
+    fn jacobian_over<const N: usize>(
+        &self,
+        latch: &Latch,
+        inputs: &Inputs,
+    ) -> Result<Jacobian, ElementError> {
+        let [g1, g2] = &inputs.gears;
+        let seeded = Inputs {
+            gears: [seed::<N>(g1, None, None), seed(g2, Some(0), Some(3))],
+            carrier: seed(&inputs.carrier, None, (N > 6).then_some(6)),
         };
-        for body in 0..bodies {
-            let motion = |i: usize, m: &Motion| seed(m, i == body);
-            let seeded = Inputs {
-                gears: [motion(0, &inputs.gears[0]), motion(1, &inputs.gears[1])],
-                carrier: motion(2, &inputs.carrier),
-            };
-            let out = self.evaluate_generic(latch, &seeded)?;
-            for (row, y) in out.to_array().iter().enumerate() {
-                if let Some(slopes) = y.eps.0 {
-                    for column in 0..BODY_COLUMNS {
-                        jacobian[(row, BODY_COLUMNS * body + column)] = slopes[column];
-                    }
-                }
+        let mut jacobian = Jacobian::zeros();
+        let outputs = match evaluate(self, latch, &seeded)? {
+            Evaluated::Near(solution) => {
+                self.by_velocities(&solution, &mut jacobian);
+                solution.outputs
+            }
+            Evaluated::Far(outputs) => outputs,
+        };
+        let rows = outputs.to_array();
+        for (row, y) in rows.iter().enumerate() {
+            let Some(slopes) = y.eps.0 else { continue };
+            for lane in 0..N {
+                let column = match lane {
+                    0..6 => BODY_COLUMNS + lane,
+                    _ => 2 * BODY_COLUMNS + 3 + lane - 6,
+                };
+                jacobian[(row, column)] = slopes[lane];
             }
         }
+        by_gear_1(&mut jacobian, &rows.map(|y| y.re), inputs);
         Ok(jacobian)
     }
-}
 
-type Lanes = DualSVec64<BODY_COLUMNS>;
-
-/// `m` with one derivative lane for each of its twelve freedoms, or with none.
-fn seed(m: &Motion, active: bool) -> Motion<Lanes> {
-    let lane = |value: f64, slopes: SVector<f64, BODY_COLUMNS>| {
-        Lanes::new(
-            value,
-            if active {
-                Derivative::some(slopes)
-            } else {
-                Derivative::none()
-            },
-        )
-    };
-    let unit = |offset: usize, v: &Vector3<f64>| {
-        Vector3::from_fn(|i, _| lane(v[i], SVector::ith(offset + i, 1.0)))
-    };
-    let turns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| skew(&axis) * m.r);
-    Motion {
-        p: unit(0, &m.p),
-        r: Matrix3::from_fn(|i, j| {
-            let mut slopes = SVector::zeros();
-            for (k, turn) in turns.iter().enumerate() {
-                slopes[3 + k] = turn[(i, j)];
+    /// Columns of velocity and angular velocity.
+    fn by_velocities<const N: usize>(
+        &self,
+        solution: &Solution<DualSVec64<N>>,
+        jacobian: &mut Jacobian,
+    ) {
+        const TANGENTIAL: usize = 20;
+        const NORMAL: usize = 21;
+        const TRANSMISSION_ERROR_RATE: usize = 16;
+        let k = &self.constants;
+        let map = solution.pose.map.re();
+        let c = solution.outputs.center_distance.re;
+        let cos_phi = k.base_sum / c;
+        let mut add = |row: usize, unit: &SVector<f64, 12>, factor: f64| {
+            for (i, value) in unit.iter().enumerate() {
+                // Velocity and angular velocity of gear 1, then of gear 2.
+                let column = i / 6 * BODY_COLUMNS + 6 + i % 6;
+                jacobian[(row, column)] += factor * value;
             }
-            lane(m.r[(i, j)], slopes)
-        }),
-        v: unit(6, &m.v),
-        w: unit(9, &m.w),
+        };
+        for flank in &solution.flanks {
+            if flank.elastic.re <= 0.0 {
+                continue;
+            }
+            let rate = Dual64::new(flank.approach(&solution.rates).re, 1.0);
+            let constant = |x: f64| Dual64::new(x, 0.0);
+            let damper = self
+                .damper
+                .force(constant(flank.elastic.re), rate, constant(cos_phi))
+                .eps;
+            // Minus the row of J: loads for a unit force against the rate.
+            let unit = stacked(&map.loads(&along_approach(flank.sign, flank.damping_arm.re, 1.0)));
+            for row in 0..12 {
+                add(row, &unit, -damper * unit[row]);
+            }
+            add(TANGENTIAL, &unit, -damper * cos_phi);
+            add(NORMAL, &unit, -damper / k.cos_beta_b);
+        }
+        let sign = FLANKS[self.reference_flank].sign();
+        let elongation = solution.flanks[self.reference_flank].elongation.re;
+        let unit = stacked(&map.loads(&Coordinates {
+            center_distance: elongation * sign / k.base_sum,
+            ..along_approach(sign, 0.0, sign * c / k.base_sum)
+        }));
+        add(TRANSMISSION_ERROR_RATE, &unit, -1.0);
     }
 }
 
-/// [w]x, so that [w]x b = w × b.
-fn skew(w: &Vector3<f64>) -> Matrix3<f64> {
-    w.cross_matrix()
+impl InputsChange {
+    /// In the order of the columns of [`Jacobian`].
+    pub fn to_vector(&self) -> SVector<f64, { 3 * BODY_COLUMNS }> {
+        let [g1, g2] = &self.gears;
+        let parts = [g1, g2, &self.carrier].map(|m| [m.p, m.rotation, m.v, m.w]);
+        SVector::from_fn(|i, _| parts[i / BODY_COLUMNS][i % BODY_COLUMNS / 3][i % 3])
+    }
+}
+
+/// Linear and angular part of gear 1, then of gear 2.
+fn stacked(both: &[Spatial<f64>; 2]) -> SVector<f64, 12> {
+    let parts = [
+        both[0].linear,
+        both[0].angular,
+        both[1].linear,
+        both[1].angular,
+    ];
+    SVector::from_fn(|i, _| parts[i / 3][i % 3])
+}
+
+/// `m` whose translations are the dual parts from `translation` on, and its rotations those from `rotation` on.
+fn seed<const N: usize>(
+    m: &Motion,
+    translation: Option<usize>,
+    rotation: Option<usize>,
+) -> Motion<DualSVec64<N>> {
+    let constant = |x: f64| DualSVec64::new(x, Derivative::none());
+    let mut out = Motion {
+        p: m.p.map(constant),
+        r: m.r.map(constant),
+        v: m.v.map(constant),
+        w: m.w.map(constant),
+    };
+    if let Some(first) = translation {
+        for i in 0..3 {
+            out.p[i].eps = Derivative::some(SVector::from_fn(|row, _| {
+                f64::from(u8::from(row == first + i))
+            }));
+        }
+    }
+    if let Some(first) = rotation {
+        let turns: [Matrix3<f64>; 3] = [Vector3::x(), Vector3::y(), Vector3::z()]
+            .map(|axis: Vector3<f64>| axis.cross_matrix() * m.r);
+        for (entry, x) in out.r.iter_mut().enumerate() {
+            let mut slopes = SVector::zeros();
+            for (k, turn) in turns.iter().enumerate() {
+                slopes[first + k] = turn[entry];
+            }
+            x.eps = Derivative::some(slopes);
+        }
+    }
+    out
+}
+
+/// Columns of gear 1's pose: moved alike, gears (and carrier) keep their scalars, and the vectors move along.
+fn by_gear_1(jacobian: &mut Jacobian, values: &[f64; CONTINUOUS_OUTPUTS], inputs: &Inputs) {
+    const POINT: usize = 12;
+    let [g1, g2] = &inputs.gears;
+    let columns = |body: usize, part: usize| BODY_COLUMNS * body + 3 * part;
+    let block = |j: &Jacobian, first: usize| -> SMatrix<f64, CONTINUOUS_OUTPUTS, 3> {
+        j.fixed_columns::<3>(first).into_owned()
+    };
+    let mut translated = -block(jacobian, columns(1, 0));
+    let mut along = SMatrix::<f64, CONTINUOUS_OUTPUTS, 3>::zeros();
+    for first in (0..=POINT).step_by(3) {
+        let mut vector = Vector3::new(values[first], values[first + 1], values[first + 2]);
+        if first == POINT {
+            vector -= g1.p;
+            let mut rows = translated.fixed_rows_mut::<3>(first);
+            rows += Matrix3::identity();
+        }
+        along
+            .fixed_rows_mut::<3>(first)
+            .copy_from(&-vector.cross_matrix());
+    }
+    let mut turned = along - block(jacobian, columns(1, 1)) - block(jacobian, columns(2, 1));
+    for (first, vector) in [
+        (columns(1, 0), g2.p - g1.p),
+        (columns(0, 2), g1.v),
+        (columns(0, 3), g1.w),
+        (columns(1, 2), g2.v),
+        (columns(1, 3), g2.w),
+    ] {
+        turned += block(jacobian, first) * vector.cross_matrix();
+    }
+    jacobian.fixed_columns_mut::<3>(0).copy_from(&translated);
+    jacobian.fixed_columns_mut::<3>(3).copy_from(&turned);
 }
 
 #[cfg(test)]

@@ -1,60 +1,97 @@
 //! Phase zeros from the initial pose.
 
+use super::constants::FLANKS;
 use super::error::ElementError;
+use super::evaluate::{Pose, pose};
 use super::motion::{Inputs, Latch};
-use super::parameters::{LoadedFlank, PhaseReference};
-use super::scalar::wrap;
-use super::{Element, geometry::FLANKS};
-
-/// Overlap of flanks at the initial pose, over the base pitch, above which an absolute phase is refused.
-const LARGEST_OVERLAP: f64 = 0.02;
-
-/// What a formulation sees of the teeth's angular position.
-pub(crate) struct Phase {
-    /// Tooth angle without latch, rad, 2 pi per pitch; the drive flank is compressed by
-    /// (tooth_angle - half_gap) rb1/z1.
-    pub tooth_angle: f64,
-    /// Half the gap, rad of tooth angle.
-    pub half_gap: f64,
-    /// Mesh position of both flanks without latch.
-    pub mesh_position: [f64; 2],
-}
+use super::parameters::PhaseReference;
+use super::scalar::{fraction, wrap};
+use super::{Element, law::Law};
 
 /// The latch that `element` takes from `inputs`.
 pub(crate) fn latch(element: &Element, inputs: &Inputs) -> Result<Latch, ElementError> {
-    let phase = element.phase(inputs)?;
-    let parameters = &element.parameters;
+    let Ok(pose) = pose(element, inputs)? else {
+        return Err(ElementError::OutOfReach);
+    };
+    match element.parameters.phase_reference {
+        PhaseReference::FromInitialPose => from_initial_pose(element, &pose),
+        PhaseReference::Absolute => absolute(element, &pose),
+    }
+}
+
+/// The phases with which the pose is the one where the reference flank is about to carry.
+fn from_initial_pose(element: &Element, pose: &Pose<f64>) -> Result<Latch, ElementError> {
     let k = &element.constants;
-    match parameters.phase_reference {
-        PhaseReference::FromInitialPose => {
-            let i = element.reference_flank;
-            let s = FLANKS[i].sign();
-            Ok(Latch {
-                tooth_angle: s * phase.half_gap - phase.tooth_angle,
-                mesh_position: s * (parameters.mesh_phase / k.pitch_angle - phase.mesh_position[i]),
-            })
+    let i = element.reference_flank;
+    let s = FLANKS[i].sign();
+    let mesh_position = element.parameters.mesh_phase / k.pitch_angle;
+    let law = element.laws[i].as_ref().ok_or(ElementError::OutOfReach)?;
+    let touching = onset(element, law, pose, i, mesh_position);
+    let elongation = touching - pose.lever * pose.misalignment(i);
+    let per_tooth = k.per_tooth_angle();
+    Ok(Latch {
+        tooth_angle: s * (elongation + pose.coordinates.half_gap) / per_tooth
+            - pose.coordinates.turn / per_tooth,
+        mesh_position: s * (mesh_position - pose.mesh_position(k, i)),
+    })
+}
+
+/// The largest elongation, m, at which flank `i` carries nothing: by bisection within half a base pitch about zero,
+/// where the force rises.
+fn onset(element: &Element, law: &Law, pose: &Pose<f64>, i: usize, mesh_position: f64) -> f64 {
+    let k = &element.constants;
+    let offset = pose.coordinates.center_distance - k.center_distance;
+    let carries = |delta: f64| {
+        law.respond([delta, offset, pose.misalignment(i), fraction(mesh_position)])
+            .gradient[0]
+            > 0.0
+    };
+    let quarter = 0.25 * k.base_pitch();
+    let (mut free, mut pressed) = (-quarter, quarter);
+    loop {
+        let middle = 0.5 * (free + pressed);
+        // Two neighbouring numbers, or nothing but rounding of the zero between them.
+        if middle == free || middle == pressed || pressed - free < 1e-18 {
+            return free;
         }
-        PhaseReference::Absolute => {
-            let x = wrap(phase.tooth_angle);
-            let overlap = match parameters.loaded_flank {
-                LoadedFlank::Drive => x - phase.half_gap,
-                LoadedFlank::Coast => -x - phase.half_gap,
-                LoadedFlank::Both => x.abs() - phase.half_gap,
-            };
-            if overlap > LARGEST_OVERLAP * std::f64::consts::TAU {
-                let sign = if parameters.loaded_flank == LoadedFlank::Coast
-                    || (parameters.loaded_flank == LoadedFlank::Both && x < 0.0)
-                {
-                    1.0
-                } else {
-                    -1.0
-                };
-                return Err(ElementError::TeethOverlap {
-                    overlap_mm: 1e3 * overlap * k.rb[0] / k.z[0],
-                    turn_rad: sign * overlap / k.z[0],
-                });
-            }
-            Ok(Latch::default())
+        if carries(middle) {
+            pressed = middle;
+        } else {
+            free = middle;
         }
     }
+}
+
+/// The phases of the body frames, unless the teeth overlap there by more than a load of the table brings about.
+fn absolute(element: &Element, pose: &Pose<f64>) -> Result<Latch, ElementError> {
+    let k = &element.constants;
+    let per_tooth = k.per_tooth_angle();
+    let x = wrap(pose.coordinates.turn / per_tooth) * per_tooth;
+    let cos_phi = k.base_sum / pose.coordinates.center_distance;
+    for (i, law) in element.laws.iter().enumerate() {
+        let Some(law) = law else { continue };
+        let s = FLANKS[i].sign();
+        let misalignment = pose.misalignment(i);
+        let elongation = s * x - pose.coordinates.half_gap;
+        let position = fraction(pose.mesh_position(k, i));
+        let delta = elongation + pose.lever * misalignment;
+        let force = law
+            .respond([
+                delta * element.law_scale(cos_phi),
+                pose.coordinates.center_distance - k.center_distance,
+                misalignment,
+                position,
+            ])
+            .gradient[0];
+        if force > element.largest_force {
+            let touching = onset(element, law, pose, i, position);
+            return Err(ElementError::TeethOverlap {
+                overlap_um: 1e6 * (delta - touching),
+                force_kn: 1e-3 * force,
+                largest_kn: 1e-3 * element.largest_force,
+                turn_rad: -s * (delta - touching) / k.rb[0],
+            });
+        }
+    }
+    Ok(Latch::default())
 }

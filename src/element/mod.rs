@@ -19,14 +19,15 @@
 //! neither allocates nor remembers; the phase zeros are the caller's [`Latch`].
 
 mod check;
-mod conjugate;
+mod constants;
 mod engagement;
 mod error;
-mod geometry;
+mod evaluate;
+mod flank;
 mod jacobian;
 mod latch;
 mod law;
-mod load;
+mod map;
 mod motion;
 mod paper;
 mod parameters;
@@ -47,6 +48,8 @@ mod tests;
 #[cfg(test)]
 mod tests_constant_load;
 #[cfg(test)]
+mod tests_damping;
+#[cfg(test)]
 mod tests_flanks;
 #[cfg(test)]
 mod tests_limits;
@@ -57,9 +60,10 @@ mod tests_tables;
 
 use crate::gear::PairGeometry;
 use crate::table::Table;
-use geometry::{Constants, FLANKS};
+use constants::{Constants, FLANKS};
+use evaluate::Evaluated;
+use flank::Damper;
 use law::{Effects, Law};
-use load::Damping;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -69,7 +73,9 @@ pub struct Element {
     constants: Constants,
     parameters: Parameters,
     laws: [Option<Law>; 2],
-    damping: Damping,
+    damper: Damper,
+    /// Force on the line of action that a start pose may have, N.
+    largest_force: f64,
     /// Index of the flank that phases and transmission error refer to.
     reference_flank: usize,
 }
@@ -115,7 +121,10 @@ impl Element {
                 }
                 let effects = Effects::of(parameters);
                 let laws = FLANKS.map(|flank| Law::of_table(&table, flank, effects));
-                Self::build(pair, parameters, laws)
+                let mut element = Self::build(pair, parameters, laws)?;
+                element.largest_force =
+                    table.file().maximum_torque_nm / pair.gears[0].base_radius();
+                Ok(element)
             }
             StiffnessModel::Constant => {
                 let phi = pair.operating_pressure_angle(pair.center_distance);
@@ -138,10 +147,8 @@ impl Element {
             LoadedFlank::Both => [Some(drive), Some(coast)],
         };
         Ok(Self {
-            damping: Damping {
-                coefficient: parameters.damping / constants.cos_phi.powi(2),
-                full_at: parameters.damping_onset * constants.nominal_force,
-            },
+            damper: damper(parameters, &constants),
+            largest_force: START_FORCE * constants.nominal_force,
             reference_flank: usize::from(parameters.loaded_flank == LoadedFlank::Coast),
             constants,
             parameters: *parameters,
@@ -161,7 +168,7 @@ impl Element {
         parameters.check()?;
         let mut element = self.clone();
         element.parameters = parameters;
-        element.damping.coefficient = damping / self.constants.cos_phi.powi(2);
+        element.damper = self::damper(&parameters, &self.constants);
         Ok(element)
     }
 
@@ -207,28 +214,60 @@ impl Element {
     /// they feel no force.
     pub fn evaluate(&self, latch: &Latch, inputs: &Inputs) -> Result<Outputs, ElementError> {
         check::inputs(inputs, self.with_carrier())?;
-        self.evaluate_generic(latch, inputs)
-    }
-
-    fn evaluate_generic<T: Scalar>(
-        &self,
-        latch: &Latch,
-        inputs: &Inputs<T>,
-    ) -> Result<Outputs<T>, ElementError> {
-        match self.parameters.formulation {
-            Formulation::Conjugate => conjugate::evaluate(self, latch, inputs),
-            Formulation::Paper => paper::evaluate(self, latch, inputs),
-        }
-    }
-
-    fn phase(&self, inputs: &Inputs) -> Result<latch::Phase, ElementError> {
-        match self.parameters.formulation {
-            Formulation::Conjugate => conjugate::phase(self, inputs),
-            Formulation::Paper => paper::phase(self, inputs),
-        }
+        Ok(match evaluate::evaluate(self, latch, inputs)? {
+            Evaluated::Near(solution) => solution.outputs,
+            Evaluated::Far(outputs) => outputs,
+        })
     }
 
     fn with_carrier(&self) -> bool {
         self.parameters.formulation == Formulation::Paper
+    }
+
+    /// Displacement that a law takes over the elongation: the paper's constant k is tangential at the actual
+    /// operating pitch circle.
+    fn law_scale<T: Scalar>(&self, cos_phi: T) -> T {
+        let p = &self.parameters;
+        if p.formulation == Formulation::Paper && p.stiffness_model == StiffnessModel::Constant {
+            let ratio = cos_phi.recip() * self.constants.cos_phi;
+            ratio * ratio
+        } else {
+            T::from(1.0)
+        }
+    }
+
+    /// Whether a flank is pressed by more than half of what fits between the gap and the tooth behind: no load does that,
+    /// and twice as far the tooth behind pushes the other way.
+    ///
+    /// # Errors
+    /// It is, and one flank alone can carry: the gears have turned back through the flank that is missing.
+    fn have_passed(&self, elongation: f64, half_gap: f64) -> Result<bool, ElementError> {
+        let limit = 0.5 * (0.5 * self.constants.base_pitch() - half_gap);
+        let passed = elongation > limit;
+        if passed && self.parameters.loaded_flank != LoadedFlank::Both {
+            return Err(ElementError::TeethPassed {
+                overlap_mm: 1e3 * elongation,
+                loaded_flank: match self.parameters.loaded_flank {
+                    LoadedFlank::Coast => "coast",
+                    _ => "drive",
+                },
+            });
+        }
+        Ok(passed)
+    }
+}
+
+/// Multiple of the nominal force that teeth of constant stiffness may start with.
+const START_FORCE: f64 = 10.0;
+
+fn damper(parameters: &Parameters, k: &Constants) -> Damper {
+    match parameters.formulation {
+        Formulation::Conjugate => Damper::Rising {
+            coefficient: parameters.damping / k.cos_phi.powi(2),
+            full_at: parameters.damping_onset * k.nominal_force,
+        },
+        Formulation::Paper => Damper::Constant {
+            tangential: parameters.damping,
+        },
     }
 }

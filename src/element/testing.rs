@@ -174,14 +174,21 @@ pub(crate) fn compressed(element: &Element, s: f64, delta: f64) -> Inputs {
     )
 }
 
-/// A pose with tilts of +-3 mrad, +-0.3 mm radial and +-1 mm axial displacement and arbitrary spins.
+/// A pose with tilts of +-3 mrad, +-0.3 mm radial and +-1 mm axial displacement, turned to anywhere in mesh: the
+/// flanks are at most a tenth of a pitch from the middle of the gap.
 pub(crate) fn random_pose(element: &Element, noise: &mut Noise) -> Inputs {
     let mut inputs = element.nominal_inputs();
-    for m in &mut inputs.gears {
+    let k = &element.constants;
+    let turn = 3.0 * noise.next();
+    let spins = [
+        turn,
+        (0.1 * TAU * noise.next() - k.z[0] * turn) * k.e / k.z[1],
+    ];
+    for (m, spin) in inputs.gears.iter_mut().zip(spins) {
         let shift = noise.vector(1.0);
         m.p += Vector3::new(0.15e-3 * shift.x, 0.15e-3 * shift.y, 0.5e-3 * shift.z);
         let tilt = Rotation3::from_euler_angles(3e-3 * noise.next(), 3e-3 * noise.next(), 0.0);
-        let spin = Rotation3::from_axis_angle(&Vector3::z_axis(), 3.0 * noise.next());
+        let spin = Rotation3::from_axis_angle(&Vector3::z_axis(), spin);
         m.r = *(tilt * spin).matrix();
     }
     inputs

@@ -1,6 +1,6 @@
 //! Claims about damping, a turning carrier, and poses at and beyond the limits.
 
-use super::geometry::FLANKS;
+use super::constants::FLANKS;
 use super::testing::{
     FORMULATIONS, Noise, at, compressed, constant, random_pose, spun, three_pairs, undamped,
 };

@@ -222,7 +222,9 @@ fn mesh_position_runs_with_the_loaded_flank_and_starts_at_the_mesh_phase() {
                 )
                 .unwrap();
                 for (turn, expected) in [(0.0, 0.3), (0.25, 0.55), (1.25, 0.55), (0.8, 0.1)] {
-                    let inputs = spun(&element.nominal_inputs(), 0, s * turn * pitch);
+                    let turn = s * turn * pitch;
+                    let follow = -pair.e() * turn * pair.gears[0].z() / pair.gears[1].z();
+                    let inputs = spun(&spun(&element.nominal_inputs(), 0, turn), 1, follow);
                     let position = at(&element, &inputs).mesh_position;
                     assert_abs_diff_eq!(position, expected, epsilon = 1e-12);
                 }

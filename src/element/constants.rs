@@ -59,6 +59,8 @@ pub(crate) struct Constants {
     pub tooth_zero: f64,
     /// Circumferential backlash at the nominal operating pitch circle, m.
     pub backlash: f64,
+    /// Angle of the pitch point from the line of centres, seen from O1: 0, or pi where the mesh lies behind O1, rad.
+    pub behind: f64,
     /// Mesh position of both flanks where theta1 = gamma, in the `absolute` reference.
     pub mesh_zero: [f64; 2],
     /// Nominal force on the line of action, N.
@@ -141,8 +143,19 @@ impl Constants {
             half_gap,
             tooth_zero: half_pitches * std::f64::consts::PI,
             backlash: backlash / phi.cos(),
+            behind,
             mesh_zero,
             nominal_force: parameters.nominal_torque / g[0].base_radius(),
         })
+    }
+
+    /// Elongation on the line of action per tooth angle, m/rad: rb1 / z1 = base_sum / tooth_sum.
+    pub(crate) fn per_tooth_angle(&self) -> f64 {
+        self.rb[0] / self.z[0]
+    }
+
+    /// One base pitch, m.
+    pub(crate) fn base_pitch(&self) -> f64 {
+        std::f64::consts::TAU * self.per_tooth_angle()
     }
 }

@@ -1,0 +1,223 @@
+//! From poses and velocities to loads: what both formulations share, which is all but the force map of the paper.
+
+use super::constants::{Constants, FLANKS};
+use super::engagement::engagement;
+use super::error::ElementError;
+use super::flank::{FlankLoad, along_approach};
+use super::map::{Coordinates, Map, Placed, Spatial};
+use super::motion::{Inputs, Latch, Motion, Outputs};
+use super::paper::Carried;
+use super::scalar::{Scalar, fraction, wrap};
+use super::{Element, Formulation};
+
+/// A pose as the formulation sees it.
+pub(crate) struct Pose<T> {
+    /// Coordinates; x before the latch, not wrapped.
+    pub coordinates: Coordinates<T>,
+    /// Lever of M in the elongation that the law takes, m; zero but for the paper's (19).
+    pub lever: T,
+    /// Rates and generalised forces.
+    pub map: Map<T>,
+    /// The paper's formulation: the pose in the carrier.
+    pub carried: Option<Carried<T>>,
+}
+
+/// Loads and what they were made of.
+pub(crate) struct Solution<T> {
+    pub pose: Pose<T>,
+    /// Rates of the coordinates.
+    pub rates: Coordinates<T>,
+    pub flanks: [FlankLoad<T>; 2],
+    pub outputs: Outputs<T>,
+}
+
+/// Either a solution or, for gears out of reach of one another, outputs without load.
+pub(crate) enum Evaluated<T> {
+    Near(Box<Solution<T>>),
+    Far(Outputs<T>),
+}
+
+impl<T> Pose<T> {
+    /// Mesh positions of drive and coast flank before the latch, (13).
+    pub(crate) fn mesh_position(&self, k: &Constants, i: usize) -> T
+    where
+        T: Scalar,
+    {
+        self.coordinates.mesh_angle * (-FLANKS[i].sign() / k.pitch_angle) + k.mesh_zero[i]
+    }
+
+    /// Misalignment of flank `i`.
+    pub(crate) fn misalignment(&self, i: usize) -> T
+    where
+        T: Scalar,
+    {
+        let [even, odd] = self.coordinates.misalignment;
+        even + odd * FLANKS[i].sign()
+    }
+}
+
+/// The pose of `inputs`; `Err` holds the outputs of gears out of reach.
+pub(crate) fn pose<T: Scalar>(
+    el: &Element,
+    inputs: &Inputs<T>,
+) -> Result<Result<Pose<T>, Outputs<T>>, ElementError> {
+    let k = &el.constants;
+    let formulation = el.parameters.formulation;
+    let far = |point, c| {
+        let point = inputs.gears[0].p + point;
+        Ok(Err(Outputs::out_of_reach(point, c, T::from(k.z_ref))))
+    };
+    let (coordinates, map) = match Map::place(k, formulation, &inputs.gears)? {
+        Placed::Near(coordinates, map) => (coordinates, map),
+        Placed::Far(point, c) => return far(point, c),
+    };
+    match formulation {
+        Formulation::Conjugate => Ok(Ok(Pose {
+            coordinates,
+            lever: T::from(0.0),
+            map,
+            carried: None,
+        })),
+        Formulation::Paper => {
+            let carried = Carried::new(k, inputs)?;
+            Ok(Ok(Pose {
+                coordinates: carried.coordinates(k),
+                lever: if el.parameters.misalignment_effect {
+                    carried.middle
+                } else {
+                    T::from(0.0)
+                },
+                map,
+                carried: Some(carried),
+            }))
+        }
+    }
+}
+
+/// Loads and diagnostics at `inputs`.
+pub(crate) fn evaluate<T: Scalar>(
+    el: &Element,
+    latch: &Latch,
+    inputs: &Inputs<T>,
+) -> Result<Evaluated<T>, ElementError> {
+    let k = &el.constants;
+    let pose = match pose(el, inputs)? {
+        Ok(pose) => pose,
+        Err(outputs) => return Ok(Evaluated::Far(outputs)),
+    };
+    let q = &pose.coordinates;
+    let c = q.center_distance;
+    let cos_phi = c.recip() * k.base_sum;
+    let [g1, g2] = &inputs.gears;
+    let rates = pose.map.rates(&[velocity(g1), velocity(g2)]);
+    let mesh = engagement(k, c, q.axial);
+    let per_tooth = k.per_tooth_angle();
+    let x = wrap(q.turn * (1.0 / per_tooth) + latch.tooth_angle) * per_tooth;
+
+    let mut out_of_range = mesh.leaving;
+    let mut flanks = [0, 1].map(|i| {
+        let s = FLANKS[i].sign();
+        FlankLoad::unloaded(
+            s,
+            x * s - q.half_gap,
+            pose.misalignment(i),
+            fraction(pose.mesh_position(k, i) + s * latch.mesh_position),
+        )
+    });
+    for (flank, law) in flanks.iter_mut().zip(&el.laws) {
+        let Some(law) = law else { continue };
+        let scale = el.law_scale(cos_phi);
+        let delta = flank.elongation + flank.misalignment * pose.lever;
+        let response = law.respond([
+            delta * scale,
+            c - k.center_distance,
+            flank.misalignment,
+            flank.mesh_position,
+        ]);
+        out_of_range |= response.out_of_range;
+        flank.press(&response, &mesh);
+        if flank.elastic.re() <= 0.0 {
+            continue;
+        }
+        out_of_range |= el.have_passed(flank.elongation.re(), q.half_gap.re())?;
+        flank.stiffness *= scale;
+        flank.damping_arm = match el.parameters.formulation {
+            Formulation::Conjugate => flank.arm,
+            Formulation::Paper => pose.lever,
+        };
+        let approach = flank.approach(&rates);
+        flank.damping = el.damper.force(flank.elastic, approach, cos_phi);
+    }
+
+    let loads = match &pose.carried {
+        None => {
+            let [drive, coast] = flanks.map(|f| f.all_slopes(k.pitch_angle));
+            pose.map.loads(&(drive + coast))
+        }
+        Some(carried) => {
+            let [drive, coast] = flanks.map(|f| along_approach(f.sign, f.damping_arm, f.damping));
+            let damping = pose.map.loads(&(drive + coast));
+            let elastic = carried.elastic_loads(k, &flanks);
+            [damping[0] + elastic[0], damping[1] + elastic[1]]
+        }
+    };
+
+    let (index, flank) = carrying_flank(&flanks, el.reference_flank);
+    let shown = &flanks[index];
+    let reference = &flanks[el.reference_flank];
+    let (contact_point, contact_z) = match &pose.carried {
+        None => (
+            pose.map.pitch_point() + pose.map.axis() * shown.arm,
+            shown.arm + k.z_ref,
+        ),
+        Some(carried) => carried.contact(k, shown.arm),
+    };
+    let per_base_sum = 1.0 / k.base_sum;
+    let rate = rates.turn * reference.sign - rates.half_gap;
+    let [drive, coast] = &flanks;
+    let force = drive.force() + coast.force();
+    let outputs = Outputs {
+        force: [loads[0].linear, loads[1].linear],
+        moment: [loads[0].angular, loads[1].angular],
+        contact_point: g1.p + contact_point,
+        transmission_error: reference.elongation * c * (per_base_sum * reference.sign),
+        transmission_error_rate: (rate * c + reference.elongation * rates.center_distance)
+            * (per_base_sum * reference.sign),
+        mesh_position: shown.mesh_position,
+        center_distance: c,
+        misalignment: shown.misalignment,
+        tangential_force: force * cos_phi,
+        normal_force: force * (1.0 / k.cos_beta_b),
+        stiffness: (drive.stiffness + coast.stiffness) * cos_phi * cos_phi,
+        contact_z,
+        energy: drive.energy + coast.energy,
+        flank,
+        out_of_range,
+    };
+    Ok(Evaluated::Near(Box::new(Solution {
+        pose,
+        rates,
+        flanks,
+        outputs,
+    })))
+}
+
+fn velocity<T: Scalar>(m: &Motion<T>) -> Spatial<T> {
+    Spatial {
+        linear: m.v,
+        angular: m.w,
+    }
+}
+
+/// Index of the flank that carries the larger elastic force and its sign; the `reference` flank and 0 where
+/// none does.
+fn carrying_flank<T: Scalar>(flanks: &[FlankLoad<T>; 2], reference: usize) -> (usize, i32) {
+    let [drive, coast] = [flanks[0].elastic.re(), flanks[1].elastic.re()];
+    if drive <= 0.0 && coast <= 0.0 {
+        (reference, 0)
+    } else if drive >= coast {
+        (0, 1)
+    } else {
+        (1, -1)
+    }
+}

@@ -44,8 +44,8 @@ pub(crate) struct Constants {
     pub z_ref: f64,
     /// Nominal axial position of gear 2 against gear 1, m.
     pub face_offset: f64,
-    /// Width of the nominal face overlap, m.
-    pub overlap: f64,
+    /// One over half the width of the nominal face overlap, 1/m.
+    pub per_half_overlap: f64,
     /// Where the teeth come out of mesh.
     pub reach: Reach,
     /// Face widths, m.
@@ -136,7 +136,7 @@ impl Constants {
             tan_beta_per_radius: g[0].helix_angle.tan() / g[0].reference_radius(),
             z_ref,
             face_offset: g[1].face_offset,
-            overlap: pair.face_overlap().1,
+            per_half_overlap: 2.0 / pair.face_overlap().1,
             reach: Reach::new(pair),
             face_width: [g[0].face_width, g[1].face_width],
             pitch_angle,

@@ -26,10 +26,10 @@ pub(crate) struct Engagement<T> {
 /// Centre distances between which the teeth come out of mesh, m.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reach {
-    /// Where the factor starts to fall.
-    pub full: f64,
-    /// Where it is zero: farther out for external pairs, nearer for internal ones.
+    /// Where the factor is zero: farther out for external pairs, nearer for internal ones.
     pub none: f64,
+    /// 1 / (where the factor starts to fall - `none`), 1/m.
+    pub per_span: f64,
 }
 
 impl Reach {
@@ -43,9 +43,11 @@ impl Reach {
         } else {
             pair.base_radius_sum() * (1.0 + 1e-9)
         };
+        let full = crossing(pair, half, nominal, end);
+        let none = crossing(pair, 0.0, nominal, end);
         Self {
-            full: crossing(pair, half, nominal, end),
-            none: crossing(pair, 0.0, nominal, end),
+            none,
+            per_span: 1.0 / (full - none),
         }
     }
 }
@@ -71,8 +73,8 @@ fn crossing(pair: &PairGeometry, ratio: f64, near: f64, far: f64) -> f64 {
 pub(crate) fn engagement<T: Scalar>(k: &Constants, c: T, lambda: T) -> Engagement<T> {
     let one = T::from(1.0);
     let zero = T::from(0.0);
-    let span = k.reach.full - k.reach.none;
-    let (radial, radial_slope) = step((c - k.reach.none) / span);
+    let per_span = k.reach.per_span;
+    let (radial, radial_slope) = step((c - k.reach.none) * per_span);
 
     // Gear 2's face lies from `offset` to `offset + b2` in gear 1's frame.
     let offset = -lambda + k.z_ref;
@@ -87,13 +89,13 @@ pub(crate) fn engagement<T: Scalar>(k: &Constants, c: T, lambda: T) -> Engagemen
     } else {
         (T::from(b1), 0.0)
     };
-    let half_overlap = 0.5 * k.overlap;
-    let (axial, axial_slope) = step((high - low) / half_overlap);
+    let per_half = k.per_half_overlap;
+    let (axial, axial_slope) = step((high - low) * per_half);
     let leaving = radial < one || axial < one;
     Engagement {
         factor: radial * axial,
-        by_center_distance: radial_slope * axial / span,
-        by_axial_position: radial * axial_slope * ((high_slope - low_slope) / half_overlap),
+        by_center_distance: radial_slope * axial * per_span,
+        by_axial_position: radial * axial_slope * ((high_slope - low_slope) * per_half),
         leaving,
     }
 }

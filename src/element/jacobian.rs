@@ -6,6 +6,7 @@
 //! loads are linear through the dampers alone: -J^T B J, the outer product of one row a flank.
 
 use super::constants::FLANKS;
+use super::dual::Dual;
 use super::error::ElementError;
 use super::evaluate::{Evaluated, Solution, evaluate};
 use super::flank::along_approach;
@@ -13,7 +14,6 @@ use super::map::{Coordinates, Spatial};
 use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion};
 use super::{Element, Formulation, check};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use num_dual::{Derivative, Dual64, DualSVec64};
 
 /// Change of one body's motion; a rotation is a small rotation vector in world axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,13 +109,12 @@ impl Element {
         };
         let rows = outputs.to_array();
         for (row, y) in rows.iter().enumerate() {
-            let Some(slopes) = y.eps.0 else { continue };
             for lane in 0..N {
                 let column = match lane {
                     0..6 => BODY_COLUMNS + lane,
                     _ => 2 * BODY_COLUMNS + 3 + lane - 6,
                 };
-                jacobian[(row, column)] = slopes[lane];
+                jacobian[(row, column)] = y.eps[lane];
             }
         }
         by_gear_1(&mut jacobian, &rows.map(|y| y.re), inputs);
@@ -123,11 +122,7 @@ impl Element {
     }
 
     /// Columns of velocity and angular velocity.
-    fn by_velocities<const N: usize>(
-        &self,
-        solution: &Solution<DualSVec64<N>>,
-        jacobian: &mut Jacobian,
-    ) {
+    fn by_velocities<const N: usize>(&self, solution: &Solution<Dual<N>>, jacobian: &mut Jacobian) {
         const TANGENTIAL: usize = 20;
         const NORMAL: usize = 21;
         const TRANSMISSION_ERROR_RATE: usize = 16;
@@ -146,12 +141,12 @@ impl Element {
             if flank.elastic.re <= 0.0 {
                 continue;
             }
-            let rate = Dual64::new(flank.approach(&solution.rates).re, 1.0);
-            let constant = |x: f64| Dual64::new(x, 0.0);
+            let rate = Dual::<1>::variable(flank.approach(&solution.rates).re, 0);
+            let constant = Dual::from;
             let damper = self
                 .damper
                 .force(constant(flank.elastic.re), rate, constant(cos_phi))
-                .eps;
+                .eps[0];
             // Minus the row of J: loads for a unit force against the rate.
             let unit = stacked(&map.loads(&along_approach(flank.sign, flank.damping_arm.re, 1.0)));
             for row in 0..12 {
@@ -195,30 +190,25 @@ fn seed<const N: usize>(
     m: &Motion,
     translation: Option<usize>,
     rotation: Option<usize>,
-) -> Motion<DualSVec64<N>> {
-    let constant = |x: f64| DualSVec64::new(x, Derivative::none());
+) -> Motion<Dual<N>> {
     let mut out = Motion {
-        p: m.p.map(constant),
-        r: m.r.map(constant),
-        v: m.v.map(constant),
-        w: m.w.map(constant),
+        p: m.p.map(Dual::from),
+        r: m.r.map(Dual::from),
+        v: m.v.map(Dual::from),
+        w: m.w.map(Dual::from),
     };
     if let Some(first) = translation {
         for i in 0..3 {
-            out.p[i].eps = Derivative::some(SVector::from_fn(|row, _| {
-                f64::from(u8::from(row == first + i))
-            }));
+            out.p[i].eps[first + i] = 1.0;
         }
     }
     if let Some(first) = rotation {
-        let turns: [Matrix3<f64>; 3] = [Vector3::x(), Vector3::y(), Vector3::z()]
-            .map(|axis: Vector3<f64>| axis.cross_matrix() * m.r);
-        for (entry, x) in out.r.iter_mut().enumerate() {
-            let mut slopes = SVector::zeros();
-            for (k, turn) in turns.iter().enumerate() {
-                slopes[first + k] = turn[entry];
+        let axes: [Vector3<f64>; 3] = [Vector3::x(), Vector3::y(), Vector3::z()];
+        for (k, axis) in axes.iter().enumerate() {
+            let turn: Matrix3<f64> = axis.cross_matrix() * m.r;
+            for (entry, slope) in out.r.iter_mut().zip(turn.iter()) {
+                entry.eps[first + k] = *slope;
             }
-            x.eps = Derivative::some(slopes);
         }
     }
     out

@@ -148,7 +148,7 @@ impl Law {
             q[2] = -q[2];
         }
         let at = [q[0].re(), q[1].re(), q[2].re(), q[3].re()];
-        let w = self.surface.evaluate(&query(at), T::NDERIV > 0);
+        let w = self.surface.evaluate(&query(at), T::CARRIES);
         let mut gradient = [T::from(0.0); COORDINATES];
         for (i, g) in gradient.iter_mut().enumerate() {
             *g = lift(w.gradient[i], &w.hessian[i], &q);
@@ -162,7 +162,7 @@ impl Law {
         if !self.effects.shuttling {
             gradient[2] = T::from(0.0);
         }
-        let stiffness = if T::NDERIV > 0 && w.gradient[0] > 0.0 {
+        let stiffness = if T::CARRIES && w.gradient[0] > 0.0 {
             let slopes = w
                 .stiffness_gradient
                 .unwrap_or_else(|| self.stiffness_gradient(at));

@@ -20,6 +20,7 @@
 
 mod check;
 mod constants;
+mod dual;
 mod engagement;
 mod error;
 mod evaluate;
@@ -34,6 +35,7 @@ mod parameters;
 mod scalar;
 
 pub use crate::table::Interpolation;
+pub use dual::Dual;
 pub use error::{Body, ElementError};
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
 pub use law::{Elasticity, FlankLaws};

@@ -1,14 +1,79 @@
 //! The number type of the kinematics: `f64` for values, dual numbers for exact derivatives.
 
-use num_dual::DualNum;
+use super::dual::Dual;
+use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign};
+use num_traits::{One, Zero};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 use wide::f64x4;
 
 /// A real number, or a real number that carries derivatives along. The element's equations are
-/// written once over this trait: with `f64` they cost what plain code costs, with a dual number every
-/// output comes with its exact derivative.
-pub trait Scalar: DualNum<Primitive = f64> + Copy + PartialOrd + Send + Sync {}
+/// written once over this trait: with `f64` they cost what plain code costs, with a [`Dual`] every
+/// output comes with its exact derivatives.
+pub trait Scalar:
+    nalgebra::Scalar
+    + Copy
+    + PartialOrd
+    + From<f64>
+    + Zero
+    + One
+    + ClosedAddAssign
+    + ClosedSubAssign
+    + ClosedMulAssign
+    + Neg<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// Whether it carries derivatives.
+    const CARRIES: bool;
+    /// The number without its derivatives.
+    fn re(self) -> f64;
+    /// Square root; of a number above zero.
+    fn sqrt(self) -> Self;
+    /// 1 / self.
+    fn recip(self) -> Self;
+}
 
-impl<T: DualNum<Primitive = f64> + Copy + PartialOrd + Send + Sync> Scalar for T {}
+impl Scalar for f64 {
+    const CARRIES: bool = false;
+
+    #[inline(always)]
+    fn re(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        1.0 / self
+    }
+}
+
+impl<const N: usize> Scalar for Dual<N> {
+    const CARRIES: bool = true;
+
+    #[inline(always)]
+    fn re(self) -> f64 {
+        self.re
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let root = self.re.sqrt();
+        self.chained(root, 0.5 / root)
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let inverse = 1.0 / self.re;
+        self.chained(inverse, -inverse * inverse)
+    }
+}
 
 /// `angle` (rad) brought into [-pi, pi) by whole turns; its derivatives stay.
 pub(crate) fn wrap<T: Scalar>(angle: T) -> T {
@@ -47,7 +112,7 @@ pub(crate) fn angles<T: Scalar>(y: [T; 4], x: [T; 4]) -> [T; 4] {
         T::from(values[2]),
         T::from(values[3]),
     ];
-    if T::NDERIV > 0 {
+    if T::CARRIES {
         for i in 0..4 {
             let (a, b) = (x[i].re(), y[i].re());
             let inverse = 1.0 / (a * a + b * b);
@@ -61,7 +126,7 @@ pub(crate) fn angles<T: Scalar>(y: [T; 4], x: [T; 4]) -> [T; 4] {
 #[inline(always)]
 pub(crate) fn lift<T: Scalar, const N: usize>(value: f64, gradient: &[f64; N], q: &[T; N]) -> T {
     let mut y = T::from(value);
-    if T::NDERIV > 0 {
+    if T::CARRIES {
         for (slope, x) in gradient.iter().zip(q) {
             // x - re(x) has the value zero and the derivatives of x.
             y += (*x - x.re()) * *slope;
@@ -73,7 +138,6 @@ pub(crate) fn lift<T: Scalar, const N: usize>(value: f64, gradient: &[f64; N], q
 #[cfg(test)]
 mod tests {
     use super::*;
-    use num_dual::Dual64;
 
     #[test]
     fn four_angles_are_those_of_the_standard_library_with_their_derivatives() {
@@ -84,14 +148,21 @@ mod tests {
                 (length * turn.sin(), length * turn.cos())
             };
             let points = [0, 1, 2, 3].map(at);
-            let y = points.map(|p| Dual64::new(p.0, 0.3));
-            let x = points.map(|p| Dual64::new(p.1, -0.7));
+            let y = points.map(|p| Dual::<1>::new(p.0, [0.3]));
+            let x = points.map(|p| Dual::<1>::new(p.1, [-0.7]));
             for (found, (y, x)) in angles(y, x).into_iter().zip(y.into_iter().zip(x)) {
-                let exact = y.atan2(x);
-                assert!((found.re - exact.re).abs() <= 4.0 * f64::EPSILON, "{y} {x}");
-                // Numerator and length may both be far from one.
-                let scale = 1.0 / x.re.hypot(y.re);
-                assert!((found.eps - exact.eps).abs() <= 1e-14 * scale, "{y} {x}");
+                let exact = y.re.atan2(x.re);
+                assert!(
+                    (found.re - exact).abs() <= 4.0 * f64::EPSILON,
+                    "{y:?} {x:?}"
+                );
+                // d atan2 = (x dy - y dx) / (x^2 + y^2).
+                let length = x.re.hypot(y.re);
+                let slope = (x.re / length * y.eps[0] - y.re / length * x.eps[0]) / length;
+                assert!(
+                    (found.eps[0] - slope).abs() <= 1e-14 / length,
+                    "{y:?} {x:?}"
+                );
             }
         }
     }

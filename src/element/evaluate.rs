@@ -22,19 +22,19 @@ pub(crate) struct Pose<T> {
     pub carried: Option<Carried<T>>,
 }
 
-/// Loads and what they were made of.
+/// Loads and diagnostics, and what they were made of.
 pub(crate) struct Solution<T> {
+    pub outputs: Outputs<T>,
+    /// `None`: the gears are out of reach of one another.
+    pub mesh: Option<Mesh<T>>,
+}
+
+/// What loads are made of.
+pub(crate) struct Mesh<T> {
     pub pose: Pose<T>,
     /// Rates of the coordinates.
     pub rates: Coordinates<T>,
     pub flanks: [FlankLoad<T>; 2],
-    pub outputs: Outputs<T>,
-}
-
-/// Either a solution or, for gears out of reach of one another, outputs without load.
-pub(crate) enum Evaluated<T> {
-    Near(Box<Solution<T>>),
-    Far(Outputs<T>),
 }
 
 impl<T> Pose<T> {
@@ -56,7 +56,8 @@ impl<T> Pose<T> {
     }
 }
 
-/// The pose of `inputs`; `Err` holds the outputs of gears out of reach.
+/// The pose of `inputs`; an inner `Err` holds the outputs of gears out of reach.
+#[inline(always)]
 pub(crate) fn pose<T: Scalar>(
     el: &Element,
     inputs: &Inputs<T>,
@@ -95,15 +96,21 @@ pub(crate) fn pose<T: Scalar>(
 }
 
 /// Loads and diagnostics at `inputs`.
+#[inline(always)]
 pub(crate) fn evaluate<T: Scalar>(
     el: &Element,
     latch: &Latch,
     inputs: &Inputs<T>,
-) -> Result<Evaluated<T>, ElementError> {
+) -> Result<Solution<T>, ElementError> {
     let k = &el.constants;
     let pose = match pose(el, inputs)? {
         Ok(pose) => pose,
-        Err(outputs) => return Ok(Evaluated::Far(outputs)),
+        Err(outputs) => {
+            return Ok(Solution {
+                outputs,
+                mesh: None,
+            });
+        }
     };
     let q = &pose.coordinates;
     let c = q.center_distance;
@@ -194,12 +201,14 @@ pub(crate) fn evaluate<T: Scalar>(
         flank,
         out_of_range,
     };
-    Ok(Evaluated::Near(Box::new(Solution {
-        pose,
-        rates,
-        flanks,
+    Ok(Solution {
         outputs,
-    })))
+        mesh: Some(Mesh {
+            pose,
+            rates,
+            flanks,
+        }),
+    })
 }
 
 fn velocity<T: Scalar>(m: &Motion<T>) -> Spatial<T> {

@@ -8,7 +8,7 @@
 use super::constants::FLANKS;
 use super::dual::Dual;
 use super::error::ElementError;
-use super::evaluate::{Evaluated, Solution, evaluate};
+use super::evaluate::{Mesh, evaluate};
 use super::flank::along_approach;
 use super::map::{Coordinates, Spatial};
 use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion};
@@ -100,14 +100,11 @@ impl Element {
             carrier: seed(&inputs.carrier, None, (N > 6).then_some(6)),
         };
         let mut jacobian = Jacobian::zeros();
-        let outputs = match evaluate(self, latch, &seeded)? {
-            Evaluated::Near(solution) => {
-                self.by_velocities(&solution, &mut jacobian);
-                solution.outputs
-            }
-            Evaluated::Far(outputs) => outputs,
-        };
-        let rows = outputs.to_array();
+        let solution = evaluate(self, latch, &seeded)?;
+        if let Some(mesh) = &solution.mesh {
+            self.by_velocities(mesh, &mut jacobian);
+        }
+        let rows = solution.outputs.to_array();
         for (row, y) in rows.iter().enumerate() {
             for lane in 0..N {
                 let column = match lane {
@@ -127,8 +124,8 @@ impl Element {
         const NORMAL: usize = 21;
         const TRANSMISSION_ERROR_RATE: usize = 16;
         let k = &self.constants;
-        let map = solution.pose.map.re();
-        let c = solution.outputs.center_distance.re;
+        let map = mesh.pose.map.re();
+        let c = mesh.pose.coordinates.center_distance.re;
         let cos_phi = k.base_sum / c;
         let mut add = |row: usize, unit: &SVector<f64, 12>, factor: f64| {
             for (i, value) in unit.iter().enumerate() {
@@ -137,11 +134,11 @@ impl Element {
                 jacobian[(row, column)] += factor * value;
             }
         };
-        for flank in &solution.flanks {
+        for flank in &mesh.flanks {
             if flank.elastic.re <= 0.0 {
                 continue;
             }
-            let rate = Dual::<1>::variable(flank.approach(&solution.rates).re, 0);
+            let rate = Dual::<1>::variable(flank.approach(&mesh.rates).re, 0);
             let constant = Dual::from;
             let damper = self
                 .damper
@@ -156,7 +153,7 @@ impl Element {
             add(NORMAL, &unit, -damper / k.cos_beta_b);
         }
         let sign = FLANKS[self.reference_flank].sign();
-        let elongation = solution.flanks[self.reference_flank].elongation.re;
+        let elongation = mesh.flanks[self.reference_flank].elongation.re;
         let unit = stacked(&map.loads(&Coordinates {
             center_distance: elongation * sign / k.base_sum,
             ..along_approach(sign, 0.0, sign * c / k.base_sum)

@@ -99,6 +99,7 @@ impl<T: Scalar> Map<T> {
     ///
     /// # Errors
     /// Axes that do not run alike, base circles without a common tangent.
+    #[inline(always)]
     pub(crate) fn place(
         k: &Constants,
         formulation: Formulation,
@@ -215,6 +216,7 @@ impl<T: Scalar> Map<T> {
     }
 
     /// J v: rates of the coordinates while the gears move with `v`.
+    #[inline(always)]
     pub(crate) fn rates(&self, [v1, v2]: &[Spatial<T>; 2]) -> Coordinates<T> {
         let d = v2.linear + v2.angular.cross(&self.k2) - v1.linear - v1.angular.cross(&self.k1);
         let axial = -(d.dot(&self.a[0]) + v1.angular.dot(&self.across)) * self.per_aa;
@@ -239,6 +241,7 @@ impl<T: Scalar> Map<T> {
     }
 
     /// -J^T `slopes`: force and moment on each gear about its own origin.
+    #[inline(always)]
     pub(crate) fn loads(&self, slopes: &Coordinates<T>) -> [Spatial<T>; 2] {
         let [m_even, m_odd] = slopes.misalignment;
         let [m_u, m_a2] = [&self.misalignment_u, &self.misalignment_a2];

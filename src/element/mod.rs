@@ -63,7 +63,6 @@ mod tests_tables;
 use crate::gear::PairGeometry;
 use crate::table::Table;
 use constants::{Constants, FLANKS};
-use evaluate::Evaluated;
 use flank::Damper;
 use law::{Effects, Law};
 use nalgebra::Vector3;
@@ -216,10 +215,7 @@ impl Element {
     /// they feel no force.
     pub fn evaluate(&self, latch: &Latch, inputs: &Inputs) -> Result<Outputs, ElementError> {
         check::inputs(inputs, self.with_carrier())?;
-        Ok(match evaluate::evaluate(self, latch, inputs)? {
-            Evaluated::Near(solution) => solution.outputs,
-            Evaluated::Far(outputs) => outputs,
-        })
+        Ok(evaluate::evaluate(self, latch, inputs)?.outputs)
     }
 
     fn with_carrier(&self) -> bool {

@@ -20,6 +20,8 @@ pub(crate) struct Constants {
     pub z: [f64; 2],
     /// Base radii, m.
     pub rb: [f64; 2],
+    /// One over them, 1/m.
+    pub per_rb: [f64; 2],
     /// kappa: +1 external teeth, -1 ring.
     pub kappa: [f64; 2],
     /// h: hand of gear 1 (gear 2 has -e h).
@@ -30,14 +32,16 @@ pub(crate) struct Constants {
     pub pitch_fraction: f64,
     /// abs(rb1 + e rb2), m.
     pub base_sum: f64,
+    /// One over it, 1/m.
+    pub per_base_sum: f64,
     /// Nominal centre distance, m.
     pub center_distance: f64,
     /// cos phi at the nominal centre distance.
     pub cos_phi: f64,
     /// tan beta_b.
     pub tan_beta_b: f64,
-    /// cos beta_b.
-    pub cos_beta_b: f64,
+    /// 1 / cos beta_b.
+    pub per_cos_beta_b: f64,
     /// tan beta / r1, 1/m: times r_w1 it is tan beta_w.
     pub tan_beta_per_radius: f64,
     /// Mid-face of the nominal overlap in gear 1's frame, m.
@@ -52,6 +56,14 @@ pub(crate) struct Constants {
     pub face_width: [f64; 2],
     /// theta_p1 = 2 pi / z1, rad.
     pub pitch_angle: f64,
+    /// 1 / theta_p1, 1/rad.
+    pub per_pitch_angle: f64,
+    /// Elongation on the line of action per tooth angle, m/rad: rb1 / z1 = base_sum / tooth_sum.
+    pub per_tooth_angle: f64,
+    /// One over it, rad/m.
+    pub tooth_angle_per: f64,
+    /// One base pitch, m.
+    pub base_pitch: f64,
     /// -sum kappa rb psi, m, less whole half pitches, backlash override included: half the gap on the
     /// line of action is this plus sum kappa rb inv(rho).
     pub half_gap: f64,
@@ -124,15 +136,17 @@ impl Constants {
             sc: pair.sc(),
             z: [z1, z2],
             rb: [g[0].base_radius(), g[1].base_radius()],
+            per_rb: [1.0 / g[0].base_radius(), 1.0 / g[1].base_radius()],
             kappa: [g[0].kappa(), g[1].kappa()],
             hand: g[0].hand,
             tooth_sum: tooth_sum.abs(),
             pitch_fraction: z1 / tooth_sum,
             base_sum: pair.base_radius_sum(),
+            per_base_sum: 1.0 / pair.base_radius_sum(),
             center_distance: c,
             cos_phi: phi.cos(),
             tan_beta_b,
-            cos_beta_b: pair.base_helix_angle().cos(),
+            per_cos_beta_b: 1.0 / pair.base_helix_angle().cos(),
             tan_beta_per_radius: g[0].helix_angle.tan() / g[0].reference_radius(),
             z_ref,
             face_offset: g[1].face_offset,
@@ -140,6 +154,10 @@ impl Constants {
             reach: Reach::new(pair),
             face_width: [g[0].face_width, g[1].face_width],
             pitch_angle,
+            per_pitch_angle: 1.0 / pitch_angle,
+            per_tooth_angle: g[0].base_radius() / z1,
+            tooth_angle_per: z1 / g[0].base_radius(),
+            base_pitch: pair.base_pitch(),
             half_gap,
             tooth_zero: half_pitches * std::f64::consts::PI,
             backlash: backlash / phi.cos(),
@@ -147,15 +165,5 @@ impl Constants {
             mesh_zero,
             nominal_force: parameters.nominal_torque / g[0].base_radius(),
         })
-    }
-
-    /// Elongation on the line of action per tooth angle, m/rad: rb1 / z1 = base_sum / tooth_sum.
-    pub(crate) fn per_tooth_angle(&self) -> f64 {
-        self.rb[0] / self.z[0]
-    }
-
-    /// One base pitch, m.
-    pub(crate) fn base_pitch(&self) -> f64 {
-        std::f64::consts::TAU * self.per_tooth_angle()
     }
 }

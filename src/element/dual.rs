@@ -81,6 +81,7 @@ impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
 
     #[inline(always)]
+    #[allow(clippy::suspicious_arithmetic_impl)] // The product rule is a sum.
     fn mul(self, o: Self) -> Self {
         self.both(o, self.re * o.re, |a, b| a * o.re + b * self.re)
     }
@@ -194,8 +195,8 @@ mod tests {
         ];
         for (n, (found, value, slopes)) in cases.into_iter().enumerate() {
             assert!((found.re - value).abs() <= 1e-15, "{n}");
-            for i in 0..2 {
-                assert!((found.eps[i] - slopes[i]).abs() <= 1e-14, "{n} {i}");
+            for (eps, slope) in found.eps.iter().zip(slopes) {
+                assert!((eps - slope).abs() <= 1e-14, "{n}: {eps}");
             }
         }
     }

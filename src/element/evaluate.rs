@@ -31,7 +31,9 @@ pub(crate) struct Solution<T> {
 
 /// What loads are made of.
 pub(crate) struct Mesh<T> {
-    pub pose: Pose<T>,
+    /// The map, without derivatives.
+    pub map: Map<f64>,
+    pub center_distance: T,
     /// Rates of the coordinates.
     pub rates: Coordinates<T>,
     pub flanks: [FlankLoad<T>; 2],
@@ -43,7 +45,7 @@ impl<T> Pose<T> {
     where
         T: Scalar,
     {
-        self.coordinates.mesh_angle * (-FLANKS[i].sign() / k.pitch_angle) + k.mesh_zero[i]
+        self.coordinates.mesh_angle * (-FLANKS[i].sign() * k.per_pitch_angle) + k.mesh_zero[i]
     }
 
     /// Misalignment of flank `i`.
@@ -118,8 +120,7 @@ pub(crate) fn evaluate<T: Scalar>(
     let [g1, g2] = &inputs.gears;
     let rates = pose.map.rates(&[velocity(g1), velocity(g2)]);
     let mesh = engagement(k, c, q.axial);
-    let per_tooth = k.per_tooth_angle();
-    let x = wrap(q.turn * (1.0 / per_tooth) + latch.tooth_angle) * per_tooth;
+    let x = wrap(q.turn * k.tooth_angle_per + latch.tooth_angle) * k.per_tooth_angle;
 
     let mut out_of_range = mesh.leaving;
     let mut flanks = [0, 1].map(|i| {
@@ -158,7 +159,7 @@ pub(crate) fn evaluate<T: Scalar>(
 
     let loads = match &pose.carried {
         None => {
-            let [drive, coast] = flanks.map(|f| f.all_slopes(k.pitch_angle));
+            let [drive, coast] = flanks.map(|f| f.all_slopes(k.per_pitch_angle));
             pose.map.loads(&(drive + coast))
         }
         Some(carried) => {
@@ -179,7 +180,6 @@ pub(crate) fn evaluate<T: Scalar>(
         ),
         Some(carried) => carried.contact(k, shown.arm),
     };
-    let per_base_sum = 1.0 / k.base_sum;
     let rate = rates.turn * reference.sign - rates.half_gap;
     let [drive, coast] = &flanks;
     let force = drive.force() + coast.force();
@@ -187,14 +187,14 @@ pub(crate) fn evaluate<T: Scalar>(
         force: [loads[0].linear, loads[1].linear],
         moment: [loads[0].angular, loads[1].angular],
         contact_point: g1.p + contact_point,
-        transmission_error: reference.elongation * c * (per_base_sum * reference.sign),
+        transmission_error: reference.elongation * c * (k.per_base_sum * reference.sign),
         transmission_error_rate: (rate * c + reference.elongation * rates.center_distance)
-            * (per_base_sum * reference.sign),
+            * (k.per_base_sum * reference.sign),
         mesh_position: shown.mesh_position,
         center_distance: c,
         misalignment: shown.misalignment,
         tangential_force: force * cos_phi,
-        normal_force: force * (1.0 / k.cos_beta_b),
+        normal_force: force * k.per_cos_beta_b,
         stiffness: (drive.stiffness + coast.stiffness) * cos_phi * cos_phi,
         contact_z,
         energy: drive.energy + coast.energy,
@@ -204,7 +204,8 @@ pub(crate) fn evaluate<T: Scalar>(
     Ok(Solution {
         outputs,
         mesh: Some(Mesh {
-            pose,
+            map: pose.map.re(),
+            center_distance: c,
             rates,
             flanks,
         }),

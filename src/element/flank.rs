@@ -135,11 +135,12 @@ impl<T: Scalar> FlankLoad<T> {
     }
 
     /// All slopes of this flank by the coordinates, damper included.
-    pub(crate) fn all_slopes(&self, pitch_angle: f64) -> Coordinates<T> {
+    #[inline(always)]
+    pub(crate) fn all_slopes(&self, per_pitch_angle: f64) -> Coordinates<T> {
         let moment = self.elastic * self.arm + self.damping * self.damping_arm;
         Coordinates {
             center_distance: self.by_center_distance,
-            mesh_angle: self.by_mesh_position * (-self.sign / pitch_angle),
+            mesh_angle: self.by_mesh_position * (-self.sign * per_pitch_angle),
             axial: self.by_axial_position,
             misalignment: [moment, moment * self.sign],
             ..along_approach(self.sign, self.damping_arm, self.force())

@@ -119,13 +119,13 @@ impl Element {
     }
 
     /// Columns of velocity and angular velocity.
-    fn by_velocities<const N: usize>(&self, solution: &Solution<Dual<N>>, jacobian: &mut Jacobian) {
+    fn by_velocities<const N: usize>(&self, mesh: &Mesh<Dual<N>>, jacobian: &mut Jacobian) {
         const TANGENTIAL: usize = 20;
         const NORMAL: usize = 21;
         const TRANSMISSION_ERROR_RATE: usize = 16;
         let k = &self.constants;
-        let map = mesh.pose.map.re();
-        let c = mesh.pose.coordinates.center_distance.re;
+        let map = &mesh.map;
+        let c = mesh.center_distance.re;
         let cos_phi = k.base_sum / c;
         let mut add = |row: usize, unit: &SVector<f64, 12>, factor: f64| {
             for (i, value) in unit.iter().enumerate() {
@@ -150,13 +150,13 @@ impl Element {
                 add(row, &unit, -damper * unit[row]);
             }
             add(TANGENTIAL, &unit, -damper * cos_phi);
-            add(NORMAL, &unit, -damper / k.cos_beta_b);
+            add(NORMAL, &unit, -damper * k.per_cos_beta_b);
         }
         let sign = FLANKS[self.reference_flank].sign();
         let elongation = mesh.flanks[self.reference_flank].elongation.re;
         let unit = stacked(&map.loads(&Coordinates {
-            center_distance: elongation * sign / k.base_sum,
-            ..along_approach(sign, 0.0, sign * c / k.base_sum)
+            center_distance: elongation * sign * k.per_base_sum,
+            ..along_approach(sign, 0.0, sign * c * k.per_base_sum)
         }));
         add(TRANSMISSION_ERROR_RATE, &unit, -1.0);
     }
@@ -215,35 +215,38 @@ fn seed<const N: usize>(
 fn by_gear_1(jacobian: &mut Jacobian, values: &[f64; CONTINUOUS_OUTPUTS], inputs: &Inputs) {
     const POINT: usize = 12;
     let [g1, g2] = &inputs.gears;
-    let columns = |body: usize, part: usize| BODY_COLUMNS * body + 3 * part;
-    let block = |j: &Jacobian, first: usize| -> SMatrix<f64, CONTINUOUS_OUTPUTS, 3> {
-        j.fixed_columns::<3>(first).into_owned()
-    };
-    let mut translated = -block(jacobian, columns(1, 0));
-    let mut along = SMatrix::<f64, CONTINUOUS_OUTPUTS, 3>::zeros();
-    for first in (0..=POINT).step_by(3) {
-        let mut vector = Vector3::new(values[first], values[first + 1], values[first + 2]);
-        if first == POINT {
-            vector -= g1.p;
-            let mut rows = translated.fixed_rows_mut::<3>(first);
-            rows += Matrix3::identity();
+    let column = |body: usize, part: usize| BODY_COLUMNS * body + 3 * part;
+    let moved = [
+        (column(1, 0), g2.p - g1.p),
+        (column(0, 2), g1.v),
+        (column(0, 3), g1.w),
+        (column(1, 2), g2.v),
+        (column(1, 3), g2.w),
+    ];
+    for axis in 0..3 {
+        let [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
+        let mut translated = -jacobian.column(column(1, 0) + axis);
+        translated[POINT + axis] += 1.0;
+        let mut turned =
+            -jacobian.column(column(1, 1) + axis) - jacobian.column(column(2, 1) + axis);
+        for first in (0..=POINT).step_by(3) {
+            // e_axis x vector.
+            let origin = if first == POINT {
+                g1.p
+            } else {
+                Vector3::zeros()
+            };
+            turned[first + next] -= values[first + last] - origin[last];
+            turned[first + last] += values[first + next] - origin[next];
         }
-        along
-            .fixed_rows_mut::<3>(first)
-            .copy_from(&-vector.cross_matrix());
+        for (first, vector) in &moved {
+            // Less the change e_axis x vector of what is held fixed in the other columns.
+            turned.axpy(vector[last], &jacobian.column(first + next), 1.0);
+            turned.axpy(-vector[next], &jacobian.column(first + last), 1.0);
+        }
+        jacobian.set_column(axis, &translated);
+        jacobian.set_column(3 + axis, &turned);
     }
-    let mut turned = along - block(jacobian, columns(1, 1)) - block(jacobian, columns(2, 1));
-    for (first, vector) in [
-        (columns(1, 0), g2.p - g1.p),
-        (columns(0, 2), g1.v),
-        (columns(0, 3), g1.w),
-        (columns(1, 2), g2.v),
-        (columns(1, 3), g2.w),
-    ] {
-        turned += block(jacobian, first) * vector.cross_matrix();
-    }
-    jacobian.fixed_columns_mut::<3>(0).copy_from(&translated);
-    jacobian.fixed_columns_mut::<3>(3).copy_from(&turned);
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ fn from_initial_pose(element: &Element, pose: &Pose<f64>) -> Result<Latch, Eleme
     let law = element.laws[i].as_ref().ok_or(ElementError::OutOfReach)?;
     let touching = onset(element, law, pose, i, mesh_position);
     let elongation = touching - pose.lever * pose.misalignment(i);
-    let per_tooth = k.per_tooth_angle();
+    let per_tooth = k.per_tooth_angle;
     Ok(Latch {
         tooth_angle: s * (elongation + pose.coordinates.half_gap) / per_tooth
             - pose.coordinates.turn / per_tooth,
@@ -46,7 +46,7 @@ fn onset(element: &Element, law: &Law, pose: &Pose<f64>, i: usize, mesh_position
             .gradient[0]
             > 0.0
     };
-    let quarter = 0.25 * k.base_pitch();
+    let quarter = 0.25 * k.base_pitch;
     let (mut free, mut pressed) = (-quarter, quarter);
     loop {
         let middle = 0.5 * (free + pressed);
@@ -65,7 +65,7 @@ fn onset(element: &Element, law: &Law, pose: &Pose<f64>, i: usize, mesh_position
 /// The phases of the body frames, unless the teeth overlap there by more than a load of the table brings about.
 fn absolute(element: &Element, pose: &Pose<f64>) -> Result<Latch, ElementError> {
     let k = &element.constants;
-    let per_tooth = k.per_tooth_angle();
+    let per_tooth = k.per_tooth_angle;
     let x = wrap(pose.coordinates.turn / per_tooth) * per_tooth;
     let cos_phi = k.base_sum / pose.coordinates.center_distance;
     for (i, law) in element.laws.iter().enumerate() {

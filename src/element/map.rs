@@ -138,10 +138,7 @@ impl<T: Scalar> Map<T> {
         let radial = [line * T::from(w.signum()), arm2 * per_rho[1]];
         // Tangent of the pressure angle at X on either gear. Tilt shortens rho_2 by its square; at
         // C = |rb1 + e rb2| that can cross the base circle.
-        let tangent = [
-            tangent(rho1 * (1.0 / k.rb[0])),
-            tangent(rho2 * (1.0 / k.rb[1])),
-        ];
+        let tangent = [tangent(rho1 * k.per_rb[0]), tangent(rho2 * k.per_rb[1])];
         let one = T::from(1.0);
         let [theta1, theta2, phi1, phi2] = angles(
             [
@@ -160,7 +157,7 @@ impl<T: Scalar> Map<T> {
         let half_gap = (tangent[0] - phi1) * (k.kappa[0] * k.rb[0])
             + (tangent[1] - phi2) * (k.kappa[1] * k.rb[1])
             + k.half_gap;
-        let per_tooth = k.per_tooth_angle();
+        let per_tooth = k.per_tooth_angle;
         let turn = (theta1 * k.z[0] + theta2 * (k.e * k.z[1]) - k.tooth_zero) * -per_tooth
             - (lambda - along - k.z_ref) * (k.hand * tan_beta_b);
 

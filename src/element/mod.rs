@@ -240,7 +240,7 @@ impl Element {
     /// # Errors
     /// It is, and one flank alone can carry: the gears have turned back through the flank that is missing.
     fn have_passed(&self, elongation: f64, half_gap: f64) -> Result<bool, ElementError> {
-        let limit = 0.5 * (0.5 * self.constants.base_pitch() - half_gap);
+        let limit = 0.5 * (0.5 * self.constants.base_pitch - half_gap);
         let passed = elongation > limit;
         if passed && self.parameters.loaded_flank != LoadedFlank::Both {
             return Err(ElementError::TeethPassed {

@@ -107,7 +107,7 @@ impl<T: Scalar> Carried<T> {
         let (cos_phi, sin_phi) = self.pressure_angle(k);
         let tilt = g1.a - g2.a;
         Coordinates {
-            turn: self.tooth_angle * k.per_tooth_angle(),
+            turn: self.tooth_angle * k.per_tooth_angle,
             half_gap: T::from(0.5 * k.backlash * k.base_sum / k.center_distance),
             center_distance: self.c,
             misalignment: [

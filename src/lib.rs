@@ -55,8 +55,6 @@
 pub mod compliance;
 #[cfg(feature = "preprocess")]
 pub mod contact;
-#[cfg(feature = "driver")]
-pub mod driver;
 pub mod element;
 pub mod fmi;
 pub mod gear;

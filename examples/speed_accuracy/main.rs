@@ -6,6 +6,8 @@
 //! coarser finite elements: for trying out, not for the record.
 
 mod document;
+#[path = "../common/driver/mod.rs"]
+mod driver;
 mod effects;
 mod floor;
 mod growth;

@@ -1,11 +1,11 @@
 //! Error of the dynamic transmission error in a run-up, against the step size.
 
 use crate::document::{Document, Error};
+use crate::driver::{Coupling, Extrapolation, Gear, Master, Method, Scene, Spin, State};
 use crate::plot::{Series, log_log};
 use crate::setting::Setting;
 use crate::timing::timed;
 use crate::whole_element::everything;
-use gearmesh::driver::{Coupling, Extrapolation, Gear, Master, Method, Scene, Spin, State};
 use gearmesh::element::{Element, LoadedFlank, Parameters};
 use gearmesh::table::Table;
 use nalgebra::Vector3;
@@ -43,8 +43,8 @@ fn scene(setting: &Setting) -> Result<Scene, Error> {
         transverse_inertia: 0.6 * INERTIA,
         center_of_mass: 0.0,
         origin: Vector3::new(i as f64 * geometry.center_distance, 0.0, 0.0),
-        bearing: gearmesh::driver::Bearing::default(),
-        freedoms: gearmesh::driver::Freedoms::default(),
+        bearing: crate::driver::Bearing::default(),
+        freedoms: crate::driver::Freedoms::default(),
         spin,
     };
     let faster = Spin::Speed(Arc::new(move |t| top * t / DURATION));
@@ -67,7 +67,7 @@ fn run(
     let (out, seconds) = timed(|| -> Result<Vec<f64>, Error> {
         let mut out = vec![];
         for i in 0..samples {
-            let mut state = [0.0; gearmesh::driver::STATES];
+            let mut state = [0.0; crate::driver::STATES];
             for n in 0..per_sample {
                 state = advance((i * per_sample + n) as f64 * step)?;
             }

@@ -1,8 +1,9 @@
 //! How long a communication step an explicit coupling bears.
 
+use crate::driver::{Coupling, Extrapolation, Master, Spin};
+use crate::experiment::{ModulatedSpring, SingleFreedom};
 use crate::pair;
 use crate::plot::{Line, Plot};
-use gearmesh::driver::{Coupling, Extrapolation, Master, ModulatedSpring, SingleFreedom, Spin};
 use gearmesh::element::{LoadedFlank, Parameters};
 use std::fmt::Write as _;
 use std::path::Path;

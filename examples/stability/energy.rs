@@ -1,11 +1,11 @@
 //! Work on closed loops and drift of energy in a long run, conjugate beside the paper's formulation.
 
+use crate::driver::{
+    Bearing, Freedoms, Gear, Method, Scene, Spin, State, gear_state, set_gear_state, twist,
+};
 use crate::pair;
 use crate::plot::{Line, Plot};
 use crate::tables;
-use gearmesh::driver::{
-    Bearing, Freedoms, Gear, Method, Scene, Spin, State, gear_state, set_gear_state, twist,
-};
 use gearmesh::element::{
     Element, FlankLaws, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel,
 };

@@ -1,8 +1,8 @@
 //! Hard cases one by one: poses at the limits, and motion through the backlash.
 
+use crate::driver::{Bearing, Freedoms, Gear, Method, Scene, Spin};
 use crate::pair;
 use crate::poses::{BACKLASH, Real, pose, ratio, spin, undamped};
-use gearmesh::driver::{Bearing, Freedoms, Gear, Method, Scene, Spin};
 use gearmesh::element::{
     Element, ElementError, Formulation, Inputs, Interpolation, LoadedFlank, Outputs, Parameters,
 };

@@ -4,7 +4,10 @@
 
 mod continuity;
 mod cosimulation;
+#[path = "../common/driver/mod.rs"]
+mod driver;
 mod energy;
+mod experiment;
 mod hard;
 mod oscillator;
 mod pair;

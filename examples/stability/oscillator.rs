@@ -1,9 +1,10 @@
 //! y'' + 2 zeta y' + k(tau) max(y, 0) = 1, k = 1 + eps cos(Omega tau), realised with the element.
 
+use crate::driver::{Method, Spin, State};
+use crate::experiment::{ModulatedSpring, SingleFreedom};
 use crate::pair;
 use crate::plot::{Line, Plot};
 use crate::tables;
-use gearmesh::driver::{Method, ModulatedSpring, SingleFreedom, Spin, State};
 use gearmesh::element::{Element, FlankLaws, LoadedFlank, Parameters};
 use gearmesh::table::FlankTable;
 use std::f64::consts::TAU;

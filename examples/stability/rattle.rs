@@ -1,7 +1,8 @@
 //! An idle gear that rattles: a ball bouncing on a vibrating table, drag torque in place of gravity.
 
+use crate::driver::{Method, Spin, State, gear_state};
+use crate::experiment::{ModulatedSpring, SingleFreedom};
 use crate::pair;
-use gearmesh::driver::{Method, ModulatedSpring, SingleFreedom, Spin, State, gear_state};
 use gearmesh::element::{LoadedFlank, Parameters};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

@@ -1,11 +1,17 @@
-//! Claims about the driver, and about the element as seen in motion.
+//! The element as seen in motion, by the driver of the examples.
 
-use super::*;
-use crate::element::testing::smooth_laws;
-use crate::element::{Element, Formulation, LoadedFlank, Parameters};
-use crate::gear::{PairGeometry, samples::paper_pair};
+#[path = "../examples/common/driver/mod.rs"]
+mod driver;
+
 use approx::{assert_abs_diff_eq, assert_relative_eq};
+use driver::{
+    Bearing, Freedoms, Gear, Method, Scene, Spin, State, gear_state, set_gear_state, twist,
+};
+use gearmesh::element::{Element, FlankLaws, Formulation, LoadedFlank, Parameters, StiffnessModel};
+use gearmesh::gear::{PairGeometry, samples::paper_pair};
+use gearmesh::table::{FlankTable, Interpolation, samples::Spring};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// Effective inertia of Table 2: 0.25 kg on the base circle.
 const INERTIA: f64 = 4.213e-4;
@@ -45,7 +51,7 @@ fn angle(state: &State) -> f64 {
 }
 
 #[test]
-fn all_integrators_find_the_mesh_frequency() {
+fn both_integrators_find_the_mesh_frequency() {
     // Gear 1 held; external: the drive flank pushes gear 2 to -theta, so the load is +.
     let scene = one_freedom(&quiet(), Spin::torque(100.0));
     let pair = paper_pair(1.0);
@@ -60,7 +66,6 @@ fn all_integrators_find_the_mesh_frequency() {
     let h = 0.5 * period / f64::from(steps);
     for (method, tolerance) in [
         (Method::SemiImplicitEuler, 1e-3),
-        (Method::Leapfrog, 1e-6),
         (Method::RungeKutta4, 1e-9),
     ] {
         let mut y = scene.rest();
@@ -69,10 +74,6 @@ fn all_integrators_find_the_mesh_frequency() {
         }
         assert_relative_eq!(angle(&y), 2.0 * rest, max_relative = tolerance);
     }
-    let times = [0.0, 0.25 * period, 0.5 * period];
-    let states = integrate(&scene, &scene.rest(), &times, 1e-12).unwrap();
-    assert_relative_eq!(angle(&states[1]), rest, max_relative = 1e-6);
-    assert_relative_eq!(angle(&states[2]), 2.0 * rest, max_relative = 1e-6);
 }
 
 #[test]
@@ -86,9 +87,7 @@ fn gains_are_those_of_the_papers_table_2() {
                 damping: 1e5,
                 ..quiet()
             };
-            let torque = Spin::Torque(std::sync::Arc::new(move |t, _| {
-                100.0 + 30.0 * (w * t).sin()
-            }));
+            let torque = Spin::Torque(Arc::new(move |t, _| 100.0 + 30.0 * (w * t).sin()));
             let scene = one_freedom(&parameters, torque);
             // c/k = 0.23 ms: the start has died out after 4 ms. The pair is overdamped, so 1 us steps.
             let settle = (4e-3 * frequency).ceil() / frequency;
@@ -121,10 +120,15 @@ fn six_freedoms(formulation: Formulation) -> (Scene, State) {
     let pair = paper_pair(1.0);
     let parameters = Parameters {
         formulation,
-        stiffness_model: crate::element::StiffnessModel::Table,
+        stiffness_model: StiffnessModel::Table,
         ..quiet()
     };
-    let element = Element::with_laws(&pair, &parameters, &smooth_laws()).unwrap();
+    let grid = Spring::grid([10, 7, 9, 16]);
+    let laws = FlankLaws {
+        drive: Arc::new(FlankTable::new(&grid, Interpolation::Spline).unwrap()),
+        coast: None,
+    };
+    let element = Element::with_laws(&pair, &parameters, &laws).unwrap();
     let mut second = gear(&pair, 1, Spin::torque(100.0));
     second.freedoms = Freedoms::ALL;
     second.bearing = Bearing {
@@ -133,7 +137,7 @@ fn six_freedoms(formulation: Formulation) -> (Scene, State) {
         ..Bearing::default()
     };
     let scene = Scene::new(element, [gear(&pair, 0, Spin::speed(0.0)), second]).unwrap();
-    let mut start = scene.with_spin(&scene.rest(), 1, 12e-6 / 38e-3, 0.0);
+    let mut start = scene.with_spin(&scene.rest(), 1, 7e-6 / 38e-3, 0.0);
     let mut g = gear_state(&start, 1);
     g.v = Vector3::new(0.02, -0.03, 0.05);
     g.l += Vector3::new(2e-4, 1e-4, 0.0);

@@ -4,7 +4,7 @@
 use super::fixed_step::runge_kutta_4;
 use super::scene::Scene;
 use super::state::State;
-use crate::element::{ElementError, Inputs, InputsChange, MotionChange, Outputs};
+use gearmesh::element::{ElementError, Inputs, InputsChange, MotionChange, Outputs};
 use nalgebra::{Rotation3, Vector3};
 
 /// Order in which a master lets both sides step.

@@ -2,7 +2,7 @@
 
 use super::scene::Scene;
 use super::state::{GEAR_STATES, State, gear_state, set_gear_state};
-use crate::element::ElementError;
+use gearmesh::element::ElementError;
 use nalgebra::UnitQuaternion;
 
 /// Fixed-step integrator.
@@ -10,8 +10,6 @@ use nalgebra::UnitQuaternion;
 pub enum Method {
     /// Velocities first, then positions with the new velocities; first order, symplectic.
     SemiImplicitEuler,
-    /// Kick, drift, kick (Störmer-Verlet); second order, symplectic without damping.
-    Leapfrog,
     /// Classical Runge-Kutta, fourth order.
     RungeKutta4,
 }
@@ -26,12 +24,6 @@ impl Method {
             Method::SemiImplicitEuler => {
                 let rates = scene.coupled_rates(t, state)?;
                 Ok(drift(scene, t, &kick(state, &rates, h), h))
-            }
-            Method::Leapfrog => {
-                let rates = scene.coupled_rates(t, state)?;
-                let half = drift(scene, t, &kick(state, &rates, 0.5 * h), h);
-                let rates = scene.coupled_rates(t + h, &half)?;
-                Ok(kick(&half, &rates, 0.5 * h))
             }
             Method::RungeKutta4 => runge_kutta_4(t, state, h, |t, y| scene.coupled_rates(t, y)),
         }

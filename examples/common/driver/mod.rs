@@ -1,6 +1,5 @@
 //! A small driver for numerical experiments with the element: two gears on bearings, imposed speeds
-//! or torques, integrators, and a co-simulation loop. For tests, examples and benchmarks; the FMU's
-//! library does not contain it.
+//! or torques, integrators, and a co-simulation loop. For examples and tests.
 //!
 //! Each gear is a rigid body, axisymmetric about its axis. Its state holds the position of the centre
 //! of mass, the orientation as a unit quaternion, the velocity and the angular momentum about the centre of
@@ -12,19 +11,15 @@
 //!
 //! with J_p about the axis a and J_t across it. Freedoms that are locked get neither force nor moment.
 
-mod adaptive;
+// Every example uses a part of it.
+#![allow(dead_code, unused_imports)]
+
 mod cosimulation;
-mod experiment;
 mod fixed_step;
 mod scene;
 mod state;
 
-#[cfg(test)]
-mod tests;
-
-pub use adaptive::{AdaptiveError, integrate};
 pub use cosimulation::{Coupling, Extrapolation, Master};
-pub use experiment::{ModulatedSpring, SingleFreedom};
 pub use fixed_step::Method;
 pub use scene::{Bearing, Freedoms, Gear, Scene, Spin, twist};
 pub use state::{GEAR_STATES, GearState, STATES, State, gear_state, set_gear_state};

@@ -1,11 +1,9 @@
 //! The experiment most others are made of: gear 1 imposed, gear 2 free to spin alone.
 
-use super::scene::{Bearing, Freedoms, Gear, Scene, Spin};
-use super::state::{State, gear_state};
-use super::twist;
-use crate::element::{Elasticity, Element, ElementError, FlankLaws, Parameters};
-use crate::gear::PairGeometry;
-use crate::table::{Potential, Query};
+use crate::driver::{Bearing, Freedoms, Gear, Scene, Spin, State};
+use gearmesh::element::{Elasticity, Element, ElementError, FlankLaws, Parameters};
+use gearmesh::gear::PairGeometry;
+use gearmesh::table::{Potential, Query};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -50,8 +48,6 @@ pub struct SingleFreedom {
     pub omega: f64,
     /// Elongation under the load, F/k, m.
     pub static_elongation: f64,
-    /// Mean torque on gear 2, N m.
-    pub torque: f64,
     /// Base radius of gear 2, m.
     pub base_radius: f64,
     /// Angle of gear 2 at elongation zero when gear 1 stands at zero, rad.
@@ -107,7 +103,6 @@ impl SingleFreedom {
             scene,
             omega,
             static_elongation: torque / rb / law.stiffness,
-            torque,
             base_radius: rb,
             ratio,
         })
@@ -131,10 +126,5 @@ impl SingleFreedom {
         let out = self.scene.contact(t, state)?;
         let k = self.scene.element.line_of_action(out.center_distance);
         Ok(out.transmission_error * k / self.static_elongation)
-    }
-
-    /// Angle of gear 2, rad, [-pi, pi).
-    pub fn angle(&self, state: &State) -> f64 {
-        twist(&gear_state(state, 1).q)
     }
 }

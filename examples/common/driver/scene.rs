@@ -1,7 +1,7 @@
 //! Two gears, their bearings and what drives them.
 
 use super::state::{GEAR_STATES, GearState, State, gear_state, set_gear_state};
-use crate::element::{Element, ElementError, Inputs, Latch, Motion, Outputs};
+use gearmesh::element::{Element, ElementError, Inputs, Latch, Motion, Outputs};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::Arc;
 

@@ -61,6 +61,8 @@ pub mod gear;
 pub mod package;
 #[cfg(feature = "preprocess")]
 pub mod pair;
+pub mod random;
+pub mod storage;
 pub mod table;
 #[cfg(all(test, feature = "preprocess"))]
 mod testing;

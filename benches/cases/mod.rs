@@ -4,6 +4,7 @@ use gearmesh::element::{
     Element, Formulation, Inputs, InputsChange, LoadedFlank, Parameters, StiffnessModel,
 };
 use gearmesh::pair::Pair;
+use gearmesh::random::Random;
 use gearmesh::table::samples::Spring;
 use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
 use nalgebra::{Rotation3, Vector3};
@@ -28,19 +29,9 @@ const INTERPOLATIONS: [(Interpolation, &str); 3] = [
     (Interpolation::Shepard, "shepard"),
 ];
 
-/// Numbers in [0, 1), the same in every run (xorshift64, Marsaglia 2003).
-fn random() -> impl FnMut() -> f64 {
-    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
-    move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 fn queries() -> Vec<Query> {
-    let mut next = random();
+    let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
+    let mut next = || random.next();
     (0..POINTS)
         .map(|_| {
             let (c, m) = (200e-6 * next() - 100e-6, 6e-3 * next() - 3e-3);
@@ -86,7 +77,8 @@ fn kernel(counts: [usize; 4], interpolation: Interpolation, hessian: bool) -> Ru
 
 /// Poses that load the drive flank by some micrometres.
 fn poses(element: &Element) -> Vec<Inputs> {
-    let mut next = random();
+    let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
+    let mut next = || random.next();
     let mut both = move |x: f64| x * (2.0 * next() - 1.0);
     (0..POINTS)
         .map(|_| {

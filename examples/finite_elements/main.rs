@@ -23,6 +23,7 @@ mod plot;
 mod properties;
 
 use cases::Models;
+use gearmesh::storage::write_whole;
 use page::Outcome;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -78,9 +79,7 @@ fn main() -> Outcome<()> {
         let body = chapter(&models, &plots)?;
         write!(text, "\n## {title}\n\n{}\n", body.trim())?;
     }
-    let part = docs.join("finite-elements.md.part");
-    std::fs::write(&part, text)?;
-    std::fs::rename(part, page)?;
+    write_whole(&page, text.as_bytes())?;
     eprintln!(
         "[{:6.1} s] docs/finite-elements.md",
         start.elapsed().as_secs_f64()

@@ -1,5 +1,6 @@
 //! The report: Markdown with its plots beside it.
 
+use gearmesh::storage::write_whole;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +53,7 @@ impl Document {
     /// The plot `svg` as img/`name`.svg.
     pub fn plot(&mut self, name: &str, caption: &str, svg: &str) -> Result<(), Error> {
         let file = format!("img/{name}.svg");
-        write_whole(&self.folder.join(&file), svg)?;
+        write_whole(&self.folder.join(&file), svg.as_bytes())?;
         let _ = write!(self.text, "\n![{caption}]({file})\n\n*{caption}*\n");
         Ok(())
     }
@@ -60,15 +61,7 @@ impl Document {
     /// Writes the text as far as it goes.
     pub fn save(&self) -> Result<PathBuf, Error> {
         let path = self.folder.join("speed-accuracy.md");
-        write_whole(&path, &self.text)?;
+        write_whole(&path, self.text.as_bytes())?;
         Ok(path)
     }
-}
-
-/// The file appears whole or stays as it was.
-fn write_whole(path: &Path, text: &str) -> Result<(), Error> {
-    let unfinished = path.with_extension("unfinished");
-    std::fs::write(&unfinished, text)?;
-    std::fs::rename(&unfinished, path)?;
-    Ok(())
 }

@@ -2,9 +2,10 @@
 
 use crate::document::{Document, Error};
 use crate::plot::{Series, log_log};
-use crate::setting::{Random, Setting};
+use crate::setting::Setting;
 use crate::timing::{Candidate, medians, timed};
 use gearmesh::gear::Flank;
+use gearmesh::random::Random;
 use gearmesh::table::samples::Spring;
 use gearmesh::table::{FlankGrid, FlankTable, Interpolation, Query, Table, TableFile};
 use std::hint::black_box;
@@ -13,7 +14,7 @@ const POINTS: usize = 512;
 
 /// Random points in the range of [`Spring`]'s grids.
 fn points() -> Vec<Query> {
-    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
     (0..POINTS)
         .map(|_| {
             let (c, m) = (random.within([-1e-4, 1e-4]), random.within([-3e-3, 3e-3]));

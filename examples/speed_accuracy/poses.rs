@@ -1,8 +1,8 @@
 //! Poses of the two gears as a solver would hand them in.
 
 use crate::document::Error;
-use crate::setting::Random;
 use gearmesh::element::{Element, Inputs, Latch};
+use gearmesh::random::Random;
 use nalgebra::{Rotation3, Vector3};
 
 /// How far poses spread.
@@ -24,7 +24,7 @@ pub fn random(
     spread: &Spread,
     n: usize,
 ) -> Result<Vec<Inputs>, Error> {
-    let mut random = Random(0x2545_F491_4F6C_DD1D);
+    let mut random = Random::new(0x2545_F491_4F6C_DD1D);
     let mut both = |x: f64| random.within([-x, x]);
     let mut poses = vec![];
     for _ in 0..n {

@@ -5,29 +5,12 @@ use gearmesh::compliance::finite_element::{PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
+use gearmesh::random::Random;
 use gearmesh::table::plan::{Coverage, default_axes, displacement_nodes, mesh_positions};
 use gearmesh::table::sweep::{Watch, sweep};
-use gearmesh::table::{Axes, FlankGrid, Query, TableFile};
+use gearmesh::table::{Axes, Axis, FlankGrid, Query, TableFile};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicBool;
-
-/// Numbers in [0, 1), the same in every run (xorshift64, Marsaglia 2003).
-pub struct Random(pub u64);
-
-impl Random {
-    /// The next one.
-    pub fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// The next one scaled to `range`.
-    pub fn within(&mut self, [low, high]: [f64; 2]) -> f64 {
-        low + (high - low) * self.next()
-    }
-}
 
 /// Ranges of random operating points: torque N m, centre distance offset m, misalignment rad, mesh position.
 #[derive(Debug, Clone, Copy)]
@@ -95,7 +78,7 @@ impl Setting {
 
     /// Direct solutions at `n` random points of `ranges`.
     pub fn exact(&self, ranges: &Ranges, n: usize) -> Result<Vec<Exact>, Error> {
-        let mut random = Random(0x9E37_79B9_7F4A_7C15);
+        let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
         let points: Vec<[f64; 4]> = (0..n)
             .map(|_| {
                 [
@@ -182,53 +165,27 @@ impl Setting {
 /// Every `step`-th node of `grid` along (displacement, centre distance, misalignment, mesh position),
 /// ends kept; a step of 0 takes the nominal node alone.
 pub fn thinned(grid: &FlankGrid, steps: [usize; 4]) -> FlankGrid {
-    let a = &grid.axes;
-    let nominal = |nodes: &[f64]| {
-        let mut order: Vec<usize> = (0..nodes.len()).collect();
-        order.sort_by(|&i, &j| nodes[i].abs().total_cmp(&nodes[j].abs()));
-        vec![order[0]]
-    };
-    let every = |nodes: &[f64], step: usize| {
-        if step == 0 {
-            nominal(nodes)
+    let axes = [
+        Axis::Displacement,
+        Axis::CenterDistance,
+        Axis::Misalignment,
+        Axis::MeshPosition,
+    ];
+    let mut thin = grid.clone();
+    for (axis, step) in axes.into_iter().zip(steps) {
+        let nodes = thin.axes.along_mut(axis).clone();
+        let nominal = (0..nodes.len()).min_by(|&i, &j| nodes[i].abs().total_cmp(&nodes[j].abs()));
+        // The last displacement, the top load, is the one that must stay.
+        let first = if axis == Axis::Displacement {
+            step - 1
         } else {
-            (0..nodes.len()).step_by(step).collect()
-        }
-    };
-    // The last displacement, the top load, is the one that must stay.
-    let u: Vec<usize> = (steps[0] - 1..a.displacement_fraction.len())
-        .step_by(steps[0])
-        .collect();
-    let c = every(&a.center_distance_offset, steps[1]);
-    let m = every(&a.misalignment, steps[2]);
-    let p = every(&a.mesh_position, steps[3]);
-    let pick = |nodes: &[f64], kept: &[usize]| kept.iter().map(|&i| nodes[i]).collect::<Vec<_>>();
-    let [_, nm, nu, np] = a.lengths();
-    let take = |values: &[f64], rows: Option<&[usize]>| {
-        let mut out = vec![];
-        for &i in &c {
-            for &j in &m {
-                for &k in rows.unwrap_or(&[0]) {
-                    let row = match rows {
-                        Some(_) => (i * nm + j) * nu + k,
-                        None => i * nm + j,
-                    };
-                    out.extend(p.iter().map(|&l| values[row * np + l]));
-                }
-            }
-        }
-        out
-    };
-    FlankGrid {
-        axes: Axes {
-            displacement_fraction: pick(&a.displacement_fraction, &u),
-            center_distance_offset: pick(&a.center_distance_offset, &c),
-            misalignment: pick(&a.misalignment, &m),
-            mesh_position: pick(&a.mesh_position, &p),
-        },
-        no_load_approach: take(&grid.no_load_approach, None),
-        top_load_approach: take(&grid.top_load_approach, None),
-        loa_force: take(&grid.loa_force, Some(&u)),
-        moment: grid.moment.as_ref().map(|m| take(m, Some(&u))),
+            0
+        };
+        let chosen: Vec<usize> = match step {
+            0 => nominal.into_iter().collect(),
+            _ => (first..nodes.len()).step_by(step).collect(),
+        };
+        thin = thin.with_nodes(axis, &chosen);
     }
+    thin
 }

@@ -16,6 +16,7 @@ mod poses;
 mod rattle;
 mod tables;
 
+use gearmesh::storage::write_whole;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -57,9 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if !chosen.is_empty() {
         return Ok(());
     }
-    let part = docs.join("stability.md.part");
-    std::fs::write(&part, text)?;
-    std::fs::rename(part, docs.join("stability.md"))?;
+    write_whole(&docs.join("stability.md"), text.as_bytes())?;
     eprintln!(
         "[{:6.1} s] docs/stability.md",
         start.elapsed().as_secs_f64()

@@ -5,6 +5,7 @@ use super::{
 };
 use crate::gear::samples::{gear, thinned};
 use crate::gear::{GearKind, PairGeometry};
+use crate::random::Random;
 use crate::table::{Potential, Query};
 use nalgebra::{Rotation3, Vector3};
 use num_dual::{DualNum, HyperDual64};
@@ -46,22 +47,17 @@ pub(crate) fn three_pairs(hand: f64) -> [PairGeometry; 3] {
 }
 
 /// Deterministic numbers in [-1, 1).
-pub(crate) struct Noise(u64);
+pub(crate) struct Noise(Random);
 
 impl Noise {
     /// A sequence of its own for every seed.
     pub(crate) fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+        Self(Random::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1))
     }
 
     /// The next number.
     pub(crate) fn next(&mut self) -> f64 {
-        // xorshift64* (Vigna 2016).
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let bits = self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11;
-        bits as f64 / (1u64 << 52) as f64 - 1.0
+        self.0.within([-1.0, 1.0])
     }
 
     /// A vector with every component in [-scale, scale).

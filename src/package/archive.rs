@@ -1,40 +1,18 @@
 //! The zip file: reproducible, and whole or not there.
 
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::{Cursor, Write};
+use std::path::Path;
 
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::PackageError;
+use crate::storage::write_whole;
 
 /// Writes `files` (name with forward slashes, contents) in the order of their names to `out` and
 /// returns the size. The same files give the same bytes.
 pub(super) fn write(files: &[(String, Vec<u8>)], out: &Path) -> Result<u64, PackageError> {
-    let temporary = beside(out);
-    let written = write_to(files, &temporary).and_then(|size| {
-        fs::rename(&temporary, out)
-            .map(|()| size)
-            .map_err(|e| PackageError::file(out, e))
-    });
-    if written.is_err() {
-        // Best effort: the error that is returned says what went wrong.
-        let _ = fs::remove_file(&temporary);
-    }
-    written
-}
-
-/// A name in the same folder, so that renaming is one step.
-fn beside(out: &Path) -> PathBuf {
-    let mut name = out.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
-    out.with_file_name(name)
-}
-
-fn write_to(files: &[(String, Vec<u8>)], path: &Path) -> Result<u64, PackageError> {
-    let file = File::create(path).map_err(|e| PackageError::file(path, e))?;
-    let mut archive = ZipWriter::new(BufWriter::new(file));
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     // The time is the earliest that zip knows, so that it does not enter the bytes.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
@@ -49,25 +27,23 @@ fn write_to(files: &[(String, Vec<u8>)], path: &Path) -> Result<u64, PackageErro
         };
         archive
             .start_file(name.as_str(), options.unix_permissions(mode))
-            .map_err(|e| PackageError::archive(path, e))?;
+            .map_err(|e| PackageError::archive(out, e))?;
         archive
             .write_all(bytes)
-            .map_err(|e| PackageError::file(path, e))?;
+            .map_err(|e| PackageError::file(out, e))?;
     }
-    let buffer = archive
+    let archive = archive
         .finish()
-        .map_err(|e| PackageError::archive(path, e))?;
-    let file = buffer
-        .into_inner()
-        .map_err(|e| PackageError::file(path, e.into_error()))?;
-    file.sync_all().map_err(|e| PackageError::file(path, e))?;
-    let metadata = file.metadata().map_err(|e| PackageError::file(path, e))?;
-    Ok(metadata.len())
+        .map_err(|e| PackageError::archive(out, e))?
+        .into_inner();
+    write_whole(out, &archive).map_err(|e| PackageError::file(out, e))?;
+    Ok(archive.len() as u64)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::{self, File};
 
     fn folder() -> tempfile::TempDir {
         tempfile::tempdir().unwrap()

@@ -188,10 +188,7 @@ fn guid(unit: &UnitFile, tables: Option<&str>, libraries: &[Library]) -> String 
         add(library.platform.as_bytes());
         add(&library.bytes);
     }
-    let hex: String = hash.finalize()[..16]
-        .iter()
-        .map(|b| format!("{b:02x}"))
-        .collect();
+    let hex = crate::storage::hex(&hash.finalize()[..16]);
     let groups = [
         &hex[..8],
         &hex[8..12],

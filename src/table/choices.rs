@@ -7,21 +7,13 @@
 //! [`MOMENT_TO_FORCE`] if that is larger.
 
 use super::interpolation::Interpolation;
-use super::plan::{Coverage, MOMENT_TO_FORCE, Random};
+use super::plan::{Coverage, MOMENT_TO_FORCE, drawn};
 use super::source::StaticSource;
 use super::sweep::{Watch, sweep};
-use super::{Axes, FlankGrid, FlankTable, Query, TableError};
+use super::{Axes, Axis, FlankGrid, FlankTable, Query, TableError};
 use crate::gear::Flank;
+use crate::random::Random;
 use rayon::prelude::*;
-
-/// Coordinate along which nodes are chosen, in the order of [`Axes::lengths`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Axis {
-    CenterDistance,
-    Misalignment,
-    Displacement,
-    MeshPosition,
-}
 
 /// Fine lines along one axis.
 struct Lines {
@@ -169,7 +161,7 @@ impl Lines {
         nominal: Nominal,
         watch: &Watch,
     ) -> Result<Self, TableError> {
-        let mut random = Random(0x6A09_E667_F3BC_C908 ^ axis as u64);
+        let mut random = Random::new(0x6A09_E667_F3BC_C908 ^ axis as u64);
         let count = match axis {
             Axis::Displacement => 64,
             Axis::Misalignment => 24,
@@ -180,11 +172,14 @@ impl Lines {
             .map(|k| {
                 let mut axes = Axes {
                     displacement_fraction: super::plan::displacement_nodes(8, 1.3),
-                    center_distance_offset: vec![random.within(coverage.center_distance_offset)],
-                    misalignment: vec![random.within(coverage.misalignment)],
+                    center_distance_offset: vec![drawn(
+                        &mut random,
+                        coverage.center_distance_offset,
+                    )],
+                    misalignment: vec![drawn(&mut random, coverage.misalignment)],
                     mesh_position: vec![random.next()],
                 };
-                *along(&mut axes, axis) = nodes.clone();
+                *axes.along_mut(axis) = nodes.clone();
                 let quiet = Watch {
                     progress: &silent,
                     cancel: watch.cancel,
@@ -210,7 +205,7 @@ impl Lines {
             .par_iter()
             .map(|grid| {
                 let [nc, nm, nu, np] = grid.axes.lengths();
-                let coarse = subset(grid, self.axis as usize, chosen);
+                let coarse = grid.with_nodes(self.axis, chosen);
                 let table = match FlankTable::new(&coarse, Interpolation::Spline) {
                     Ok(table) => table,
                     Err(TableError::TooCoarse { .. }) => {
@@ -317,53 +312,5 @@ impl Lines {
                 0.5 * (self.nodes[b] - self.nodes[a]) / range
             })
             .collect()
-    }
-}
-
-fn along(axes: &mut Axes, axis: Axis) -> &mut Vec<f64> {
-    match axis {
-        Axis::CenterDistance => &mut axes.center_distance_offset,
-        Axis::Misalignment => &mut axes.misalignment,
-        Axis::Displacement => &mut axes.displacement_fraction,
-        Axis::MeshPosition => &mut axes.mesh_position,
-    }
-}
-
-/// The grid with only the nodes `chosen` along axis number `axis`.
-fn subset(grid: &FlankGrid, axis: usize, chosen: &[usize]) -> FlankGrid {
-    let lengths = grid.axes.lengths();
-    let pick = |values: &[f64], lengths: [usize; 4]| -> Vec<f64> {
-        if lengths[axis] == 1 {
-            return values.to_vec();
-        }
-        let stride: usize = lengths[axis + 1..].iter().product();
-        values
-            .chunks(stride * lengths[axis])
-            .flat_map(|block| {
-                chosen
-                    .iter()
-                    .flat_map(move |&i| block[i * stride..(i + 1) * stride].iter().copied())
-            })
-            .collect()
-    };
-    let mut axes = grid.axes.clone();
-    let nodes = [
-        &mut axes.center_distance_offset,
-        &mut axes.misalignment,
-        &mut axes.displacement_fraction,
-        &mut axes.mesh_position,
-    ];
-    for (i, nodes) in nodes.into_iter().enumerate() {
-        if i == axis {
-            *nodes = chosen.iter().map(|&k| nodes[k]).collect();
-        }
-    }
-    let [nc, nm, _, np] = lengths;
-    FlankGrid {
-        axes,
-        no_load_approach: pick(&grid.no_load_approach, [nc, nm, 1, np]),
-        top_load_approach: pick(&grid.top_load_approach, [nc, nm, 1, np]),
-        loa_force: pick(&grid.loa_force, lengths),
-        moment: grid.moment.as_deref().map(|m| pick(m, lengths)),
     }
 }

@@ -178,7 +178,7 @@ impl TableFile {
             ..self.clone()
         };
         let text = serde_json::to_string(&unsealed).expect("plain structs become JSON");
-        hex(&Sha256::digest(text.as_bytes()))
+        crate::storage::hex(&Sha256::digest(text.as_bytes()))
     }
 
     /// Reads and checks the text of a tables file.
@@ -284,23 +284,6 @@ impl TableFile {
     pub fn to_json(&self) -> String {
         serde_json::to_string(self).expect("plain structs become JSON") + "\n"
     }
-
-    /// Writes the file whole or not at all: to a neighbour of it first, then renamed.
-    ///
-    /// # Errors
-    /// What the system says; nothing is left behind then.
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), TableError> {
-        let path = path.as_ref();
-        let mut neighbour = path.as_os_str().to_owned();
-        neighbour.push(format!(".{}.part", std::process::id()));
-        let written =
-            fs::write(&neighbour, self.to_json()).and_then(|()| fs::rename(&neighbour, path));
-        if written.is_err() {
-            // Nothing more can be done if this fails, too.
-            let _ = fs::remove_file(&neighbour);
-        }
-        written.map_err(|e| io(path, e))
-    }
 }
 
 fn io(path: &Path, source: std::io::Error) -> TableError {
@@ -308,10 +291,6 @@ fn io(path: &Path, source: std::io::Error) -> TableError {
         path: path.display().to_string(),
         source,
     }
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 #[cfg(test)]

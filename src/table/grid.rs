@@ -4,6 +4,19 @@ use super::TableError;
 use super::interpolation::{Basis, Block, Ends, breaks, stored_from_values};
 use nalgebra::DMatrix;
 
+/// A coordinate of the grid, in the order of [`Axes::lengths`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// Centre distance.
+    CenterDistance,
+    /// Misalignment.
+    Misalignment,
+    /// Displacement.
+    Displacement,
+    /// Mesh position.
+    MeshPosition,
+}
+
 /// Nodes of the grid, SI. An axis with one node is not there: nothing depends on that coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axes {
@@ -42,6 +55,16 @@ impl Axes {
             self.mesh_position.len(),
         ]
     }
+
+    /// The nodes along `axis`.
+    pub fn along_mut(&mut self, axis: Axis) -> &mut Vec<f64> {
+        match axis {
+            Axis::CenterDistance => &mut self.center_distance_offset,
+            Axis::Misalignment => &mut self.misalignment,
+            Axis::Displacement => &mut self.displacement_fraction,
+            Axis::MeshPosition => &mut self.mesh_position,
+        }
+    }
 }
 
 /// Samples of one flank. Arrays run over (centre distance, misalignment, displacement, mesh position),
@@ -58,15 +81,6 @@ pub struct FlankGrid {
     pub loa_force: Vec<f64>,
     /// F_bt (z_c - z_ref), N m; `None` if shuttling is not wanted.
     pub moment: Option<Vec<f64>>,
-}
-
-/// An axis that slicing removes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SlicedAxis {
-    /// Centre distance, at its nominal value.
-    CenterDistance,
-    /// Misalignment, at parallel axes.
-    Misalignment,
 }
 
 impl FlankGrid {
@@ -125,43 +139,73 @@ impl FlankGrid {
             .collect())
     }
 
-    /// The grid without `axis`, at its value 0 (nominal centre distance, parallel axes), by the spline
-    /// along this axis: at a node this is the plane of samples itself.
+    /// The grid without `axis`, which the displacement fraction and the mesh position are not, at its value 0
+    /// (nominal centre distance, parallel axes), by the spline along this axis: at a node this is the plane of
+    /// samples itself.
     ///
     /// # Errors
     /// 0 lies outside the axis.
-    pub fn sliced(&self, axis: SlicedAxis) -> Result<FlankGrid, TableError> {
-        let mut axes = self.axes.clone();
-        let (index, nodes, name) = match axis {
-            SlicedAxis::CenterDistance => (
-                0,
-                &mut axes.center_distance_offset,
-                "center_distance_offset_m",
-            ),
-            SlicedAxis::Misalignment => (1, &mut axes.misalignment, "misalignment_rad"),
-        };
+    pub fn sliced(&self, axis: Axis) -> Result<FlankGrid, TableError> {
+        let nodes = self.axes.clone().along_mut(axis).clone();
         if nodes.len() == 1 {
             return Ok(self.clone());
         }
-        let row = value_row(nodes, name)?;
-        *nodes = vec![0.0];
-        let [nc, nm, _, np] = self.axes.lengths();
-        let apply = |values: &[f64], lengths| {
-            Block {
-                lengths,
-                values: values.to_vec(),
-            }
-            .transformed(index, &row)
-            .values
+        if let Some(k) = nodes.iter().position(|&x| x == 0.0) {
+            return Ok(self.with_nodes(axis, &[k]));
+        }
+        let name = match axis {
+            Axis::CenterDistance => "center_distance_offset_m",
+            Axis::Misalignment => "misalignment_rad",
+            Axis::Displacement => "displacement_fraction",
+            Axis::MeshPosition => "mesh_position",
         };
-        let full = self.axes.lengths();
-        Ok(FlankGrid {
-            axes,
-            no_load_approach: apply(&self.no_load_approach, [nc, nm, 1, np]),
-            top_load_approach: apply(&self.top_load_approach, [nc, nm, 1, np]),
-            loa_force: apply(&self.loa_force, full),
-            moment: self.moment.as_ref().map(|m| apply(m, full)),
+        let row = value_row(&nodes, name)?;
+        Ok(self.mapped(axis, vec![0.0], |values, lengths| {
+            let values = values.to_vec();
+            let block = Block { lengths, values };
+            block.transformed(axis as usize, &row).values
+        }))
+    }
+
+    /// The grid with only the nodes number `chosen`, ascending, along `axis`. The last displacement, the top
+    /// load, must be among them.
+    pub fn with_nodes(&self, axis: Axis, chosen: &[usize]) -> FlankGrid {
+        let mut axes = self.axes.clone();
+        let nodes = axes.along_mut(axis);
+        let nodes = chosen.iter().map(|&k| nodes[k]).collect();
+        self.mapped(axis, nodes, |values, lengths| {
+            let stride: usize = lengths[axis as usize + 1..].iter().product();
+            values
+                .chunks(stride * lengths[axis as usize])
+                .flat_map(|block| chosen.iter().map(move |&i| &block[i * stride..][..stride]))
+                .flatten()
+                .copied()
+                .collect()
         })
+    }
+
+    /// The grid with other `nodes` along `axis`; `map` takes samples and their lengths before to samples there.
+    fn mapped(
+        &self,
+        axis: Axis,
+        nodes: Vec<f64>,
+        map: impl Fn(&[f64], [usize; 4]) -> Vec<f64>,
+    ) -> FlankGrid {
+        let mut axes = self.axes.clone();
+        *axes.along_mut(axis) = nodes;
+        let full = self.axes.lengths();
+        let [nc, nm, _, np] = full;
+        let approach = |values: &[f64]| match axis {
+            Axis::Displacement => values.to_vec(),
+            _ => map(values, [nc, nm, 1, np]),
+        };
+        FlankGrid {
+            axes,
+            no_load_approach: approach(&self.no_load_approach),
+            top_load_approach: approach(&self.top_load_approach),
+            loa_force: map(&self.loa_force, full),
+            moment: self.moment.as_deref().map(|m| map(m, full)),
+        }
     }
 }
 

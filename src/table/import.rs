@@ -28,7 +28,7 @@ const ROUNDED_ONSET: f64 = 19.0 / 28.0;
 /// One row, as in the file.
 #[derive(Debug, Clone, Copy)]
 struct Row {
-    line: usize,
+    line: u64,
     values: [f64; 6],
 }
 
@@ -265,22 +265,17 @@ fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError
 }
 
 fn parse(text: &str) -> Result<Vec<Row>, TableError> {
-    let mut lines = text
-        .trim_start_matches('\u{feff}')
-        .lines()
-        .enumerate()
-        .map(|(i, l)| (i + 1, l.trim()))
-        .filter(|(_, l)| !l.is_empty() && !l.starts_with('#'));
-    let Some((_, header)) = lines.next() else {
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes());
+    let names = reader.headers().map_err(unreadable)?.clone();
+    if names.is_empty() {
         return Err(refused(format!(
             "the file is empty; its header is {}",
             COLUMNS.join(",")
         )));
-    };
-    let names: Vec<&str> = header
-        .split(',')
-        .map(|n| n.trim().trim_matches('"'))
-        .collect();
+    }
     if let Some(unknown) = names.iter().find(|n| !COLUMNS.contains(n)) {
         return Err(refused(format!(
             "unknown column `{unknown}`; the columns are {}",
@@ -289,7 +284,7 @@ fn parse(text: &str) -> Result<Vec<Row>, TableError> {
     }
     let mut order = [0; 6];
     for (slot, name) in order.iter_mut().zip(COLUMNS) {
-        let found: Vec<usize> = (0..names.len()).filter(|&i| names[i] == name).collect();
+        let found: Vec<usize> = (0..names.len()).filter(|&i| &names[i] == name).collect();
         let [only] = found[..] else {
             return Err(refused(format!(
                 "column `{name}` stands {} times in the header; it must stand once",
@@ -299,26 +294,18 @@ fn parse(text: &str) -> Result<Vec<Row>, TableError> {
         *slot = only;
     }
     let mut rows = Vec::new();
-    for (line, text) in lines {
-        let cells: Vec<&str> = text.split(',').map(str::trim).collect();
-        if cells.len() != names.len() {
-            return Err(refused(format!(
-                "line {line}: {} values for {} columns",
-                cells.len(),
-                names.len()
-            )));
-        }
+    for record in reader.records() {
+        let record = record.map_err(unreadable)?;
+        let line = record.position().map_or(0, csv::Position::line);
         let mut values = [0.0; 6];
         for (value, (&at, name)) in values.iter_mut().zip(order.iter().zip(COLUMNS)) {
-            *value = cells[at]
-                .parse::<f64>()
+            let cell = &record[at];
+            *value = cell
+                .parse()
                 .ok()
-                .filter(|v| v.is_finite())
+                .filter(|v: &f64| v.is_finite())
                 .ok_or_else(|| {
-                    refused(format!(
-                        "line {line}: {name} = {}: not a finite number",
-                        cells[at]
-                    ))
+                    refused(format!("line {line}: {name} = {cell}: not a finite number"))
                 })?;
         }
         rows.push(Row { line, values });
@@ -329,6 +316,22 @@ fn parse(text: &str) -> Result<Vec<Row>, TableError> {
         ));
     }
     Ok(rows)
+}
+
+/// A row that is none, with its line.
+fn unreadable(error: csv::Error) -> TableError {
+    if let csv::ErrorKind::UnequalLengths {
+        pos: Some(at),
+        expected_len,
+        len,
+    } = error.kind()
+    {
+        return refused(format!(
+            "line {}: {len} values for {expected_len} columns",
+            at.line()
+        ));
+    }
+    refused(error.to_string())
 }
 
 /// Samples over the load at one point of the other coordinates, from the no-load approach on.

@@ -88,6 +88,16 @@ fn the_lowest_load_node_makes_a_linear_spring_exact_beyond_the_rounded_onset() {
 }
 
 #[test]
+fn a_byte_order_mark_quotes_spaces_and_empty_lines_change_nothing() {
+    let good = csv(&TORQUES);
+    let quoted = good.replacen("torque_nm,", "\"torque_nm\" , ", 1);
+    let quoted = quoted.replacen("\n0.5,0,", "\r\n\r\n \"0.5\",\t0 ,", 1);
+    let quoted = format!("\u{feff}{quoted}\n\n");
+    let [plain, quoted] = [good, quoted].map(|text| import_csv(&text, &spur_pair()).unwrap());
+    assert_eq!(plain.grid, quoted.grid);
+}
+
+#[test]
 fn a_resultant_off_the_face_is_refused_with_the_face_and_one_on_its_edge_is_not() {
     let good = csv(&TORQUES);
     let with = |z: &str| import_csv(&good.replacen(",13.5", &format!(",{z}"), 1), &spur_pair());
@@ -138,6 +148,7 @@ fn samples_that_cannot_be_a_table_are_refused_by_line_and_value() {
     assert!(refused(good.replacen("\n0.5,", "\n-0.5,", 1)).contains("torque_nm = -0.5"));
     assert!(refused(csv(&TORQUES[..3])).contains("at least 4"));
     assert!(refused(String::new()).contains("empty"));
+    assert!(refused(good.replacen("13.5", "13.5,1", 1)).contains("line 3: 7 values for 6 columns"));
 }
 
 /// What is said of a spring whose displacements are `scale` times those of [`csv`].

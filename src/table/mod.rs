@@ -15,6 +15,7 @@ mod error;
 mod file;
 mod file_geometry;
 mod grid;
+#[cfg(feature = "preprocess")]
 pub mod import;
 mod interpolation;
 #[cfg(feature = "preprocess")]
@@ -29,7 +30,7 @@ pub mod sweep;
 pub use error::TableError;
 pub use file::{AxesRecord, FlankRecord, InterpolationError, TableFile, VERSION};
 pub use file_geometry::GeometryRecord;
-pub use grid::{Axes, FlankGrid, SlicedAxis};
+pub use grid::{Axes, Axis, FlankGrid};
 pub use interpolation::{Checks, FlankTable, Interpolation};
 pub use runtime::{Effects, Load, Table};
 

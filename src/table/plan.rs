@@ -10,6 +10,7 @@ use super::source::StaticSource;
 use super::sweep::{Watch, point, sweep};
 use super::{Axes, FlankGrid, FlankTable, InterpolationError, Query, TableError};
 use crate::gear::{Flank, PairGeometry};
+use crate::random::Random;
 
 /// What a table must cover.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,20 +41,9 @@ const REPORTED_POINTS: usize = 1000;
 
 const MEASURE_SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// Random numbers in [0, 1) that are the same in every run (xorshift64, Marsaglia 2003).
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    pub(super) fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub(super) fn within(&mut self, range: Option<[f64; 2]>) -> f64 {
-        range.map_or(0.0, |[low, high]| low + (high - low) * self.next())
-    }
+/// A random value of `range`; 0 where there is none.
+pub(super) fn drawn(random: &mut Random, range: Option<[f64; 2]>) -> f64 {
+    range.map_or(0.0, |range| random.within(range))
 }
 
 /// Nodes over `range`, denser towards 0 the larger `grading`: with t even in [-1, 1] (or the part of it
@@ -128,7 +118,7 @@ pub fn measure(
     points: usize,
     watch: &Watch,
 ) -> Result<InterpolationError, TableError> {
-    let random = Random(MEASURE_SEED);
+    let random = Random::new(MEASURE_SEED);
     measure_drawn(
         source, geometry, flank, coverage, table, random, points, watch,
     )
@@ -151,8 +141,8 @@ fn measure_drawn(
             let torque = coverage.maximum_torque * random.next();
             let query = Query {
                 delta: 0.0,
-                center_distance_offset: random.within(coverage.center_distance_offset),
-                misalignment: random.within(coverage.misalignment),
+                center_distance_offset: drawn(&mut random, coverage.center_distance_offset),
+                misalignment: drawn(&mut random, coverage.misalignment),
                 mesh_position: random.next(),
             };
             (torque, query)
@@ -226,7 +216,7 @@ pub fn table_within(
             Flank::Drive,
             coverage,
             &table,
-            Random(seed),
+            Random::new(seed),
             points,
             watch,
         )

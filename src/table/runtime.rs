@@ -1,6 +1,6 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
-use super::{FlankGrid, FlankTable, Interpolation, SlicedAxis, TableError, TableFile};
+use super::{Axis, FlankGrid, FlankTable, Interpolation, TableError, TableFile};
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
 use std::sync::Arc;
@@ -131,14 +131,14 @@ fn flank_table(mut grid: FlankGrid, effects: &Effects) -> Result<FlankTable, Tab
         (
             effects.center_distance,
             has_center_distance,
-            SlicedAxis::CenterDistance,
+            Axis::CenterDistance,
             "centerDistanceEffect",
             "center_distance_offset_m",
         ),
         (
             effects.misalignment,
             has_misalignment,
-            SlicedAxis::Misalignment,
+            Axis::Misalignment,
             "misalignmentEffect",
             "misalignment_rad",
         ),

@@ -3,6 +3,7 @@
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
+use gearmesh::storage;
 use gearmesh::words::shown;
 
 use crate::interrupt;
@@ -15,28 +16,25 @@ pub struct WriteError {
     source: io::Error,
 }
 
-/// Writes `bytes` to `path`, whole or not at all, Ctrl-C or not: to a temporary file in the same folder, which
-/// then takes the name.
+/// Writes `bytes` to `path`, whole or not at all, Ctrl-C or not: see [`storage::write_whole`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let write = || -> io::Result<()> {
-        let folder = match path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        let mut builder = tempfile::Builder::new();
-        // The user's umask decides, as for any other file.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = builder.prefix(".gearmesh-").tempfile_in(folder)?;
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        file.persist(path)?;
-        Ok(())
-    };
-    interrupt::uninterrupted(write).map_err(|source| WriteError {
-        path: path.to_owned(),
-        source,
-    })
+    interrupt::uninterrupted(|| storage::write_whole(path, bytes))
+        .map_err(|source| WriteError::new(path, source))
+}
+
+/// Refuses `path` before the work whose result it shall take.
+pub fn check_writable(path: &Path) -> Result<(), WriteError> {
+    interrupt::uninterrupted(|| storage::check_writable(path))
+        .map_err(|source| WriteError::new(path, source))
+}
+
+impl WriteError {
+    fn new(path: &Path, source: io::Error) -> Self {
+        WriteError {
+            path: path.to_owned(),
+            source,
+        }
+    }
 }
 
 /// Longest text that is read, bytes: some hundred times the tables of a pair.
@@ -138,16 +136,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_replaced_whole_and_nothing_else_is_left() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("out.json");
-        write_whole(&path, b"first").unwrap();
-        write_whole(&path, b"second").unwrap();
-        assert_eq!(std::fs::read(&path).unwrap(), b"second");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-    }
-
-    #[test]
     fn a_file_in_a_missing_folder_is_refused_by_name() {
         let error = write_whole(Path::new("/no/such/folder/out.json"), b"x").unwrap_err();
         assert!(error.to_string().contains("/no/such/folder/out.json"));
@@ -156,10 +144,7 @@ mod tests {
     #[test]
     fn a_chain_of_errors_is_one_line_and_says_nothing_twice() {
         let inner = io::Error::other("disk\nfull");
-        let outer = WriteError {
-            path: "a.fmu".into(),
-            source: inner,
-        };
+        let outer = WriteError::new("a.fmu".as_ref(), inner);
         let line = chain(&outer);
         assert_eq!(line.matches("disk full").count(), 1, "{line}");
         assert!(!line.contains('\n'));

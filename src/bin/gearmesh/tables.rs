@@ -102,6 +102,7 @@ pub fn compute(
         return Err(format!("--max-error = {error}: give a share of the nominal force between 0 and 1, such as 0.002").into());
     }
     let pair = args.applied_to(Pair::read(path)?);
+    crate::output::check_writable(output)?;
     args.use_threads()?;
     let model = args.solver(&pair, Some(output))?;
     let begin = Instant::now();

@@ -2,16 +2,16 @@
 //!
 //! File: magic line, SHA-256 key, length of the body, SHA-256 of the body, body; little endian. A file that
 //! is cut, altered or of another version is recomputed and replaced, with a note; it never gives a
-//! result. Files are written under another name and renamed, so that a half-written one is never found.
+//! result. A half-written one is never found.
 
 use super::flank::FlankGrid;
 use super::{Cost, FiniteElementCompliance, FiniteElementError, Progress, Settings};
 use crate::gear::{Gear, GearKind};
+use crate::storage::{hex, write_whole};
 use nalgebra::DMatrix;
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Changes whenever mesh, kernel or file layout do.
 const MAGIC: &[u8; 32] = b"gearmesh finite elements v0002\r\n";
@@ -131,23 +131,14 @@ fn key(gear: &Gear, settings: &Settings) -> [u8; 32] {
 }
 
 fn file_path(directory: &Path, key: &[u8; 32]) -> PathBuf {
-    let name: String = key[..12].iter().map(|byte| format!("{byte:02x}")).collect();
-    directory.join(format!("{name}.compliance"))
+    directory.join(format!("{}.compliance", hex(&key[..12])))
 }
 
 fn store(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    static COUNT: AtomicU64 = AtomicU64::new(0);
     if let Some(directory) = path.parent() {
         fs::create_dir_all(directory)?;
     }
-    let count = COUNT.fetch_add(1, Ordering::Relaxed);
-    let temporary = path.with_extension(format!("{}-{count}.part", std::process::id()));
-    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
-    if written.is_err() {
-        // The first error is the one to report.
-        let _ = fs::remove_file(&temporary);
-    }
-    written
+    write_whole(path, bytes)
 }
 
 fn encode(model: &FiniteElementCompliance, key: &[u8; 32]) -> Vec<u8> {

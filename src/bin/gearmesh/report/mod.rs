@@ -60,6 +60,7 @@ impl Report {
     pub fn run(self) -> Result<(), Error> {
         limits::positions(self.positions)?;
         let pair = self.model.applied_to(Pair::read(&self.pair)?);
+        output::check_writable(&self.output)?;
         self.model.use_threads()?;
         let model = self.model.solver(&pair, None)?;
         let cycles = self.cycles(&pair, &model)?;

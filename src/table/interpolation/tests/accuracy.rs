@@ -2,7 +2,7 @@
 
 use super::{point, sequence};
 use crate::table::samples::Spring;
-use crate::table::{FlankTable, Interpolation, Query, SlicedAxis};
+use crate::table::{Axis, FlankTable, Interpolation, Query};
 
 #[test]
 fn spline_finds_a_smooth_springs_force_shuttling_and_other_gradients() {
@@ -104,9 +104,9 @@ fn spline_reproduces_cubics_exactly() {
 fn tables_cut_at_nominal_agree_with_the_whole() {
     let grid = Spring::grid([10, 7, 8, 16]);
     let cut = grid
-        .sliced(SlicedAxis::CenterDistance)
+        .sliced(Axis::CenterDistance)
         .unwrap()
-        .sliced(SlicedAxis::Misalignment)
+        .sliced(Axis::Misalignment)
         .unwrap();
     let whole = FlankTable::new(&grid, Interpolation::Spline).unwrap();
     let small = FlankTable::new(&cut, Interpolation::Spline).unwrap();

@@ -1,0 +1,134 @@
+//! How files are written: whole or not at all.
+
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Links that are followed at most, as the system does.
+const LINKS: usize = 40;
+
+/// Writes `bytes` to `path`, whole or not at all: to a temporary file in the same folder, which then takes the
+/// name. A link is followed; what is no regular file (a device, a pipe) is written through.
+///
+/// # Errors
+/// What the system says; nothing is left behind then.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let path = followed(path);
+    if is_special(&path) {
+        return OpenOptions::new().write(true).open(&path)?.write_all(bytes);
+    }
+    let mut file = beside(&path)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(&path)?;
+    Ok(())
+}
+
+/// Whether [`write_whole`] could write `path` now, so that this is known before the work whose result it shall
+/// take.
+///
+/// # Errors
+/// What the system says.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    let path = followed(path);
+    if is_special(&path) {
+        return OpenOptions::new().write(true).open(&path).map(drop);
+    }
+    if path.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    beside(&path).map(drop)
+}
+
+/// Where the links at `path` lead.
+fn followed(path: &Path) -> PathBuf {
+    let mut path = path.to_owned();
+    for _ in 0..LINKS {
+        let Ok(target) = fs::read_link(&path) else {
+            break;
+        };
+        path = folder(&path).join(target);
+    }
+    path
+}
+
+fn is_special(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// A temporary file in the folder of `path`.
+fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    // The user's umask decides, as for any other file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.prefix(".gearmesh-").tempfile_in(folder(path))
+}
+
+/// `bytes` in hexadecimal digits.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entries(folder: &Path) -> usize {
+        fs::read_dir(folder).unwrap().count()
+    }
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out with ü.json");
+        for bytes in [&b"first"[..], b"second"] {
+            check_writable(&path).unwrap();
+            write_whole(&path, bytes).unwrap();
+            assert_eq!(fs::read(&path).unwrap(), bytes);
+        }
+        assert_eq!(entries(folder.path()), 1);
+    }
+
+    #[test]
+    fn a_target_that_cannot_be_is_refused_beforehand_and_nothing_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let taken = folder.path().join("taken");
+        fs::create_dir(&taken).unwrap();
+        for path in [&taken, &folder.path().join("missing/out.json")] {
+            check_writable(path).unwrap_err();
+            write_whole(path, b"x").unwrap_err();
+        }
+        assert_eq!(entries(folder.path()), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_devices_written_through() {
+        use std::os::unix::fs::{FileTypeExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let [file, link, dangling, device] =
+            ["file", "link", "dangling", "null"].map(|name| folder.path().join(name));
+        fs::write(&file, b"old").unwrap();
+        symlink("file", &link).unwrap();
+        symlink(folder.path().join("new"), &dangling).unwrap();
+        symlink("/dev/null", &device).unwrap();
+        for path in [&link, &dangling, &device] {
+            check_writable(path).unwrap();
+            write_whole(path, b"bytes").unwrap();
+            assert!(path.is_symlink(), "{}", path.display());
+        }
+        assert_eq!(fs::read(&file).unwrap(), b"bytes");
+        assert_eq!(fs::read(folder.path().join("new")).unwrap(), b"bytes");
+        let null = fs::metadata("/dev/null").unwrap();
+        assert!(null.file_type().is_char_device());
+        assert_eq!(entries(folder.path()), 5);
+    }
+}

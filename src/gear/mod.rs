@@ -4,7 +4,7 @@
 //! x through a tooth centre at z = 0 (ring: a space centre). A flank has the sign `sigma`: +1 is
 //! the flank that faces the +theta sense.
 
-mod blank;
+mod macrogeometry;
 mod microgeometry;
 mod modification;
 mod pair_geometry;
@@ -14,7 +14,7 @@ pub mod samples;
 mod topography;
 mod trochoid;
 
-pub use blank::{Gear, GearKind};
+pub use macrogeometry::{Gear, GearKind};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};
 pub use modification::{EndRelief, ProfileCrowning, ProfileRelief, ProfileSlope, ReliefShape};
 pub use pair_geometry::{Flank, PairGeometry, PathOfContact};

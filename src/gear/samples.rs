@@ -33,6 +33,20 @@ pub fn gear(kind: GearKind, teeth: u32, hand: f64, helix_deg: f64, profile_shift
     gear
 }
 
+/// `gear` with all lengths in proportion to the normal module `module`, m.
+pub fn with_module(mut gear: Gear, module: f64) -> Gear {
+    let scale = module / gear.normal_module;
+    for length in [
+        &mut gear.normal_module,
+        &mut gear.face_width,
+        &mut gear.tip_radius,
+        &mut gear.held_radius,
+    ] {
+        *length *= scale;
+    }
+    gear
+}
+
 /// The paper's pair: 20 teeth each, helix 13 deg, gear 1 of `hand`, C = 82.104 mm, no backlash.
 pub fn paper_pair(hand: f64) -> PairGeometry {
     PairGeometry {

@@ -176,7 +176,7 @@ pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
 mod tests {
     use super::*;
     use crate::element::{Element, LoadedFlank, Parameters, PhaseReference};
-    use crate::gear::{Gear, GearKind};
+    use crate::gear::{GearKind, samples};
     use approx::{assert_abs_diff_eq, assert_relative_eq};
     use nalgebra::Rotation3;
 
@@ -184,31 +184,12 @@ mod tests {
     /// ring.
     fn pair(z1: i32, z2: i32) -> PairGeometry {
         let gear = |z: i32, hand: f64| {
-            let module = 2e-3 / 15f64.to_radians().cos();
-            let r = 0.5 * f64::from(z.abs()) * module;
-            Gear {
-                kind: if z < 0 {
-                    GearKind::Ring
-                } else {
-                    GearKind::External
-                },
-                teeth: z.unsigned_abs(),
-                hand,
-                normal_module: 2e-3,
-                normal_pressure_angle: 20f64.to_radians(),
-                helix_angle: 15f64.to_radians(),
-                profile_shift: 0.0,
-                face_width: 20e-3,
-                face_offset: 0.0,
-                tip_radius: r + 2e-3 * f64::from(z.signum()),
-                dedendum_coefficient: 1.25,
-                tool_tip_radius_coefficient: 0.38,
-                held_radius: if z < 0 { r + 20e-3 } else { 5e-3 },
-                tooth_thinning: 0.0,
-                tip_chamfer: 0.0,
-                youngs_modulus: 206e9,
-                poisson_ratio: 0.3,
-            }
+            let kind = if z < 0 {
+                GearKind::Ring
+            } else {
+                GearKind::External
+            };
+            samples::with_module(samples::gear(kind, z.unsigned_abs(), hand, 15.0, 0.0), 2e-3)
         };
         let e = f64::from(z1.signum() * z2.signum());
         let (g1, g2) = (gear(z1, 1.0), gear(z2, -e));

@@ -72,28 +72,14 @@ pub(super) fn assembles_radially(geometry: &PairGeometry) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gear::{Gear, GearKind, ToothProfile};
+    use crate::gear::{Gear, GearKind, ToothProfile, samples};
 
     /// Pinion of `teeth` in a ring of 60, module 1, without backlash.
     fn internal(teeth: u32) -> PairGeometry {
         let gear = |kind, teeth, tip_radius| Gear {
-            kind,
-            teeth,
-            hand: 1.0,
-            normal_module: 1e-3,
-            normal_pressure_angle: 20f64.to_radians(),
-            helix_angle: 0.0,
-            profile_shift: 0.0,
-            face_width: 10e-3,
-            face_offset: 0.0,
             tip_radius,
-            dedendum_coefficient: 1.25,
             tool_tip_radius_coefficient: 0.2,
-            held_radius: 1e-3,
-            tooth_thinning: 0.0,
-            tip_chamfer: 0.0,
-            youngs_modulus: 206e9,
-            poisson_ratio: 0.3,
+            ..samples::with_module(samples::gear(kind, teeth, 1.0, 0.0, 0.0), 1e-3)
         };
         PairGeometry {
             gears: [

@@ -5,7 +5,7 @@ use super::mesh::Mesh;
 use super::outline::Outline;
 use super::section::Section;
 use super::*;
-use crate::gear::{GearKind, ToothProfile};
+use crate::gear::{GearKind, ToothProfile, samples};
 use crate::pair::Refinement;
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
@@ -137,26 +137,9 @@ fn cantilever_of_solid_elements_bends_like_timoshenko() {
 
 fn gear(kind: GearKind, teeth: u32, shift: f64, helix_deg: f64) -> Gear {
     let module = 2e-3;
-    let helix_angle = f64::to_radians(helix_deg);
-    let mut gear = Gear {
-        kind,
-        teeth,
-        hand: 1.0,
-        normal_module: module,
-        normal_pressure_angle: 20f64.to_radians(),
-        helix_angle,
-        profile_shift: shift,
-        face_width: 10e-3,
-        face_offset: 0.0,
-        tip_radius: 0.0,
-        dedendum_coefficient: 1.25,
-        tool_tip_radius_coefficient: 0.38,
-        held_radius: 0.0,
-        tooth_thinning: 0.0,
-        tip_chamfer: 0.0,
-        youngs_modulus: E,
-        poisson_ratio: 0.3,
-    };
+    let mut gear = samples::with_module(samples::gear(kind, teeth, 1.0, helix_deg, shift), module);
+    gear.face_width = 10e-3;
+    gear.youngs_modulus = E;
     let kappa = gear.kappa();
     gear.tip_radius = gear.reference_radius() + module * (shift + kappa);
     gear.held_radius = match kind {

@@ -32,7 +32,7 @@ pub(super) struct SectionSizes {
 }
 
 /// Mesh of the section of one sector, tooth centre line at angle 0.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Section {
     /// Nodes in polar coordinates (m, rad).
     pub nodes: Vec<Polar>,
@@ -54,21 +54,27 @@ pub(super) struct Section {
 /// A block of (columns + 1) x (rows + 1) node numbers at half-element steps.
 type Grid = Vec<Vec<usize>>;
 
-impl Section {
-    /// Meshes the sector of `outline`.
-    pub fn new(outline: &Outline, sizes: &SectionSizes) -> Section {
-        let mut section = Section {
-            nodes: Vec::new(),
-            quads: Vec::new(),
-            cells: Vec::new(),
-            flank: Vec::new(),
-            sides: [Vec::new(), Vec::new()],
-            held: Vec::new(),
-        };
+/// Stations of the three kinds of block, at half-element steps.
+struct Stations<'a> {
+    outline: &'a Outline,
+    /// Middle of the fillet, where the blocks meet: arc length and place.
+    corner_arc: f64,
+    corner: Polar,
+    /// Arc lengths along the flank, from the corner to the tip.
+    arcs: Vec<f64>,
+    /// From the unloaded flank (0) to the loaded one (1).
+    across: Vec<f64>,
+    /// From the root (0) to the held surface (1).
+    rows: Vec<f64>,
+    /// Arc lengths from the corner on to the middle of the space.
+    columns: Vec<f64>,
+}
+
+impl<'a> Stations<'a> {
+    fn new(outline: &'a Outline, sizes: &SectionSizes) -> Self {
         let corner_arc = outline.fillet_middle();
         let corner = outline.point(corner_arc);
-
-        // Block A, the tooth. Arc lengths along the flank: the form point is a node.
+        // The form point, at arc length 0, is a node.
         let mut arcs = halved(&divide(corner_arc, 0.0, sizes.flank));
         let mut involute = divide(0.0, outline.tip_arc, sizes.flank);
         // Smaller elements at the tip edge, where the load kernel is narrower.
@@ -80,88 +86,98 @@ impl Section {
         let width = 2.0 * corner[0] * corner[1];
         let across = graded(width, sizes.flank, sizes.growth, sizes.tooth);
         let across: Vec<f64> = across.iter().rev().map(|t| 1.0 - t).collect();
-        let across = halved(&across);
-        let sag = 0.067 * width * outline.kappa;
-        let bottom = |u: f64| {
-            [
-                corner[0] - 4.0 * sag * u * (1.0 - u),
-                corner[1] * (2.0 * u - 1.0),
-            ]
-        };
-        let tip = outline.point(outline.tip_arc);
-        let top = |u: f64| [tip[0], tip[1] * (2.0 * u - 1.0)];
-        let height = outline.tip_arc - corner_arc;
-        let tooth = section.block([0, 1], across.len(), arcs.len(), |i, j| {
-            let right = outline.point(arcs[j]);
-            let (u, v) = (across[i], (arcs[j] - corner_arc) / height);
-            let ends = [
-                [bottom(0.0), bottom(u), bottom(1.0)],
-                [top(0.0), top(u), top(1.0)],
-            ];
-            Ok(transfinite(u, v, [[right[0], -right[1]], right], ends))
-        });
-        section.flank = arcs
-            .iter()
-            .enumerate()
-            .map(|(j, arc)| (tooth[across.len() - 1][j], *arc))
-            .collect();
-
-        // Rows below the root, from the surface down to the held radius.
         let depth = (corner[0] - outline.held_radius).abs();
-        let rows = halved(&graded(depth, sizes.root, sizes.growth, depth));
-        let down = |from: f64, t: f64| from + t * (outline.held_radius - from);
-
-        // Block B under the tooth shares A's lowest row.
-        let under = section.block([0, -1], across.len(), rows.len(), |i, j| {
-            let u = across[i];
-            if j == 0 {
-                return Err(tooth[i][0]);
-            }
-            let surface = bottom(u);
-            Ok([down(surface[0], rows[j]), surface[1]])
-        });
-
-        // Blocks C left and right of it.
         let land = corner_arc - outline.space_arc();
-        let columns = halved(&divide(0.0, land, sizes.root.min(0.5 * land)));
-        let space = outline.point(outline.space_arc());
-        let beside = |side: f64, shared: usize| {
-            let under = &under;
-            let columns = &columns;
-            let rows = &rows;
-            move |i: usize, j: usize| {
-                if i == 0 {
-                    return Err(under[shared][j]);
-                }
-                let w = columns[i] / land;
-                let surface = outline.point(corner_arc - columns[i]);
-                let t = rows[j];
-                let blend = |end: f64| surface[1] + t * (end - surface[1]);
-                let angle = blend(corner[1] + w * (space[1] - corner[1]));
-                Ok([down(surface[0], t), side * angle])
-            }
-        };
-        let last = across.len() - 1;
-        let right = section.block(
-            [last as i32 / 2, -1],
-            columns.len(),
-            rows.len(),
-            beside(1.0, last),
-        );
-        let left = section.block([-1, -1], columns.len(), rows.len(), beside(-1.0, 0));
-        section.sides = [&left, &right].map(|grid| {
-            let end = &grid[columns.len() - 1];
-            end[..rows.len() - 1].to_vec()
-        });
-        let lowest = rows.len() - 1;
-        section.held = [&left, &under, &right]
-            .iter()
-            .flat_map(|grid| grid.iter().map(|column| column[lowest]))
-            .collect();
+        Stations {
+            outline,
+            corner_arc,
+            corner,
+            arcs,
+            across: halved(&across),
+            rows: halved(&graded(depth, sizes.root, sizes.growth, depth)),
+            columns: halved(&divide(0.0, land, sizes.root.min(0.5 * land))),
+        }
+    }
+
+    /// The line under the tooth, sagging between both corners, at `u` of [`Stations::across`].
+    fn bottom(&self, u: f64) -> Polar {
+        let [radius, angle] = self.corner;
+        let sag = 0.067 * 2.0 * radius * angle * self.outline.kappa;
+        [radius - 4.0 * sag * u * (1.0 - u), angle * (2.0 * u - 1.0)]
+    }
+
+    /// Radius at the share `t` of the way from `radius` to the held surface.
+    fn down(&self, radius: f64, t: f64) -> f64 {
+        radius + t * (self.outline.held_radius - radius)
+    }
+}
+
+impl Section {
+    /// Meshes the sector of `outline`.
+    pub fn new(outline: &Outline, sizes: &SectionSizes) -> Section {
+        let stations = Stations::new(outline, sizes);
+        let mut section = Section::default();
+        let tooth = section.tooth(&stations);
+        let under = section.under_tooth(&stations, &tooth);
+        let last = stations.across.len() - 1;
+        let right = section.under_space(&stations, [last as i32 / 2, -1], 1.0, &under[last]);
+        let left = section.under_space(&stations, [-1, -1], -1.0, &under[0]);
+
+        let loaded = stations.arcs.iter().zip(&tooth[last]);
+        section.flank = loaded.map(|(arc, node)| (*node, *arc)).collect();
+        let lowest = stations.rows.len() - 1;
+        section.sides =
+            [&left, &right].map(|grid| grid[stations.columns.len() - 1][..lowest].to_vec());
+        let columns = left.iter().chain(&under).chain(&right);
+        section.held = columns.map(|column| column[lowest]).collect();
         section.held.sort_unstable();
         section.held.dedup();
         section.drop_unused();
         section
+    }
+
+    /// Block A.
+    fn tooth(&mut self, at: &Stations) -> Grid {
+        let tip = at.outline.point(at.outline.tip_arc);
+        let top = |u: f64| [tip[0], tip[1] * (2.0 * u - 1.0)];
+        let height = at.outline.tip_arc - at.corner_arc;
+        self.block([0, 1], at.across.len(), at.arcs.len(), |i, j| {
+            let right = at.outline.point(at.arcs[j]);
+            let (u, v) = (at.across[i], (at.arcs[j] - at.corner_arc) / height);
+            let ends = [
+                [at.bottom(0.0), at.bottom(u), at.bottom(1.0)],
+                [top(0.0), top(u), top(1.0)],
+            ];
+            Ok(transfinite(u, v, [[right[0], -right[1]], right], ends))
+        })
+    }
+
+    /// Block B shares the lowest row of A.
+    fn under_tooth(&mut self, at: &Stations, tooth: &Grid) -> Grid {
+        self.block([0, -1], at.across.len(), at.rows.len(), |i, j| {
+            if j == 0 {
+                return Err(tooth[i][0]);
+            }
+            let surface = at.bottom(at.across[i]);
+            Ok([at.down(surface[0], at.rows[j]), surface[1]])
+        })
+    }
+
+    /// Block C on the `side` +1 or -1 shares the column `shared` of B; its first cell has the number `first`.
+    fn under_space(&mut self, at: &Stations, first: [i32; 2], side: f64, shared: &[usize]) -> Grid {
+        let land = at.corner_arc - at.outline.space_arc();
+        let space = at.outline.point(at.outline.space_arc());
+        self.block(first, at.columns.len(), at.rows.len(), |i, j| {
+            if i == 0 {
+                return Err(shared[j]);
+            }
+            let w = at.columns[i] / land;
+            let surface = at.outline.point(at.corner_arc - at.columns[i]);
+            let t = at.rows[j];
+            let end = at.corner[1] + w * (space[1] - at.corner[1]);
+            let angle = surface[1] + t * (end - surface[1]);
+            Ok([at.down(surface[0], t), side * angle])
+        })
     }
 
     /// Adds a block whose first cell has the number `first`; columns and rows count on away from cell

@@ -1,28 +1,12 @@
 use super::*;
-use crate::gear::GearKind;
+use crate::gear::{GearKind, samples};
 use crate::pair::Refinement;
 use approx::assert_relative_eq;
 
 fn spur(teeth: u32, module: f64, bore_ratio: f64) -> Gear {
-    let mut gear = Gear {
-        kind: GearKind::External,
-        teeth,
-        hand: 1.0,
-        normal_module: module,
-        normal_pressure_angle: 20f64.to_radians(),
-        helix_angle: 0.0,
-        profile_shift: 0.0,
-        face_width: 6.0 * module,
-        face_offset: 0.0,
-        tip_radius: 0.5 * module * (f64::from(teeth) + 2.0),
-        dedendum_coefficient: 1.25,
-        tool_tip_radius_coefficient: 0.38,
-        held_radius: 0.0,
-        tooth_thinning: 0.0,
-        tip_chamfer: 0.0,
-        youngs_modulus: 206e9,
-        poisson_ratio: 0.3,
-    };
+    let mut gear = samples::gear(GearKind::External, teeth, 1.0, 0.0, 0.0);
+    gear = samples::with_module(gear, module);
+    gear.face_width = 6.0 * module;
     gear.held_radius = bore_ratio * gear.root_radius();
     gear
 }

@@ -3,28 +3,10 @@ use std::f64::consts::PI;
 use approx::assert_abs_diff_eq;
 
 use super::*;
-use crate::gear::ToothProfile;
+use crate::gear::{ToothProfile, samples};
 
 fn gear(kind: GearKind, teeth: u32, hand: f64, helix_angle_deg: f64, x: f64) -> Gear {
-    let mut gear = Gear {
-        kind,
-        teeth,
-        hand,
-        normal_module: 4e-3,
-        normal_pressure_angle: 20f64.to_radians(),
-        helix_angle: helix_angle_deg.to_radians(),
-        profile_shift: x,
-        face_width: 25e-3,
-        face_offset: 0.0,
-        tip_radius: 0.0,
-        dedendum_coefficient: 1.25,
-        tool_tip_radius_coefficient: 0.38,
-        held_radius: 15e-3,
-        tooth_thinning: 0.0,
-        tip_chamfer: 0.0,
-        youngs_modulus: 206e9,
-        poisson_ratio: 0.3,
-    };
+    let mut gear = samples::gear(kind, teeth, hand, helix_angle_deg, x);
     let addendum = if kind == GearKind::Ring { 0.8 } else { 1.0 };
     gear.tip_radius = gear.reference_radius() + 4e-3 * (x + gear.kappa() * addendum);
     gear

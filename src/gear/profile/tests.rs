@@ -3,27 +3,17 @@ use std::f64::consts::PI;
 use approx::assert_abs_diff_eq;
 
 use super::*;
+use crate::gear::{GearKind, samples};
 
 fn external(teeth: u32, profile_shift: f64, helix_angle_deg: f64) -> Gear {
-    let mut gear = Gear {
-        kind: GearKind::External,
+    let mut gear = samples::gear(
+        GearKind::External,
         teeth,
-        hand: 1.0,
-        normal_module: 4e-3,
-        normal_pressure_angle: 20f64.to_radians(),
-        helix_angle: helix_angle_deg.to_radians(),
+        1.0,
+        helix_angle_deg,
         profile_shift,
-        face_width: 25e-3,
-        face_offset: 0.0,
-        tip_radius: 0.0,
-        dedendum_coefficient: 1.25,
-        tool_tip_radius_coefficient: 0.38,
-        held_radius: 5e-3,
-        tooth_thinning: 0.0,
-        tip_chamfer: 0.0,
-        youngs_modulus: 206e9,
-        poisson_ratio: 0.3,
-    };
+    );
+    gear.held_radius = 5e-3;
     gear.tip_radius = gear.reference_radius() + 4e-3 * (1.0 + profile_shift);
     gear
 }

@@ -216,7 +216,7 @@ FIGURES = (
     Figure(
         "fig19-cycles.png",
         "Mesh cycles at 70, 100 and 130 N m (Fig. 19)",
-        "The same pair under steady torques. Both approaches agree at the nominal 100 N m.",
+        "The same pair under steady torques. At the nominal 100 N m both approaches must agree.",
         load_cycles,
     ),
     Figure(
@@ -253,7 +253,7 @@ FIGURES = (
     Figure(
         "run-up.png",
         "The whole run-up",
-        "Inertia and damping take the harmonics away one after the other.",
+        "What inertia and damping leave of the cycles from 0 to 3000 rpm.",
         run_up,
     ),
     Figure(

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from conftest import COARSE  # noqa: E402
-from demo import scenes  # noqa: E402
+from demo import comparison, scenes  # noqa: E402
 from demo.drawing import Drawing  # noqa: E402
 from demo.gear_pair import GearPair, GearPairError  # noqa: E402
 from demo.scenes import Files  # noqa: E402
@@ -95,6 +95,16 @@ def test_constant_load_scales_the_cycle_and_variable_load_changes_its_shape(tabu
     variable = [relative_span(t, True) for t in (70.0, 130.0)]
     assert constant[0] == pytest.approx(constant[1], rel=1e-2)
     assert abs(variable[0] / variable[1] - 1.0) > 0.2
+    # At the nominal torque both are one.
+    assert relative_span(100.0, False) == pytest.approx(relative_span(100.0, True), rel=0.02)
+
+
+def test_verdicts_on_the_comparison_page_follow_from_the_numbers():
+    assert comparison.verdict({"it holds": True, "this, too": True}) == comparison.SAME
+    assert comparison.verdict({"it holds": True, "this fails": False}) == "Not so here: this fails."
+    assert comparison.force_verdict({200: (1.0, 1.0), 3000: (0.998, 1.003)}).startswith(comparison.SAME)
+    falling = comparison.force_verdict({200: (0.9, 1.0), 3000: (0.99, 1.001)})
+    assert "Not so here" in falling and "further below" in falling
 
 
 def test_an_enumeration_that_does_not_exist_is_refused_with_those_that_do(spring):

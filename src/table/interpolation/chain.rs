@@ -27,13 +27,13 @@ fn scaled_gradient(
     slopes
 }
 
-/// W and its derivatives from w, dw/du and d²w/du² (`shape`) with theirs by y, and d³w/du³ (`third`)
-/// where it is known. Axes that are not `present` cost nothing: their derivatives stay zero.
+/// W and its derivatives from w, dw/du and d²w/du² (`shape`) with theirs by y, and d³w/du³ (`third`,
+/// only with `H`). Axes that are not `present` cost nothing: their derivatives stay zero.
 #[inline(always)]
 pub fn potential<const H: bool>(
     u: f64,
     shape: &[Jet; 3],
-    third: Option<f64>,
+    third: f64,
     no_load: &Jet,
     span: &Jet,
     present: [bool; 3],
@@ -57,8 +57,7 @@ pub fn potential<const H: bool>(
     }
     if H {
         let u_y = scaled_gradient(u, no_load, span, inverse, present);
-        let bend = third.unwrap_or_default();
-        let mut stiffness = [bend * inverse * inverse, 0.0, 0.0, 0.0];
+        let mut stiffness = [third * inverse * inverse, 0.0, 0.0, 0.0];
         for i in 0..3 {
             if !present[i] {
                 continue;
@@ -67,7 +66,7 @@ pub fn potential<const H: bool>(
             out.hessian[0][Y[i]] = mixed;
             out.hessian[Y[i]][0] = mixed;
             stiffness[Y[i]] =
-                inverse * (bend * u_y[i] + k.gradient[i] - k.value * span.gradient[i] * inverse);
+                inverse * (third * u_y[i] + k.gradient[i] - k.value * span.gradient[i] * inverse);
             for j in i..3 {
                 if !present[j] {
                     continue;
@@ -84,7 +83,7 @@ pub fn potential<const H: bool>(
                 out.hessian[Y[j]][Y[i]] = second;
             }
         }
-        out.stiffness_gradient = third.map(|_| stiffness);
+        out.stiffness_gradient = Some(stiffness);
     }
     out
 }

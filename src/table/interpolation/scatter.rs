@@ -15,13 +15,13 @@ const PAIRS: usize = 10;
 /// Distance, in node spacings, at which a node's weight vanishes. The middle of a four-dimensional cell is 1 away
 /// from its corners; half a cell beyond the edge, it is 1 again.
 const REACH: f64 = 1.75;
-/// Below this distance from a node its own quadratic is the result to rounding.
-const AT_NODE: f64 = 1e-4;
-
 /// Where the second derivative by coordinates i and j stands.
 pub const PAIR: [[usize; 4]; 4] = [[0, 1, 2, 3], [1, 4, 5, 6], [2, 5, 7, 8], [3, 6, 8, 9]];
 
-/// Value with first and second derivatives.
+/// The displacement among the coordinates.
+const U: usize = 2;
+
+/// Value with first and second derivatives, and the derivatives of the second one by the displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Jet4 {
     /// Value.
@@ -30,6 +30,16 @@ pub struct Jet4 {
     pub gradient: [f64; DIMENSIONS],
     /// Second derivatives, see [`PAIR`].
     pub second: [f64; PAIRS],
+    /// Of `second[PAIR[2][2]]` by the coordinates: the stiffness has a gradient, too.
+    pub third: [f64; DIMENSIONS],
+}
+
+/// A node's quadratic: value and derivatives there, by ways in spacings of the node.
+#[derive(Debug, Clone, Copy, Default)]
+struct Quadratic {
+    value: f64,
+    gradient: [f64; DIMENSIONS],
+    second: [f64; PAIRS],
 }
 
 /// One coordinate: its nodes, or a single one on which nothing depends.
@@ -162,8 +172,7 @@ impl Line {
 pub struct Scatter<const K: usize> {
     lines: [Line; DIMENSIONS],
     strides: [usize; DIMENSIONS],
-    /// The quadratics, derivatives by ways in spacings of their node.
-    quadratics: Vec<[Jet4; K]>,
+    quadratics: Vec<[Quadratic; K]>,
 }
 
 impl<const K: usize> Scatter<K> {
@@ -179,7 +188,7 @@ impl<const K: usize> Scatter<K> {
             .collect();
         for at in 0..values[0].values.len() {
             let index: [usize; DIMENSIONS] = std::array::from_fn(|i| at / strides[i] % lengths[i]);
-            let mut jets = [Jet4::default(); K];
+            let mut jets = [Quadratic::default(); K];
             for (jet, block) in jets.iter_mut().zip(values) {
                 let v = &block.values;
                 jet.value = v[at];
@@ -222,51 +231,85 @@ impl<const K: usize> Scatter<K> {
 
     /// The quantities at `x`, at most half a cell outside the nodes (see [`saturated`]); the last
     /// coordinate in [0, 1).
-    /// `H`: all second derivatives, otherwise only the one by displacement (coordinate 2).
+    /// `H`: all second derivatives and the third ones, otherwise only the second one by displacement.
+    ///
+    /// With k the nearest node and its weight w_k divided out, q = (q_k + N / w_k) / (1 + S / w_k), N and S the sums
+    /// over all others: nothing is infinite at a node, and no neighbourhood of it has a rule of its own.
     pub fn at<const H: bool>(&self, x: [f64; DIMENSIONS]) -> [Jet4; K] {
         let mut near = [[Near::default(); MOST]; DIMENSIONS];
         let counts: [usize; DIMENSIONS] =
             std::array::from_fn(|i| self.lines[i].near(x[i], &mut near[i]));
+        // Distances add up axis by axis, so the nearest node is the nearest along each.
+        let nearest: [usize; DIMENSIONS] = std::array::from_fn(|i| {
+            let way = |n: &usize| near[i][*n].way.abs();
+            (0..counts[i])
+                .min_by(|a, b| way(a).total_cmp(&way(b)))
+                .unwrap_or_default()
+        });
         let mut sum = Jet4::default();
         let mut sums = [Jet4::default(); K];
-        for a in &near[0][..counts[0]] {
+        for (i, a) in near[0][..counts[0]].iter().enumerate() {
             let d0 = a.way * a.way;
-            for b in &near[1][..counts[1]] {
+            for (j, b) in near[1][..counts[1]].iter().enumerate() {
                 let d1 = d0 + b.way * b.way;
                 if d1 >= REACH * REACH {
                     continue;
                 }
-                for c in &near[2][..counts[2]] {
+                for (k, c) in near[2][..counts[2]].iter().enumerate() {
                     let d2 = d1 + c.way * c.way;
                     if d2 >= REACH * REACH {
                         continue;
                     }
-                    for d in &near[3][..counts[3]] {
+                    for (l, d) in near[3][..counts[3]].iter().enumerate() {
                         let square = d2 + d.way * d.way;
-                        if square >= REACH * REACH {
+                        if square >= REACH * REACH || [i, j, k, l] == nearest {
                             continue;
                         }
-                        let at = a.index * self.strides[0]
-                            + b.index * self.strides[1]
-                            + c.index * self.strides[2]
-                            + d.index * self.strides[3];
-                        let axes = [a, b, c, d];
-                        let way = axes.map(|n| n.way);
-                        let scale = axes.map(|n| n.scale);
-                        let quadratics = &self.quadratics[at];
-                        if square < AT_NODE * AT_NODE {
-                            return quadratics.map(|q| local::<true>(&q, way, scale));
-                        }
-                        let weight = weight::<H>(square, way, scale);
+                        let at = Place::of([a, b, c, d]);
+                        let weight = weight::<H>(square.sqrt(), &at);
                         add::<H>(&mut sum, &weight, &ONE);
-                        for (sum, q) in sums.iter_mut().zip(quadratics) {
-                            add::<H>(sum, &weight, &local::<H>(q, way, scale));
+                        for (sum, q) in sums.iter_mut().zip(self.quadratics(&at)) {
+                            add::<H>(sum, &weight, &local::<H>(q, &at));
                         }
                     }
                 }
             }
         }
-        sums.map(|n| quotient::<H>(&n, &sum))
+        let at = Place::of(std::array::from_fn(|i| &near[i][nearest[i]]));
+        let square: f64 = at.way.iter().map(|w| w * w).sum();
+        let per_weight = inverse_weight::<H>(square.sqrt(), &at);
+        let mut below = ONE;
+        add::<H>(&mut below, &per_weight, &sum);
+        let own = self.quadratics(&at);
+        std::array::from_fn(|k| {
+            let mut above = local::<H>(&own[k], &at);
+            add::<H>(&mut above, &per_weight, &sums[k]);
+            quotient::<H>(&above, &below)
+        })
+    }
+
+    fn quadratics(&self, at: &Place) -> &[Quadratic; K] {
+        &self.quadratics[(0..DIMENSIONS)
+            .map(|i| at.index[i] * self.strides[i])
+            .sum::<usize>()]
+    }
+}
+
+/// A node as seen from the point.
+struct Place {
+    index: [usize; DIMENSIONS],
+    /// Way from the node, in its spacings, and 1 / these.
+    way: [f64; DIMENSIONS],
+    scale: [f64; DIMENSIONS],
+}
+
+impl Place {
+    fn of(axes: [&Near; DIMENSIONS]) -> Self {
+        Place {
+            index: axes.map(|n| n.index),
+            way: axes.map(|n| n.way),
+            scale: axes.map(|n| n.scale),
+        }
     }
 }
 
@@ -274,6 +317,7 @@ const ONE: Jet4 = Jet4 {
     value: 1.0,
     gradient: [0.0; DIMENSIONS],
     second: [0.0; PAIRS],
+    third: [0.0; DIMENSIONS],
 };
 
 /// Calls `f(i, j)` for the second derivatives that are wanted.
@@ -286,13 +330,14 @@ fn pairs<const H: bool>(mut f: impl FnMut(usize, usize)) {
             }
         }
     } else {
-        f(2, 2);
+        f(U, U);
     }
 }
 
-/// A node's quadratic at `way` from it.
+/// A node's quadratic at the point.
 #[inline(always)]
-fn local<const H: bool>(q: &Jet4, way: [f64; DIMENSIONS], scale: [f64; DIMENSIONS]) -> Jet4 {
+fn local<const H: bool>(q: &Quadratic, at: &Place) -> Jet4 {
+    let (way, scale) = (&at.way, &at.scale);
     let mut out = Jet4 {
         value: q.value,
         ..Jet4::default()
@@ -306,27 +351,82 @@ fn local<const H: bool>(q: &Jet4, way: [f64; DIMENSIONS], scale: [f64; DIMENSION
     out
 }
 
-/// (1/d - 1/R)³.
-#[inline(always)]
-fn weight<const H: bool>(square: f64, way: [f64; DIMENSIONS], scale: [f64; DIMENSIONS]) -> Jet4 {
-    let inverse = 1.0 / square.sqrt();
-    let x = inverse - 1.0 / REACH;
-    // First derivative by d over d, and (second derivative - that) over d².
-    let first = -3.0 * x * x * inverse.powi(3);
-    let second =
-        (6.0 * x * inverse.powi(4) + 6.0 * x * x * inverse.powi(3) - first) * inverse * inverse;
-    let mut out = Jet4 {
-        value: x * x * x,
-        ..Jet4::default()
-    };
-    for i in 0..DIMENSIONS {
-        out.gradient[i] = first * way[i] * scale[i];
+/// A function f of the distance d from a node.
+struct Radial {
+    value: f64,
+    /// f'.
+    slope: f64,
+    /// f' / d.
+    across: f64,
+    /// f'' - f' / d.
+    along: f64,
+    /// That over d.
+    along_over: f64,
+    /// d² times the derivative of (f'' - f' / d) / d².
+    third: f64,
+}
+
+impl Radial {
+    /// Over the coordinates, at the distance `d`.
+    #[inline(always)]
+    fn jet<const H: bool>(&self, d: f64, at: &Place) -> Jet4 {
+        let scale = &at.scale;
+        // At the node itself there is no direction, and nothing that is smooth there has need of one.
+        let per = if d > 0.0 { 1.0 / d } else { 0.0 };
+        let e = at.way.map(|w| w * per);
+        let mut out = Jet4 {
+            value: self.value,
+            ..Jet4::default()
+        };
+        for i in 0..DIMENSIONS {
+            out.gradient[i] = self.slope * e[i] * scale[i];
+        }
+        pairs::<H>(|i, j| {
+            let across = if i == j { self.across } else { 0.0 };
+            out.second[PAIR[i][j]] = (across + self.along * e[i] * e[j]) * scale[i] * scale[j];
+        });
+        if H {
+            for i in 0..DIMENSIONS {
+                let own = if i == U { 2.0 * e[U] } else { 0.0 };
+                let sum = self.along_over * (e[i] + own) + self.third * e[i] * e[U] * e[U];
+                out.third[i] = sum * scale[i] * scale[U] * scale[U];
+            }
+        }
+        out
     }
-    pairs::<H>(|i, j| {
-        let own = if i == j { first } else { 0.0 };
-        out.second[PAIR[i][j]] = (own + second * way[i] * way[j]) * scale[i] * scale[j];
-    });
-    out
+}
+
+/// (1/d - 1/R)³, d > 0.
+#[inline(always)]
+fn weight<const H: bool>(d: f64, at: &Place) -> Jet4 {
+    let per = 1.0 / d;
+    let x = per - 1.0 / REACH;
+    let (per2, per3) = (per * per, per * per * per);
+    let radial = Radial {
+        value: x * x * x,
+        slope: -3.0 * x * x * per2,
+        across: -3.0 * x * x * per3,
+        along: x * per3 * (6.0 * per + 9.0 * x),
+        along_over: x * per2 * per2 * (6.0 * per + 9.0 * x),
+        third: -per2 * per2 * (6.0 * per2 + 54.0 * x * per + 45.0 * x * x),
+    };
+    radial.jet::<H>(d, at)
+}
+
+/// 1 / (1/d - 1/R)³, d < R.
+#[inline(always)]
+fn inverse_weight<const H: bool>(d: f64, at: &Place) -> Jet4 {
+    let r = 1.0 / (1.0 - d / REACH);
+    let (r3, r4) = (r * r * r, r * r * r * r);
+    let radial = Radial {
+        value: r3 * d * d * d,
+        slope: 3.0 * r4 * d * d,
+        across: 3.0 * r4 * d,
+        along: r4 * (12.0 * r - 9.0) * d,
+        along_over: r4 * (12.0 * r - 9.0),
+        third: r4 * ((60.0 * r - 108.0) * r + 45.0),
+    };
+    radial.jet::<H>(d, at)
 }
 
 /// Adds the product of two.
@@ -343,17 +443,29 @@ fn add<const H: bool>(sum: &mut Jet4, a: &Jet4, b: &Jet4) {
             + a.gradient[j] * b.gradient[i]
             + a.value * b.second[n];
     });
+    if H {
+        let uu = PAIR[U][U];
+        for i in 0..DIMENSIONS {
+            let iu = PAIR[i][U];
+            sum.third[i] += a.third[i] * b.value
+                + a.second[uu] * b.gradient[i]
+                + 2.0 * (a.second[iu] * b.gradient[U] + a.gradient[U] * b.second[iu])
+                + a.gradient[i] * b.second[uu]
+                + a.value * b.third[i];
+        }
+    }
 }
 
 /// a / b.
 #[inline(always)]
 fn quotient<const H: bool>(a: &Jet4, b: &Jet4) -> Jet4 {
+    let per = 1.0 / b.value;
     let mut out = Jet4 {
-        value: a.value / b.value,
+        value: a.value * per,
         ..Jet4::default()
     };
     for i in 0..DIMENSIONS {
-        out.gradient[i] = (a.gradient[i] - out.value * b.gradient[i]) / b.value;
+        out.gradient[i] = (a.gradient[i] - out.value * b.gradient[i]) * per;
     }
     pairs::<H>(|i, j| {
         let n = PAIR[i][j];
@@ -361,30 +473,48 @@ fn quotient<const H: bool>(a: &Jet4, b: &Jet4) -> Jet4 {
             - out.value * b.second[n]
             - out.gradient[i] * b.gradient[j]
             - out.gradient[j] * b.gradient[i])
-            / b.value;
+            * per;
     });
+    if H {
+        let uu = PAIR[U][U];
+        for i in 0..DIMENSIONS {
+            let iu = PAIR[i][U];
+            out.third[i] = (a.third[i]
+                - out.second[uu] * b.gradient[i]
+                - 2.0 * (out.second[iu] * b.gradient[U] + out.gradient[U] * b.second[iu])
+                - out.gradient[i] * b.second[uu]
+                - out.value * b.third[i])
+                * per;
+        }
+    }
     out
 }
 
 /// `x` inside the ends of `nodes`; beyond an end it slows down, twice continuously differentiable, and stops half
-/// a cell outside. Value, first and second derivative.
-pub fn saturated(x: f64, nodes: &[f64]) -> [f64; 3] {
+/// a cell outside. Value and three derivatives.
+pub fn saturated(x: f64, nodes: &[f64]) -> [f64; 4] {
     let n = nodes.len();
     if n == 1 {
-        return [0.0; 3];
+        return [0.0; 4];
     }
     let (end, sign, cell) = if x > nodes[n - 1] {
         (nodes[n - 1], 1.0, nodes[n - 1] - nodes[n - 2])
     } else if x < nodes[0] {
         (nodes[0], -1.0, nodes[1] - nodes[0])
     } else {
-        return [x, 1.0, 0.0];
+        return [x, 1.0, 0.0, 0.0];
     };
     // The slope falls from 1 to 0 over one cell as 1 - 3 t² + 2 t³, whose integral is 1/2.
-    let t = ((x - end) * sign / cell).min(1.0);
+    let way = (x - end) * sign / cell;
+    let t = way.min(1.0);
     [
         end + sign * cell * (t - t.powi(3) + 0.5 * t.powi(4)),
         1.0 - 3.0 * t * t + 2.0 * t.powi(3),
         sign * (6.0 * t * t - 6.0 * t) / cell,
+        if way < 1.0 {
+            (12.0 * t - 6.0) / (cell * cell)
+        } else {
+            0.0
+        },
     ]
 }

@@ -102,7 +102,7 @@ impl<const NC: usize, const NM: usize, const NP: usize> Evaluate for Secant<NC, 
         let mut out = chain::potential::<H>(
             u,
             &[jet(0.5 * f * u * u), jet(f * u), jet(f)],
-            Some(0.0),
+            0.0,
             &origin,
             &span,
             Self::PRESENT,

@@ -158,16 +158,16 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Shepard<
                     within(&self.nodes[1], s[1]),
                     if positions.len() > 1 { s[3] } else { fixed },
                 ];
-                self.shape::<false>(u, y).0[2].value
+                self.shape::<false>(u, y).0.by_u[2].value
             })
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// w, dw/du and d²w/du², and the moment likewise, at the displacement u over (C, M, PMC).
+    /// w with its derivatives by u, and the moment likewise, at the displacement u over (C, M, PMC).
     #[inline(always)]
-    fn shape<const H: bool>(&self, u: f64, [c, m, p]: [f64; 3]) -> ([Jet; 3], Option<[Jet; 3]>) {
+    fn shape<const H: bool>(&self, u: f64, [c, m, p]: [f64; 3]) -> (Shape, Option<[Jet; 3]>) {
         let bounded = [c, m, u];
-        let stops: [[f64; 3]; 3] = std::array::from_fn(|i| saturated(bounded[i], &self.nodes[i]));
+        let stops: [[f64; 4]; 3] = std::array::from_fn(|i| saturated(bounded[i], &self.nodes[i]));
         let turn = if NP == 1 { 0.0 } else { p - p.floor() };
         let mut jets = self
             .scatter
@@ -175,25 +175,29 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Shepard<
         for jet in &mut jets {
             through_stops(jet, &stops);
         }
-        let (w, _) = self.u.weights(Two, u, 2);
+        let (w, _) = self.u.weights(Two, u, if H { 3 } else { 2 });
         let dot = |a: &[f64; 5]| (0..5).map(|k| a[k] * self.mean[w.first + k]).sum::<f64>();
         let [h, h1, h2] = [dot(&w.value), dot(&w.slope), dot(&w.curvature)];
-        let (g, g1, g2) = along_displacement::<H>(&jets[0]);
-        let value = |value| Jet {
-            value,
-            ..Jet::default()
+        let [g, g1, g2] = along_displacement::<H>(&jets[0]);
+        let mut shape = Shape {
+            by_u: [
+                combined(&[(h, &g)]),
+                combined(&[(h1, &g), (h, &g1)]),
+                combined(&[(h2, &g), (2.0 * h1, &g1), (h, &g2)]),
+            ],
+            third: 0.0,
         };
-        let shape = [
-            combined(&[(h, &g)]),
-            combined(&[(h1, &g), (h, &g1)]),
-            value(h2 * g.value + 2.0 * h1 * g1.value + h * g2),
-        ];
+        if H {
+            shape.third = dot(&w.third) * g.value
+                + 3.0 * (h2 * g1.value + h1 * g2.value)
+                + h * jets[0].third[2];
+        }
         let moment = (K == 2).then(|| {
-            let (z, z1, _) = along_displacement::<H>(&jets[K - 1]);
+            let [z, z1, _] = along_displacement::<H>(&jets[K - 1]);
             [
                 Jet::default(),
                 combined(&[(h1, &z)]),
-                value(h2 * z.value + h1 * z1.value),
+                combined(&[(h2, &z), (h1, &z1)]),
             ]
         });
         (shape, moment)
@@ -229,7 +233,8 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Evaluate
         }
         let y = [q.center_distance_offset, q.misalignment, q.mesh_position];
         let (shape, moment) = self.shape::<H>(u, y);
-        let mut out = chain::potential::<H>(u, &shape, None, &no_load, &span, Self::PRESENT);
+        let mut out =
+            chain::potential::<H>(u, &shape.by_u, shape.third, &no_load, &span, Self::PRESENT);
         if let Some(moment) = &moment {
             chain::set_moment::<H>(&mut out, u, moment, &no_load, &span, Self::PRESENT);
         }
@@ -246,9 +251,25 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Evaluate
     }
 }
 
+/// w(u, y): itself, dw/du and d²w/du² with derivatives by y, and d³w/du³ (only with `H`).
+struct Shape {
+    by_u: [Jet; 3],
+    third: f64,
+}
+
 /// Derivatives by the coordinates from those by the coordinates held inside the range.
-fn through_stops(jet: &mut Jet4, stops: &[[f64; 3]; 3]) {
+fn through_stops(jet: &mut Jet4, stops: &[[f64; 4]; 3]) {
     let slope: [f64; 4] = std::array::from_fn(|i| stops.get(i).map_or(1.0, |s| s[1]));
+    let [_, u1, u2, u3] = stops[2];
+    for i in 0..4 {
+        // d/dx_i of g_uu u'² + g_u u''.
+        let own = if i == 2 {
+            2.0 * jet.second[PAIR[2][2]] * u1 * u2 + jet.gradient[2] * u3
+        } else {
+            0.0
+        };
+        jet.third[i] = (jet.third[i] * u1 * u1 + jet.second[PAIR[i][2]] * u2) * slope[i] + own;
+    }
     for i in 0..4 {
         for j in i..4 {
             jet.second[PAIR[i][j]] *= slope[i] * slope[j];
@@ -262,9 +283,10 @@ fn through_stops(jet: &mut Jet4, stops: &[[f64; 3]; 3]) {
     }
 }
 
-/// The quantity, its derivative by the displacement (with first derivatives), and the second one.
+/// The quantity and its two derivatives by the displacement, the first with second derivatives, the others with
+/// first ones (all only with `H`).
 #[inline(always)]
-fn along_displacement<const H: bool>(jet: &Jet4) -> (Jet, Jet, f64) {
+fn along_displacement<const H: bool>(jet: &Jet4) -> [Jet; 3] {
     let mut value = Jet {
         value: jet.value,
         gradient: Y.map(|i| jet.gradient[i]),
@@ -274,15 +296,20 @@ fn along_displacement<const H: bool>(jet: &Jet4) -> (Jet, Jet, f64) {
         value: jet.gradient[2],
         ..Jet::default()
     };
+    let mut curvature = Jet {
+        value: jet.second[PAIR[2][2]],
+        ..Jet::default()
+    };
     if H {
         slope.gradient = Y.map(|i| jet.second[PAIR[i][2]]);
+        curvature.gradient = Y.map(|i| jet.third[i]);
         for i in 0..3 {
             for j in i..3 {
                 value.second[super::kernel::SECOND[i][j]] = jet.second[PAIR[Y[i]][Y[j]]];
             }
         }
     }
-    (value, slope, jet.second[PAIR[2][2]])
+    [value, slope, curvature]
 }
 
 /// Sum of multiples.

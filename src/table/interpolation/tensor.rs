@@ -166,8 +166,7 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Evaluat
         {
             let (cell, t, scale) = self.u.local(u);
             let (shape, third) = lines[0].at(cell, t, scale);
-            let mut out =
-                chain::potential::<H>(u, &shape, Some(third), &no_load, &span, Self::PRESENT);
+            let mut out = chain::potential::<H>(u, &shape, third, &no_load, &span, Self::PRESENT);
             if let Some(moment) = lines.get(1) {
                 let (shape, _) = moment.at(cell, t, scale);
                 chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, Self::PRESENT);
@@ -177,7 +176,7 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Evaluat
         let (wu, u_outside) = self.u.weights(registers, u, order + 1);
         let (shape, third) =
             over_displacement::<NU, NC, NM, NP, H>(registers, &self.shape, &wu, &wc, &wm, &wp);
-        let mut out = chain::potential::<H>(u, &shape, Some(third), &no_load, &span, Self::PRESENT);
+        let mut out = chain::potential::<H>(u, &shape, third, &no_load, &span, Self::PRESENT);
         if let Some(moment) = &self.moment {
             let (shape, _) =
                 over_displacement::<NU, NC, NM, NP, H>(registers, moment, &wu, &wc, &wm, &wp);

@@ -230,7 +230,7 @@ pub fn report(models: &Models, plots: &Path) -> Outcome<String> {
              misalignments ±3 mrad), z_c from mid-face. *Sharpest bend*: where the tangent of the STE changes most from one \
              solution to the next, by how much of its value, and by how much still when the step is narrowed to the 2^-24th part \
              around the change: at a kink nothing would be lost. Where a tooth pair, a strip at an end of the face or a tip edge \
-             comes into contact the tangent changes quickly, like 1/ln of the load there, but without a jump.\n\n";
+             comes into contact the tangent changes quickly, like 1/ln of the load there.\n\n";
     for (name, title, axes, lines) in [
         (
             "load",

@@ -218,6 +218,11 @@ fn free_period(case: &Case, a: f64) -> Result<f64, Box<dyn std::error::Error>> {
     Ok(crossings[2] - crossings[1])
 }
 
+/// The same in closed form: a part of a circle in contact, a parabola out of it.
+fn exact_period(a: f64) -> f64 {
+    2.0 * (std::f64::consts::PI - (1.0 / a).acos()) + 2.0 * (a * a - 1.0).sqrt()
+}
+
 /// The chapter.
 pub fn report(folder: &Path) -> crate::Outcome {
     let mut text = format!(
@@ -292,7 +297,7 @@ pub fn report(folder: &Path) -> crate::Outcome {
     }
     let cases = [Case::imported(0.0, 0.0)?, Case::closed_form(0.0, 0.0)];
     for a in [1.5_f64, 2.0, 4.0, 8.0] {
-        let exact = 2.0 * (std::f64::consts::PI - (1.0 / a).acos()) + 2.0 * (a * a - 1.0).sqrt();
+        let exact = exact_period(a);
         let found = [free_period(&cases[0], a)?, free_period(&cases[1], a)?]
             .map(|t| format!("{t:.5} ({:+.4} %)", 100.0 * (t / exact - 1.0)));
         writeln!(
@@ -303,4 +308,48 @@ pub fn report(folder: &Path) -> crate::Outcome {
     }
     text.push_str("\n![jump](stability/jump.svg)\n");
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn imported(depth: f64, zeta: f64) -> Case {
+        Case::imported(depth, zeta).unwrap()
+    }
+
+    #[test]
+    fn branches_end_where_the_literature_has_the_jumps_and_are_as_high_as_there() {
+        let case = imported(0.2, 0.03);
+        let rising = sweep(&case, 0.85, 0.91).unwrap();
+        let falling = sweep(&case, 0.92, 0.68).unwrap();
+        for (curve, frequency, rms) in [(&rising, 0.895, 0.529), (&falling, 0.70, 1.539)] {
+            let found = jump(curve);
+            assert!(
+                (found - frequency).abs() < 0.0051,
+                "{found} for {frequency}"
+            );
+            let found = at(curve, 0.85);
+            assert!((found - rms).abs() < 1e-3, "{found} for {rms}");
+        }
+    }
+
+    #[test]
+    fn the_parametric_tongue_is_as_wide_as_damping_and_depth_say() {
+        let case = imported(0.2, 0.03);
+        let half = (0.2_f64.powi(2) / 4.0 - 4.0 * 0.03_f64.powi(2)).sqrt();
+        for side in [-1.0, 1.0] {
+            assert!(growth(&case, 2.0 + 0.93 * side * half).unwrap() > 0.0);
+            assert!(growth(&case, 2.0 + 1.07 * side * half).unwrap() < 0.0);
+        }
+    }
+
+    #[test]
+    fn free_motion_with_contact_loss_has_the_period_of_the_closed_form() {
+        let case = imported(0.0, 0.0);
+        for a in [1.5, 4.0] {
+            let found = free_period(&case, a).unwrap();
+            assert!((found / exact_period(a) - 1.0).abs() < 1e-6, "{a}: {found}");
+        }
+    }
 }

@@ -227,6 +227,29 @@ fn edge(
     Ok(inside)
 }
 
+/// Gamma between which impacts without duration leave period-1 motion stable, and the upper edge where the
+/// disturbance is halved within [`HALVING`] periods.
+fn expected_edges(restitution: f64) -> [f64; 3] {
+    let lower = std::f64::consts::PI * (1.0 - restitution) / (1.0 + restitution);
+    // Multipliers of the bouncing ball: product r^2, sum 1 + r^2 - (1 + r)^2 sqrt(Gamma^2 - lower^2).
+    let square = restitution * restitution;
+    let with_multiplier = |m: f64| {
+        let sum = m + square / m;
+        lower.hypot((1.0 + square - sum) / (1.0 + restitution).powi(2))
+    };
+    [
+        lower,
+        with_multiplier(-1.0),
+        with_multiplier(-0.5_f64.powf(1.0 / HALVING)),
+    ]
+}
+
+/// Relative speed of impacts in period-1 motion, rad/s: u + v = 2 u / (1 + r).
+fn impact_speed(restitution: f64) -> f64 {
+    let flight = SHORT.drag / INERTIA / SHORT.frequency();
+    2.0 / (1.0 + restitution) * std::f64::consts::PI * flight
+}
+
 /// The chapter.
 pub fn report(_: &Path) -> crate::Outcome {
     let mut text = format!(
@@ -243,21 +266,11 @@ pub fn report(_: &Path) -> crate::Outcome {
         SHORT.stiff
     );
     for wanted in [0.5_f64, 0.8] {
-        // The orbit's relative speed at impact: u + v = 2 u / (1 + r).
-        let flight = SHORT.drag / INERTIA / SHORT.frequency();
-        let speed = 2.0 / (1.0 + wanted) * std::f64::consts::PI * flight;
+        let speed = impact_speed(wanted);
         let damping = damping_for(SHORT, wanted, speed)?;
         let measured = restitution(SHORT, damping, speed)?;
         let [slow, fast] = [speed / 3.0, 3.0 * speed].map(|s| restitution(SHORT, damping, s));
-        let lower = std::f64::consts::PI * (1.0 - measured) / (1.0 + measured);
-        // Multipliers of the bouncing ball: product r^2, sum 1 + r^2 - (1 + r)^2 sqrt(Gamma^2 - lower^2).
-        let square = measured * measured;
-        let with_multiplier = |m: f64| {
-            let sum = m + square / m;
-            lower.hypot((1.0 + square - sum) / (1.0 + measured).powi(2))
-        };
-        let upper = with_multiplier(-1.0);
-        let halving = with_multiplier(-0.5_f64.powf(1.0 / HALVING));
+        let [lower, upper, halving] = expected_edges(measured);
         let middle = 0.5 * (lower + upper);
         let from = edge(SHORT, damping, measured, middle, 0.8 * lower)?;
         let to = edge(SHORT, damping, measured, middle, 1.15 * upper)?;
@@ -268,4 +281,29 @@ pub fn report(_: &Path) -> crate::Outcome {
         )?;
     }
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn period_one_rattle_is_stable_between_the_edges_of_the_bouncing_ball() {
+        for wanted in [0.5, 0.8] {
+            let speed = impact_speed(wanted);
+            let damping = damping_for(SHORT, wanted, speed).unwrap();
+            let measured = restitution(SHORT, damping, speed).unwrap();
+            assert!((measured - wanted).abs() < 1e-4, "{measured}");
+            let [lower, _, upper] = expected_edges(measured);
+            for (gamma, stable) in [
+                (0.99 * lower, false),
+                (1.01 * lower, true),
+                (0.995 * upper, true),
+                (1.01 * upper, false),
+            ] {
+                let found = period_one(&bounces(SHORT, damping, measured, gamma).unwrap());
+                assert_eq!(found, stable, "r = {wanted}, Gamma = {gamma}");
+            }
+        }
+    }
 }

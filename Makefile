@@ -8,7 +8,7 @@ VENV := .venv
 GEARMESH := target/release/gearmesh
 export PYTHON
 
-.PHONY: all setup build demo test lint report bench callgrind clean distclean
+.PHONY: all setup build demo test lint licenses report bench callgrind clean distclean
 .DELETE_ON_ERROR:
 
 all: build
@@ -29,6 +29,11 @@ lint: setup
 	$(CARGO) clippy --release --all-targets -- -D warnings
 	$(CARGO) clippy --release --lib --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps
+	$(VENV)/bin/python scripts/licenses.py --check
+
+# The licence texts that every FMU carries, after a change of the dependencies; `make lint` compares them.
+licenses: setup
+	$(VENV)/bin/python scripts/licenses.py
 
 # The build comes first: the tests of the command line pack the library that lies beside it.
 test: lint build

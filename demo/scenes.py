@@ -30,9 +30,11 @@ SETTLING = 0.02  # s, some 80 time constants c/k
 
 CONSTANT_STIFFNESS = 4.35e8  # N/m, tangential: what the gains of Table 2 ask for
 
-# The paper's formulation with every effect off; a scene switches on what it shows.
+# The paper's formulation with every effect off; a scene switches on what it shows. One flank, as in the paper: its
+# pair has no backlash, so that with both a tilted gear would jam.
 PAPER = {
     "formulation": "paper",
+    "loadedFlank": "drive",
     "damping": DAMPING,
     "centerDistanceEffect": False,
     "misalignmentEffect": False,

@@ -35,11 +35,10 @@ pub fn report(
         setting.pair.operating.nominal_torque,
     );
     let tables = setting.file(samples);
-    let text = tables.to_json();
     let starts = Starts::of_tables(&tables)?;
     for (name, tables, starts) in [
         ("constant stiffness", None, &spring),
-        ("4-D spline table", Some(text.as_str()), &starts),
+        ("4-D spline table", Some(&tables), &starts),
     ] {
         let contents = Contents {
             name: &setting.pair.name,

@@ -28,6 +28,6 @@ pub mod resources;
 pub mod settings;
 mod snapshot;
 mod stored;
-mod unit;
+pub(crate) mod unit;
 pub mod values;
 pub mod variables;

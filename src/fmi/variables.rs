@@ -110,14 +110,29 @@ pub fn template_starts() -> Vec<f64> {
     starts.map(|start| start.unwrap_or(0.0)).collect()
 }
 
-/// modelDescription.xml of a packed unit: the template with its GUID, description and start values.
+/// What packing writes into modelDescription.xml beside start values.
+#[derive(Debug, Clone, Copy)]
+pub struct Header<'a> {
+    /// Name of the pair.
+    pub model_name: &'a str,
+    /// GUID of the unit.
+    pub guid: &'a str,
+    /// One sentence.
+    pub description: &'a str,
+    /// Communication step of the default experiment, s.
+    pub step_size: f64,
+}
+
+/// modelDescription.xml of a packed unit: the template with its header and start values.
 ///
 /// `starts` lists (index in [`VARIABLES`], value); a Boolean is given as 0 or 1. A variable without
-/// a start value in the template is passed over by debug assertion: outputs have none.
-pub fn model_description(guid: &str, description: &str, starts: &[(usize, f64)]) -> String {
+/// a start value in the template is passed over: outputs have none.
+pub fn model_description(header: &Header, starts: &[(usize, f64)]) -> String {
     let mut edits = vec![
-        (GUID_RANGE, guid.to_owned()),
-        (DESCRIPTION_RANGE, escape(description)),
+        (MODEL_NAME_RANGE, escape(header.model_name)),
+        (GUID_RANGE, header.guid.to_owned()),
+        (DESCRIPTION_RANGE, escape(header.description)),
+        (STEP_SIZE_RANGE, format!("{:?}", header.step_size)),
     ];
     for &(i, value) in starts {
         let variable = &VARIABLES[i];
@@ -187,14 +202,22 @@ mod tests {
             (index::MISALIGNMENT_EFFECT, 1.0),
             (index::STIFFNESS_MODEL, 2.0),
         ];
-        let text = model_description("{guid}", "a < b", &starts);
+        let header = Header {
+            model_name: "20/30 \"spur\"",
+            guid: "{guid}",
+            description: "a < b",
+            step_size: 8.1e-7,
+        };
+        let text = model_description(&header, &starts);
+        assert!(text.contains("modelName=\"20/30 &quot;spur&quot;\""));
+        assert!(text.contains("stepSize=\"8.1e-7\""));
         assert!(text.contains("guid=\"{guid}\""));
         assert!(text.contains("description=\"a &lt; b\""));
         let before: Vec<&str> = TEMPLATE.lines().collect();
         let after: Vec<&str> = text.lines().collect();
         assert_eq!(before.len(), after.len());
         let changed = before.iter().zip(&after).filter(|(a, b)| a != b).count();
-        assert_eq!(changed, 5);
+        assert_eq!(changed, 7);
         assert!(
             text.contains("<Real unit=\"m\" displayUnit=\"mm\" nominal=\"0.1\" start=\"0.25\"/>")
         );

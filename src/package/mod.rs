@@ -5,22 +5,34 @@
 //! different tables never share one.
 
 mod archive;
+mod coupling;
 mod documentation;
+mod example;
 mod inspect;
 mod library;
+mod mass;
+mod settings;
 mod starts;
+mod stiffness;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
+pub use coupling::{Coupling, DAMPING_RATIO};
+pub use documentation::start_in_words;
 pub use inspect::{Inspection, inspect};
 pub use library::{Library, library_beside};
-pub use starts::{Starts, estimated_stiffness, meshing_spin};
+pub use mass::Blank;
+pub use settings::{Setting, SettingError};
+pub use starts::{Starts, meshing_spin};
+pub use stiffness::{Stiffness, estimated_stiffness};
 
-use crate::fmi::resources::{TABLES_FILE, UNIT_FILE, UNIT_VERSION, UnitFile};
-use crate::fmi::variables::{self, MODEL_IDENTIFIER};
+use crate::fmi::resources::{Resources, TABLES_FILE, UNIT_FILE, UNIT_VERSION, UnitFile};
+use crate::fmi::variables::{self, Header, MODEL_IDENTIFIER};
 use crate::gear::PairGeometry;
+use crate::table::TableFile;
 
 /// What goes into one unit.
 #[derive(Debug, Clone, Copy)]
@@ -29,8 +41,8 @@ pub struct Contents<'a> {
     pub name: &'a str,
     /// The pair, SI.
     pub geometry: &'a PairGeometry,
-    /// Text of the tables; `None` for a unit of constant stiffness.
-    pub tables: Option<&'a str>,
+    /// The tables; `None` for a unit of constant stiffness.
+    pub tables: Option<&'a TableFile>,
     /// Start values that belong to the pair.
     pub starts: &'a Starts,
 }
@@ -73,6 +85,12 @@ pub enum PackageError {
         /// What is wrong and what to do.
         reason: String,
     },
+    /// Start values that a host could not start with.
+    #[error("the unit does not start with these values: {reason}")]
+    Refused {
+        /// What the unit says.
+        reason: String,
+    },
     /// A start value without meaning.
     #[error("start value {name} = {value}: {remedy}")]
     Start {
@@ -113,8 +131,8 @@ impl PackageError {
 /// The file appears whole or not at all.
 ///
 /// # Errors
-/// Start values without meaning, libraries that are none or of one platform twice, files that cannot
-/// be read or written.
+/// Start values without meaning or that make no mesh, libraries that are none or of one platform twice,
+/// files that cannot be read or written.
 pub fn pack(
     contents: &Contents,
     libraries: &[Library],
@@ -131,12 +149,20 @@ pub fn pack(
             .collect(),
         geometry: contents.geometry.clone(),
     };
+    let coupling = contents.starts.coupling(contents.geometry);
     let description = documentation::summary(&unit, contents.tables.is_some());
-    unit.guid = guid(&unit, contents.tables, libraries);
+    let tables = contents.tables.map(TableFile::to_json);
+    unit.guid = guid(&unit, tables.as_deref(), libraries);
+    let header = Header {
+        model_name: &unit.name,
+        guid: &unit.guid,
+        description: &description,
+        step_size: coupling.step(),
+    };
     let mut files = vec![
         (
             "modelDescription.xml".to_owned(),
-            variables::model_description(&unit.guid, &description, &starts).into_bytes(),
+            variables::model_description(&header, &starts).into_bytes(),
         ),
         ("model.png".to_owned(), documentation::PICTURE.to_vec()),
         (
@@ -144,10 +170,21 @@ pub fn pack(
             unit_text(&unit).into_bytes(),
         ),
     ];
-    if let Some(tables) = contents.tables {
-        files.push((format!("resources/{TABLES_FILE}"), tables.into()));
+    if let Some(tables) = tables {
+        files.push((format!("resources/{TABLES_FILE}"), tables.into_bytes()));
     }
-    files.extend(documentation::files(&unit, contents.tables.is_some()));
+    // The unit starts here as it will in a host.
+    let resources = Resources::new(unit, contents.tables.cloned())
+        .map_err(|reason| PackageError::Refused { reason })?;
+    let resources = Arc::new(resources);
+    let example = example::signals(&resources)?;
+    let unit = &resources.unit;
+    files.extend(documentation::files(
+        unit,
+        contents.tables,
+        &coupling,
+        example,
+    ));
     for (i, library) in libraries.iter().enumerate() {
         if libraries[..i]
             .iter()
@@ -164,7 +201,7 @@ pub fn pack(
     }
     let bytes = archive::write(&files, out)?;
     Ok(Packed {
-        guid: unit.guid,
+        guid: unit.guid.clone(),
         bytes,
     })
 }
@@ -234,5 +271,28 @@ mod tests {
                 .iter()
                 .any(|(name, _)| name == "documentation/index.html")
         );
+    }
+
+    #[test]
+    fn what_no_host_could_start_with_is_not_packed() {
+        let folder = tempfile::tempdir().unwrap();
+        let geometry = paper_pair(1.0);
+        for (setting, reason) in [
+            ("stiffnessModel=table", "table"),
+            ("gear2.position[1]=0.05", "centre distance"),
+            ("dampingOnset=0", "dampingOnset"),
+        ] {
+            let starts = Starts::constant_stiffness(&geometry, 100.0);
+            let contents = Contents {
+                name: "a",
+                geometry: &geometry,
+                tables: None,
+                starts: &starts.with(&[setting.parse().unwrap()]),
+            };
+            let out = folder.path().join("a.fmu");
+            let error = super::pack(&contents, &[], &out).unwrap_err().to_string();
+            assert!(error.contains(reason), "{setting}: {error}");
+            assert!(!out.exists());
+        }
     }
 }

@@ -1,26 +1,28 @@
-//! Start values of a packed unit: a valid mesh of its pair.
+//! Start values of a packed unit: a valid mesh of its pair, and what belongs to the pair.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{PI, TAU};
 
 use super::PackageError;
+use super::coupling::{Coupling, digits};
+use super::settings::Setting;
+use super::stiffness::Stiffness;
 use crate::fmi::variables::{VARIABLES, index};
-use crate::gear::{Flank, PairGeometry};
-use crate::table::{Query, Table, TableError, TableFile};
+use crate::gear::PairGeometry;
+use crate::table::{Table, TableError, TableFile};
 
-/// Mean mesh stiffness of a steel pair per face width and contact ratio, ISO 6336-1: c' of a
-/// standard basic rack, N/m per m of face (14 N/(mm um)).
-const SINGLE_STIFFNESS: f64 = 14e9;
-
-/// Young's modulus that [`SINGLE_STIFFNESS`] holds for, Pa.
-const STEEL: f64 = 206e9;
+/// Numbers of the enumerations' items, as in modelDescription.xml.
+const CONSTANT: f64 = 1.0;
+const TABLE: f64 = 2.0;
+const BOTH_FLANKS: f64 = 3.0;
+const ABSOLUTE: f64 = 2.0;
 
 /// Start values of a unit that belong to its pair.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Starts {
     /// Nominal torque on gear 1, N m, > 0.
     pub nominal_torque: f64,
-    /// Tangential mesh stiffness, N/m, > 0, of `stiffnessModel = constant`.
-    pub constant_stiffness: f64,
+    /// Tangential mesh stiffness; its mean is `constantStiffness`.
+    pub stiffness: Stiffness,
     /// Whether the unit carries tables: `stiffnessModel` then starts as `table`.
     pub table: bool,
     /// Whether the tables have an axis of the centre distance.
@@ -29,23 +31,25 @@ pub struct Starts {
     pub misalignment: bool,
     /// Whether the tables know the shuttling moment.
     pub shuttling: bool,
+    /// What the user wants otherwise; the last of a name counts.
+    pub settings: Vec<Setting>,
 }
 
 impl Starts {
-    /// A unit of constant stiffness, estimated by [`estimated_stiffness`].
+    /// A unit of constant stiffness, estimated by [`super::estimated_stiffness`].
     pub fn constant_stiffness(geometry: &PairGeometry, nominal_torque: f64) -> Self {
         Self {
             nominal_torque,
-            constant_stiffness: estimated_stiffness(geometry),
+            stiffness: Stiffness::estimated(geometry, nominal_torque),
             table: false,
             center_distance: false,
             misalignment: false,
             shuttling: false,
+            settings: Vec::new(),
         }
     }
 
-    /// A unit with these tables: every effect that they have an axis for is on, and the constant
-    /// stiffness is the secant one at nominal torque, mean over the mesh cycle.
+    /// A unit with these tables: every effect that they have an axis for is on.
     ///
     /// # Errors
     /// Tables that cannot be interpolated.
@@ -55,12 +59,40 @@ impl Starts {
         let moments = &file.drive.moment_nm;
         Ok(Self {
             nominal_torque: file.nominal_torque_nm,
-            constant_stiffness: secant_stiffness(&table),
+            stiffness: Stiffness::of_table(&table),
             table: true,
             center_distance: effects.center_distance,
             misalignment: effects.misalignment,
             shuttling: effects.misalignment || moments.iter().flatten().any(|m| *m != 0.0),
+            settings: Vec::new(),
         })
+    }
+
+    /// The same with these `settings`.
+    #[must_use]
+    pub fn with(mut self, settings: &[Setting]) -> Self {
+        self.settings.extend_from_slice(settings);
+        self
+    }
+
+    /// What the user set for the variable `i`.
+    fn set(&self, i: usize) -> Option<f64> {
+        let last = self.settings.iter().rev().find(|s| s.index == i);
+        last.map(|s| s.value)
+    }
+
+    /// Dynamics of the mesh with the stiffness and the damping that the unit starts with.
+    pub fn coupling(&self, geometry: &PairGeometry) -> Coupling {
+        let constant = self.set(index::CONSTANT_STIFFNESS);
+        let is_constant = self
+            .set(index::STIFFNESS_MODEL)
+            .map_or(!self.table, |model| model == CONSTANT);
+        let stiffness = if is_constant {
+            Stiffness::constant(constant.unwrap_or(self.stiffness.mean))
+        } else {
+            self.stiffness
+        };
+        Coupling::new(geometry, stiffness, self.set(index::DAMPING))
     }
 
     /// Start values by index in [`VARIABLES`], checked against the ranges there.
@@ -71,21 +103,46 @@ impl Starts {
         let distance = geometry.center_distance;
         let cos_phi = geometry.operating_pressure_angle(distance).cos();
         let on = |flag: bool| f64::from(u8::from(flag));
-        let starts = vec![
+        let mut starts = vec![
             (index::GEAR2_POSITION_1, distance),
             (index::GEAR2_POSITION_3, geometry.gears[1].face_offset),
-            (index::STIFFNESS_MODEL, if self.table { 2.0 } else { 1.0 }),
-            (index::CONSTANT_STIFFNESS, self.constant_stiffness),
+            (
+                index::STIFFNESS_MODEL,
+                if self.table { TABLE } else { CONSTANT },
+            ),
+            (
+                index::CONSTANT_STIFFNESS,
+                digits(self.stiffness.mean, 4, f64::round),
+            ),
             (index::NOMINAL_TORQUE, self.nominal_torque),
             (index::CENTER_DISTANCE_EFFECT, on(self.center_distance)),
             (index::MISALIGNMENT_EFFECT, on(self.misalignment)),
             (index::SHUTTLING_EFFECT, on(self.shuttling)),
+            (index::DAMPING, self.coupling(geometry).damping),
+            // Tables serve both flanks: the coast flank has its own or is the drive flank's mirror image.
+            (index::LOADED_FLANK, BOTH_FLANKS),
             // Along the operating pitch circle, as the pair file gives it.
             (
                 index::BACKLASH,
                 (geometry.backlash(distance) / cos_phi).max(0.0),
             ),
         ];
+        if self.set(index::PHASE_REFERENCE) == Some(ABSOLUTE) && !self.sets_an_orientation() {
+            // The teeth of gear 2 in the middle of the gaps of gear 1.
+            let spin = meshing_spin(geometry);
+            let (sin, cos) = (0.5 * spin).sin_cos();
+            starts.extend([
+                (index::GEAR2_ANGLES_3, spin),
+                (index::GEAR2_QUATERNION_1, cos),
+                (index::GEAR2_QUATERNION_4, sin),
+            ]);
+        }
+        for setting in &self.settings {
+            match starts.iter_mut().find(|(i, _)| *i == setting.index) {
+                Some((_, value)) => *value = setting.value,
+                None => starts.push((setting.index, setting.value)),
+            }
+        }
         for &(i, value) in &starts {
             let variable = &VARIABLES[i];
             let positive = [index::CONSTANT_STIFFNESS, index::NOMINAL_TORQUE].contains(&i);
@@ -102,52 +159,16 @@ impl Starts {
         }
         Ok(starts)
     }
-}
 
-/// Tangential stiffness nominal force over displacement at nominal torque, mean over the mesh
-/// cycle, aligned, at the nominal centre distance, N/m.
-fn secant_stiffness(table: &Table) -> f64 {
-    const POSITIONS: usize = 16;
-    let geometry = table.geometry();
-    let force = table.file().nominal_torque_nm / geometry.gears[0].base_radius();
-    let (flank, _) = table.flank(Flank::Drive);
-    let total: f64 = (0..POSITIONS)
-        .map(|i| {
-            let query = |delta| Query {
-                delta,
-                center_distance_offset: 0.0,
-                misalignment: 0.0,
-                mesh_position: i as f64 / POSITIONS as f64,
-            };
-            // Force rises with displacement: bisect between separation and a displacement beyond.
-            let (mut low, mut high) = (-1e-3, 1e-3);
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                if flank.evaluate(&query(middle), false).gradient[0] < force {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            high
-        })
-        .sum();
-    let loa = force * POSITIONS as f64 / total;
-    let phi = geometry.operating_pressure_angle(geometry.center_distance);
-    loa * phi.cos().powi(2)
-}
-
-/// Tangential mesh stiffness of the pair by the approximation of ISO 6336-1,
-/// c_gamma = c' (0.75 epsilon_alpha + 0.25) times the common face width, N/m, scaled with the mean of
-/// the Young's moduli: a start value to be replaced by a table, not a result.
-pub fn estimated_stiffness(geometry: &PairGeometry) -> f64 {
-    let distance = geometry.center_distance;
-    let ratio = geometry.transverse_contact_ratio(distance).max(1.0);
-    let (_, width) = geometry.face_overlap();
-    let [e1, e2] = [0, 1].map(|i| geometry.gears[i].youngs_modulus);
-    let modulus = 2.0 * e1 * e2 / (e1 + e2);
-    let loa = SINGLE_STIFFNESS * (0.75 * ratio + 0.25) * width * modulus / STEEL;
-    loa * geometry.operating_pressure_angle(distance).cos().powi(2)
+    /// Whether the user turned a gear.
+    fn sets_an_orientation(&self) -> bool {
+        let turned = |from: usize, to: usize| {
+            let mut set = self.settings.iter();
+            set.any(|s| (from..=to).contains(&s.index))
+        };
+        turned(index::GEAR1_ANGLES_1, index::GEAR1_QUATERNION_4)
+            || turned(index::GEAR2_ANGLES_1, index::GEAR2_QUATERNION_4)
+    }
 }
 
 /// Spin of gear 2, rad, at which its flanks stand in the middle of the gaps of gear 1, which has no
@@ -156,8 +177,8 @@ pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
     // A tooth centre of gear 1 stands on body +x and, if gear 1 is the ring, a space centre does. The
     // mesh lies at sc x from gear 1: at angle 0 or pi. Gear 2 must offer the opposite there.
     let [g1, g2] = &geometry.gears;
-    let toward = |sign: f64| if sign > 0.0 { 0.0 } else { 2.0 * FRAC_PI_2 };
-    let pitch = |z: f64| 4.0 * FRAC_PI_2 / z;
+    let toward = |sign: f64| if sign > 0.0 { 0.0 } else { PI };
+    let pitch = |z: f64| TAU / z;
     let (at1, at2) = (toward(geometry.sc()), toward(geometry.sc() * -geometry.e()));
     // Phase within the pitch, 0 at a tooth centre (ring: at a space centre), of what gear 1 offers.
     let phase1 = (at1 / pitch(g1.z())).rem_euclid(1.0);
@@ -167,7 +188,9 @@ pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
     } else {
         phase1
     };
-    let present = (at2 / pitch(g2.z())).rem_euclid(1.0);
+    // Gear 2's tooth stands on its +x in its own z = 0 face; the helix has turned it in that of gear 1.
+    let helix = g2.hand * g2.helix_angle.tan() / g2.reference_radius();
+    let present = ((at2 + helix * g2.face_offset) / pitch(g2.z())).rem_euclid(1.0);
     let turn = (present - wanted).rem_euclid(1.0);
     pitch(g2.z()) * if turn > 0.5 { turn - 1.0 } else { turn }
 }
@@ -210,7 +233,8 @@ mod tests {
             (-60, 19),
             (-61, 20),
         ] {
-            let pair = pair(z1, z2);
+            let mut pair = pair(z1, z2);
+            pair.gears[1].face_offset = 1.5e-3;
             for flank in [LoadedFlank::Drive, LoadedFlank::Coast] {
                 let parameters = Parameters {
                     phase_reference: PhaseReference::Absolute,
@@ -228,17 +252,57 @@ mod tests {
         }
     }
 
+    fn start(starts: &Starts, pair: &PairGeometry, i: usize) -> f64 {
+        let starts = starts.of_variables(pair).unwrap();
+        let found = starts.iter().filter(|(j, _)| *j == i).collect::<Vec<_>>();
+        assert_eq!(found.len(), 1, "{}", VARIABLES[i].name);
+        found[0].1
+    }
+
     #[test]
-    fn the_estimate_agrees_with_the_papers_reference_pair() {
-        // Table 2 of the paper: 4.35e8 N/m; the standard's approximation is good to a tenth.
-        let paper = crate::gear::samples::paper_pair(1.0);
-        assert_relative_eq!(estimated_stiffness(&paper), 4.35e8, max_relative = 0.05);
+    fn settings_replace_and_what_depends_on_them_follows() {
+        let pair = pair(21, 30);
+        let of = |texts: &[&str]| {
+            let settings: Vec<Setting> = texts.iter().map(|t| t.parse().unwrap()).collect();
+            Starts::constant_stiffness(&pair, 100.0).with(&settings)
+        };
+        let plain = of(&[]);
+        let heavier = of(&["damping=5e3"]);
+        assert_eq!(start(&heavier, &pair, index::DAMPING), 5e3);
+        assert!(heavier.coupling(&pair).step() > plain.coupling(&pair).step());
+        // Four times the stiffness: twice the damping at the same ratio.
+        let four = 4.0 * start(&plain, &pair, index::CONSTANT_STIFFNESS);
+        let stiffer = of(&[&format!("constantStiffness={four}")]);
+        let [one, two] = [&plain, &stiffer].map(|s| start(s, &pair, index::DAMPING));
+        assert_relative_eq!(two / one, 2.0, max_relative = 1e-2);
+        let last = of(&["meshPhase=1", "meshPhase=2"]);
+        assert_eq!(start(&last, &pair, index::MESH_PHASE), 2.0);
+    }
+
+    #[test]
+    fn absolute_phases_bring_a_pose_that_meshes_unless_the_user_turned_a_gear() {
+        let pair = pair(21, 30);
+        let of = |texts: &[&str]| {
+            let settings: Vec<Setting> = texts.iter().map(|t| t.parse().unwrap()).collect();
+            Starts::constant_stiffness(&pair, 100.0).with(&settings)
+        };
+        let spin = meshing_spin(&pair);
+        assert!(spin != 0.0);
+        let absolute = of(&["phaseReference=absolute"]);
+        assert_eq!(start(&absolute, &pair, index::GEAR2_ANGLES_3), spin);
+        let sine = start(&absolute, &pair, index::GEAR2_QUATERNION_4);
+        assert_relative_eq!(2.0 * sine.asin(), spin, max_relative = 1e-12);
+        let own = of(&["phaseReference=absolute", "gear2.angles[3]=0.25"]);
+        assert_eq!(start(&own, &pair, index::GEAR2_ANGLES_3), 0.25);
     }
 
     #[test]
     fn a_start_value_outside_its_range_is_refused_by_name() {
         let pair = pair(20, 20);
-        let starts = Starts::constant_stiffness(&pair, f64::NAN);
+        let starts = Starts {
+            nominal_torque: f64::NAN,
+            ..Starts::constant_stiffness(&pair, 100.0)
+        };
         let error = starts.of_variables(&pair).unwrap_err().to_string();
         assert!(error.contains("nominalTorque"), "{error}");
     }

@@ -24,6 +24,7 @@ mod runtime;
 pub mod samples;
 #[cfg(feature = "preprocess")]
 pub mod source;
+mod summary;
 #[cfg(feature = "preprocess")]
 pub mod sweep;
 

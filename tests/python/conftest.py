@@ -11,6 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 GEARMESH = ROOT / "target" / "release" / "gearmesh"
 PAIRS = ROOT / "resources" / "pairs"
+SHIPPED = ("fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84")
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -104,6 +105,31 @@ def table_units(table_fmus):
     yield units
     for unit in units.values():
         unit.close()
+
+
+@pytest.fixture(scope="session")
+def shipped_fmus(tmp_path_factory):
+    """FMU files of the shipped tables as packing makes them, by name."""
+    folder = tmp_path_factory.mktemp("shipped")
+    out = {name: folder / f"{name}.fmu" for name in SHIPPED}
+    for name, fmu in out.items():
+        gearmesh("pack", "--tables", ROOT / "resources" / "tables" / f"{name}.json", "-o", fmu)
+    return out
+
+
+@pytest.fixture(scope="session")
+def shipped_units(shipped_fmus):
+    """The same, unpacked."""
+    units = {name: Unit(path) for name, path in shipped_fmus.items()}
+    yield units
+    for unit in units.values():
+        unit.close()
+
+
+@pytest.fixture
+def shipped(shipped_units):
+    """As `mesh`, of the shipped tables with packed defaults."""
+    yield from instances(shipped_units)
 
 
 @pytest.fixture

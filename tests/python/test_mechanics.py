@@ -12,7 +12,8 @@ from host import OK
 RNG_SEED = 20130411
 INPUTS_PER_BODY = 16
 PAIRS = ["external", "external-left", "ring2", "ring2-left", "ring1", "ring1-left"]
-CONSTANT = {"stiffnessModel": 1, "damping": 0.0}
+# One flank: the pairs have no backlash, so that the other one would carry, too, as soon as gears approach.
+CONSTANT = {"stiffnessModel": 1, "damping": 0.0, "loadedFlank": 1}
 
 
 class Geometry:

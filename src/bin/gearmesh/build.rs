@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use gearmesh::package::Setting;
 
 use crate::model::ModelArgs;
 use crate::output;
@@ -23,6 +24,10 @@ pub struct Build {
     #[arg(long)]
     library: Vec<PathBuf>,
 
+    /// Start value of a parameter or input, such as damping=500 or interpolation=shepard; repeatable
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<Setting>,
+
     #[command(flatten)]
     grid: GridArgs,
 
@@ -36,7 +41,7 @@ impl Build {
         // A missing library shall not cost the time of the tables.
         let libraries = pack::libraries(&self.library)?;
         let made = tables::compute(&self.pair, &self.output, &self.grid, &self.model)?;
-        let packed = pack::pack_tables(&made.file.to_json(), &libraries, &self.output)?;
+        let packed = pack::pack_tables(&made.file, &libraries, &self.set, &self.output)?;
         output::print(&format!(
             "Wrote {}: {:.2} MB, GUID {}; {made}\n",
             self.output.display(),

@@ -8,7 +8,6 @@ use gearmesh::table::TableFile;
 use gearmesh::table::import::import_csv;
 
 use crate::output;
-use crate::tables::in_words;
 
 /// Make tables of the samples of another contact program.
 ///
@@ -69,7 +68,7 @@ impl Import {
         file.check()?;
         output::write_whole(&self.output, file.to_json().as_bytes())?;
         let written = self.output.display();
-        output::print(&format!("Wrote {written}: {}\n", in_words(&file)))?;
+        output::print(&format!("Wrote {written}: {}\n", file.size_and_error()))?;
         Ok(())
     }
 }

@@ -5,16 +5,15 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use gearmesh::package;
+use gearmesh::package::{self, start_in_words};
 use gearmesh::pair::Pair;
 use gearmesh::table::{Table, TableFile};
-use gearmesh::words::{count, fixed, rounded, shown};
+use gearmesh::words::{count, shown};
 use serde::de::IgnoredAny;
 
 use crate::Error;
 use crate::output::{self, Listing};
 use crate::pair_summary::pair_summary;
-use crate::tables;
 
 /// Show what is in a pair file, in tables or in an FMU.
 #[derive(Debug, Args)]
@@ -62,61 +61,13 @@ fn is_tables(text: &str) -> bool {
 }
 
 fn table_file(file: &TableFile) -> Result<String, Error> {
-    let table = Table::from_file(file.clone())?;
+    // Tables that no unit could use are no tables.
+    Table::from_file(file.clone())?;
     let mut rows = Listing::default();
-    rows.row("made by", &file.generator)
-        .row("from", &file.source)
-        .row("size and error", tables::in_words(file))
-        .row(
-            "torque on gear 1",
-            format!(
-                "nominal {} N m, up to {} N m",
-                rounded(file.nominal_torque_nm),
-                rounded(file.maximum_torque_nm)
-            ),
-        )
-        .row(
-            "displacement",
-            range(
-                &file.axes.displacement_fraction,
-                1.0,
-                "from no-load to top-load approach",
-            ),
-        )
-        .row(
-            "centre distance offset",
-            range(&file.axes.center_distance_offset_m, 1e6, "um"),
-        )
-        .row(
-            "misalignment",
-            range(&file.axes.misalignment_rad, 1e3, "mrad"),
-        )
-        .row(
-            "mesh position",
-            range(&file.axes.mesh_position, 1.0, "base pitches, periodic"),
-        )
-        .row(
-            "centre distance",
-            format!("{:.4} mm", table.geometry().center_distance * 1e3),
-        )
-        .row("checksum", &file.checksum_sha256);
-    for (name, value) in &file.solver {
-        rows.row(format!("solver: {name}"), value.to_string());
+    for (name, value) in file.summary() {
+        rows.row(name, value);
     }
     Ok(format!("{}: tables\n{rows}", shown(&file.name)))
-}
-
-fn range(nodes: &[f64], scale: f64, unit: &str) -> String {
-    match nodes {
-        [] => "none".into(),
-        [only] => format!("{} {unit}, no axis", fixed(only * scale, 4)),
-        [first, .., last] => format!(
-            "{} to {} {unit}, {}",
-            fixed(first * scale, 4),
-            fixed(last * scale, 4),
-            count(nodes.len(), "node")
-        ),
-    }
 }
 
 fn fmu(path: &Path) -> Result<String, Error> {
@@ -125,7 +76,7 @@ fn fmu(path: &Path) -> Result<String, Error> {
     rows.row("GUID", &found.unit.guid)
         .row("platforms", found.platforms.join(", "));
     for (name, value) in &found.unit.starts {
-        rows.row(format!("start: {name}"), rounded(*value).to_string());
+        rows.row(format!("start: {name}"), start_in_words(name, *value));
     }
     for (name, size) in &found.files {
         rows.row(format!("file: {name}"), count(*size as usize, "byte"));

@@ -114,6 +114,15 @@ impl Listing {
         self.rows.push((shown(&name.into()), shown(&value.into())));
         self
     }
+
+    /// All rows in one line.
+    pub fn in_one_line(&self) -> String {
+        let rows = self.rows.iter();
+        let rows: Vec<String> = rows
+            .map(|(name, value)| format!("{name} {value}"))
+            .collect();
+        rows.join("; ")
+    }
 }
 
 impl std::fmt::Display for Listing {

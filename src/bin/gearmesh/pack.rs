@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use gearmesh::package::{self, Contents, Library, Packed, Starts};
+use gearmesh::package::{self, Contents, Library, Packed, Setting, Starts};
 use gearmesh::pair::Pair;
 use gearmesh::table::TableFile;
 
@@ -25,6 +25,9 @@ pub struct Pack {
     /// Compiled library of the unit, once per platform [default: the one beside this program].
     #[arg(long)]
     library: Vec<PathBuf>,
+    /// Start value of a parameter or input, such as damping=500 or interpolation=shepard; repeatable.
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<Setting>,
 }
 
 impl Pack {
@@ -33,7 +36,12 @@ impl Pack {
         let libraries = libraries(&self.library)?;
         let packed = if let Some(path) = &self.tables {
             let text = output::read_text(path)?;
-            pack_tables(&text, &libraries, &self.output)?
+            pack_tables(
+                &TableFile::from_json(&text)?,
+                &libraries,
+                &self.set,
+                &self.output,
+            )?
         } else {
             let pair = Pair::read(self.pair.as_deref().unwrap_or("".as_ref()))?;
             let starts = Starts::constant_stiffness(&pair.geometry, pair.operating.nominal_torque);
@@ -41,7 +49,7 @@ impl Pack {
                 name: &pair.name,
                 geometry: &pair.geometry,
                 tables: None,
-                starts: &starts,
+                starts: &starts.with(&self.set),
             };
             interrupt::uninterrupted(|| package::pack(&contents, &libraries, &self.output))?
         };
@@ -51,18 +59,18 @@ impl Pack {
     }
 }
 
-/// Packs the unit of the tables with this text.
+/// Packs the unit of these tables with the start values of `settings`.
 pub fn pack_tables(
-    text: &str,
+    tables: &TableFile,
     libraries: &[Library],
+    settings: &[Setting],
     output: &Path,
 ) -> Result<Packed, crate::Error> {
-    let tables = TableFile::from_json(text)?;
     let contents = Contents {
         name: &tables.name,
         geometry: &tables.geometry.pair_geometry()?,
-        tables: Some(text),
-        starts: &Starts::of_tables(&tables)?,
+        tables: Some(tables),
+        starts: &Starts::of_tables(tables)?.with(settings),
     };
     let packed = interrupt::uninterrupted(|| package::pack(&contents, libraries, output))?;
     Ok(packed)

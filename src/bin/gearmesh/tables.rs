@@ -12,11 +12,11 @@ use gearmesh::table::plan::{Coverage, default_axes, measure, table_within};
 use gearmesh::table::source::{SolveQuality, WatchedSolver};
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{FlankGrid, FlankTable, Interpolation, InterpolationError, TableFile};
-use gearmesh::words::count;
 
 use crate::Error;
+use crate::flank_summary::modifications;
 use crate::model::{Model, ModelArgs};
-use crate::output;
+use crate::output::{self, Listing};
 
 /// Random operating points at which the default grid is measured.
 const HELD_OUT_POINTS: usize = 1000;
@@ -81,7 +81,7 @@ impl std::fmt::Display for Made {
         write!(
             f,
             "{}\n  elastic model: {}\n  static contact: {:.1} s, {}",
-            in_words(&self.file),
+            self.file.size_and_error(),
             self.elastic_model,
             self.contact_seconds,
             solves_in_words(&self.file)
@@ -240,10 +240,24 @@ fn settings(
         ("most_newton_steps", quality.most_iterations.into()),
         ("newton_steps_allowed", MAXIMUM_ITERATIONS.into()),
         ("largest_kkt_residual", quality.kkt_residual.into()),
+        (
+            "modifications_of_gear_1",
+            modifications_in_words(pair, 0).into(),
+        ),
+        (
+            "modifications_of_gear_2",
+            modifications_in_words(pair, 1).into(),
+        ),
     ]
     .into_iter()
     .map(|(name, value): (&str, serde_json::Value)| (name.to_owned(), value))
     .collect()
+}
+
+fn modifications_in_words(pair: &Pair, i: usize) -> String {
+    let mut rows = Listing::default();
+    modifications(pair, i, &mut rows);
+    rows.in_one_line()
 }
 
 /// How the static solves of tables went, as their file says.
@@ -258,37 +272,5 @@ pub fn solves_in_words(file: &TableFile) -> String {
         of("most_newton_steps"),
         of("newton_steps_allowed"),
         of("largest_kkt_residual")
-    )
-}
-
-/// Size and error of tables in one line.
-pub fn in_words(file: &TableFile) -> String {
-    let axes = &file.axes;
-    let error = file.interpolation_error.map_or_else(
-        || "error not measured".into(),
-        |e| {
-            format!(
-                "error at {} random points: force {:.2} % rms, {:.2} % at most, of the nominal force; shuttling \
-                 moment {:.2} % rms, {:.2} % at most, of that force at an end of the face",
-                e.points,
-                1e2 * e.force_rms,
-                1e2 * e.force_maximum,
-                1e2 * e.moment_rms,
-                1e2 * e.moment_maximum
-            )
-        },
-    );
-    format!(
-        "{} x {} x {} x {}, {} flank{}, {error}",
-        count(axes.displacement_fraction.len(), "displacement"),
-        count(axes.center_distance_offset_m.len(), "centre distance"),
-        count(axes.misalignment_rad.len(), "misalignment"),
-        count(axes.mesh_position.len(), "mesh position"),
-        if file.coast.is_some() { "each" } else { "one" },
-        if file.coast.is_some() {
-            ""
-        } else {
-            " for both"
-        },
     )
 }

@@ -20,7 +20,6 @@ use crate::limits;
 use crate::model::{Model, ModelArgs};
 use crate::output;
 use crate::pair_summary::pair_summary;
-use crate::tables::in_words;
 
 /// Loads of the curves over the nominal torque.
 const LOADS: [f64; 5] = [0.4, 0.7, 1.0, 1.3, 2.0];
@@ -79,7 +78,7 @@ impl Report {
                 .into());
             }
             page.section("Tables", &path.display().to_string());
-            page.preformatted(&in_words(&file));
+            page.preformatted(&file.size_and_error());
         }
         curves(&mut page, &cycles)?;
         table(&mut page, &cycles);

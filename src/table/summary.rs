@@ -1,0 +1,110 @@
+//! What a tables file covers and how far it can be trusted, in words for `gearmesh inspect` and the FMU's page.
+
+use super::TableFile;
+use crate::words::{count, fixed, rounded};
+
+impl TableFile {
+    /// Rows of name and value: origin, size and error, ranges, settings of the solver.
+    pub fn summary(&self) -> Vec<(String, String)> {
+        let axes = &self.axes;
+        let mut rows = vec![
+            ("made by".to_owned(), self.generator.clone()),
+            ("from".into(), self.source.clone()),
+            ("size and error".into(), self.size_and_error()),
+            (
+                "torque on gear 1".into(),
+                format!(
+                    "nominal {} N m, up to {} N m",
+                    rounded(self.nominal_torque_nm),
+                    rounded(self.maximum_torque_nm)
+                ),
+            ),
+            (
+                "displacement".into(),
+                range(
+                    &axes.displacement_fraction,
+                    1.0,
+                    "from no-load to top-load approach",
+                ),
+            ),
+            (
+                "centre distance offset".into(),
+                range(&axes.center_distance_offset_m, 1e6, "um"),
+            ),
+            (
+                "misalignment".into(),
+                range(&axes.misalignment_rad, 1e3, "mrad"),
+            ),
+            (
+                "mesh position".into(),
+                range(&axes.mesh_position, 1.0, "base pitches, periodic"),
+            ),
+            (
+                "centre distance".into(),
+                self.geometry.pair_geometry().map_or_else(
+                    |error| error.to_string(),
+                    |pair| format!("{:.4} mm", pair.center_distance * 1e3),
+                ),
+            ),
+            ("checksum".into(), self.checksum_sha256.clone()),
+        ];
+        for (name, value) in &self.solver {
+            // Strings without the quotation marks of JSON.
+            let value = value
+                .as_str()
+                .map_or_else(|| value.to_string(), str::to_owned);
+            let name = name.replace('_', " ");
+            rows.push(if name.starts_with("modifications") {
+                (name, value)
+            } else {
+                (format!("solver: {name}"), value)
+            });
+        }
+        rows
+    }
+
+    /// Nodes, flanks and measured error in one line.
+    pub fn size_and_error(&self) -> String {
+        let axes = &self.axes;
+        let error = self.interpolation_error.map_or_else(
+            || "error not measured".into(),
+            |e| {
+                format!(
+                    "error at {} random points: force {:.2} % rms, {:.2} % at most, of the nominal force; shuttling \
+                     moment {:.2} % rms, {:.2} % at most, of that force at an end of the face",
+                    e.points,
+                    1e2 * e.force_rms,
+                    1e2 * e.force_maximum,
+                    1e2 * e.moment_rms,
+                    1e2 * e.moment_maximum
+                )
+            },
+        );
+        format!(
+            "{} x {} x {} x {}, {} flank{}, {error}",
+            count(axes.displacement_fraction.len(), "displacement"),
+            count(axes.center_distance_offset_m.len(), "centre distance"),
+            count(axes.misalignment_rad.len(), "misalignment"),
+            count(axes.mesh_position.len(), "mesh position"),
+            if self.coast.is_some() { "each" } else { "one" },
+            if self.coast.is_some() {
+                ""
+            } else {
+                " for both"
+            },
+        )
+    }
+}
+
+fn range(nodes: &[f64], scale: f64, unit: &str) -> String {
+    match nodes {
+        [] => "none".into(),
+        [only] => format!("{} {unit}, no axis", fixed(only * scale, 4)),
+        [first, .., last] => format!(
+            "{} to {} {unit}, {}",
+            fixed(first * scale, 4),
+            fixed(last * scale, 4),
+            count(nodes.len(), "node")
+        ),
+    }
+}

@@ -45,12 +45,8 @@ pub(super) fn signals(resources: &Arc<Resources>) -> Result<Option<String>, Pack
         let spin1 = turn * i as f64 / steps as f64;
         let spin2 = |behind: f64| geometry.e() * (sense * behind - z1 / z2 * spin1);
         let mut torque = |behind: f64| -> Result<f64, PackageError> {
-            for (i, value) in turned(starts, [spin1, spin2(behind)])
-                .into_iter()
-                .enumerate()
-            {
-                unit.set_input(i, value);
-            }
+            unit.inputs_mut()
+                .set_block(0, &turned(starts, [spin1, spin2(behind)]));
             let moment = unit.get(index::GEAR1_MOMENT_3).map_err(refused)?;
             Ok(-sense * moment.number())
         };

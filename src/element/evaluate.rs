@@ -159,7 +159,7 @@ pub(crate) fn evaluate<T: Scalar>(
 
     let loads = match &pose.carried {
         None => {
-            let [drive, coast] = flanks.map(|f| f.all_slopes(k.per_pitch_angle));
+            let [drive, coast] = [0, 1].map(|i| flanks[i].all_slopes(k.per_pitch_angle));
             pose.map.loads(&(drive + coast))
         }
         Some(carried) => {

@@ -21,7 +21,7 @@
 use super::constants::{Constants, TILT_LIMIT};
 use super::error::{Body, ElementError};
 use super::motion::Motion;
-use super::scalar::{Scalar, angles};
+use super::scalar::{Scalar, angles, scaled};
 use super::{Formulation, check};
 use nalgebra::Vector3;
 
@@ -115,7 +115,7 @@ impl<T: Scalar> Map<T> {
         let aa = a[0].dot(&a[1]);
         check::tilt(Body::Gear2, Body::Gear1, aa.re(), TILT_LIMIT)?;
         let relative = g2.p - g1.p;
-        let k1 = a[0] * T::from(station);
+        let k1 = scaled(&a[0], station);
         let per_aa = aa.recip();
         let lambda = (k1 - relative).dot(&a[0]) * per_aa;
         let k2 = a[1] * lambda;
@@ -123,7 +123,7 @@ impl<T: Scalar> Map<T> {
         let c = u.dot(&u).sqrt();
         let w = k.pitch_fraction;
         if check::center_distance(k, c.re())? == check::Distance::OutOfReach {
-            return Ok(Placed::Far(k1 + u * T::from(w), c));
+            return Ok(Placed::Far(k1 + scaled(&u, w), c));
         }
         let per_c = c.recip();
         let line = u * per_c;
@@ -132,10 +132,10 @@ impl<T: Scalar> Map<T> {
         // Cylindrical coordinates of X in either body.
         let rho1 = c * w.abs();
         let along = u.dot(&a[1]) * (1.0 - w);
-        let arm2 = a[1] * along - u * T::from(1.0 - w);
+        let arm2 = a[1] * along - scaled(&u, 1.0 - w);
         let rho2 = arm2.dot(&arm2).sqrt();
         let per_rho = [rho1.recip(), rho2.recip()];
-        let radial = [line * T::from(w.signum()), arm2 * per_rho[1]];
+        let radial = [scaled(&line, w.signum()), arm2 * per_rho[1]];
         // Tangent of the pressure angle at X on either gear. Tilt shortens rho_2 by its square; at
         // C = |rb1 + e rb2| that can cross the base circle.
         let tangent = [tangent(rho1 * k.per_rb[0]), tangent(rho2 * k.per_rb[1])];
@@ -172,7 +172,7 @@ impl<T: Scalar> Map<T> {
                 Vector3::zeros()
             }
         };
-        let odd = [0, 1].map(|i| about[i] * cosine[i] - a[i] * T::from(hands[i] * tan_beta_b));
+        let odd = [0, 1].map(|i| about[i] * cosine[i] - scaled(&a[i], hands[i] * tan_beta_b));
 
         // M and its gradients at fixed axes, and by the axes.
         let cos_phi = per_c * k.base_sum;
@@ -199,8 +199,11 @@ impl<T: Scalar> Map<T> {
             odd,
             around: about[0] * per_rho[0],
             misalignment_u: [
-                (a[1] * alpha + line * (u_axial * alpha_slope)) * T::from(-k.e),
-                (a[1].cross(&a[0]) * beta + line * (u_across * beta_slope)) * T::from(-k.sc),
+                scaled(&(a[1] * alpha + line * (u_axial * alpha_slope)), -k.e),
+                scaled(
+                    &(a[1].cross(&a[0]) * beta + line * (u_across * beta_slope)),
+                    -k.sc,
+                ),
             ],
             misalignment_a1: u.cross(&a[1]) * (beta * -k.sc),
             misalignment_a2: [u * (alpha * -k.e), across * (beta * -k.sc)],
@@ -220,8 +223,8 @@ impl<T: Scalar> Map<T> {
         let slip = self.a[1] * axial;
         let u = d + slip;
         // Velocity of X against the material of either gear.
-        let x1 = (u - v1.angular.cross(&self.u)) * T::from(self.w);
-        let x2 = slip - (u - v2.angular.cross(&self.u)) * T::from(1.0 - self.w);
+        let x1 = scaled(&(u - v1.angular.cross(&self.u)), self.w);
+        let x2 = slip - scaled(&(u - v2.angular.cross(&self.u)), 1.0 - self.w);
         let [a1, a2] = [v1.angular.cross(&self.a[0]), v2.angular.cross(&self.a[1])];
         let [m_u, m_a2] = [&self.misalignment_u, &self.misalignment_a2];
         Coordinates {
@@ -242,20 +245,19 @@ impl<T: Scalar> Map<T> {
     pub(crate) fn loads(&self, slopes: &Coordinates<T>) -> [Spatial<T>; 2] {
         let [m_even, m_odd] = slopes.misalignment;
         let [m_u, m_a2] = [&self.misalignment_u, &self.misalignment_a2];
-        let w = T::from(self.w);
         let n1 = self.even[0] * slopes.half_gap - self.odd[0] * slopes.turn
             + self.around * slopes.mesh_angle;
         let n2 = self.even[1] * slopes.half_gap - self.odd[1] * (slopes.turn * self.e);
         let by_u = m_u[0] * m_even
             + m_u[1] * m_odd
             + self.line * slopes.center_distance
-            + n1 * w
-            + n2 * T::from(self.w - 1.0);
+            + scaled(&n1, self.w)
+            + scaled(&n2, self.w - 1.0);
         let by_axial = (by_u.dot(&self.a[1]) + n2.dot(&self.a[1]) + slopes.axial) * self.per_aa;
         let force = by_u - self.a[0] * by_axial;
-        let couple1 = self.u.cross(&n1) * w + self.across * by_axial
+        let couple1 = scaled(&self.u.cross(&n1), self.w) + self.across * by_axial
             - self.a[0].cross(&(self.misalignment_a1 * m_odd));
-        let couple2 = self.u.cross(&n2) * T::from(self.w - 1.0)
+        let couple2 = scaled(&self.u.cross(&n2), self.w - 1.0)
             - self.a[1].cross(&(m_a2[0] * m_even + m_a2[1] * m_odd));
         [
             Spatial {
@@ -294,7 +296,7 @@ impl<T: Scalar> Map<T> {
 
     /// X - p1, m: the operating pitch point at the station.
     pub(crate) fn pitch_point(&self) -> Vector3<T> {
-        self.k1 + self.u * T::from(self.w)
+        self.k1 + scaled(&self.u, self.w)
     }
 
     /// Direction of gear 1's axis.

@@ -41,6 +41,7 @@ pub fn with_module(mut gear: Gear, module: f64) -> Gear {
         &mut gear.face_width,
         &mut gear.tip_radius,
         &mut gear.held_radius,
+        &mut gear.tip_chamfer,
     ] {
         *length *= scale;
     }

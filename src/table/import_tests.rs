@@ -90,8 +90,8 @@ fn the_lowest_load_node_makes_a_linear_spring_exact_beyond_the_rounded_onset() {
 #[test]
 fn a_byte_order_mark_quotes_spaces_and_empty_lines_change_nothing() {
     let good = csv(&TORQUES);
-    let quoted = good.replacen("torque_nm,", "\"torque_nm\" , ", 1);
-    let quoted = quoted.replacen("\n0.5,0,", "\r\n\r\n \"0.5\",\t0 ,", 1);
+    let quoted = good.replacen("torque_nm,", "\"torque_nm\", ", 1);
+    let quoted = quoted.replacen("\n0.5,0,", "\r\n\r\n\"0.5\",\t0 ,", 1);
     let quoted = format!("\u{feff}{quoted}\n\n");
     let [plain, quoted] = [good, quoted].map(|text| import_csv(&text, &spur_pair()).unwrap());
     assert_eq!(plain.grid, quoted.grid);

@@ -8,6 +8,10 @@ use super::parameters::PhaseReference;
 use super::scalar::{fraction, wrap};
 use super::{Element, law::Law};
 
+/// Base pitches by which the start pose stays short of contact, so that rounding does not decide whether the paper's
+/// damper, which acts at once, is at work.
+const ROUNDING: f64 = 2e-14;
+
 /// The latch that `element` takes from `inputs`.
 pub(crate) fn latch(element: &Element, inputs: &Inputs) -> Result<Latch, ElementError> {
     let Ok(pose) = pose(element, inputs)? else {
@@ -52,7 +56,7 @@ fn onset(element: &Element, law: &Law, pose: &Pose<f64>, i: usize, mesh_position
         let middle = 0.5 * (free + pressed);
         // Two neighbouring numbers, or nothing but rounding of the zero between them.
         if middle == free || middle == pressed || pressed - free < 1e-18 {
-            return free;
+            return free - ROUNDING * k.base_pitch;
         }
         if carries(middle) {
             pressed = middle;

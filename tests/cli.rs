@@ -152,7 +152,12 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     let positions = numbers(&json["mesh_position"]);
     assert_eq!(positions.len(), 12);
     assert!((positions[3] - 0.25).abs() < 1e-15);
-    for key in ["ste_loa_um", "contact_z_mm", "maximum_pressure_mpa"] {
+    for key in [
+        "ste_loa_um",
+        "contact_z_mm",
+        "maximum_pressure_mpa",
+        "edge_line_load_n_per_mm",
+    ] {
         assert_eq!(numbers(&json[key]).len(), 12, "{key}");
     }
     for share in json["load_share"].as_array().unwrap() {

@@ -29,9 +29,11 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
          unit load. A strip of a contact line is a line load spread across it by a smooth kernel; the kernel's own half-plane \
          logarithm is taken out again, and the Hertz contact, whose width follows the load, put in its place.\n\n\
          **Tip edges.** Beyond the path of contact the tip edge of one gear bears on the flank of the other. The kernel there is \
-         no wider than the distance to the edge, down to what the elements resolve. Where that is narrower than the contact, as much of the displacement of a strip under its \
-         own load is moved from the bulk to the local contact as the bulk matrix can give and stay positive definite, which \
-         changes nothing but the range of the local law. And contact has one side only: \
+         no wider than the distance to the edge, down to what the elements resolve. Where that is narrower than the contact, the displacement of a strip under its \
+         own load is moved from the bulk to the local contact until the law of the latter suits the widest contact of the pair's \
+         loads. That changes nothing as long as the bulk matrix can give it and stay positive definite; loads that change along the \
+         line faster than the elements resolve are averaged over their neighbours for it, so that no pair is refused for the \
+         length of its strips. And contact has one side only: \
          with the gap alpha s + s²/(2 R) at the distance s from the edge, the pressure between half-planes is \
          sqrt((a - s)/s) (alpha + (s + a/2)/R) / (pi c), alpha the inclination of the flanks, and its displacement replaces that \
          of Hertz. Inside the flank alpha = -(distance to the edge)/R, and the law passes into that of Hertz exactly where \
@@ -39,6 +41,8 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
          of gear 1 this normal touches the base circle of gear 2, so that its arm about the axis of gear 1 is a few hundredths \
          less than the base radius; the torque given is that on gear 1. Left out is that the tip is a wedge, not a half-plane, below the size of the elements at \
          the edge.\n\n\
+         **Modified flanks** touch where they come closest, not on the nominal line: gap = min over s of (removal of both gears + \
+         s²/(2 R)), s along the flanks in the transverse section, the lengths of roll moved by s rb/rho.\n\n\
          **Contact** is the frictionless complementarity problem over all strips of all tooth pairs in reach, solved by Newton's \
          method to a relative residual of 1e-10.\n",
         link("mesh", "Mesh of one sector"),

@@ -2,12 +2,10 @@
 //! from the local contact, whose width depends on the load.
 
 pub mod finite_element;
-mod widest_contact;
 
 use nalgebra::DMatrix;
 
 use thiserror::Error;
-pub use widest_contact::widest_contact;
 
 /// Two strips lie on teeth farther apart than the elastic model goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
@@ -55,4 +53,9 @@ pub trait ToothCompliance: Send + Sync {
 
     /// The length L_i of every strip, m, that completes `bulk` with the local contact.
     fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64>;
+
+    /// Length along z within which the model does not tell loads apart, m; zero for one that tells all.
+    fn lengthwise_resolution(&self) -> f64 {
+        0.0
+    }
 }

@@ -1,5 +1,6 @@
 //! The strips that may touch at one position of the mesh.
 
+use super::closest::Flanks;
 use super::transverse::TransverseSection;
 use crate::compliance::Strip;
 use crate::gear::{Flank, Gear, Microgeometry, PairGeometry};
@@ -16,7 +17,7 @@ pub struct Candidate {
     pub tooth_pair: i32,
     /// Ends in gear 1's frame, m, ascending.
     pub z: [f64; 2],
-    /// Length of roll on gear 1 and gear 2 at mid-strip, m.
+    /// Length of roll on gear 1 and gear 2 at mid-strip, where the flanks come closest, m.
     pub roll: [f64; 2],
     /// Gaps along the line of action before load and misalignment at the points of the strip, ascending in z,
     /// m: microgeometry of both flanks and the separation off the path of contact.
@@ -26,7 +27,10 @@ pub struct Candidate {
     /// Slope of the gap at the nearest tip edge, from the edge into the flank, in the normal section; negative
     /// where contact lies inside the flank.
     pub edge_slope: f64,
-    /// Arm of the force about the axis of gear 1, in the transverse plane over its base radius.
+    /// The gear, 0 or 1, that this edge belongs to.
+    pub edge_gear: usize,
+    /// Arm of the force about the axis of gear 1, in the transverse plane over its base radius; at
+    /// mid-strip.
     pub arm: f64,
     /// The strip in the canonical coordinates of gear 1 and gear 2.
     pub strips: [Strip; 2],
@@ -116,20 +120,14 @@ impl ContactLines<'_> {
 
     fn candidate(&self, tau: f64, k: i32, z: [f64; 2]) -> Candidate {
         let g = self.geometry;
-        let point = |z: f64| self.section.point(g.contact_line(self.flank, tau, k, z));
-        let middle = point(0.5 * (z[0] + z[1]));
-        let ends = z.map(point);
+        let closest = |z: f64| {
+            let at = self.section.point(g.contact_line(self.flank, tau, k, z));
+            Flanks::new(g, self.microgeometry, at, z).closest_point(self.section)
+        };
+        let middle = closest(0.5 * (z[0] + z[1]));
+        let ends = z.map(closest);
+        let gap = points(z).map(|z| closest(z).gap);
         let cos_beta_b = g.base_helix_angle().cos();
-        let gap = points(z).map(|z| {
-            let at = point(z);
-            let removal: f64 = (0..2)
-                .map(|i| {
-                    let gear = &g.gears[i];
-                    self.microgeometry[i].removal(gear, at.roll[i], z - gear.face_offset)
-                })
-                .sum();
-            removal / cos_beta_b + at.separation
-        });
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
             .map(|i| g.gears[i].kappa() * cos_beta_b / middle.roll[i])
@@ -143,6 +141,7 @@ impl ContactLines<'_> {
             // The transverse tangent is normal to the generator; the gap is cos beta_b of that along the
             // line of action.
             edge_slope: middle.edge_slope * cos_beta_b,
+            edge_gear: middle.edge_gear,
             arm: middle.arm,
             strips: [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]])),
         }

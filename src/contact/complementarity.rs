@@ -18,7 +18,7 @@
 
 use super::candidates::POINTS;
 use super::cholesky::{Cholesky, dot};
-use super::hertz::LocalContact;
+use super::local::LocalContact;
 
 /// One frictionless contact problem.
 pub struct Problem<'a> {
@@ -65,8 +65,8 @@ pub struct Solution {
 /// Why there is no solution; [`super::ContactError`] adds where.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Failure {
-    /// The local law ends before the pressure (Pa) that it took.
-    ContactTooWide { pressure: f64 },
+    /// A Hertz pressure (Pa) that no flank carries.
+    Overload { pressure: f64 },
     /// Index of the failing pivot among the strips in contact.
     NotPositiveDefinite { pivot: usize },
     /// Newton's iteration stopped short of its tolerance at this relative residual.
@@ -107,7 +107,7 @@ impl Problem<'_> {
     ///
     /// # Errors
     /// [`Failure::NotPositiveDefinite`], [`Failure::NotConverged`],
-    /// [`Failure::ContactTooWide`].
+    /// [`Failure::Overload`].
     pub fn solve(
         &self,
         target: Target,
@@ -388,10 +388,8 @@ impl Problem<'_> {
             let local = &self.local[strip];
             for gap in &self.gap[strip] {
                 let point = local.force(x - gap).0;
-                if local.is_too_wide(point) {
-                    return Err(Failure::ContactTooWide {
-                        pressure: local.pressure(point),
-                    });
+                if let Some(pressure) = local.overload(point) {
+                    return Err(Failure::Overload { pressure });
                 }
             }
         }

@@ -95,12 +95,12 @@ pub enum ContactError {
         /// How far candidates were followed, um.
         reach_um: f64,
     },
-    /// The contact ellipse has outgrown the half-plane of the local contact law.
+    /// The load is beyond what any flank carries.
     #[error(
-        "{at}: a contact pressure of {pressure_mpa:.0} MPa and a contact too wide for the law of local contact; \
-         the load is far beyond what these teeth can carry: lower torque or misalignment"
+        "{at}: a contact pressure of {pressure_mpa:.0} MPa, far beyond what these teeth can carry: \
+         lower torque or misalignment"
     )]
-    ContactTooWide {
+    Overload {
         /// Where.
         at: OperatingPoint,
         /// Hertz pressure there, MPa.

@@ -5,7 +5,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::error::ContactError;
-use super::position::ContactResult;
+use super::result::{ContactResult, EdgeLoad, larger};
 use super::solver::ContactSolver;
 use crate::gear::Flank;
 
@@ -111,12 +111,17 @@ impl MeshCycle {
         self.results.iter().map(|r| r.contact_z).sum::<f64>() / self.results.len() as f64
     }
 
-    /// Largest Hertz pressure of the cycle, Pa.
+    /// Largest Hertz pressure of the cycle inside the flanks, Pa.
     pub fn max_pressure(&self) -> f64 {
         self.results
             .iter()
             .map(|r| r.max_pressure)
             .fold(0.0, f64::max)
+    }
+
+    /// Largest line load of the cycle at a tip edge, if contact reaches one.
+    pub fn edge_load(&self) -> Option<EdgeLoad> {
+        self.results.iter().map(|r| r.edge_load).fold(None, larger)
     }
 
     /// Largest KKT residual of the cycle.

@@ -7,8 +7,8 @@
 //!
 //! Everything is measured on the line of action at mid-face: the approach delta (STE) counts from where
 //! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z.
-//! The gap of a strip is the removal of both flanks over cos beta_b, plus the separation off the path of
-//! contact, minus M (z - z_ref). It is taken at several points of each strip, so that the edge of the
+//! The gap of a strip is that of the modified flanks where they come closest (`closest.rs`), minus
+//! M (z - z_ref). It is taken at several points of each strip, so that the edge of the
 //! contact moves in small steps; forces and bulk displacements are those of whole strips.
 //!
 //! The torque on gear 1 is F_bt rb1, F_bt = cos beta_b sum a_i F_i with a_i the arm of the transverse force
@@ -18,21 +18,22 @@
 
 mod candidates;
 mod cholesky;
+mod closest;
 mod complementarity;
-mod division;
 mod error;
-mod hertz;
+pub(crate) mod local;
 mod mesh_cycle;
 mod position;
+mod result;
 mod solver;
-mod tip_edge;
 mod transverse;
 
 pub use candidates::Candidate;
 pub use complementarity::MAXIMUM_ITERATIONS;
 pub use error::{ContactError, OperatingPoint, Prescribed};
 pub use mesh_cycle::{CycleInput, HARMONICS, MeshCycle};
-pub use position::{ContactResult, PositionProblem, StripLoad, Tangent};
+pub use position::PositionProblem;
+pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
 pub use solver::{ContactSettings, ContactSolver};
 
 #[cfg(test)]

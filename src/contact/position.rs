@@ -6,83 +6,28 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::candidates::{Candidate, POINTS};
-use super::complementarity::{Failure, Problem, Solution, Target};
-use super::division;
+use super::complementarity::{Failure, Problem, Target};
 use super::error::{ContactError, OperatingPoint, Prescribed};
-use super::hertz::{LocalBody, LocalContact};
+use super::local::constants::{SMOOTHING_OVER_LAYER, SMOOTHING_OVER_REFERENCE};
+use super::local::{LocalBody, LocalContact, Piece, divide};
+use super::result::ContactResult;
 use crate::compliance::{BeyondModel, Strip, ToothCompliance};
 use crate::gear::PairGeometry;
 
-/// Derivatives of load and moment at a solution.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Tangent {
-    /// d F_bt / d approach, N/m.
-    pub force_by_approach: f64,
-    /// d F_bt / d misalignment = d (F_bt (z_c - z_ref)) / d approach, N/rad.
-    pub force_by_misalignment: f64,
-    /// d (F_bt (z_c - z_ref)) / d misalignment, N m/rad.
-    pub moment_by_misalignment: f64,
-}
-
-/// One strip in a solution.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StripLoad {
-    /// Tooth pair (see [`Candidate::tooth_pair`]).
-    pub tooth_pair: i32,
-    /// Ends in gear 1's frame, m.
-    pub z: [f64; 2],
-    /// Length of roll on gear 1 and gear 2, m.
-    pub roll: [f64; 2],
-    /// Normal force, N.
-    pub force: f64,
-    /// Largest Hertz pressure, Pa; where contact reaches a tip edge, 4 / pi times the mean.
-    pub pressure: f64,
-    /// Whether contact reaches a tip edge. The pressure at a sharp edge has no bound.
-    pub reaches_edge: bool,
-}
-
-/// Static contact at one operating point.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ContactResult {
-    /// STE: approach on the line of action at mid-face from unmodified involutes that just touch, m.
-    pub approach: f64,
-    /// Transverse force on the line of action F_bt, N.
-    pub loa_force: f64,
-    /// Shuttling moment F_bt (z_c - z_ref), N m.
-    pub moment: f64,
-    /// z of the resultant in gear 1's frame, m; mid-face where nothing touches.
-    pub contact_z: f64,
-    /// Fraction of the load on each tooth pair in reach, ascending.
-    pub load_share: Vec<(i32, f64)>,
-    /// Largest Hertz pressure, Pa.
-    pub max_pressure: f64,
-    /// Largest violation of equilibrium or of the contact conditions over the largest force: force on a
-    /// strip less what its gaps and local contact ask for under the displacement of all forces.
-    pub kkt_residual: f64,
-    /// Newton steps it took.
-    pub iterations: usize,
-    /// Derivatives at the solution.
-    pub tangent: Tangent,
-    /// Normal force on each strip, N, in the order of [`PositionProblem::candidates`].
-    pub forces: Vec<f64>,
-    /// Largest Hertz pressure on each strip, Pa.
-    pub pressures: Vec<f64>,
-}
-
 /// The contact problem at one position and centre distance: influence matrix and gaps.
 pub struct PositionProblem {
-    candidates: Vec<Candidate>,
+    pub(super) candidates: Vec<Candidate>,
     /// Bulk influence matrix of both gears, row by row.
     bulk: Vec<f64>,
     /// Law of one point of each strip.
-    local: Vec<LocalContact>,
+    pub(super) local: Vec<LocalContact>,
     /// Points of each strip from mid-face, m.
-    lever: Vec<[f64; POINTS]>,
+    pub(super) lever: Vec<[f64; POINTS]>,
     /// Arm of the normal force on each strip about the axis of gear 1, over its base radius.
-    arm: Vec<f64>,
+    pub(super) arm: Vec<f64>,
     cos_beta_b: f64,
     base_radius: f64,
-    z_ref: f64,
+    pub(super) z_ref: f64,
     limits: Limits,
 }
 
@@ -95,6 +40,8 @@ pub(super) struct Limits {
     pub reach: Option<f64>,
     /// Stiffness for starting values, N/m per m of contact line.
     pub foundation: f64,
+    /// Reference length that the local contact asks for, m.
+    pub reference_length: f64,
 }
 
 impl PositionProblem {
@@ -125,12 +72,26 @@ impl PositionProblem {
             .iter()
             .map(|c| (c.z[1] - c.z[0]) / cos_beta_b)
             .collect();
-        division::divide(
+        let pieces: Vec<Piece> = candidates
+            .iter()
+            .zip(&strip_lengths)
+            .map(|(c, &length)| Piece {
+                line: c.tooth_pair,
+                at: c.middle() / cos_beta_b,
+                length,
+            })
+            .collect();
+        let layer = compliance
+            .iter()
+            .map(|model| model.lengthwise_resolution() / cos_beta_b)
+            .fold(0.0, f64::max);
+        divide(
             &mut symmetric,
             &mut lengths,
             plane_compliance.map(|p| 2.0 * p / PI),
-            &strip_lengths,
-            division::WANTED_LENGTH * geometry.gears[0].normal_module,
+            &pieces,
+            limits.reference_length,
+            (SMOOTHING_OVER_LAYER * layer).max(SMOOTHING_OVER_REFERENCE * limits.reference_length),
         );
         let local = candidates
             .iter()
@@ -227,7 +188,7 @@ impl PositionProblem {
     /// # Errors
     /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::BeyondReach`] where tip
     /// corners would have to be followed farther than was set, and what the solve itself can refuse
-    /// ([`ContactError::ContactTooWide`], [`ContactError::NotPositiveDefinite`],
+    /// ([`ContactError::Overload`], [`ContactError::NotPositiveDefinite`],
     /// [`ContactError::NotConverged`]).
     pub fn solve_approach(
         &self,
@@ -265,7 +226,7 @@ impl PositionProblem {
         let solution = problem
             .solve(target, start, self.limits.foundation)
             .map_err(|failure| match failure {
-                Failure::ContactTooWide { pressure } => ContactError::ContactTooWide {
+                Failure::Overload { pressure } => ContactError::Overload {
                     at,
                     pressure_mpa: 1e-6 * pressure,
                 },
@@ -298,101 +259,6 @@ impl PositionProblem {
         }
         Ok(self.result(solution, &gap))
     }
-
-    fn result(&self, solution: Solution, gap: &[[f64; POINTS]]) -> ContactResult {
-        let loa_force = dot(&self.arm, &solution.force);
-        let mut moment = 0.0;
-        let mut pressures = vec![0.0f64; solution.force.len()];
-        // Sums of the derivatives of the forces at the points, times powers 0, 1, 2 of their levers.
-        let mut slopes = vec![[0.0; 3]; solution.force.len()];
-        for i in 0..solution.force.len() {
-            if solution.force[i] == 0.0 {
-                continue;
-            }
-            for (gap, lever) in gap[i].iter().zip(&self.lever[i]) {
-                let (force, slope) = self.local[i].force(solution.closing[i] - gap);
-                moment += self.arm[i] * force * lever;
-                pressures[i] = pressures[i].max(self.local[i].pressure(force));
-                for (power, sum) in (0..).zip(&mut slopes[i]) {
-                    *sum += slope * lever.powi(power);
-                }
-            }
-        }
-        let mut load_share: Vec<(i32, f64)> = Vec::new();
-        let carried = self.arm.iter().zip(&solution.force).map(|(c, f)| c * f);
-        for (candidate, force) in self.candidates.iter().zip(carried) {
-            let share = if loa_force > 0.0 {
-                force / loa_force
-            } else {
-                0.0
-            };
-            match load_share.last_mut() {
-                Some((k, sum)) if *k == candidate.tooth_pair => *sum += share,
-                _ => load_share.push((candidate.tooth_pair, share)),
-            }
-        }
-        let max_pressure = pressures.iter().copied().fold(0.0, f64::max);
-        ContactResult {
-            approach: solution.approach,
-            loa_force,
-            moment,
-            contact_z: self.z_ref
-                + if loa_force > 0.0 {
-                    moment / loa_force
-                } else {
-                    0.0
-                },
-            load_share,
-            max_pressure,
-            kkt_residual: solution.kkt_residual,
-            iterations: solution.iterations,
-            tangent: self.tangent(&solution, &slopes),
-            pressures,
-            forces: solution.force,
-        }
-    }
-
-    /// With K the matrix over the strips in contact, c their arms, and s_n the sums of phi' times the
-    /// n-th power of the lever over the points of a strip: dF = K^-1 c (d delta + s_1 / s_0 dM), and the
-    /// moment changes by c (s_1 / s_0 dF + c (s_2 - s_1^2 / s_0) dM).
-    fn tangent(&self, solution: &Solution, slopes: &[[f64; 3]]) -> Tangent {
-        let active = || solution.active.iter().map(|&i| (self.arm[i], slopes[i]));
-        let arms: Vec<f64> = active().map(|(c, _)| c).collect();
-        let levers: Vec<f64> = active().map(|(c, s)| c * s[1] / s[0]).collect();
-        let (mut by_approach, mut by_misalignment) = (arms.clone(), levers.clone());
-        solution.factor.solve(&mut by_approach);
-        solution.factor.solve(&mut by_misalignment);
-        let within: f64 = active()
-            .map(|(c, s)| c * c * (s[2] - s[1] * s[1] / s[0]))
-            .sum();
-        Tangent {
-            force_by_approach: dot(&by_approach, &arms),
-            force_by_misalignment: dot(&by_misalignment, &arms),
-            moment_by_misalignment: dot(&by_misalignment, &levers) + within,
-        }
-    }
-
-    /// Every strip with what it carries in `result`, for plots of the pressure.
-    pub fn strip_loads(&self, result: &ContactResult) -> Vec<StripLoad> {
-        self.candidates
-            .iter()
-            .zip(&result.forces)
-            .zip(&result.pressures)
-            .zip(&self.local)
-            .map(|(((candidate, &force), &pressure), local)| StripLoad {
-                tooth_pair: candidate.tooth_pair,
-                z: candidate.z,
-                roll: candidate.roll,
-                force,
-                pressure,
-                reaches_edge: local.reaches_edge(force / POINTS as f64),
-            })
-            .collect()
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 fn finite(field: &'static str, value: f64) -> Result<(), ContactError> {

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use super::candidates::ContactLines;
 use super::error::ContactError;
+use super::local::constants::{
+    FEWEST_STATIONS, MOST_STATIONS, REFERENCE_OVER_HERTZ, STIFFNESS_OVER_MODULUS, STRIP_OVER_WIDTH,
+};
+use super::local::widest_contact;
 use super::position::{Limits, PositionProblem};
 use super::transverse::TransverseSection;
-use crate::compliance::{ToothCompliance, widest_contact};
+use crate::compliance::ToothCompliance;
 use crate::gear::{Flank, PairGeometry, PairMicrogeometry, ToothProfile};
 use crate::pair::{Pair, Refinement};
-
-/// Stiffness of a tooth pair per length of contact line over Young's modulus, a rule of thumb (14
-/// N/(mm um) for steel, ISO 6336-1): for starting values and for how far tip corners are followed.
-const STIFFNESS_OVER_MODULUS: f64 = 0.07;
 
 /// How the contact is discretised.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,13 +25,6 @@ pub struct ContactSettings {
     /// the largest torque and misalignment of the pair.
     pub reach: Option<f64>,
 }
-
-/// Stations of a pair whose contacts are narrow.
-const MOST_STATIONS: usize = 40;
-
-/// Least length of a strip over the width of the widest contact: shorter ones cannot be line contacts of
-/// their own.
-const STRIP_OVER_WIDTH: f64 = 1.0;
 
 /// Elements of level coarse over those of level normal; strips shorter than the elements follow no load of
 /// their own either.
@@ -48,7 +41,7 @@ impl ContactSettings {
         let least = elements * STRIP_OVER_WIDTH * 2.0 * widest_contact(pair);
         let (_, face) = pair.geometry.face_overlap();
         ContactSettings {
-            stations: ((face / least) as usize).clamp(10, MOST_STATIONS),
+            stations: ((face / least) as usize).clamp(FEWEST_STATIONS, MOST_STATIONS),
             tip_corner_contact: pair.tip_corner_contact,
             ..ContactSettings::default()
         }
@@ -75,6 +68,7 @@ pub struct ContactSolver {
     compliance: [Arc<dyn ToothCompliance>; 2],
     settings: ContactSettings,
     reach: f64,
+    reference_length: f64,
     form_rolls: [f64; 2],
 }
 
@@ -96,20 +90,22 @@ impl ContactSolver {
                 remedy: "give at least 1",
             });
         }
-        let reach = settings.reach.unwrap_or_else(|| default_reach(pair));
-        if !(reach.is_finite() && reach > 0.0) {
-            return Err(ContactError::Setting {
-                field: "reach",
-                value: reach,
-                remedy: "give a positive length in m",
-            });
-        }
         let mut form_rolls = [0.0; 2];
         for (roll, gear) in form_rolls.iter_mut().zip(&pair.geometry.gears) {
             // The tip edge of the mate stays off the base circle, where the involute has its cusp.
             *roll = ToothProfile::new(gear)?
                 .form_roll()
                 .max(1e-3 * gear.base_radius());
+        }
+        let reach = settings
+            .reach
+            .unwrap_or_else(|| default_reach(pair, form_rolls));
+        if !(reach.is_finite() && reach > 0.0) {
+            return Err(ContactError::Setting {
+                field: "reach",
+                value: reach,
+                remedy: "give a positive length in m",
+            });
         }
         Ok(ContactSolver {
             form_rolls,
@@ -118,6 +114,7 @@ impl ContactSolver {
             compliance,
             settings,
             reach,
+            reference_length: REFERENCE_OVER_HERTZ * widest_contact(pair),
         })
     }
 
@@ -183,6 +180,7 @@ impl ContactSolver {
         let limits = Limits {
             center_distance_offset,
             reach: self.settings.tip_corner_contact.then_some(self.reach),
+            reference_length: self.reference_length,
             foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
         };
         PositionProblem::new(&self.geometry, &self.compliance, candidates, limits).map_err(
@@ -194,8 +192,10 @@ impl ContactSolver {
     }
 }
 
-/// Approach that the pair's largest load and misalignment can cause, with a margin, m.
-fn default_reach(pair: &Pair) -> f64 {
+/// Approach that the pair's largest load and misalignment can cause, with a margin, m: twice that of a stiff
+/// tooth pair, the twist of both bodies as discs, what misalignment adds at the ends of the face and what
+/// modifications take off at most.
+fn default_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
     let g = &pair.geometry;
     let force = pair.operating.maximum_torque / g.gears[0].base_radius();
     let modulus = g.gears[0].youngs_modulus.min(g.gears[1].youngs_modulus);
@@ -205,5 +205,30 @@ fn default_reach(pair: &Pair) -> f64 {
         .misalignment
         .iter()
         .fold(0.0f64, |m, v| m.max(v.abs()));
-    2.0 * force / (STIFFNESS_OVER_MODULUS * modulus * width) + 0.5 * misalignment * width
+    let gears = || g.gears.iter().enumerate();
+    let removal: f64 = gears()
+        .map(|(i, gear)| {
+            let rolls = [form_rolls[i], gear.tip_form_roll()];
+            let flanks = [&pair.microgeometry.drive[i], &pair.microgeometry.coast[i]];
+            let largest = flanks.map(|flank| flank.largest_removal(gear, rolls));
+            largest[0].max(largest[1])
+        })
+        .sum();
+    let twist: f64 = gears()
+        .map(|(_, gear)| {
+            let shear_modulus = 0.5 * gear.youngs_modulus / (1.0 + gear.poisson_ratio);
+            let inner = gear.held_radius.min(gear.root_radius());
+            let outer = gear.held_radius.max(gear.root_radius());
+            let per_torque = (inner.powi(-2) - outer.powi(-2))
+                / (4.0 * std::f64::consts::PI * shear_modulus * gear.face_width);
+            force * gear.base_radius().powi(2) * per_torque
+        })
+        .sum();
+    let cos_beta_b = g.base_helix_angle().cos();
+    // Force and displacement along the normal are those on the line of action over cos beta_b, the contact line
+    // is the face over it.
+    2.0 * force / (STIFFNESS_OVER_MODULUS * modulus * width * cos_beta_b)
+        + twist
+        + 0.5 * misalignment * width
+        + removal / cos_beta_b
 }

@@ -159,8 +159,14 @@ struct Report {
     contact_z_mm: Vec<f64>,
     /// Share of each of `tooth_pairs` in the load, one list per position.
     load_share: Vec<Vec<f64>>,
-    /// Largest Hertz pressure.
+    /// Largest Hertz pressure inside the flanks.
     maximum_pressure_mpa: Vec<f64>,
+    /// Largest normal force per length of contact line where contact reaches a tip edge; zero where none does.
+    edge_line_load_n_per_mm: Vec<f64>,
+    /// Where that is, from gear 1's z = 0 face.
+    edge_z_mm: Vec<Option<f64>>,
+    /// The gear whose tip edge it is, 1 or 2.
+    edge_gear: Vec<Option<usize>>,
     /// The tooth pairs of `load_share`; number 0 touches at the pitch point at mesh position 0, the
     /// next one to come into mesh has the number below.
     tooth_pairs: Vec<i32>,
@@ -188,6 +194,7 @@ impl Report {
             .collect();
         tooth_pairs.sort_unstable();
         tooth_pairs.dedup();
+        let edges = || cycle.results.iter().map(|r| r.edge_load);
         let um = |values: Vec<f64>| values.into_iter().map(|v| v * 1e6).collect();
         Report {
             mesh_position: cycle.mesh_position.clone(),
@@ -203,6 +210,11 @@ impl Report {
                 .iter()
                 .map(|r| r.max_pressure * 1e-6)
                 .collect(),
+            edge_line_load_n_per_mm: edges()
+                .map(|edge| edge.map_or(0.0, |edge| edge.line_load * 1e-3))
+                .collect(),
+            edge_z_mm: edges().map(|edge| Some(edge?.z * 1e3)).collect(),
+            edge_gear: edges().map(|edge| Some(edge?.gear + 1)).collect(),
             tooth_pairs,
             mean_ste_loa_um: cycle.mean_ste() * 1e6,
             peak_to_peak_ste_loa_um: cycle.peak_to_peak_ste() * 1e6,
@@ -240,16 +252,16 @@ fn text(
     );
     let _ = write!(
         text,
-        "{:>9} {:>11} {:>9} {:>9}",
-        "mesh", "STE (loa)", "z_c", "p_max"
+        "{:>9} {:>11} {:>9} {:>9} {:>9}",
+        "mesh", "STE (loa)", "z_c", "p_max", "tip edge"
     );
     for k in &report.tooth_pairs {
         let _ = write!(text, " {:>8}", format!("pair {k}"));
     }
     let _ = write!(
         text,
-        "\n{:>9} {:>11} {:>9} {:>9}",
-        "position", "um", "mm", "MPa"
+        "\n{:>9} {:>11} {:>9} {:>9} {:>9}",
+        "position", "um", "mm", "MPa", "N/mm"
     );
     for _ in &report.tooth_pairs {
         let _ = write!(text, " {:>8}", "share");
@@ -258,11 +270,12 @@ fn text(
     for i in 0..report.mesh_position.len() {
         let _ = write!(
             text,
-            "{:>9.4} {:>11} {:>9} {:>9.1}",
+            "{:>9.4} {:>11} {:>9} {:>9.1} {:>9.1}",
             report.mesh_position[i],
             fixed(report.ste_loa_um[i], 4),
             fixed(report.contact_z_mm[i], 4),
-            report.maximum_pressure_mpa[i]
+            report.maximum_pressure_mpa[i],
+            report.edge_line_load_n_per_mm[i]
         );
         for share in &report.load_share[i] {
             let _ = write!(text, " {share:>8.4}");
@@ -285,6 +298,21 @@ fn text(
         .row(
             "peak-to-peak STE",
             format!("{:.4} um", report.peak_to_peak_ste_loa_um),
+        )
+        .row(
+            "largest flank pressure",
+            format!("{:.1} MPa", cycle.max_pressure() * 1e-6),
+        )
+        .row(
+            "largest line load at a tip edge",
+            cycle.edge_load().map_or("none".into(), |edge| {
+                format!(
+                    "{:.1} N/mm, gear {} at z = {:.2} mm",
+                    edge.line_load * 1e-3,
+                    edge.gear + 1,
+                    edge.z * 1e3
+                )
+            }),
         )
         .row("harmonics 1 to 5", format!("{} um", harmonics.join(" ")))
         .row(

@@ -1,9 +1,10 @@
 //! The grid of nodes on the loaded flank, and strips as weights on it.
 
 use super::element::{GAUSS3, QUAD8, shape};
-use super::kernel::{GAUSS5, Kernel};
 use super::outline::Outline;
 use crate::compliance::Strip;
+use crate::contact::local::constants::EDGE_KERNEL_OVER_ELEMENT;
+use crate::contact::local::kernel::{GAUSS5, Kernel};
 use std::collections::BTreeMap;
 
 /// Weights of the flank nodes that share the force on a strip (they sum to one) and, since loads and
@@ -26,9 +27,6 @@ pub(super) struct FlankGrid {
     pub kernel_half_width: f64,
 }
 
-/// Half-width of the kernel at the tip edge over the element there.
-const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
-
 impl FlankGrid {
     /// Grid of the flank nodes' arc lengths `arcs` (corner, mid-edge, corner, ...).
     pub fn new(outline: &Outline, arcs: &[f64], stations: &[f64], half_width: f64) -> FlankGrid {
@@ -45,6 +43,12 @@ impl FlankGrid {
     pub fn len(&self) -> usize {
         let (elements, layers) = (self.arcs.len() - 1, self.stations.len() - 1);
         (layers + 1) * (2 * elements + 1) + layers * (elements + 1)
+    }
+
+    /// Thickest layer, m; none in plane strain.
+    pub fn thickest_layer(&self) -> f64 {
+        let layers = self.stations.windows(2).map(|ends| ends[1] - ends[0]);
+        layers.fold(0.0, f64::max)
     }
 
     /// Number of the node at half steps `i` along the profile and `k` along z; not both odd.

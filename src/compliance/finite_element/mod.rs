@@ -12,7 +12,7 @@
 //! are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on
 //! the flank nodes of tooth 0.
 //!
-//! A [`Strip`] is a line load spread across its contact line by a smooth kernel (`kernel.rs`); weights f
+//! A [`Strip`] is a line load spread across its contact line by a smooth kernel (`contact::local`); weights f
 //! on the flank nodes give the influence f_i^T C f_j. It contains the kernel's own local displacement, and
 //! [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact
 //! does not depend on the kernel's width.
@@ -25,7 +25,6 @@ mod dissection;
 mod element;
 mod error;
 mod flank;
-mod kernel;
 mod mesh;
 mod model;
 mod outline;
@@ -157,6 +156,10 @@ impl ToothCompliance for FiniteElementCompliance {
             .iter()
             .map(|s| self.grid.reference_length(s))
             .collect()
+    }
+
+    fn lengthwise_resolution(&self) -> f64 {
+        self.grid.thickest_layer()
     }
 }
 

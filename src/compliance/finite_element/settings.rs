@@ -1,15 +1,9 @@
 //! What the caller chooses: level of refinement, plane strain or solid, kernel width.
 
 use super::section::SectionSizes;
-use crate::compliance::widest_contact;
+use crate::contact::local::constants::{KERNEL_OVER_HERTZ, WIDEST_KERNEL};
+use crate::contact::local::widest_contact;
 use crate::pair::{Pair, Refinement};
-
-/// Half-width of the kernel over that of the Hertz contact: the kernel's reference length, 0.29 of its
-/// half-width, then exceeds the contact's half-width, and the local contact adds to the bulk.
-const KERNEL_OVER_HERTZ: f64 = 4.0;
-
-/// Widest kernel in normal modules: beyond it the 0.2 % independence of the width is lost.
-const WIDEST_KERNEL: f64 = 0.35;
 
 /// Sizes of the mesh and of the load kernel, all in normal modules.
 ///

@@ -4,6 +4,7 @@ use super::*;
 use crate::pair::Pair;
 use crate::testing::coarse_solver;
 
+mod flanks;
 mod mechanics;
 mod paper;
 mod separation;

@@ -19,16 +19,18 @@ fn text(meshing: &str, helix_deg: f64, swap: bool) -> String {
     } else {
         gear(61, r#""rim_diameter_mm": 215.0"#, 9.0, -1.0)
     };
-    let (first, second) = if swap {
-        (wheel, pinion)
+    // The same load on the line of action, whichever gear the torque is given on.
+    let ratio = if meshing == "external" { 31.0 } else { 61.0 } / 20.0;
+    let (first, second, torque) = if swap {
+        (wheel, pinion, 2000.0 * ratio)
     } else {
-        (pinion, wheel)
+        (pinion, wheel, 2000.0)
     };
     format!(
         r#"{{ "name": "symmetry", "meshing": "{meshing}", "normal_module_mm": 3.0,
              "normal_pressure_angle_deg": 20.0, "helix_angle_deg": {helix_deg},
              "gear1": {first}, "gear2": {second},
-             "operating": {{ "nominal_torque_nm": 200.0, "maximum_torque_nm": 2000.0,
+             "operating": {{ "nominal_torque_nm": 200.0, "maximum_torque_nm": {torque},
                "center_distance_offset_um": [-50.0, 50.0], "misalignment_mrad": [-1.0, 1.0] }} }}"#
     )
 }

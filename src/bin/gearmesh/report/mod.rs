@@ -194,8 +194,8 @@ fn load_share((torque, cycle): &(f64, MeshCycle)) -> Curve {
 fn table(page: &mut Page, cycles: &[(f64, MeshCycle)]) {
     page.section(
         "In numbers",
-        "STE on the line of action; pressure after Hertz, where contact reaches a sharp tip edge 4/pi times \
-         its mean.",
+        "STE on the line of action; pressure after Hertz inside the flanks. Where contact reaches a sharp tip edge \
+         pressure has no bound: there the load per length of contact line, with the gear whose edge it is.",
     );
     let rows: Vec<Vec<String>> = cycles
         .iter()
@@ -206,6 +206,9 @@ fn table(page: &mut Page, cycles: &[(f64, MeshCycle)]) {
                 format!("{:.3}", cycle.peak_to_peak_ste() * 1e6),
                 format!("{:.3}", cycle.mean_contact_z() * 1e3),
                 format!("{:.0}", cycle.max_pressure() * 1e-6),
+                cycle.edge_load().map_or("none".into(), |edge| {
+                    format!("{:.0} (gear {})", edge.line_load * 1e-3, edge.gear + 1)
+                }),
                 format!("{:.1e}", cycle.kkt_residual()),
             ]
         })
@@ -216,7 +219,8 @@ fn table(page: &mut Page, cycles: &[(f64, MeshCycle)]) {
             "mean STE (um)",
             "p-p STE (um)",
             "mean z_c (mm)",
-            "max. pressure (MPa)",
+            "max. flank pressure (MPa)",
+            "tip edge (N/mm)",
             "KKT residual",
         ],
         &rows,
@@ -261,7 +265,8 @@ fn pressures(page: &mut Page, pair: &Pair, model: &Model, positions: usize) -> R
 
     page.section(
         "Pressure along the contact lines",
-        "At the nominal torque and four positions of the mesh; one curve for each tooth pair in contact.",
+        "At the nominal torque and four positions of the mesh; one curve for each tooth pair in contact, up to \
+         where contact reaches a tip edge.",
     );
     let charts = LINE_POSITIONS
         .iter()

@@ -58,7 +58,7 @@ pub fn pattern(
                 .map_err(|error| error.to_string())?;
             Ok(strips
                 .iter()
-                .filter(|strip| strip.pressure > VISIBLE * 1e6)
+                .filter(|strip| strip.edge.is_some() || strip.pressure > VISIBLE * 1e6)
                 .map(|strip| {
                     let [z0, z1] = strip.z.map(|z| 1e3 * z);
                     let roll = strip.roll[0];
@@ -66,7 +66,7 @@ pub fn pattern(
                     Patch {
                         corners: [(z0, low), (z1, low), (z1, high), (z0, high)],
                         pressure: strip.pressure * 1e-6,
-                        at_edge: strip.reaches_edge,
+                        at_edge: strip.edge.is_some(),
                     }
                 })
                 .collect())
@@ -75,11 +75,12 @@ pub fn pattern(
     Ok(patches?.into_iter().flatten().collect())
 }
 
-/// Pressure along z for every tooth pair in contact at the mesh position `tau`.
+/// Pressure inside the flanks along z for every tooth pair in contact at the mesh position `tau`; a line ends
+/// where contact reaches a tip edge.
 pub fn contact_lines(solver: &ContactSolver, torque: f64, tau: f64) -> Result<Vec<Curve>, Error> {
     let strips = strips(solver, torque, 0.0, tau)?;
     let mut curves: Vec<(i32, Vec<(f64, f64)>)> = Vec::new();
-    for strip in strips {
+    for strip in strips.into_iter().filter(|strip| strip.edge.is_none()) {
         let point = (500.0 * (strip.z[0] + strip.z[1]), strip.pressure * 1e-6);
         match curves.last_mut() {
             Some((pair, points)) if *pair == strip.tooth_pair => points.push(point),

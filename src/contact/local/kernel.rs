@@ -5,7 +5,7 @@
 
 /// A kernel on the flank.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Kernel {
+pub(crate) struct Kernel {
     half_width: f64,
     /// Arc length of its middle, m.
     center: f64,
@@ -16,7 +16,7 @@ pub(super) struct Kernel {
 }
 
 /// Gauss-Legendre abscissae and weights on [0, 1], 5 points, exact to degree 9.
-pub(super) const GAUSS5: [(f64, f64); 5] = [
+pub(crate) const GAUSS5: [(f64, f64); 5] = [
     (0.046_910_077_030_668_0, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
     (0.5, 0.284_444_444_444_444_4),

@@ -1,5 +1,6 @@
 //! How wide the contacts of a pair become.
 
+use super::constants::STIFFNESS_OVER_MODULUS;
 use crate::pair::Pair;
 
 /// Estimate of the largest Hertz half-width of the pair, m: the maximum torque on one tooth pair, spread
@@ -27,8 +28,7 @@ pub fn widest_contact(pair: &Pair) -> f64 {
         .misalignment
         .iter()
         .fold(0.0f64, |m, v| m.max(v.abs()));
-    // 14 N/(mm um) for steel (ISO 6336-1) is 0.07 E.
-    let triangle = (2.0 * force * 0.07 * modulus * misalignment).sqrt();
+    let triangle = (2.0 * force * STIFFNESS_OVER_MODULUS * modulus * misalignment).sqrt();
     let line_load = (force / g.face_overlap().1).max(triangle);
     let softness: f64 = g
         .gears

@@ -1,0 +1,75 @@
+//! The constants of the local contact, in one table, each with where it comes from.
+//!
+//! | constant | value | from |
+//! |---|---|---|
+//! | [`WIDTH_OVER_REFERENCE`] | 1.5 | derived: the law has its largest displacement at b = 2 L |
+//! | [`LARGEST_HALF_WIDTH_OVER_RADIUS`] | 0.15 | Hertz: 8.5 GPa between steel flanks |
+//! | [`KERNEL_OVER_HERTZ`] | 4 | derived from the kernel's reference length, 0.29 of its half-width |
+//! | [`WIDEST_KERNEL`] | 0.35 m_n | measured: docs/finite-elements.md |
+//! | [`EDGE_KERNEL_OVER_ELEMENT`] | 1.5 | measured: five Gauss points on half a kernel |
+//! | [`REFERENCE_OVER_HERTZ`] | 1 | line loads to 2.25 times the estimate stay within the law |
+//! | [`SMOOTHING_OVER_LAYER`] | 1.5 | measured: least at which the bulk stays positive definite at all levels |
+//! | [`SMOOTHING_OVER_REFERENCE`] | 3 | derived: half-space under a load that alternates along the line |
+//! | [`SHARE_OF_A_LINE`] | 0.5 | half of what a contact line has to give |
+//! | [`INDEFINITE`] | 2e-5 | rounding; far below the least slope of the law, 0.29, that it is added to |
+//! | [`STIFFNESS_OVER_MODULUS`] | 0.07 | ISO 6336-1: 14 N/(mm um) for steel |
+//! | [`MOST_STATIONS`], [`FEWEST_STATIONS`] | 40, 10 | measured: docs/finite-elements.md |
+//! | [`STRIP_OVER_WIDTH`] | 1 | a shorter strip is no line contact of its own |
+
+/// Half-width of contact over the reference length from which the law goes on along its tangent.
+///
+/// h(w) = c w (ln(2 L / b) + 1/2) has the slope c ln(2 L / b): none at b = 2 L. At 1.5 a quarter of c is left.
+/// Beyond, the tangent is softer than the law by 0.07 c w at b = 2 L, a hundredth of the deflection of a
+/// tooth pair, and keeps the problem convex and every iterate defined.
+pub const WIDTH_OVER_REFERENCE: f64 = 1.5;
+
+/// Half-width of contact over the relative radius of curvature beyond which a load is refused.
+///
+/// b / R = 2 p / E', E' = E / (2 (1 - nu²)) for equal materials: 0.15 is 8.5 GPa between steel flanks, twice
+/// what rolling bearings are allowed before a dent remains (ISO 76: 4 to 4.6 GPa).
+pub const LARGEST_HALF_WIDTH_OVER_RADIUS: f64 = 0.15;
+
+/// Half-width of the kernel over that of the widest contact: the kernel's reference length, 0.29 of its
+/// half-width, then exceeds that of the contact, and the local contact adds to the bulk.
+pub const KERNEL_OVER_HERTZ: f64 = 4.0;
+
+/// Widest kernel in normal modules: up to it the sum of bulk and local contact does not depend on the width
+/// by more than 0.2 %.
+pub const WIDEST_KERNEL: f64 = 0.35;
+
+/// Half-width of the kernel at the tip edge over the element there: what the elements resolve.
+pub const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
+
+/// Reference length aimed at over the half-width of the widest contact: with [`WIDTH_OVER_REFERENCE`] the law
+/// holds up to 2.25 times the line load that was estimated.
+pub const REFERENCE_OVER_HERTZ: f64 = 1.0;
+
+/// Range over which a load is smoothed along the contact line, over the layers of the elements: elements
+/// know no load that alternates within a layer.
+pub const SMOOTHING_OVER_LAYER: f64 = 1.5;
+
+/// The same over the reference length L. A half-space under a line load of the wavelength 2 l gives way
+/// by c (ln(2 l / (pi L)) - 0.577): nothing is left at l = 2.8 L.
+pub const SMOOTHING_OVER_REFERENCE: f64 = 3.0;
+
+/// Largest part of the displacement of a whole contact line under an even load that the local contact takes
+/// over: the law of a line contact does not hold for lines shorter than their contact is wide.
+pub const SHARE_OF_A_LINE: f64 = 0.5;
+
+/// How far the bulk matrix may be from positive definite, over c / l: the law of local contact, at
+/// least ln(2 / [`WIDTH_OVER_REFERENCE`]) of c / l, is added to it, and rounding makes the matrix of strips
+/// much shorter than the elements indefinite by itself.
+pub const INDEFINITE: f64 = 2e-5;
+
+/// Stiffness of a tooth pair per length of contact line over Young's modulus: for starting values, for how
+/// far tip edges are followed and for how wide contacts become.
+pub const STIFFNESS_OVER_MODULUS: f64 = 0.07;
+
+/// Stations along the face of a pair whose contacts are narrow.
+pub const MOST_STATIONS: usize = 40;
+
+/// Least number of stations.
+pub const FEWEST_STATIONS: usize = 10;
+
+/// Least length of a station over the width of the widest contact.
+pub const STRIP_OVER_WIDTH: f64 = 1.0;

@@ -1,0 +1,23 @@
+//! Local contact: what the flanks of one strip give way close to where they touch, and how much of it the
+//! elastic model of the teeth holds already.
+//!
+//! ```text
+//! kernel: spreads the line load of a strip over the elements; its reference length L says how much of
+//!         the local displacement the bulk matrix therefore holds
+//!    └─> division: moves displacement from the bulk matrix to the law until L suits the width of contact
+//!           └─> hertz: line load over penetration, inside the flanks
+//!                  └─> tip_edge: the same where contact reaches a tip edge
+//! ```
+//!
+//! `width` estimates how wide the contacts of a pair become, `constants` holds every threshold.
+
+pub mod constants;
+mod division;
+mod hertz;
+pub(crate) mod kernel;
+mod tip_edge;
+mod width;
+
+pub(super) use division::{Piece, divide};
+pub(super) use hertz::{LocalBody, LocalContact};
+pub(crate) use width::widest_contact;

@@ -1,0 +1,193 @@
+//! What a solution of the contact problem says: loads, pressures, shares and derivatives.
+
+use super::candidates::POINTS;
+use super::complementarity::Solution;
+use super::position::PositionProblem;
+
+/// Derivatives of load and moment at a solution.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tangent {
+    /// d F_bt / d approach, N/m.
+    pub force_by_approach: f64,
+    /// d F_bt / d misalignment = d (F_bt (z_c - z_ref)) / d approach, N/rad.
+    pub force_by_misalignment: f64,
+    /// d (F_bt (z_c - z_ref)) / d misalignment, N m/rad.
+    pub moment_by_misalignment: f64,
+}
+
+/// One strip in a solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StripLoad {
+    /// Tooth pair (see [`Candidate::tooth_pair`]).
+    pub tooth_pair: i32,
+    /// Ends in gear 1's frame, m.
+    pub z: [f64; 2],
+    /// Length of roll on gear 1 and gear 2, m.
+    pub roll: [f64; 2],
+    /// Normal force, N.
+    pub force: f64,
+    /// Largest Hertz pressure of the part on which contact stays inside the flanks, Pa.
+    pub pressure: f64,
+    /// The part on which contact reaches a tip edge, where pressure has no bound.
+    pub edge: Option<EdgeLoad>,
+}
+
+/// Contact at a tip edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EdgeLoad {
+    /// Normal force per length of contact line, N/m.
+    pub line_load: f64,
+    /// Where along the face, in gear 1's frame, m.
+    pub z: f64,
+    /// The gear whose tip edge it is, 0 or 1.
+    pub gear: usize,
+}
+
+/// Static contact at one operating point.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ContactResult {
+    /// STE: approach on the line of action at mid-face from unmodified involutes that just touch, m.
+    pub approach: f64,
+    /// Transverse force on the line of action F_bt, N.
+    pub loa_force: f64,
+    /// Shuttling moment F_bt (z_c - z_ref), N m.
+    pub moment: f64,
+    /// z of the resultant in gear 1's frame, m; mid-face where nothing touches.
+    pub contact_z: f64,
+    /// Fraction of the load on each tooth pair in reach, ascending.
+    pub load_share: Vec<(i32, f64)>,
+    /// Largest Hertz pressure inside the flanks, Pa.
+    pub max_pressure: f64,
+    /// Largest line load at a tip edge, if contact reaches one.
+    pub edge_load: Option<EdgeLoad>,
+    /// Largest violation of equilibrium or of the contact conditions over the largest force: force on a
+    /// strip less what its gaps and local contact ask for under the displacement of all forces.
+    pub kkt_residual: f64,
+    /// Newton steps it took.
+    pub iterations: usize,
+    /// Derivatives at the solution.
+    pub tangent: Tangent,
+    /// Normal force on each strip, N, in the order of [`PositionProblem::candidates`].
+    pub forces: Vec<f64>,
+    /// Largest Hertz pressure inside the flanks on each strip, Pa.
+    pub pressures: Vec<f64>,
+    /// Largest line load at a tip edge on each strip.
+    pub edge_loads: Vec<Option<EdgeLoad>>,
+}
+
+impl PositionProblem {
+    pub(super) fn result(&self, solution: Solution, gap: &[[f64; POINTS]]) -> ContactResult {
+        let loa_force = dot(&self.arm, &solution.force);
+        let mut moment = 0.0;
+        let mut pressures = vec![0.0f64; solution.force.len()];
+        let mut edge_loads = vec![None; solution.force.len()];
+        // Sums of the derivatives of the forces at the points, times powers 0, 1, 2 of their levers.
+        let mut slopes = vec![[0.0; 3]; solution.force.len()];
+        for i in 0..solution.force.len() {
+            if solution.force[i] == 0.0 {
+                continue;
+            }
+            for (gap, lever) in gap[i].iter().zip(&self.lever[i]) {
+                let (force, slope) = self.local[i].force(solution.closing[i] - gap);
+                moment += self.arm[i] * force * lever;
+                match self.local[i].pressure(force) {
+                    Some(pressure) => pressures[i] = pressures[i].max(pressure),
+                    None => {
+                        let here = EdgeLoad {
+                            line_load: force / self.local[i].length(),
+                            z: self.z_ref + lever,
+                            gear: self.candidates[i].edge_gear,
+                        };
+                        edge_loads[i] = larger(edge_loads[i], Some(here));
+                    }
+                }
+                for (power, sum) in (0..).zip(&mut slopes[i]) {
+                    *sum += slope * lever.powi(power);
+                }
+            }
+        }
+        let mut load_share: Vec<(i32, f64)> = Vec::new();
+        let carried = self.arm.iter().zip(&solution.force).map(|(c, f)| c * f);
+        for (candidate, force) in self.candidates.iter().zip(carried) {
+            let share = if loa_force > 0.0 {
+                force / loa_force
+            } else {
+                0.0
+            };
+            match load_share.last_mut() {
+                Some((k, sum)) if *k == candidate.tooth_pair => *sum += share,
+                _ => load_share.push((candidate.tooth_pair, share)),
+            }
+        }
+        let max_pressure = pressures.iter().copied().fold(0.0, f64::max);
+        ContactResult {
+            approach: solution.approach,
+            loa_force,
+            moment,
+            contact_z: self.z_ref
+                + if loa_force > 0.0 {
+                    moment / loa_force
+                } else {
+                    0.0
+                },
+            load_share,
+            max_pressure,
+            edge_load: edge_loads.iter().copied().fold(None, larger),
+            kkt_residual: solution.kkt_residual,
+            iterations: solution.iterations,
+            tangent: self.tangent(&solution, &slopes),
+            pressures,
+            edge_loads,
+            forces: solution.force,
+        }
+    }
+
+    /// With K the matrix over the strips in contact, c their arms, and s_n the sums of phi' times the
+    /// n-th power of the lever over the points of a strip: dF = K^-1 c (d delta + s_1 / s_0 dM), and the
+    /// moment changes by c (s_1 / s_0 dF + c (s_2 - s_1^2 / s_0) dM).
+    fn tangent(&self, solution: &Solution, slopes: &[[f64; 3]]) -> Tangent {
+        let active = || solution.active.iter().map(|&i| (self.arm[i], slopes[i]));
+        let arms: Vec<f64> = active().map(|(c, _)| c).collect();
+        let levers: Vec<f64> = active().map(|(c, s)| c * s[1] / s[0]).collect();
+        let (mut by_approach, mut by_misalignment) = (arms.clone(), levers.clone());
+        solution.factor.solve(&mut by_approach);
+        solution.factor.solve(&mut by_misalignment);
+        let within: f64 = active()
+            .map(|(c, s)| c * c * (s[2] - s[1] * s[1] / s[0]))
+            .sum();
+        Tangent {
+            force_by_approach: dot(&by_approach, &arms),
+            force_by_misalignment: dot(&by_misalignment, &arms),
+            moment_by_misalignment: dot(&by_misalignment, &levers) + within,
+        }
+    }
+
+    /// Every strip with what it carries in `result`, for plots of the pressure.
+    pub fn strip_loads(&self, result: &ContactResult) -> Vec<StripLoad> {
+        self.candidates
+            .iter()
+            .enumerate()
+            .map(|(i, candidate)| StripLoad {
+                tooth_pair: candidate.tooth_pair,
+                z: candidate.z,
+                roll: candidate.roll,
+                force: result.forces[i],
+                pressure: result.pressures[i],
+                edge: result.edge_loads[i],
+            })
+            .collect()
+    }
+}
+
+/// The one of the larger line load.
+pub(super) fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoad> {
+    match (a, b) {
+        (Some(a), Some(b)) if b.line_load > a.line_load => Some(b),
+        (Some(a), _) => Some(a),
+        (None, b) => b,
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}

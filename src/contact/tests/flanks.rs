@@ -1,0 +1,208 @@
+//! Relieved flanks, pressures and what no pair may be refused for.
+
+use super::*;
+use crate::contact::closest::Flanks;
+use crate::contact::transverse::TransverseSection;
+use crate::gear::{Flank, ProfileRelief, ReliefShape, ToothProfile};
+
+const PAPER: &str = include_str!("../../../resources/pairs/palermo2013.json");
+const UNMODIFIED: &str = include_str!("../../../resources/pairs/palermo2013-unmodified.json");
+const FZG_C: &str = include_str!("../../../resources/pairs/fzg-c.json");
+
+/// Some place along the face, m.
+const Z: f64 = 7e-3;
+
+/// The paper's pair with `amount` (m) of tip relief on both gears over the last part `share` of the path.
+fn relieved(amount: f64, share: f64) -> Pair {
+    let mut pair = Pair::from_json(UNMODIFIED).unwrap();
+    let g = &pair.geometry;
+    let c = g.center_distance;
+    let path = g.path_of_contact(c);
+    let starts = [
+        path.end - share * path.length(),
+        path.start + share * path.length(),
+    ];
+    for (i, xi) in starts.into_iter().enumerate() {
+        pair.microgeometry.drive[i].tip_relief = Some(ProfileRelief {
+            amount,
+            start_roll: g.roll_at(i, c, xi),
+            end_roll: g.gears[i].roll_length(g.gears[i].tip_radius),
+            shape: ReliefShape::Linear,
+        });
+    }
+    pair
+}
+
+fn section(pair: &Pair) -> TransverseSection {
+    let g = &pair.geometry;
+    let forms = [0, 1].map(|i| ToothProfile::new(&g.gears[i]).unwrap().form_roll());
+    TransverseSection::new(g, g.center_distance, forms, Some(100e-6)).unwrap()
+}
+
+#[test]
+fn steeply_relieved_flanks_touch_below_the_nominal_line() {
+    let pair = relieved(25e-6, 0.2);
+    let (g, section) = (&pair.geometry, section(&pair));
+    let path = g.path_of_contact(g.center_distance);
+    let relief = pair.microgeometry.drive[0].tip_relief.unwrap();
+    // Well within the relief of gear 1.
+    let at = section.point(path.end - 0.03 * path.length());
+    let found = Flanks::new(g, &pair.microgeometry.drive, at, Z).closest_point(&section);
+    let gear = &g.gears[0];
+    let cos = g.base_helix_angle().cos();
+    let radius = 1.0 / (1.0 / at.roll[0] + 1.0 / at.roll[1]);
+    // Slope per length of flank, of the gap along the line of action.
+    let theta = relief.amount / (relief.end_roll - relief.start_roll) * gear.base_radius()
+        / at.roll[0]
+        / cos;
+    let moved = at.roll[0] - found.roll[0];
+    let expected = radius * theta * gear.base_radius() / at.roll[0];
+    assert!((moved / expected - 1.0).abs() < 1e-6, "{moved} {expected}");
+    let nominal = relief.removal(at.roll[0]) / cos;
+    let less = nominal - found.gap;
+    assert!(
+        (less / (0.5 * theta * theta * radius) - 1.0).abs() < 1e-6,
+        "{less}"
+    );
+}
+
+#[test]
+fn the_closest_point_is_the_least_gap_of_all() {
+    let mut pair = relieved(20e-6, 0.15);
+    pair.microgeometry.drive[1]
+        .tip_relief
+        .as_mut()
+        .unwrap()
+        .shape = ReliefShape::Parabolic;
+    let (g, section) = (&pair.geometry, section(&pair));
+    let [first, last] = section.reach();
+    for step in 0..=200 {
+        let at = section.point(first + (last - first) * f64::from(step) / 200.0);
+        let found = Flanks::new(g, &pair.microgeometry.drive, at, Z).closest_point(&section);
+        let curvature: f64 = at.roll.iter().map(|roll| roll.recip()).sum();
+        let least = (-2000..=2000)
+            .map(|s| 1e-6 * f64::from(s))
+            .filter_map(|s| {
+                let rolls = [0, 1].map(|i| {
+                    let sense = [1.0, -1.0][i];
+                    at.roll[i] + sense * s * g.gears[i].base_radius() / at.roll[i]
+                });
+                let within = (0..2).all(|i| {
+                    let [tip, form] = section.flank_ends(i);
+                    rolls[i] <= tip + 1e-12 && rolls[i] >= form
+                });
+                let removal: f64 = (0..2)
+                    .map(|i| pair.microgeometry.drive[i].removal(&g.gears[i], rolls[i], Z))
+                    .sum();
+                within.then_some(
+                    at.separation
+                        + at.slope * s
+                        + 0.5 * s * s * curvature
+                        + removal / g.base_helix_angle().cos(),
+                )
+            })
+            .fold(f64::INFINITY, f64::min);
+        assert!(
+            found.gap <= least + 1e-13 && found.gap > least - 2e-8,
+            "{step}: {} {least}",
+            found.gap
+        );
+    }
+}
+
+#[test]
+fn flanks_without_profile_modifications_touch_on_the_nominal_line() {
+    let pair = Pair::from_json(UNMODIFIED).unwrap();
+    let section = section(&pair);
+    for xi in section.reach() {
+        let at = section.point(0.8 * xi);
+        let found =
+            Flanks::new(&pair.geometry, &pair.microgeometry.drive, at, Z).closest_point(&section);
+        assert_eq!((found.roll, found.gap), (at.roll, at.separation));
+        assert_eq!((found.edge_slope, found.arm), (at.edge_slope, at.arm));
+    }
+}
+
+fn cycle(pair: &Pair, stations: usize, torque: f64) -> MeshCycle {
+    let settings = ContactSettings {
+        stations,
+        ..ContactSettings::for_pair(pair)
+    };
+    let input = CycleInput {
+        flank: Flank::Drive,
+        torque,
+        center_distance_offset: 0.0,
+        misalignment: 0.0,
+        positions: 16,
+    };
+    MeshCycle::solve(&coarse_solver(pair, settings), &input).unwrap()
+}
+
+#[test]
+fn flank_pressure_does_not_grow_with_the_number_of_stations_nor_at_tip_edges() {
+    // Hertz: pressures between 800 and 1050 MPa, and some 1700 MPa.
+    for (text, torque, low, high) in [
+        (UNMODIFIED, 100.0, 800.0, 1100.0),
+        (FZG_C, 302.0, 1500.0, 1900.0),
+    ] {
+        let pair = Pair::from_json(text).unwrap();
+        let cycles = [20, 40, 80].map(|stations| cycle(&pair, stations, torque));
+        let [_, middle, fine] = cycles.each_ref().map(|cycle| 1e-6 * cycle.max_pressure());
+        assert!((low..high).contains(&middle), "{}: {middle}", pair.name);
+        assert!(
+            (fine / middle - 1.0).abs() < 0.03,
+            "{}: {middle} {fine}",
+            pair.name
+        );
+        assert!(cycles[1].edge_load().is_some(), "{}", pair.name);
+    }
+}
+
+#[test]
+fn a_short_steep_relief_keeps_contact_off_the_tip_edges() {
+    let pair = relieved(40e-6, 0.1);
+    let plain = Pair::from_json(UNMODIFIED).unwrap();
+    assert!(cycle(&plain, 40, 100.0).edge_load().is_some());
+    assert_eq!(cycle(&pair, 40, 100.0).edge_load(), None);
+}
+
+#[test]
+fn modified_pairs_are_solved_at_every_load_of_theirs() {
+    let mut steep = Pair::from_json(PAPER).unwrap();
+    for gear in &mut steep.microgeometry.drive {
+        gear.tip_relief.as_mut().unwrap().amount = 30e-6;
+    }
+    let plain = Pair::from_json(PAPER).unwrap();
+    for (pair, torque) in [
+        (&steep, 40.0),
+        (&steep, 200.0),
+        (&plain, 5.0),
+        (&plain, 0.1),
+    ] {
+        assert!(cycle(pair, 40, torque).kkt_residual() < 1e-8);
+    }
+}
+
+#[test]
+fn the_smallest_pair_file_is_solved_up_to_its_limits() {
+    // docs/pair-file.md
+    let file = |more: &str| {
+        format!(
+            r#"{{ "name": "first-pair", "meshing": "external", "normal_module_mm": 3.0,
+                 "normal_pressure_angle_deg": 20.0,
+                 "gear1": {{ "teeth": 24, "face_width_mm": 20.0, {more} }},
+                 "gear2": {{ "teeth": 36, "face_width_mm": 20.0, {more} }},
+                 "operating": {{ "nominal_torque_nm": 100.0, "maximum_torque_nm": 200.0,
+                   "center_distance_offset_um": [-20.0, 50.0], "misalignment_mrad": [-1.0, 1.0] }} }}"#
+        )
+    };
+    for more in [
+        r#""profile_crowning_um": 150.0"#,
+        r#""bore_diameter_mm": 1.0"#,
+    ] {
+        let pair = Pair::from_json(&file(more)).unwrap();
+        for torque in [10.0, 100.0, 200.0] {
+            assert!(cycle(&pair, 40, torque).kkt_residual() < 1e-8, "{more}");
+        }
+    }
+}

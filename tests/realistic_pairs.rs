@@ -1,0 +1,144 @@
+//! Contact of random realistic pairs: none refused whose flanks steel can carry.
+//!
+//! `GEARMESH_SWEEP=60 cargo test --release --test realistic_pairs` goes through so many gear bodies, each with
+//! five sets of modifications, loads and settings of the solver.
+#![cfg(feature = "preprocess")]
+
+use gearmesh::compliance::finite_element::{PairCompliance, Settings};
+use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use serde_json::{Value, json};
+
+/// Bodies without `GEARMESH_SWEEP`.
+const BODIES: usize = 3;
+/// Pairs of the same bodies.
+const VARIANTS: usize = 5;
+
+/// Evenly spread numbers in [0, 1): the `n`-th of the sequence `d`.
+fn draw(n: usize, d: usize) -> f64 {
+    const PRIMES: [f64; 16] = [
+        2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0, 53.0,
+    ];
+    (0.5 + PRIMES[d].sqrt() * (n + 1) as f64).fract()
+}
+
+/// Between `low` and `high`.
+fn between(n: usize, d: usize, low: f64, high: f64) -> f64 {
+    low + draw(n, d) * (high - low)
+}
+
+/// Bodies number `n`, external and internal in turns, spur ones among them.
+fn bodies(n: usize) -> Value {
+    let internal = n % 3 == 2;
+    let helix = if n % 5 == 4 {
+        0.0
+    } else {
+        between(n, 0, -45.0, 45.0)
+    };
+    let pinion = between(n, 1, 18.0, 36.0).round();
+    let mate = if internal {
+        pinion + between(n, 2, 30.0, 60.0).round()
+    } else {
+        between(n, 2, 20.0, 70.0).round()
+    };
+    let module = between(n, 3, 1.0, 5.0);
+    let face = module * between(n, 4, 5.0, 11.0);
+    json!({
+        "name": format!("bodies {n}"),
+        "meshing": if internal { "internal" } else { "external" },
+        "normal_module_mm": module,
+        "normal_pressure_angle_deg": if n % 4 == 3 { 17.5 } else { 20.0 },
+        "helix_angle_deg": helix,
+        "backlash_um": 0.03e3 * module,
+        "gear1": { "teeth": pinion as u32, "face_width_mm": face, "profile_shift": between(n, 5, 0.0, 0.4) },
+        "gear2": { "teeth": mate as u32, "face_width_mm": face, "profile_shift": between(n, 5, 0.0, 0.4) },
+        "compliance": { "refinement": "coarse" },
+    })
+}
+
+/// Pair number `v` on the bodies number `n`, and the misalignment to solve at, rad.
+fn variant(n: usize, v: usize) -> Result<(Pair, f64), String> {
+    let mut file = bodies(n);
+    let k = VARIANTS * n + v;
+    let module = file["normal_module_mm"].as_f64().unwrap();
+    let um = |d: usize, share: f64| 1e3 * module * share * draw(k, d);
+    for (gear, d) in [("gear1", 6), ("gear2", 7)] {
+        file[gear]["tip_relief"] = json!({
+            "amount_um": if k.is_multiple_of(4) { 0.0 } else { um(d, 0.01) },
+            "shape": if k.is_multiple_of(2) { "linear" } else { "parabolic" },
+        });
+        file[gear]["lead_crowning_um"] = um(d + 2, 0.004).into();
+        file[gear]["profile_crowning_um"] = um(d + 4, 0.002).into();
+    }
+    file["operating"] = json!({
+        "nominal_torque_nm": 1.0, "maximum_torque_nm": 1.0,
+        "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [-2.0, 2.0],
+    });
+    // The torque at which one contact line over the face has this Hertz pressure at the pitch point.
+    let pair = Pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
+    let g = &pair.geometry;
+    let pressure = between(k, 12, 0.3e9, 2.5e9);
+    let curvature: f64 = (0..2)
+        .map(|i| g.gears[i].kappa() / g.roll_at(i, g.center_distance, 0.0))
+        .sum();
+    let cos = g.base_helix_angle().cos();
+    let softness: f64 = g
+        .gears
+        .iter()
+        .map(|gear| (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus)
+        .sum();
+    let line_load = std::f64::consts::PI * pressure.powi(2) * softness / (curvature * cos);
+    let force = line_load * g.face_overlap().1;
+    let torque = force * g.gears[0].base_radius();
+    file["operating"]["nominal_torque_nm"] = torque.into();
+    file["operating"]["maximum_torque_nm"] = torque.into();
+    file["tip_corner_contact"] = (k % 3 != 1).into();
+    let pair = Pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
+    Ok((pair, between(k, 13, -2e-3, 2e-3)))
+}
+
+#[test]
+fn none_is_refused_up_to_a_nominal_pressure_of_two_and_a_half_gigapascal() {
+    let count = std::env::var("GEARMESH_SWEEP").map_or(BODIES, |text| text.parse().unwrap());
+    let cache = tempfile::tempdir().unwrap();
+    let (mut solved, mut refused) = (0, Vec::new());
+    let mut n = 0;
+    while solved < VARIANTS * count {
+        n += 1;
+        assert!(n < 10 * count, "too few usable pairs");
+        // Geometry that a pair file may not have.
+        if variant(n, 0).is_err() {
+            continue;
+        }
+        for v in 0..VARIANTS {
+            let (pair, misalignment) = variant(n, v).unwrap();
+            let settings = Settings::for_pair(&pair);
+            let models =
+                PairCompliance::new(&pair.geometry, &settings, Some(cache.path()), &|_, _, _| {
+                    true
+                });
+            let [first, second] = models.unwrap().gears;
+            let mut contact = ContactSettings::for_pair(&pair);
+            contact.stations = [contact.stations, 20, 40, 80, contact.stations][v];
+            let solver = ContactSolver::new(&pair, [first, second], contact).unwrap();
+            for tau in [draw(n, 14), draw(n, 15), 0.5] {
+                let result = solver.position(Flank::Drive, tau, 0.0).and_then(|p| {
+                    p.solve_torque(pair.operating.maximum_torque, misalignment, None)
+                });
+                match result {
+                    Ok(result) => assert!(result.kkt_residual < 1e-8, "{n} {v} {result:?}"),
+                    Err(error) => refused.push(format!("bodies {n}, variant {v}, {tau}: {error}")),
+                }
+            }
+            solved += 1;
+        }
+        if std::env::var("GEARMESH_SWEEP").is_ok() {
+            println!("{solved} pairs, {} refused", refused.len());
+            for file in std::fs::read_dir(cache.path()).unwrap() {
+                std::fs::remove_file(file.unwrap().path()).unwrap();
+            }
+        }
+    }
+    assert!(refused.is_empty(), "{}", refused.join("\n"));
+}

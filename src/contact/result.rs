@@ -18,7 +18,8 @@ pub struct Tangent {
 /// One strip in a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StripLoad {
-    /// Tooth pair (see [`Candidate::tooth_pair`]).
+    /// Tooth pair, counted in the sense in which contact moves; 0 touches at the pitch point at mid-face at mesh
+    /// position 0.
     pub tooth_pair: i32,
     /// Ends in gear 1's frame, m.
     pub z: [f64; 2],

@@ -123,7 +123,8 @@ pub(crate) fn evaluate<T: Scalar>(
     let x = wrap(q.turn * k.tooth_angle_per + latch.tooth_angle) * k.per_tooth_angle;
 
     let mut out_of_range = mesh.leaving;
-    let mut flanks = [0, 1].map(|i| {
+    // Arrays are filled by hand here: `map` over them is not always inlined.
+    let unloaded = |i: usize| {
         let s = FLANKS[i].sign();
         FlankLoad::unloaded(
             s,
@@ -131,7 +132,8 @@ pub(crate) fn evaluate<T: Scalar>(
             pose.misalignment(i),
             fraction(pose.mesh_position(k, i) + s * latch.mesh_position),
         )
-    });
+    };
+    let mut flanks = [unloaded(0), unloaded(1)];
     for (flank, law) in flanks.iter_mut().zip(&el.laws) {
         let Some(law) = law else { continue };
         let scale = el.law_scale(cos_phi);
@@ -159,8 +161,8 @@ pub(crate) fn evaluate<T: Scalar>(
 
     let loads = match &pose.carried {
         None => {
-            let [drive, coast] = [0, 1].map(|i| flanks[i].all_slopes(k.per_pitch_angle));
-            pose.map.loads(&(drive + coast))
+            let slopes = |i: usize| flanks[i].all_slopes(k.per_pitch_angle);
+            pose.map.loads(&(slopes(0) + slopes(1)))
         }
         Some(carried) => {
             let [drive, coast] = flanks.map(|f| along_approach(f.sign, f.damping_arm, f.damping));

@@ -225,10 +225,29 @@ fn by_gear_1(jacobian: &mut Jacobian, values: &[f64; CONTINUOUS_OUTPUTS], inputs
     ];
     for axis in 0..3 {
         let [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
-        let mut translated = -jacobian.column(column(1, 0) + axis);
+        let of = |c: usize| {
+            let start = CONTINUOUS_OUTPUTS * c;
+            &jacobian.as_slice()[start..start + CONTINUOUS_OUTPUTS]
+        };
+        let mut translated = [0.0; CONTINUOUS_OUTPUTS];
+        let mut turned = [0.0; CONTINUOUS_OUTPUTS];
+        let (shift, turn, carrier) = (
+            of(column(1, 0) + axis),
+            of(column(1, 1) + axis),
+            of(column(2, 1) + axis),
+        );
+        for row in 0..CONTINUOUS_OUTPUTS {
+            translated[row] = -shift[row];
+            turned[row] = -turn[row] - carrier[row];
+        }
+        for (first, vector) in &moved {
+            // Less the change e_axis x vector of what is held fixed in the other columns.
+            let (x, y) = (of(first + next), of(first + last));
+            for row in 0..CONTINUOUS_OUTPUTS {
+                turned[row] += vector[last] * x[row] - vector[next] * y[row];
+            }
+        }
         translated[POINT + axis] += 1.0;
-        let mut turned =
-            -jacobian.column(column(1, 1) + axis) - jacobian.column(column(2, 1) + axis);
         for first in (0..=POINT).step_by(3) {
             // e_axis x vector.
             let origin = if first == POINT {
@@ -239,13 +258,8 @@ fn by_gear_1(jacobian: &mut Jacobian, values: &[f64; CONTINUOUS_OUTPUTS], inputs
             turned[first + next] -= values[first + last] - origin[last];
             turned[first + last] += values[first + next] - origin[next];
         }
-        for (first, vector) in &moved {
-            // Less the change e_axis x vector of what is held fixed in the other columns.
-            turned.axpy(vector[last], &jacobian.column(first + next), 1.0);
-            turned.axpy(-vector[next], &jacobian.column(first + last), 1.0);
-        }
-        jacobian.set_column(axis, &translated);
-        jacobian.set_column(3 + axis, &turned);
+        jacobian.column_mut(axis).copy_from_slice(&translated);
+        jacobian.column_mut(3 + axis).copy_from_slice(&turned);
     }
 }
 

@@ -172,7 +172,7 @@ impl<T: Scalar> Map<T> {
                 Vector3::zeros()
             }
         };
-        let odd = [0, 1].map(|i| about[i] * cosine[i] - scaled(&a[i], hands[i] * tan_beta_b));
+        let odd = |i: usize| about[i] * cosine[i] - scaled(&a[i], hands[i] * tan_beta_b);
 
         // M and its gradients at fixed axes, and by the axes.
         let cos_phi = per_c * k.base_sum;
@@ -196,7 +196,7 @@ impl<T: Scalar> Map<T> {
             k1,
             k2,
             even: [radial_part(0), radial_part(1)],
-            odd,
+            odd: [odd(0), odd(1)],
             around: about[0] * per_rho[0],
             misalignment_u: [
                 scaled(&(a[1] * alpha + line * (u_axial * alpha_slope)), -k.e),

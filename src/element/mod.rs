@@ -7,12 +7,20 @@
 //! F_2 = F_tt [ e tan(phi) x + s sc y - s h tan(beta_w) z ],    F_1 = -F_2,    F_tt >= 0
 //! ```
 //!
-//! in both formulations (conjugate: at parallel axes, plus the side terms of the potential). The sign
-//! s is +1 for the drive flank, where gear 1 pushes in its +theta sense.
+//! in both formulations (conjugate: at parallel axes, plus the side terms of the potential; paper: of the elastic
+//! force). The sign s is +1 for the drive flank, where gear 1 pushes in its +theta sense.
 //!
-//! - [`Formulation::Conjugate`]: displacement, rates and loads from the exact
-//!   helicoids and one potential. Keeps energy; the default.
-//! - [`Formulation::Paper`]: equations (1)-(26).
+//! ```text
+//! poses ─> map: coordinates q ─> law: slopes g of the potential ─> loads -J^T g
+//! velocities ─> map: rates J v ──> damper ──────────┘
+//! ```
+//!
+//! - [`Formulation::Conjugate`]: coordinates and loads from the exact helicoids, through one map J and its
+//!   transpose. Undamped it keeps energy, and the damper can only take some; the default.
+//! - [`Formulation::Paper`]: displacement and elastic force of (1)-(26); the damper goes through the same map.
+//!
+//! One flank alone ([`LoadedFlank`]) carries nothing when the gears turn back, up to half a pitch: there they
+//! would meet the tooth behind, which is refused.
 //!
 //! Known limits: gears are rigid apart from the mesh; misalignment to first order, tilts up to 0.1 rad
 //! and meaningful within the table's range; no friction, no tooth-to-tooth errors. An evaluation

@@ -37,7 +37,7 @@ pub enum LoadedFlank {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PhaseReference {
     /// The initial pose is the touching one on the loaded flank (both flanks: on the drive flank) at
-    /// no load: there the unmodified involutes just touch, with the mesh position
+    /// no load: with its relief and its misalignment that flank is just about to carry, with the mesh position
     /// [`Parameters::mesh_phase`] / theta_p.
     FromInitialPose,
     /// The teeth stand where the body frames say: a tooth centre (ring: space centre) on body +x.

@@ -19,6 +19,11 @@ setup: $(VENV)/.complete
 $(VENV)/.complete: requirements.txt scripts/setup.sh
 	scripts/setup.sh
 
+# Those that only tests use.
+$(VENV)/.tests-complete: $(VENV)/.complete requirements-test.txt
+	scripts/setup.sh requirements-test.txt
+	touch $@
+
 # The command target/release/gearmesh and the FMU's library beside it.
 build: setup
 	$(CARGO) build --release
@@ -36,7 +41,7 @@ licenses: setup
 	$(VENV)/bin/python scripts/licenses.py
 
 # The build comes first: the tests of the command line pack the library that lies beside it.
-test: lint build
+test: lint build $(VENV)/.tests-complete
 	$(CARGO) test --release
 	$(VENV)/bin/python -m pytest -q tests/python
 

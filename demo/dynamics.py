@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from gearmesh import GearPair
 
 from .drawing import Drawing
-from .gear_pair import GearPair
 
 # Of the paper's Table 2 (0.25 kg on the pitch circle) and section 6.
 INERTIA_OF_GEAR2 = 4.213e-4  # kg m^2

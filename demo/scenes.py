@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from gearmesh import GearPair
 
 from .drawing import Drawing
 from .dynamics import (
@@ -18,7 +19,6 @@ from .dynamics import (
     run,
     run_up,
 )
-from .gear_pair import GearPair
 
 SLOW_RPM = 50.0
 # Between both time constants: well above c/m = 2.5 us (the linearly implicit step may be), well below

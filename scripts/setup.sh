@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Makes .venv: the pinned Python packages of requirements.txt and, for bindgen, two links that
-# .cargo/config.toml names: .venv/libclang (the shared library that comes with the Python package
-# `libclang`) and .venv/c-include (the C compiler's own headers). Safe to call again.
+# setup.sh [LIST...] makes .venv: the pinned Python packages of requirements.txt and of further LISTs, the
+# package in python/ and, for bindgen, two links that .cargo/config.toml names: .venv/libclang (the shared
+# library that comes with the Python package `libclang`) and .venv/c-include (the C compiler's own
+# headers). Safe to call again.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -40,8 +41,18 @@ if "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
 else
     pip=("$python" -m pip --python "$venv/bin/python")
 fi
-"${pip[@]}" install --quiet --disable-pip-version-check --requirement requirements.txt ||
-    fail "the packages of requirements.txt could not be installed: see pip's message above"
+# The lists are complete, so that pip need not follow what a package says it may want.
+for list in requirements.txt "$@"; do
+    "${pip[@]}" install --quiet --disable-pip-version-check --no-deps --requirement "$list" ||
+        fail "the packages of $list could not be installed: see pip's message above"
+done
+# `import gearmesh` finds the sources; the path is relative, so that the folder may be moved.
+"$venv/bin/python" - python <<'END'
+import os, pathlib, sys, sysconfig
+
+site = sysconfig.get_path("purelib")
+pathlib.Path(site, "gearmesh.pth").write_text(os.path.relpath(os.path.abspath(sys.argv[1]), site) + "\n")
+END
 
 native=$("$venv/bin/python" -c 'import pathlib, clang; print(pathlib.Path(clang.__file__).resolve().parent / "native")')
 headers=$(gcc -print-file-name=include)

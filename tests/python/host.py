@@ -11,19 +11,10 @@ from pathlib import Path
 
 from fmpy import extract, freeLibrary, read_model_description
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions
+from gearmesh.pair import LOGGER
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 MODEL_EXCHANGE, CO_SIMULATION = range(2)
-
-LOGGER = ctypes.CFUNCTYPE(
-    None,
-    ctypes.c_void_p,
-    ctypes.c_char_p,
-    ctypes.c_int,
-    ctypes.c_char_p,
-    ctypes.c_char_p,
-    ctypes.c_char_p,
-)
 
 
 class EventInfo(ctypes.Structure):

@@ -14,7 +14,6 @@ sys.path.insert(0, str(ROOT))
 from conftest import COARSE  # noqa: E402
 from demo import comparison, scenes  # noqa: E402
 from demo.drawing import Drawing  # noqa: E402
-from demo.gear_pair import GearPair, GearPairError  # noqa: E402
 from demo.scenes import Files  # noqa: E402
 
 PAIR = ROOT / "resources" / "pairs" / "palermo2013.json"
@@ -105,14 +104,3 @@ def test_verdicts_on_the_comparison_page_follow_from_the_numbers():
     assert comparison.force_verdict({200: (1.0, 1.0), 3000: (0.998, 1.003)}).startswith(comparison.SAME)
     falling = comparison.force_verdict({200: (0.9, 1.0), 3000: (0.99, 1.001)})
     assert "Not so here" in falling and "further below" in falling
-
-
-def test_an_enumeration_that_does_not_exist_is_refused_with_those_that_do(spring):
-    with pytest.raises(GearPairError, match="paper, conjugate"):
-        GearPair(spring.fmu, {"formulation": "exact"})
-
-
-def test_an_effect_without_its_axis_is_refused_at_initialisation(tabulated):
-    with GearPair(tabulated.fmu, {"misalignmentEffect": True}) as pair:
-        with pytest.raises(Exception):
-            pair.initialize()

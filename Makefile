@@ -6,9 +6,10 @@ PYTHON ?= python3
 CARGO ?= cargo
 VENV := .venv
 GEARMESH := target/release/gearmesh
+DRIVELINES := housing planetary response
 export PYTHON
 
-.PHONY: all setup build demo test lint licenses report bench callgrind clean distclean
+.PHONY: all setup build demo test lint licenses report examples bench callgrind clean distclean
 .DELETE_ON_ERROR:
 
 all: build
@@ -22,6 +23,11 @@ $(VENV)/.complete: requirements.txt scripts/setup.sh
 # Those that only tests use.
 $(VENV)/.tests-complete: $(VENV)/.complete requirements-test.txt
 	scripts/setup.sh requirements-test.txt
+	touch $@
+
+# Those of examples/drivelines.
+$(VENV)/.examples-complete: $(VENV)/.tests-complete requirements-examples.txt
+	scripts/setup.sh requirements-test.txt requirements-examples.txt
 	touch $@
 
 # The command target/release/gearmesh and the FMU's library beside it.
@@ -41,7 +47,7 @@ licenses: setup
 	$(VENV)/bin/python scripts/licenses.py
 
 # The build comes first: the tests of the command line pack the library that lies beside it.
-test: lint build $(VENV)/.tests-complete
+test: lint build $(VENV)/.examples-complete
 	$(CARGO) test --release
 	$(VENV)/bin/python -m pytest -q tests/python
 
@@ -62,6 +68,11 @@ report: build
 	    $(GEARMESH) report $$pair -o $$page.html --figures $$page || exit 1; \
 	done
 	cp target/report/palermo2013/contact-pattern-on-gear-1-2.svg docs/contact-pattern.svg
+
+# The driveline examples; their plots go to target/drivelines and docs/drivelines.
+examples: build $(VENV)/.examples-complete
+	for example in $(DRIVELINES); do $(VENV)/bin/python -m examples.drivelines.$$example || exit 1; done
+	cp target/drivelines/*.png docs/drivelines/
 
 bench: setup
 	$(CARGO) bench

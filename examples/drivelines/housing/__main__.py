@@ -1,0 +1,108 @@
+"""`python -m examples.drivelines.housing`: runs all cases and writes target/drivelines/housing-*.png."""
+
+from __future__ import annotations
+
+from concurrent.futures import ProcessPoolExecutor
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from ..files import OUT
+from ..orders import order_amplitude, waterfall
+from .cases import VARIANTS, balance, bearing_forces, deviation_from_statics, run_up, torque_ramp
+from .model import HELICAL, HOUSING_CENTER, SENSOR, SHAFTS, SPUR, Driveline, History
+
+RPM = 30.0 / np.pi
+BASE_HELIX = np.radians(20.61)  # of the helical pair
+
+
+def spin(history: History):
+    """Angle (rad) and speed (rad/s) of gear 1."""
+    first = 6 * (1 + SHAFTS[0].gear) + 5
+    return history.q[:, first], history.q_t[:, first]
+
+
+def wall(history: History) -> np.ndarray:
+    """Acceleration of the sensor along y, m/s^2; the housing turns by microradians only."""
+    arm = np.subtract(SENSOR, HOUSING_CENTER)
+    angular = history.q_tt[:, 3:6]
+    return history.q_tt[:, 1] + angular[:, 2] * arm[0] - angular[:, 0] * arm[2]
+
+
+def ramp_figure(line: Driveline, history: History) -> None:
+    """Bearing forces, misalignment and shuttling moment over torque."""
+    count = 250
+    some = History(*(x[::count] for x in (history.time, history.q, history.q_t, history.q_tt)), {})
+    torque = 120.0 * some.time / 0.4
+    forces = bearing_forces(line, some)
+    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4))
+    for (k, i), force in forces.items():
+        label = f"shaft {k + 1}, {'fixed' if i == SHAFTS[k].bearings[0] else 'floating'} bearing"
+        left.plot(torque, np.linalg.norm(force[:, :2], axis=1), label=label)
+    left.set(xlabel="torque, N m", ylabel="radial force on the housing, N")
+    left.legend(fontsize=8)
+    torque = 120.0 * history.time / 0.4
+    normal, z = history.mesh["mesh.normalForce"], history.mesh["mesh.contactZ"]
+    loaded = torque > 5.0
+    middle.plot(torque[loaded], 1e6 * history.mesh["mesh.misalignment"][loaded])
+    middle.set(xlabel="torque, N m", ylabel="misalignment by bending and bearings, urad")
+    # Shuttling: the force on the line of action moves along the face.
+    shuttling = normal * np.cos(BASE_HELIX) * (z - 12e-3)
+    right.plot(torque[loaded], shuttling[loaded], lw=0.7)
+    right.set(xlabel="torque, N m", ylabel="moment of the force about mid-face, N m")
+    save(figure, "housing-torque-ramp")
+
+
+def run_up_figures(histories: dict[str, History]) -> None:
+    figure, axes = plt.subplots(1, 3, figsize=(13, 4), sharey=True)
+    for axis, (name, history) in zip(axes, histories.items()):
+        axis.plot(RPM * spin(history)[1], 1e-3 * history.mesh["mesh.tangentialForce"], lw=0.3)
+        axis.set(title=name, xlabel="speed, rpm")
+    axes[0].set_ylabel("tangential force, kN")
+    save(figure, "housing-run-up")
+
+    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5))
+    history = histories["variable load"]
+    angle, speed = spin(history)
+    speeds, frequency, rows = waterfall(history.time, wall(history), speed)
+    low = frequency < 10000.0
+    levels = 20.0 * np.log10(np.maximum(rows[:, low], 1e-4))
+    picture = left.pcolormesh(RPM * speeds, 1e-3 * frequency[low], levels.T, vmin=-50, vmax=20, shading="auto")
+    left.set(xlabel="speed, rpm", ylabel="frequency, kHz", title="acceleration of the housing wall, dB re 1 m/s²")
+    figure.colorbar(picture, ax=left)
+    for name, history in histories.items():
+        angle, speed = spin(history)
+        for order, style in ((SPUR.teeth[0], "-"), (2 * SPUR.teeth[0], "--")):
+            at, amplitude = order_amplitude(angle, wall(history), order)
+            colour = f"C{list(histories).index(name)}"
+            right.semilogy(RPM * speed[at], amplitude, style, color=colour, label=f"{name}, order {order}")
+    right.set(xlabel="speed, rpm", ylabel="acceleration, m/s²", xlim=(300, 6100), ylim=(1e-4, None))
+    right.legend(fontsize=8)
+    save(figure, "housing-orders")
+
+
+def save(figure, name: str) -> None:
+    figure.tight_layout()
+    figure.savefig(OUT / f"{name}.png", dpi=80)
+    plt.close(figure)
+
+
+def main() -> None:
+    line, history = torque_ramp()
+    ramp_figure(line, history)
+    print(f"bearing forces against statics: {deviation_from_statics(line, history):.1e} of the tooth force")
+    with ProcessPoolExecutor(2) as pool:
+        histories = dict(zip(VARIANTS, pool.map(run_up, VARIANTS)))
+    for name, history in histories.items():
+        late = history.after(0.05)
+        force, speed = late.mesh["mesh.tangentialForce"], RPM * spin(late)[1]
+        apart = speed[force == 0.0]
+        text = f"teeth part from {apart.min():.0f} to {apart.max():.0f} rpm" if len(apart) else "teeth stay in contact"
+        print(f"{name}: largest force {force.max():.0f} N at {speed[force.argmax()]:.0f} rpm, {text}")
+    run_up_figures(histories)
+    for gears in (SPUR, HELICAL):
+        print(gears.name, ", ".join(f"{name} {value:.1e}" for name, value in balance(gears).items()))
+
+
+if __name__ == "__main__":
+    main()

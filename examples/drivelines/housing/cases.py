@@ -1,0 +1,134 @@
+"""What is simulated: a torque ramp, a run-up in three levels of detail, and a balance without damping."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from gearmesh import GearPair
+
+from ..balance import mesh_energy, wrench_residual
+from ..files import local, shipped
+from .model import HELICAL, INERTIAS, SHAFTS, SPUR, Driveline, Gears, History
+
+RPM = math.pi / 30.0
+STEP = 1e-5  # s; Runge-Kutta 4 stands 1.4e-5, the shafts' axial modes limit it
+DIAGNOSTICS = (
+    "mesh.transmissionError", "mesh.tangentialForce", "mesh.contactZ", "mesh.misalignment", "mesh.normalForce",
+)  # fmt: skip
+# zeta = 0.02: test rigs with spur gears on roller bearings show 0.01 to 0.03.
+SPUR_DAMPING = 500.0
+VARIANTS = {
+    "variable load": {},
+    "constant load": {"loadDependent": False},
+    "constant stiffness": {"stiffnessModel": "constant"},
+}
+
+
+def unit(gears: Gears, parameters: dict) -> GearPair:
+    """An initialised instance: the teeth touch at the start."""
+    fmu = shipped if gears is HELICAL else local
+    pair = GearPair(fmu(gears.name), parameters, "model-exchange")
+    pair.initialize()
+    return pair
+
+
+def rise(time: float, duration: float = 0.02) -> float:
+    """From 0 to 1 with continuous slope."""
+    share = min(time / duration, 1.0)
+    return share * share * (3.0 - 2.0 * share)
+
+
+def torque_ramp(torque: float = 120.0, rpm: float = 600.0, duration: float = 0.4) -> tuple[Driveline, History]:
+    """The helical pair at a steady speed; the torque rises evenly."""
+    ratio = HELICAL.teeth[0] / HELICAL.teeth[1]
+    with unit(HELICAL, {}) as pair:
+        line = Driveline(
+            HELICAL, pair, speed=rpm * RPM,
+            motor=lambda t: torque * t / duration, load=lambda t: torque / ratio * t / duration,
+        )  # fmt: skip
+        return line, line.run(duration, STEP, 5, DIAGNOSTICS)
+
+
+def run_up(variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8) -> History:
+    """The spur pair from rest to `rpm`; the load brakes with `torque`, the motor accelerates beyond it."""
+    with unit(SPUR, {"damping": SPUR_DAMPING} | VARIANTS[variant]) as pair:
+        line = Driveline(SPUR, pair, load=lambda t: torque * rise(t))
+        blanks = [line.bodies[k, shaft.gear].inertia[2, 2] for k, shaft in enumerate(SHAFTS)]
+        inertia = sum(INERTIAS) + sum(blanks)  # the shafts add less than 1 %
+        line.torques = (lambda t: (torque + inertia * rpm * RPM / duration) * rise(t), line.torques[1])
+        return line.run(duration, STEP, 2, DIAGNOSTICS)
+
+
+def bearing_forces(line: Driveline, history: History) -> dict[tuple[int, int], np.ndarray]:
+    """Forces of the shafts on the housing, N, in its axes, by shaft and station; without the dampers' share."""
+    out = {}
+    for name, spring in line.springs.items():
+        if name[0] == "bearing":
+            shift = np.array([line.deflections(spring, q)[:3] for q in history.q])
+            out[name[1:]] = shift * spring.stiffness[:3]
+    return out
+
+
+def statics(line: Driveline, force: np.ndarray, moment: np.ndarray, k: int) -> dict[int, np.ndarray]:
+    """Bearing forces of shaft `k` from the loads on its gear by the equilibrium of a rigid shaft on two bearings."""
+    shaft, gears = SHAFTS[k], line.gears
+    fixed, floating = (shaft.stations[i] for i in shaft.bearings)
+    face = gears.faces[k][0]
+    # Moments about the fixed bearing; the floating one takes no axial force.
+    arm = face - fixed
+    far = np.array([force[0] * arm + moment[1], force[1] * arm - moment[0]]) / (floating - fixed)
+    return {
+        shaft.bearings[0]: np.array([force[0] - far[0], force[1] - far[1], force[2]]),
+        shaft.bearings[1]: np.array([far[0], far[1], 0.0]),
+    }
+
+
+def deviation_from_statics(line: Driveline, history: History) -> float:
+    """Largest difference between the bearing forces and `statics`, mean over the last tenth, over the tooth force."""
+    count = len(history.time)
+    some = [slice(i, i + 1) for i in range(count - count // 10, count, 7)]
+    difference, size = [], []
+    with unit(line.gears, {}) as pair:
+        for at in some:
+            one = History(*(x[at] for x in (history.time, history.q, history.q_t, history.q_tt)), {})
+            poses = line.gear_coordinates(one.q[0])
+            pair.u[:6], pair.u[16:22] = poses[:6], poses[6:]
+            pair.evaluate(0.0)
+            loads = np.array(pair.y[:12]).reshape(2, 2, 3)
+            found = bearing_forces(line, one)
+            pieces = [(found[k, i][0], f) for k in (0, 1) for i, f in statics(line, *loads[k], k).items()]
+            difference.append([a - b for a, b in pieces])
+            size.append(np.linalg.norm(loads[0, 0]))
+    return float(np.abs(np.mean(difference, axis=0)).max() / np.mean(size))
+
+
+def balance(gears: Gears, duration: float = 0.01, step: float = 5e-6) -> dict[str, float]:
+    """No damping, no mounts, constant torques switched on at speed: what is lost and gained, over the run."""
+    torque, ratio = 100.0, gears.teeth[0] / gears.teeth[1]
+    with unit(gears, {"damping": 0.0}) as pair:
+        line = Driveline(
+            gears, pair, damped=False, free_housing=True, speed=350.0,
+            motor=lambda _: torque, load=lambda _: torque / ratio,
+        )  # fmt: skip
+        history = line.run(duration, step, round(1e-4 / step))
+        energy, mesh, stored, momentum, wrench = [], [], [], [], []
+        for q, q_t in zip(history.q, history.q_t):
+            kinetic, impulse = line.motion(q, q_t)
+            mesh.append(mesh_energy(pair, line.gear_coordinates(q)))
+            stored.append(line.stored(q) + mesh[-1])
+            work = torque * q[line.rotors[0]] + torque / ratio * q[line.rotors[1]]
+            energy.append(kinetic + stored[-1] - work)
+            momentum.append(np.linalg.norm(impulse))
+            pair.u[:6], pair.u[16:22] = np.split(line.gear_coordinates(q), 2)
+            pair.evaluate(0.0)
+            wrench.append(wrench_residual(pair))
+        drift = float(np.ptp(energy))
+        passed = torque / 0.03 * duration  # impulse of the tooth force, N s
+        return {
+            "energy over elastic": drift / max(stored),
+            "energy over mesh": drift / max(mesh),
+            "momentum": max(momentum) / passed,
+            "loads": max(wrench),
+        }
+

@@ -1,0 +1,77 @@
+"""Short forms of examples/drivelines: the element in assemblies, against closed forms and balances."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from examples.drivelines.housing import cases as housing  # noqa: E402
+from examples.drivelines.housing.model import HELICAL, SPUR  # noqa: E402
+from examples.drivelines.planetary import cases as planetary  # noqa: E402
+from examples.drivelines.planetary.stage import IN_PHASE, SEQUENTIAL  # noqa: E402
+from examples.drivelines.response import jump, linear  # noqa: E402
+
+
+@pytest.mark.parametrize("gears", [SPUR, HELICAL], ids=lambda g: g.name)
+def test_an_undamped_free_gearbox_keeps_energy_and_momentum(gears):
+    found = housing.balance(gears, duration=0.004)
+    assert found["energy over elastic"] < 1e-4
+    assert found["momentum"] < 1e-11
+    assert found["loads"] < 1e-13
+
+
+def test_bearings_carry_what_statics_asks_for():
+    line, history = housing.torque_ramp(duration=0.1)
+    assert history.time[-1] > 0.09
+    assert housing.deviation_from_statics(line, history) < 2e-3
+
+
+def test_vibration_of_the_mesh_comes_with_its_changing_stiffness_alone():
+    swing = {}
+    for variant in ("variable load", "constant stiffness"):
+        late = housing.run_up(variant, rpm=2100.0, duration=0.1).after(0.08)
+        force = late.mesh["mesh.tangentialForce"]
+        swing[variant] = np.ptp(force) / force.mean()
+    assert swing["variable load"] > 0.2
+    assert swing["constant stiffness"] < 0.1 * swing["variable load"]
+
+
+def test_phase_between_sun_and_ring_mesh_is_that_of_the_tooth_thickness():
+    assert planetary.measured_phase() == pytest.approx(planetary.phase_of_ring_mesh(), abs=2e-4)
+
+
+def test_sequential_planets_leave_of_each_harmonic_what_their_phases_add_up_to():
+    spectra = [np.abs(np.fft.rfft(planetary.transmission_error(p, 16))) for p in (IN_PHASE, SEQUENTIAL)]
+    for harmonic in (1, 2):
+        ratio = spectra[1][harmonic] / spectra[0][harmonic]
+        assert ratio == pytest.approx(planetary.vanishing(SEQUENTIAL, harmonic), rel=0.03)
+
+
+def test_planets_share_the_load_as_springs_do_and_equally_with_a_floating_sun():
+    stiffness = planetary.path_stiffness()
+    for floating in (False, True):
+        found = planetary.load_sharing(50e-6, floating, positions=1)
+        expected = planetary.shares_in_closed_form(50e-6, floating, stiffness)
+        assert found == pytest.approx(expected, abs=2e-3)
+
+
+def test_an_undamped_planetary_stage_keeps_energy():
+    assert planetary.balance(duration=0.01)["energy over elastic"] < 1e-4
+
+
+@pytest.mark.parametrize("support", [linear.ONE, linear.SIX], ids=["one freedom", "six freedoms"])
+def test_small_swings_follow_the_linear_frequency_response(support):
+    for frequency in (500.0, 5000.0):
+        assert linear.measured(support, frequency) == pytest.approx(linear.closed_form(support, [frequency])[0], rel=2e-3)
+
+
+def test_run_up_jumps_at_a_higher_speed_than_run_down():
+    jumps = []
+    for start, end in ((2100.0, 2600.0), (2600.0, 1700.0)):
+        speeds, swing, apart = (x[8:] for x in jump.sweep(start, end, duration=0.6))
+        assert apart.max() > 0.0
+        jumps.append(jump.jump(speeds, swing))
+    assert jumps[0] > 1.1 * jumps[1]

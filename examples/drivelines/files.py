@@ -15,9 +15,10 @@ PAIRS = Path(__file__).parent / "pairs"
 GEARMESH = ROOT / "target" / "release" / "gearmesh"
 
 
-def shipped(name: str) -> Path:
-    """The unit of the tables in resources/tables, packed once."""
-    return _made(name, "pack", "--tables", ROOT / "resources" / "tables" / f"{name}.json")
+def shipped(name: str, *settings: str) -> Path:
+    """The unit of the tables in resources/tables, packed once, with settings `NAME=VALUE`."""
+    options = [f"--set={setting}" for setting in settings]
+    return _made("-".join([name, *settings]), "pack", "--tables", ROOT / "resources" / "tables" / f"{name}.json", *options)
 
 
 def local(name: str) -> Path:

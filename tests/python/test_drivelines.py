@@ -1,6 +1,7 @@
 """Short forms of examples/drivelines: the element in assemblies, against closed forms and balances."""
 
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
+from examples.drivelines.cosimulation import masters  # noqa: E402
 from examples.drivelines.housing import cases as housing  # noqa: E402
 from examples.drivelines.housing.model import HELICAL, SPUR  # noqa: E402
 from examples.drivelines.planetary import cases as planetary  # noqa: E402
@@ -75,3 +77,16 @@ def test_run_up_jumps_at_a_higher_speed_than_run_down():
         assert apart.max() > 0.0
         jumps.append(jump.jump(speeds, swing))
     assert jumps[0] > 1.1 * jumps[1]
+
+
+@pytest.mark.parametrize("coupling, order", [("held", 1.0), ("extrapolated", 2.0), ("iterated", 2.0)])
+def test_cosimulation_converges_to_the_monolithic_run_with_the_order_of_its_coupling(coupling, order):
+    with closing(masters.Gears()) as gears:
+        begin, duration = masters.start(gears), 5.12e-4
+        reference = masters.monolithic(gears, begin, duration, 5e-7)
+        coarse, fine = (
+            masters.distance(masters.cosimulate(gears, begin, duration, size, coupling), reference)
+            for size in (1e-6, 5e-7)
+        )
+    assert fine < 1e-4
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.15)

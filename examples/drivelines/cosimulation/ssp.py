@@ -1,0 +1,96 @@
+"""The same system as an SSP of three FMUs, run by Ecos."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+from pythonfmu import FmuBuilder
+
+from ..files import GEARMESH, OUT, ROOT
+from .masters import DRIVE, IN, OUT as LOADS, RATES, CENTER_DISTANCE, exchange
+from . import subsystems as sub
+
+SEATS = [f"seat{i}.{name}" for name in ("position", "velocity") for i in (1, 2)]
+CONNECTIONS = (
+    [("shafts", name, "gears", name) for name in IN + RATES]
+    + [("gears", name, "shafts", name) for name in LOADS]
+    + [("shafts", f"seat{i}.force", "housing", f"seat{i}.force") for i in (1, 2)]
+    + [("housing", name, "shafts", name) for name in SEATS]
+)
+OBSERVED = ("shafts::gear1.position[2]", "shafts::gear2.position[2]", "shafts::gear2.angles[3]")
+
+
+def build(gears, begin) -> Path:
+    """Packs the three FMUs with `begin`, the states of shafts and housing, as start, and writes the SSP."""
+    folder, here = OUT / "ssp", Path(__file__).parent
+    folder.mkdir(parents=True, exist_ok=True)
+    values = exchange(gears, *begin)
+    start = folder / "start.json"
+    start.write_text(
+        json.dumps({
+            "shafts": begin[0].tolist(), "housing": begin[1].tolist(), "drive": DRIVE.tolist(),
+            "exchange": values[np.r_[0:6, 8:12]].tolist(), "forces": values[6:8].tolist(),
+        })
+    )  # fmt: skip
+    sys.path.insert(0, str(here))
+    try:
+        for name in ("shafts", "housing"):
+            FmuBuilder.build_FMU(here / f"{name}_fmu.py", dest=folder, project_files=[here / "subsystems.py", start])
+    finally:
+        sys.path.remove(str(here))
+    pose = begin[0].copy()
+    pose[3] += CENTER_DISTANCE
+    settings = [f"--set={name}={value!r}" for name, value in zip(IN + RATES, pose.tolist())]
+    tables = ROOT / "resources" / "tables" / "helical-25-47.json"
+    command = [GEARMESH, "pack", "--tables", tables, "-o", folder / "Gears.fmu", "--set=phaseReference=absolute", *settings]
+    subprocess.run(list(map(str, command)), check=True, stdout=subprocess.PIPE)
+
+    components = "\n".join(
+        f'<ssd:Component name="{name.lower()}" type="application/x-fmu-sharedlibrary" source="resources/{name}.fmu"><ssd:Connectors>'
+        + "".join(
+            f'<ssd:Connector name="{variable}" kind="{kind}"><ssc:Real/></ssd:Connector>'
+            for kind, variable in sorted(
+                {("output", v) for c, v, _, _ in CONNECTIONS if c == name.lower()}
+                | {("input", v) for _, _, c, v in CONNECTIONS if c == name.lower()}
+            )
+        )
+        + "</ssd:Connectors></ssd:Component>"
+        for name in ("Shafts", "Housing", "Gears")
+    )
+    wires = "\n".join(
+        f'<ssd:Connection startElement="{a}" startConnector="{b}" endElement="{c}" endConnector="{d}"/>' for a, b, c, d in CONNECTIONS
+    )
+    description = f"""<?xml version="1.0" encoding="UTF-8"?>
+<ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
+  xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" name="gearbox" version="1.0">
+<ssd:System name="gearbox"><ssd:Elements>
+{components}
+</ssd:Elements><ssd:Connections>
+{wires}
+</ssd:Connections></ssd:System></ssd:SystemStructureDescription>
+"""
+    out = folder / "gearbox.ssp"
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("SystemStructure.ssd", description)
+        for name in ("Shafts", "Housing", "Gears"):
+            archive.write(folder / f"{name}.fmu", f"resources/{name}.fmu")
+    return out
+
+
+def run(ssp: Path, duration: float, size: float) -> np.ndarray:
+    """y of both gears and the angle of gear 2 at the end, by Ecos with a fixed step of `size` s."""
+    from ecospy import EcosSimulation
+
+    simulation = EcosSimulation(size, ssp_path=str(ssp))
+    try:
+        simulation.init()
+        simulation.step(round(duration / size))
+        return np.array([simulation.get_real(name) for name in OBSERVED])
+    finally:
+        simulation.terminate()
+        simulation.free()

@@ -14,6 +14,7 @@ from examples.drivelines.housing import cases as housing  # noqa: E402
 from examples.drivelines.housing.model import HELICAL, SPUR  # noqa: E402
 from examples.drivelines.planetary import cases as planetary  # noqa: E402
 from examples.drivelines.planetary.stage import IN_PHASE, SEQUENTIAL  # noqa: E402
+from examples.drivelines.rattle import idle, mujoco_joint  # noqa: E402
 from examples.drivelines.response import jump, linear  # noqa: E402
 
 
@@ -90,3 +91,22 @@ def test_cosimulation_converges_to_the_monolithic_run_with_the_order_of_its_coup
         )
     assert fine < 1e-4
     assert np.log2(coarse / fine) == pytest.approx(order, abs=0.15)
+
+
+def test_an_idle_gear_bounces_once_a_period_where_its_restitution_lets_it():
+    low, high = idle.period_one(idle.restitution())
+    assert low < 1.0 < high
+    below, within = idle.shaken(0.9 * low, periods=30), idle.shaken(1.0, periods=30)
+    assert np.abs(below).max() < 2e-6
+    assert within.min() > 3e-5 and np.ptp(within) < 4e-6
+
+
+def test_an_idle_gear_in_a_gearbox_rattles_once_its_drag_cannot_follow():
+    assert idle.gearbox(0.9, periods=14)[1] == 0.0
+    loaded, unloaded = idle.gearbox(1.2, periods=14)
+    assert loaded == 0.0 and unloaded > 0.1
+
+
+def test_a_reversing_joint_in_mujoco_loses_the_gap_and_the_deflection_of_the_teeth():
+    lost = mujoco_joint.lost_motion(*mujoco_joint.run(True)[:2])
+    assert mujoco_joint.GAP < lost < 1.05 * mujoco_joint.GAP

@@ -1,0 +1,103 @@
+"""`python -m examples.drivelines.sweep`: dynamic factor over speed, torque, misalignment and centre distance.
+
+Runs on a local Dask cluster, or on the one at `--scheduler ADDRESS`; what is done stays done after a kill. Writes
+target/drivelines/sweep.parquet and sweep.png. `--throughput` measures instead.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from contextlib import contextmanager
+
+import matplotlib.pyplot as plt
+import numpy as np
+from dask.distributed import Client, LocalCluster
+
+from ..files import OUT, shipped
+from . import runs, study
+
+SPEEDS, TORQUES = np.linspace(1000.0, 14000.0, 40), (50.0, 100.0, 200.0, 300.0)
+TILTS, OFFSETS = (0.0, 1.0), (0.0, 40.0)
+
+
+def cases(speeds=SPEEDS) -> list[dict[str, float]]:
+    return study.grid(speed_rpm=speeds, torque_nm=TORQUES, misalignment_mrad=TILTS, center_distance_offset_um=OFFSETS)
+
+
+@contextmanager
+def connect(scheduler: str | None, workers: int):
+    """A client of the scheduler at the address, or of a local cluster."""
+    if scheduler:
+        with Client(scheduler) as client:
+            yield client
+        return
+    # Processes of one thread: an instance of the unit belongs to one thread at a time.
+    with LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        with Client(cluster) as client:
+            yield client
+
+
+def show(done: int, total: int) -> None:
+    print(f"\r{done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
+
+
+def throughput(fmu: bytes) -> None:
+    """Cases per second: Dask with one and with two workers, and one process that runs 64 side by side or one by one."""
+    some = cases(np.linspace(2000.0, 12000.0, 8))
+    for workers in (1, 2):
+        with connect(None, workers) as client:
+            client.submit(study.compute, fmu, some[:1], pure=False).result()
+            unit = client.scatter(fmu, broadcast=True)
+            clock = time.perf_counter()
+            client.gather([client.submit(study.compute, unit, some[i : i + 8], pure=False) for i in range(0, len(some), 8)])
+            print(f"Dask, {workers} worker{'s' * (workers > 1)}: {len(some) / (time.perf_counter() - clock):.1f} cases/s")
+    for count in (1, 64):
+        runs.simulate(fmu, some[:count])
+        clock = time.process_time()
+        for i in range(0, 64, count):
+            runs.simulate(fmu, some[i : i + count])
+        print(f"one process, {count} instance{'s' * (count > 1)}: {64 / (time.process_time() - clock):.1f} cases per second of processor time")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://host:8786")
+    parser.add_argument("--workers", type=int, default=2, help="local worker processes")
+    parser.add_argument("--throughput", action="store_true")
+    arguments = parser.parse_args()
+    fmu = shipped("fzg-c", "phaseReference=absolute").read_bytes()
+    if arguments.throughput:
+        throughput(fmu)
+        return
+    todo, parts = cases(), OUT / "sweep"
+    with connect(arguments.scheduler, arguments.workers) as client:
+        count = study.run(client, fmu, todo, parts, show)
+    table = study.collect(fmu, todo, parts, OUT / "sweep.parquet")
+    print(f"{count} of {len(todo)} cases computed now; {table.num_rows} rows in {OUT / 'sweep.parquet'}")
+    draw(table)
+
+
+def draw(table) -> None:
+    data = {name: np.array(table[name]) for name in table.column_names if name != "key"}
+    figure, axes = plt.subplots(1, len(TILTS) + 1, figsize=(14, 4.2))
+    for axis, tilt in zip(axes, TILTS):
+        at = (data["misalignment_mrad"] == tilt) & (data["center_distance_offset_um"] == 0.0)
+        values = data["dynamic_factor"][at].reshape(len(SPEEDS), len(TORQUES))
+        picture = axis.contourf(SPEEDS, TORQUES, values.T, np.linspace(1.0, 3.0, 21), extend="max")
+        axis.set(xlabel="speed, rpm", ylabel="torque, N m", title=f"dynamic factor, misalignment {tilt:g} mrad")
+    figure.colorbar(picture, ax=axes[len(TILTS) - 1])
+    for torque in TORQUES:
+        for offset, style in zip(OFFSETS, ("-", "--")):
+            at = (data["torque_nm"] == torque) & (data["center_distance_offset_um"] == offset) & (data["misalignment_mrad"] == 0.0)
+            label = f"{torque:g} N m" if offset == 0.0 else None
+            axes[-1].plot(SPEEDS, data["dynamic_factor"][at], style, color=f"C{TORQUES.index(torque)}", label=label)
+    axes[-1].set(xlabel="speed, rpm", ylabel="dynamic factor", title="centre distance: nominal, dashed + 40 µm")
+    axes[-1].legend()
+    figure.tight_layout()
+    figure.savefig(OUT / "sweep.png", dpi=80)
+
+
+if __name__ == "__main__":
+    main()

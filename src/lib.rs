@@ -21,7 +21,7 @@
 //! ```
 //!
 //! The preprocessing half never imports the element, the element never imports the contact
-//! solver: only the table joins them. The FMU's library is built from `gear`, `table`, `element`
+//! solver: only the table joins them. The FMU's library is built from `gear`, `friction`, `table`, `element`
 //! and `fmi` alone; the rest stands behind the feature `preprocess`.
 //!
 //! # Symbols
@@ -57,6 +57,7 @@ pub mod compliance;
 pub mod contact;
 pub mod element;
 pub mod fmi;
+pub mod friction;
 pub mod gear;
 pub mod package;
 #[cfg(feature = "preprocess")]

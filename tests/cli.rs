@@ -148,7 +148,14 @@ fn mean(values: &[f64]) -> f64 {
 
 #[test]
 fn a_solve_reports_every_agreed_key_for_every_position() {
-    let json = solve_json(&["--torque-nm", "100", "--positions", "12"]);
+    let json = solve_json(&[
+        "--torque-nm",
+        "100",
+        "--positions",
+        "12",
+        "--speed-rpm",
+        "500,1500",
+    ]);
     let positions = numbers(&json["mesh_position"]);
     assert_eq!(positions.len(), 12);
     assert!((positions[3] - 0.25).abs() < 1e-15);
@@ -173,6 +180,19 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     assert!((number("transverse_contact_ratio") - 1.540).abs() < 1e-3);
     assert!((number("overlap_ratio") - 0.448).abs() < 1e-3);
     assert!(number("solve_seconds") > 0.0);
+    // The constant coefficient that the pair file has by default.
+    assert_eq!(numbers(&json["friction_coefficient"]), [0.05, 0.05]);
+    let lost = 0.05 * number("loss_factor");
+    for (speed, (loss, efficiency)) in [500.0, 1500.0].into_iter().zip(
+        numbers(&json["loss_w"])
+            .into_iter()
+            .zip(numbers(&json["efficiency"])),
+    ) {
+        let transmitted = 100.0 * speed * std::f64::consts::TAU / 60.0;
+        assert!((loss / (lost * transmitted) - 1.0).abs() < 1e-9);
+        assert!((1.0 - efficiency - lost).abs() < 1e-12);
+    }
+    assert!((number("loss_factor_ohlendorf") / number("loss_factor") - 1.0).abs() < 0.2);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::error::ContactError;
 use super::result::{ContactResult, EdgeLoad, larger};
 use super::solver::ContactSolver;
+use crate::friction::{FrictionLaw, Sliding};
 use crate::gear::Flank;
 
 /// Harmonics of the mesh frequency that are reported.
@@ -34,6 +35,10 @@ pub struct MeshCycle {
     pub mesh_position: Vec<f64>,
     /// The solution at each.
     pub results: Vec<ContactResult>,
+    /// How the load slides at each, every strip counted alike.
+    pub sliding: Vec<Sliding>,
+    /// The same with the weights of the pair's law of friction.
+    pub friction: Vec<Sliding>,
     /// Wall clock of the whole cycle, s.
     pub solve_seconds: f64,
 }
@@ -54,17 +59,28 @@ impl MeshCycle {
         }
         let begin = Instant::now();
         let mesh_position: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
-        let results = mesh_position
+        let even = FrictionLaw::default();
+        let solved = mesh_position
             .par_iter()
             .map(|&tau| {
-                solver
-                    .position(input.flank, tau, input.center_distance_offset)?
-                    .solve_torque(input.torque, input.misalignment, None)
+                let problem = solver.position(input.flank, tau, input.center_distance_offset)?;
+                let result = problem.solve_torque(input.torque, input.misalignment, None)?;
+                let sliding = solver.sliding(&problem, &result, &even);
+                let friction = solver.sliding(&problem, &result, solver.friction());
+                Ok((result, sliding, friction))
             })
-            .collect::<Result<Vec<_>, _>>()?;
+            .collect::<Result<Vec<_>, ContactError>>()?;
+        let (mut results, mut sliding, mut friction) = (vec![], vec![], vec![]);
+        for (result, even, weighted) in solved {
+            results.push(result);
+            sliding.push(even);
+            friction.push(weighted);
+        }
         Ok(MeshCycle {
             mesh_position,
             results,
+            sliding,
+            friction,
             solve_seconds: begin.elapsed().as_secs_f64(),
         })
     }

@@ -25,6 +25,7 @@ pub(crate) mod local;
 mod mesh_cycle;
 mod position;
 mod result;
+mod sliding;
 mod solver;
 mod transverse;
 

@@ -11,6 +11,7 @@ use super::local::widest_contact;
 use super::position::{Limits, PositionProblem};
 use super::transverse::TransverseSection;
 use crate::compliance::ToothCompliance;
+use crate::friction::FrictionLaw;
 use crate::gear::{Flank, PairGeometry, PairMicrogeometry, ToothProfile};
 use crate::pair::{Pair, Refinement};
 
@@ -70,6 +71,7 @@ pub struct ContactSolver {
     reach: f64,
     reference_length: f64,
     form_rolls: [f64; 2],
+    friction: FrictionLaw,
 }
 
 impl ContactSolver {
@@ -109,6 +111,7 @@ impl ContactSolver {
         }
         Ok(ContactSolver {
             form_rolls,
+            friction: pair.friction,
             geometry: pair.geometry.clone(),
             microgeometry: pair.microgeometry.clone(),
             compliance,
@@ -121,6 +124,11 @@ impl ContactSolver {
     /// The pair's geometry.
     pub fn geometry(&self) -> &PairGeometry {
         &self.geometry
+    }
+
+    /// The pair's law of friction; no solution depends on it.
+    pub fn friction(&self) -> &FrictionLaw {
+        &self.friction
     }
 
     /// The settings it was made with.

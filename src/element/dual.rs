@@ -192,6 +192,7 @@ mod tests {
             (a * 3.0, x * 3.0, [3.0, 0.0]),
             (a.sqrt(), x.sqrt(), [0.5 / x.sqrt(), 0.0]),
             (b.recip(), 1.0 / y, [0.0, -1.0 / (y * y)]),
+            (a.powf(-0.3), x.powf(-0.3), [-0.3 * x.powf(-1.3), 0.0]),
         ];
         for (n, (found, value, slopes)) in cases.into_iter().enumerate() {
             assert!((found.re - value).abs() <= 1e-15, "{n}");

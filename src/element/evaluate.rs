@@ -4,6 +4,7 @@ use super::constants::{Constants, FLANKS};
 use super::engagement::engagement;
 use super::error::ElementError;
 use super::flank::{FlankLoad, along_approach};
+use super::friction::Rubbing;
 use super::map::{Coordinates, Map, Placed, Spatial};
 use super::motion::{Inputs, Latch, Motion, Outputs};
 use super::paper::Carried;
@@ -37,6 +38,10 @@ pub(crate) struct Mesh<T> {
     /// Rates of the coordinates.
     pub rates: Coordinates<T>,
     pub flanks: [FlankLoad<T>; 2],
+    /// Friction of both flanks, where there is some.
+    pub rubbing: [Option<Rubbing<T>>; 2],
+    /// The flank that outputs show.
+    pub shown: usize,
 }
 
 impl<T> Pose<T> {
@@ -118,7 +123,8 @@ pub(crate) fn evaluate<T: Scalar>(
     let c = q.center_distance;
     let cos_phi = c.recip() * k.base_sum;
     let [g1, g2] = &inputs.gears;
-    let rates = pose.map.rates(&[velocity(g1), velocity(g2)]);
+    let velocities = [velocity(g1), velocity(g2)];
+    let rates = pose.map.rates(&velocities);
     let mesh = engagement(k, c, q.axial);
     let x = wrap(q.turn * k.tooth_angle_per + latch.tooth_angle) * k.per_tooth_angle;
 
@@ -159,7 +165,7 @@ pub(crate) fn evaluate<T: Scalar>(
         flank.damping = el.damper.force(flank.elastic, approach, cos_phi);
     }
 
-    let loads = match &pose.carried {
+    let mut loads = match &pose.carried {
         None => {
             let slopes = |i: usize| flanks[i].all_slopes(k.per_pitch_angle);
             pose.map.loads(&(slopes(0) + slopes(1)))
@@ -173,6 +179,26 @@ pub(crate) fn evaluate<T: Scalar>(
     };
 
     let (index, flank) = carrying_flank(&flanks, el.reference_flank);
+    let mut rubbing = [None, None];
+    let mut friction_power = T::from(0.0);
+    if let Some(friction) = &el.friction {
+        let moving = (&velocities, &rates);
+        for (i, load) in flanks.iter().enumerate() {
+            if load.elastic.re() <= 0.0 {
+                continue;
+            }
+            rubbing[i] = friction.rub(k, &pose.map, c, (i, load), moving);
+            if let Some(rubbing) = &rubbing[i] {
+                let (against, power) = friction.loads(rubbing);
+                loads = [loads[0] + against[0], loads[1] + against[1]];
+                friction_power += power;
+            }
+        }
+    }
+    let none = [T::from(0.0); 2];
+    let [friction_coefficient, loss_factor] = rubbing[index]
+        .as_ref()
+        .map_or(none, |rubbing| rubbing.shown());
     let shown = &flanks[index];
     let reference = &flanks[el.reference_flank];
     let (contact_point, contact_z) = match &pose.carried {
@@ -200,6 +226,9 @@ pub(crate) fn evaluate<T: Scalar>(
         stiffness: (drive.stiffness + coast.stiffness) * cos_phi * cos_phi,
         contact_z,
         energy: drive.energy + coast.energy,
+        friction_power,
+        friction_coefficient,
+        loss_factor,
         flank,
         out_of_range,
     };
@@ -210,6 +239,8 @@ pub(crate) fn evaluate<T: Scalar>(
             center_distance: c,
             rates,
             flanks,
+            rubbing,
+            shown: index,
         }),
     })
 }

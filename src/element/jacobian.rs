@@ -11,7 +11,7 @@ use super::error::ElementError;
 use super::evaluate::{Mesh, evaluate};
 use super::flank::along_approach;
 use super::map::{Coordinates, Spatial};
-use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion};
+use super::motion::{CONTINUOUS_OUTPUTS, Inputs, LEADING_OUTPUTS, Latch, Motion};
 use super::{Element, Formulation, check};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -152,6 +152,29 @@ impl Element {
             add(TANGENTIAL, &unit, -damper * cos_phi);
             add(NORMAL, &unit, -damper * k.per_cos_beta_b);
         }
+        if let Some(friction) = &self.friction {
+            const POWER: usize = LEADING_OUTPUTS;
+            const COEFFICIENT: usize = LEADING_OUTPUTS + 1;
+            // Minus the row of the spin: of gear 1 against the line of centres.
+            let spin = stacked(&map.loads(&Coordinates {
+                mesh_angle: -1.0,
+                ..along_approach(1.0, 0.0, 0.0)
+            }));
+            for (i, rubbing) in mesh.rubbing.iter().enumerate() {
+                let Some(rubbing) = rubbing else { continue };
+                let slopes = friction.by_velocities(rubbing);
+                let unit = stacked(&slopes.row);
+                for row in 0..12 {
+                    add(row, &unit, -slopes.by_speed * unit[row]);
+                    add(row, &spin, -slopes.by_spin * unit[row]);
+                }
+                add(POWER, &unit, -slopes.power_by_speed);
+                add(POWER, &spin, -slopes.power_by_spin);
+                if i == mesh.shown {
+                    add(COEFFICIENT, &spin, -slopes.coefficient_by_spin);
+                }
+            }
+        }
         let sign = FLANKS[self.reference_flank].sign();
         let elongation = mesh.flanks[self.reference_flank].elongation.re;
         let unit = stacked(&map.loads(&Coordinates {
@@ -265,7 +288,9 @@ fn by_gear_1(jacobian: &mut Jacobian, values: &[f64; CONTINUOUS_OUTPUTS], inputs
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Noise, compressed, random_pose, three_pairs};
+    use super::super::testing::{
+        LAWS, Noise, compressed, random_pose, rubbing, rubbing_table, three_pairs,
+    };
     use super::*;
     use crate::element::{FlankLaws, Interpolation, LoadedFlank, Parameters};
     use crate::table::{FlankTable, samples::Spring};
@@ -386,6 +411,34 @@ mod tests {
                     }
                     tried += 1;
                     compare(&element, &inputs, &mut noise, 1e-6, 1e-6);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_with_friction_agree_with_finite_differences() {
+        let mut noise = Noise::new(8);
+        for formulation in [Formulation::Paper, Formulation::Conjugate] {
+            for pair in three_pairs(1.0) {
+                for law in LAWS {
+                    let parameters = Parameters {
+                        damping: 1e5,
+                        friction_transition_speed: 0.05,
+                        ..rubbing(formulation, LoadedFlank::Drive)
+                    };
+                    let table = rubbing_table(&pair, law, false);
+                    let element = Element::new(&pair, &parameters, Some(table)).unwrap();
+                    for _ in 0..4 {
+                        let mut inputs = compressed(&element, 1.0, 8e-6 + 1e-6 * noise.next());
+                        set_velocities(&mut inputs, &mut noise);
+                        // Where the faces are flush the paper's (19) has a kink.
+                        inputs.gears[1].p.z += 2e-4;
+                        for m in &mut inputs.gears {
+                            m.w *= 1e3;
+                        }
+                        compare(&element, &inputs, &mut noise, 2e-6, 2e-3);
+                    }
                 }
             }
         }

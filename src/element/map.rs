@@ -18,6 +18,10 @@
 //! work, so that what the law keeps or takes of the energy is what the gears feel. J is never
 //! written out; both directions go through the same few vectors (tested to be each other's transpose).
 
+mod slide;
+
+pub(crate) use slide::Slide;
+
 use super::constants::{Constants, TILT_LIMIT};
 use super::error::{Body, ElementError};
 use super::motion::Motion;
@@ -61,6 +65,8 @@ pub(crate) struct Map<T> {
     w: f64,
     /// e.
     e: f64,
+    /// Axial position of c1 in gear 1, m.
+    station: f64,
     /// c1 - p1.
     k1: Vector3<T>,
     /// c2 - p2.
@@ -193,6 +199,7 @@ impl<T: Scalar> Map<T> {
             per_aa,
             w,
             e: k.e,
+            station,
             k1,
             k2,
             even: [radial_part(0), radial_part(1)],
@@ -280,6 +287,7 @@ impl<T: Scalar> Map<T> {
             per_aa: self.per_aa.re(),
             w: self.w,
             e: self.e,
+            station: self.station,
             k1: re(&self.k1),
             k2: re(&self.k2),
             u: re(&self.u),

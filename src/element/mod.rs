@@ -17,13 +17,14 @@
 //!
 //! - [`Formulation::Conjugate`]: coordinates and loads from the exact helicoids, through one map J and its
 //!   transpose. Undamped it keeps energy, and the damper can only take some; the default.
+//! - [`Parameters::friction`]: friction against the sliding of the flanks, through a row of the same map.
 //! - [`Formulation::Paper`]: displacement and elastic force of (1)-(26); the damper goes through the same map.
 //!
 //! One flank alone ([`LoadedFlank`]) carries nothing when the gears turn back, up to half a pitch: there they
 //! would meet the tooth behind, which is refused.
 //!
 //! Known limits: gears are rigid apart from the mesh; misalignment to first order, tilts up to 0.1 rad
-//! and meaningful within the table's range; no friction, no tooth-to-tooth errors. An evaluation
+//! and meaningful within the table's range; no tooth-to-tooth errors. An evaluation
 //! neither allocates nor remembers; the phase zeros are the caller's [`Latch`].
 
 mod check;
@@ -33,6 +34,7 @@ mod engagement;
 mod error;
 mod evaluate;
 mod flank;
+mod friction;
 mod jacobian;
 mod latch;
 mod law;
@@ -47,7 +49,7 @@ pub use dual::Dual;
 pub use error::{Body, ElementError};
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
 pub use law::{Elasticity, FlankLaws};
-pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
+pub use motion::{CONTINUOUS_OUTPUTS, Inputs, LEADING_OUTPUTS, Latch, Motion, Outputs};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 pub use scalar::Scalar;
 
@@ -62,6 +64,8 @@ mod tests_damping;
 #[cfg(test)]
 mod tests_flanks;
 #[cfg(test)]
+mod tests_friction;
+#[cfg(test)]
 mod tests_limits;
 #[cfg(test)]
 mod tests_poses;
@@ -72,6 +76,7 @@ use crate::gear::PairGeometry;
 use crate::table::Table;
 use constants::{Constants, FLANKS};
 use flank::Damper;
+use friction::Friction;
 use law::{Effects, Law};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -83,6 +88,7 @@ pub struct Element {
     parameters: Parameters,
     laws: [Option<Law>; 2],
     damper: Damper,
+    friction: Option<Friction>,
     /// Force on the line of action that a start pose may have, N.
     largest_force: f64,
     /// Index of the flank that phases and transmission error refer to.
@@ -131,6 +137,7 @@ impl Element {
                 let effects = Effects::of(parameters);
                 let laws = FLANKS.map(|flank| Law::of_table(&table, flank, effects));
                 let mut element = Self::build(pair, parameters, laws)?;
+                element.friction = Friction::new(pair, parameters, &table);
                 element.largest_force =
                     table.file().maximum_torque_nm / pair.gears[0].base_radius();
                 Ok(element)
@@ -157,6 +164,7 @@ impl Element {
         };
         Ok(Self {
             damper: damper(parameters, &constants),
+            friction: None,
             largest_force: START_FORCE * constants.nominal_force,
             reference_flank: usize::from(parameters.loaded_flank == LoadedFlank::Coast),
             constants,

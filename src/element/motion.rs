@@ -81,6 +81,13 @@ pub struct Outputs<T = f64> {
     /// Elastic energy stored in the mesh, J; in the paper's formulation that of the law, though the
     /// loads there are not its gradient.
     pub energy: T,
+    /// Power of friction on both gears, W, <= 0; 0 where the effect is off.
+    pub friction_power: T,
+    /// Coefficient of friction in force on the flank in `flank`; 0 without load or where friction is off.
+    pub friction_coefficient: T,
+    /// Part of the transmitted power that friction would take at a coefficient of 1, in this mesh position
+    /// and under this load; 0 likewise.
+    pub loss_factor: T,
     /// Flank of gear 1 that carries (the larger force): +1 drive, -1 coast, 0 none.
     pub flank: i32,
     /// An operating condition lies outside the table, or the gears are on their way out of mesh.
@@ -88,7 +95,10 @@ pub struct Outputs<T = f64> {
 }
 
 /// Number of continuous outputs, in the order of [`Outputs::to_array`].
-pub const CONTINUOUS_OUTPUTS: usize = 24;
+pub const CONTINUOUS_OUTPUTS: usize = 27;
+
+/// How many of them come before the FMU's discrete outputs.
+pub const LEADING_OUTPUTS: usize = 24;
 
 impl<T: super::Scalar> Outputs<T> {
     /// No load, for gears so far apart that phase and transmission error have no meaning (zero).
@@ -113,6 +123,9 @@ impl<T: super::Scalar> Outputs<T> {
             stiffness: zero,
             contact_z,
             energy: zero,
+            friction_power: zero,
+            friction_coefficient: zero,
+            loss_factor: zero,
             flank: 0,
             out_of_range: true,
         }
@@ -121,8 +134,8 @@ impl<T: super::Scalar> Outputs<T> {
 
 impl<T: nalgebra::Scalar + Copy> Outputs<T> {
     /// All continuous outputs in the FMU's order: force and moment of gear 1, force and moment of
-    /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z` (`energy` is left
-    /// out: the FMU does not show it).
+    /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z` and those of friction
+    /// (`energy` is left out: the FMU does not show it).
     pub fn to_array(&self) -> [T; CONTINUOUS_OUTPUTS] {
         let [f1, f2] = self.force;
         let [m1, m2] = self.moment;
@@ -152,6 +165,9 @@ impl<T: nalgebra::Scalar + Copy> Outputs<T> {
             self.normal_force,
             self.stiffness,
             self.contact_z,
+            self.friction_power,
+            self.friction_coefficient,
+            self.loss_factor,
         ]
     }
 }

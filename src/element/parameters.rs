@@ -84,6 +84,13 @@ pub struct Parameters {
     /// Angle of gear 1 into its mesh cycle at the initial pose, rad, on the loaded flank; used by
     /// [`PhaseReference::FromInitialPose`].
     pub mesh_phase: f64,
+    /// Friction of the flanks by the sliding and the law of the coefficient that the table holds.
+    pub friction: bool,
+    /// Factor on the coefficient of friction, >= 0.
+    pub friction_factor: f64,
+    /// Mean sliding speed about which friction turns from viscous to dry, m/s, > 0: it is that of the law times
+    /// r / sqrt(r² + this²).
+    pub friction_transition_speed: f64,
 }
 
 impl Default for Parameters {
@@ -108,6 +115,9 @@ impl Default for Parameters {
             loaded_flank: LoadedFlank::Drive,
             phase_reference: PhaseReference::FromInitialPose,
             mesh_phase: 0.0,
+            friction: false,
+            friction_factor: 1.0,
+            friction_transition_speed: 1e-3,
         }
     }
 }
@@ -127,6 +137,7 @@ impl Parameters {
             center_distance: self.center_distance_effect,
             misalignment: self.misalignment_effect,
             shuttling: self.shuttling_effect,
+            friction: self.friction,
         }
     }
 
@@ -164,6 +175,20 @@ impl Parameters {
             && !at_least_zero(j)
         {
             return refuse("backlash", j, "m", not_negative);
+        }
+        if !at_least_zero(self.friction_factor) {
+            return refuse("frictionFactor", self.friction_factor, "", not_negative);
+        }
+        if !above_zero(self.friction_transition_speed) {
+            let speed = self.friction_transition_speed;
+            return refuse("frictionTransitionSpeed", speed, "m/s", positive);
+        }
+        if self.friction && self.stiffness_model == StiffnessModel::Constant {
+            return Err(ElementError::Parameter {
+                name: "friction",
+                value: "true".into(),
+                remedy: "how the load slides stands in the table: set stiffnessModel = table, or friction = false",
+            });
         }
         if !self.mesh_phase.is_finite() {
             return refuse("meshPhase", self.mesh_phase, "rad", "give a finite angle");

@@ -33,6 +33,8 @@ pub trait Scalar:
     fn sqrt(self) -> Self;
     /// 1 / self.
     fn recip(self) -> Self;
+    /// Power; of a number above zero.
+    fn powf(self, exponent: f64) -> Self;
 }
 
 impl Scalar for f64 {
@@ -51,6 +53,11 @@ impl Scalar for f64 {
     #[inline(always)]
     fn recip(self) -> Self {
         1.0 / self
+    }
+
+    #[inline(always)]
+    fn powf(self, exponent: f64) -> Self {
+        f64::powf(self, exponent)
     }
 }
 
@@ -72,6 +79,12 @@ impl<const N: usize> Scalar for Dual<N> {
     fn recip(self) -> Self {
         let inverse = 1.0 / self.re;
         self.chained(inverse, -inverse * inverse)
+    }
+
+    #[inline(always)]
+    fn powf(self, exponent: f64) -> Self {
+        let power = self.re.powf(exponent);
+        self.chained(power, exponent * power / self.re)
     }
 }
 

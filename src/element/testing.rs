@@ -2,11 +2,16 @@
 
 use super::{
     Elasticity, Element, FlankLaws, Formulation, Inputs, LoadedFlank, Motion, Outputs, Parameters,
+    StiffnessModel,
 };
+use crate::friction::{FrictionLaw, Sliding};
 use crate::gear::samples::{gear, thinned};
 use crate::gear::{GearKind, PairGeometry};
 use crate::random::Random;
-use crate::table::{Potential, Query};
+use crate::table::samples::Spring;
+use crate::table::{
+    FrictionRecord, Potential, Query, SlidingAxes, SlidingSamples, Table, TableFile,
+};
 use nalgebra::{Rotation3, Vector3};
 use num_dual::{DualNum, HyperDual64};
 use std::f64::consts::TAU;
@@ -253,5 +258,69 @@ pub(crate) fn smooth_laws() -> FlankLaws {
     FlankLaws {
         drive: Arc::new(DRIVE),
         coast: None,
+    }
+}
+
+/// Springs as in [`crate::table::samples`], and sliding by smooth functions, of `pair`; whether the coast flank has
+/// its own.
+pub(crate) fn rubbing_table(pair: &PairGeometry, law: FrictionLaw, own_coast: bool) -> Arc<Table> {
+    let grid = Spring::grid([8, 5, 5, 12]);
+    let mut file = TableFile::new("spring", "a formula", pair, [100.0, 200.0], &grid, None);
+    let axes = SlidingAxes {
+        center_distance_offset_m: grid.axes.center_distance_offset.clone(),
+        misalignment_rad: grid.axes.misalignment.clone(),
+        loa_force_n: [0.05, 0.2, 0.5, 1.0].map(|x| x * grid.top_force()).to_vec(),
+        mesh_position: (0..24).map(|i| f64::from(i) / 24.0).collect(),
+    };
+    let samples = |k: f64| {
+        let mut all = vec![];
+        for &c in &axes.center_distance_offset_m {
+            for &m in &axes.misalignment_rad {
+                for &f in &axes.loa_force_n {
+                    let near = 1.0 + 500.0 * c + 40.0 * m + 0.1 * f / grid.top_force();
+                    all.extend(axes.mesh_position.iter().map(|p| {
+                        let (sin, cos) = (TAU * p).sin_cos();
+                        Sliding {
+                            weight: 0.04 + 0.01 * k * cos * near,
+                            share: 0.8 * k * cos * near,
+                            share_z: 2e-3 * sin * near,
+                            distance: 3e-3 + 1e-3 * k * sin * near,
+                        }
+                    }));
+                }
+            }
+        }
+        SlidingSamples::new(&all, law.is_local())
+    };
+    file.friction = Some(FrictionRecord {
+        law,
+        drive: samples(1.0),
+        coast: own_coast.then(|| samples(-0.7)),
+        axes: axes.clone(),
+    });
+    file.seal();
+    Arc::new(Table::from_file(file).unwrap())
+}
+
+/// A law of each kind.
+pub(crate) const LAWS: [FrictionLaw; 3] = [
+    FrictionLaw::Constant { coefficient: 0.07 },
+    FrictionLaw::Schlenk {
+        dynamic_viscosity_pa_s: 20e-3,
+        roughness_ra_m: 0.4e-6,
+        lubricant_factor: 0.846,
+    },
+    FrictionLaw::XuKahraman {
+        dynamic_viscosity_pa_s: 20e-3,
+        roughness_rms_m: 0.5e-6,
+    },
+];
+
+/// Parameters of an element with friction.
+pub(crate) fn rubbing(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
+    Parameters {
+        stiffness_model: StiffnessModel::Table,
+        friction: true,
+        ..undamped(formulation, loaded_flank)
     }
 }

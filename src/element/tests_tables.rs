@@ -3,11 +3,12 @@
 use super::testing::{FORMULATIONS, at, compressed, spun, undamped};
 use super::*;
 use crate::contact::ContactSettings;
+use crate::friction::FrictionLaw;
 use crate::gear::Flank;
 use crate::pair::Pair;
 use crate::table::source::StaticSource;
 use crate::table::sweep::{Watch, sweep};
-use crate::table::{Axes, TableFile, plan};
+use crate::table::{Axes, FrictionRecord, TableFile, default_sliding_axes, plan, sweep_sliding};
 use crate::testing::coarse_solver;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use std::f64::consts::TAU;
@@ -101,4 +102,80 @@ fn a_real_pair_under_torque_stands_on_either_flank_as_the_contact_solver_says() 
     let mean = |v: &Vec<f64>| v.iter().sum::<f64>() / v.len() as f64;
     assert!(mean(&levers[0]) * mean(&levers[1]) > 0.0);
     assert!(mean(&levers[0]).abs() > 1e-4);
+}
+
+/// A spur pair, whose friction turns round at the pitch point: what the element loses is what the line loads of the
+/// contact solver lose, between the table's nodes, and over the mesh cycle the loss of `gearmesh solve`.
+#[test]
+fn a_real_pair_loses_what_its_line_loads_lose() {
+    let text = include_str!("../../resources/pairs/fzg-c.json");
+    let mut pair = Pair::from_json(text).unwrap();
+    pair.friction = FrictionLaw::xu_kahraman(20e-3, [0.4e-6, 0.3e-6]);
+    let geometry = &pair.geometry;
+    let solver = coarse_solver(&pair, ContactSettings::default());
+    let top = pair.operating.maximum_torque;
+    let axes = Axes {
+        displacement_fraction: plan::displacement_nodes(10, 1.6),
+        center_distance_offset: vec![0.0],
+        misalignment: vec![0.0],
+        mesh_position: plan::mesh_positions(32),
+    };
+    let watch = Watch {
+        progress: &|_, _| (),
+        cancel: &std::sync::atomic::AtomicBool::new(false),
+    };
+    let grid = sweep(&solver, Flank::Drive, &axes, top, &watch).unwrap();
+    let coverage = plan::Coverage {
+        center_distance_offset: None,
+        misalignment: None,
+        nominal_torque: 0.5 * top,
+        maximum_torque: top,
+    };
+    let axes = default_sliding_axes(&coverage, geometry.gears[0].base_radius());
+    let mut file = TableFile::new("c", "test", geometry, [0.5 * top, top], &grid, None);
+    file.friction = Some(FrictionRecord {
+        law: pair.friction,
+        drive: sweep_sliding(&solver, Flank::Drive, &axes, &watch).unwrap(),
+        coast: None,
+        axes,
+    });
+    file.seal();
+    let table = Arc::new(Table::from_file(file).unwrap());
+    let parameters = Parameters {
+        stiffness_model: StiffnessModel::Table,
+        center_distance_effect: false,
+        misalignment_effect: false,
+        friction: true,
+        ..undamped(Formulation::Conjugate, LoadedFlank::Drive)
+    };
+    let element = Element::new(geometry, &parameters, Some(table)).unwrap();
+    let spin = 150.0;
+    let ratio = geometry.gears[0].z() / geometry.gears[1].z();
+    let rolling = spin * geometry.rolling_speed_per_spin(geometry.center_distance);
+    let (mut found, mut listed) = (vec![], vec![]);
+    for i in 0..40 {
+        let turn = f64::from(i) / 40.0 * TAU / geometry.gears[0].z();
+        let mut inputs = compressed(&element, 1.0, 12e-6);
+        inputs = spun(&spun(&inputs, 0, turn), 1, -turn * ratio);
+        inputs.gears[0].w.z = spin;
+        inputs.gears[1].w.z = -spin * ratio;
+        let out = at(&element, &inputs);
+        let force = out.tangential_force / element.line_of_action(out.center_distance);
+        let torque = force * geometry.gears[0].base_radius();
+        let problem = solver
+            .position(Flank::Drive, out.mesh_position, 0.0)
+            .unwrap();
+        let result = problem.solve_torque(torque, 0.0, None).unwrap();
+        let sliding = solver.sliding(&problem, &result, &pair.friction);
+        let law = pair.friction.coefficient(geometry).at(force, rolling);
+        let loss =
+            law * crate::friction::loss_factor_of(geometry, sliding.distance) * torque * spin;
+        found.push(-out.friction_power);
+        listed.push(loss);
+    }
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+    assert_relative_eq!(mean(&found), mean(&listed), max_relative = 5e-3);
+    for (found, loss) in found.iter().zip(&listed) {
+        assert_abs_diff_eq!(found, loss, epsilon = 0.05 * mean(&listed));
+    }
 }

@@ -4,6 +4,7 @@
 //! modelDescription.xml.
 
 use super::variables::{Causality, VARIABLES, index};
+use crate::element::LEADING_OUTPUTS;
 
 /// Inputs of one body: this many variables from [`Body::first`] on, at the places below.
 pub const BODY_INPUTS: usize = 16;
@@ -50,7 +51,8 @@ pub struct MeshVariables {
     pub gears: [usize; 2],
     /// The carrier, an index in [`BODIES`].
     pub carrier: usize,
-    /// First continuous output; the others follow as in [`crate::element::Outputs::to_array`].
+    /// First continuous output; the others follow as in [`crate::element::Outputs::to_array`], the last ones
+    /// after the discrete outputs.
     pub outputs: usize,
     /// Output with the flank in contact.
     pub flank: usize,
@@ -64,6 +66,14 @@ impl MeshVariables {
     /// Its bodies in the order of the element: gear 1, gear 2, carrier.
     pub fn bodies(&self) -> [usize; 3] {
         [self.gears[0], self.gears[1], self.carrier]
+    }
+
+    /// Index in [`VARIABLES`] of the continuous output in the place `row`. The discrete ones stand between them.
+    pub fn output(&self, row: usize) -> usize {
+        match row.checked_sub(LEADING_OUTPUTS) {
+            None => self.outputs + row,
+            Some(further) => self.out_of_range + 1 + further,
+        }
     }
 }
 
@@ -128,6 +138,11 @@ pub fn role(i: usize) -> Role {
         () if !is_output => Role::Parameter { mesh, field: place },
         () if i == variables.flank => Role::Flank(mesh),
         () if i == variables.out_of_range => Role::OutOfRange(mesh),
+        // See [`MeshVariables::output`].
+        () if i > variables.out_of_range => Role::Output {
+            mesh,
+            row: LEADING_OUTPUTS + i - variables.out_of_range - 1,
+        },
         () => Role::Output { mesh, row: place },
     }
 }
@@ -168,7 +183,7 @@ mod tests {
             match role(i) {
                 Role::Output { mesh: 0, row } => {
                     assert!(row < CONTINUOUS_OUTPUTS);
-                    assert_eq!(i, index::GEAR1_FORCE_1 + row);
+                    assert_eq!(i, MESHES[0].output(row));
                 }
                 Role::Flank(0) => assert_eq!(v.name, "mesh.flank"),
                 Role::OutOfRange(0) => assert_eq!(v.name, "mesh.outOfRange"),

@@ -140,6 +140,9 @@ pub static FIELDS: &[Field] = fields! {
     "meshPhase": element.mesh_phase,
     "dampingOnset": element.damping_onset,
     "extrapolatePoses": extrapolate_poses,
+    "friction": element.friction,
+    "frictionFactor": element.friction_factor,
+    "frictionTransitionSpeed": element.friction_transition_speed,
 };
 
 impl Settings {

@@ -15,7 +15,7 @@ use super::resources::Resources;
 use super::settings::{FIELDS, Orientation, Settings};
 use super::values::{Value, find, input};
 use super::variables::{Kind, VARIABLES};
-use crate::element::{BODY_COLUMNS, Latch};
+use crate::element::{BODY_COLUMNS, LEADING_OUTPUTS, Latch};
 
 /// The unit of one instance.
 pub struct Unit {
@@ -147,7 +147,8 @@ impl Unit {
     #[inline]
     pub fn at_hand(&self) -> Option<(usize, &[f64])> {
         let mesh = self.meshes.first()?;
-        Some((mesh.variables().outputs, &mesh.present()?.continuous))
+        let leading = &mesh.present()?.continuous[..LEADING_OUTPUTS];
+        Some((mesh.variables().outputs, leading))
     }
 
     /// Makes the outputs at the present inputs, unless they are at hand.
@@ -178,7 +179,7 @@ impl Unit {
         match failure {
             Failure::Refused(refusal) => refusal,
             Failure::NotFinite(row) => {
-                let name = VARIABLES[MESHES[mesh].outputs + row].name;
+                let name = VARIABLES[MESHES[mesh].output(row)].name;
                 let (i, _) = self.inputs.largest();
                 self.overflow(i, &format!("{what}{name} is not finite"))
             }

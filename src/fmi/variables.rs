@@ -183,7 +183,7 @@ mod tests {
     fn inputs_are_real_and_without_bounds_and_the_continuous_outputs_follow_them() {
         let inputs = VARIABLES.iter().filter(|v| v.causality == Causality::Input);
         let inputs = inputs.count();
-        let continuous = inputs + crate::element::CONTINUOUS_OUTPUTS;
+        let continuous = inputs + crate::element::LEADING_OUTPUTS;
         for (i, v) in VARIABLES[..continuous].iter().enumerate() {
             assert_eq!(v.kind, Kind::Real, "{}", v.name);
             if i < inputs {

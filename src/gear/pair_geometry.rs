@@ -174,6 +174,25 @@ impl PairGeometry {
         self.face_overlap().1 * self.base_helix_angle().tan() / self.base_pitch()
     }
 
+    /// Spin of gear 1 against gear 2 over that of gear 1, against the line of centres: abs(1 + e z1 / z2).
+    pub fn sliding_per_spin(&self) -> f64 {
+        (1.0 + self.e() * self.gears[0].z() / self.gears[1].z()).abs()
+    }
+
+    /// Sum of the rolling speeds of both flanks at the pitch point over the spin of gear 1 against the line of
+    /// centres, m, at `center_distance` (m): 2 rb1 tan phi.
+    pub fn rolling_speed_per_spin(&self, center_distance: f64) -> f64 {
+        2.0 * self.gears[0].base_radius() * self.operating_pressure_angle(center_distance).tan()
+    }
+
+    /// Relative radius of curvature at the pitch point of the nominal centre distance, m, normal section.
+    pub fn pitch_point_radius(&self) -> f64 {
+        let tan_phi = self.operating_pressure_angle(self.center_distance).tan();
+        let curvature = |g: &Gear| g.kappa() / (g.base_radius() * tan_phi);
+        let transverse = curvature(&self.gears[0]) + curvature(&self.gears[1]);
+        1.0 / (transverse * self.base_helix_angle().cos())
+    }
+
     /// Distance from the pitch point on the line of action at which tooth pair `k` touches in the
     /// plane `z` (gear 1's frame, m) at mesh position `tau`:
     /// xi = (tau + k) p_bt + s h tan beta_b (z - z_ref). On gear 1 a larger z lies ahead in +theta

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::fmi::variables::{Causality, Kind, VARIABLES, index_by_name};
+use crate::fmi::variables::{Causality, Kind, VARIABLES, index, index_by_name};
 
 /// A start value by the name of its variable: `damping=500`, `interpolation=shepard`,
 /// `extrapolatePoses=true`.
@@ -38,6 +38,13 @@ pub enum SettingError {
         /// What it takes.
         wanted: String,
     },
+}
+
+impl Setting {
+    /// Whether it switches friction on.
+    pub fn is_friction(&self) -> bool {
+        self.index == index::FRICTION && self.value != 0.0
+    }
 }
 
 impl FromStr for Setting {
@@ -113,7 +120,6 @@ fn range(min: Option<f64>, max: Option<f64>, unit: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fmi::variables::index;
 
     #[test]
     fn numbers_names_of_items_and_booleans_are_taken() {

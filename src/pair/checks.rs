@@ -21,7 +21,7 @@ pub(super) fn require(
 }
 
 /// A number within [low, high], both as the file writes them. `probably` is what a value outside may be meant as.
-fn within(
+pub(super) fn within(
     field: impl Into<String>,
     value: f64,
     low: f64,

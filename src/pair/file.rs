@@ -46,6 +46,9 @@ pub struct PairFile {
     /// Whether contact of tip corners outside the path of contact is counted. Default true.
     #[serde(default = "yes")]
     pub tip_corner_contact: bool,
+    /// Coefficient of friction. Default: the constant 0.05.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionFile>,
 }
 
 /// `meshing` of the file.
@@ -281,6 +284,40 @@ pub struct ComplianceFile {
     /// Mesh of the finite-element model. Default `normal`.
     #[serde(default)]
     pub refinement: Refinement,
+}
+
+/// `friction` of the file. Fields that the law does not ask for may be there.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionFile {
+    /// How the coefficient follows from load and speed. Default `constant`.
+    #[serde(default)]
+    pub law: FrictionLawFile,
+    /// `constant`: the coefficient. Default 0.05.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coefficient: Option<f64>,
+    /// Dynamic viscosity at the oil's temperature; required by `schlenk` and `xu_kahraman`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_viscosity_mpa_s: Option<f64>,
+    /// `schlenk`: X_L, mineral oil 0.846, PAO and ester 0.65, polyglycol 0.585. Default 0.846.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lubricant_factor: Option<f64>,
+    /// Arithmetic mean roughness Ra of gear 1 and gear 2; required by `schlenk` and `xu_kahraman`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub roughness_ra_um: Option<[f64; 2]>,
+}
+
+/// `law` of the friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionLawFile {
+    /// The same everywhere.
+    #[default]
+    Constant,
+    /// Mean over the mesh, ISO/TR 14179-2.
+    Schlenk,
+    /// Local, Xu and Kahraman 2007.
+    XuKahraman,
 }
 
 /// Fineness of the finite-element model.

@@ -7,6 +7,7 @@
 mod checks;
 mod error;
 pub mod file;
+mod friction;
 mod interference;
 mod mesh_checks;
 mod modifications;
@@ -20,6 +21,7 @@ use std::path::Path;
 pub use error::{PairError, Refusal};
 pub use file::Refinement;
 
+use crate::friction::FrictionLaw;
 use crate::gear::{PairGeometry, PairMicrogeometry};
 
 /// Loads and deviations that tables are to cover.
@@ -50,6 +52,8 @@ pub struct Pair {
     pub refinement: Refinement,
     /// Whether contact of tip corners outside the path of contact is counted.
     pub tip_corner_contact: bool,
+    /// Law of the coefficient of friction.
+    pub friction: FrictionLaw,
     /// What is legal but worth knowing, one sentence each.
     pub warnings: Vec<String>,
 }

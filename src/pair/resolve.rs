@@ -5,6 +5,7 @@ use std::path::Path;
 use super::checks::{check_fields, require};
 use super::error::Refusal;
 use super::file::{GearFile, Meshing, PairFile};
+use super::friction::friction;
 use super::mesh_checks::{
     Place, check_clearance, check_contact, check_gear, check_tooth_difference, field, warnings,
 };
@@ -69,6 +70,7 @@ pub(super) fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
         },
         refinement: file.compliance.refinement,
         tip_corner_contact: file.tip_corner_contact,
+        friction: friction(file.friction.as_ref())?,
         warnings: notes,
         geometry,
         microgeometry,

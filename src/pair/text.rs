@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 
 use super::error::PairError;
-use super::file::{GearFile, OperatingFile, PairFile};
+use super::file::{FrictionFile, GearFile, OperatingFile, PairFile};
 use crate::words::shown;
 
 /// Longest pair file or topography, bytes.
@@ -206,6 +206,7 @@ fn unknown_field(parent: &str, given: &str, expected: &[&str]) -> String {
         ),
         ("`gear1` and `gear2`", "gear", names::<GearFile>()),
         ("`operating`", "operating", names::<OperatingFile>()),
+        ("`friction`", "friction", names::<FrictionFile>()),
     ];
     for (part, prefix, fields) in parts {
         let here = match prefix {

@@ -100,7 +100,7 @@ impl Axes {
     }
 }
 
-fn too_few(name: &str, count: usize) -> TableError {
+pub(super) fn too_few(name: &str, count: usize) -> TableError {
     TableError::field(
         format!("axes.{name}"),
         format!("{count} values"),
@@ -109,7 +109,7 @@ fn too_few(name: &str, count: usize) -> TableError {
     )
 }
 
-fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
+pub(super) fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
     if nodes.is_empty() || (2..FEWEST).contains(&nodes.len()) {
         return Err(too_few(name, nodes.len()));
     }
@@ -136,7 +136,7 @@ fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
     Ok(())
 }
 
-fn check_values(name: &str, values: &[f64], length: usize) -> Result<(), TableError> {
+pub(super) fn check_values(name: &str, values: &[f64], length: usize) -> Result<(), TableError> {
     if values.len() != length {
         return Err(TableError::field(
             name,

@@ -64,6 +64,12 @@ pub enum TableError {
         "shuttlingEffect = true: the table has no moment_nm; switch the effect off or make tables with it"
     )]
     MissingMoment,
+    /// Friction is switched on, and nothing tells how the load slides.
+    #[error(
+        "friction = true: the table does not know how the load slides; switch friction off or make the tables \
+         with `gearmesh tables --friction`"
+    )]
+    MissingFriction,
     /// External samples that cannot become a table.
     #[error("samples: {0}")]
     Samples(String),

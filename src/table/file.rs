@@ -2,7 +2,7 @@
 //! settings, the interpolation error, and a checksum over all of it.
 
 use super::file_geometry::GeometryRecord;
-use super::{Axes, FlankGrid, TableError};
+use super::{Axes, FlankGrid, FrictionRecord, TableError};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -47,6 +47,9 @@ pub struct TableFile {
     pub drive: FlankRecord,
     /// Samples of the coast flank, if its microgeometry differs; otherwise it is the mirrored drive flank.
     pub coast: Option<FlankRecord>,
+    /// How the load slides, for the effect `friction`; absent where it is not wanted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionRecord>,
 }
 
 /// Error of the default interpolant at operating points that are no nodes, relative to the nominal force.
@@ -107,7 +110,7 @@ impl FlankRecord {
 }
 
 /// `values` to whole decimals that are at most `share` of the largest of them.
-fn rounded(values: &[f64], share: f64) -> Vec<f64> {
+pub(super) fn rounded(values: &[f64], share: f64) -> Vec<f64> {
     let largest = values.iter().fold(0.0, |l: f64, v| l.max(v.abs()));
     let step = share * largest;
     if !(step.is_finite() && step > 0.0) {
@@ -162,6 +165,7 @@ impl TableFile {
             axes: (&drive.axes).into(),
             drive: FlankRecord::new(drive),
             coast: coast.map(FlankRecord::new),
+            friction: None,
         };
         file.seal();
         file
@@ -252,7 +256,10 @@ impl TableFile {
         if let Some(grid) = self.coast_grid() {
             grid.check("coast")?;
         }
-        Ok(())
+        match &self.friction {
+            Some(friction) => friction.check(),
+            None => Ok(()),
+        }
     }
 
     /// Samples of the drive flank.

@@ -23,6 +23,7 @@ const EFFECTS: Effects = Effects {
     center_distance: false,
     misalignment: true,
     shuttling: true,
+    friction: false,
 };
 
 #[test]

@@ -210,7 +210,7 @@ impl FlankGrid {
 }
 
 /// Factors of the samples along a bounded axis that give the spline's value at 0.
-fn value_row(nodes: &[f64], name: &str) -> Result<DMatrix<f64>, TableError> {
+pub(super) fn value_row(nodes: &[f64], name: &str) -> Result<DMatrix<f64>, TableError> {
     if let Some(k) = nodes.iter().position(|&x| x == 0.0) {
         let mut row = DMatrix::zeros(1, nodes.len());
         row[(0, k)] = 1.0;

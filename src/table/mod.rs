@@ -22,6 +22,7 @@ mod interpolation;
 pub mod plan;
 mod runtime;
 pub mod samples;
+mod sliding;
 #[cfg(feature = "preprocess")]
 pub mod source;
 mod summary;
@@ -34,6 +35,9 @@ pub use file_geometry::GeometryRecord;
 pub use grid::{Axes, Axis, FlankGrid};
 pub use interpolation::{Checks, FlankTable, Interpolation};
 pub use runtime::{Effects, Load, Table};
+pub use sliding::{FrictionRecord, SlidingAxes, SlidingJet, SlidingSamples, SlidingTable};
+#[cfg(feature = "preprocess")]
+pub use sliding::{default_sliding_axes, sweep_sliding};
 
 /// Where the table is asked, for one flank (coast flank: after mapping to its own table).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -48,7 +48,7 @@ pub(super) fn drawn(random: &mut Random, range: Option<[f64; 2]>) -> f64 {
 
 /// Nodes over `range`, denser towards 0 the larger `grading`: with t even in [-1, 1] (or the part of it
 /// that the range has), the node is sinh(grading t) scaled.
-fn graded([low, high]: [f64; 2], n: usize, grading: f64) -> Vec<f64> {
+pub(super) fn graded([low, high]: [f64; 2], n: usize, grading: f64) -> Vec<f64> {
     let largest = low.abs().max(high.abs());
     let warp = |x: f64| {
         if grading == 0.0 {

@@ -1,6 +1,6 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
-use super::{Axis, FlankGrid, FlankTable, Interpolation, TableError, TableFile};
+use super::{Axis, FlankGrid, FlankTable, Interpolation, SlidingTable, TableError, TableFile};
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
 use std::sync::Arc;
@@ -31,6 +31,8 @@ pub struct Effects {
     /// Moment of the axial position of the contact. With misalignment on and variable load it comes with
     /// the potential, otherwise from a table of its own.
     pub shuttling: bool,
+    /// How the load slides, for friction.
+    pub friction: bool,
 }
 
 /// Everything of one pair at run time. Read-only; share it by `Arc`.
@@ -41,6 +43,8 @@ pub struct Table {
     effects: Effects,
     drive: FlankTable,
     coast: Option<FlankTable>,
+    /// Drive and coast flank; without one of its own that of the drive flank.
+    sliding: Option<(SlidingTable, Option<SlidingTable>)>,
 }
 
 impl Table {
@@ -71,6 +75,7 @@ impl Table {
             center_distance: file.axes.center_distance_offset_m.len() > 1,
             misalignment: file.axes.misalignment_rad.len() > 1,
             shuttling: file.axes.misalignment_rad.len() > 1 || file.drive.moment_nm.is_some(),
+            friction: false,
         };
         Self::with_effects(Arc::new(file), effects)
     }
@@ -90,7 +95,17 @@ impl Table {
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
         let geometry = file.geometry.pair_geometry()?;
         let flank = |grid: FlankGrid| flank_table(grid, &effects);
+        let sliding = if effects.friction {
+            let record = file.friction.as_ref().ok_or(TableError::MissingFriction)?;
+            let wanted = [effects.center_distance, effects.misalignment];
+            let of = |samples| SlidingTable::new(&record.axes, samples, wanted);
+            let coast = record.coast.as_ref().map(of).transpose()?;
+            Some((of(&record.drive)?, coast))
+        } else {
+            None
+        };
         Ok(Table {
+            sliding,
             drive: flank(file.drive_grid())?,
             coast: file.coast_grid().map(flank).transpose()?,
             geometry,
@@ -122,6 +137,19 @@ impl Table {
             (Flank::Coast, Some(own)) => (own, false),
             (Flank::Coast, None) => (&self.drive, true),
         }
+    }
+}
+
+impl Table {
+    /// How the load of `flank` slides, and whether it is the drive flank mirrored: then ask it at -M and take the
+    /// opposite axial position. None unless it was asked for.
+    pub fn sliding(&self, flank: Flank) -> Option<(&SlidingTable, bool)> {
+        let (drive, coast) = self.sliding.as_ref()?;
+        Some(match (flank, coast) {
+            (Flank::Drive, _) => (drive, false),
+            (Flank::Coast, Some(own)) => (own, false),
+            (Flank::Coast, None) => (drive, true),
+        })
     }
 }
 

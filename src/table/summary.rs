@@ -48,6 +48,20 @@ impl TableFile {
             ),
             ("checksum".into(), self.checksum_sha256.clone()),
         ];
+        if let Some(friction) = &self.friction {
+            let [c, m, f, p] = friction.axes.lengths();
+            rows.push((
+                "friction".into(),
+                format!(
+                    "{}; {} x {} x {} x {}",
+                    friction.law,
+                    count(f, "force"),
+                    count(c, "centre distance"),
+                    count(m, "misalignment"),
+                    count(p, "mesh position")
+                ),
+            ));
+        }
         for (name, value) in &self.solver {
             // Strings without the quotation marks of JSON.
             let value = value

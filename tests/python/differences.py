@@ -37,15 +37,18 @@ def evaluate(instance, outputs):
     return np.array(list(data))
 
 
-def check_derivatives(instance, values, outputs, rng):
-    """Each output by each input at `values` within 1e-6 of the largest of one kind of input."""
+def check_derivatives(instance, values, outputs, rng, step=2e-7):
+    """Each output by each input at `values` within 1e-6 of the largest of one kind of input.
+
+    `step` (m, rad) is that of the differences, short enough to stay between the nodes of a table.
+    """
     inputs = list(values)
     instance.set(values)
     jacobian = np.array([directional(instance, outputs, [n], [1.0]) for n in inputs]).T
     numeric = np.zeros_like(jacobian)
     for j, name in enumerate(inputs):
         # Sixth-order differences; steps small against the elongation and large against rounding.
-        h = 1e-3 if "elocity" in name else 2e-7
+        h = 1e-3 if "elocity" in name else step
         at = {}
         for k in (-3, -2, -1, 1, 2, 3):
             instance.set({name: values[name] + k * h})
@@ -58,7 +61,7 @@ def check_derivatives(instance, values, outputs, rng):
             columns = [j for j, n in enumerate(inputs) if n.split(".")[1].startswith(kind)]
             scale = np.abs(jacobian[i, columns]).max()
             # What rounding of the output leaves of a difference.
-            h = 1e-3 if "elocity" in kind else 2e-7
+            h = 1e-3 if "elocity" in kind else step
             floor = 8 * np.spacing(abs(instance.get(output))) / h + 1e-9
             error = np.abs(numeric[i, columns] - jacobian[i, columns]).max()
             assert error <= 1e-6 * scale + floor, (output, kind, error, scale)

@@ -40,7 +40,10 @@ impl Build {
     pub fn run(self) -> Result<(), crate::Error> {
         // A missing library shall not cost the time of the tables.
         let libraries = pack::libraries(&self.library)?;
-        let made = tables::compute(&self.pair, &self.output, &self.grid, &self.model)?;
+        let mut grid = self.grid;
+        // What the unit starts with must be in its tables.
+        grid.friction |= self.set.iter().any(Setting::is_friction);
+        let made = tables::compute(&self.pair, &self.output, &grid, &self.model)?;
         let packed = pack::pack_tables(&made.file, &libraries, &self.set, &self.output)?;
         output::print(&format!(
             "Wrote {}: {:.2} MB, GUID {}; {made}\n",

@@ -33,6 +33,11 @@ pub fn operating_point(
     within("misalignment-mrad", misalignment_mrad, -20.0..=20.0)
 }
 
+/// Refuses a speed of gear 1, rpm, that no gear has.
+pub fn speed(rpm: f64) -> Result<(), Error> {
+    within("speed-rpm", rpm, 0.0..=1e6)
+}
+
 /// Refuses what lies outside `range`; NaN lies outside every range.
 fn within<T: PartialOrd + Display>(
     option: &str,

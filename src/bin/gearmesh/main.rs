@@ -9,6 +9,7 @@ mod import;
 mod inspect;
 mod interrupt;
 mod limits;
+mod losses;
 mod model;
 mod new;
 mod output;

@@ -192,6 +192,7 @@ fn operating(pair: &Pair) -> Listing {
             rounded(o.misalignment[0] * 1e3),
             rounded(o.misalignment[1] * 1e3)
         ),
-    );
+    )
+    .row("friction", pair.friction.to_string());
     rows
 }

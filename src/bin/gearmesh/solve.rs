@@ -12,6 +12,7 @@ use serde::Serialize;
 use gearmesh::words::{fixed, rounded};
 
 use crate::limits;
+use crate::losses::{Losses, SpeedArgs};
 use crate::model::{Model, ModelArgs};
 use crate::output::{self, Listing};
 
@@ -68,6 +69,9 @@ pub struct Solve {
     json: bool,
 
     #[command(flatten)]
+    speeds: SpeedArgs,
+
+    #[command(flatten)]
     model: ModelArgs,
 }
 
@@ -92,7 +96,8 @@ impl Solve {
             positions: self.positions,
         };
         let cycle = MeshCycle::solve(&model.solver, &input)?;
-        let report = Report::new(&pair.geometry, &input, &cycle);
+        let losses = Losses::new(&pair, &input, &cycle, &self.speeds)?;
+        let report = Report::new(&pair.geometry, &input, &cycle, losses);
         let text = if self.json {
             serde_json::to_string_pretty(&report)? + "\n"
         } else {
@@ -176,12 +181,19 @@ struct Report {
     harmonics_loa_um: Vec<Option<f64>>,
     transverse_contact_ratio: f64,
     overlap_ratio: f64,
+    #[serde(flatten)]
+    losses: Losses,
     /// Wall clock of the contact solves.
     solve_seconds: f64,
 }
 
 impl Report {
-    fn new(geometry: &PairGeometry, input: &CycleInput, cycle: &MeshCycle) -> Report {
+    fn new(
+        geometry: &PairGeometry,
+        input: &CycleInput,
+        cycle: &MeshCycle,
+        losses: Losses,
+    ) -> Report {
         let shares = |result: &gearmesh::contact::ContactResult, pair: i32| {
             let of_pair = result.load_share.iter().find(|(k, _)| *k == pair);
             of_pair.map_or(0.0, |(_, share)| *share)
@@ -226,6 +238,7 @@ impl Report {
             transverse_contact_ratio: geometry
                 .transverse_contact_ratio(geometry.center_distance + input.center_distance_offset),
             overlap_ratio: geometry.overlap_ratio(),
+            losses,
             solve_seconds: cycle.solve_seconds,
         }
     }
@@ -319,20 +332,21 @@ fn text(
             "transverse contact ratio",
             format!("{:.4}", report.transverse_contact_ratio),
         )
-        .row("overlap ratio", format!("{:.4}", report.overlap_ratio))
-        .row(
-            "largest KKT residual",
-            format!("{:.1e}", cycle.kkt_residual()),
-        )
-        .row("elastic model", &model.description)
-        .row(
-            "time for the elastic model",
-            format!("{:.3} s, {}", model.compliance_seconds, model.origin),
-        )
-        .row(
-            "time for the contact",
-            format!("{:.3} s", report.solve_seconds),
-        );
+        .row("overlap ratio", format!("{:.4}", report.overlap_ratio));
+    report.losses.list(&mut rows);
+    rows.row(
+        "largest KKT residual",
+        format!("{:.1e}", cycle.kkt_residual()),
+    )
+    .row("elastic model", &model.description)
+    .row(
+        "time for the elastic model",
+        format!("{:.3} s, {}", model.compliance_seconds, model.origin),
+    )
+    .row(
+        "time for the contact",
+        format!("{:.3} s", report.solve_seconds),
+    );
     let _ = write!(text, "\n{rows}");
     text
 }

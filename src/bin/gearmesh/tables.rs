@@ -11,7 +11,10 @@ use gearmesh::pair::Pair;
 use gearmesh::table::plan::{Coverage, default_axes, measure, table_within};
 use gearmesh::table::source::{SolveQuality, WatchedSolver};
 use gearmesh::table::sweep::{Watch, sweep};
-use gearmesh::table::{FlankGrid, FlankTable, Interpolation, InterpolationError, TableFile};
+use gearmesh::table::{
+    FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, TableFile,
+    default_sliding_axes, sweep_sliding,
+};
 
 use crate::Error;
 use crate::flank_summary::modifications;
@@ -54,6 +57,10 @@ pub struct GridArgs {
     /// Parallel axes only
     #[arg(long)]
     no_misalignment: bool,
+
+    /// Also how the load slides, for the effect `friction` of the unit
+    #[arg(long)]
+    pub friction: bool,
 }
 
 impl Tables {
@@ -147,6 +154,19 @@ pub fn compute(
         within(grid.max_error, &error)?;
         Some(flank)
     };
+    let friction = if grid.friction {
+        let rb = pair.geometry.gears[0].base_radius();
+        let axes = default_sliding_axes(&coverage, rb);
+        let of = |flank| sweep_sliding(&model.solver, flank, &axes, &watch);
+        Some(FrictionRecord {
+            law: pair.friction,
+            drive: of(Flank::Drive)?,
+            coast: coast.as_ref().map(|_| of(Flank::Coast)).transpose()?,
+            axes: axes.clone(),
+        })
+    } else {
+        None
+    };
     drop(bar);
 
     let mut file = TableFile::new(
@@ -158,6 +178,7 @@ pub fn compute(
         coast.as_ref(),
     );
     file.interpolation_error = Some(error);
+    file.friction = friction;
     file.solver = settings(&pair, &model, args, source.quality());
     file.seal();
     Ok(Made {

@@ -8,4 +8,5 @@ mod flanks;
 mod mechanics;
 mod paper;
 mod separation;
+mod sliding;
 mod symmetry;

@@ -18,9 +18,12 @@ mod tensor;
 
 pub(crate) use basis::{Basis, Ends};
 pub(crate) use fit::{Block, breaks, stored_from_values};
+pub(crate) use kernel::{Coefficients, over_displacement};
+pub(crate) use lanes::Two;
+pub(crate) use tensor::axis_basis;
 
 use super::{FlankGrid, Potential, Query, TableError};
-use lanes::{Four, Registers, Two};
+use lanes::{Four, Registers};
 use secant::Secant;
 use shepard::Shepard;
 use tensor::Tensor;

@@ -198,7 +198,7 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Evaluat
 }
 
 /// Basis of an axis that is not the displacement.
-pub(super) fn axis_basis<const N: usize>(nodes: &[f64], ends: Ends) -> Basis<N> {
+pub fn axis_basis<const N: usize>(nodes: &[f64], ends: Ends) -> Basis<N> {
     if N == 1 {
         // A single point: the nodes say where, nothing depends on it.
         return Basis::new(&[], ends);

@@ -1,0 +1,183 @@
+//! Claims about friction: it takes energy at every state, balances, and is not there when it is off.
+
+use super::testing::{
+    FORMULATIONS, LAWS, Noise, compressed, random_pose, rubbing, rubbing_table, three_pairs,
+};
+use super::*;
+use crate::friction::FrictionLaw;
+use crate::gear::samples::paper_pair;
+use approx::assert_relative_eq;
+
+fn off(parameters: &Parameters) -> Parameters {
+    Parameters {
+        friction: false,
+        ..*parameters
+    }
+}
+
+fn power(out: &Outputs, inputs: &Inputs) -> f64 {
+    (0..2)
+        .map(|i| out.force[i].dot(&inputs.gears[i].v) + out.moment[i].dot(&inputs.gears[i].w))
+        .sum()
+}
+
+#[test]
+fn friction_never_gives_energy_and_acts_on_both_gears_alike() {
+    let mut noise = Noise::new(71);
+    let mut loaded = 0;
+    for formulation in FORMULATIONS {
+        for pair in three_pairs(-1.0) {
+            for (law, own) in LAWS.into_iter().zip([true, false, true]) {
+                let parameters = rubbing(formulation, LoadedFlank::Both);
+                let table = rubbing_table(&pair, law, own);
+                let with = Element::new(&pair, &parameters, Some(table.clone())).unwrap();
+                let without = Element::new(&pair, &off(&parameters), Some(table)).unwrap();
+                let latch = with.latch(&with.nominal_inputs()).unwrap();
+                for n in 0..60 {
+                    let mut inputs = random_pose(&with, &mut noise);
+                    // From creep to some m/s; translation alone, rotation alone and both.
+                    let speed = 10f64.powf(3.0 * noise.next() - 2.0);
+                    for m in &mut inputs.gears {
+                        m.v = noise.vector(if n % 3 == 0 { 0.0 } else { speed });
+                        m.w = noise.vector(if n % 3 == 1 { 0.0 } else { 100.0 * speed });
+                    }
+                    let rubbed = with.evaluate(&latch, &inputs).unwrap();
+                    let free = without.evaluate(&latch, &inputs).unwrap();
+                    let work = power(&rubbed, &inputs) - power(&free, &inputs);
+                    let scale = power(&free, &inputs).abs() + work.abs();
+                    assert!(rubbed.friction_power <= 0.0);
+                    assert!(
+                        (rubbed.friction_power - work).abs() <= 1e-12 * scale,
+                        "{work}"
+                    );
+                    assert_eq!(free.friction_power, 0.0);
+                    assert_eq!(rubbed.force[0], -rubbed.force[1]);
+                    // Moments about gear 1's origin.
+                    let arm = inputs.gears[1].p - inputs.gears[0].p;
+                    let sum = rubbed.moment[0] + rubbed.moment[1] + arm.cross(&rubbed.force[1]);
+                    let moments = rubbed.moment[0].norm() + rubbed.moment[1].norm();
+                    assert!(sum.norm() <= 1e-12 * moments + 1e-300);
+                    // What friction is not.
+                    assert_eq!(rubbed.transmission_error, free.transmission_error);
+                    assert_eq!(rubbed.normal_force, free.normal_force);
+                    assert_eq!(rubbed.stiffness, free.stiffness);
+                    assert_eq!(rubbed.energy, free.energy);
+                    loaded += i32::from(rubbed.friction_power < 0.0);
+                }
+            }
+        }
+    }
+    assert!(loaded > 300, "{loaded} states of 1080 rubbed");
+}
+
+#[test]
+fn friction_that_is_off_costs_nothing_and_changes_no_bit() {
+    let pair = paper_pair(1.0);
+    let table = rubbing_table(&pair, LAWS[0], false);
+    let mut bare = table.file().clone();
+    bare.friction = None;
+    bare.seal();
+    let text = bare.to_json();
+    assert!(!text.contains("friction"));
+    let bare = Arc::new(Table::from_json(&text).unwrap());
+    let mut noise = Noise::new(72);
+    for formulation in FORMULATIONS {
+        let parameters = off(&rubbing(formulation, LoadedFlank::Both));
+        let one = Element::new(&pair, &parameters, Some(table.clone())).unwrap();
+        let two = Element::new(&pair, &parameters, Some(bare.clone())).unwrap();
+        assert!(one.friction.is_none());
+        let latch = one.latch(&one.nominal_inputs()).unwrap();
+        for _ in 0..50 {
+            let inputs = random_pose(&one, &mut noise);
+            let [a, b] = [&one, &two].map(|e| e.evaluate(&latch, &inputs).unwrap());
+            assert_eq!(a, b);
+        }
+    }
+    let missing = Element::new(
+        &pair,
+        &rubbing(Formulation::Conjugate, LoadedFlank::Both),
+        Some(bare),
+    );
+    let message = missing.err().unwrap().to_string();
+    assert!(message.contains("gearmesh tables --friction"), "{message}");
+    let constant = Parameters {
+        friction: true,
+        ..Parameters::default()
+    };
+    let message = Element::new(&pair, &constant, None)
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(message.contains("friction = true"), "{message}");
+}
+
+/// Gears that turn in their ratio, the drive flank compressed by `delta`.
+fn turning(element: &Element, pair: &PairGeometry, delta: f64, spin: f64) -> Inputs {
+    let mut inputs = compressed(element, 1.0, delta);
+    let ratio = -pair.e() * pair.gears[0].z() / pair.gears[1].z();
+    inputs.gears[0].w.z = spin;
+    inputs.gears[1].w.z = ratio * spin;
+    inputs
+}
+
+#[test]
+fn loss_is_coefficient_times_load_times_sliding_in_either_sense() {
+    for pair in three_pairs(1.0) {
+        for law in LAWS {
+            let table = rubbing_table(&pair, law, false);
+            let parameters = Parameters {
+                friction_factor: 1.3,
+                friction_transition_speed: 1e-6,
+                ..rubbing(Formulation::Conjugate, LoadedFlank::Drive)
+            };
+            let element = Element::new(&pair, &parameters, Some(table)).unwrap();
+            let latch = element.latch(&element.nominal_inputs()).unwrap();
+            let at = |spin: f64| {
+                let inputs = turning(&element, &pair, 8e-6, spin);
+                element.evaluate(&latch, &inputs).unwrap()
+            };
+            let [ahead, back] = [300.0, -300.0].map(at);
+            assert!(ahead.flank == 1 && ahead.friction_power < -1.0);
+            assert_relative_eq!(
+                ahead.friction_power,
+                back.friction_power,
+                max_relative = 1e-9
+            );
+            // Friction brakes: the driver gives more than it would without, the driven gear less.
+            let force = ahead.normal_force * pair.base_helix_angle().cos();
+            let transmitted = force * pair.gears[0].base_radius() * 300.0;
+            let lost = ahead.friction_coefficient * ahead.loss_factor * transmitted;
+            assert_relative_eq!(-ahead.friction_power, lost, max_relative = 1e-6);
+            let mu = law.coefficient(&pair);
+            let rolling = 300.0 * pair.rolling_speed_per_spin(pair.center_distance);
+            if !law.is_local() {
+                let expected = 1.3 * mu.at(force, rolling);
+                assert_relative_eq!(ahead.friction_coefficient, expected, max_relative = 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn at_rest_under_load_friction_vanishes_and_creep_meets_it_viscously() {
+    let pair = paper_pair(1.0);
+    let table = rubbing_table(&pair, FrictionLaw::default(), false);
+    let parameters = rubbing(Formulation::Conjugate, LoadedFlank::Drive);
+    let element = Element::new(&pair, &parameters, Some(table)).unwrap();
+    let latch = element.latch(&element.nominal_inputs()).unwrap();
+    let at = |spin: f64| {
+        let inputs = turning(&element, &pair, 8e-6, spin);
+        element.evaluate(&latch, &inputs).unwrap()
+    };
+    let rest = at(0.0);
+    assert_eq!(rest.friction_power, 0.0);
+    // Braking torque per mean sliding speed r: full / sqrt(r^2 + v_t^2).
+    let torque = |out: &Outputs, spin: f64| -out.friction_power / spin;
+    let (slow, fast) = (1e-3, 1e3);
+    let distance = rest.loss_factor / crate::friction::loss_factor_of(&pair, 1.0);
+    let r = slow * pair.sliding_per_spin() * distance;
+    let share = r / r.hypot(parameters.friction_transition_speed);
+    assert!(share < 0.5, "creep below the speed of transition: {share}");
+    let ratio = torque(&at(slow), slow) / torque(&at(fast), fast);
+    assert_relative_eq!(ratio, share, max_relative = 1e-3);
+}

@@ -21,8 +21,9 @@
 //! ```
 //!
 //! The preprocessing half never imports the element, the element never imports the contact
-//! solver: only the table joins them. The FMU's library is built from `gear`, `friction`, `table`, `element`
-//! and `fmi` alone; the rest stands behind the feature `preprocess`.
+//! solver: the table joins them, and for contact at run time `fmi`. The FMU's library is built from `gear`,
+//! `friction`, `contact` (solve alone), `table`, `element` and `fmi`; the rest stands behind the feature
+//! `preprocess`.
 //!
 //! # Symbols
 //!
@@ -51,9 +52,7 @@
 //! | z_ref | `z_ref()` | m | mid-face of the overlap, reference of delta, M and z_c |
 //! | W | `potential` | J | potential of one flank: F_bt = dW/d delta, F_bt (z_c - z_ref) = dW/dM |
 
-#[cfg(feature = "preprocess")]
 pub mod compliance;
-#[cfg(feature = "preprocess")]
 pub mod contact;
 pub mod element;
 pub mod fmi;

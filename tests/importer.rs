@@ -18,6 +18,7 @@ fn import(pair: &str, folder: &Path) -> (Pair, Fmi2Import) {
         name: &pair.name,
         geometry: &pair.geometry,
         tables: None,
+        contact: None,
         starts: &starts,
     };
     // The library that cargo built for this test lies beside the test's program.

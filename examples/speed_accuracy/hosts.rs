@@ -44,6 +44,7 @@ pub fn report(
             name: &setting.pair.name,
             geometry: &setting.pair.geometry,
             tables,
+            contact: None,
             starts,
         };
         let unit = folder.path().join(format!("{}.fmu", rows.len()));

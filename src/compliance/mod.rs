@@ -1,6 +1,7 @@
 //! How far a loaded flank gives way: bulk compliance (bending, shear, base, blank, neighbours) apart
 //! from the local contact, whose width depends on the load.
 
+#[cfg(feature = "preprocess")]
 pub mod finite_element;
 
 use nalgebra::DMatrix;

@@ -2,8 +2,9 @@
 
 use super::closest::Flanks;
 use super::transverse::TransverseSection;
+#[cfg(feature = "preprocess")]
 use crate::compliance::Strip;
-use crate::gear::{Flank, Gear, Microgeometry, PairGeometry};
+use crate::gear::{Flank, Microgeometry, PairGeometry};
 
 /// Points of a strip at which the local contact is evaluated apart, so that the edge of the contact crosses
 /// a strip in small steps: at the middles of equal parts.
@@ -15,6 +16,8 @@ pub struct Candidate {
     /// Tooth pair, counted in the sense in which contact moves; 0 touches at the pitch point at mid-face
     /// at mesh position 0.
     pub tooth_pair: i32,
+    /// Station along the face, from the lower end of the overlap of both faces.
+    pub station: usize,
     /// Ends in gear 1's frame, m, ascending.
     pub z: [f64; 2],
     /// Length of roll on gear 1 and gear 2 at mid-strip, where the flanks come closest, m.
@@ -32,11 +35,14 @@ pub struct Candidate {
     /// Arm of the force about the axis of gear 1, in the transverse plane over its base radius; at
     /// mid-strip.
     pub arm: f64,
-    /// The strip in the canonical coordinates of gear 1 and gear 2.
-    pub strips: [Strip; 2],
 }
 
 impl Candidate {
+    /// What it is known by in all positions of the mesh.
+    pub fn name(&self) -> (i32, usize) {
+        (self.tooth_pair, self.station)
+    }
+
     /// Middle of the strip in gear 1's frame, m.
     pub fn middle(&self) -> f64 {
         0.5 * (self.z[0] + self.z[1])
@@ -73,24 +79,48 @@ const SHORTEST: f64 = 1e-9;
 impl ContactLines<'_> {
     /// All candidates at the mesh position `tau`, tooth pair by tooth pair, ascending in z.
     pub fn candidates(&self, tau: f64) -> Vec<Candidate> {
+        let names = self
+            .pairs(tau, 0.0)
+            .flat_map(|k| (0..self.stations).map(move |s| (k, s)));
+        names.filter_map(|name| self.strip(tau, name)).collect()
+    }
+
+    /// Tooth pairs that come within `margin` (m) of the reach of contact.
+    fn pairs(&self, tau: f64, margin: f64) -> std::ops::RangeInclusive<i32> {
+        let (_, width) = self.geometry.face_overlap();
+        let pitch = self.geometry.base_pitch();
+        let tilt = 0.5 * width * self.geometry.base_helix_angle().tan() + margin;
+        let [first, last] = self.section.reach();
+        ((first - tilt) / pitch - tau).floor() as i32..=((last + tilt) / pitch - tau).ceil() as i32
+    }
+
+    /// Ends of a station, m.
+    fn station(&self, station: usize) -> [f64; 2] {
         let (low, width) = self.geometry.face_overlap();
         let step = width / self.stations as f64;
-        let pitch = self.geometry.base_pitch();
-        let tilt = 0.5 * width * self.geometry.base_helix_angle().tan();
+        [0, 1].map(|end| low + step * (station + end) as f64)
+    }
+
+    /// The strip of this name at the mesh position `tau`, if it lies within the reach of contact.
+    pub fn strip(&self, tau: f64, (k, station): (i32, usize)) -> Option<Candidate> {
+        let whole = self.station(station);
+        let z = self.within_reach(tau, k, whole)?;
+        (z[1] - z[0] > SHORTEST * (whole[1] - whole[0]))
+            .then(|| self.candidate(tau, (k, station), z, false))
+    }
+
+    /// Whole strips, those up to `margin` (m, along the path) beyond the reach of contact, too, as if they lay at its end.
+    #[cfg(feature = "preprocess")]
+    pub fn strips_beyond(&self, tau: f64, margin: f64) -> Vec<Candidate> {
         let [first, last] = self.section.reach();
-        let k_first = ((first - tilt) / pitch - tau).floor() as i32;
-        let k_last = ((last + tilt) / pitch - tau).ceil() as i32;
-        let mut all = Vec::new();
-        for k in k_first..=k_last {
+        let mut all = vec![];
+        for k in self.pairs(tau, margin) {
             for station in 0..self.stations {
-                let z = [
-                    low + step * station as f64,
-                    low + step * (station + 1) as f64,
-                ];
-                if let Some(z) = self.within_reach(tau, k, z)
-                    && z[1] - z[0] > SHORTEST * step
-                {
-                    all.push(self.candidate(tau, k, z));
+                let z = self.station(station);
+                let xi = z.map(|z| self.geometry.contact_line(self.flank, tau, k, z));
+                let (low, high) = (xi[0].min(xi[1]), xi[0].max(xi[1]));
+                if high >= first - margin && low <= last + margin {
+                    all.push(self.candidate(tau, (k, station), z, true));
                 }
             }
         }
@@ -118,15 +148,28 @@ impl ContactLines<'_> {
         (a < b).then(|| [z[0] + a * (z[1] - z[0]), z[0] + b * (z[1] - z[0])])
     }
 
-    fn candidate(&self, tau: f64, k: i32, z: [f64; 2]) -> Candidate {
+    /// Both flanks of tooth pair `k` in the plane `z`; `held`: where it lies beyond the reach of contact, at its end.
+    fn flanks(&self, tau: f64, k: i32, z: f64, held: bool) -> Flanks<'_> {
         let g = self.geometry;
-        let closest = |z: f64| {
-            let at = self.section.point(g.contact_line(self.flank, tau, k, z));
-            Flanks::new(g, self.microgeometry, at, z).closest_point(self.section)
-        };
-        let middle = closest(0.5 * (z[0] + z[1]));
-        let ends = z.map(closest);
-        let gap = points(z).map(|z| closest(z).gap);
+        let [first, last] = self.section.reach();
+        let mut xi = g.contact_line(self.flank, tau, k, z);
+        if held {
+            xi = xi.clamp(first, last);
+        }
+        Flanks::new(g, self.microgeometry, self.section.point(xi), z)
+    }
+
+    fn candidate(
+        &self,
+        tau: f64,
+        (k, station): (i32, usize),
+        z: [f64; 2],
+        held: bool,
+    ) -> Candidate {
+        let g = self.geometry;
+        let flanks = |z: f64| self.flanks(tau, k, z, held);
+        let middle = flanks(0.5 * (z[0] + z[1])).closest_point(self.section);
+        let gap = points(z).map(|z| flanks(z).least_gap(self.section));
         let cos_beta_b = g.base_helix_angle().cos();
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
@@ -134,6 +177,7 @@ impl ContactLines<'_> {
             .sum();
         Candidate {
             tooth_pair: k,
+            station,
             z,
             roll: middle.roll,
             gap,
@@ -143,8 +187,15 @@ impl ContactLines<'_> {
             edge_slope: middle.edge_slope * cos_beta_b,
             edge_gear: middle.edge_gear,
             arm: middle.arm,
-            strips: [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]])),
         }
+    }
+
+    /// `candidate` at the mesh position `tau` in the canonical coordinates of gear 1 and gear 2; `held` as it was made.
+    #[cfg(feature = "preprocess")]
+    pub fn seen_by_gears(&self, tau: f64, candidate: &Candidate, held: bool) -> [Strip; 2] {
+        let (k, z) = (candidate.tooth_pair, candidate.z);
+        let ends = z.map(|z| self.flanks(tau, k, z, held).closest_point(self.section));
+        [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]]))
     }
 
     /// The strip as gear `i` sees it once it is mirrored into a right-handed gear whose loaded flank
@@ -154,8 +205,9 @@ impl ContactLines<'_> {
     /// theta -> -theta turns over both sigma and the hand, a mirror z -> -z the hand alone; so theta is
     /// mirrored for sigma = -1 and z for h sigma = -1. Tooth pair k lies k pitches ahead in the sense of
     /// rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k and -k.
+    #[cfg(feature = "preprocess")]
     fn canonical(&self, i: usize, k: i32, z: [f64; 2], roll: [f64; 2]) -> Strip {
-        let gear: &Gear = &self.geometry.gears[i];
+        let gear = &self.geometry.gears[i];
         let s = self.flank.sign();
         let sigma = if i == 0 { s } else { self.geometry.e() * s };
         let tooth = if i == 0 { k } else { -k };

@@ -148,18 +148,17 @@ impl<'a> Flanks<'a> {
         s
     }
 
-    /// Where both flanks come closest in `section`.
-    pub fn closest_point(&self, section: &TransverseSection) -> ClosestPoint {
-        let at = &self.at;
-        if self.microgeometry.iter().all(|m| !m.has_profile()) {
-            return ClosestPoint {
-                roll: at.roll,
-                gap: self.gap(0.0),
-                edge_slope: at.edge_slope,
-                edge_gear: at.edge_gear,
-                arm: at.arm,
-            };
+    /// Whether nothing moves the closest point off the nominal line.
+    fn is_nominal(&self) -> bool {
+        self.microgeometry.iter().all(|m| !m.has_profile())
+    }
+
+    /// s at which both flanks come closest in `section`.
+    fn closest_in(&self, section: &TransverseSection) -> f64 {
+        if self.is_nominal() {
+            return 0.0;
         }
+        let at = &self.at;
         // Room on either gear towards its tip and towards the end of its involute, in s.
         let room = [0, 1].map(|i| {
             let ends = section.flank_ends(i);
@@ -169,7 +168,27 @@ impl<'a> Flanks<'a> {
         if self.microgeometry.iter().any(|m| m.topography.is_some()) {
             range = self.least_of(range);
         }
-        let s = self.closest(range);
+        self.closest(range)
+    }
+
+    /// Least gap along the line of action in `section`, m.
+    pub fn least_gap(&self, section: &TransverseSection) -> f64 {
+        self.gap(self.closest_in(section))
+    }
+
+    /// Where both flanks come closest in `section`.
+    pub fn closest_point(&self, section: &TransverseSection) -> ClosestPoint {
+        let at = &self.at;
+        let s = self.closest_in(section);
+        if self.is_nominal() {
+            return ClosestPoint {
+                roll: at.roll,
+                gap: self.gap(s),
+                edge_slope: at.edge_slope,
+                edge_gear: at.edge_gear,
+                arm: at.arm,
+            };
+        }
         let edges = [-self.edge_slope(section, 0), self.edge_slope(section, 1)];
         let edge_gear = usize::from(edges[1] > edges[0]);
         ClosestPoint {

@@ -5,6 +5,9 @@
 //! (path, tip corners)    contact lines in reach        local contact law                     (load or approach)
 //! ```
 //!
+//! [`RuntimeContact`] is the same solve in the unit: influence matrices condensed over the mesh cycle
+//! ([`CondensedFlank`]), all else from the pose.
+//!
 //! Everything is measured on the line of action at mid-face: the approach delta (STE) counts from where
 //! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z.
 //! The gap of a strip is that of the modified flanks where they come closest (`closest.rs`), minus
@@ -20,22 +23,36 @@ mod candidates;
 mod cholesky;
 mod closest;
 mod complementarity;
+mod condensed;
 mod error;
+mod file;
+mod influence;
 pub(crate) mod local;
+#[cfg(feature = "preprocess")]
 mod mesh_cycle;
 mod position;
 mod result;
+mod runtime;
+mod setup;
+#[cfg(feature = "preprocess")]
 mod sliding;
+#[cfg(feature = "preprocess")]
 mod solver;
 mod transverse;
 
 pub use candidates::Candidate;
 pub use complementarity::MAXIMUM_ITERATIONS;
+pub use condensed::CondensedFlank;
 pub use error::{ContactError, OperatingPoint, Prescribed};
+pub use file::ContactFile;
+#[cfg(feature = "preprocess")]
 pub use mesh_cycle::{CycleInput, HARMONICS, MeshCycle};
 pub use position::PositionProblem;
 pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
-pub use solver::{ContactSettings, ContactSolver};
+pub use runtime::{ContactPotential, RuntimeContact, Warm};
+pub use setup::{ContactSettings, ContactSetup};
+#[cfg(feature = "preprocess")]
+pub use solver::ContactSolver;
 
-#[cfg(test)]
+#[cfg(all(test, feature = "preprocess"))]
 mod tests;

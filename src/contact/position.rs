@@ -1,17 +1,11 @@
 //! Contact at one position of the mesh, for any load and misalignment.
 
-use std::f64::consts::PI;
-use std::sync::Arc;
-
-use nalgebra::DMatrix;
-
 use super::candidates::{Candidate, POINTS};
 use super::complementarity::{Failure, Problem, Target};
 use super::error::{ContactError, OperatingPoint, Prescribed};
-use super::local::constants::{SMOOTHING_OVER_LAYER, SMOOTHING_OVER_REFERENCE};
-use super::local::{LocalBody, LocalContact, Piece, divide};
+use super::influence::{Influence, plane_compliance, strip_lengths};
+use super::local::{LocalBody, LocalContact};
 use super::result::ContactResult;
-use crate::compliance::{BeyondModel, Strip, ToothCompliance};
 use crate::gear::PairGeometry;
 
 /// The contact problem at one position and centre distance: influence matrix and gaps.
@@ -40,86 +34,46 @@ pub(super) struct Limits {
     pub reach: Option<f64>,
     /// Stiffness for starting values, N/m per m of contact line.
     pub foundation: f64,
-    /// Reference length that the local contact asks for, m.
-    pub reference_length: f64,
 }
 
 impl PositionProblem {
-    pub(super) fn new(
+    /// The problem of `candidates` whose influence is known.
+    pub(super) fn with(
         geometry: &PairGeometry,
-        compliance: &[Arc<dyn ToothCompliance>; 2],
         candidates: Vec<Candidate>,
+        influence: Influence,
         limits: Limits,
-    ) -> Result<PositionProblem, BeyondModel> {
-        let n = candidates.len();
-        let mut bulk = DMatrix::zeros(n, n);
-        let mut lengths = [Vec::new(), Vec::new()];
-        for (i, model) in compliance.iter().enumerate() {
-            let strips: Vec<Strip> = candidates.iter().map(|c| c.strips[i]).collect();
-            bulk += model.bulk(&strips)?;
-            lengths[i] = model.reference_lengths(&strips);
-        }
-        // Rounding must not break the symmetry that the energy rests on.
-        let mut symmetric: Vec<f64> = (0..n * n)
-            .map(|at| 0.5 * (bulk[(at / n, at % n)] + bulk[(at % n, at / n)]))
-            .collect();
+    ) -> PositionProblem {
         let cos_beta_b = geometry.base_helix_angle().cos();
-        let plane_compliance = [0, 1].map(|i| {
-            let gear = &geometry.gears[i];
-            (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus
-        });
-        let strip_lengths: Vec<f64> = candidates
-            .iter()
-            .map(|c| (c.z[1] - c.z[0]) / cos_beta_b)
-            .collect();
-        let pieces: Vec<Piece> = candidates
-            .iter()
-            .zip(&strip_lengths)
-            .map(|(c, &length)| Piece {
-                line: c.tooth_pair,
-                at: c.middle() / cos_beta_b,
-                length,
-            })
-            .collect();
-        let layer = compliance
-            .iter()
-            .map(|model| model.lengthwise_resolution() / cos_beta_b)
-            .fold(0.0, f64::max);
-        divide(
-            &mut symmetric,
-            &mut lengths,
-            plane_compliance.map(|p| 2.0 * p / PI),
-            &pieces,
-            limits.reference_length,
-            (SMOOTHING_OVER_LAYER * layer).max(SMOOTHING_OVER_REFERENCE * limits.reference_length),
-        );
+        let plane_compliance = plane_compliance(geometry);
+        let strip_lengths = strip_lengths(&candidates, cos_beta_b);
         let local = candidates
             .iter()
             .enumerate()
             .map(|(strip, candidate)| {
                 let bodies = [0, 1].map(|i| LocalBody {
                     plane_compliance: plane_compliance[i],
-                    reference_length: lengths[i][strip],
+                    reference_length: influence.lengths[i][strip],
                 });
                 let length = strip_lengths[strip] / POINTS as f64;
                 LocalContact::new(bodies, candidate.radius, length, candidate.edge_slope)
             })
             .collect();
         let z_ref = geometry.z_ref();
-        Ok(PositionProblem {
+        PositionProblem {
             lever: candidates
                 .iter()
                 .map(|c| c.points().map(|z| z - z_ref))
                 .collect(),
             arm: candidates.iter().map(|c| c.arm * cos_beta_b).collect(),
             candidates,
-            bulk: symmetric,
+            bulk: influence.bulk,
             local,
             cos_beta_b,
             base_radius: geometry.gears[0].base_radius(),
             z_ref,
             limits,
-        })
+        }
     }
 
     /// The strips that may touch.
@@ -206,59 +160,97 @@ impl PositionProblem {
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        finite("misalignment", misalignment)?;
-        let gap = self.gaps(misalignment);
-        let problem = Problem {
-            bulk: &self.bulk,
-            local: &self.local,
-            gap: &gap,
-            arm: &self.arm,
-        };
         let start = warm.map(|w| (w.forces.as_slice(), w.approach));
-        let at = OperatingPoint {
+        let at = self.operating_point(target, misalignment);
+        let (result, excess) = self.solve_any(target, misalignment, start)?;
+        match excess {
+            Some(Excess::Pressure(pressure)) => Err(ContactError::Overload {
+                at,
+                pressure_mpa: 1e-6 * pressure,
+            }),
+            Some(Excess::Reach { needed, reach }) => Err(ContactError::BeyondReach {
+                at,
+                needed_um: 1e6 * needed,
+                reach_um: 1e6 * reach,
+            }),
+            None => Ok(result),
+        }
+    }
+
+    fn operating_point(&self, target: Target, misalignment: f64) -> OperatingPoint {
+        OperatingPoint {
             prescribed: match target {
                 Target::Force(force) => Prescribed::Torque(force * self.base_radius),
                 Target::Approach(approach) => Prescribed::Approach(approach),
             },
             misalignment,
             center_distance_offset: self.limits.center_distance_offset,
-        };
+        }
+    }
+
+    /// Solves from `start` (forces, approach) and tells what the solution exceeds of what the model is made for.
+    pub(super) fn solve_any(
+        &self,
+        target: Target,
+        misalignment: f64,
+        start: Option<(&[f64], f64)>,
+    ) -> Result<(ContactResult, Option<Excess>), ContactError> {
+        finite("misalignment", misalignment)?;
+        let gap = self.gaps(misalignment);
+        let problem = self.problem(&gap);
+        let at = || self.operating_point(target, misalignment);
         let solution = problem
             .solve(target, start, self.limits.foundation)
             .map_err(|failure| match failure {
-                Failure::Overload { pressure } => ContactError::Overload {
-                    at,
-                    pressure_mpa: 1e-6 * pressure,
-                },
                 Failure::NotPositiveDefinite { pivot } => {
-                    ContactError::NotPositiveDefinite { at, pivot }
+                    ContactError::NotPositiveDefinite { at: at(), pivot }
                 }
                 Failure::NotConverged {
                     iterations,
                     residual,
                 } => ContactError::NotConverged {
-                    at,
+                    at: at(),
                     iterations,
                     residual,
                 },
             })?;
-        if let Some(reach) = self.limits.reach {
+        let mut excess = problem.overload(&solution).map(Excess::Pressure);
+        if let (None, Some(reach)) = (excess, self.limits.reach) {
             let needed = self
                 .lever
                 .iter()
                 .flatten()
                 .map(|lever| solution.approach + misalignment * lever)
                 .fold(f64::NEG_INFINITY, f64::max);
-            if needed > reach {
-                return Err(ContactError::BeyondReach {
-                    at,
-                    needed_um: 1e6 * needed,
-                    reach_um: 1e6 * reach,
-                });
-            }
+            excess = (needed > reach).then_some(Excess::Reach { needed, reach });
         }
-        Ok(self.result(solution, &gap))
+        Ok((self.result(solution, &gap), excess))
     }
+
+    fn problem<'a>(&'a self, gap: &'a [[f64; POINTS]]) -> Problem<'a> {
+        Problem {
+            bulk: &self.bulk,
+            local: &self.local,
+            gap,
+            arm: &self.arm,
+        }
+    }
+
+    /// Elastic energy, J, with the forces `forces` on the strips at `approach` and `misalignment`; stationary in the forces
+    /// of a solution.
+    pub(super) fn energy(&self, forces: &[f64], approach: f64, misalignment: f64) -> f64 {
+        self.problem(&self.gaps(misalignment))
+            .energy(forces, approach)
+    }
+}
+
+/// What a solution exceeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Excess {
+    /// A Hertz pressure, Pa, that no flank carries.
+    Pressure(f64),
+    /// An approach, m, beyond that for which tip edges were followed.
+    Reach { needed: f64, reach: f64 },
 }
 
 fn finite(field: &'static str, value: f64) -> Result<(), ContactError> {

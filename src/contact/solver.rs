@@ -2,30 +2,20 @@
 
 use std::sync::Arc;
 
-use super::candidates::ContactLines;
+use super::candidates::Candidate;
+use super::condensed::StripName;
 use super::error::ContactError;
+use super::influence::Influence;
 use super::local::constants::{
     FEWEST_STATIONS, MOST_STATIONS, REFERENCE_OVER_HERTZ, STIFFNESS_OVER_MODULUS, STRIP_OVER_WIDTH,
 };
 use super::local::widest_contact;
-use super::position::{Limits, PositionProblem};
-use super::transverse::TransverseSection;
-use crate::compliance::ToothCompliance;
+use super::position::PositionProblem;
+use super::setup::{ContactSettings, ContactSetup};
+use crate::compliance::{Strip, ToothCompliance};
 use crate::friction::FrictionLaw;
-use crate::gear::{Flank, PairGeometry, PairMicrogeometry, ToothProfile};
+use crate::gear::{Flank, PairGeometry, ToothProfile};
 use crate::pair::{Pair, Refinement};
-
-/// How the contact is discretised.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactSettings {
-    /// Number of equal stations over the overlap of both faces.
-    pub stations: usize,
-    /// Whether tip corners outside the path of contact may touch.
-    pub tip_corner_contact: bool,
-    /// Largest approach on the line of action for which tip corners are followed, m. None: from
-    /// the largest torque and misalignment of the pair.
-    pub reach: Option<f64>,
-}
 
 /// Elements of level coarse over those of level normal; strips shorter than the elements follow no load of
 /// their own either.
@@ -49,28 +39,13 @@ impl ContactSettings {
     }
 }
 
-impl Default for ContactSettings {
-    fn default() -> Self {
-        ContactSettings {
-            stations: MOST_STATIONS,
-            tip_corner_contact: true,
-            reach: None,
-        }
-    }
-}
-
 /// Static contact of one pair of gears.
 ///
 /// Clones share nothing mutable; one solver serves all threads.
 #[derive(Clone)]
 pub struct ContactSolver {
-    geometry: PairGeometry,
-    microgeometry: PairMicrogeometry,
+    setup: ContactSetup,
     compliance: [Arc<dyn ToothCompliance>; 2],
-    settings: ContactSettings,
-    reach: f64,
-    reference_length: f64,
-    form_rolls: [f64; 2],
     friction: FrictionLaw,
 }
 
@@ -110,20 +85,22 @@ impl ContactSolver {
             });
         }
         Ok(ContactSolver {
-            form_rolls,
-            friction: pair.friction,
-            geometry: pair.geometry.clone(),
-            microgeometry: pair.microgeometry.clone(),
+            setup: ContactSetup {
+                geometry: pair.geometry.clone(),
+                microgeometry: pair.microgeometry.clone(),
+                settings,
+                reach,
+                reference_length: REFERENCE_OVER_HERTZ * widest_contact(pair),
+                form_rolls,
+            },
             compliance,
-            settings,
-            reach,
-            reference_length: REFERENCE_OVER_HERTZ * widest_contact(pair),
+            friction: pair.friction,
         })
     }
 
     /// The pair's geometry.
     pub fn geometry(&self) -> &PairGeometry {
-        &self.geometry
+        &self.setup.geometry
     }
 
     /// The pair's law of friction; no solution depends on it.
@@ -133,7 +110,7 @@ impl ContactSolver {
 
     /// The settings it was made with.
     pub fn settings(&self) -> &ContactSettings {
-        &self.settings
+        &self.setup.settings
     }
 
     /// The problem at `mesh_position` (base pitches; 0: a tooth pair touches at the pitch point at
@@ -161,42 +138,59 @@ impl ContactSolver {
                 });
             }
         }
-        let center_distance = self.geometry.center_distance + center_distance_offset;
-        let out_of_mesh = || ContactError::OutOfMesh {
-            center_distance_mm: 1e3 * center_distance,
-        };
-        let section = TransverseSection::new(
-            &self.geometry,
-            center_distance,
-            self.form_rolls,
-            self.settings.tip_corner_contact.then_some(self.reach),
-        )
-        .ok_or_else(out_of_mesh)?;
-        let candidates = ContactLines {
-            geometry: &self.geometry,
-            microgeometry: self.microgeometry.flank(flank),
-            section: &section,
-            flank,
-            stations: self.settings.stations,
-        }
+        let section = self.setup.section(center_distance_offset)?;
+        let lines = self.setup.lines(flank, &section);
         // One base pitch later everything is the same again.
-        .candidates(mesh_position - mesh_position.floor());
+        let tau = mesh_position - mesh_position.floor();
+        let candidates = lines.candidates(tau);
         if candidates.is_empty() {
-            return Err(out_of_mesh());
+            return Err(self.setup.out_of_mesh(center_distance_offset));
         }
-        let modulus = self.geometry.gears.iter().map(|g| g.youngs_modulus);
-        let limits = Limits {
-            center_distance_offset,
-            reach: self.settings.tip_corner_contact.then_some(self.reach),
-            reference_length: self.reference_length,
-            foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
-        };
-        PositionProblem::new(&self.geometry, &self.compliance, candidates, limits).map_err(
-            |model| ContactError::BeyondModel {
+        let seen = |c| lines.seen_by_gears(tau, c, false);
+        let seen: Vec<_> = candidates.iter().map(seen).collect();
+        let influence = self.influence_of((&candidates, &seen), center_distance_offset)?;
+        let limits = self.setup.limits(center_distance_offset);
+        let geometry = &self.setup.geometry;
+        Ok(PositionProblem::with(
+            geometry, candidates, influence, limits,
+        ))
+    }
+
+    /// What the contact knows without the elastic models.
+    pub fn setup(&self) -> &ContactSetup {
+        &self.setup
+    }
+
+    /// Influence of whole strips at the mesh position `tau` in [0, 1), those up to `margin` (base pitches) beyond the reach of
+    /// contact, too.
+    pub(super) fn influence(
+        &self,
+        flank: Flank,
+        tau: f64,
+        center_distance_offset: f64,
+        margin: f64,
+    ) -> Result<(Vec<StripName>, Influence), ContactError> {
+        let section = self.setup.section(center_distance_offset)?;
+        let lines = self.setup.lines(flank, &section);
+        let strips = lines.strips_beyond(tau, margin * self.setup.geometry.base_pitch());
+        let seen = |c| lines.seen_by_gears(tau, c, true);
+        let seen: Vec<_> = strips.iter().map(seen).collect();
+        let influence = self.influence_of((&strips, &seen), center_distance_offset)?;
+        Ok((strips.iter().map(|c| c.name()).collect(), influence))
+    }
+
+    fn influence_of(
+        &self,
+        strips: (&[Candidate], &[[Strip; 2]]),
+        center_distance_offset: f64,
+    ) -> Result<Influence, ContactError> {
+        let wanted = self.setup.reference_length;
+        Influence::new(&self.setup.geometry, &self.compliance, strips, wanted).map_err(|model| {
+            ContactError::BeyondModel {
                 center_distance_offset_um: 1e6 * center_distance_offset,
                 model,
-            },
-        )
+            }
+        })
     }
 }
 

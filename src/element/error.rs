@@ -39,6 +39,12 @@ pub enum ElementError {
         "stiffnessModel = table, but there is no table: pack one with `gearmesh tables`, or set stiffnessModel = constant"
     )]
     NoTable,
+    /// The parameters ask for contact at run time and none was given.
+    #[error(
+        "stiffnessModel = contact, but the unit does not hold the contact of its pair: build it with `gearmesh build \
+         --contact`, or set stiffnessModel = table"
+    )]
+    NoContact,
     /// An input is NaN or infinite.
     #[error(
         "{body}: {quantity} is not finite; every position and velocity must be a finite number"

@@ -142,6 +142,7 @@ impl Element {
                     table.file().maximum_torque_nm / pair.gears[0].base_radius();
                 Ok(element)
             }
+            StiffnessModel::Contact => Err(ElementError::NoContact),
             StiffnessModel::Constant => {
                 let phi = pair.operating_pressure_angle(pair.center_distance);
                 let law = Law::linear(parameters.constant_stiffness / phi.cos().powi(2));

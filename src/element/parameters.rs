@@ -11,6 +11,9 @@ pub enum StiffnessModel {
     Constant,
     /// The pair's table.
     Table,
+    /// A static contact solve at every evaluation: laws that the caller gives
+    /// ([`super::Element::with_laws`]).
+    Contact,
 }
 
 /// How displacement and force follow from the poses.
@@ -183,7 +186,7 @@ impl Parameters {
             let speed = self.friction_transition_speed;
             return refuse("frictionTransitionSpeed", speed, "m/s", positive);
         }
-        if self.friction && self.stiffness_model == StiffnessModel::Constant {
+        if self.friction && self.stiffness_model != StiffnessModel::Table {
             return Err(ElementError::Parameter {
                 name: "friction",
                 value: "true".into(),

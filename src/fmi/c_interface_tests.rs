@@ -30,7 +30,7 @@ fn component() -> fmi2Component {
         starts: [("gear2.position[1]".to_owned(), geometry.center_distance)].into(),
         geometry,
     };
-    let resources = Arc::new(Resources::new(unit, None).unwrap());
+    let resources = Arc::new(Resources::new(unit, None, None).unwrap());
     // A variadic function cannot be defined in stable Rust. This one is called with exactly its six
     // arguments, which the C conventions of x86-64 and AArch64 Linux pass alike for both.
     let logger =

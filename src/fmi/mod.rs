@@ -16,6 +16,7 @@ mod boundary;
 pub mod c_interface;
 mod clock;
 mod co_simulation;
+mod contact_law;
 mod inputs;
 pub mod instance;
 pub mod layout;

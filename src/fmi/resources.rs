@@ -10,11 +10,13 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use serde::{Deserialize, Serialize};
 
+use super::contact_law;
 use super::layout::{MESHES, inputs};
 use super::location;
 use super::report::{Refusal, refuse};
 use super::settings::Settings;
 use super::variables::{index_by_name, template_starts};
+use crate::contact::ContactFile;
 use crate::element::{Element, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
 use crate::table::{Effects, Table, TableError, TableFile};
@@ -24,6 +26,9 @@ pub const UNIT_FILE: &str = "unit.json";
 
 /// File with the tables; absent in a unit of constant stiffness.
 pub const TABLES_FILE: &str = "tables.json";
+
+/// File with the contact at run time; absent in a unit that cannot solve it.
+pub const CONTACT_FILE: &str = "contact.bin";
 
 /// Version of [`UnitFile`] that this library reads and writes.
 pub const UNIT_VERSION: u32 = 1;
@@ -51,6 +56,8 @@ pub struct Resources {
     pub unit: UnitFile,
     /// The tables; `None` in a unit of constant stiffness.
     tables: Option<Arc<TableFile>>,
+    /// The contact at run time, if there is any.
+    contact: Option<ContactFile>,
     /// Start values, as modelDescription.xml of this unit gives them.
     pub starts: Starts,
     /// What instances have made of the tables, one for each choice of effects in use.
@@ -90,12 +97,23 @@ impl Starts {
 }
 
 impl Resources {
-    /// The resources of `unit` with its `tables`.
+    /// The resources of `unit` with its `tables` and its `contact`.
     ///
     /// # Errors
-    /// Start values that are none, as text.
-    pub fn new(unit: UnitFile, tables: Option<TableFile>) -> Result<Self, String> {
+    /// Start values that are none, a contact of another pair, as text.
+    pub fn new(
+        unit: UnitFile,
+        tables: Option<TableFile>,
+        contact: Option<ContactFile>,
+    ) -> Result<Self, String> {
+        if contact
+            .as_ref()
+            .is_some_and(|c| c.setup.geometry != unit.geometry)
+        {
+            return Err(format!("{CONTACT_FILE} is not of the pair in {UNIT_FILE}"));
+        }
         Ok(Self {
+            contact,
             starts: Starts::new(&unit)?,
             unit,
             tables: tables.map(Arc::new),
@@ -109,6 +127,12 @@ impl Resources {
     /// Parameters without meaning; an effect whose axis the tables lack.
     pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
         let geometry = &self.unit.geometry;
+        if let (StiffnessModel::Contact, Some(contact)) =
+            (parameters.stiffness_model, &self.contact)
+        {
+            let laws = contact_law::laws(contact);
+            return Element::with_laws(geometry, parameters, &laws).map_err(refuse);
+        }
         let table = match (&self.tables, parameters.stiffness_model) {
             (Some(file), StiffnessModel::Table) => {
                 let effects = parameters.table_effects(geometry);
@@ -238,7 +262,18 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, ResourceError> {
     } else {
         None
     };
-    Resources::new(unit, tables).map_err(|reason| ResourceError::Contents {
+    let path = folder.join(CONTACT_FILE);
+    let contact = if path.exists() {
+        let bytes = fs::read(&path).map_err(|source| ResourceError::Read {
+            path: path.clone(),
+            source,
+        })?;
+        let contact = ContactFile::from_bytes(&bytes);
+        Some(contact.map_err(|reason| ResourceError::Contents { path, reason })?)
+    } else {
+        None
+    };
+    Resources::new(unit, tables, contact).map_err(|reason| ResourceError::Contents {
         path: folder.join(UNIT_FILE),
         reason,
     })
@@ -310,7 +345,7 @@ pub(super) mod tests {
             .into(),
             geometry,
         };
-        let resources = Arc::new(Resources::new(unit, Some(tables)).unwrap());
+        let resources = Arc::new(Resources::new(unit, Some(tables), None).unwrap());
         let mut instance = Instance::new(resources, Interface::CoSimulation);
         instance.enter(State::InitializationMode);
         for &(i, value) in sets {

@@ -93,7 +93,7 @@ macro_rules! enumerations {
 }
 
 enumerations! {
-    StiffnessModel { Constant, Table }
+    StiffnessModel { Constant, Table, Contact }
     Formulation { Paper, Conjugate }
     Interpolation { Linear, Spline, Shepard }
     Orientation { Angles, Quaternion }
@@ -243,7 +243,7 @@ mod tests {
             let beyond = Value::Integer(variable.items.len() as i32 + 1);
             assert!(!(field.set)(&mut template(), beyond), "{}", field.name);
         }
-        assert_eq!(compared, 14);
+        assert_eq!(compared, 15);
     }
 
     #[test]

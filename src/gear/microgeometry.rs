@@ -7,12 +7,14 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::modification::{EndRelief, ProfileCrowning, ProfileRelief, ProfileSlope};
 use super::topography::Topography;
 use super::{Flank, Gear};
 
 /// All modifications of one flank of one gear, SI. The default is the unmodified involute helicoid.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Microgeometry {
     /// Tip relief.
     pub tip_relief: Option<ProfileRelief>,
@@ -31,7 +33,27 @@ pub struct Microgeometry {
     /// End reliefs at the z = 0 end and at the z = face width end.
     pub end_relief: [Option<EndRelief>; 2],
     /// Measured or designed flank, in addition to all others.
+    #[serde(with = "shared")]
     pub topography: Option<Arc<Topography>>,
+}
+
+/// A topography in files of units stands where it is used.
+mod shared {
+    use super::{Arc, Deserialize, Serialize, Topography};
+    use serde::{Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(
+        topography: &Option<Arc<Topography>>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        topography.as_deref().serialize(to)
+    }
+
+    pub fn deserialize<'a, D: Deserializer<'a>>(
+        from: D,
+    ) -> Result<Option<Arc<Topography>>, D::Error> {
+        Ok(Option::<Topography>::deserialize(from)?.map(Arc::new))
+    }
 }
 
 impl Microgeometry {
@@ -115,7 +137,7 @@ fn along_face(gear: &Gear, z: f64) -> f64 {
 }
 
 /// Modifications of both flanks of both gears.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct PairMicrogeometry {
     /// Gear 1 and gear 2, the flanks that touch when gear 1 turns in its + sense and drives. On gear 1 and on
     /// gear 2 of an external pair they face +theta, on gear 2 of an internal pair -theta.

@@ -1,7 +1,9 @@
 //! The single modifications a flank may have.
 
+use serde::{Deserialize, Serialize};
+
 /// How a relief grows from its start to its end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ReliefShape {
     /// In proportion to the distance from the start.
     Linear,
@@ -34,7 +36,7 @@ impl ReliefShape {
 }
 
 /// Tip or root relief, over the length of roll.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ProfileRelief {
     /// Removal at `end_roll`, m.
     pub amount: f64,
@@ -64,7 +66,7 @@ impl ProfileRelief {
 }
 
 /// Profile crowning (barrelling): parabolic, zero at mid-profile.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ProfileCrowning {
     /// Removal at both ends of the active profile, m.
     pub amount: f64,
@@ -86,7 +88,7 @@ impl ProfileCrowning {
 }
 
 /// Profile slope and its change along the face: linear over the length of roll, zero at mid-profile.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ProfileSlope {
     /// Removal at the tip minus that at the start of the active profile, at mid-face, m: minus the C_Ha of
     /// ISO 1328-1, which counts material that grows towards the tip.
@@ -120,7 +122,7 @@ fn along([a, b]: [f64; 2], roll: f64) -> f64 {
 }
 
 /// End relief at one end of the face.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct EndRelief {
     /// Removal at the face end, m.
     pub amount: f64,

@@ -1,5 +1,7 @@
 //! A flank given point by point: removal over the length of roll and the face.
 
+use serde::{Deserialize, Serialize};
+
 /// Why a grid is no topography.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TopographyError {
@@ -19,7 +21,7 @@ type Node = [f64; 4];
 
 /// Removal on a full grid of lengths of roll and places along the face, between the nodes bicubic: the value and both
 /// first derivatives are continuous, parabolas come out exact. Beyond the grid it goes on along its tangents.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Topography {
     rolls: Vec<f64>,
     zs: Vec<f64>,

@@ -29,7 +29,10 @@ pub use settings::{Setting, SettingError};
 pub use starts::{Starts, meshing_spin};
 pub use stiffness::{Stiffness, estimated_stiffness};
 
-use crate::fmi::resources::{Resources, TABLES_FILE, UNIT_FILE, UNIT_VERSION, UnitFile};
+use crate::contact::ContactFile;
+use crate::fmi::resources::{
+    CONTACT_FILE, Resources, TABLES_FILE, UNIT_FILE, UNIT_VERSION, UnitFile,
+};
 use crate::fmi::variables::{self, Header, MODEL_IDENTIFIER};
 use crate::gear::PairGeometry;
 use crate::table::TableFile;
@@ -43,6 +46,8 @@ pub struct Contents<'a> {
     pub geometry: &'a PairGeometry,
     /// The tables; `None` for a unit of constant stiffness.
     pub tables: Option<&'a TableFile>,
+    /// What contact at run time needs, for `stiffnessModel = contact`.
+    pub contact: Option<&'a ContactFile>,
     /// Start values that belong to the pair.
     pub starts: &'a Starts,
 }
@@ -152,7 +157,8 @@ pub fn pack(
     let coupling = contents.starts.coupling(contents.geometry);
     let description = documentation::summary(&unit, contents.tables.is_some());
     let tables = contents.tables.map(TableFile::to_json);
-    unit.guid = guid(&unit, tables.as_deref(), libraries);
+    let contact = contents.contact.map(ContactFile::to_bytes);
+    unit.guid = guid(&unit, tables.as_deref(), contact.as_deref(), libraries);
     let header = Header {
         model_name: &unit.name,
         guid: &unit.guid,
@@ -173,8 +179,11 @@ pub fn pack(
     if let Some(tables) = tables {
         files.push((format!("resources/{TABLES_FILE}"), tables.into_bytes()));
     }
+    if let Some(contact) = contact {
+        files.push((format!("resources/{CONTACT_FILE}"), contact));
+    }
     // The unit starts here as it will in a host.
-    let resources = Resources::new(unit, contents.tables.cloned())
+    let resources = Resources::new(unit, contents.tables.cloned(), contents.contact.cloned())
         .map_err(|reason| PackageError::Refused { reason })?;
     let resources = Arc::new(resources);
     let example = example::signals(&resources)?;
@@ -212,7 +221,12 @@ fn unit_text(unit: &UnitFile) -> String {
 }
 
 /// GUID of a unit: a hash over everything in it that decides how it behaves.
-fn guid(unit: &UnitFile, tables: Option<&str>, libraries: &[Library]) -> String {
+fn guid(
+    unit: &UnitFile,
+    tables: Option<&str>,
+    contact: Option<&[u8]>,
+    libraries: &[Library],
+) -> String {
     let mut hash = Sha256::new();
     let mut add = |bytes: &[u8]| {
         hash.update((bytes.len() as u64).to_le_bytes());
@@ -221,6 +235,9 @@ fn guid(unit: &UnitFile, tables: Option<&str>, libraries: &[Library]) -> String 
     add(variables::TEMPLATE.as_bytes());
     add(unit_text(unit).as_bytes());
     add(tables.unwrap_or("").as_bytes());
+    if let Some(contact) = contact {
+        add(contact);
+    }
     for library in libraries {
         add(library.platform.as_bytes());
         add(&library.bytes);
@@ -251,6 +268,7 @@ mod tests {
                 name,
                 geometry: &geometry,
                 tables: None,
+                contact: None,
                 starts: &starts,
             };
             let path = folder.path().join(format!("{name}{torque}.fmu"));
@@ -287,6 +305,7 @@ mod tests {
                 name: "a",
                 geometry: &geometry,
                 tables: None,
+                contact: None,
                 starts: &starts.with(&[setting.parse().unwrap()]),
             };
             let out = folder.path().join("a.fmu");

@@ -41,6 +41,13 @@ pub enum SettingError {
 }
 
 impl Setting {
+    /// Whether it chooses contact at run time.
+    pub fn is_contact(&self) -> bool {
+        let items = VARIABLES[index::STIFFNESS_MODEL].items;
+        self.index == index::STIFFNESS_MODEL
+            && items.get(self.value as usize - 1) == Some(&"contact")
+    }
+
     /// Whether it switches friction on.
     pub fn is_friction(&self) -> bool {
         self.index == index::FRICTION && self.value != 0.0

@@ -28,6 +28,10 @@ pub struct Build {
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<Setting>,
 
+    /// Also what stiffnessModel = contact needs: static contact solved at every evaluation of the unit
+    #[arg(long)]
+    contact: bool,
+
     #[command(flatten)]
     grid: GridArgs,
 
@@ -43,8 +47,10 @@ impl Build {
         let mut grid = self.grid;
         // What the unit starts with must be in its tables.
         grid.friction |= self.set.iter().any(Setting::is_friction);
-        let made = tables::compute(&self.pair, &self.output, &grid, &self.model)?;
-        let packed = pack::pack_tables(&made.file, &libraries, &self.set, &self.output)?;
+        let contact = self.contact || self.set.iter().any(Setting::is_contact);
+        let made = tables::compute(&self.pair, &self.output, &grid, contact, &self.model)?;
+        let contact = made.contact.as_ref();
+        let packed = pack::pack_tables(&made.file, contact, &libraries, &self.set, &self.output)?;
         output::print(&format!(
             "Wrote {}: {:.2} MB, GUID {}; {made}\n",
             self.output.display(),

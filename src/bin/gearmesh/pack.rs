@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use gearmesh::contact::ContactFile;
 use gearmesh::package::{self, Contents, Library, Packed, Setting, Starts};
 use gearmesh::pair::Pair;
 use gearmesh::table::TableFile;
@@ -38,6 +39,7 @@ impl Pack {
             let text = output::read_text(path)?;
             pack_tables(
                 &TableFile::from_json(&text)?,
+                None,
                 &libraries,
                 &self.set,
                 &self.output,
@@ -49,6 +51,7 @@ impl Pack {
                 name: &pair.name,
                 geometry: &pair.geometry,
                 tables: None,
+                contact: None,
                 starts: &starts.with(&self.set),
             };
             interrupt::uninterrupted(|| package::pack(&contents, &libraries, &self.output))?
@@ -59,9 +62,10 @@ impl Pack {
     }
 }
 
-/// Packs the unit of these tables with the start values of `settings`.
+/// Packs the unit of these tables and of `contact` at run time with the start values of `settings`.
 pub fn pack_tables(
     tables: &TableFile,
+    contact: Option<&ContactFile>,
     libraries: &[Library],
     settings: &[Setting],
     output: &Path,
@@ -70,6 +74,7 @@ pub fn pack_tables(
         name: &tables.name,
         geometry: &tables.geometry.pair_geometry()?,
         tables: Some(tables),
+        contact,
         starts: &Starts::of_tables(tables)?.with(settings),
     };
     let packed = interrupt::uninterrupted(|| package::pack(&contents, libraries, output))?;

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use clap::Args;
-use gearmesh::contact::MAXIMUM_ITERATIONS;
+use gearmesh::contact::{ContactFile, MAXIMUM_ITERATIONS};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use gearmesh::table::plan::{Coverage, default_axes, measure, table_within};
@@ -66,7 +66,7 @@ pub struct GridArgs {
 impl Tables {
     /// Computes, writes and says what was made.
     pub fn run(self) -> Result<(), Error> {
-        let made = compute(&self.pair, &self.output, &self.grid, &self.model)?;
+        let made = compute(&self.pair, &self.output, &self.grid, false, &self.model)?;
         output::write_whole(&self.output, made.file.to_json().as_bytes())?;
         output::print(&format!("Wrote {}: {made}\n", self.output.display()))?;
         Ok(())
@@ -77,6 +77,8 @@ impl Tables {
 pub struct Made {
     /// The tables.
     pub file: TableFile,
+    /// The contact at run time, if it was wanted.
+    pub contact: Option<ContactFile>,
     /// The elastic model, and the time it took.
     elastic_model: String,
     /// Wall-clock time of the static contact, s.
@@ -96,11 +98,12 @@ impl std::fmt::Display for Made {
     }
 }
 
-/// The tables of the pair file `path`, on their way to `output`.
+/// The tables of the pair file `path`, on their way to `output`, and with `contact` what its contact at run time needs.
 pub fn compute(
     path: &Path,
     output: &Path,
     grid: &GridArgs,
+    contact: bool,
     args: &ModelArgs,
 ) -> Result<Made, Error> {
     if let Some(error) = grid.max_error
@@ -181,8 +184,14 @@ pub fn compute(
     file.friction = friction;
     file.solver = settings(&pair, &model, args, source.quality());
     file.seal();
+    let contact = if contact {
+        Some(ContactFile::new(&pair, &model.solver)?)
+    } else {
+        None
+    };
     Ok(Made {
         file,
+        contact,
         elastic_model: format!(
             "{}, {:.1} s, {}",
             model.description, model.compliance_seconds, model.origin

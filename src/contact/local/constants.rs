@@ -16,6 +16,9 @@
 //! | [`MOST_STATIONS`], [`FEWEST_STATIONS`] | 40, 10 | measured: docs/finite-elements.md |
 //! | [`STRIP_OVER_WIDTH`] | 1 | a shorter strip is no line contact of its own |
 
+// One table for all of them; a library without the preprocessing needs a few.
+#![cfg_attr(not(feature = "preprocess"), allow(dead_code))]
+
 /// Half-width of contact over the reference length from which the law goes on along its tangent.
 ///
 /// h(w) = c w (ln(2 L / b) + 1/2) has the slope c ln(2 L / b): none at b = 2 L. At 1.5 a quarter of c is left.

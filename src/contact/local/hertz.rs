@@ -101,6 +101,32 @@ impl LocalContact {
         )
     }
 
+    /// Energy of the local contact at the penetration `x` (m), J: the integral of the force, zero for x <= 0.
+    ///
+    /// Within Hertz, with the line load w: integral of h dw = w h / 2 + c w² / 8.
+    pub fn energy(&self, x: f64) -> f64 {
+        if x <= 0.0 {
+            return 0.0;
+        }
+        let hertz =
+            |x: f64, force: f64| 0.5 * x * force - self.c * force * force / (8.0 * self.length);
+        if let Some(edge) = &self.edge
+            && x > edge.least_penetration()
+        {
+            let reached = edge.least_penetration();
+            let force = self.length * edge.least_line_load();
+            return hertz(reached, force) + self.length * edge.energy(x);
+        }
+        let u_wide = u_wide();
+        let x_wide = ((-u_wide).ln() + u_wide - self.log_scale).exp();
+        if x <= x_wide {
+            return hertz(x, self.force(x).0);
+        }
+        let (f_wide, slope) = self.force(x_wide);
+        let beyond = x - x_wide;
+        hertz(x_wide, f_wide) + beyond * (f_wide + 0.5 * slope * beyond)
+    }
+
     /// dh/dw at u.
     fn slope_at(&self, u: f64) -> f64 {
         -0.5 * self.c * (u + 1.0)
@@ -193,6 +219,23 @@ mod tests {
             let d = 1e-5 * x;
             let numeric = (law.force(x + d).0 - law.force(x - d).0) / (2.0 * d);
             assert_relative_eq!(law.force(x).1, numeric, max_relative = 1e-8);
+        }
+    }
+
+    #[test]
+    fn the_energy_is_the_integral_of_the_force() {
+        let bodies = [1.2e-3, 2.0e-3].map(|reference_length| LocalBody {
+            plane_compliance: STEEL,
+            reference_length,
+        });
+        for edge_slope in [f64::NEG_INFINITY, -5e-3, 0.0, 0.02] {
+            let law = LocalContact::new(bodies, 7e-3, 0.6e-3, edge_slope);
+            for x in [1e-8, 1e-6, 5e-6, 2e-5, 1e-4, 1e-3] {
+                let d = 1e-4 * x;
+                let slope = (law.energy(x + d) - law.energy(x - d)) / (2.0 * d);
+                assert_relative_eq!(law.force(x).0, slope, max_relative = 1e-6);
+            }
+            assert_eq!(law.energy(-1e-6), 0.0);
         }
     }
 

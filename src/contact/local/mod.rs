@@ -12,12 +12,18 @@
 //! `width` estimates how wide the contacts of a pair become, `constants` holds every threshold.
 
 pub mod constants;
+#[cfg(feature = "preprocess")]
 mod division;
+pub(crate) mod gauss;
 mod hertz;
+#[cfg(feature = "preprocess")]
 pub(crate) mod kernel;
 mod tip_edge;
+#[cfg(feature = "preprocess")]
 mod width;
 
+#[cfg(feature = "preprocess")]
 pub(super) use division::{Piece, divide};
 pub(super) use hertz::{LocalBody, LocalContact};
+#[cfg(feature = "preprocess")]
 pub(crate) use width::widest_contact;

@@ -16,6 +16,11 @@
 use std::f64::consts::LN_2;
 
 use super::constants::WIDTH_OVER_REFERENCE;
+use super::gauss::GAUSS5;
+
+/// Halvings of the width over which energy is integrated: the rest is below 1e-9 of it, since w dx falls with the
+/// third power of the width at least, with the second at an inclined flank.
+const PANELS: usize = 12;
 
 /// Law of contact at a tip edge, per length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,6 +94,26 @@ impl TipEdge {
         self.c * (self.log_reference - a.ln() + 2.0 * LN_2)
     }
 
+    /// Integral of the line load from the penetration at which contact reaches the edge to `x` (m), J/m: over the
+    /// width a, dx = dh/dw dw/da da, whose logarithm Gauss's rule takes to rounding on halves towards zero.
+    pub fn energy(&self, x: f64) -> f64 {
+        let [wide, w_wide, x_wide] = self.wide;
+        let beyond = (x - x_wide).max(0.0);
+        let end = if beyond > 0.0 { wide } else { self.width(x) };
+        let mut sum = beyond * (w_wide + 0.5 * beyond / self.compliance(wide));
+        let (mut high, start) = (end, self.least[0]);
+        for _ in 0..PANELS {
+            let low = (0.5 * high).max(start);
+            for (at, weight) in GAUSS5 {
+                let a = low + at * (high - low);
+                let growth = (0.5 * self.slope + 0.75 * a / self.radius) / self.c;
+                sum += weight * (high - low) * self.state(a)[1] * self.compliance(a) * growth;
+            }
+            high = low;
+        }
+        sum
+    }
+
     /// Line load (N/m) and its derivative (Pa) at the penetration `x` (m) beyond the least one.
     pub fn line_load(&self, x: f64) -> (f64, f64) {
         let [wide, w_wide, x_wide] = self.wide;
@@ -96,6 +121,13 @@ impl TipEdge {
             let slope = self.compliance(wide).recip();
             return (w_wide + slope * (x - x_wide), slope);
         }
+        let a = self.width(x);
+        (self.state(a)[1], self.compliance(a).recip())
+    }
+
+    /// Width at the penetration `x` (m) between the least one and that where the tangent begins, m.
+    fn width(&self, x: f64) -> f64 {
+        let [wide, _, x_wide] = self.wide;
         let (mut low, mut high) = (self.least[0], wide);
         let share = (x - self.least[2]) / (x_wide - self.least[2]);
         let mut a = low + (high - low) * share;
@@ -119,7 +151,7 @@ impl TipEdge {
                 break;
             }
         }
-        (self.state(a)[1], self.compliance(a).recip())
+        a
     }
 }
 

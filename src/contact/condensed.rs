@@ -1,0 +1,218 @@
+//! The elastic model of a pair condensed to what a solve at run time needs: influence matrices over the mesh cycle.
+//!
+//! The influence of strips on each other and the reference lengths of their local contact are smooth functions of
+//! mesh position and centre distance, whatever the load, and cost most of a solve. Here they stand at nodes, divided
+//! between bulk and local contact as in every solve; between the nodes they are interpolated with continuous
+//! slopes. All else (where strips lie, gaps, curvatures, edges, arms) follows from the pose itself.
+//!
+//! Strips are known by tooth pair and station. Those a little beyond the reach of contact stand in the nodes, too, so
+//! that whatever can carry load is there at all four neighbours of a position. Mesh position 1 is 0 with tooth pairs
+//! counted on by one.
+
+use serde::{Deserialize, Serialize};
+
+use super::influence::Influence;
+#[cfg(feature = "preprocess")]
+use super::{error::ContactError, solver::ContactSolver};
+#[cfg(feature = "preprocess")]
+use crate::gear::Flank;
+
+/// Influence of the strips of one flank at nodes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CondensedFlank {
+    /// Equal steps of a mesh cycle.
+    pub positions: usize,
+    /// Centre distance offsets, m: one, or three ascending ones.
+    pub offsets: Vec<f64>,
+    /// Stations along the face.
+    pub stations: usize,
+    /// Lowest number of a tooth pair.
+    pub first_pair: i32,
+    /// Number of tooth pairs.
+    pub pairs: usize,
+    /// Node by node, offsets outside: influence matrix over (tooth pair, station), lower triangle row by row, m/N, then the
+    /// reference lengths of gear 1 and gear 2, m. Zero for strips that are not there.
+    #[serde(skip)]
+    pub values: Vec<f32>,
+}
+
+/// A strip: tooth pair and station.
+pub type StripName = (i32, usize);
+
+/// Mesh positions of the nodes over a cycle.
+#[cfg(feature = "preprocess")]
+const POSITIONS: usize = 48;
+
+#[cfg(feature = "preprocess")]
+impl CondensedFlank {
+    /// Of `flank` with the elastic models of `solver`, at the centre distance offsets `offsets` (m).
+    ///
+    /// # Errors
+    /// As [`ContactSolver::position`].
+    pub fn new(
+        solver: &ContactSolver,
+        flank: Flank,
+        offsets: &[f64],
+    ) -> Result<CondensedFlank, ContactError> {
+        use rayon::prelude::*;
+        let nodes = (0..offsets.len() * POSITIONS)
+            .into_par_iter()
+            .map(|i| {
+                let tau = (i % POSITIONS) as f64 / POSITIONS as f64;
+                // Two steps on either side of a position, and a little for rounding.
+                let margin = 2.1 / POSITIONS as f64;
+                solver.influence(flank, tau, offsets[i / POSITIONS], margin)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let pairs = || {
+            nodes
+                .iter()
+                .flat_map(|(strips, _)| strips.iter().map(|s| s.0))
+        };
+        let first_pair = pairs().min().unwrap_or(0);
+        let mut condensed = CondensedFlank {
+            positions: POSITIONS,
+            offsets: offsets.to_vec(),
+            stations: solver.settings().stations,
+            first_pair,
+            pairs: pairs()
+                .max()
+                .map_or(0, |last| (last - first_pair + 1) as usize),
+            values: vec![],
+        };
+        let size = condensed.node_size();
+        condensed.values = vec![0.0; nodes.len() * size];
+        for (node, (strips, influence)) in nodes.iter().enumerate() {
+            let places: Vec<usize> = (strips.iter())
+                .filter_map(|&name| condensed.place(name, 0))
+                .collect();
+            let strips = condensed.strips();
+            let values = &mut condensed.values[node * size..(node + 1) * size];
+            for (i, &row) in places.iter().enumerate() {
+                for (j, &column) in places[..=i].iter().enumerate() {
+                    values[triangle(row, column)] = influence.bulk[i * places.len() + j] as f32;
+                }
+                for gear in 0..2 {
+                    let place = triangle(strips, 0) + gear * strips + row;
+                    values[place] = influence.lengths[gear][i] as f32;
+                }
+            }
+        }
+        Ok(condensed)
+    }
+}
+
+/// Place of row `i` and column `j` <= `i`.
+fn triangle(i: usize, j: usize) -> usize {
+    i * (i + 1) / 2 + j
+}
+
+impl CondensedFlank {
+    fn strips(&self) -> usize {
+        self.pairs * self.stations
+    }
+
+    /// Number of all values; `None` where the grid makes no sense.
+    pub fn value_count(&self) -> Option<usize> {
+        let ascends = self.offsets.windows(2).all(|w| w[0] < w[1]);
+        let makes_sense = matches!(self.offsets.len(), 1 | 3) && ascends && self.positions >= 4;
+        let strips = self.pairs.checked_mul(self.stations)?;
+        let size = strips.checked_mul(strips.checked_add(5)?)? / 2;
+        let nodes = self.offsets.len().checked_mul(self.positions)?;
+        nodes.checked_mul(size).filter(|_| makes_sense)
+    }
+
+    /// Values of one node.
+    fn node_size(&self) -> usize {
+        triangle(self.strips(), 0) + 2 * self.strips()
+    }
+
+    /// Place of a strip, its tooth pair counted on by `turns`.
+    fn place(&self, (pair, station): StripName, turns: i32) -> Option<usize> {
+        let pair = usize::try_from(pair + turns - self.first_pair).ok()?;
+        (pair < self.pairs).then_some(pair * self.stations + station)
+    }
+
+    /// Influence of `strips`, ascending, at the mesh position `tau` in [0, 1) and at `offset` (m); beyond the offsets
+    /// of the nodes that of the outermost one.
+    pub(super) fn influence(&self, strips: &[StripName], tau: f64, offset: f64) -> Influence {
+        let n = strips.len();
+        let mut influence = Influence {
+            bulk: vec![0.0; n * n],
+            lengths: [vec![0.0; n], vec![0.0; n]],
+        };
+        let steps = self.positions as i64;
+        let at = tau * self.positions as f64;
+        let first = at.floor();
+        let along = catmull_rom(at - first);
+        let across = self.offset_weights(offset);
+        let size = self.node_size();
+        let lengths = triangle(self.strips(), 0);
+        let mut places = vec![None; n];
+        for (step, by_position) in along.into_iter().enumerate() {
+            let node = first as i64 - 1 + step as i64;
+            let turns = node.div_euclid(steps) as i32;
+            for (place, &strip) in places.iter_mut().zip(strips) {
+                *place = self.place(strip, turns);
+            }
+            for (k, by_offset) in across.iter().enumerate() {
+                let weight = by_position * by_offset;
+                let begin = (k * self.positions + node.rem_euclid(steps) as usize) * size;
+                let values = &self.values[begin..begin + size];
+                for (i, row) in places.iter().enumerate() {
+                    let Some(row) = *row else { continue };
+                    let line = &values[triangle(row, 0)..=triangle(row, row)];
+                    for (entry, column) in influence.bulk[i * n..=i * n + i].iter_mut().zip(&places)
+                    {
+                        if let Some(column) = column {
+                            *entry += weight * f64::from(line[*column]);
+                        }
+                    }
+                    for (gear, known) in influence.lengths.iter_mut().enumerate() {
+                        let place = lengths + gear * self.strips() + row;
+                        known[i] += weight * f64::from(values[place]);
+                    }
+                }
+            }
+        }
+        for i in 0..n {
+            for j in 0..i {
+                influence.bulk[j * n + i] = influence.bulk[i * n + j];
+            }
+        }
+        influence
+    }
+
+    /// Whether the nodes hold this centre distance.
+    pub fn holds(&self, offset: f64) -> bool {
+        match self.offsets[..] {
+            [low, .., high] => (low..=high).contains(&offset),
+            _ => true,
+        }
+    }
+
+    /// Weights of the offsets: the parabola through three.
+    fn offset_weights(&self, offset: f64) -> Vec<f64> {
+        let [a, b, c] = self.offsets[..] else {
+            return vec![1.0];
+        };
+        let x = offset.clamp(a, c);
+        vec![
+            (x - b) * (x - c) / ((a - b) * (a - c)),
+            (x - a) * (x - c) / ((b - a) * (b - c)),
+            (x - a) * (x - b) / ((c - a) * (c - b)),
+        ]
+    }
+}
+
+/// Weights of four neighbours at the fraction `t` between the middle two: cubic convolution, continuous slope,
+/// parabolas exact (Keys, IEEE Trans. Acoustics, Speech, Signal Processing 29 (1981) 1153-1160).
+fn catmull_rom(t: f64) -> [f64; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [
+        0.5 * (-t3 + 2.0 * t2 - t),
+        0.5 * (3.0 * t3 - 5.0 * t2 + 2.0),
+        0.5 * (-3.0 * t3 + 4.0 * t2 + t),
+        0.5 * (t3 - t2),
+    ]
+}

@@ -1,0 +1,155 @@
+//! The contact of a pair in the resources of a unit: what a solve at run time needs.
+//!
+//! Magic line, SHA-256 of all that follows, length of the head, head (JSON), influence matrices (32-bit floats); little
+//! endian.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::condensed::CondensedFlank;
+use super::runtime::RuntimeContact;
+use super::setup::ContactSetup;
+use crate::gear::Flank;
+
+/// Changes with the layout.
+const MAGIC: &[u8; 32] = b"gearmesh condensed contact v001\n";
+const HASH: std::ops::Range<usize> = 32..64;
+const HEAD: usize = 72;
+
+/// Contact of both flanks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactFile {
+    /// The pair without its elastic model.
+    pub setup: Arc<ContactSetup>,
+    /// Drive flank.
+    pub drive: Arc<CondensedFlank>,
+    /// Coast flank, if it is not the drive flank's mirror image.
+    pub coast: Option<Arc<CondensedFlank>>,
+}
+
+/// The head, in which the matrices are empty.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    setup: ContactSetup,
+    drive: CondensedFlank,
+    coast: Option<CondensedFlank>,
+}
+
+impl ContactFile {
+    /// The contact of `flank`; `None`: the drive flank's, mirrored.
+    pub fn flank(&self, flank: Flank) -> Option<RuntimeContact> {
+        let condensed = match flank {
+            Flank::Drive => &self.drive,
+            Flank::Coast => self.coast.as_ref()?,
+        };
+        let (setup, condensed) = (self.setup.clone(), condensed.clone());
+        Some(RuntimeContact::new(setup, condensed, flank))
+    }
+
+    /// The bytes of the file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let bare = |flank: &CondensedFlank| CondensedFlank {
+            values: Vec::new(),
+            ..flank.clone()
+        };
+        let head = Head {
+            setup: (*self.setup).clone(),
+            drive: bare(&self.drive),
+            coast: self.coast.as_deref().map(bare),
+        };
+        let head = serde_json::to_vec(&head).expect("plain structs become JSON");
+        let mut bytes = MAGIC.to_vec();
+        bytes.resize(HASH.end, 0);
+        bytes.extend((head.len() as u64).to_le_bytes());
+        bytes.extend(head);
+        for flank in [Some(&self.drive), self.coast.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            bytes.extend(flank.values.iter().flat_map(|value| value.to_le_bytes()));
+        }
+        let hash = Sha256::digest(&bytes[HASH.end..]);
+        bytes[HASH].copy_from_slice(&hash);
+        bytes
+    }
+
+    /// Reads the bytes of a file.
+    ///
+    /// # Errors
+    /// What is wrong with them, as text.
+    pub fn from_bytes(bytes: &[u8]) -> Result<ContactFile, String> {
+        if bytes.len() < HEAD || !bytes.starts_with(MAGIC) {
+            return Err("not a file of this version with the contact of a pair".into());
+        }
+        if bytes[HASH] != Sha256::digest(&bytes[HASH.end..])[..] {
+            return Err(
+                "the content does not belong to its checksum: the file was cut or altered".into(),
+            );
+        }
+        let length = bytes[HASH.end..HEAD].try_into().map(u64::from_le_bytes);
+        let end = length
+            .ok()
+            .and_then(|length| usize::try_from(length).ok()?.checked_add(HEAD))
+            .filter(|end| *end <= bytes.len())
+            .ok_or("the head is longer than the file")?;
+        let head: Head = serde_json::from_slice(&bytes[HEAD..end]).map_err(|e| e.to_string())?;
+        let mut rest = bytes[end..].chunks_exact(4);
+        let mut filled = |mut flank: CondensedFlank| -> Result<Arc<CondensedFlank>, String> {
+            let count = flank.value_count().ok_or("a grid without nodes")?;
+            flank.values = rest
+                .by_ref()
+                .take(count)
+                .map(|v| f32::from_le_bytes([v[0], v[1], v[2], v[3]]))
+                .collect();
+            if flank.values.len() != count || flank.values.iter().any(|v| !v.is_finite()) {
+                return Err(format!("{count} finite values of a flank are not there"));
+            }
+            Ok(Arc::new(flank))
+        };
+        Ok(ContactFile {
+            drive: filled(head.drive)?,
+            coast: head.coast.map(&mut filled).transpose()?,
+            setup: Arc::new(head.setup),
+        })
+    }
+}
+
+#[cfg(feature = "preprocess")]
+impl ContactFile {
+    /// The contact of `pair` with the elastic models of `solver`, its condensed models at the middle and the ends
+    /// of the range of centre distances.
+    ///
+    /// # Errors
+    /// As [`CondensedFlank::new`]; a pair whose tip corners are not followed.
+    pub fn new(
+        pair: &crate::pair::Pair,
+        solver: &super::ContactSolver,
+    ) -> Result<ContactFile, super::ContactError> {
+        let settings = solver.settings();
+        if !settings.tip_corner_contact {
+            return Err(super::ContactError::Setting {
+                field: "tip_corner_contact",
+                value: 0.0,
+                remedy: "contact at run time follows tip corners: set it to true",
+            });
+        }
+        let [low, high] = pair.operating.center_distance_offset;
+        let offsets = if low < high {
+            vec![low, 0.5 * (low + high), high]
+        } else {
+            vec![0.0]
+        };
+        let flank = |flank| CondensedFlank::new(solver, flank, &offsets).map(Arc::new);
+        Ok(ContactFile {
+            setup: Arc::new(solver.setup().clone()),
+            drive: flank(Flank::Drive)?,
+            coast: if pair.coast_mirrors_drive() {
+                None
+            } else {
+                Some(flank(Flank::Coast)?)
+            },
+        })
+    }
+}

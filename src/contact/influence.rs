@@ -1,0 +1,88 @@
+//! How strips give way to each other's forces, divided between bulk and local contact.
+
+use super::candidates::Candidate;
+#[cfg(feature = "preprocess")]
+use super::local::{
+    Piece,
+    constants::{SMOOTHING_OVER_LAYER, SMOOTHING_OVER_REFERENCE},
+    divide,
+};
+#[cfg(feature = "preprocess")]
+use crate::compliance::{BeyondModel, Strip, ToothCompliance};
+use crate::gear::PairGeometry;
+
+/// Influence of strips on each other and what completes it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Influence {
+    /// Displacement of strip i per force on strip j, m/N, row by row, less what the local contact has taken over.
+    pub bulk: Vec<f64>,
+    /// Reference lengths of the local contact, per gear, m.
+    pub lengths: [Vec<f64>; 2],
+}
+
+/// (1 - nu²) / E of gear 1 and gear 2, 1/Pa.
+pub fn plane_compliance(geometry: &PairGeometry) -> [f64; 2] {
+    [0, 1].map(|i| {
+        let gear = &geometry.gears[i];
+        (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus
+    })
+}
+
+/// Lengths of strips along the contact line, m.
+pub fn strip_lengths(candidates: &[Candidate], cos_beta_b: f64) -> Vec<f64> {
+    candidates
+        .iter()
+        .map(|c| (c.z[1] - c.z[0]) / cos_beta_b)
+        .collect()
+}
+
+#[cfg(feature = "preprocess")]
+impl Influence {
+    /// Of `candidates`, as the gears see them in `seen`, by the elastic models `compliance`; the local contact asks for the reference length
+    /// `wanted`, m.
+    pub fn new(
+        geometry: &PairGeometry,
+        compliance: &[std::sync::Arc<dyn ToothCompliance>; 2],
+        (candidates, seen): (&[Candidate], &[[Strip; 2]]),
+        wanted: f64,
+    ) -> Result<Influence, BeyondModel> {
+        let n = candidates.len();
+        let mut bulk = nalgebra::DMatrix::zeros(n, n);
+        let mut lengths = [Vec::new(), Vec::new()];
+        for (i, model) in compliance.iter().enumerate() {
+            let strips: Vec<Strip> = seen.iter().map(|both| both[i]).collect();
+            bulk += model.bulk(&strips)?;
+            lengths[i] = model.reference_lengths(&strips);
+        }
+        // Rounding must not break the symmetry that the energy rests on.
+        let mut symmetric: Vec<f64> = (0..n * n)
+            .map(|at| 0.5 * (bulk[(at / n, at % n)] + bulk[(at % n, at / n)]))
+            .collect();
+        let cos_beta_b = geometry.base_helix_angle().cos();
+        let pieces: Vec<Piece> = candidates
+            .iter()
+            .zip(strip_lengths(candidates, cos_beta_b))
+            .map(|(c, length)| Piece {
+                line: c.tooth_pair,
+                at: c.middle() / cos_beta_b,
+                length,
+            })
+            .collect();
+        let layer = compliance
+            .iter()
+            .map(|model| model.lengthwise_resolution() / cos_beta_b)
+            .fold(0.0, f64::max);
+        divide(
+            &mut symmetric,
+            &mut lengths,
+            plane_compliance(geometry).map(|p| 2.0 * p / std::f64::consts::PI),
+            &pieces,
+            wanted,
+            (SMOOTHING_OVER_LAYER * layer).max(SMOOTHING_OVER_REFERENCE * wanted),
+        );
+        Ok(Influence {
+            bulk: symmetric,
+            lengths,
+        })
+    }
+}

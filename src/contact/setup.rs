@@ -1,0 +1,99 @@
+//! A pair as its contact sees it, without the elastic model of its teeth.
+
+use serde::{Deserialize, Serialize};
+
+use super::candidates::ContactLines;
+use super::error::ContactError;
+use super::local::constants::{MOST_STATIONS, STIFFNESS_OVER_MODULUS};
+use super::position::Limits;
+use super::transverse::TransverseSection;
+use crate::gear::{Flank, PairGeometry, PairMicrogeometry};
+
+/// How the contact is discretised.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ContactSettings {
+    /// Number of equal stations over the overlap of both faces.
+    pub stations: usize,
+    /// Whether tip corners outside the path of contact may touch.
+    pub tip_corner_contact: bool,
+    /// Largest approach on the line of action for which tip corners are followed, m. None: from
+    /// the largest torque and misalignment of the pair.
+    pub reach: Option<f64>,
+}
+
+impl Default for ContactSettings {
+    fn default() -> Self {
+        ContactSettings {
+            stations: MOST_STATIONS,
+            tip_corner_contact: true,
+            reach: None,
+        }
+    }
+}
+
+/// Geometry, modifications and discretisation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ContactSetup {
+    /// The two gears.
+    pub geometry: PairGeometry,
+    /// Modifications of both flanks.
+    pub microgeometry: PairMicrogeometry,
+    /// How the contact is discretised.
+    pub settings: ContactSettings,
+    /// Approach for which tip corners are followed, m.
+    pub reach: f64,
+    /// Reference length that the local contact asks for, m.
+    pub reference_length: f64,
+    /// Lengths of roll at which the involutes end at the root, m.
+    pub form_rolls: [f64; 2],
+}
+
+impl ContactSetup {
+    /// The transverse section at the deviation `center_distance_offset` (m) from the nominal centre distance.
+    ///
+    /// # Errors
+    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
+    pub(super) fn section(
+        &self,
+        center_distance_offset: f64,
+    ) -> Result<TransverseSection, ContactError> {
+        TransverseSection::new(
+            &self.geometry,
+            self.geometry.center_distance + center_distance_offset,
+            self.form_rolls,
+            self.settings.tip_corner_contact.then_some(self.reach),
+        )
+        .ok_or_else(|| self.out_of_mesh(center_distance_offset))
+    }
+
+    pub(super) fn out_of_mesh(&self, center_distance_offset: f64) -> ContactError {
+        ContactError::OutOfMesh {
+            center_distance_mm: 1e3 * (self.geometry.center_distance + center_distance_offset),
+        }
+    }
+
+    /// The contact lines of `flank` in `section`.
+    pub(super) fn lines<'a>(
+        &'a self,
+        flank: Flank,
+        section: &'a TransverseSection,
+    ) -> ContactLines<'a> {
+        ContactLines {
+            geometry: &self.geometry,
+            microgeometry: self.microgeometry.flank(flank),
+            section,
+            flank,
+            stations: self.settings.stations,
+        }
+    }
+
+    /// What holds for all loads at this centre distance.
+    pub(super) fn limits(&self, center_distance_offset: f64) -> Limits {
+        let modulus = self.geometry.gears.iter().map(|g| g.youngs_modulus);
+        Limits {
+            center_distance_offset,
+            reach: self.settings.tip_corner_contact.then_some(self.reach),
+            foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Contact at run time against the solve that tables come from, and against itself.
+
+use super::*;
+use crate::gear::Flank;
+use crate::random::Random;
+use std::sync::Arc;
+
+const PAIRS: [&str; 3] = [
+    include_str!("../../../resources/pairs/palermo2013.json"),
+    include_str!("../../../resources/pairs/fzg-c.json"),
+    include_str!("../../../resources/pairs/planet-ring-27-84.json"),
+];
+
+/// A pair, its solver on coarse finite elements and its contact at run time on `flank`.
+fn ready(text: &str, flank: Flank) -> (Pair, ContactSolver, RuntimeContact) {
+    let pair = Pair::from_json(text).unwrap();
+    let settings = ContactSettings {
+        stations: 16,
+        ..ContactSettings::default()
+    };
+    let solver = coarse_solver(&pair, settings);
+    let [low, high] = pair.operating.center_distance_offset;
+    let condensed = CondensedFlank::new(&solver, flank, &[low, 0.5 * (low + high), high]).unwrap();
+    let setup = Arc::new(solver.setup().clone());
+    let contact = RuntimeContact::new(setup, Arc::new(condensed), flank);
+    (pair, solver, contact)
+}
+
+/// A point of the pair's range: approach, centre distance offset, misalignment, mesh position, and the solution.
+fn point(
+    pair: &Pair,
+    solver: &ContactSolver,
+    flank: Flank,
+    random: &mut Random,
+) -> ([f64; 4], ContactResult) {
+    let offset = random.within(pair.operating.center_distance_offset);
+    let misalignment = random.within(pair.operating.misalignment);
+    let torque = random.within([0.1, 1.0]) * pair.operating.maximum_torque;
+    let tau = random.within([0.0, 1.0]);
+    let problem = solver.position(flank, tau, offset).unwrap();
+    let result = problem.solve_torque(torque, misalignment, None).unwrap();
+    ([result.approach, offset, misalignment, tau], result)
+}
+
+#[test]
+fn the_solve_at_run_time_is_that_of_the_tables() {
+    for (text, flank) in PAIRS
+        .into_iter()
+        .zip([Flank::Drive, Flank::Drive, Flank::Coast])
+    {
+        let (pair, solver, contact) = ready(text, flank);
+        let mut random = Random::new(3);
+        let half_face = 0.5 * pair.geometry.face_overlap().1;
+        let (mut square, mut largest, n) = (0.0, 0.0f64, 60);
+        for _ in 0..n {
+            let (at, result) = point(&pair, &solver, flank, &mut random);
+            let found = contact.potential(at, &mut Warm::default()).unwrap();
+            let force = found.gradient[0] / result.loa_force - 1.0;
+            let lever = (found.gradient[2] - result.moment) / (result.loa_force * half_face);
+            let error = force.abs().max(lever.abs());
+            square += error * error;
+            largest = largest.max(error);
+        }
+        let rms = (square / f64::from(n)).sqrt();
+        println!("{}: rms {rms:.2e}, largest {largest:.2e}", pair.name);
+        assert!(
+            rms < 1e-3 && largest < 5e-3,
+            "{}: {rms} {largest}",
+            pair.name
+        );
+    }
+}
+
+#[test]
+fn loads_are_the_gradient_of_one_potential() {
+    for text in PAIRS {
+        let (pair, solver, contact) = ready(text, Flank::Drive);
+        let mut random = Random::new(4);
+        for _ in 0..6 {
+            let (at, _) = point(&pair, &solver, Flank::Drive, &mut random);
+            let of = |x: [f64; 4]| contact.potential(x, &mut Warm::default()).unwrap();
+            let here = of(at);
+            // Force times a tenth of the approach, over the step.
+            let work = here.gradient[0] * at[0].abs();
+            for (k, step) in [2e-9, 2e-8, 1e-7, 2e-5].into_iter().enumerate() {
+                let side = |h: f64| {
+                    let mut x = at;
+                    x[k] += h * step;
+                    of(x).energy
+                };
+                let slope =
+                    (8.0 * (side(1.0) - side(-1.0)) - (side(2.0) - side(-2.0))) / (12.0 * step);
+                let error = (slope - here.gradient[k]).abs();
+                let bound = 1e-5 * here.gradient[k].abs() + 1e-9 * work / step;
+                assert!(
+                    error <= bound,
+                    "{} {k}: {slope} {}",
+                    pair.name,
+                    here.gradient[k]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_warm_start_changes_nothing_but_rounding_and_cycles_follow_on_each_other() {
+    let (pair, solver, contact) = ready(PAIRS[0], Flank::Drive);
+    let mut random = Random::new(5);
+    let mut warm = Warm::default();
+    for _ in 0..30 {
+        let (at, _) = point(&pair, &solver, Flank::Drive, &mut random);
+        // Warm from wherever the last point was.
+        let walked = contact.potential(at, &mut warm).unwrap();
+        let cold = contact.potential(at, &mut Warm::default()).unwrap();
+        let mut next = at;
+        next[3] += 1.0;
+        let later = contact.potential(next, &mut Warm::default()).unwrap();
+        for k in [0, 2] {
+            let scale = cold.gradient[0] * [1.0, 0.0, 1e-2, 0.0][k];
+            assert!((walked.gradient[k] - cold.gradient[k]).abs() <= 1e-11 * scale);
+            assert!((later.gradient[k] - cold.gradient[k]).abs() <= 1e-9 * scale);
+        }
+    }
+    // Out of contact there is nothing.
+    let apart = contact
+        .potential([-1e-4, 0.0, 0.0, 0.3], &mut warm)
+        .unwrap();
+    assert_eq!(
+        (apart, warm),
+        (ContactPotential::default(), Warm::default())
+    );
+}

@@ -1,0 +1,86 @@
+//! The elastic law of `stiffnessModel = contact`: a static contact solve at every evaluation.
+
+use std::sync::{Mutex, PoisonError};
+
+use crate::contact::{ContactFile, ContactPotential, RuntimeContact, Warm};
+use crate::element::{Elasticity, FlankLaws};
+use crate::gear::Flank;
+use crate::table::{COORDINATES, Potential, Query};
+use std::sync::Arc;
+
+/// Steps of the central differences of the slopes by centre distance, m, and by mesh position.
+const STEPS: [(usize, f64); 2] = [(1, 1e-7), (3, 1e-4)];
+
+/// Contact of one flank, with the forces of its last solve to start from.
+struct ContactLaw {
+    contact: RuntimeContact,
+    warm: Mutex<Warm>,
+}
+
+/// The laws of both flanks of `file`.
+pub fn laws(file: &ContactFile) -> FlankLaws {
+    let of = |flank| -> Option<Arc<dyn Elasticity>> {
+        let contact = file.flank(flank)?;
+        let warm = Mutex::default();
+        Some(Arc::new(ContactLaw { contact, warm }))
+    };
+    let drive = of(Flank::Drive).expect("there is always a drive flank");
+    FlankLaws {
+        drive,
+        coast: of(Flank::Coast),
+    }
+}
+
+impl ContactLaw {
+    /// The potential at `at`; not a number where no solve succeeds, which the unit refuses with what it asked for.
+    fn at(&self, at: [f64; COORDINATES]) -> ContactPotential {
+        // The forces are whole even if a thread panicked while it held the lock.
+        let mut warm = self.warm.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = self.contact.potential(at, &mut warm);
+        found.unwrap_or_else(|_| ContactPotential {
+            energy: f64::NAN,
+            gradient: [f64::NAN; COORDINATES],
+            ..ContactPotential::default()
+        })
+    }
+}
+
+impl Elasticity for ContactLaw {
+    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
+        let at = [
+            query.delta,
+            query.center_distance_offset,
+            query.misalignment,
+            query.mesh_position,
+        ];
+        let here = self.at(at);
+        let mut out = Potential {
+            value: here.energy,
+            gradient: here.gradient,
+            out_of_range: here.out_of_range,
+            ..Potential::default()
+        };
+        out.hessian[0][0] = here.tangent.force_by_approach;
+        if !want_hessian || here.gradient[0] == 0.0 {
+            return out;
+        }
+        out.hessian[0][2] = here.tangent.force_by_misalignment;
+        out.hessian[2][0] = here.tangent.force_by_misalignment;
+        out.hessian[2][2] = here.tangent.moment_by_misalignment;
+        for (axis, step) in STEPS {
+            let side = |sign: f64| {
+                let mut x = at;
+                x[axis] += sign * step;
+                self.at(x).gradient
+            };
+            let (up, down) = (side(1.0), side(-1.0));
+            for i in 0..COORDINATES {
+                let slope = (up[i] - down[i]) / (2.0 * step);
+                // Both mixed slopes of both axes are found: the last one counts for either.
+                out.hessian[i][axis] = slope;
+                out.hessian[axis][i] = slope;
+            }
+        }
+        out
+    }
+}

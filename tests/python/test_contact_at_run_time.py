@@ -1,0 +1,112 @@
+"""Static contact solved at every evaluation: against the tables of the same pair, and against itself."""
+
+import json
+
+import numpy as np
+import pytest
+from conftest import QUICK, gearmesh, instances, pair_files
+from differences import directional, evaluate, values_of, variables
+from host import ERROR, Unit
+from test_tables import FORMULATIONS, press
+
+TABLE, CONTACT = 2, 3
+
+
+@pytest.fixture(scope="module")
+def unit(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("contact")
+    file = folder / "external.json"
+    file.write_text(json.dumps(pair_files()["external"]))
+    gearmesh("build", file, "-o", folder / "external.fmu", *QUICK, "--no-center-distance", "--no-misalignment", "--contact")
+    unit = Unit(folder / "external.fmu")
+    yield {"external": unit}
+    unit.close()
+
+
+@pytest.fixture
+def solved(unit):
+    yield from instances(unit)
+
+
+def started(make, model, **parameters):
+    instance = make("external")
+    instance.initialize({"stiffnessModel": model, "damping": 0.0, **parameters})
+    return instance
+
+
+@FORMULATIONS
+@pytest.mark.parametrize("flank", [1, 2], ids=["drive", "coast"])
+def test_contact_at_run_time_is_that_of_the_tables(solved, formulation, flank):
+    sign = 1 if flank == 1 else -1
+    for phase in np.linspace(0.0, 0.3, 7):
+        both = [
+            started(solved, model, formulation=formulation, loadedFlank=flank, meshPhase=phase)
+            for model in (TABLE, CONTACT)
+        ]
+        for instance in both:
+            press(instance, 1.5e-5, sign)
+        table, contact = (np.array([m.get("mesh.tangentialForce"), m.get("gear1.moment[3]")]) for m in both)
+        # A phase is taken where the teeth just touch, which the table knows to a few hundredths of a micrometre.
+        assert contact == pytest.approx(table, rel=1e-2)
+        z = [1e3 * m.get("mesh.contactZ") for m in both]
+        assert z[1] == pytest.approx(z[0], abs=0.1)
+
+
+def test_contact_at_run_time_has_no_axes_and_no_range(solved):
+    instance = started(solved, CONTACT, centerDistanceEffect=1, misalignmentEffect=1, shuttlingEffect=1)
+    press(instance, 1.5e-5)
+    before = instance.get("mesh.contactZ")
+    c = instance.get("gear2.position[1]")
+    # Beyond the pair file's range of misalignment and centre distance: still a mesh.
+    instance.set({"gear2.angles[1]": 5e-3, "gear2.position[1]": c + 2e-4})
+    press(instance, 6e-5)
+    assert instance.get("mesh.tangentialForce") > 100.0
+    assert abs(instance.get("mesh.contactZ") - before) > 1e-3
+
+
+@FORMULATIONS
+def test_derivatives_of_contact_at_run_time_are_those_of_its_outputs(solved, formulation):
+    effects = {"centerDistanceEffect": 1, "misalignmentEffect": 1, "shuttlingEffect": 1}
+    instance = started(solved, CONTACT, formulation=formulation, **effects)
+    press(instance, 1.5e-5)
+    rng = np.random.default_rng(3)
+    inputs, _ = variables(instance)
+    outputs = [f"gear{g}.{kind}[{k}]" for g in (1, 2) for kind in ("force", "moment") for k in (1, 2, 3)]
+    values = values_of(instance, inputs)
+    values["gear2.angles[1]"] += 2e-4
+    values["gear2.position[3]"] += 1e-4
+    instance.set(values)
+    moved = [n for n in inputs if ("position" in n or "angles" in n) and "carrier" not in n]
+    for _ in range(4):
+        seed = rng.normal(size=len(moved))
+        exact = directional(instance, outputs, moved, seed)
+        at = {}
+        for k in (-2, -1, 1, 2):
+            instance.set({n: values[n] + 2e-8 * k * s for n, s in zip(moved, seed)})
+            at[k] = evaluate(instance, outputs)
+        instance.set(values)
+        numeric = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * 2e-8)
+        for block in range(4):
+            rows = slice(3 * block, 3 * block + 3)
+            scale = np.abs(numeric[rows]).max()
+            assert np.abs(exact[rows] - numeric[rows]).max() <= 1e-3 * scale
+
+
+def test_states_of_contact_at_run_time_give_the_same_outputs_again(solved):
+    instance = started(solved, CONTACT)
+    press(instance, 1.5e-5)
+    outputs = variables(instance)[1]
+    state = instance.store()
+    before = evaluate(instance, outputs)
+    press(instance, 2.5e-5)
+    instance.restore(state)
+    after = evaluate(instance, outputs)
+    assert after == pytest.approx(before, rel=1e-9, abs=1e-9)
+
+
+def test_contact_that_a_unit_does_not_hold_is_refused_with_what_to_do(table_mesh):
+    instance = table_mesh("external-cycle")
+    instance.expect("fmi2EnterInitializationMode")
+    instance.set({"stiffnessModel": CONTACT})
+    assert instance.call("fmi2ExitInitializationMode") == ERROR
+    assert "gearmesh build --contact" in instance.log()

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use gearmesh::compliance::finite_element::{PairCompliance, Settings};
+use gearmesh::compliance::finite_element::{ModelCache, PairCompliance, Settings};
 use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver, Warm};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
@@ -27,7 +27,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
         let pair = Pair::read(folder.join(format!("resources/pairs/{name}.json")))?;
         let settings = Settings::for_pair(&pair);
-        let cache = folder.join("target/finite-elements");
+        let cache = ModelCache::new(
+            folder.join("target/finite-elements"),
+            ModelCache::DEFAULT_LIMIT,
+        );
         let models = PairCompliance::new(&pair.geometry, &settings, Some(&cache), &|_, _, _| true)?;
         let [first, second] = models.gears;
         let contact = ContactSettings::for_pair(&pair);

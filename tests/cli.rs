@@ -1,5 +1,6 @@
 //! The command line as a user meets it: exit status, standard output and standard error.
 
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -176,7 +177,9 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     let span =
         ste.iter().copied().fold(f64::MIN, f64::max) - ste.iter().copied().fold(f64::MAX, f64::min);
     assert!((number("peak_to_peak_ste_loa_um") - span).abs() < 1e-9);
-    assert_eq!(numbers(&json["harmonics_loa_um"]).len(), 5);
+    assert!(json["harmonics_loa_um"].as_array().unwrap().len() == 10);
+    assert_eq!(json["torque_nm"], 100.0);
+    assert!(number("face_load_factor") > 1.0 && number("face_load_factor") < 2.0);
     assert!((number("transverse_contact_ratio") - 1.540).abs() < 1e-3);
     assert!((number("overlap_ratio") - 0.448).abs() < 1e-3);
     assert!(number("solve_seconds") > 0.0);
@@ -193,6 +196,243 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
         assert!((1.0 - efficiency - lost).abs() < 1e-12);
     }
     assert!((number("loss_factor_ohlendorf") / number("loss_factor") - 1.0).abs() < 0.2);
+}
+
+/// Rows of a CSV file by column name.
+fn rows(path: &Path) -> Vec<std::collections::HashMap<String, f64>> {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let columns = reader.headers().unwrap().clone();
+    let row = |row: csv::StringRecord| {
+        let number = |(name, value): (&str, &str)| Some((name.to_owned(), value.parse().ok()?));
+        columns.iter().zip(&row).filter_map(number).collect()
+    };
+    reader.records().map(|r| row(r.unwrap())).collect()
+}
+
+#[test]
+fn a_matrix_of_loads_is_solved_on_one_model_and_written_as_csv_files_that_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("results");
+    let loads = ["--torque-nm", "50,100", "--misalignment-mrad", "-0.5,0,0.5"];
+    let to = ["--positions", "12", "--output", out.to_str().unwrap()];
+    let json = solve_json(&[&loads[..], &to].concat());
+    let cases = json["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 6);
+
+    let summary = rows(&out.join("summary.csv"));
+    assert_eq!(summary.len(), 6);
+    let cycle = rows(&out.join("mesh-cycle.csv"));
+    let strips = rows(&out.join("load-distribution.csv"));
+    let face = rows(&out.join("face-load.csv"));
+    for (case, row) in cases.iter().zip(&summary) {
+        let key = |row: &std::collections::HashMap<String, f64>| {
+            (row["torque_nm"], row["misalignment_mrad"])
+        };
+        assert_eq!(case["torque_nm"].as_f64().unwrap(), row["torque_nm"]);
+        assert_eq!(
+            case["mean_ste_loa_um"].as_f64().unwrap(),
+            row["mean_ste_loa_um"]
+        );
+        let of_load =
+            |all: &[_]| -> Vec<_> { all.iter().filter(|r| key(r) == key(row)).cloned().collect() };
+        // Every position carries the torque: its strips sum to the force on the line of action.
+        let at = |tau: f64| {
+            let here = |r: &&std::collections::HashMap<String, f64>| r["mesh_position"] == tau;
+            let strips = of_load(&strips);
+            let here: Vec<_> = strips.iter().filter(here).cloned().collect();
+            here.iter().map(|r| r["force_n"]).sum::<f64>()
+        };
+        let (first, other) = (at(0.0), at(0.5));
+        assert!(
+            first > 0.0 && (first / other - 1.0).abs() < 0.02,
+            "{first} {other}"
+        );
+        // So does the load along the face.
+        let face = of_load(&face);
+        let mean = face.iter().map(|r| r["face_load_n_per_mm"]).sum::<f64>() / face.len() as f64;
+        let largest = face
+            .iter()
+            .map(|r| r["face_load_n_per_mm"])
+            .fold(0.0, f64::max);
+        assert!((largest / mean - row["face_load_factor"]).abs() < 1e-9);
+        // No strip bears load and is open.
+        for strip in of_load(&strips) {
+            assert!(
+                strip["force_n"] == 0.0 || strip["gap_um"] == 0.0,
+                "{strip:?}"
+            );
+        }
+        assert_eq!(of_load(&cycle).len(), 12);
+    }
+    // Misalignment gathers the load, and the middle one of the three spreads it best.
+    let factor = |i: usize| summary[i]["face_load_factor"];
+    assert!(factor(3) > factor(4) && factor(5) > factor(4));
+
+    // Stiffness: the slope of the mean STE between both torques lies between those at its ends.
+    let stiffness = rows(&out.join("stiffness.csv"));
+    assert_eq!(stiffness.len(), 6 * 12);
+    let ste = |i: usize| summary[i]["mean_ste_loa_um"];
+    let base_radius = 38.456e-3;
+    let secant = 50.0 / base_radius / ((ste(4) - ste(1)) * 1e-6);
+    let tangent = |i: usize| summary[i]["mean_mesh_stiffness_loa_n_per_m"];
+    assert!(
+        tangent(1) < 1.05 * secant && 0.95 * secant < tangent(4),
+        "{secant}"
+    );
+    let row = &stiffness[0];
+    assert!(row["stiffness_normal_n_per_m"] > row["stiffness_loa_n_per_m"]);
+}
+
+#[test]
+fn a_bow_of_the_shafts_acts_as_crowning_and_a_slope_as_misalignment() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("shafts.csv");
+    // 0.4 mrad about mid-face, which is at 12.5 mm.
+    std::fs::write(&file, "# bearings\nz_mm, closing_um\n0, -5\n25, 5\n").unwrap();
+    let mean = |more: &[&str]| {
+        let json = solve_json(&[&["--positions", "4"], more].concat());
+        numbers(&json["ste_loa_um"])
+    };
+    let (slope, tilted) = (
+        mean(&["--deflection", file.to_str().unwrap()]),
+        mean(&["--misalignment-mrad", "0.4"]),
+    );
+    for (a, b) in slope.iter().zip(&tilted) {
+        assert!((a - b).abs() < 1e-3 * b, "{a} {b}");
+    }
+    let (straight, bent) = (mean(&[]), mean(&["--bow-um", "6"]));
+    // Less of the face bears, so the teeth give way more.
+    for (a, b) in bent.iter().zip(&straight) {
+        assert!(*a > b + 0.2, "{a} {b}");
+    }
+    std::fs::write(&file, "z_mm,closing_um\n0,1\n0,2\n").unwrap();
+    let output = gearmesh(&["solve", &paper(), "--deflection", file.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("shafts.csv") && stderr(&output).contains("z of the"));
+}
+
+#[test]
+fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let study = |out: &str, samples: &str, more: &[&str]| {
+        let pair = paper();
+        let asked = [
+            "study",
+            &pair,
+            "--positions",
+            "6",
+            "--samples",
+            samples,
+            "-o",
+            out,
+            "--vary",
+            "gear1.lead_slope_um=+-6",
+            "--vary",
+            "misalignment_mrad=-0.2..0.2",
+        ];
+        gearmesh(&[&asked, &QUICK[..], more].concat())
+    };
+    let (whole, parts) = (path("whole"), path("parts"));
+    let output = study(&whole, "10", &[]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(
+        stdout(&output).contains("10 samples, 0 refused"),
+        "{}",
+        stdout(&output)
+    );
+    assert!(study(&parts, "3", &[]).status.success());
+    assert!(study(&parts, "10", &[]).status.success());
+    let table = |folder: &str| std::fs::read(Path::new(folder).join("samples.csv")).unwrap();
+    assert_eq!(table(&whole), table(&parts));
+
+    // The pair as drawn is sample 0; slope and misalignment gather the load at an end of the face.
+    let samples = rows(&Path::new(&whole).join("samples.csv"));
+    assert_eq!(samples.len(), 11);
+    assert_eq!(samples[0]["gear1.lead_slope_um"], 0.0);
+    let factors = samples.iter().map(|s| s["face_load_factor"]);
+    assert!(factors.fold(0.0, f64::max) > 1.05 * samples[0]["face_load_factor"]);
+    let summary = std::fs::read_to_string(Path::new(&whole).join("study.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let of = |name: &str| summary["statistics"][0][name].as_f64().unwrap();
+    assert!(of("least") <= of("median") && of("median") <= of("percentile_95"));
+    let page = std::fs::read_to_string(Path::new(&whole).join("study.html")).unwrap();
+    assert_eq!(page.matches("<svg").count(), 3);
+
+    let output = study(&whole, "10", &["--seed", "2"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stderr(&output).contains("another study"),
+        "{}",
+        stderr(&output)
+    );
+    assert!(
+        study(&whole, "10", &["--seed", "2", "--restart"])
+            .status
+            .success()
+    );
+    assert_ne!(table(&whole), table(&parts));
+}
+
+#[test]
+fn a_study_refuses_what_it_cannot_vary_before_it_computes() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("study");
+    for (vary, said) in [
+        ("gear1.lead_slop_um=0..1", "lead_slop_um"),
+        ("gear1.bore_diameter_mm=28..30", "teeth"),
+        ("gear1.lead_crowning_um=-5..5", "lead_crowning_um"),
+        ("misalignment_mrad=0..90", "misalignment-mrad"),
+    ] {
+        let output = gearmesh(&[
+            "study",
+            &paper(),
+            "--vary",
+            vary,
+            "-o",
+            out.to_str().unwrap(),
+        ]);
+        assert_eq!(output.status.code(), Some(1), "{vary}");
+        assert!(stderr(&output).contains(said), "{}", stderr(&output));
+        assert!(!out.exists());
+    }
+    let output = gearmesh(&["study", &paper(), "-o", out.to_str().unwrap()]);
+    assert!(
+        stderr(&output).contains("--iso-1328-class"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn a_range_that_cannot_be_covered_is_refused_on_the_coarse_model_with_its_corner() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (file, tables, cache) = (path("pair.json"), path("tables.json"), path("cache"));
+    let text = std::fs::read_to_string(paper()).unwrap();
+    let mut pair: serde_json::Value = serde_json::from_str(&text).unwrap();
+    pair["operating"]["maximum_torque_nm"] = 14e3.into();
+    std::fs::write(&file, pair.to_string()).unwrap();
+    let output = gearmesh(&[
+        "tables",
+        &file,
+        "-o",
+        &tables,
+        "--refinement",
+        "fine",
+        "--cache-dir",
+        &cache,
+        "-q",
+    ]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = stderr(&output);
+    assert!(error.contains("operating range"), "{error}");
+    assert!(
+        error.contains("torque = 14000 N m, misalignment = "),
+        "{error}"
+    );
+    // The fine model was not begun: only the coarse one, which both gears share, is there.
+    assert_eq!(std::fs::read_dir(&cache).unwrap().count(), 1);
 }
 
 #[test]
@@ -451,12 +691,11 @@ fn a_finite_element_model_is_kept_and_found_again() {
         .map(|e| e.unwrap().path())
         .collect();
     assert_eq!(kept.len(), 1);
-    let written = std::fs::metadata(&kept[0]).unwrap().modified().unwrap();
+    // A file that is written anew is another one.
+    let number = || std::fs::metadata(&kept[0]).unwrap().ino();
+    let written = number();
     assert_eq!(first, solve());
-    assert_eq!(
-        std::fs::metadata(&kept[0]).unwrap().modified().unwrap(),
-        written
-    );
+    assert_eq!(number(), written);
     // Three-dimensional teeth on a held bore give way by some micrometres, not by none.
     assert!(mean(&first) > 5.0 && mean(&first) < 20.0);
 }
@@ -480,6 +719,8 @@ fn elastic_model_of_tables(folder: &Path, change: impl Fn(&mut serde_json::Value
         "--no-misalignment",
         "--stations",
         "8",
+        "--cache-dir",
+        folder.join("cache").to_str().unwrap(),
     ]);
     let line = stdout(&output)
         .lines()
@@ -488,9 +729,9 @@ fn elastic_model_of_tables(folder: &Path, change: impl Fn(&mut serde_json::Value
 }
 
 #[test]
-fn the_elastic_model_lies_beside_the_tables_and_serves_every_change_that_does_not_touch_it() {
+fn an_elastic_model_serves_every_change_that_does_not_touch_it() {
     let folder = tempfile::tempdir().unwrap();
-    let kept = folder.path().join(".gearmesh-compliance");
+    let kept = folder.path().join("cache");
     let count = || std::fs::read_dir(&kept).unwrap().count();
     let of = |change: fn(&mut serde_json::Value)| elastic_model_of_tables(folder.path(), change);
     let place = format!("kept in {}", kept.display());
@@ -533,6 +774,19 @@ fn the_elastic_model_lies_beside_the_tables_and_serves_every_change_that_does_no
         "{said}"
     );
     assert!(of(|_| ()).contains("read from"));
+    // Nothing but the files asked for lies beside the tables.
+    assert!(!folder.path().join(".gearmesh-compliance").exists());
+    let cache = |more: &[&str]| {
+        let arguments = [&["cache", "--cache-dir", kept.to_str().unwrap()], more].concat();
+        stdout(&succeed(&arguments)).to_owned()
+    };
+    let listed = cache(&[]);
+    assert!(
+        listed.contains("20 teeth, module 4 mm") && listed.contains("of 1000.0 MB"),
+        "{listed}"
+    );
+    assert!(cache(&["--clear"]).contains("removed 3 models"));
+    assert_eq!(count(), 0);
 }
 
 /// Samples of another program: 0.05 um per N m on top of 1 um, `bent` instead at one of them.

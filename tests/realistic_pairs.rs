@@ -4,7 +4,7 @@
 //! five sets of modifications, loads and settings of the solver.
 #![cfg(feature = "preprocess")]
 
-use gearmesh::compliance::finite_element::{PairCompliance, Settings};
+use gearmesh::compliance::finite_element::{ModelCache, PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
@@ -101,7 +101,8 @@ fn variant(n: usize, v: usize) -> Result<(Pair, f64), String> {
 #[test]
 fn none_is_refused_up_to_a_nominal_pressure_of_two_and_a_half_gigapascal() {
     let count = std::env::var("GEARMESH_SWEEP").map_or(BODIES, |text| text.parse().unwrap());
-    let cache = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let cache = ModelCache::new(folder.path(), ModelCache::DEFAULT_LIMIT);
     let (mut solved, mut refused) = (0, Vec::new());
     let mut n = 0;
     while solved < VARIANTS * count {
@@ -115,9 +116,7 @@ fn none_is_refused_up_to_a_nominal_pressure_of_two_and_a_half_gigapascal() {
             let (pair, misalignment) = variant(n, v).unwrap();
             let settings = Settings::for_pair(&pair);
             let models =
-                PairCompliance::new(&pair.geometry, &settings, Some(cache.path()), &|_, _, _| {
-                    true
-                });
+                PairCompliance::new(&pair.geometry, &settings, Some(&cache), &|_, _, _| true);
             let [first, second] = models.unwrap().gears;
             let mut contact = ContactSettings::for_pair(&pair);
             contact.stations = [contact.stations, 20, 40, 80, contact.stations][v];
@@ -135,9 +134,7 @@ fn none_is_refused_up_to_a_nominal_pressure_of_two_and_a_half_gigapascal() {
         }
         if std::env::var("GEARMESH_SWEEP").is_ok() {
             println!("{solved} pairs, {} refused", refused.len());
-            for file in std::fs::read_dir(cache.path()).unwrap() {
-                std::fs::remove_file(file.unwrap().path()).unwrap();
-            }
+            cache.clear().unwrap();
         }
     }
     assert!(refused.is_empty(), "{}", refused.join("\n"));

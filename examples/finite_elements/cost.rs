@@ -212,7 +212,7 @@ fn new_unit() -> Outcome<String> {
     let [first, second] = result?;
     Ok(format!(
         "**Changed modification to new FMU**: `gearmesh build` of {PAIR} with its default grid takes {first:.1} s from the \
-         drawing and {second:.1} s when only tip relief and crowning are changed, since the elastic model lies beside the FMU. \
+         drawing and {second:.1} s when only tip relief and crowning are changed, since the elastic model is kept. \
          Bar 60 s: {}.\n",
         verdict(second < 60.0)
     ))
@@ -232,6 +232,8 @@ fn changed_relief(program: &Path, folder: &Path) -> Outcome<[f64; 2]> {
             .arg(&file)
             .arg("-o")
             .arg(folder.join("pair.fmu"))
+            .arg("--cache-dir")
+            .arg(folder)
             .output()?;
         if !output.status.success() {
             return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());

@@ -1,17 +1,15 @@
 //! Quasi-static contact over one mesh cycle.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 use super::error::ContactError;
-use super::result::{ContactResult, EdgeLoad, larger};
+use super::result::{ContactResult, EdgeLoad, StripLoad, larger};
 use super::solver::ContactSolver;
 use crate::friction::{FrictionLaw, Sliding};
 use crate::gear::Flank;
-
-/// Harmonics of the mesh frequency that are reported.
-pub const HARMONICS: usize = 5;
 
 /// Where a mesh cycle is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,8 +37,27 @@ pub struct MeshCycle {
     pub sliding: Vec<Sliding>,
     /// The same with the weights of the pair's law of friction.
     pub friction: Vec<Sliding>,
-    /// Wall clock of the whole cycle, s.
+    /// What every strip carries at each.
+    pub loads: Vec<Vec<StripLoad>>,
+    /// Wall clock of the whole cycle, s; of cycles that were solved together their mean.
     pub solve_seconds: f64,
+}
+
+/// One load at one position.
+struct Solved {
+    result: ContactResult,
+    loads: Vec<StripLoad>,
+    sliding: Sliding,
+    friction: Sliding,
+}
+
+/// A load at which a mesh cycle is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadCase {
+    /// Torque on gear 1, N m, >= 0.
+    pub torque: f64,
+    /// Misalignment in the plane of action, rad.
+    pub misalignment: f64,
 }
 
 impl MeshCycle {
@@ -49,40 +66,85 @@ impl MeshCycle {
     /// # Errors
     /// [`ContactError::Input`] for no positions, else the first error of a position.
     pub fn solve(solver: &ContactSolver, input: &CycleInput) -> Result<MeshCycle, ContactError> {
+        let case = LoadCase {
+            torque: input.torque,
+            misalignment: input.misalignment,
+        };
+        let mut cycles = MeshCycle::solve_all(solver, input, &[case], &|_| ())?;
+        cycles.pop().ok_or(ContactError::Input {
+            field: "load cases",
+            value: 0.0,
+            remedy: "give at least 1",
+        })
+    }
+
+    /// Solves `cases` in place of the load of `input`, a cycle for each in their order: the influence matrix of
+    /// a position serves all of them. `progress` is told the share that is done, from any thread.
+    ///
+    /// # Errors
+    /// As [`MeshCycle::solve`].
+    pub fn solve_all(
+        solver: &ContactSolver,
+        input: &CycleInput,
+        cases: &[LoadCase],
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Vec<MeshCycle>, ContactError> {
         let n = input.positions;
         if n == 0 {
             return Err(ContactError::Input {
                 field: "positions",
                 value: 0.0,
-                remedy: "give at least 1; 11 or more for five harmonics",
+                remedy: "give at least 1; 21 or more for ten harmonics",
             });
         }
         let begin = Instant::now();
         let mesh_position: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
+        let done = AtomicUsize::new(0);
         let even = FrictionLaw::default();
         let solved = mesh_position
             .par_iter()
             .map(|&tau| {
-                let problem = solver.position(input.flank, tau, input.center_distance_offset)?;
-                let result = problem.solve_torque(input.torque, input.misalignment, None)?;
-                let sliding = solver.sliding(&problem, &result, &even);
-                let friction = solver.sliding(&problem, &result, solver.friction());
-                Ok((result, sliding, friction))
+                let at = solver.position(input.flank, tau, input.center_distance_offset)?;
+                let mut results: Vec<ContactResult> = Vec::with_capacity(cases.len());
+                for case in cases {
+                    // The case before is a near one.
+                    let warm = results.last();
+                    results.push(at.solve_torque(case.torque, case.misalignment, warm)?);
+                    let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+                    progress(count as f64 / (n * cases.len()) as f64);
+                }
+                Ok(results
+                    .into_iter()
+                    .map(|result| Solved {
+                        loads: at.strip_loads(&result),
+                        sliding: solver.sliding(&at, &result, &even),
+                        friction: solver.sliding(&at, &result, solver.friction()),
+                        result,
+                    })
+                    .collect())
             })
-            .collect::<Result<Vec<_>, ContactError>>()?;
-        let (mut results, mut sliding, mut friction) = (vec![], vec![], vec![]);
-        for (result, even, weighted) in solved {
-            results.push(result);
-            sliding.push(even);
-            friction.push(weighted);
+            .collect::<Result<Vec<Vec<_>>, ContactError>>()?;
+        let solve_seconds = begin.elapsed().as_secs_f64() / cases.len().max(1) as f64;
+        let mut cycles: Vec<MeshCycle> = cases
+            .iter()
+            .map(|_| MeshCycle {
+                mesh_position: mesh_position.clone(),
+                results: Vec::with_capacity(n),
+                loads: Vec::with_capacity(n),
+                sliding: Vec::with_capacity(n),
+                friction: Vec::with_capacity(n),
+                solve_seconds,
+            })
+            .collect();
+        for position in solved {
+            for (cycle, solved) in cycles.iter_mut().zip(position) {
+                cycle.results.push(solved.result);
+                cycle.loads.push(solved.loads);
+                cycle.sliding.push(solved.sliding);
+                cycle.friction.push(solved.friction);
+            }
         }
-        Ok(MeshCycle {
-            mesh_position,
-            results,
-            sliding,
-            friction,
-            solve_seconds: begin.elapsed().as_secs_f64(),
-        })
+        Ok(cycles)
     }
 
     /// STE at each position, m on the line of action at mid-face.
@@ -100,26 +162,6 @@ impl MeshCycle {
         let ste = self.ste();
         ste.iter().copied().fold(f64::NEG_INFINITY, f64::max)
             - ste.iter().copied().fold(f64::INFINITY, f64::min)
-    }
-
-    /// Amplitudes of harmonics 1 to 5 of the STE, m. NaN for those above half the number of positions,
-    /// which these positions cannot tell apart.
-    pub fn harmonics(&self) -> [f64; HARMONICS] {
-        let ste = self.ste();
-        let n = ste.len();
-        std::array::from_fn(|h| {
-            let order = h + 1;
-            if 2 * order >= n {
-                return f64::NAN;
-            }
-            let (mut cos, mut sin) = (0.0, 0.0);
-            for (tau, value) in self.mesh_position.iter().zip(&ste) {
-                let angle = 2.0 * std::f64::consts::PI * order as f64 * tau;
-                cos += value * angle.cos();
-                sin += value * angle.sin();
-            }
-            2.0 / n as f64 * cos.hypot(sin)
-        })
     }
 
     /// Mean of z_c, m in gear 1's frame.

@@ -24,6 +24,10 @@ mod cholesky;
 mod closest;
 mod complementarity;
 mod condensed;
+#[cfg(feature = "preprocess")]
+mod cycle_data;
+#[cfg(feature = "preprocess")]
+mod deflection;
 mod error;
 mod file;
 mod influence;
@@ -43,10 +47,14 @@ mod transverse;
 pub use candidates::Candidate;
 pub use complementarity::MAXIMUM_ITERATIONS;
 pub use condensed::CondensedFlank;
+#[cfg(feature = "preprocess")]
+pub use cycle_data::{FaceLoad, HARMONICS, Harmonic, harmonics};
+#[cfg(feature = "preprocess")]
+pub use deflection::Deflection;
 pub use error::{ContactError, OperatingPoint, Prescribed};
 pub use file::ContactFile;
 #[cfg(feature = "preprocess")]
-pub use mesh_cycle::{CycleInput, HARMONICS, MeshCycle};
+pub use mesh_cycle::{CycleInput, LoadCase, MeshCycle};
 pub use position::PositionProblem;
 pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
 pub use runtime::{ContactPotential, RuntimeContact, Warm};

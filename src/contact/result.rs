@@ -31,6 +31,15 @@ pub struct StripLoad {
     pub pressure: f64,
     /// The part on which contact reaches a tip edge, where pressure has no bound.
     pub edge: Option<EdgeLoad>,
+    /// What stays open between the flanks where they are closest, along the normal, m; zero in contact.
+    pub gap: f64,
+}
+
+impl StripLoad {
+    /// Normal force per length of contact line, N/m; `cos_base_helix` is that of the base helix angle.
+    pub fn line_load(&self, cos_base_helix: f64) -> f64 {
+        self.force * cos_base_helix / (self.z[1] - self.z[0])
+    }
 }
 
 /// Contact at a tip edge.
@@ -74,6 +83,8 @@ pub struct ContactResult {
     pub pressures: Vec<f64>,
     /// Largest line load at a tip edge on each strip.
     pub edge_loads: Vec<Option<EdgeLoad>>,
+    /// What stays open on each strip where the flanks are closest, along the normal, m; zero in contact.
+    pub gaps: Vec<f64>,
 }
 
 impl PositionProblem {
@@ -120,6 +131,11 @@ impl PositionProblem {
                 _ => load_share.push((candidate.tooth_pair, share)),
             }
         }
+        let open = |(gap, closing): (&[f64; POINTS], &f64)| {
+            let least = gap.iter().copied().fold(f64::INFINITY, f64::min);
+            (least - closing).max(0.0)
+        };
+        let gaps = gap.iter().zip(&solution.closing).map(open).collect();
         let max_pressure = pressures.iter().copied().fold(0.0, f64::max);
         ContactResult {
             approach: solution.approach,
@@ -139,6 +155,7 @@ impl PositionProblem {
             tangent: self.tangent(&solution, &slopes),
             pressures,
             edge_loads,
+            gaps,
             forces: solution.force,
         }
     }
@@ -175,6 +192,7 @@ impl PositionProblem {
                 force: result.forces[i],
                 pressure: result.pressures[i],
                 edge: result.edge_loads[i],
+                gap: result.gaps[i],
             })
             .collect()
     }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::candidates::Candidate;
 use super::condensed::StripName;
+use super::deflection::Deflection;
 use super::error::ContactError;
 use super::influence::Influence;
 use super::local::constants::{
@@ -47,6 +48,7 @@ pub struct ContactSolver {
     setup: ContactSetup,
     compliance: [Arc<dyn ToothCompliance>; 2],
     friction: FrictionLaw,
+    deflection: Deflection,
 }
 
 impl ContactSolver {
@@ -95,7 +97,25 @@ impl ContactSolver {
             },
             compliance,
             friction: pair.friction,
+            deflection: Deflection::default(),
         })
+    }
+
+    /// The same pair with its flanks deflected along the face.
+    #[must_use]
+    pub fn with_deflection(mut self, deflection: Deflection) -> ContactSolver {
+        let [least, largest] = deflection.range(self.face());
+        // Tip edges are followed by what the deflection closes, and the approach that bears the load grows by its
+        // range.
+        self.setup.reach += largest.max(0.0) + largest - least;
+        self.deflection = deflection;
+        self
+    }
+
+    /// Ends of the overlap of both faces, m in gear 1's frame.
+    fn face(&self) -> [f64; 2] {
+        let (low, width) = self.setup.geometry.face_overlap();
+        [low, low + width]
     }
 
     /// The pair's geometry.
@@ -142,14 +162,23 @@ impl ContactSolver {
         let lines = self.setup.lines(flank, &section);
         // One base pitch later everything is the same again.
         let tau = mesh_position - mesh_position.floor();
-        let candidates = lines.candidates(tau);
+        let mut candidates = lines.candidates(tau);
+        for candidate in &mut candidates {
+            let places = candidate.points();
+            for (gap, z) in candidate.gap.iter_mut().zip(places) {
+                *gap -= self.deflection.closing(z);
+            }
+        }
         if candidates.is_empty() {
             return Err(self.setup.out_of_mesh(center_distance_offset));
         }
         let seen = |c| lines.seen_by_gears(tau, c, false);
         let seen: Vec<_> = candidates.iter().map(seen).collect();
         let influence = self.influence_of((&candidates, &seen), center_distance_offset)?;
-        let limits = self.setup.limits(center_distance_offset);
+        let mut limits = self.setup.limits(center_distance_offset);
+        // Compared with approach and misalignment alone.
+        let [_, largest] = self.deflection.range(self.face());
+        limits.reach = limits.reach.map(|reach| reach - largest.max(0.0));
         let geometry = &self.setup.geometry;
         Ok(PositionProblem::with(
             geometry, candidates, influence, limits,

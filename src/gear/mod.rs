@@ -11,6 +11,7 @@ mod pair_geometry;
 mod profile;
 mod ring_fillet;
 pub mod samples;
+pub mod tolerance;
 mod topography;
 mod trochoid;
 

@@ -5,6 +5,7 @@
 //! [`Pair::warnings`].
 
 mod checks;
+mod draft;
 mod error;
 pub mod file;
 mod friction;
@@ -18,6 +19,7 @@ mod topography;
 
 use std::path::Path;
 
+pub use draft::PairDraft;
 pub use error::{PairError, Refusal};
 pub use file::Refinement;
 

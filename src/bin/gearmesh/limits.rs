@@ -12,19 +12,28 @@ pub fn positions(count: usize) -> Result<(), Error> {
     within("positions", count, 1..=100_000)
 }
 
+/// Refuses a number of samples that no study needs.
+pub fn samples(count: usize) -> Result<(), Error> {
+    within("samples", count, 1..=1_000_000)
+}
+
+/// Refuses more loads than results fit into memory.
+pub fn cases(count: usize) -> Result<(), Error> {
+    within("torque-nm times --misalignment-mrad", count, 1..=10_000)
+}
+
 /// Refuses a number of stations along the face whose influence matrix would not fit into memory.
 pub fn stations(count: usize) -> Result<(), Error> {
     within("stations", count, 1..=1000)
 }
 
-/// Refuses a torque, centre distance or misalignment that no pair file may cover; `None` is the pair's
-/// own torque.
+/// Refuses a torque, centre distance or misalignment that no pair file may cover.
 pub fn operating_point(
-    torque_nm: Option<f64>,
+    torque_nm: f64,
     center_distance_offset_um: f64,
     misalignment_mrad: f64,
 ) -> Result<(), Error> {
-    within("torque-nm", torque_nm.unwrap_or(0.0), 0.0..=1e9)?;
+    within("torque-nm", torque_nm, 0.0..=1e9)?;
     within(
         "center-distance-offset-um",
         center_distance_offset_um,
@@ -65,7 +74,7 @@ mod tests {
         assert!(message.contains("--positions = 100000000000"), "{message}");
         let message = stations(1_000_000_000).unwrap_err().to_string();
         assert!(message.contains("--stations = 1000000000"), "{message}");
-        let message = operating_point(None, -1e9, 0.0).unwrap_err().to_string();
+        let message = operating_point(0.0, -1e9, 0.0).unwrap_err().to_string();
         assert!(
             message.contains("--center-distance-offset-um = -1000000000"),
             "{message}"
@@ -76,11 +85,11 @@ mod tests {
     #[test]
     fn the_edges_of_the_range_are_allowed_and_nan_is_not() {
         assert!(positions(1).is_ok() && stations(1000).is_ok());
-        assert!(operating_point(Some(0.0), -1e4, 20.0).is_ok());
+        assert!(operating_point(0.0, -1e4, 20.0).is_ok());
         for point in [
-            (Some(f64::NAN), 0.0, 0.0),
-            (None, f64::NAN, 0.0),
-            (None, 0.0, f64::NAN),
+            (f64::NAN, 0.0, 0.0),
+            (0.0, f64::NAN, 0.0),
+            (0.0, 0.0, f64::NAN),
         ] {
             assert!(operating_point(point.0, point.1, point.2).is_err());
         }
@@ -88,7 +97,7 @@ mod tests {
 
     #[test]
     fn a_negative_torque_is_told_of_the_other_flank() {
-        let message = operating_point(Some(-5.0), 0.0, 0.0).unwrap_err();
+        let message = operating_point(-5.0, 0.0, 0.0).unwrap_err();
         assert!(message.to_string().contains("--flank coast"), "{message}");
     }
 }

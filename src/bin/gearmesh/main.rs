@@ -4,6 +4,7 @@
 //! and the exit status is 0 only when the whole thing was done.
 
 mod build;
+mod cache;
 mod flank_summary;
 mod import;
 mod inspect;
@@ -15,9 +16,11 @@ mod new;
 mod output;
 mod pack;
 mod pair_summary;
+mod preflight;
 mod progress;
 mod report;
 mod solve;
+mod study;
 mod tables;
 
 use std::process::ExitCode;
@@ -42,6 +45,8 @@ enum Command {
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
     Report(report::Report),
+    Study(study::Study),
+    Cache(cache::Cache),
 }
 
 /// Any error of a subcommand; its chain is printed on one line.
@@ -58,6 +63,8 @@ fn main() -> ExitCode {
         Command::Pack(command) => command.run(),
         Command::Inspect(command) => command.run(),
         Command::Report(command) => command.run(),
+        Command::Study(command) => command.run(),
+        Command::Cache(command) => command.run(),
     });
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,18 +1,20 @@
 //! The options that choose how teeth are modelled, shared by the subcommands that solve contact.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use gearmesh::compliance::ToothCompliance;
-use gearmesh::compliance::finite_element::{Origin, PairCompliance, Settings};
+use gearmesh::compliance::finite_element::{
+    Estimate, FiniteElementCompliance, ModelCache, Origin, PairCompliance, Settings, Stage,
+};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::pair::{Pair, Refinement};
 
 use crate::Error;
+use crate::cache::CacheArgs;
 use crate::limits;
-use crate::progress::Progress;
+use crate::progress::{Job, Progress, phases};
 
 /// `on` or `off`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -54,12 +56,6 @@ pub struct ModelArgs {
     #[arg(long)]
     stations: Option<usize>,
 
-    /// Folder that keeps finite-element models; a change of microgeometry, loads or misalignments alone
-    /// finds its model there [default: where tables or an FMU are written .gearmesh-compliance beside them, else
-    /// gearmesh in the user's cache folder]
-    #[arg(long)]
-    cache_dir: Option<PathBuf>,
-
     /// Compute finite-element models anew and keep none
     #[arg(long, conflicts_with = "cache_dir")]
     no_cache: bool,
@@ -71,6 +67,9 @@ pub struct ModelArgs {
     /// No progress on standard error
     #[arg(short, long)]
     quiet: bool,
+
+    #[command(flatten)]
+    cache: CacheArgs,
 }
 
 /// A contact solver and what it took to make it.
@@ -83,12 +82,16 @@ pub struct Model {
     pub description: String,
     /// Where the elastic model came from and is kept, in words.
     pub origin: String,
+    /// The elastic models of gear 1 and gear 2.
+    pub compliance: Compliance,
+    /// What computing them took, s, even if that was in another run.
+    pub computing_seconds: f64,
 }
 
-type Compliance = [Arc<dyn ToothCompliance>; 2];
+/// Elastic models of gear 1 and gear 2.
+pub type Compliance = [Arc<dyn ToothCompliance>; 2];
 
-/// Folder for finite-element models beside the tables or the FMU they serve.
-const BESIDE: &str = ".gearmesh-compliance";
+type Models = [Arc<FiniteElementCompliance>; 2];
 
 impl ModelArgs {
     /// The pair with the choices of the command line in place of those of the file.
@@ -121,28 +124,76 @@ impl ModelArgs {
         Ok(())
     }
 
+    /// Whether nothing is to be said of progress.
+    pub fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+
     /// Whether every slice stands by itself.
     pub fn is_plane_strain(&self) -> bool {
         self.plane_strain
     }
 
-    /// The solver for `pair`, to which the command line has been applied. Its finite-element models are kept
-    /// beside `output`, the tables or the FMU that is made of them, if there is one.
-    pub fn solver(&self, pair: &Pair, output: Option<&Path>) -> Result<Model, Error> {
-        let mut settings = ContactSettings::for_pair(pair);
-        if let Some(stations) = self.stations {
-            limits::stations(stations)?;
-            settings.stations = stations;
-        }
+    /// The solver for `pair`, to which the command line has been applied, as the first phases of `job`.
+    pub fn solver(&self, pair: &Pair, job: &Job) -> Result<Model, Error> {
+        self.stations.map_or(Ok(()), limits::stations)?;
         let begin = Instant::now();
-        let (compliance, origin) = self.finite_element(pair, output)?;
+        let (models, origin) = self.finite_element(pair, job)?;
         let compliance_seconds = begin.elapsed().as_secs_f64();
+        let seconds = |i: usize| models[i].cost().seconds.iter().sum::<f64>();
+        let computing_seconds = match Arc::ptr_eq(&models[0], &models[1]) {
+            true => seconds(0),
+            false => seconds(0) + seconds(1),
+        };
+        let [first, second] = models;
+        let compliance: Compliance = [first, second];
         Ok(Model {
-            solver: ContactSolver::new(pair, compliance, settings)?,
+            solver: ContactSolver::new(pair, compliance.clone(), self.contact_settings(pair))?,
             compliance_seconds,
             description: self.description(pair),
             origin,
+            compliance,
+            computing_seconds,
         })
+    }
+
+    /// How the contact of `pair` is discretised.
+    pub fn contact_settings(&self, pair: &Pair) -> ContactSettings {
+        let settings = ContactSettings::for_pair(pair);
+        ContactSettings {
+            stations: self.stations.unwrap_or(settings.stations),
+            ..settings
+        }
+    }
+
+    /// What the elastic models of `pair` will take.
+    pub fn estimates(&self, pair: &Pair) -> Result<[Estimate; 2], Error> {
+        let cache = self.kept();
+        let settings = self.settings(pair);
+        Ok(PairCompliance::estimate(
+            &pair.geometry,
+            &settings,
+            cache.as_ref(),
+        )?)
+    }
+
+    /// The work of a command that solves the contact of `pair`; `contact` says what is solved.
+    pub fn job(&self, pair: &Pair, contact: &str) -> Result<Job, Error> {
+        let elastic = self.estimates(pair)?.map(|e| e.total_seconds());
+        // How long the contact takes is not known here: as long as the models.
+        let likely = (elastic[0] + elastic[1]).max(1.0);
+        Ok(self.progress().job(phases(elastic, (contact, likely))))
+    }
+
+    fn settings(&self, pair: &Pair) -> Settings {
+        Settings {
+            plane_strain: self.plane_strain,
+            ..Settings::for_pair(pair)
+        }
+    }
+
+    fn kept(&self) -> Option<ModelCache> {
+        self.cache.cache().filter(|_| !self.no_cache)
     }
 
     /// The pair with the refinement whose difference to that of `pair` tells the error: the next finer one
@@ -174,24 +225,24 @@ impl ModelArgs {
         words
     }
 
-    fn finite_element(
-        &self,
-        pair: &Pair,
-        output: Option<&Path>,
-    ) -> Result<(Compliance, String), Error> {
-        let settings = Settings {
-            plane_strain: self.plane_strain,
-            ..Settings::for_pair(pair)
-        };
-        let cache = self.cache(output);
-        let progress = self.progress();
-        let bars = [1, 2].map(|gear| progress.share(&format!("finite elements of gear {gear}")));
-        let told = |gear: usize, stage, share| {
-            bars[gear].set(&format!("{stage:?}").to_lowercase(), share);
+    fn finite_element(&self, pair: &Pair, job: &Job) -> Result<(Models, String), Error> {
+        let settings = self.settings(pair);
+        let cache = self.kept();
+        let told = |gear: usize, stage, share: f64| {
+            // Shares of the time of a model that is wide enough to be waited for.
+            let (before, part, words) = match stage {
+                Stage::Assembly => (
+                    0.0,
+                    0.05,
+                    "stiffness of one tooth with its share of the body",
+                ),
+                Stage::Condensation => (0.05, 0.6, "reducing it to its loaded flank"),
+                Stage::Ring => (0.65, 0.35, "joining all teeth to the whole gear"),
+            };
+            job.set(gear, before + part * share, words);
             true
         };
-        let models = PairCompliance::new(&pair.geometry, &settings, cache.as_deref(), &told)?;
-        drop(bars);
+        let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &told)?;
         // A result is right with or without the cache, but it should not be slow in silence. Equal gears share
         // one model.
         let [first, second] = &models.origins;
@@ -206,38 +257,21 @@ impl ModelArgs {
                 Origin::Computed | Origin::Stored | Origin::Loaded => {}
             }
         }
-        let origin = origin_in_words(&models.origins, cache.as_deref());
-        let [first, second] = models.gears;
-        Ok(([first, second], origin))
-    }
-
-    /// Where finite-element models are kept: as the option says, else beside `output`, else in the user's
-    /// cache.
-    fn cache(&self, output: Option<&Path>) -> Option<PathBuf> {
-        if self.no_cache {
-            return None;
-        }
-        let beside = output.map(|file| file.with_file_name(BESIDE));
-        let variable = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
-        self.cache_dir
-            .clone()
-            .or(beside)
-            .or_else(|| variable("XDG_CACHE_HOME").map(|base| Path::new(&base).join("gearmesh")))
-            .or_else(|| variable("HOME").map(|home| Path::new(&home).join(".cache/gearmesh")))
-            .or_else(|| variable("LOCALAPPDATA").map(|base| Path::new(&base).join("gearmesh")))
+        let origin = origin_in_words(&models.origins, cache.as_ref());
+        Ok((models.gears, origin))
     }
 }
 
 /// Where the models of both gears came from and are kept.
-fn origin_in_words(origins: &[Origin; 2], cache: Option<&Path>) -> String {
+fn origin_in_words(origins: &[Origin; 2], cache: Option<&ModelCache>) -> String {
     let [first, second] = origins.each_ref().map(|origin| {
         let of = match origin {
             Origin::Loaded => "read from",
             Origin::Stored | Origin::Replaced(_) => "computed and kept in",
             Origin::Computed | Origin::NotStored(_) => return "computed".to_owned(),
         };
-        let folder = cache.unwrap_or(Path::new(""));
-        format!("{of} {}", folder.display())
+        let folder = cache.map(|cache| cache.directory().display());
+        format!("{of} {}", folder.map_or(String::new(), |d| d.to_string()))
     });
     if first == second {
         first

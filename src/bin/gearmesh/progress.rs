@@ -1,56 +1,189 @@
-//! Progress on standard error, where it is a terminal.
+//! Progress of a whole command on standard error: a bar on a terminal, else a line now and then.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Whether bars are shown.
+/// Whether progress is shown.
 #[derive(Debug, Clone, Copy)]
 pub struct Progress {
     quiet: bool,
 }
 
-/// One bar; it disappears when dropped.
-pub struct Bar {
-    bar: ProgressBar,
+/// A part of a command's work.
+#[derive(Debug, Clone)]
+pub struct Phase {
+    /// What is done, in words of the field.
+    pub name: String,
+    /// Estimated time, s; only the ratios count.
+    pub seconds: f64,
 }
 
-/// Resolution of a bar that shows a share of the work.
+/// The work of a command; its bar disappears when it is dropped.
+pub struct Job {
+    bar: Option<ProgressBar>,
+    phases: Vec<Phase>,
+    begin: Instant,
+    state: Mutex<State>,
+}
+
+struct State {
+    /// Share of each phase that is done.
+    done: Vec<f64>,
+    last_line: Instant,
+}
+
+/// The phase in which contact is solved, behind the elastic models of gear 1 and gear 2.
+pub const CONTACT: usize = 2;
+
+/// Resolution of the bar.
 const FULL: u64 = 1000;
 
+/// Time between two lines where there is no terminal; short work says nothing.
+const EVERY: Duration = Duration::from_secs(10);
+
+/// The phases of a command that solves contact: the elastic models of both gears, which take `elastic` s each, and
+/// `contact` by its name and its time, s.
+pub fn phases(elastic: [f64; 2], contact: (&str, f64)) -> Vec<Phase> {
+    let [first, second] = elastic;
+    [
+        ("elastic model of gear 1", first),
+        ("elastic model of gear 2", second),
+        contact,
+    ]
+    .map(|(name, seconds)| Phase {
+        name: name.into(),
+        seconds,
+    })
+    .to_vec()
+}
+
 impl Progress {
-    /// Bars, unless `quiet`.
+    /// Shown, unless `quiet`.
     pub fn new(quiet: bool) -> Self {
         Progress { quiet }
     }
 
-    /// A bar for a share from 0 to 1 of `task`.
-    pub fn share(self, task: &str) -> Bar {
-        let style = ProgressStyle::with_template("{prefix}: [{bar:30}] {elapsed} {msg}")
-            .unwrap_or_else(|_| ProgressStyle::default_bar())
-            .progress_chars("=> ");
-        let target = if self.quiet {
-            ProgressDrawTarget::hidden()
-        } else {
+    /// The work of `phases`.
+    pub fn job(self, phases: Vec<Phase>) -> Job {
+        let bar = (!self.quiet).then(|| {
+            let style = ProgressStyle::with_template("[{bar:30}] {msg}")
+                .unwrap_or_else(|_| ProgressStyle::default_bar())
+                .progress_chars("=> ");
             // Hides itself where standard error is no terminal.
-            ProgressDrawTarget::stderr()
-        };
-        let bar = ProgressBar::with_draw_target(Some(FULL), target)
-            .with_style(style)
-            .with_prefix(task.to_owned());
-        Bar { bar }
+            ProgressBar::with_draw_target(Some(FULL), ProgressDrawTarget::stderr())
+                .with_style(style)
+        });
+        let now = Instant::now();
+        Job {
+            bar,
+            begin: now,
+            state: Mutex::new(State {
+                done: vec![0.0; phases.len()],
+                last_line: now,
+            }),
+            phases,
+        }
     }
 }
 
-impl Bar {
-    /// The share that is done, and what is being done.
-    pub fn set(&self, message: &str, share: f64) {
-        self.bar.set_message(message.to_owned());
-        self.bar
-            .set_position((share.clamp(0.0, 1.0) * FULL as f64) as u64);
+impl Job {
+    /// `share` (0 to 1) of phase `phase` is done; `message` is what is being done.
+    pub fn set(&self, phase: usize, share: f64, message: &str) {
+        let Some(bar) = &self.bar else { return };
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        // A phase that has begun ends those before it.
+        state.done[..phase].fill(1.0);
+        // Threads report out of order.
+        state.done[phase] = state.done[phase].max(share.clamp(0.0, 1.0));
+        let whole = whole(&self.phases, &state.done);
+        let elapsed = self.begin.elapsed();
+        let text = format!(
+            "{:.0} % after {}{}: {}, {message}",
+            100.0 * whole,
+            clock(elapsed),
+            left(elapsed, whole),
+            self.phases[phase].name,
+        );
+        if bar.is_hidden() && state.last_line.elapsed() >= EVERY {
+            state.last_line = Instant::now();
+            eprintln!("gearmesh: {text}");
+        }
+        bar.set_message(text);
+        bar.set_position((whole * FULL as f64) as u64);
     }
 }
 
-impl Drop for Bar {
+impl Drop for Job {
     fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Share of the whole work that is done.
+fn whole(phases: &[Phase], done: &[f64]) -> f64 {
+    let total: f64 = phases.iter().map(|phase| phase.seconds).sum();
+    let done: f64 = phases.iter().zip(done).map(|(p, d)| p.seconds * d).sum();
+    if total > 0.0 { done / total } else { 1.0 }
+}
+
+/// What is left if the rest goes as what is done went; nothing as long as that says little.
+fn left(elapsed: Duration, whole: f64) -> String {
+    if whole < 0.02 || elapsed < Duration::from_secs(2) {
+        return String::new();
+    }
+    let rest = elapsed.as_secs_f64() * (1.0 - whole) / whole;
+    format!(", about {} left", clock(Duration::from_secs_f64(rest)))
+}
+
+/// A time as people read it.
+pub fn clock(time: Duration) -> String {
+    match time.as_secs_f64().round() as u64 {
+        s @ 0..60 => format!("{s} s"),
+        s @ 60..3600 => format!("{} min {} s", s / 60, s % 60),
+        s => format!("{} h {} min", s / 3600, s % 3600 / 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn two() -> Vec<Phase> {
+        let phase = |name: &str, seconds| Phase {
+            name: name.into(),
+            seconds,
+        };
+        vec![phase("long", 30.0), phase("short", 10.0)]
+    }
+
+    #[test]
+    fn the_whole_is_weighed_by_estimated_times() {
+        assert!((whole(&two(), &[0.5, 0.0]) - 0.375).abs() < 1e-12);
+        assert!((whole(&two(), &[1.0, 0.5]) - 0.875).abs() < 1e-12);
+        assert_eq!(whole(&[], &[]), 1.0);
+    }
+
+    #[test]
+    fn a_phase_that_begins_ends_those_before_it_and_none_goes_back() {
+        let job = Progress::new(false).job(two());
+        job.set(0, 0.2, "");
+        job.set(1, 0.5, "");
+        job.set(1, 0.4, "");
+        assert_eq!(job.state.lock().unwrap().done, [1.0, 0.5]);
+    }
+
+    #[test]
+    fn times_are_told_in_minutes_and_hours() {
+        let of = |seconds| clock(Duration::from_secs(seconds));
+        assert_eq!(
+            [of(59), of(61), of(7260)],
+            ["59 s", "1 min 1 s", "2 h 1 min"]
+        );
+        assert_eq!(left(Duration::from_secs(10), 0.25), ", about 30 s left");
+        assert_eq!(left(Duration::from_secs(10), 0.001), "");
     }
 }

@@ -1,7 +1,7 @@
 //! `gearmesh tables PAIR.json -o TABLES.json`: the static contact of a pair over its operating range.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use clap::Args;
@@ -20,6 +20,8 @@ use crate::Error;
 use crate::flank_summary::modifications;
 use crate::model::{Model, ModelArgs};
 use crate::output::{self, Listing};
+use crate::preflight::{self, Load, preflight};
+use crate::progress::CONTACT;
 
 /// Random operating points at which the default grid is measured.
 const HELD_OUT_POINTS: usize = 1000;
@@ -114,17 +116,24 @@ pub fn compute(
     let pair = args.applied_to(Pair::read(path)?);
     crate::output::check_writable(output)?;
     args.use_threads()?;
-    let model = args.solver(&pair, Some(output))?;
-    let begin = Instant::now();
     let coverage = coverage(&pair, grid);
+    let load = load(&pair, &coverage, grid.max_error);
+    let job = preflight(&pair, args, &coverage, load)?;
+    let model = args.solver(&pair, &job)?;
+    preflight::corners(&model.solver, &pair, &coverage)?;
+    let begin = Instant::now();
 
     let cancel = AtomicBool::new(false);
-    let bar = args.progress().share("static contact");
+    // Several grids may be solved one after the other.
+    let before = AtomicUsize::new(0);
     let told = |done: usize, total: usize| {
-        bar.set(
-            &format!("{done} of {total} solves"),
-            done as f64 / total as f64,
-        );
+        let all = before.load(Ordering::Relaxed) + done;
+        if done == total {
+            before.fetch_add(total, Ordering::Relaxed);
+        }
+        let likely = load.solves.max(all);
+        let share = all as f64 / likely as f64;
+        job.set(CONTACT, share, &format!("{all} of about {likely} solves"));
     };
     let watch = Watch {
         progress: &told,
@@ -170,7 +179,7 @@ pub fn compute(
     } else {
         None
     };
-    drop(bar);
+    drop(job);
 
     let mut file = TableFile::new(
         &pair.name,
@@ -198,6 +207,19 @@ pub fn compute(
         ),
         contact_seconds: begin.elapsed().as_secs_f64(),
     })
+}
+
+/// How much is likely to be solved: the default grid with the points it is measured at, and three times as much where
+/// the grid is sought.
+fn load(pair: &Pair, coverage: &Coverage, max_error: Option<f64>) -> Load {
+    let [nc, nm, nu, np] = default_axes(coverage).lengths();
+    let flanks = if pair.coast_mirrors_drive() { 1 } else { 2 };
+    let grids = if max_error.is_some() { 3 } else { 1 };
+    let of = |grid: usize| flanks * (grids * grid + HELD_OUT_POINTS);
+    Load {
+        positions: of(nc * np),
+        solves: of(nc * nm * (nu + 1) * np),
+    }
 }
 
 /// The ranges of the pair file, less the dimensions that are not asked for.

@@ -22,18 +22,15 @@ pub(super) fn number_unknowns(mesh: &Mesh, order: &[usize]) -> Vec<usize> {
 
 /// Assembles the stiffness of the free nodes of `mesh`, N/m, with the unknowns numbered by `order`;
 /// displacements in each node's cylindrical axes.
-pub(super) fn assemble(
-    mesh: &Mesh,
-    order: &[usize],
-    youngs_modulus: f64,
-    poisson_ratio: f64,
-) -> LowerTriangle {
+///
+/// `material`: Young's modulus, Pa, and Poisson ratio.
+pub(super) fn assemble(mesh: &Mesh, order: &[usize], material: [f64; 2]) -> LowerTriangle {
     let d = mesh.dimension;
     let per_element = mesh.nodes_per_element();
     let first = number_unknowns(mesh, order);
     let (column_starts, rows, neighbours) = pattern(mesh, order, &first);
     let mut values = vec![0.0; rows.len()];
-    let (lambda, mu) = element::lame(youngs_modulus, poisson_ratio);
+    let (lambda, mu) = element::lame(material[0], material[1]);
     // Element matrices in parallel, a batch at a time so that few are alive; scattering is serial.
     for batch in mesh.elements.chunks(256 * per_element) {
         let matrices: Vec<Vec<f64>> = batch
@@ -102,6 +99,14 @@ fn pattern(mesh: &Mesh, order: &[usize], first: &[usize]) -> Pattern {
         }
     }
     (column_starts, rows, neighbours)
+}
+
+/// Stiffness of the first element of `mesh`, as [`assemble`] takes it.
+pub(super) fn first_element(mesh: &Mesh, material: [f64; 2]) -> Vec<f64> {
+    let (lambda, mu) = element::lame(material[0], material[1]);
+    mesh.connectivity().next().map_or(Vec::new(), |nodes| {
+        cylindrical_stiffness(mesh, nodes, lambda, mu)
+    })
 }
 
 /// Element stiffness with the displacements of each node in its own cylindrical axes.

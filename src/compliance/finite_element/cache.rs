@@ -1,20 +1,30 @@
-//! Computed models kept in files, keyed by exactly what they depend on.
+//! Computed models kept in files of one folder of bounded size.
 //!
-//! File: magic line, SHA-256 key, length of the body, SHA-256 of the body, body; little endian. A file that
-//! is cut, altered or of another version is recomputed and replaced, with a note; it never gives a
-//! result. A half-written one is never found.
+//! The key of a model is the SHA-256 of what it is computed from: the mesh itself (nodes, elements, held
+//! surface, flank and its normals), the stiffness of an element, and how many teeth are asked for. So every
+//! setting and every constant of the code that shapes a model shapes its key, without a list to keep.
+//!
+//! File: magic line, key, length of the body, SHA-256 of the body, body; little endian. A file that is cut,
+//! altered or of another version is recomputed and replaced, with a note; it never gives a result. A
+//! half-written one is never found. When a new model does not fit, the least recently used ones go.
 
-use super::flank::FlankGrid;
+use super::influence::Influence;
+use super::model::Model;
 use super::{Cost, FiniteElementCompliance, FiniteElementError, Progress, Settings};
-use crate::gear::{Gear, GearKind};
+use crate::gear::Gear;
 use crate::storage::{hex, write_whole};
-use nalgebra::DMatrix;
+use crate::words::rounded;
 use sha2::{Digest, Sha256};
-use std::fs;
+use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
-/// Changes whenever mesh, kernel or file layout do.
-const MAGIC: &[u8; 32] = b"gearmesh finite elements v0002\r\n";
+/// Changes with the layout of the file and with what is computed from the mesh.
+const MAGIC: &[u8; 32] = b"gearmesh finite elements v0003\r\n";
+
+/// Ending of the files.
+const ENDING: &str = "compliance";
 
 /// How a model was obtained.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,149 +41,231 @@ pub enum Origin {
     NotStored(String),
 }
 
+/// A folder of models, and how large it may become.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ModelCache {
+    directory: PathBuf,
+    limit: u64,
+}
+
+/// One model in a [`ModelCache`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CachedModel {
+    /// Its file.
+    pub path: PathBuf,
+    /// Size, bytes.
+    pub bytes: u64,
+    /// When it was last read or written.
+    pub used: SystemTime,
+    /// The gear in words; None for a file of another version.
+    pub gear: Option<String>,
+}
+
+impl ModelCache {
+    /// Largest size unless another is asked for, bytes: some dozens of pairs.
+    pub const DEFAULT_LIMIT: u64 = 1_000_000_000;
+
+    /// The models in `directory`, `limit` bytes at most; the folder is created with the first model.
+    pub fn new(directory: impl Into<PathBuf>, limit: u64) -> ModelCache {
+        ModelCache {
+            directory: directory.into(),
+            limit,
+        }
+    }
+
+    /// The folder.
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// Largest size of all models together, bytes.
+    pub fn limit(&self) -> u64 {
+        self.limit
+    }
+
+    /// All models, the least recently used first; none if there is no folder.
+    ///
+    /// # Errors
+    /// What the system says of a folder that cannot be read.
+    pub fn models(&self) -> io::Result<Vec<CachedModel>> {
+        let entries = match fs::read_dir(&self.directory) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            entries => entries?,
+        };
+        let mut models = Vec::new();
+        for entry in entries {
+            let path = entry?.path();
+            if path.extension().is_none_or(|ending| ending != ENDING) {
+                continue;
+            }
+            // Another run may have removed it meanwhile.
+            let Ok(found) = fs::metadata(&path) else {
+                continue;
+            };
+            models.push(CachedModel {
+                bytes: found.len(),
+                used: found.modified()?,
+                gear: label(&path),
+                path,
+            });
+        }
+        models.sort_by_key(|model| model.used);
+        Ok(models)
+    }
+
+    /// Removes all models; returns how many.
+    ///
+    /// # Errors
+    /// What the system says of the first file that stays.
+    pub fn clear(&self) -> io::Result<usize> {
+        let models = self.models()?;
+        for model in &models {
+            remove(&model.path)?;
+        }
+        Ok(models.len())
+    }
+
+    /// Whether `model` is there, sound or not.
+    pub(super) fn holds(&self, model: &Model, settings: &Settings) -> bool {
+        self.path(&key(model, settings.reach)).exists()
+    }
+
+    fn path(&self, key: &[u8; 32]) -> PathBuf {
+        self.directory.join(format!("{}.{ENDING}", hex(&key[..12])))
+    }
+
+    /// Keeps `bytes` as `path`; the least recently used models make room for it.
+    fn store(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let size = bytes.len() as u64;
+        if size > self.limit {
+            return Err(io::Error::other(format!(
+                "it takes {} MB, and the cache may take {} MB",
+                size.div_ceil(1_000_000),
+                self.limit / 1_000_000
+            )));
+        }
+        fs::create_dir_all(&self.directory)?;
+        let mut models = self.models()?;
+        models.retain(|model| model.path != path);
+        let mut total = size + models.iter().map(|model| model.bytes).sum::<u64>();
+        for model in &models {
+            if total <= self.limit {
+                break;
+            }
+            remove(&model.path)?;
+            total -= model.bytes;
+        }
+        write_whole(path, bytes)
+    }
+}
+
+/// A file that another run has removed already is no error.
+fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
 impl FiniteElementCompliance {
-    /// As [`FiniteElementCompliance::new`], by way of the cache `directory`, which is created if it does
-    /// not exist. An unusable cache costs the time of a computation and is told by [`Origin`].
+    /// As [`FiniteElementCompliance::new`], by way of `cache`. An unusable cache costs the time of a computation
+    /// and is told by [`Origin`].
     ///
     /// # Errors
     /// Those of [`FiniteElementCompliance::new`].
     pub fn cached(
         gear: &Gear,
         settings: &Settings,
-        directory: &Path,
+        cache: &ModelCache,
         progress: &Progress<'_>,
     ) -> Result<(Self, Origin), FiniteElementError> {
-        let key = key(gear, settings);
-        let path = file_path(directory, &key);
+        let model = Model::new(gear, settings)?;
+        let key = key(&model, settings.reach);
+        let path = cache.path(&key);
         let mut reason = None;
         match fs::read(&path) {
-            Ok(bytes) => match decode(&bytes, &key, gear, settings) {
-                Ok(model) => return Ok((model, Origin::Loaded)),
+            Ok(bytes) => match decode(&bytes, &key) {
+                Ok((influence, cost)) => {
+                    touch(&path);
+                    let found = Self::from_parts(model, influence, cost, settings);
+                    return Ok((found, Origin::Loaded));
+                }
                 Err(fault) => reason = Some(format!("{}: {fault}", path.display())),
             },
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => reason = Some(format!("{}: {error}", path.display())),
         }
-        let model = FiniteElementCompliance::new(gear, settings, progress)?;
-        let origin = match (store(&path, &encode(&model, &key)), reason) {
+        let computed = Self::compute(model, settings, progress)?;
+        let bytes = encode(&computed, &gear_in_words(gear), &key);
+        let origin = match (cache.store(&path, &bytes), reason) {
             (Err(error), _) => Origin::NotStored(format!("{}: {error}", path.display())),
             (Ok(()), Some(reason)) => Origin::Replaced(reason),
             (Ok(()), None) => Origin::Stored,
         };
-        Ok((model, origin))
+        Ok((computed, origin))
     }
+}
+
+/// Notes that a model was used. Folders that are not the user's own need not allow it.
+fn touch(path: &Path) {
+    let _ = File::open(path).and_then(|file| file.set_modified(SystemTime::now()));
 }
 
 /// Whether both gears have the same model in canonical coordinates: hand, axial position and
 /// microgeometry do not matter.
-pub(super) fn same_model(a: &Gear, b: &Gear) -> bool {
-    canonical_bytes(a) == canonical_bytes(b)
-}
-
-fn canonical_bytes(gear: &Gear) -> Vec<u8> {
-    // Taken apart by name, so that a new field cannot be forgotten.
-    let Gear {
-        kind,
-        teeth,
-        hand: _,
-        normal_module,
-        normal_pressure_angle,
-        helix_angle,
-        profile_shift,
-        face_width,
-        face_offset: _,
-        tip_radius,
-        // Ends the flank; the body is meshed to the tip circle.
-        tip_chamfer: _,
-        dedendum_coefficient,
-        tool_tip_radius_coefficient,
-        held_radius,
-        tooth_thinning,
-        youngs_modulus,
-        poisson_ratio,
-    } = gear;
-    let mut bytes = vec![u8::from(*kind == GearKind::Ring)];
-    bytes.extend(teeth.to_le_bytes());
-    for value in [
-        normal_module,
-        normal_pressure_angle,
-        helix_angle,
-        profile_shift,
-        face_width,
-        tip_radius,
-        dedendum_coefficient,
-        tool_tip_radius_coefficient,
-        held_radius,
-        tooth_thinning,
-        youngs_modulus,
-        poisson_ratio,
-    ] {
-        bytes.extend(value.to_le_bytes());
+pub(super) fn same_model(
+    gears: &[Gear; 2],
+    settings: &Settings,
+) -> Result<bool, FiniteElementError> {
+    if gears[0].teeth != gears[1].teeth {
+        return Ok(false);
     }
-    bytes
+    let [a, b] = gears.each_ref().map(|gear| Model::new(gear, settings));
+    Ok(key(&a?, settings.reach) == key(&b?, settings.reach))
 }
 
-fn key(gear: &Gear, settings: &Settings) -> [u8; 32] {
-    let Settings {
-        discretization: d,
-        plane_strain,
-        reach,
-    } = settings;
+fn key(model: &Model, reach: usize) -> [u8; 32] {
     let mut hash = Sha256::new();
     hash.update(MAGIC);
-    hash.update(canonical_bytes(gear));
-    hash.update([u8::from(*plane_strain)]);
-    hash.update((*reach as u64).to_le_bytes());
-    for value in d.mesh_sizes() {
-        hash.update(value.to_le_bytes());
-    }
+    hash.update((reach as u64).to_le_bytes());
+    model.identify(&mut |bytes| hash.update(bytes));
     hash.finalize().into()
 }
 
-fn file_path(directory: &Path, key: &[u8; 32]) -> PathBuf {
-    directory.join(format!("{}.compliance", hex(&key[..12])))
+fn gear_in_words(gear: &Gear) -> String {
+    format!(
+        "{} teeth, module {} mm, helix {} deg, face width {} mm",
+        gear.teeth,
+        rounded(1e3 * gear.normal_module),
+        rounded(gear.helix_angle.to_degrees()),
+        rounded(1e3 * gear.face_width)
+    )
 }
 
-fn store(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    if let Some(directory) = path.parent() {
-        fs::create_dir_all(directory)?;
-    }
-    write_whole(path, bytes)
-}
-
-fn encode(model: &FiniteElementCompliance, key: &[u8; 32]) -> Vec<u8> {
-    let FiniteElementCompliance {
-        grid,
-        influence,
-        plane_strain: _,
-        cos_base_helix,
-        cost,
-    } = model;
-    let mut body = Vec::new();
-    let counts = [
-        grid.arcs.len(),
-        grid.stations.len(),
-        influence.len(),
-        cost.elements,
-        cost.unknowns,
-        cost.factor_entries,
-        cost.flank_nodes,
-        cost.memory_bytes,
-    ];
-    for count in counts {
+fn encode(model: &FiniteElementCompliance, gear: &str, key: &[u8; 32]) -> Vec<u8> {
+    let Cost {
+        elements,
+        unknowns,
+        factor_entries,
+        flank_nodes,
+        seconds,
+        memory_bytes,
+    } = model.cost;
+    let mut body = vec![gear.len() as u8];
+    body.extend(gear.as_bytes());
+    for count in [
+        elements,
+        unknowns,
+        factor_entries,
+        flank_nodes,
+        memory_bytes,
+    ] {
         body.extend((count as u64).to_le_bytes());
     }
-    let scalars = [grid.form_roll, grid.arc_per_roll_squared, *cos_base_helix];
-    let numbers = grid
-        .arcs
-        .iter()
-        .chain(&grid.stations)
-        .chain(&scalars)
-        .chain(&cost.seconds)
-        .chain(influence.iter().flat_map(|c| c.as_slice()));
-    for number in numbers {
-        body.extend(number.to_le_bytes());
+    for time in seconds {
+        body.extend(time.to_le_bytes());
     }
+    model.influence.encode(&mut body);
     let mut bytes = MAGIC.to_vec();
     bytes.extend(key);
     bytes.extend((body.len() as u64).to_le_bytes());
@@ -182,79 +274,76 @@ fn encode(model: &FiniteElementCompliance, key: &[u8; 32]) -> Vec<u8> {
     bytes
 }
 
+const CUT: &str = "the file is cut off";
+
+/// Takes `count` bytes off the front.
+fn take<'a>(rest: &mut &'a [u8], count: usize) -> Result<&'a [u8], &'static str> {
+    let (head, tail) = rest.split_at_checked(count).ok_or(CUT)?;
+    *rest = tail;
+    Ok(head)
+}
+
+fn word(rest: &mut &[u8]) -> Result<u64, &'static str> {
+    let bytes = take(rest, 8)?;
+    Ok(u64::from_le_bytes(std::array::from_fn(|i| bytes[i])))
+}
+
 /// Reads a stored model; the error says what is wrong with the file.
-fn decode(
-    bytes: &[u8],
-    key: &[u8; 32],
-    gear: &Gear,
-    settings: &Settings,
-) -> Result<FiniteElementCompliance, &'static str> {
-    const CUT: &str = "the file is cut off";
+fn decode(bytes: &[u8], key: &[u8; 32]) -> Result<(Influence, Cost), &'static str> {
     let mut rest = bytes;
-    let mut take = |count: usize| -> Result<&[u8], &'static str> {
-        let (head, tail) = rest.split_at_checked(count).ok_or(CUT)?;
-        rest = tail;
-        Ok(head)
-    };
-    if take(32)? != MAGIC {
+    if take(&mut rest, MAGIC.len())? != MAGIC {
         return Err("not a compliance file of this version");
     }
-    if take(32)? != key {
+    if take(&mut rest, key.len())? != key {
         return Err("the file belongs to another gear or other settings");
     }
-    let length = u64::from_le_bytes(take(8)?.try_into().map_err(|_| CUT)?);
-    let checksum = take(32)?;
-    let body = rest;
-    if body.len() as u64 != length {
+    let length = word(&mut rest)?;
+    let checksum = take(&mut rest, 32)?;
+    if rest.len() as u64 != length {
         return Err(CUT);
     }
-    if Sha256::digest(body).as_slice() != checksum {
+    if Sha256::digest(rest).as_slice() != checksum {
         return Err("the checksum does not match");
     }
-    let mut words = body
-        .chunks_exact(8)
-        .map(|w| u64::from_le_bytes(std::array::from_fn(|i| w[i])));
-    let mut count = || words.next().map(|n| n as usize).ok_or(CUT);
-    let (arcs, stations, matrices) = (count()?, count()?, count()?);
-    let (elements, unknowns) = (count()?, count()?);
-    let (factor_entries, flank_nodes, memory_bytes) = (count()?, count()?, count()?);
-    let mut numbers = words.map(f64::from_bits);
-    let mut list = |n: usize| -> Result<Vec<f64>, &'static str> {
-        let values: Vec<f64> = numbers.by_ref().take(n).collect();
-        if values.len() == n {
-            Ok(values)
-        } else {
-            Err(CUT)
-        }
+    let label = take(&mut rest, 1)?[0];
+    take(&mut rest, label.into())?;
+    let mut counts = [0; 5];
+    for count in &mut counts {
+        *count = usize::try_from(word(&mut rest)?).map_err(|_| CUT)?;
+    }
+    let mut seconds = [0.0; 3];
+    for time in &mut seconds {
+        *time = f64::from_bits(word(&mut rest)?);
+    }
+    let [
+        elements,
+        unknowns,
+        factor_entries,
+        flank_nodes,
+        memory_bytes,
+    ] = counts;
+    let influence = Influence::decode(rest).ok_or(CUT)?;
+    let cost = Cost {
+        elements,
+        unknowns,
+        factor_entries,
+        flank_nodes,
+        seconds,
+        memory_bytes,
     };
-    let (arcs, stations) = (list(arcs)?, list(stations)?);
-    let scalars = list(3)?;
-    let seconds = list(3)?;
-    let grid = FlankGrid {
-        arcs,
-        stations,
-        form_roll: scalars[0],
-        arc_per_roll_squared: scalars[1],
-        kernel_half_width: settings.discretization.kernel_half_width * gear.normal_module,
-    };
-    let n = grid.len();
-    let influence = (0..matrices)
-        .map(|_| Ok(DMatrix::from_vec(n, n, list(n * n)?)))
-        .collect::<Result<Vec<_>, &'static str>>()?;
-    Ok(FiniteElementCompliance {
-        grid,
-        influence,
-        plane_strain: settings.plane_strain,
-        cos_base_helix: scalars[2],
-        cost: Cost {
-            elements,
-            unknowns,
-            factor_entries,
-            flank_nodes,
-            seconds: [seconds[0], seconds[1], seconds[2]],
-            memory_bytes,
-        },
-    })
+    Ok((influence, cost))
+}
+
+/// The gear of a file in words; None for a file of another version.
+fn label(path: &Path) -> Option<String> {
+    use std::io::Read;
+    let mut head = Vec::new();
+    let longest = MAGIC.len() + 32 + 8 + 32 + 1 + usize::from(u8::MAX);
+    let file = File::open(path).ok()?;
+    file.take(longest as u64).read_to_end(&mut head).ok()?;
+    let mut rest = head.strip_prefix(MAGIC)?.get(72..)?;
+    let length = take(&mut rest, 1).ok()?[0];
+    String::from_utf8(take(&mut rest, length.into()).ok()?.to_vec()).ok()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@ use super::*;
 use crate::compliance::{Strip, ToothCompliance};
 use crate::gear::{GearKind, samples};
 use crate::pair::Refinement;
+use nalgebra::DMatrix;
 
 fn gear() -> Gear {
     samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0)
@@ -14,8 +15,20 @@ fn settings() -> Settings {
     }
 }
 
+fn cache(directory: &Path) -> ModelCache {
+    ModelCache::new(directory, ModelCache::DEFAULT_LIMIT)
+}
+
 fn get(gear: &Gear, directory: &Path) -> (FiniteElementCompliance, Origin) {
-    FiniteElementCompliance::cached(gear, &settings(), directory, &|_, _| true).unwrap()
+    get_from(gear, &cache(directory))
+}
+
+fn get_from(gear: &Gear, cache: &ModelCache) -> (FiniteElementCompliance, Origin) {
+    FiniteElementCompliance::cached(gear, &settings(), cache, &|_, _| true).unwrap()
+}
+
+fn key_of(gear: &Gear, settings: &Settings) -> [u8; 32] {
+    key(&Model::new(gear, settings).unwrap(), settings.reach)
 }
 
 fn bulk(model: &FiniteElementCompliance) -> DMatrix<f64> {
@@ -41,35 +54,133 @@ fn second_request_loads_the_same_numbers() {
 
 #[test]
 fn hand_and_axial_position_share_a_model_and_everything_else_has_its_own() {
+    let own = key_of(&gear(), &settings());
     let mut other = gear();
     (other.hand, other.face_offset) = (-1.0, 3e-3);
-    assert_eq!(key(&gear(), &settings()), key(&other, &settings()));
-    let changes: [fn(&mut Gear); 6] = [
+    assert_eq!(own, key_of(&other, &settings()));
+    let changes: [fn(&mut Gear); 8] = [
         |g| g.held_radius *= 1.01,
         |g| g.poisson_ratio = 0.29,
+        |g| g.youngs_modulus *= 1.01,
         |g| g.tip_radius -= 1e-5,
         |g| g.tooth_thinning = 1e-5,
+        |g| g.tool_tip_radius_coefficient -= 0.01,
+        |g| g.profile_shift += 0.01,
         |g| g.teeth = 21,
-        |g| g.kind = GearKind::Ring,
     ];
-    for change in changes {
+    for (i, change) in changes.iter().enumerate() {
         let mut changed = gear();
         change(&mut changed);
-        assert_ne!(key(&gear(), &settings()), key(&changed, &settings()));
+        assert_ne!(own, key_of(&changed, &settings()), "change {i}");
     }
-    let mut finer = settings();
-    finer.discretization.layer *= 0.9;
+    let mut settings_of_others = vec![
+        Settings {
+            plane_strain: false,
+            ..settings()
+        },
+        Settings {
+            reach: 2,
+            ..settings()
+        },
+    ];
+    let sizes: [fn(&mut super::super::Discretization); 4] = [
+        |d| d.flank_element *= 0.9,
+        |d| d.growth *= 0.9,
+        |d| d.tooth_element *= 0.9,
+        |d| d.root_element *= 0.9,
+    ];
+    for size in sizes {
+        let mut finer = settings();
+        size(&mut finer.discretization);
+        settings_of_others.push(finer);
+    }
+    for (i, changed) in settings_of_others.iter().enumerate() {
+        assert_ne!(own, key_of(&gear(), changed), "settings {i}");
+    }
+    let solid = settings_of_others[0];
+    for size in [
+        (|d| d.layer *= 0.8) as fn(&mut super::super::Discretization),
+        |d| d.end_layer *= 0.8,
+    ] {
+        let mut finer = solid;
+        size(&mut finer.discretization);
+        assert_ne!(key_of(&gear(), &solid), key_of(&gear(), &finer));
+    }
+}
+
+#[test]
+fn a_constant_of_the_code_that_moves_one_node_gives_another_key() {
+    let sound = Model::new(&gear(), &settings()).unwrap();
+    let mut moved = Model::new(&gear(), &settings()).unwrap();
+    let last = moved.mesh.points.len() - 1;
+    moved.mesh.points[last][0] *= 1.0 + 1e-12;
+    assert_ne!(key(&sound, 1), key(&moved, 1));
+}
+
+#[test]
+fn a_solid_model_takes_a_third_of_its_numbers() {
+    let directory = tempfile::tempdir().unwrap();
     let solid = Settings {
         plane_strain: false,
+        reach: 4,
         ..settings()
     };
-    let wider = Settings {
-        reach: 2,
-        ..settings()
+    let narrow = Gear {
+        face_width: 4.0 * gear().normal_module,
+        ..gear()
     };
-    for changed in [finer, solid, wider] {
-        assert_ne!(key(&gear(), &settings()), key(&gear(), &changed));
+    let cache = cache(directory.path());
+    let (model, _) =
+        FiniteElementCompliance::cached(&narrow, &solid, &cache, &|_, _| true).unwrap();
+    let numbers = 5 * model.cost().flank_nodes.pow(2);
+    let bytes = cache.models().unwrap()[0].bytes as usize;
+    assert!(bytes < 8 * numbers / 3, "{bytes} bytes for {numbers}");
+}
+
+#[test]
+fn the_least_recently_used_models_make_room_for_new_ones() {
+    let directory = tempfile::tempdir().unwrap();
+    let gears = [20, 21, 22].map(|teeth| Gear { teeth, ..gear() });
+    let models = |cache: &ModelCache| -> Vec<String> {
+        let models = cache.models().unwrap();
+        models.into_iter().map(|m| m.gear.unwrap()).collect()
+    };
+    let teeth = |count: u32| move |name: &String| name.starts_with(&format!("{count} teeth"));
+    let all = tempfile::tempdir().unwrap();
+    for gear in &gears {
+        get(gear, all.path());
     }
+    let sizes = cache(all.path()).models().unwrap();
+    let total: u64 = sizes.iter().map(|model| model.bytes).sum();
+    // Room for any two.
+    let small = ModelCache::new(directory.path(), total - 1);
+    let wait = || std::thread::sleep(std::time::Duration::from_millis(20));
+    assert_eq!(get_from(&gears[0], &small).1, Origin::Stored);
+    wait();
+    assert_eq!(get_from(&gears[1], &small).1, Origin::Stored);
+    wait();
+    assert_eq!(get_from(&gears[0], &small).1, Origin::Loaded);
+    wait();
+    assert_eq!(get_from(&gears[2], &small).1, Origin::Stored);
+    let kept = models(&small);
+    assert_eq!(kept.len(), 2, "{kept:?}");
+    assert!(
+        kept.iter().any(teeth(20)) && kept.iter().any(teeth(22)),
+        "{kept:?}"
+    );
+    // One that can never fit is told and moves none out.
+    let tiny = ModelCache::new(directory.path(), 100);
+    let (_, origin) = get_from(&gears[1], &tiny);
+    assert!(matches!(origin, Origin::NotStored(_)), "{origin:?}");
+    assert_eq!(models(&small).len(), 2);
+    assert_eq!(small.clear().unwrap(), 2);
+    assert_eq!(models(&small), Vec::<String>::new());
+    assert_eq!(
+        ModelCache::new(directory.path().join("none"), 1)
+            .models()
+            .unwrap(),
+        []
+    );
 }
 
 #[test]
@@ -80,7 +191,8 @@ fn another_kernel_width_loads_the_same_file_and_is_applied() {
     let mut wider = settings();
     wider.discretization.kernel_half_width *= 1.3;
     let (loaded, origin) =
-        FiniteElementCompliance::cached(&gear(), &wider, directory.path(), &|_, _| true).unwrap();
+        FiniteElementCompliance::cached(&gear(), &wider, &cache(directory.path()), &|_, _| true)
+            .unwrap();
     assert_eq!(origin, Origin::Loaded);
     let computed = FiniteElementCompliance::new(&gear(), &wider, &|_, _| true).unwrap();
     assert_eq!(bulk(&loaded), bulk(&computed));
@@ -90,7 +202,7 @@ fn another_kernel_width_loads_the_same_file_and_is_applied() {
 fn damaged_files_are_recomputed_with_a_note() {
     let directory = tempfile::tempdir().unwrap();
     let expected = bulk(&get(&gear(), directory.path()).0);
-    let path = file_path(directory.path(), &key(&gear(), &settings()));
+    let path = cache(directory.path()).models().unwrap()[0].path.clone();
     let sound = fs::read(&path).unwrap();
     let mut flipped = sound.clone();
     let middle = sound.len() / 2;

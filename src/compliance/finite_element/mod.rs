@@ -24,7 +24,9 @@ mod cyclic;
 mod dissection;
 mod element;
 mod error;
+mod estimate;
 mod flank;
+mod influence;
 mod mesh;
 mod model;
 mod outline;
@@ -33,8 +35,9 @@ mod section;
 mod sector;
 mod settings;
 
-pub use cache::Origin;
+pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;
+pub use estimate::Estimate;
 pub use model::{Cost, Stage};
 pub use pair::PairCompliance;
 pub use sector::{SectorMesh, centre_line_compliance};
@@ -43,6 +46,8 @@ pub use settings::{Discretization, Settings};
 use super::{BeyondModel, Strip, ToothCompliance};
 use crate::gear::Gear;
 use flank::{FlankGrid, Weights};
+use influence::Influence;
+use model::Model;
 use nalgebra::DMatrix;
 
 /// Progress of a computation: called with the stage and the share of it that is done; returns false to
@@ -54,7 +59,7 @@ pub type Progress<'a> = dyn Fn(Stage, f64) -> bool + Sync + 'a;
 pub struct FiniteElementCompliance {
     grid: FlankGrid,
     /// C_k, m/N (plane strain: m²/N, per force per metre of depth): rows tooth k, columns tooth 0.
-    influence: Vec<DMatrix<f64>>,
+    influence: Influence,
     plane_strain: bool,
     /// Of the base helix; plane strain alone needs it.
     cos_base_helix: f64,
@@ -71,15 +76,27 @@ impl FiniteElementCompliance {
         settings: &Settings,
         progress: &Progress<'_>,
     ) -> Result<Self, FiniteElementError> {
-        let model = model::Model::new(gear, settings)?;
+        Self::compute(Model::new(gear, settings)?, settings, progress)
+    }
+
+    fn compute(
+        model: Model,
+        settings: &Settings,
+        progress: &Progress<'_>,
+    ) -> Result<Self, FiniteElementError> {
         let (influence, cost) = model.solve(settings.reach, progress)?;
-        Ok(FiniteElementCompliance {
+        let influence = Influence::new(&influence);
+        Ok(Self::from_parts(model, influence, cost, settings))
+    }
+
+    fn from_parts(model: Model, influence: Influence, cost: Cost, settings: &Settings) -> Self {
+        FiniteElementCompliance {
+            cos_base_helix: model.gear.base_helix_angle().cos(),
             grid: model.grid,
             influence,
             plane_strain: settings.plane_strain,
-            cos_base_helix: gear.base_helix_angle().cos(),
             cost,
-        })
+        }
     }
 
     /// What the computation took.
@@ -89,7 +106,7 @@ impl FiniteElementCompliance {
 
     /// Largest difference of tooth numbers that [`ToothCompliance::bulk`] accepts.
     pub fn reach(&self) -> usize {
-        self.influence.len() - 1
+        self.influence.teeth() - 1
     }
 
     /// Factor of the influence of strip `j` on strip `i` beyond that of their weights.
@@ -129,9 +146,10 @@ impl ToothCompliance for FiniteElementCompliance {
                 let offset = (tooth - strips[j].tooth) as usize;
                 displacement.fill(0.0);
                 for (node, weight) in load {
-                    let column = self.influence[offset].column(*node);
-                    for (u, c) in displacement.iter_mut().zip(column.as_slice()) {
-                        *u += weight * c;
+                    let weight = weight * self.influence.unit();
+                    let column = self.influence.column(offset, *node);
+                    for (u, c) in displacement.iter_mut().zip(column) {
+                        *u += weight * f64::from(*c);
                     }
                 }
                 for (i, response) in weights.iter().enumerate() {

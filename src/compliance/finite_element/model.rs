@@ -45,7 +45,7 @@ pub struct Cost {
 pub(super) struct Model {
     pub mesh: Mesh,
     pub grid: FlankGrid,
-    gear: Gear,
+    pub gear: Gear,
 }
 
 impl Model {
@@ -82,6 +82,44 @@ impl Model {
             mesh,
             gear: gear.clone(),
         })
+    }
+
+    /// Hands everything that the influence of the flank nodes depends on to `take`, piece by piece: mesh,
+    /// material, number of teeth, and one element's stiffness for how elements are computed.
+    pub fn identify(&self, take: &mut dyn FnMut(&[u8])) {
+        // Taken apart by name, so that a new field cannot be forgotten.
+        let Mesh {
+            dimension,
+            points,
+            angles,
+            elements,
+            cells: _, // they order the elimination and change no result
+            held,
+            sides,
+            flank,
+        } = &self.mesh;
+        let mut whole = |number: usize| take(&(number as u64).to_le_bytes());
+        whole(*dimension);
+        whole(self.gear.teeth as usize);
+        // The lengths keep lists apart that follow each other.
+        for list in [elements, &sides[0], &sides[1]] {
+            whole(list.len());
+            list.iter().for_each(|node| whole(*node));
+        }
+        whole(flank.len());
+        flank.iter().for_each(|f| whole(f.node));
+        held.iter().for_each(|held| whole((*held).into()));
+        let element = assembly::first_element(&self.mesh, self.material());
+        let numbers = points.iter().flatten().chain(angles);
+        let normals = flank.iter().flat_map(|f| &f.normal);
+        for number in numbers.chain(normals).chain(&element) {
+            take(&number.to_le_bytes());
+        }
+    }
+
+    /// Young's modulus, Pa, and Poisson ratio.
+    fn material(&self) -> [f64; 2] {
+        [self.gear.youngs_modulus, self.gear.poisson_ratio]
     }
 
     /// Unit normal loads on the flank nodes, in the numbering `first` of the unknowns.
@@ -129,12 +167,7 @@ impl Model {
                 .elapsed()
                 .as_secs_f64()
         };
-        let stiffness = assembly::assemble(
-            &self.mesh,
-            order,
-            self.gear.youngs_modulus,
-            self.gear.poisson_ratio,
-        );
+        let stiffness = assembly::assemble(&self.mesh, order, self.material());
         let assembled = lap();
         let side_unknowns =
             self.mesh.dimension * (self.mesh.sides[0].len() + self.mesh.sides[1].len());

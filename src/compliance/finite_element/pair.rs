@@ -1,9 +1,10 @@
 //! The models of both gears of a pair.
 
 use super::cache::same_model;
-use super::{FiniteElementCompliance, FiniteElementError, Origin, Progress, Settings};
+use super::{
+    Estimate, FiniteElementCompliance, FiniteElementError, ModelCache, Origin, Progress, Settings,
+};
 use crate::gear::PairGeometry;
-use std::path::Path;
 use std::sync::Arc;
 
 /// Models of gear 1 and gear 2; the same one twice when the gears are equal but for hand and axial
@@ -17,7 +18,24 @@ pub struct PairCompliance {
 }
 
 impl PairCompliance {
-    /// Computes both models, or reads them from the cache directory if there is one. `progress` is
+    /// What [`PairCompliance::new`] will take for gear 1 and gear 2; nothing for a gear 2 that shares gear 1's model.
+    ///
+    /// # Errors
+    /// Those of gears that cannot be meshed.
+    pub fn estimate(
+        pair: &PairGeometry,
+        settings: &Settings,
+        cache: Option<&ModelCache>,
+    ) -> Result<[Estimate; 2], FiniteElementError> {
+        let first = Estimate::new(&pair.gears[0], settings, cache)?;
+        let second = match same_model(&pair.gears, settings)? {
+            true => Estimate::default(),
+            false => Estimate::new(&pair.gears[1], settings, cache)?,
+        };
+        Ok([first, second])
+    }
+
+    /// Computes both models, or reads them from the cache if there is one. `progress` is
     /// called with the number of the gear (0 or 1) in front.
     ///
     /// # Errors
@@ -25,14 +43,14 @@ impl PairCompliance {
     pub fn new(
         pair: &PairGeometry,
         settings: &Settings,
-        cache: Option<&Path>,
+        cache: Option<&ModelCache>,
         progress: &(dyn Fn(usize, super::Stage, f64) -> bool + Sync),
     ) -> Result<PairCompliance, FiniteElementError> {
         let model = |gear: usize| {
             let told: &Progress<'_> = &|stage, share| progress(gear, stage, share);
             match cache {
-                Some(directory) => {
-                    FiniteElementCompliance::cached(&pair.gears[gear], settings, directory, told)
+                Some(cache) => {
+                    FiniteElementCompliance::cached(&pair.gears[gear], settings, cache, told)
                 }
                 None => FiniteElementCompliance::new(&pair.gears[gear], settings, told)
                     .map(|model| (model, Origin::Computed)),
@@ -40,7 +58,7 @@ impl PairCompliance {
             .map(|(model, origin)| (Arc::new(model), origin))
         };
         let first = model(0)?;
-        let second = if same_model(&pair.gears[0], &pair.gears[1]) {
+        let second = if same_model(&pair.gears, settings)? {
             first.clone()
         } else {
             model(1)?

@@ -57,27 +57,6 @@ impl Discretization {
         }
     }
 
-    /// All sizes but the kernel's, which the influence of the flank nodes does not depend on.
-    pub(super) fn mesh_sizes(&self) -> [f64; 6] {
-        let Discretization {
-            flank_element,
-            growth,
-            tooth_element,
-            root_element,
-            layer,
-            end_layer,
-            kernel_half_width: _,
-        } = *self;
-        [
-            flank_element,
-            growth,
-            tooth_element,
-            root_element,
-            layer,
-            end_layer,
-        ]
-    }
-
     pub(super) fn section(&self, normal_module: f64) -> SectionSizes {
         SectionSizes {
             flank: self.flank_element * normal_module,

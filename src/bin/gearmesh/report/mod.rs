@@ -1,8 +1,8 @@
 //! `gearmesh report PAIR.json`: one HTML page with the static contact of a pair, in pictures.
 
-mod chart;
+pub mod chart;
 mod flank_map;
-mod page;
+pub mod page;
 mod pressure;
 
 use std::path::PathBuf;
@@ -61,7 +61,8 @@ impl Report {
         let pair = self.model.applied_to(Pair::read(&self.pair)?);
         output::check_writable(&self.output)?;
         self.model.use_threads()?;
-        let model = self.model.solver(&pair, None)?;
+        let job = self.model.job(&pair, "static contact")?;
+        let model = self.model.solver(&pair, &job)?;
         let cycles = self.cycles(&pair, &model)?;
 
         let mut page = Page::new(&format!("Static tooth contact: {}", pair.name));

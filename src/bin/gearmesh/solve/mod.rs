@@ -1,0 +1,238 @@
+//! `gearmesh solve PAIR.json`: mesh cycles, quasi-static, for one load or a matrix of loads.
+
+mod deflection;
+mod files;
+mod report;
+mod text;
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use gearmesh::contact::{CycleInput, Deflection, LoadCase, MeshCycle};
+use gearmesh::gear;
+use gearmesh::pair::Pair;
+use serde::Serialize;
+
+use crate::limits;
+use crate::losses::{Losses, SpeedArgs};
+use crate::model::{Model, ModelArgs};
+use crate::output::{self, Listing};
+use crate::progress::CONTACT;
+use deflection::DeflectionArgs;
+use report::Report;
+
+/// The loaded flank of gear 1 on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Flank {
+    /// In contact when gear 1 turns in its + sense and drives
+    Drive,
+    /// The other one
+    Coast,
+}
+
+impl From<Flank> for gear::Flank {
+    fn from(flank: Flank) -> Self {
+        match flank {
+            Flank::Drive => gear::Flank::Drive,
+            Flank::Coast => gear::Flank::Coast,
+        }
+    }
+}
+
+/// Solve the static contact over the mesh cycle, for one load or for every torque with every misalignment.
+#[derive(Debug, Args)]
+pub struct Solve {
+    /// Pair file
+    pair: PathBuf,
+
+    /// Torques on gear 1, N m, separated by commas [default: the pair's nominal torque]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    torque_nm: Vec<f64>,
+
+    /// Number of positions over the mesh cycle
+    #[arg(long, default_value_t = 32)]
+    positions: usize,
+
+    /// Actual minus nominal centre distance, um
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    center_distance_offset_um: f64,
+
+    /// Misalignments in the plane of action, mrad, separated by commas; > 0: more penetration at larger z
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, default_values_t = [0.0])]
+    misalignment_mrad: Vec<f64>,
+
+    /// Loaded flank of gear 1
+    #[arg(long, value_enum, default_value_t = Flank::Drive)]
+    flank: Flank,
+
+    #[command(flatten)]
+    deflection: DeflectionArgs,
+
+    #[command(flatten)]
+    speeds: SpeedArgs,
+
+    /// Solve with finite elements of another refinement, too, and print how far the results differ
+    #[arg(long, conflicts_with = "json")]
+    estimate_error: bool,
+
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+
+    /// Folder for load distribution, mesh cycle, stiffness, load along the face and a summary as CSV files, too; it
+    /// is made if it is not there
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    model: ModelArgs,
+}
+
+/// What `--json` prints of more than one load.
+#[derive(Serialize)]
+struct Matrix<'a> {
+    cases: &'a [Report],
+}
+
+impl Solve {
+    /// Solves and prints.
+    pub fn run(self) -> Result<(), crate::Error> {
+        limits::positions(self.positions)?;
+        let mut pair = self.model.applied_to(Pair::read(&self.pair)?);
+        let cases = self.cases(&pair)?;
+        let deflection = self.deflection.read(&pair.geometry)?;
+        if let Some(folder) = &self.output {
+            files::check(folder)?;
+        }
+        let input = CycleInput {
+            flank: self.flank.into(),
+            torque: cases[0].torque,
+            center_distance_offset: self.center_distance_offset_um * 1e-6,
+            misalignment: cases[0].misalignment,
+            positions: self.positions,
+        };
+        self.widen(&mut pair, &cases, deflection.as_ref());
+        self.model.use_threads()?;
+        let solved = |pair: &Pair| self.solve(pair, &input, &cases, deflection.as_ref());
+        let (model, cycles) = solved(&pair)?;
+        let reports: Vec<Report> = cases
+            .iter()
+            .zip(&cycles)
+            .map(|(case, cycle)| {
+                let input = of_case(&input, case);
+                let stations = model.solver.settings().stations;
+                let losses = Losses::new(&pair, &input, cycle, &self.speeds)?;
+                Ok(Report::new(&pair.geometry, &input, stations, cycle, losses))
+            })
+            .collect::<Result<_, crate::Error>>()?;
+        if let Some(folder) = &self.output {
+            files::write(folder, &pair.geometry, &cycles, &reports)?;
+        }
+        let mut text = match (&cycles[..], &reports[..]) {
+            (_, [report]) if self.json => serde_json::to_string_pretty(report)? + "\n",
+            _ if self.json => serde_json::to_string_pretty(&Matrix { cases: &reports })? + "\n",
+            ([cycle], [report]) => text::one(&pair, &model, &input, cycle, report),
+            _ => text::many(&pair, &model, &input, &cycles, &reports),
+        };
+        if self.estimate_error {
+            let (other, others) = solved(&ModelArgs::reference(&pair))?;
+            text += &difference(&other, &cycles, &others);
+        }
+        output::print(&text)?;
+        Ok(())
+    }
+
+    /// Every torque with every misalignment, refused where no pair file may cover it.
+    fn cases(&self, pair: &Pair) -> Result<Vec<LoadCase>, crate::Error> {
+        let nominal = [pair.operating.nominal_torque];
+        let torques = match &self.torque_nm[..] {
+            [] => &nominal[..],
+            given => given,
+        };
+        let mut cases = Vec::new();
+        for &torque in torques {
+            for &misalignment in &self.misalignment_mrad {
+                limits::operating_point(torque, self.center_distance_offset_um, misalignment)?;
+                cases.push(LoadCase {
+                    torque,
+                    misalignment: misalignment * 1e-3,
+                });
+            }
+        }
+        limits::cases(cases.len())?;
+        Ok(cases)
+    }
+
+    /// The solver of `pair`, and a cycle for each of `cases`.
+    fn solve(
+        &self,
+        pair: &Pair,
+        input: &CycleInput,
+        cases: &[LoadCase],
+        deflection: Option<&Deflection>,
+    ) -> Result<(Model, Vec<MeshCycle>), crate::Error> {
+        let job = self.model.job(pair, "static contact")?;
+        let mut model = self.model.solver(pair, &job)?;
+        if let Some(deflection) = deflection {
+            model.solver = model.solver.with_deflection(deflection.clone());
+        }
+        let total = self.positions * cases.len();
+        let told = |share: f64| {
+            let done = (share * total as f64).round();
+            job.set(CONTACT, share, &format!("{done} of {total} solves"));
+        };
+        let cycles = MeshCycle::solve_all(&model.solver, input, cases, &told)?;
+        Ok((model, cycles))
+    }
+
+    /// Widens the ranges of the pair file to what is asked here: they decide how wide a contact the elastic
+    /// model resolves and how far tip corners are followed.
+    fn widen(&self, pair: &mut Pair, cases: &[LoadCase], deflection: Option<&Deflection>) {
+        let include = |range: &mut [f64; 2], value: f64| {
+            *range = [range[0].min(value), range[1].max(value)];
+        };
+        let (low, width) = pair.geometry.face_overlap();
+        let bent = deflection.map_or(0.0, |deflection| {
+            let [least, largest] = deflection.range([low, low + width]);
+            (largest - least) / width
+        });
+        let operating = &mut pair.operating;
+        for case in cases {
+            operating.maximum_torque = operating.maximum_torque.max(case.torque);
+            // A deflection gathers the load as the misalignment of its range does.
+            include(&mut operating.misalignment, case.misalignment - bent);
+            include(&mut operating.misalignment, case.misalignment + bent);
+        }
+        include(
+            &mut operating.center_distance_offset,
+            self.center_distance_offset_um * 1e-6,
+        );
+    }
+}
+
+/// `input` at the load of `case`.
+fn of_case(input: &CycleInput, case: &LoadCase) -> CycleInput {
+    CycleInput {
+        torque: case.torque,
+        misalignment: case.misalignment,
+        ..*input
+    }
+}
+
+/// How far the elastic model of another refinement is from this one, at the load where it differs most.
+fn difference(model: &Model, cycles: &[MeshCycle], others: &[MeshCycle]) -> String {
+    let largest = |of: fn(&MeshCycle) -> f64| {
+        let ratios = cycles.iter().zip(others).map(|(a, b)| of(a) / of(b) - 1.0);
+        let worst = ratios.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        format!("{:+.2} %", 100.0 * worst.unwrap_or(f64::NAN))
+    };
+    let mut rows = Listing::default();
+    rows.row("compared with", &model.description)
+        .row("mean STE", largest(MeshCycle::mean_ste))
+        .row("peak-to-peak STE", largest(MeshCycle::peak_to_peak_ste))
+        .row(
+            "time for its elastic model",
+            format!("{:.3} s, {}", model.compliance_seconds, model.origin),
+        );
+    format!("\nestimated error, from the difference to another refinement\n{rows}")
+}

@@ -1,0 +1,431 @@
+//! `gearmesh study PAIR.json`: what tolerances do to transmission error and pressure.
+
+mod page;
+mod samples;
+mod statistics;
+mod variation;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use clap::Args;
+use gearmesh::contact::{ContactSolver, CycleInput, MeshCycle};
+use gearmesh::gear::{self, tolerance};
+use gearmesh::pair::{Pair, PairDraft};
+use gearmesh::words::{count, fixed, rounded, shown};
+use rayon::prelude::*;
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::Error;
+use crate::limits;
+use crate::model::{Model, ModelArgs};
+use crate::output::{self, Listing};
+use crate::progress::CONTACT;
+use samples::{RESULTS, Sample};
+use statistics::Statistics;
+use variation::{Asked, LOAD, Variation};
+
+/// Draw samples of a pair within its tolerances and solve the mesh cycle of each.
+///
+/// Every sample is the same in every run with the same seed. A study that was stopped goes on where it was when it is
+/// started again.
+#[derive(Debug, Args)]
+pub struct Study {
+    /// Pair file
+    pair: PathBuf,
+
+    /// Field of the pair file, or torque_nm, misalignment_mrad or center_distance_offset_um, and the interval in which
+    /// it is drawn: FIELD=LOW..HIGH, or FIELD=+-TOLERANCE about the value in the file; repeatable
+    #[arg(long, value_name = "FIELD=INTERVAL")]
+    vary: Vec<Asked>,
+
+    /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile slope and helix slope of both gears are drawn within its
+    /// f_HaT and f_HbT about the values in the file
+    #[arg(long, value_name = "CLASS")]
+    iso_1328_class: Option<u8>,
+
+    /// Number of samples
+    #[arg(long, default_value_t = 500)]
+    samples: usize,
+
+    /// Another seed draws other samples
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+
+    /// Torque on gear 1, N m, where it is not varied [default: the pair's nominal torque]
+    #[arg(long)]
+    torque_nm: Option<f64>,
+
+    /// Number of positions over the mesh cycle
+    #[arg(long, default_value_t = 32)]
+    positions: usize,
+
+    /// Folder for samples.csv, study.json and study.html; it is made if it is not there
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+
+    /// Leave out what the folder holds of an earlier run
+    #[arg(long)]
+    restart: bool,
+
+    #[command(flatten)]
+    model: ModelArgs,
+}
+
+/// `study.json`.
+#[derive(Debug, Serialize)]
+struct Summary<'a> {
+    pair: &'a str,
+    /// Of everything that the samples depend on.
+    identity: &'a str,
+    seed: u64,
+    /// Distribution of every field in its interval.
+    distribution: &'static str,
+    varied: &'a [Variation],
+    samples: usize,
+    refused: usize,
+    statistics: &'a [Statistics],
+}
+
+/// Everything that solving a sample takes.
+struct Bench<'a> {
+    draft: PairDraft,
+    /// The pair as drawn, its operating range widened to what is varied.
+    pair: Pair,
+    model: Model,
+    variations: &'a [Variation],
+    torque: f64,
+    positions: usize,
+}
+
+impl Study {
+    /// Solves the samples, writes, and prints the spread.
+    pub fn run(self) -> Result<(), Error> {
+        limits::positions(self.positions)?;
+        limits::samples(self.samples)?;
+        if let Some(class) = self
+            .iso_1328_class
+            .filter(|c| !tolerance::CLASSES.contains(c))
+        {
+            return Err(format!("--iso-1328-class = {class}: give a class from 1 to 11").into());
+        }
+        let draft = PairDraft::read(&self.pair)?;
+        let mut pair = self.model.applied_to(draft.pair()?);
+        let torque = self.torque_nm.unwrap_or(pair.operating.nominal_torque);
+        limits::operating_point(torque, 0.0, 0.0)?;
+        let variations = Variation::all(&self.vary, self.iso_1328_class, &draft, &pair, torque)?;
+        check(&variations, &draft, &pair, torque)?;
+        widen(&mut pair, &variations, torque);
+
+        let folder = &self.output;
+        std::fs::create_dir_all(folder)
+            .map_err(|error| format!("--output = {}: {error}", folder.display()))?;
+        let [table, summary, page] =
+            ["samples.csv", "study.json", "study.html"].map(|name| folder.join(name));
+        for path in [&table, &summary, &page] {
+            output::check_writable(path)?;
+        }
+        let identity = self.identity(&pair, &variations, torque);
+        let mut done = match self.restart {
+            true => Vec::new(),
+            false => earlier(&table, &summary, &variations, &identity)?,
+        };
+        // More samples than asked for now stay in the table.
+        let wanted: Vec<usize> = (0..=self.samples)
+            .filter(|n| !done.iter().any(|sample| sample.number == *n))
+            .collect();
+        let name = pair.name.clone();
+        let all = Summary {
+            pair: &name,
+            identity: &identity,
+            seed: self.seed,
+            distribution: "even",
+            varied: &variations,
+            samples: self.samples,
+            refused: 0,
+            statistics: &[],
+        };
+        write_json(&summary, &all)?;
+
+        self.model.use_threads()?;
+        let job = self.model.job(&pair, "static contact of the samples")?;
+        let model = self.model.solver(&pair, &job)?;
+        let bench = Bench {
+            draft,
+            pair,
+            model,
+            variations: &variations,
+            torque,
+            positions: self.positions,
+        };
+        let finished = AtomicUsize::new(0);
+        // A block at a time is written, so that little is lost by a kill.
+        for block in wanted.chunks(4 * rayon::current_num_threads()) {
+            let solved: Vec<Sample> = block
+                .par_iter()
+                .map(|&number| {
+                    let sample = bench.sample(number, self.seed);
+                    let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
+                    let told = format!("{done} of {} samples", wanted.len());
+                    job.set(CONTACT, done as f64 / wanted.len() as f64, &told);
+                    sample
+                })
+                .collect();
+            done.extend(solved);
+            done.sort_by_key(|sample| sample.number);
+            samples::write(&table, &variations, &done)?;
+        }
+        drop(job);
+
+        let statistics = spread(&done)?;
+        let refused = done.iter().filter(|s| s.outcome.is_err()).count();
+        write_json(
+            &summary,
+            &Summary {
+                samples: done.len() - 1,
+                refused,
+                statistics: &statistics,
+                ..all
+            },
+        )?;
+        let text = self.text(&bench, &done, &statistics);
+        let html = page::page(&name, &text, &done)?;
+        output::write_whole(&page, html.as_bytes())?;
+        output::print(&text)?;
+        Ok(())
+    }
+
+    /// Hash of everything that the samples depend on.
+    fn identity(&self, pair: &Pair, variations: &[Variation], torque: f64) -> String {
+        let all = format!(
+            "{} {pair:?} {variations:?} {} {} {torque} {:?}",
+            env!("CARGO_PKG_VERSION"),
+            self.seed,
+            self.positions,
+            self.model.contact_settings(pair)
+        );
+        let hash = Sha256::digest(format!("{all} {}", self.model.is_plane_strain()));
+        hash.iter()
+            .take(16)
+            .map(|byte| format!("{byte:02x}"))
+            .collect()
+    }
+
+    fn text(&self, bench: &Bench, done: &[Sample], statistics: &[Statistics]) -> String {
+        use std::fmt::Write;
+        let refused = done.iter().filter(|s| s.outcome.is_err()).count();
+        let mut text = format!(
+            "{}: {}, {refused} refused, seed {}\n",
+            shown(&bench.pair.name),
+            count(done.len() - 1, "sample"),
+            self.seed
+        );
+        let mut rows = Listing::default();
+        for v in bench.variations {
+            rows.row(&v.field, format!("{} to {}, even", v.low, v.high));
+        }
+        let _ = write!(text, "\n{rows}\n");
+        let heads = ["as drawn", "mean", "5 %", "median", "95 %", "largest"];
+        let _ = write!(text, "{:<26}", "");
+        for head in heads {
+            let _ = write!(text, " {head:>9}");
+        }
+        text.push('\n');
+        for s in statistics {
+            let _ = write!(text, "{:<26}", s.result);
+            for value in [
+                s.nominal,
+                s.mean,
+                s.percentile_5,
+                s.median,
+                s.percentile_95,
+                s.largest,
+            ] {
+                let digits = if value.abs() < 100.0 { 3 } else { 0 };
+                let _ = write!(text, " {:>9}", fixed(value, digits));
+            }
+            text.push('\n');
+        }
+        text.push_str("\ncorrelation with          ");
+        for result in ["p-p STE", "pressure"] {
+            let _ = write!(text, " {result:>9}");
+        }
+        text.push('\n');
+        for (k, v) in bench.variations.iter().enumerate() {
+            let _ = write!(text, "{:<26}", v.field);
+            for of in [0, 3] {
+                let _ = write!(text, " {:>9}", fixed(statistics[of].correlation[k], 2));
+            }
+            text.push('\n');
+        }
+        let first = done
+            .iter()
+            .find_map(|s| Some((s.number, s.outcome.as_ref().err()?)));
+        if let Some((number, error)) = first {
+            let _ = write!(text, "\nfirst that was refused: sample {number}: {error}\n");
+        }
+        text
+    }
+}
+
+/// Samples of an earlier run of the same study in the files `table` and `summary`.
+fn earlier(
+    table: &Path,
+    summary: &Path,
+    variations: &[Variation],
+    identity: &str,
+) -> Result<Vec<Sample>, Error> {
+    if !summary.exists() {
+        return Ok(Vec::new());
+    }
+    let found: serde_json::Value = serde_json::from_str(&output::read_text(summary)?)
+        .map_err(|error| format!("{}: {error}; begin anew with --restart", summary.display()))?;
+    if found["identity"] != identity {
+        return Err(format!(
+            "{}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with \
+             --restart",
+            summary.display()
+        )
+        .into());
+    }
+    samples::read(table, variations)
+}
+
+fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
+    let text = serde_json::to_string_pretty(summary)? + "\n";
+    Ok(output::write_whole(path, text.as_bytes())?)
+}
+
+/// Refuses fields that there are not, values that the pair file may not have, and what changes the teeth
+/// themselves, before anything is computed.
+fn check(
+    variations: &[Variation],
+    draft: &PairDraft,
+    pair: &Pair,
+    torque: f64,
+) -> Result<(), Error> {
+    for v in variations {
+        for value in [v.low, v.high] {
+            if LOAD.contains(&v.field.as_str()) {
+                let of =
+                    |name: &str, otherwise: f64| if v.field == name { value } else { otherwise };
+                limits::operating_point(
+                    of("torque_nm", torque),
+                    of("center_distance_offset_um", 0.0),
+                    of("misalignment_mrad", 0.0),
+                )?;
+                continue;
+            }
+            let mut changed = draft.clone();
+            changed.set(&v.field, value)?;
+            let found = changed
+                .pair()
+                .map_err(|error| format!("--vary {}: {error}", v.field))?;
+            if found.geometry != pair.geometry {
+                return Err(format!(
+                    "--vary {}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
+                     its own; vary modifications, torque_nm, misalignment_mrad or center_distance_offset_um",
+                    v.field
+                )
+                .into());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Widens the operating range to what is varied.
+fn widen(pair: &mut Pair, variations: &[Variation], torque: f64) {
+    let operating = &mut pair.operating;
+    operating.maximum_torque = operating.maximum_torque.max(torque);
+    for v in variations {
+        let include = |range: &mut [f64; 2], scale: f64| {
+            *range = [range[0].min(v.low * scale), range[1].max(v.high * scale)];
+        };
+        match v.field.as_str() {
+            "torque_nm" => operating.maximum_torque = operating.maximum_torque.max(v.high),
+            "misalignment_mrad" => include(&mut operating.misalignment, 1e-3),
+            "center_distance_offset_um" => include(&mut operating.center_distance_offset, 1e-6),
+            _ => {}
+        }
+    }
+}
+
+impl Bench<'_> {
+    /// Sample `number`; 0 is the pair as drawn.
+    fn sample(&self, number: usize, seed: u64) -> Sample {
+        let fields = match number {
+            0 => {
+                let drawn = |v: &Variation| match v.field.as_str() {
+                    "torque_nm" => self.torque,
+                    field => self.draft.number(field).unwrap_or(0.0),
+                };
+                self.variations.iter().map(drawn).collect()
+            }
+            number => variation::draw(self.variations, seed, number),
+        };
+        Sample {
+            number,
+            outcome: self.solve(&fields).map_err(|error| error.to_string()),
+            fields,
+        }
+    }
+
+    fn solve(&self, fields: &[f64]) -> Result<[f64; RESULTS.len()], Error> {
+        let mut input = CycleInput {
+            flank: gear::Flank::Drive,
+            torque: self.torque,
+            center_distance_offset: 0.0,
+            misalignment: 0.0,
+            positions: self.positions,
+        };
+        let mut draft = self.draft.clone();
+        for (v, value) in self.variations.iter().zip(fields) {
+            match v.field.as_str() {
+                "torque_nm" => input.torque = *value,
+                "misalignment_mrad" => input.misalignment = value * 1e-3,
+                "center_distance_offset_um" => input.center_distance_offset = value * 1e-6,
+                field => draft.set(field, *value)?,
+            }
+        }
+        let pair = Pair {
+            microgeometry: draft.pair()?.microgeometry,
+            ..self.pair.clone()
+        };
+        let compliance = self.model.compliance.clone();
+        let settings = *self.model.solver.settings();
+        let solver = ContactSolver::new(&pair, compliance, settings)?;
+        let cycle = MeshCycle::solve(&solver, &input)?;
+        let g = &pair.geometry;
+        let (low, width) = g.face_overlap();
+        let cos_beta_b = g.base_helix_angle().cos();
+        let face = cycle.face_load([low, low + width], settings.stations, cos_beta_b);
+        Ok(samples::results(&cycle, face.face_load_factor()).map(rounded))
+    }
+}
+
+/// Statistics of every result over the samples that were solved.
+fn spread(done: &[Sample]) -> Result<Vec<Statistics>, Error> {
+    let nominal = match done.iter().find(|s| s.number == 0).map(|s| &s.outcome) {
+        Some(Ok(results)) => *results,
+        Some(Err(error)) => return Err(format!("the pair as drawn: {error}").into()),
+        None => return Err("the pair as drawn was not solved; begin anew with --restart".into()),
+    };
+    let solved = || {
+        let drawn = done.iter().filter(|s| s.number > 0);
+        drawn.filter_map(|s| Some((&s.fields[..], s.outcome.as_ref().ok()?)))
+    };
+    let fields: Vec<&[f64]> = solved().map(|(fields, _)| fields).collect();
+    if fields.is_empty() {
+        return Err("no sample could be solved; samples.csv says why".into());
+    }
+    Ok(RESULTS
+        .iter()
+        .enumerate()
+        .map(|(k, name)| {
+            let values: Vec<f64> = solved().map(|(_, results)| results[k]).collect();
+            Statistics::new(name, nominal[k], &values, &fields)
+        })
+        .collect())
+}

@@ -1,0 +1,117 @@
+//! What a model will take, from its mesh alone.
+
+use super::cache::ModelCache;
+use super::model::Model;
+use super::{FiniteElementError, Settings};
+use crate::gear::Gear;
+
+/// What a model will take.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Estimate {
+    /// Whether it is kept already, so that it takes no time.
+    pub kept: bool,
+    /// Time for assembly, condensation and ring on a machine with two cores, s; on others in proportion.
+    pub seconds: [f64; 3],
+    /// Largest working memory, bytes.
+    pub memory_bytes: f64,
+    /// Size in the cache, bytes.
+    pub file_bytes: f64,
+}
+
+/// Time to integrate and assemble one element, s.
+const ELEMENT: f64 = 1e-4;
+/// Operations per second of dense kernels.
+const DENSE: f64 = 30e9;
+/// Entries of the factor over the 1.5th power of the unknowns: nested dissection of a thin solid.
+const FILL: f64 = 5.0;
+/// Entries of the stiffness matrix per unknown, lower triangle.
+const ENTRIES: f64 = 80.0;
+/// Bytes of an entry of the influence in a file.
+const BYTES: f64 = 1.7;
+
+impl Estimate {
+    /// For the model of `gear`, to be kept in `cache` if there is one.
+    ///
+    /// # Errors
+    /// [`FiniteElementError`] for a gear that cannot be meshed.
+    pub fn new(
+        gear: &Gear,
+        settings: &Settings,
+        cache: Option<&ModelCache>,
+    ) -> Result<Estimate, FiniteElementError> {
+        let model = Model::new(gear, settings)?;
+        let mesh = &model.mesh;
+        let held = mesh.held.iter().filter(|held| **held).count();
+        let unknowns = (mesh.dimension * (mesh.points.len() - held)) as f64;
+        let loads = mesh.flank.len() as f64;
+        let side = (mesh.dimension * mesh.sides[0].len()) as f64;
+        let matrices = settings.reach as f64 + 1.0;
+        let factor = FILL * unknowns.powf(1.5);
+        let condensation =
+            factor * factor / unknowns + 2.0 * factor * loads + unknowns * loads * loads;
+        // Complex: four times the operations.
+        let harmonic = 4.0 * (side.powi(3) / 3.0 + side * side * loads + side * loads * loads);
+        let harmonics = 0.5 * f64::from(gear.teeth) + 1.0;
+        Ok(Estimate {
+            kept: cache.is_some_and(|cache| cache.holds(&model, settings)),
+            seconds: [
+                ELEMENT * mesh.cells.len() as f64,
+                condensation / DENSE,
+                harmonics * harmonic / DENSE,
+            ],
+            memory_bytes: 8.0
+                * (factor
+                    + 2.0 * ENTRIES * unknowns
+                    + unknowns * loads
+                    + 2.0 * matrices * loads * loads),
+            file_bytes: BYTES * matrices * loads * loads,
+        })
+    }
+
+    /// Time that it will take, s; none for what is kept.
+    pub fn total_seconds(&self) -> f64 {
+        if self.kept {
+            0.0
+        } else {
+            self.seconds.iter().sum()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compliance::finite_element::FiniteElementCompliance;
+    use crate::gear::{GearKind, samples};
+    use crate::pair::Refinement;
+
+    #[test]
+    fn unknowns_are_counted_and_a_kept_model_takes_no_time() {
+        let gear = Gear {
+            face_width: 12e-3,
+            ..samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0)
+        };
+        let settings = Settings::new(Refinement::Coarse, 2);
+        let folder = tempfile::tempdir().unwrap();
+        let cache = ModelCache::new(folder.path(), ModelCache::DEFAULT_LIMIT);
+        let before = Estimate::new(&gear, &settings, Some(&cache)).unwrap();
+        assert!(!before.kept && before.total_seconds() > 0.0);
+        let (model, _) =
+            FiniteElementCompliance::cached(&gear, &settings, &cache, &|_, _| true).unwrap();
+        let after = Estimate::new(&gear, &settings, Some(&cache)).unwrap();
+        assert!(after.kept && after.total_seconds() == 0.0);
+        let near = |a: f64, b: f64| (a / b).ln().abs() < 3f64.ln();
+        let bytes = cache.models().unwrap()[0].bytes as f64;
+        assert!(
+            near(before.file_bytes, bytes),
+            "{} {bytes}",
+            before.file_bytes
+        );
+        let memory = model.cost().memory_bytes as f64;
+        assert!(
+            near(before.memory_bytes, memory),
+            "{} {memory}",
+            before.memory_bytes
+        );
+    }
+}

@@ -1,0 +1,125 @@
+//! Deflections of shafts and housings along the face, beside the one number M.
+
+use super::error::ContactError;
+
+/// How far the flanks of both gears have come closer along the face, on the line of action, before the load of
+/// the mesh: > 0 closes, as an approach does. Straight between its points and, beyond them, on as between the
+/// two outermost. A misalignment M is the deflection M (z - z_ref); both add.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Deflection {
+    /// (z in gear 1's frame, closing), m, ascending in z; none where there is no deflection.
+    points: Vec<[f64; 2]>,
+}
+
+impl Deflection {
+    /// Through `points`: (z in gear 1's frame, closing on the line of action), m.
+    ///
+    /// # Errors
+    /// [`ContactError::Input`] for fewer than two points, numbers that are not finite, and z that do not ascend.
+    pub fn new(points: Vec<[f64; 2]>) -> Result<Deflection, ContactError> {
+        let refused = |field, value, remedy| {
+            Err(ContactError::Input {
+                field,
+                value,
+                remedy,
+            })
+        };
+        if points.len() < 2 {
+            let count = points.len() as f64;
+            return refused("points of the deflection", count, "give at least 2");
+        }
+        if let Some(value) = points.iter().flatten().find(|v| !v.is_finite()) {
+            return refused("deflection", *value, "give finite numbers");
+        }
+        if let Some(pair) = points.windows(2).find(|p| p[1][0] <= p[0][0]) {
+            return refused("z of the deflection", pair[1][0], "let z ascend");
+        }
+        Ok(Deflection { points })
+    }
+
+    /// The ends of the face, `ends` (m in gear 1's frame), closed by `bow` (m) less than its middle, where the
+    /// deflection is zero; parabolic.
+    ///
+    /// # Errors
+    /// As [`Deflection::new`].
+    pub fn bow(bow: f64, ends: [f64; 2]) -> Result<Deflection, ContactError> {
+        // 64 straight pieces are off a parabola by a four-thousandth of its height.
+        const PIECES: usize = 64;
+        let points = (0..=PIECES).map(|i| {
+            let t = 2.0 * i as f64 / PIECES as f64 - 1.0;
+            let z = 0.5 * ((1.0 - t) * ends[0] + (1.0 + t) * ends[1]);
+            [z, -bow * t * t]
+        });
+        Deflection::new(points.collect())
+    }
+
+    /// Closing at `z` (m in gear 1's frame), m.
+    pub fn closing(&self, z: f64) -> f64 {
+        if self.points.is_empty() {
+            return 0.0;
+        }
+        let above = self.points.partition_point(|p| p[0] <= z);
+        let last = above.clamp(1, self.points.len() - 1);
+        let ([z0, d0], [z1, d1]) = (self.points[last - 1], self.points[last]);
+        d0 + (d1 - d0) * (z - z0) / (z1 - z0)
+    }
+
+    /// Least and largest closing over the face with the ends `ends`, m.
+    pub fn range(&self, ends: [f64; 2]) -> [f64; 2] {
+        let inside = self
+            .points
+            .iter()
+            .filter(|p| ends[0] < p[0] && p[0] < ends[1]);
+        let values = ends.map(|z| self.closing(z)).into_iter();
+        values
+            .chain(inside.map(|p| p[1]))
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+                [low.min(v), high.max(v)]
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_passes_through_its_points_and_goes_on_straight() {
+        let curve = Deflection::new(vec![[0.0, 1e-6], [10e-3, 3e-6], [20e-3, 2e-6]]).unwrap();
+        for (z, closing) in [
+            (0.0, 1.0),
+            (5e-3, 2.0),
+            (10e-3, 3.0),
+            (15e-3, 2.5),
+            (30e-3, 1.0),
+            (-5e-3, 0.0),
+        ] {
+            assert!((1e6 * curve.closing(z) - closing).abs() < 1e-9, "{z}");
+        }
+        let [low, high] = curve.range([5e-3, 20e-3]);
+        assert!((low - 2e-6).abs() < 1e-15 && (high - 3e-6).abs() < 1e-15);
+        assert_eq!(Deflection::default().closing(1.0), 0.0);
+    }
+
+    #[test]
+    fn a_bow_is_zero_in_the_middle_and_opens_the_ends() {
+        let bow = Deflection::bow(4e-6, [2e-3, 22e-3]).unwrap();
+        for (z, closing) in [(2e-3, -4.0), (12e-3, 0.0), (17e-3, -1.0), (22e-3, -4.0)] {
+            assert!((1e6 * bow.closing(z) - closing).abs() < 1e-9, "{z}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_curve_is_refused() {
+        for points in [
+            vec![[0.0, 0.0]],
+            vec![[0.0, 0.0], [0.0, 1.0]],
+            vec![[0.0, 0.0], [1.0, f64::NAN]],
+        ] {
+            assert!(matches!(
+                Deflection::new(points),
+                Err(ContactError::Input { .. })
+            ));
+        }
+    }
+}

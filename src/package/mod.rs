@@ -27,7 +27,7 @@ pub use library::{Library, library_beside};
 pub use mass::Blank;
 pub use settings::{Setting, SettingError};
 pub use starts::{Starts, meshing_spin};
-pub use stiffness::{Stiffness, estimated_stiffness};
+pub use stiffness::{Stiffness, estimated_stiffness, theoretical_pair_stiffness};
 
 use crate::contact::ContactFile;
 use crate::fmi::resources::{

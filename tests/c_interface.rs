@@ -7,7 +7,7 @@ use std::path::Path;
 use std::ptr;
 use std::sync::Mutex;
 
-use ::fmi::fmi2::binding::*;
+use fmi_sys::fmi2::*;
 use gearmesh::fmi::c_interface::*;
 use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, UnitFile};
 use gearmesh::gear::samples;

@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::ffi::CString;
 
-use ::fmi::fmi2::binding::{
+use fmi_sys::fmi2::{
     fmi2Status, fmi2Status_fmi2Discard, fmi2Status_fmi2Error, fmi2Status_fmi2Fatal,
     fmi2Status_fmi2Warning, fmi2StatusKind, fmi2Type, fmi2Type_fmi2CoSimulation,
     fmi2Type_fmi2ModelExchange,

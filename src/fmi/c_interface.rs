@@ -21,7 +21,7 @@ use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 
-use ::fmi::fmi2::binding::*;
+use fmi_sys::fmi2::*;
 use libc::c_char;
 
 use super::boundary::{

@@ -89,8 +89,8 @@ impl Element {
         Ok(())
     }
 
-    /// Why an evaluation that gave `outputs` at `inputs` is out of range ([`Outputs::out_of_range`]), each reason with
-    /// its value and what would be in range.
+    /// What puts the pose `inputs`, which gave `outputs`, out of range ([`Outputs::out_of_range`]), each with its value and
+    /// what would be in range; empty where it is the load alone.
     ///
     /// # Errors
     /// A pose without meaning.
@@ -125,14 +125,6 @@ impl Element {
                 {
                     reasons.push(self.place(outputs));
                 }
-            }
-            let force = outputs.tangential_force * outputs.center_distance / k.base_sum;
-            if reasons.is_empty() && force > 0.0 {
-                reasons.push(format!(
-                    "a force of {} kN on the line of action (largest load {} kN)",
-                    fixed(1e-3 * force, 2),
-                    fixed(1e-3 * self.largest_force, 2)
-                ));
             }
         }
         Ok(reasons.join("; "))

@@ -394,8 +394,12 @@ impl Instance {
         }
         self.was_out_of_range = is_out;
         let time = self.time();
+        // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
         self.events.push(match self.unit.out_of_range() {
             Some(reasons) => Event::Warned(format!("t = {time} s: out of range: {reasons}")),
+            None if is_out => Event::Told(format!(
+                "t = {time} s: the load left the range of the table"
+            )),
             None => Event::Told(format!("t = {time} s: in range again")),
         });
     }

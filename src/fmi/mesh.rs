@@ -194,7 +194,8 @@ impl Mesh {
         Ok(self.outputs.as_ref().expect("evaluated above"))
     }
 
-    /// Why the outputs at hand are out of range; `None` where they are in range or not at hand.
+    /// What puts the pose of outputs at hand that are out of range there, empty where it is the load alone; `None` where
+    /// they are in range or not at hand.
     pub fn out_of_range(&mut self, resources: &Resources, inputs: &InputValues) -> Option<String> {
         let outputs = self.outputs.as_ref().filter(|o| o.all.out_of_range)?.all;
         let motions = self.motions(inputs).ok()?;

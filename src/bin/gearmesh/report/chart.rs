@@ -7,10 +7,10 @@ use super::picture::{INK, curve_colour, digits, font, picture, px};
 use crate::Error;
 
 /// Width and height of a chart, pixels of the page.
-const SIZE: (u32, u32) = (680, 360);
+const SIZE: (u32, u32) = (700, 360);
 
 /// Of these, for the legend beside the plot.
-const LEGEND_WIDTH: u32 = 110;
+const LEGEND_WIDTH: u32 = 130;
 
 /// One curve of a chart.
 pub struct Curve {

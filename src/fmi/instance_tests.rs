@@ -44,7 +44,7 @@ fn start(geometry: PairGeometry, tables: Option<TableFile>) -> Instance {
         .into(),
         geometry,
     };
-    let resources = Arc::new(Resources::new(unit, tables).unwrap());
+    let resources = Arc::new(Resources::new(unit, tables, None).unwrap());
     let mut instance = Instance::new(resources, Interface::CoSimulation);
     instance.enter(State::InitializationMode);
     instance

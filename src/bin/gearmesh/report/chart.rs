@@ -43,8 +43,8 @@ impl<'a> Axes<'a> {
         }
     }
 
-    /// From zero.
-    pub fn from_zero(self) -> Self {
+    /// Starting at zero.
+    pub fn starting_at_zero(self) -> Self {
         Axes {
             from_zero: true,
             ..self

@@ -192,7 +192,10 @@ impl Report {
             .map(|&tau| {
                 let lines = pressure::contact_lines(&model.solver, nominal, tau)?;
                 let label = format!("z (mm), mesh position {tau}");
-                line_chart(&Axes::new(&label, "pressure (MPa)").from_zero(), &lines)
+                line_chart(
+                    &Axes::new(&label, "pressure (MPa)").starting_at_zero(),
+                    &lines,
+                )
             })
             .collect::<Result<Vec<_>, Error>>()?;
         page.pictures(&charts);
@@ -249,7 +252,7 @@ fn curves(page: &mut Page, pair: &Pair, cycles: &[(f64, MeshCycle)]) -> Result<(
     );
     let stiffness = over_cycle(cycles, |r| r.tangent.force_by_approach * 1e-6);
     page.pictures(&[line_chart(
-        &over("stiffness (N/um)").from_zero(),
+        &over("stiffness (N/um)").starting_at_zero(),
         &stiffness,
     )?]);
 
@@ -258,7 +261,10 @@ fn curves(page: &mut Page, pair: &Pair, cycles: &[(f64, MeshCycle)]) -> Result<(
         "Of the pair that touches at the pitch point at mesh position 0, from the start of its contact to the end.",
     );
     let share: Vec<Curve> = cycles.iter().map(load_share).collect();
-    page.pictures(&[line_chart(&over("share of the load").from_zero(), &share)?]);
+    page.pictures(&[line_chart(
+        &over("share of the load").starting_at_zero(),
+        &share,
+    )?]);
 
     page.section(
         "Contact position along the face",

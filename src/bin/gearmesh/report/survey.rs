@@ -79,7 +79,7 @@ pub fn survey(page: &mut Page, pair: &Pair, solver: &ContactSolver) -> Result<()
         .collect::<Result<Vec<_>, _>>()?;
     let chart = |x: &str, curves: &[Curve]| {
         let axes = Axes::new(x, "amplitude of the STE (um)");
-        line_chart(&axes.from_zero().least(LEAST_TOP), curves)
+        line_chart(&axes.starting_at_zero().least(LEAST_TOP), curves)
     };
     page.pictures(&[chart(
         "torque on gear 1 (N m)",

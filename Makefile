@@ -34,8 +34,14 @@ $(VENV)/.examples-complete: $(VENV)/.tests-complete requirements-examples.txt
 build: setup
 	$(CARGO) build --release
 
+# What the lints need beside what a build needs, said before any work.
+.PHONY: tools
+tools:
+	@$(CARGO) fmt --version >/dev/null 2>&1 || { echo "make: rustfmt is missing: rustup component add rustfmt (Debian: apt install rustfmt)" >&2; exit 1; }
+	@$(CARGO) clippy --version >/dev/null 2>&1 || { echo "make: clippy is missing: rustup component add clippy (Debian: apt install rust-clippy)" >&2; exit 1; }
+
 # Cheapest first. The lints share their compiled dependencies, and so do build and tests.
-lint: setup
+lint: tools setup
 	$(CARGO) fmt --check
 	$(CARGO) clippy --release --all-targets -- -D warnings
 	$(CARGO) clippy --release --lib --no-default-features -- -D warnings

@@ -229,7 +229,7 @@ def dynamic_rows(results: Results) -> list[Row]:
         ranges[rpm] = force.min(), force.max()
     rows.append(
         Row(
-            "normal force over nominal (Fig. 17)",
+            "normal force over nominal at constant speed (Fig. 17)",
             "oscillation grows with speed, unloading first",
             "; ".join(f"{rpm} rpm {low:.3f} to {high:.3f}" for rpm, (low, high) in ranges.items()),
             force_verdict(ranges),

@@ -247,7 +247,8 @@ FIGURES = (
     Figure(
         "fig17-run-up-force.png",
         "Normal force in the run-up (Fig. 17)",
-        "Over the nominal normal force, in the same sweep.",
+        "Over the nominal normal force, in the same sweep, where speeding gear 2 up takes a thousandth of the torque; "
+        "the table has the force at constant speed, without that and without what the cycles before leave behind.",
         force_in_run_up,
     ),
     Figure(

@@ -41,6 +41,7 @@ if "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
 else
     pip=("$python" -m pip --python "$venv/bin/python")
 fi
+echo "setup: Python packages into $venv, half a minute at the first time"
 # The lists are complete, so that pip need not follow what a package says it may want.
 for list in requirements.txt "$@"; do
     "${pip[@]}" install --quiet --disable-pip-version-check --no-deps --requirement "$list" ||

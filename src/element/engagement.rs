@@ -72,32 +72,43 @@ fn crossing(pair: &PairGeometry, ratio: f64, near: f64, far: f64) -> f64 {
 /// Engagement at centre distance `c` with c2 at the axial position `lambda` in gear 2's frame.
 pub(crate) fn engagement<T: Scalar>(k: &Constants, c: T, lambda: T) -> Engagement<T> {
     let one = T::from(1.0);
-    let zero = T::from(0.0);
-    let per_span = k.reach.per_span;
-    let (radial, radial_slope) = step((c - k.reach.none) * per_span);
-
-    // Gear 2's face lies from `offset` to `offset + b2` in gear 1's frame.
-    let offset = -lambda + k.z_ref;
-    let [b1, b2] = k.face_width;
-    let (low, low_slope) = if offset.re() > 0.0 {
-        (offset, -1.0)
-    } else {
-        (zero, 0.0)
-    };
-    let (high, high_slope) = if offset.re() + b2 < b1 {
-        (offset + b2, -1.0)
-    } else {
-        (T::from(b1), 0.0)
-    };
+    let (radial, radial_slope) = radial_share(k, c);
+    let [(low, low_slope), (high, high_slope)] = face_overlap(k, lambda);
     let per_half = k.per_half_overlap;
     let (axial, axial_slope) = step((high - low) * per_half);
     let leaving = radial < one || axial < one;
     Engagement {
         factor: radial * axial,
-        by_center_distance: radial_slope * axial * per_span,
+        by_center_distance: radial_slope * axial * k.reach.per_span,
         by_axial_position: radial * axial_slope * ((high_slope - low_slope) * per_half),
         leaving,
     }
+}
+
+/// Share of the engagement that the centre distance `c` leaves, and its slope by c `per_span`.
+#[inline(always)]
+pub(crate) fn radial_share<T: Scalar>(k: &Constants, c: T) -> (T, T) {
+    step((c - k.reach.none) * k.reach.per_span)
+}
+
+/// Ends of the common face in gear 1's frame, m, each with its slope by `lambda`, with c2 at the axial position
+/// `lambda` in gear 2's frame; the first beyond the second: the faces are apart.
+#[inline(always)]
+pub(crate) fn face_overlap<T: Scalar>(k: &Constants, lambda: T) -> [(T, f64); 2] {
+    // Gear 2's face lies from `offset` to `offset + b2` in gear 1's frame.
+    let offset = -lambda + k.z_ref;
+    let [b1, b2] = k.face_width;
+    let low = if offset.re() > 0.0 {
+        (offset, -1.0)
+    } else {
+        (T::from(0.0), 0.0)
+    };
+    let high = if offset.re() + b2 < b1 {
+        (offset + b2, -1.0)
+    } else {
+        (T::from(b1), 0.0)
+    };
+    [low, high]
 }
 
 /// Quintic step from 0 at 0 to 1 at 1, and its slope.

@@ -94,6 +94,26 @@ pub enum ElementError {
         "at the initial pose the gears are out of reach of one another; start from a pose in mesh"
     )]
     OutOfReach,
+    /// The initial pose keeps the teeth of one gear out of reach of the other's.
+    #[error(
+        "the initial pose is no mesh: {reasons}; correct the positions of the gears, in m, or start from a pose in mesh"
+    )]
+    NoMesh {
+        /// Each with its value and what would be right.
+        reasons: String,
+    },
+    /// At the initial pose the teeth press by more than any load of the table.
+    #[error(
+        "the initial pose jams the teeth with {force_kn:.2} kN on the line of action, where the largest load is {largest_kn:.2} kN: {place}; correct the positions and orientations of the gears"
+    )]
+    Jammed {
+        /// Force, kN.
+        force_kn: f64,
+        /// Force of the largest load, kN.
+        largest_kn: f64,
+        /// Centre distance and misalignment beside what they should be.
+        place: String,
+    },
     /// The table cannot give what the parameters ask for.
     #[error(transparent)]
     Table(#[from] crate::table::TableError),

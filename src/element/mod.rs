@@ -43,6 +43,7 @@ mod motion;
 mod paper;
 mod parameters;
 mod scalar;
+mod start;
 
 pub use crate::table::Interpolation;
 pub use dual::Dual;
@@ -79,6 +80,7 @@ use flank::Damper;
 use friction::Friction;
 use law::{Effects, Law};
 use nalgebra::Vector3;
+use start::Covered;
 use std::sync::Arc;
 
 /// The contact element of one gear pair. Immutable: instances can share it between threads.
@@ -91,6 +93,8 @@ pub struct Element {
     friction: Option<Friction>,
     /// Force on the line of action that a start pose may have, N.
     largest_force: f64,
+    /// What its laws cover; `None`: they are the caller's.
+    covered: Option<Covered>,
     /// Index of the flank that phases and transmission error refer to.
     reference_flank: usize,
 }
@@ -140,13 +144,16 @@ impl Element {
                 element.friction = Friction::new(pair, parameters, &table);
                 element.largest_force =
                     table.file().maximum_torque_nm / pair.gears[0].base_radius();
+                element.covered = Some(Covered::by(&table));
                 Ok(element)
             }
             StiffnessModel::Contact => Err(ElementError::NoContact),
             StiffnessModel::Constant => {
                 let phi = pair.operating_pressure_angle(pair.center_distance);
                 let law = Law::linear(parameters.constant_stiffness / phi.cos().powi(2));
-                Self::build(pair, parameters, [law.clone(), law])
+                let mut element = Self::build(pair, parameters, [law.clone(), law])?;
+                element.covered = Some(Covered::NOTHING);
+                Ok(element)
             }
         }
     }
@@ -167,6 +174,7 @@ impl Element {
             damper: damper(parameters, &constants),
             friction: None,
             largest_force: START_FORCE * constants.nominal_force,
+            covered: None,
             reference_flank: usize::from(parameters.loaded_flank == LoadedFlank::Coast),
             constants,
             parameters: *parameters,

@@ -29,7 +29,7 @@ use super::boundary::{
 };
 use super::instance::Instance;
 use super::lifecycle::{Function, State};
-use super::report::{EVENTS, Refusal, Severity, Wanted};
+use super::report::{EVENTS, Event, Refusal, Severity, Wanted};
 use super::resources;
 use super::variables::Kind;
 
@@ -67,6 +67,11 @@ struct Log {
 }
 
 impl Log {
+    /// In the category of `severity`.
+    fn refused(&self, severity: Severity, text: &str) {
+        self.write(status(severity), severity.category(), text);
+    }
+
     fn write(&self, status: fmi2Status, category: &str, text: &str) {
         let (Some(logger), true) = (self.logger, self.wanted.contains(category)) else {
             return;
@@ -107,16 +112,17 @@ unsafe fn call(
     }))
     .unwrap_or_else(|panic| Err(Refusal::fatal(name, &*panic)));
     for event in component.instance.take_events() {
-        component.log.write(fmi2Status_fmi2OK, EVENTS, &event);
+        match event {
+            Event::Told(text) => component.log.write(fmi2Status_fmi2OK, EVENTS, &text),
+            Event::Warned(text) => component.log.refused(Severity::Warning, &text),
+        }
     }
     let Err(refusal) = outcome else {
         return fmi2Status_fmi2OK;
     };
     component.instance.fail(refusal.severity);
-    let status = status(refusal.severity);
-    let category = refusal.severity.category();
-    component.log.write(status, category, &refusal.message);
-    status
+    component.log.refused(refusal.severity, &refusal.message);
+    status(refusal.severity)
 }
 
 /// The host's array of `count` items at `data`; null is legal for none.
@@ -501,7 +507,8 @@ export! {
     }
     /// Asks for nothing: outputs depend on nothing that came before.
     fn fmi2CompletedIntegratorStep: fmi2CompletedIntegratorStepTYPE, CompletedIntegratorStep
-        (_c, _no_set_state_prior: fmi2Boolean, event: *mut fmi2Boolean, end: *mut fmi2Boolean) {
+        (c, _no_set_state_prior: fmi2Boolean, event: *mut fmi2Boolean, end: *mut fmi2Boolean) {
+        c.instance.completed_step();
         put(event, 0)?;
         put(end, 0)
     }

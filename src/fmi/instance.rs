@@ -7,7 +7,7 @@ use super::co_simulation::CoSimulation;
 use super::layout::inputs;
 use super::lifecycle::{Function, Interface, State};
 use super::polynomials::Polynomials;
-use super::report::{Refusal, Severity};
+use super::report::{Event, Refusal, Severity};
 use super::resources::Resources;
 use super::snapshot::Snapshot;
 use super::stored::Stored;
@@ -21,9 +21,9 @@ pub struct Instance {
     unit: Unit,
     simulation: Simulation,
     pub(super) stored: Stored,
-    /// Whether the last step ended outside the table, for the log.
+    /// Whether the last step ended out of range, for the log.
     was_out_of_range: bool,
-    events: Vec<String>,
+    events: Vec<Event>,
 }
 
 /// What goes beyond the unit.
@@ -102,7 +102,7 @@ impl Instance {
     }
 
     /// Events since the last call, for the log.
-    pub fn take_events(&mut self) -> Vec<String> {
+    pub fn take_events(&mut self) -> Vec<Event> {
         std::mem::take(&mut self.events)
     }
 
@@ -146,18 +146,19 @@ impl Instance {
     /// Parameters or poses that make no mesh.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
         self.unit.take_phases()?;
+        self.watch_range();
         self.state = match self.simulation.interface() {
             Interface::CoSimulation => State::StepComplete,
             Interface::ModelExchange => State::EventMode,
         };
         let (time, name) = (self.time(), &self.resources().unit.name);
-        let said = self.unit.present().map(|outputs| {
-            format!(
+        let said: Vec<_> = self.unit.present().map(|outputs| {
+            Event::Told(format!(
                 "initialized at t = {time} s: pair {name}, centre distance {} m, mesh position {}",
                 outputs.all.center_distance, outputs.all.mesh_position
-            )
-        });
-        self.events = said.collect();
+            ))
+        }).collect();
+        self.events.extend(said);
         Ok(())
     }
 
@@ -167,7 +168,7 @@ impl Instance {
         self.unit = Unit::new(self.unit.resources().clone());
         self.simulation = Simulation::new(self.simulation.interface());
         self.was_out_of_range = false;
-        self.events.push("reset".into());
+        self.events.push(Event::Told("reset".into()));
     }
 
     /// fmi2SetReal; all or none.
@@ -376,15 +377,31 @@ impl Instance {
     pub fn do_step(&mut self, point: f64, step: f64) -> Result<(), Refusal> {
         let (co_simulation, unit) = self.co_simulation()?;
         co_simulation.step(unit, point, step)?;
-        let is_out = self.unit.present().any(|outputs| outputs.all.out_of_range);
-        if is_out != self.was_out_of_range {
-            let what = if is_out { "left" } else { "entered" };
-            let time = self.time();
-            self.events
-                .push(format!("t = {time} s: {what} the range of the table"));
-            self.was_out_of_range = is_out;
-        }
+        self.watch_range();
         Ok(())
+    }
+
+    /// fmi2CompletedIntegratorStep, which has nothing to do but to look where the gears stand.
+    pub fn completed_step(&mut self) {
+        self.watch_range();
+    }
+
+    /// Says when the gears leave the range where outputs are to be trusted, and when they come back.
+    fn watch_range(&mut self) {
+        let is_out = self.unit.present().any(|outputs| outputs.all.out_of_range);
+        if is_out == self.was_out_of_range {
+            return;
+        }
+        self.was_out_of_range = is_out;
+        let time = self.time();
+        // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
+        self.events.push(match self.unit.out_of_range() {
+            Some(reasons) => Event::Warned(format!("t = {time} s: out of range: {reasons}")),
+            None if is_out => Event::Told(format!(
+                "t = {time} s: the load left the range of the table"
+            )),
+            None => Event::Told(format!("t = {time} s: in range again")),
+        });
     }
 
     /// fmi2SetTime.

@@ -163,14 +163,15 @@ impl Mesh {
     /// Keeps the phase zeros of the present pose.
     ///
     /// # Errors
-    /// Parameters or poses that make no mesh.
+    /// Parameters without meaning, poses that can be no mesh.
     pub fn take_phase(
         &mut self,
         resources: &Resources,
         inputs: &InputValues,
     ) -> Result<(), Refusal> {
         self.latch = None;
-        let (_, latch, _) = self.ready(resources, inputs)?;
+        let (element, latch, motions) = self.ready(resources, inputs)?;
+        element.check_start(&latch, &motions).map_err(refuse)?;
         self.latch = Some(latch);
         self.slopes = None;
         Ok(())
@@ -191,6 +192,15 @@ impl Mesh {
             self.outputs = Some(Evaluated { all, continuous });
         }
         Ok(self.outputs.as_ref().expect("evaluated above"))
+    }
+
+    /// What puts the pose of outputs at hand that are out of range there, empty where it is the load alone; `None` where
+    /// they are in range or not at hand.
+    pub fn out_of_range(&mut self, resources: &Resources, inputs: &InputValues) -> Option<String> {
+        let outputs = self.outputs.as_ref().filter(|o| o.all.out_of_range)?.all;
+        let motions = self.motions(inputs).ok()?;
+        let element = self.element(resources).ok()?;
+        element.out_of_range(&motions, &outputs).ok()
     }
 
     /// Derivatives of the continuous outputs along `direction`.

@@ -19,6 +19,8 @@ mod co_simulation;
 mod contact_law;
 mod inputs;
 pub mod instance;
+#[cfg(test)]
+mod instance_tests;
 pub mod layout;
 pub mod lifecycle;
 mod location;

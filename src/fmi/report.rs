@@ -48,6 +48,15 @@ pub(super) fn refuse(error: crate::element::ElementError) -> Refusal {
     Refusal::error(error.to_string())
 }
 
+/// What a call has to say beside its status.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Event {
+    /// For those who want events.
+    Told(String),
+    /// What comes out may not be trusted from here on; the call itself did what it should.
+    Warned(String),
+}
+
 /// Log category of events.
 pub const EVENTS: &str = "logEvents";
 

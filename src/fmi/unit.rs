@@ -164,6 +164,17 @@ impl Unit {
         self.meshes.iter().filter_map(Mesh::present)
     }
 
+    /// What puts the poses out of range at which the outputs are at hand; `None` where they are in range.
+    pub fn out_of_range(&mut self) -> Option<String> {
+        let (resources, inputs) = (&self.resources, &self.inputs);
+        let meshes = self.meshes.iter_mut();
+        let reasons: Vec<String> = meshes
+            .filter_map(|mesh| mesh.out_of_range(resources, inputs))
+            .filter(|reasons| !reasons.is_empty())
+            .collect();
+        (!reasons.is_empty()).then(|| reasons.join("; "))
+    }
+
     fn outputs(&mut self, mesh: usize) -> Result<&Evaluated, Refusal> {
         // The borrow of a result that is returned early would last: look first, then return.
         if self.meshes[mesh].present().is_none() {

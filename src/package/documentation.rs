@@ -12,6 +12,7 @@ use crate::fmi::variables::{
     template_starts,
 };
 use crate::table::TableFile;
+use crate::words::rounded;
 
 const PAGE: &str = include_str!("../../resources/documentation/index.html");
 /// Licences of what the library links; `make licenses` writes it.
@@ -278,6 +279,7 @@ pub fn start_in_words(name: &str, start: f64) -> String {
 }
 
 fn value(variable: &Variable, value: f64) -> String {
+    let value = rounded(value);
     match variable.kind {
         Kind::Boolean => (value != 0.0).to_string(),
         Kind::Enumeration => {

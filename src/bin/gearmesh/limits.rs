@@ -7,6 +7,10 @@ use std::ops::RangeInclusive;
 
 use crate::Error;
 
+/// Positions over a mesh cycle where none are asked for: the same for numbers and for pictures, so that both show the same
+/// largest pressure.
+pub const POSITIONS: usize = 64;
+
 /// Refuses a number of positions that no mesh cycle needs.
 pub fn positions(count: usize) -> Result<(), Error> {
     within("positions", count, 1..=100_000)

@@ -1,24 +1,16 @@
-//! Line charts as inline SVG.
+//! Line charts.
 
+use gearmesh::words::fixed;
 use plotters::prelude::*;
 
+use super::picture::{INK, curve_colour, digits, font, picture, px};
 use crate::Error;
 
-/// Width and height of a chart, pixels of the SVG.
-const SIZE: (u32, u32) = (680, 360);
+/// Width and height of a chart, pixels of the page.
+const SIZE: (u32, u32) = (700, 360);
 
 /// Of these, for the legend beside the plot.
-const LEGEND_WIDTH: u32 = 96;
-
-/// Colours of the curves, in order; told apart by eyes that see no red or no green, too.
-const PALETTE: [RGBColor; 6] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(90, 90, 90),
-];
+const LEGEND_WIDTH: u32 = 130;
 
 /// One curve of a chart.
 pub struct Curve {
@@ -36,18 +28,44 @@ pub struct Axes<'a> {
     pub y: &'a str,
     /// Whether the vertical axis starts at zero.
     pub from_zero: bool,
+    /// Least height of the vertical axis, in its unit: what is smaller is no more than rounding.
+    pub least: f64,
 }
 
-/// Lowest and highest of `values`, widened by 5 % (or to something, where all are alike).
-fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
+impl<'a> Axes<'a> {
+    /// As high as the curves.
+    pub fn new(x: &'a str, y: &'a str) -> Self {
+        Axes {
+            x,
+            y,
+            from_zero: false,
+            least: 0.0,
+        }
+    }
+
+    /// Starting at zero.
+    pub fn starting_at_zero(self) -> Self {
+        Axes {
+            from_zero: true,
+            ..self
+        }
+    }
+
+    /// At least `height`.
+    pub fn least(self, height: f64) -> Self {
+        Axes {
+            least: height,
+            ..self
+        }
+    }
+}
+
+/// Lowest and highest of `values`, widened by 5 % and to a height of `least` at least.
+fn range(values: impl Iterator<Item = f64>, least: f64) -> std::ops::Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
         (low.min(v), high.max(v))
     });
-    let margin = if high > low {
-        0.05 * (high - low)
-    } else {
-        0.05 * high.abs().max(1.0)
-    };
+    let margin = (0.05 * (high - low)).max(0.5 * (least - (high - low)));
     low - margin..high + margin
 }
 
@@ -56,36 +74,54 @@ pub fn line_chart(axes: &Axes, curves: &[Curve]) -> Result<String, Error> {
     let points = || curves.iter().flat_map(|c| c.points.iter());
     let x_low = points().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let x_high = points().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max);
-    let mut y_range = range(points().map(|p| p.1));
+    let mut y_range = range(points().map(|p| p.1), axes.least);
     if axes.from_zero {
         y_range.start = 0.0;
     }
-    let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        let (plot, legend) = area.split_horizontally(SIZE.0 - LEGEND_WIDTH);
+    let [x_digits, y_digits] = [digits(&(x_low..x_high)), digits(&y_range)];
+    picture(SIZE, |area| {
+        let (plot, legend) = area.split_horizontally(px(SIZE.0 - LEGEND_WIDTH));
         let mut chart = ChartBuilder::on(&plot)
-            .margin(12)
-            .x_label_area_size(42)
-            .y_label_area_size(58)
+            .margin(px(12))
+            .x_label_area_size(px(42))
+            .y_label_area_size(px(62))
             .build_cartesian_2d(x_low..x_high, y_range)?;
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
-            .bold_line_style(BLACK.mix(0.12))
+            .bold_line_style(INK.mix(0.12).stroke_width(px(1)))
+            .axis_style(INK.stroke_width(px(1)))
+            .set_all_tick_mark_size(px(4))
+            .x_labels(9)
+            .y_labels(8)
+            .x_label_formatter(&|x| fixed(*x, x_digits))
+            .y_label_formatter(&|y| fixed(*y, y_digits))
             .x_desc(axes.x)
             .y_desc(axes.y)
-            .label_style(("sans-serif", 13))
+            .axis_desc_style(font(13))
+            .label_style(font(13))
             .draw()?;
         for (i, curve) in curves.iter().enumerate() {
-            let style = PALETTE[i % PALETTE.len()].stroke_width(2);
+            let style = curve_colour(i).stroke_width(px(2));
             chart.draw_series(LineSeries::new(curve.points.iter().copied(), style))?;
-            let y = 22 + 20 * i as i32;
-            legend.draw(&PathElement::new([(4, y), (24, y)], style))?;
-            let text = ("sans-serif", 13).into_font().color(&BLACK);
-            legend.draw(&Text::new(curve.label.as_str(), (30, y - 6), text))?;
+            let at = |x: u32, y: u32| (px(x) as i32, px(y) as i32);
+            let y = 24 + 20 * i as u32;
+            legend.draw(&PathElement::new([at(4, y), at(24, y)], style))?;
+            legend.draw(&Text::new(curve.label.as_str(), at(30, y - 6), font(13)))?;
         }
-        area.present()?;
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_is_not_magnified() {
+        let noise = [10.0, 10.0 + 1e-13, 10.0 - 1e-13];
+        assert_eq!(range(noise.into_iter(), 2.0), 9.0..11.0);
+        let wide = range([0.0, 10.0].into_iter(), 2.0);
+        assert_eq!(wide, -0.5..10.5);
     }
-    Ok(svg)
 }

@@ -1,19 +1,22 @@
 //! `gearmesh report PAIR.json`: one HTML page with the static contact of a pair, in pictures.
 
 pub mod chart;
-mod flank_map;
+mod map;
 pub mod page;
+mod picture;
 mod pressure;
+mod survey;
 
 use std::path::PathBuf;
 
 use chart::{Axes, Curve, line_chart};
 use clap::Args;
-use gearmesh::contact::{ContactResult, CycleInput, MeshCycle};
-use gearmesh::gear::Flank;
+use gearmesh::contact::{ContactResult, MeshCycle};
 use gearmesh::pair::Pair;
 use gearmesh::table::TableFile;
+use map::{Patch, map};
 use page::Page;
+use pressure::Quantity;
 
 use crate::Error;
 use crate::limits;
@@ -25,6 +28,10 @@ use crate::pair_summary::pair_summary;
 const LOADS: [f64; 5] = [0.4, 0.7, 1.0, 1.3, 2.0];
 /// Loads of the contact patterns over the nominal torque: 70, 100, 130 N m of the paper's Fig. 20.
 const PATTERN_LOADS: [f64; 3] = [0.7, 1.0, 1.3];
+/// Least height of the axis of transmission errors, um: what lies below is rounding and the solver's tolerance.
+const LEAST_ERROR: f64 = 1e-3;
+/// Least height of the axis of the contact's position, over the face width.
+const LEAST_PLACE: f64 = 0.1;
 /// Mesh positions whose contact lines are drawn.
 const LINE_POSITIONS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
@@ -46,8 +53,13 @@ pub struct Report {
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
 
+    /// Torques of curves and contact patterns, N m, with commas between them [default: 0.4, 0.7, 1, 1.3 and 2 times
+    /// the nominal torque up to the largest of the pair file]
+    #[arg(long, value_name = "TORQUES", value_delimiter = ',')]
+    torques_nm: Vec<f64>,
+
     /// Number of positions over the mesh cycle
-    #[arg(long, default_value_t = 64)]
+    #[arg(long, default_value_t = limits::POSITIONS)]
     positions: usize,
 
     #[command(flatten)]
@@ -58,7 +70,13 @@ impl Report {
     /// Solves, draws and writes.
     pub fn run(self) -> Result<(), Error> {
         limits::positions(self.positions)?;
-        let pair = self.model.applied_to(Pair::read(&self.pair)?);
+        let mut pair = self.model.applied_to(Pair::read(&self.pair)?);
+        for &torque in &self.torques_nm {
+            limits::operating_point(torque, 0.0, 0.0)?;
+            // The largest torque decides how wide a contact the elastic model resolves.
+            let largest = &mut pair.operating.maximum_torque;
+            *largest = largest.max(torque);
+        }
         output::check_writable(&self.output)?;
         self.model.use_threads()?;
         let job = self.model.job(&pair, "static contact")?;
@@ -81,9 +99,10 @@ impl Report {
             page.section("Tables", &path.display().to_string());
             page.preformatted(&file.size_and_error());
         }
-        curves(&mut page, &cycles)?;
+        curves(&mut page, &pair, &cycles)?;
         table(&mut page, &cycles);
-        pressures(&mut page, &pair, &model, self.positions)?;
+        survey::survey(&mut page, &pair, &model.solver)?;
+        self.patterns(&mut page, &pair, &model)?;
         if let Some(folder) = &self.figures {
             std::fs::create_dir_all(folder)
                 .map_err(|error| format!("--figures = {}: {error}", folder.display()))?;
@@ -96,25 +115,97 @@ impl Report {
         Ok(())
     }
 
+    /// The torques asked for, or `loads` times the nominal one, N m.
+    fn torques(&self, pair: &Pair, loads: &[f64]) -> Vec<f64> {
+        if !self.torques_nm.is_empty() {
+            return self.torques_nm.clone();
+        }
+        let torques = loads
+            .iter()
+            .map(|load| load * pair.operating.nominal_torque);
+        torques
+            .filter(|torque| *torque <= pair.operating.maximum_torque)
+            .collect()
+    }
+
     /// A mesh cycle for each load, the torque (N m) first.
     fn cycles(&self, pair: &Pair, model: &Model) -> Result<Vec<(f64, MeshCycle)>, Error> {
-        let nominal = pair.operating.nominal_torque;
-        LOADS
-            .iter()
-            .map(|load| load * nominal)
-            .filter(|torque| *torque <= pair.operating.maximum_torque)
+        let torques = self.torques(pair, &LOADS).into_iter();
+        torques
             .map(|torque| {
-                let input = CycleInput {
-                    flank: Flank::Drive,
-                    torque,
-                    center_distance_offset: 0.0,
-                    misalignment: 0.0,
-                    positions: self.positions,
-                };
-                Ok((torque, MeshCycle::solve(&model.solver, &input)?))
+                let cycle = survey::cycle(&model.solver, torque, 0.0, self.positions)?;
+                Ok((torque, cycle))
             })
             .collect()
     }
+
+    /// Where on the flank the load is carried.
+    fn patterns(&self, page: &mut Page, pair: &Pair, model: &Model) -> Result<(), Error> {
+        let nominal = pair.operating.nominal_torque;
+        let torques = self.torques(pair, &PATTERN_LOADS);
+        let of = |quantity, torques: &[f64], misalignments: &[f64]| {
+            let mut maps = Vec::new();
+            for &torque in torques {
+                for &m in misalignments {
+                    let title = if torques.len() > 1 || misalignments == [0.0] {
+                        torque_in_words(torque)
+                    } else {
+                        format!("{:+.2} mrad", m * 1e3)
+                    };
+                    let patches =
+                        pressure::pattern(&model.solver, quantity, torque, m, self.positions)?;
+                    maps.push((title, patches));
+                }
+            }
+            flank_maps(pair, quantity, maps)
+        };
+        page.section(
+            "Contact pattern on gear 1",
+            "Largest pressure that each place of the flank sees over the mesh cycle (Fig. 20 of the paper). \
+             Blue: contact reaches the tip edge of gear 1, or of gear 2 where it meets the root; at a sharp edge \
+             pressure has no bound, so it is not on the scale.",
+        );
+        page.pictures(&of(Quantity::Pressure, &torques, &[0.0])?);
+
+        page.section(
+            "Load distribution on gear 1",
+            "Largest normal force per length of contact line that each place of the flank carries over the mesh cycle.",
+        );
+        page.pictures(&of(Quantity::LineLoad, &torques, &[0.0])?);
+
+        let limits = pair.operating.misalignment;
+        let tilted: Vec<f64> = limits.into_iter().filter(|m| *m != 0.0).collect();
+        if !tilted.is_empty() {
+            page.section(
+                "Contact pattern under misalignment",
+                "At the nominal torque and the limits of the misalignment in the plane of action.",
+            );
+            page.pictures(&of(Quantity::Pressure, &[nominal], &tilted)?);
+        }
+
+        page.section(
+            "Pressure along the contact lines",
+            "At the nominal torque and four positions of the mesh; one curve for each tooth pair in contact, up to \
+             where contact reaches a tip edge.",
+        );
+        let charts = LINE_POSITIONS
+            .iter()
+            .map(|&tau| {
+                let lines = pressure::contact_lines(&model.solver, nominal, tau)?;
+                let label = format!("z (mm), mesh position {tau}");
+                line_chart(
+                    &Axes::new(&label, "pressure (MPa)").starting_at_zero(),
+                    &lines,
+                )
+            })
+            .collect::<Result<Vec<_>, Error>>()?;
+        page.pictures(&charts);
+        Ok(())
+    }
+}
+
+fn torque_in_words(torque: f64) -> String {
+    format!("{} N m", gearmesh::words::rounded(torque))
 }
 
 /// One quantity over the mesh cycle for every load; the first point is repeated at 1.
@@ -130,39 +221,59 @@ fn over_cycle(cycles: &[(f64, MeshCycle)], value: impl Fn(&ContactResult) -> f64
                 .collect();
             points.push((1.0, points[0].1));
             Curve {
-                label: format!("{torque:.0} N m"),
+                label: torque_in_words(*torque),
                 points,
             }
         })
         .collect()
 }
 
-fn curves(page: &mut Page, cycles: &[(f64, MeshCycle)]) -> Result<(), Error> {
+fn curves(page: &mut Page, pair: &Pair, cycles: &[(f64, MeshCycle)]) -> Result<(), Error> {
+    let over = |y| Axes::new("mesh position", y);
     page.section(
-        "Static transmission error",
-        "On the line of action at mid-face, over one mesh cycle; 0: a tooth pair touches at the pitch point.",
+        "Static transmission error about its mean",
+        "On the line of action at mid-face, over one mesh cycle, less the mean of the cycle, which the table below has. At \
+         mesh position 0 a tooth pair touches at the pitch point.",
     );
-    let axes = |y, from_zero| Axes {
-        x: "mesh position",
-        y,
-        from_zero,
-    };
-    let ste = over_cycle(cycles, |r| r.approach * 1e6);
-    page.pictures(&[line_chart(&axes("STE (um)", false), &ste)?]);
+    let mut ste = over_cycle(cycles, |r| r.approach * 1e6);
+    for (curve, (_, cycle)) in ste.iter_mut().zip(cycles) {
+        curve
+            .points
+            .iter_mut()
+            .for_each(|p| p.1 -= 1e6 * cycle.mean_ste());
+    }
+    page.pictures(&[line_chart(
+        &over("STE less its mean (um)").least(LEAST_ERROR),
+        &ste,
+    )?]);
+
+    page.section(
+        "Mesh stiffness",
+        "Tangent stiffness dF/d(STE) under the load, on the line of action.",
+    );
+    let stiffness = over_cycle(cycles, |r| r.tangent.force_by_approach * 1e-6);
+    page.pictures(&[line_chart(
+        &over("stiffness (N/um)").starting_at_zero(),
+        &stiffness,
+    )?]);
 
     page.section(
         "Load share of one tooth pair",
         "Of the pair that touches at the pitch point at mesh position 0, from the start of its contact to the end.",
     );
     let share: Vec<Curve> = cycles.iter().map(load_share).collect();
-    page.pictures(&[line_chart(&axes("share of the load", true), &share)?]);
+    page.pictures(&[line_chart(
+        &over("share of the load").starting_at_zero(),
+        &share,
+    )?]);
 
     page.section(
         "Contact position along the face",
-        "Axial position of the resultant force, from gear 1's z = 0 face.",
+        "Axial position of the resultant force, from gear 1's z = 0 face. The axis shows a tenth of the common face at least.",
     );
     let z = over_cycle(cycles, |r| r.contact_z * 1e3);
-    page.pictures(&[line_chart(&axes("z_c (mm)", false), &z)?]);
+    let least = LEAST_PLACE * 1e3 * pair.geometry.face_overlap().1;
+    page.pictures(&[line_chart(&over("z_c (mm)").least(least), &z)?]);
     Ok(())
 }
 
@@ -187,7 +298,7 @@ fn load_share((torque, cycle): &(f64, MeshCycle)) -> Curve {
         .rposition(|p| p.1 > 0.0)
         .unwrap_or(points.len() - 1);
     Curve {
-        label: format!("{torque:.0} N m"),
+        label: torque_in_words(*torque),
         points: points[first.saturating_sub(1)..(last + 2).min(points.len())].to_vec(),
     }
 }
@@ -228,73 +339,19 @@ fn table(page: &mut Page, cycles: &[(f64, MeshCycle)]) {
     );
 }
 
-fn pressures(page: &mut Page, pair: &Pair, model: &Model, positions: usize) -> Result<(), Error> {
-    let nominal = pair.operating.nominal_torque;
-    page.section(
-        "Contact pattern on gear 1",
-        "Largest pressure that each place of the flank sees over the mesh cycle (Fig. 20 of the paper). \
-         Blue: contact reaches the tip edge of gear 1, or of gear 2 where it meets the root; at a sharp edge \
-         pressure has no bound, so it is not on the scale.",
-    );
-    let patterns = PATTERN_LOADS
-        .iter()
-        .map(|load| load * nominal)
-        .filter(|torque| *torque <= pair.operating.maximum_torque)
-        .map(|torque| {
-            let patches = pressure::pattern(&model.solver, torque, 0.0, positions)?;
-            Ok((format!("{torque:.0} N m"), patches))
-        })
-        .collect::<Result<Vec<_>, Error>>()?;
-    page.pictures(&maps(pair, patterns)?);
-
-    let limits = pair.operating.misalignment;
-    let tilted: Vec<f64> = limits.into_iter().filter(|m| *m != 0.0).collect();
-    if !tilted.is_empty() {
-        page.section(
-            "Contact pattern under misalignment",
-            "At the nominal torque and the limits of the misalignment in the plane of action.",
-        );
-        let patterns = tilted
-            .into_iter()
-            .map(|m| {
-                let patches = pressure::pattern(&model.solver, nominal, m, positions)?;
-                Ok((format!("{:+.2} mrad", m * 1e3), patches))
-            })
-            .collect::<Result<Vec<_>, Error>>()?;
-        page.pictures(&maps(pair, patterns)?);
-    }
-
-    page.section(
-        "Pressure along the contact lines",
-        "At the nominal torque and four positions of the mesh; one curve for each tooth pair in contact, up to \
-         where contact reaches a tip edge.",
-    );
-    let charts = LINE_POSITIONS
-        .iter()
-        .map(|&tau| {
-            let lines = pressure::contact_lines(&model.solver, nominal, tau)?;
-            let label = format!("z (mm), mesh position {tau}");
-            let axes = Axes {
-                x: &label,
-                y: "pressure (MPa)",
-                from_zero: true,
-            };
-            line_chart(&axes, &lines)
-        })
-        .collect::<Result<Vec<_>, Error>>()?;
-    page.pictures(&charts);
-    Ok(())
-}
-
 /// Maps on one common scale, that of the contact inside the flanks.
-fn maps(pair: &Pair, patterns: Vec<(String, Vec<flank_map::Patch>)>) -> Result<Vec<String>, Error> {
+fn flank_maps(
+    pair: &Pair,
+    quantity: Quantity,
+    patterns: Vec<(String, Vec<Patch>)>,
+) -> Result<Vec<String>, Error> {
     let top = patterns
         .iter()
-        .flat_map(|(_, patches)| patches.iter().filter(|p| !p.at_edge).map(|p| p.pressure))
+        .flat_map(|(_, patches)| patches.iter().filter(|p| !p.apart).map(|p| p.value))
         .fold(1.0, f64::max);
-    let view = pressure::view(pair);
+    let view = pressure::view(pair, quantity);
     patterns
         .into_iter()
-        .map(|(title, patches)| flank_map::flank_map(&title, &view, patches, top))
+        .map(|(title, patches)| map(&title, &view, patches, top))
         .collect()
 }

@@ -6,23 +6,55 @@ use gearmesh::pair::Pair;
 use rayon::prelude::*;
 
 use super::chart::Curve;
-use super::flank_map::{FlankView, Patch};
+use super::map::{Patch, View};
 use crate::Error;
 
 /// Pressures below this are left white, MPa.
 const VISIBLE: f64 = 1.0;
 
+/// What a strip carries, in the unit of its scale.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Largest pressure inside the flanks, MPa.
+    Pressure,
+    /// Normal force per length of contact line, N/mm.
+    LineLoad,
+}
+
+impl Quantity {
+    fn of(self, strip: &StripLoad, length: f64) -> f64 {
+        match self {
+            Quantity::Pressure => strip.pressure * 1e-6,
+            Quantity::LineLoad => strip.force / length * 1e-3,
+        }
+    }
+
+    /// Whether contact at a tip edge has no value on the scale.
+    fn knows_no_edge(self) -> bool {
+        self == Quantity::Pressure
+    }
+
+    /// What stands at the scale.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Quantity::Pressure => "MPa",
+            Quantity::LineLoad => "N/mm",
+        }
+    }
+}
+
 /// Face of gear 1 and its diameters from the lowest point that gear 2 reaches to the tip.
-pub fn view(pair: &Pair) -> FlankView {
+pub fn view(pair: &Pair, quantity: Quantity) -> View<'static> {
     let g = &pair.geometry;
     let gear = &g.gears[0];
     let path = g.path_of_contact(g.center_distance);
     let diameter = |xi: f64| 2e3 * gear.radius_at_roll(g.roll_at(0, g.center_distance, xi));
     let (a, b) = (diameter(path.start), diameter(path.end));
     let margin = 0.04 * (a - b).abs();
-    FlankView {
-        z: 1e3 * gear.face_offset..1e3 * (gear.face_offset + gear.face_width),
-        diameter: a.min(b) - margin..a.max(b) + margin,
+    View {
+        x: 1e3 * gear.face_offset..1e3 * (gear.face_offset + gear.face_width),
+        y: a.min(b) - margin..a.max(b) + margin,
+        labels: ["z (mm)", "diameter (mm)", quantity.unit()],
     }
 }
 
@@ -42,6 +74,7 @@ fn strips(
 /// as the contact moves from one position to the next.
 pub fn pattern(
     solver: &ContactSolver,
+    quantity: Quantity,
     torque: f64,
     misalignment: f64,
     positions: usize,
@@ -50,6 +83,7 @@ pub fn pattern(
     let gear = &geometry.gears[0];
     let half_step = 0.5 * geometry.base_pitch() / positions as f64;
     let diameter = |roll: f64| 2e3 * gear.radius_at_roll(roll);
+    let per_cos_beta_b = 1.0 / geometry.base_helix_angle().cos();
     let patches: Result<Vec<Vec<Patch>>, String> = (0..positions)
         .into_par_iter()
         .map(|i| {
@@ -63,10 +97,11 @@ pub fn pattern(
                     let [z0, z1] = strip.z.map(|z| 1e3 * z);
                     let roll = strip.roll[0];
                     let (low, high) = (diameter(roll - half_step), diameter(roll + half_step));
+                    let length = (strip.z[1] - strip.z[0]).abs() * per_cos_beta_b;
                     Patch {
                         corners: [(z0, low), (z1, low), (z1, high), (z0, high)],
-                        pressure: strip.pressure * 1e-6,
-                        at_edge: strip.edge.is_some(),
+                        value: quantity.of(strip, length),
+                        apart: strip.edge.is_some() && quantity.knows_no_edge(),
                     }
                 })
                 .collect())

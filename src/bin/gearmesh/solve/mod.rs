@@ -50,7 +50,7 @@ pub struct Solve {
     torque_nm: Vec<f64>,
 
     /// Number of positions over the mesh cycle
-    #[arg(long, default_value_t = 32)]
+    #[arg(long, default_value_t = limits::POSITIONS)]
     positions: usize,
 
     /// Actual minus nominal centre distance, um

@@ -59,11 +59,7 @@ pub fn page(name: &str, text: &str, samples: &[Sample]) -> Result<String, Error>
                     .collect(),
             },
         ];
-        let axes = Axes {
-            x,
-            y: "share of the samples (%)",
-            from_zero: true,
-        };
+        let axes = Axes::new(x, "share of the samples (%)").starting_at_zero();
         charts.push(line_chart(&axes, &curves)?);
     }
     page.pictures(&charts);

@@ -1,0 +1,135 @@
+//! Quantities over two others in shades, with their scale.
+
+use std::ops::Range;
+
+use gearmesh::words::fixed;
+use plotters::prelude::*;
+
+use super::picture::{INK, digits, font, picture, px};
+use crate::Error;
+
+/// Width and height of a map, pixels of the page.
+const SIZE: (u32, u32) = (440, 330);
+
+/// A piece of the map with one value.
+pub struct Patch {
+    /// Corners in order, in the units of the axes.
+    pub corners: [(f64, f64); 4],
+    /// Value in the unit of the scale.
+    pub value: f64,
+    /// Drawn apart from the scale, over everything: contact at a tip edge.
+    pub apart: bool,
+}
+
+/// What patches lie on.
+pub struct View<'a> {
+    /// Horizontal axis.
+    pub x: Range<f64>,
+    /// Vertical axis.
+    pub y: Range<f64>,
+    /// What stands at the axes and at the scale, with its unit.
+    pub labels: [&'a str; 3],
+}
+
+/// Patches apart from the scale.
+const APART: RGBColor = RGBColor(0, 114, 178);
+
+/// From pale to dark with the fraction 0 ..= 1 of the scale.
+fn shade(fraction: f64) -> RGBColor {
+    // Dark violet, red, orange, pale yellow; lighter is lower.
+    const STOPS: [(f64, f64, f64); 5] = [
+        (255.0, 250.0, 225.0),
+        (253.0, 201.0, 107.0),
+        (242.0, 112.0, 63.0),
+        (176.0, 28.0, 82.0),
+        (60.0, 10.0, 84.0),
+    ];
+    let place = fraction.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
+    let i = (place as usize).min(STOPS.len() - 2);
+    let t = place - i as f64;
+    let mix = |a: f64, b: f64| (a + t * (b - a)).round() as u8;
+    let (a, b) = (STOPS[i], STOPS[i + 1]);
+    RGBColor(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+}
+
+/// Draws `patches`, higher values over lower ones, on a scale from 0 to `top`. The map is white paper on a dark page,
+/// too, since its shades are made for that.
+pub fn map(title: &str, view: &View, mut patches: Vec<Patch>, top: f64) -> Result<String, Error> {
+    patches.sort_by(|a, b| (a.apart.cmp(&b.apart)).then(a.value.total_cmp(&b.value)));
+    let [x_label, y_label, scale_label] = view.labels;
+    let [x_digits, y_digits, scale_digits] = [&view.x, &view.y, &(0.0..top)].map(digits);
+    picture(SIZE, |area| {
+        let (map, bar) = area.split_horizontally(px(SIZE.0 - 84));
+        let mut chart = ChartBuilder::on(&map)
+            .caption(title, font(15))
+            .margin(px(8))
+            .x_label_area_size(px(40))
+            .y_label_area_size(px(56))
+            .build_cartesian_2d(view.x.clone(), view.y.clone())?;
+        chart.plotting_area().fill(&WHITE)?;
+        chart
+            .configure_mesh()
+            .disable_mesh()
+            .axis_style(INK.stroke_width(px(1)))
+            .set_all_tick_mark_size(px(4))
+            .x_labels(6)
+            .y_labels(6)
+            .x_label_formatter(&|x| fixed(*x, x_digits))
+            .y_label_formatter(&|y| fixed(*y, y_digits))
+            .x_desc(x_label)
+            .y_desc(y_label)
+            .axis_desc_style(font(12))
+            .label_style(font(12))
+            .draw()?;
+        chart.draw_series(patches.into_iter().map(|patch| {
+            let colour = if patch.apart {
+                APART
+            } else {
+                shade(patch.value / top)
+            };
+            Polygon::new(patch.corners.to_vec(), colour.filled())
+        }))?;
+
+        let mut scale = ChartBuilder::on(&bar)
+            .margin_top(px(36))
+            .margin_bottom(px(48))
+            .margin_right(px(6))
+            .right_y_label_area_size(px(52))
+            .build_cartesian_2d(0.0..1.0, 0.0..top)?;
+        scale
+            .configure_mesh()
+            .disable_mesh()
+            .disable_x_axis()
+            .axis_style(INK.stroke_width(px(1)))
+            .set_all_tick_mark_size(px(4))
+            .y_desc(scale_label)
+            .y_labels(5)
+            .y_label_formatter(&|y| fixed(*y, scale_digits))
+            .axis_desc_style(font(12))
+            .label_style(font(12))
+            .draw()?;
+        const STEPS: usize = 40;
+        scale.draw_series((0..STEPS).map(|i| {
+            let at = |i: usize| top * i as f64 / STEPS as f64;
+            let colour = shade((i as f64 + 0.5) / STEPS as f64);
+            Rectangle::new([(0.0, at(i)), (1.0, at(i + 1))], colour.filled())
+        }))?;
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_higher_pressure_is_never_drawn_lighter() {
+        let luminance = |f: f64| {
+            let RGBColor(r, g, b) = shade(f);
+            0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+        };
+        for i in 0..100 {
+            assert!(luminance(f64::from(i) / 100.0) >= luminance(f64::from(i + 1) / 100.0));
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Transmission error over torque and over misalignment.
+
+use gearmesh::contact::{ContactError, ContactSolver, CycleInput, MeshCycle};
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+
+use super::chart::{Axes, Curve, line_chart};
+use super::map::{Patch, View, map};
+use super::page::Page;
+use super::torque_in_words;
+use crate::Error;
+
+/// Torques up to the largest one.
+const TORQUES: usize = 12;
+/// Misalignments over the range of the pair file.
+const MISALIGNMENTS: usize = 9;
+/// Positions over a mesh cycle: enough for five harmonics and within a few per cent of the peak-to-peak value.
+const POSITIONS: usize = 24;
+/// Harmonics that are drawn.
+const HARMONICS: usize = 3;
+/// Least top of a scale, um.
+const LEAST_TOP: f64 = 1e-3;
+
+/// A mesh cycle of the drive flank.
+pub fn cycle(
+    solver: &ContactSolver,
+    torque: f64,
+    misalignment: f64,
+    positions: usize,
+) -> Result<MeshCycle, ContactError> {
+    let input = CycleInput {
+        flank: Flank::Drive,
+        torque,
+        center_distance_offset: 0.0,
+        misalignment,
+        positions,
+    };
+    MeshCycle::solve(solver, &input)
+}
+
+/// `count` values evenly from `low` to `high`.
+fn evenly(low: f64, high: f64, count: usize) -> Vec<f64> {
+    let step = (high - low) / (count - 1) as f64;
+    (0..count).map(|i| low + step * i as f64).collect()
+}
+
+/// Peak-to-peak value and harmonics of each cycle, um, over `at`.
+fn amplitudes(at: &[f64], cycles: &[MeshCycle]) -> Vec<Curve> {
+    let curve = |label: String, value: &dyn Fn(&MeshCycle) -> f64| Curve {
+        label,
+        points: at
+            .iter()
+            .zip(cycles)
+            .map(|(at, cycle)| (*at, 1e6 * value(cycle)))
+            .collect(),
+    };
+    let mut curves = vec![curve("peak to peak".into(), &MeshCycle::peak_to_peak_ste)];
+    curves.extend((0..HARMONICS).map(|h| {
+        curve(format!("harmonic {}", h + 1), &|c: &MeshCycle| {
+            c.harmonics()[h].map_or(f64::NAN, |h| h.amplitude)
+        })
+    }));
+    curves
+}
+
+/// Sections on the transmission error over the range of operation.
+pub fn survey(page: &mut Page, pair: &Pair, solver: &ContactSolver) -> Result<(), Error> {
+    let operating = &pair.operating;
+    let largest = operating.maximum_torque;
+    let torques = evenly(largest / TORQUES as f64, largest, TORQUES);
+    let solve = |torque: f64, m: f64| cycle(solver, torque, m, POSITIONS);
+    page.section(
+        "Transmission error over torque",
+        "Peak-to-peak value and amplitudes of the harmonics of the mesh frequency, aligned, on the line of action.",
+    );
+    let aligned = torques
+        .iter()
+        .map(|torque| solve(*torque, 0.0))
+        .collect::<Result<Vec<_>, _>>()?;
+    let chart = |x: &str, curves: &[Curve]| {
+        let axes = Axes::new(x, "amplitude of the STE (um)");
+        line_chart(&axes.starting_at_zero().least(LEAST_TOP), curves)
+    };
+    page.pictures(&[chart(
+        "torque on gear 1 (N m)",
+        &amplitudes(&torques, &aligned),
+    )?]);
+
+    let [low, high] = operating.misalignment;
+    if low == high {
+        return Ok(());
+    }
+    let tilts = evenly(low, high, MISALIGNMENTS);
+    let mrad: Vec<f64> = tilts.iter().map(|m| 1e3 * m).collect();
+    page.section(
+        "Transmission error over misalignment",
+        &format!(
+            "First at {}, then the peak-to-peak value over torque and misalignment in the plane of action.",
+            torque_in_words(operating.nominal_torque)
+        ),
+    );
+    let tilted = tilts
+        .iter()
+        .map(|m| solve(operating.nominal_torque, *m))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut patches = Vec::new();
+    let half = [0.5 * (mrad[1] - mrad[0]), 0.5 * (torques[1] - torques[0])];
+    for &torque in &torques {
+        for (&m, &x) in tilts.iter().zip(&mrad) {
+            let (x0, x1) = (x - half[0], x + half[0]);
+            let (y0, y1) = (torque - half[1], torque + half[1]);
+            patches.push(Patch {
+                corners: [(x0, y0), (x1, y0), (x1, y1), (x0, y1)],
+                value: 1e6 * solve(torque, m)?.peak_to_peak_ste(),
+                apart: false,
+            });
+        }
+    }
+    let top = patches.iter().map(|p| p.value).fold(LEAST_TOP, f64::max);
+    let view = View {
+        x: mrad[0] - half[0]..mrad[mrad.len() - 1] + half[0],
+        y: torques[0] - half[1]..largest + half[1],
+        labels: ["misalignment (mrad)", "torque (N m)", "um"],
+    };
+    page.pictures(&[
+        chart("misalignment (mrad)", &amplitudes(&mrad, &tilted))?,
+        map("peak-to-peak STE", &view, patches, top)?,
+    ]);
+    Ok(())
+}

@@ -10,23 +10,11 @@ import numpy as np
 from ..files import OUT
 from ..orders import order_amplitude, waterfall
 from .cases import VARIANTS, balance, bearing_forces, deviation_from_statics, run_up, torque_ramp
-from .model import HELICAL, HOUSING_CENTER, SENSOR, SHAFTS, SPUR, Driveline, History
+from .model import HELICAL, SHAFTS, SPUR, Driveline, History
+from .observe import spin, wall
 
 RPM = 30.0 / np.pi
 BASE_HELIX = np.radians(20.61)  # of the helical pair
-
-
-def spin(history: History):
-    """Angle (rad) and speed (rad/s) of gear 1."""
-    first = 6 * (1 + SHAFTS[0].gear) + 5
-    return history.q[:, first], history.q_t[:, first]
-
-
-def wall(history: History) -> np.ndarray:
-    """Acceleration of the sensor along y, m/s^2; the housing turns by microradians only."""
-    arm = np.subtract(SENSOR, HOUSING_CENTER)
-    angular = history.q_tt[:, 3:6]
-    return history.q_tt[:, 1] + angular[:, 2] * arm[0] - angular[:, 0] * arm[2]
 
 
 def ramp_figure(line: Driveline, history: History) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 from gearmesh import GearPair
@@ -25,10 +26,10 @@ VARIANTS = {
 }
 
 
-def unit(gears: Gears, parameters: dict) -> GearPair:
-    """An initialised instance: the teeth touch at the start."""
-    fmu = shipped if gears is HELICAL else local
-    pair = GearPair(fmu(gears.name), parameters, "model-exchange")
+def unit(gears: Gears, parameters: dict, fmu: Path | None = None) -> GearPair:
+    """An initialised instance, of `fmu` or else of the tables at hand: the teeth touch at the start."""
+    fmu = fmu or (shipped if gears is HELICAL else local)(gears.name)
+    pair = GearPair(fmu, parameters, "model-exchange")
     pair.initialize()
     return pair
 
@@ -50,13 +51,16 @@ def torque_ramp(torque: float = 120.0, rpm: float = 600.0, duration: float = 0.4
         return line, line.run(duration, STEP, 5, DIAGNOSTICS)
 
 
-def run_up(variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8) -> History:
-    """The spur pair from rest to `rpm`; the load brakes with `torque`, the motor accelerates beyond it."""
-    with unit(SPUR, {"damping": SPUR_DAMPING} | VARIANTS[variant]) as pair:
-        line = Driveline(SPUR, pair, load=lambda t: torque * rise(t))
-        blanks = [line.bodies[k, shaft.gear].inertia[2, 2] for k, shaft in enumerate(SHAFTS)]
-        inertia = sum(INERTIAS) + sum(blanks)  # the shafts add less than 1 %
-        line.torques = (lambda t: (torque + inertia * rpm * RPM / duration) * rise(t), line.torques[1])
+def run_up(
+    variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8, fmu: Path | None = None
+) -> History:
+    """The spur pair from rest to `rpm`, evenly; the teeth carry `torque`: the load brakes with less, the motor drives with more."""
+    with unit(SPUR, {"damping": SPUR_DAMPING} | VARIANTS[variant], fmu) as pair:
+        line = Driveline(SPUR, pair)
+        # Each side's own inertia; the shafts without the gears add less than 1 %.
+        sides = [inertia + line.bodies[k, shaft.gear].inertia[2, 2] for k, (inertia, shaft) in enumerate(zip(INERTIAS, SHAFTS))]
+        ahead, behind = (inertia * rpm * RPM / duration for inertia in sides)
+        line.torques = (lambda t: (torque + ahead) * rise(t), lambda t: (torque - behind) * rise(t))
         return line.run(duration, STEP, 2, DIAGNOSTICS)
 
 

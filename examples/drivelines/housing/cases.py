@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import exudyn as exu
 import numpy as np
 from gearmesh import GearPair
 
@@ -16,6 +17,7 @@ RPM = math.pi / 30.0
 STEP = 1e-5  # s; Runge-Kutta 4 stands 1.4e-5, the shafts' axial modes limit it
 DIAGNOSTICS = (
     "mesh.transmissionError", "mesh.tangentialForce", "mesh.contactZ", "mesh.misalignment", "mesh.normalForce",
+    "mesh.stiffness",
 )  # fmt: skip
 # zeta = 0.02: test rigs with spur gears on roller bearings show 0.01 to 0.03.
 SPUR_DAMPING = 500.0
@@ -62,6 +64,26 @@ def run_up(
         ahead, behind = (inertia * rpm * RPM / duration for inertia in sides)
         line.torques = (lambda t: (torque + ahead) * rise(t), lambda t: (torque - behind) * rise(t))
         return line.run(duration, STEP, 2, DIAGNOSTICS)
+
+
+def eigenfrequencies(stiffness: float) -> np.ndarray:
+    """Of the spur pair's assembly with a constant tangential mesh stiffness, N/m, teeth in contact, undamped; Hz."""
+    choices = {"stiffnessModel": "constant", "constantStiffness": stiffness, "damping": 0.0}
+    with unit(SPUR, choices) as pair:
+        line = Driveline(SPUR, pair, damped=False)
+        data, start = line.mbs.systemData, exu.ConfigurationType.Initial
+        q = np.array(data.GetODE2Coordinates(start))
+        q[line.bodies[0, SHAFTS[0].gear].first + 5] = 2e-4  # pressed
+        data.SetODE2Coordinates(q, start)
+        values = line.mbs.ComputeODE2Eigenvalues(exu.SimulationSettings(), convert2Frequencies=True, autoAssemble=False)[0]
+    return np.sort(np.real(values))
+
+
+def mesh_resonance(stiffness: float) -> float:
+    """The eigenfrequency, Hz, that follows the mesh stiffness most: there the teeth move most."""
+    low, high = eigenfrequencies(0.99 * stiffness), eigenfrequencies(1.01 * stiffness)
+    change = np.where(low > 100.0, high / np.maximum(low, 100.0) - 1.0, 0.0)
+    return float(0.5 * (low + high)[np.argmax(change)])
 
 
 def bearing_forces(line: Driveline, history: History) -> dict[tuple[int, int], np.ndarray]:

@@ -6,7 +6,7 @@ PYTHON ?= python3
 CARGO ?= cargo
 VENV := .venv
 GEARMESH := target/release/gearmesh
-DRIVELINES := housing planetary response cosimulation rattle sweep
+DRIVELINES := housing planetary response cosimulation rattle sweep tutorial
 export PYTHON
 
 .PHONY: all setup build demo test lint licenses report examples bench callgrind clean distclean

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 from pathlib import Path
 
@@ -37,5 +38,9 @@ def _made(name: str, command: str, *arguments: object) -> Path:
     sources = [GEARMESH, *(a for a in arguments if isinstance(a, Path))]
     if not out.exists() or out.stat().st_mtime < max(s.stat().st_mtime for s in sources):
         OUT.mkdir(parents=True, exist_ok=True)
-        subprocess.run([str(a) for a in (GEARMESH, command, *arguments, "-o", out)], check=True, stdout=subprocess.PIPE)
+        # Moved into place when whole: several processes may want the same unit at once.
+        beside = out.with_name(f"{out.stem}.{os.getpid()}.fmu")
+        run = [str(a) for a in (GEARMESH, command, *arguments, "-o", beside)]
+        subprocess.run(run, check=True, stdout=subprocess.PIPE)
+        beside.replace(out)
     return out

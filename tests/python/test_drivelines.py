@@ -12,10 +12,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from examples.drivelines.cosimulation import masters  # noqa: E402
 from examples.drivelines.housing import cases as housing  # noqa: E402
 from examples.drivelines.housing.model import HELICAL, SPUR  # noqa: E402
+from examples.drivelines.housing.observe import spin  # noqa: E402
 from examples.drivelines.planetary import cases as planetary  # noqa: E402
 from examples.drivelines.planetary.stage import IN_PHASE, SEQUENTIAL  # noqa: E402
 from examples.drivelines.rattle import idle, mujoco_joint  # noqa: E402
 from examples.drivelines.response import jump, linear  # noqa: E402
+from examples.drivelines.tutorial import __main__ as tutorial  # noqa: E402
 
 
 @pytest.mark.parametrize("gears", [SPUR, HELICAL], ids=lambda g: g.name)
@@ -110,3 +112,23 @@ def test_an_idle_gear_in_a_gearbox_rattles_once_its_drag_cannot_follow():
 def test_a_reversing_joint_in_mujoco_loses_the_gap_and_the_deflection_of_the_teeth():
     lost = mujoco_joint.lost_motion(*mujoco_joint.run(True)[:2])
     assert mujoco_joint.GAP < lost < 1.05 * mujoco_joint.GAP
+
+
+def test_the_relief_of_the_tutorial_takes_the_first_harmonic_at_its_torque_alone():
+    first = {
+        (pair.stem, torque): tutorial.static(pair, torque)["harmonics_loa_um"][0]
+        for pair in (tutorial.PAIRS / "spur-50-50.json", tutorial.relieved())
+        for torque in (tutorial.TORQUE, 2.0 * tutorial.TORQUE)
+    }
+    before, after = ({t: first[name, t] for t in (150.0, 300.0)} for name in ("spur-50-50", "spur-50-50-relieved"))
+    assert after[150.0] < 0.15 * before[150.0]
+    assert after[300.0] > before[300.0]
+
+
+def test_the_mesh_resonates_near_the_eigenfrequency_of_its_mean_stiffness():
+    history = housing.run_up("variable load", rpm=4800.0, duration=0.3)
+    late = history.time > 0.2
+    force = history.mesh["mesh.tangentialForce"] * late
+    speed = spin(history)[1][np.argmax(force)]
+    frequency = speed * SPUR.teeth[0] / (2.0 * np.pi)
+    assert frequency == pytest.approx(housing.mesh_resonance(2.32e8), rel=0.06)

@@ -6,6 +6,7 @@ import numpy as np
 from gearmesh import GearPair
 
 from ..files import shipped
+from ..integrate import runge_kutta
 from . import subsystems as sub
 
 TORQUE, SPEED = 100.0, 200.0  # N m and rad/s of gear 1
@@ -75,19 +76,15 @@ def monolithic(gears: Gears, begin, duration: float, step: float) -> tuple[np.nd
     """All equations at once by Runge-Kutta 4; states of shafts and housing at the end."""
     shafts, housing = sub.shafts(), sub.housing()
 
-    def rate(z):
+    def rate(_, z):
         x, h = z[:12], z[12:]
         seats = sub.seat_motion(h)
         loads = np.concatenate([gears(x) + DRIVE, seats])
         return np.concatenate([shafts.a @ x + shafts.b @ loads, housing.a @ h + housing.b @ sub.bearing_forces(x, seats)])
 
     z = np.concatenate(begin)
-    for _ in range(round(duration / step)):
-        k1 = rate(z)
-        k2 = rate(z + 0.5 * step * k1)
-        k3 = rate(z + 0.5 * step * k2)
-        k4 = rate(z + step * k3)
-        z = z + step / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
+    for n in range(round(duration / step)):
+        z = runge_kutta(rate, n * step, z, step)
     return z[:12], z[12:]
 
 

@@ -9,24 +9,12 @@ import numpy as np
 
 from ..files import OUT
 from ..orders import order_amplitude, waterfall
-from .cases import VARIANTS, balance, bearing_forces, deviation_from_statics, run_up, torque_ramp
-from .model import HELICAL, HOUSING_CENTER, SENSOR, SHAFTS, SPUR, Driveline, History
+from .cases import VARIANTS, balance, bearing_forces, deviation_from_statics, mesh_resonance, run_up, torque_ramp
+from .model import HELICAL, SHAFTS, SPUR, Driveline, History
+from .observe import spin, wall
 
 RPM = 30.0 / np.pi
 BASE_HELIX = np.radians(20.61)  # of the helical pair
-
-
-def spin(history: History):
-    """Angle (rad) and speed (rad/s) of gear 1."""
-    first = 6 * (1 + SHAFTS[0].gear) + 5
-    return history.q[:, first], history.q_t[:, first]
-
-
-def wall(history: History) -> np.ndarray:
-    """Acceleration of the sensor along y, m/s^2; the housing turns by microradians only."""
-    arm = np.subtract(SENSOR, HOUSING_CENTER)
-    angular = history.q_tt[:, 3:6]
-    return history.q_tt[:, 1] + angular[:, 2] * arm[0] - angular[:, 0] * arm[2]
 
 
 def ramp_figure(line: Driveline, history: History) -> None:
@@ -99,6 +87,11 @@ def main() -> None:
         apart = speed[force == 0.0]
         text = f"teeth part from {apart.min():.0f} to {apart.max():.0f} rpm" if len(apart) else "teeth stay in contact"
         print(f"{name}: largest force {force.max():.0f} N at {speed[force.argmax()]:.0f} rpm, {text}")
+    slow = histories["variable load"].after(0.05)
+    slow = slow.mesh["mesh.stiffness"][RPM * spin(slow)[1] < 600.0]
+    frequency = mesh_resonance(slow.mean())
+    print(f"mean tangent stiffness {slow.mean():.3g} N/m: eigenfrequency of the mesh {frequency:.0f} Hz, "
+          f"met by order {SPUR.teeth[0]} at {60.0 * frequency / SPUR.teeth[0]:.0f} rpm")
     run_up_figures(histories)
     for gears in (SPUR, HELICAL):
         print(gears.name, ", ".join(f"{name} {value:.1e}" for name, value in balance(gears).items()))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
+import exudyn as exu
 import numpy as np
 from gearmesh import GearPair
 
@@ -15,6 +17,7 @@ RPM = math.pi / 30.0
 STEP = 1e-5  # s; Runge-Kutta 4 stands 1.4e-5, the shafts' axial modes limit it
 DIAGNOSTICS = (
     "mesh.transmissionError", "mesh.tangentialForce", "mesh.contactZ", "mesh.misalignment", "mesh.normalForce",
+    "mesh.stiffness",
 )  # fmt: skip
 # zeta = 0.02: test rigs with spur gears on roller bearings show 0.01 to 0.03.
 SPUR_DAMPING = 500.0
@@ -25,10 +28,10 @@ VARIANTS = {
 }
 
 
-def unit(gears: Gears, parameters: dict) -> GearPair:
-    """An initialised instance: the teeth touch at the start."""
-    fmu = shipped if gears is HELICAL else local
-    pair = GearPair(fmu(gears.name), parameters, "model-exchange")
+def unit(gears: Gears, parameters: dict, fmu: Path | None = None) -> GearPair:
+    """An initialised instance, of `fmu` or else of the tables at hand: the teeth touch at the start."""
+    fmu = fmu or (shipped if gears is HELICAL else local)(gears.name)
+    pair = GearPair(fmu, parameters, "model-exchange")
     pair.initialize()
     return pair
 
@@ -50,14 +53,37 @@ def torque_ramp(torque: float = 120.0, rpm: float = 600.0, duration: float = 0.4
         return line, line.run(duration, STEP, 5, DIAGNOSTICS)
 
 
-def run_up(variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8) -> History:
-    """The spur pair from rest to `rpm`; the load brakes with `torque`, the motor accelerates beyond it."""
-    with unit(SPUR, {"damping": SPUR_DAMPING} | VARIANTS[variant]) as pair:
-        line = Driveline(SPUR, pair, load=lambda t: torque * rise(t))
-        blanks = [line.bodies[k, shaft.gear].inertia[2, 2] for k, shaft in enumerate(SHAFTS)]
-        inertia = sum(INERTIAS) + sum(blanks)  # the shafts add less than 1 %
-        line.torques = (lambda t: (torque + inertia * rpm * RPM / duration) * rise(t), line.torques[1])
+def run_up(
+    variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8, fmu: Path | None = None
+) -> History:
+    """The spur pair from rest to `rpm`, evenly; the teeth carry `torque`: the load brakes with less, the motor drives with more."""
+    with unit(SPUR, {"damping": SPUR_DAMPING} | VARIANTS[variant], fmu) as pair:
+        line = Driveline(SPUR, pair)
+        # Each side's own inertia; the shafts without the gears add less than 1 %.
+        sides = [inertia + line.bodies[k, shaft.gear].inertia[2, 2] for k, (inertia, shaft) in enumerate(zip(INERTIAS, SHAFTS))]
+        ahead, behind = (inertia * rpm * RPM / duration for inertia in sides)
+        line.torques = (lambda t: (torque + ahead) * rise(t), lambda t: (torque - behind) * rise(t))
         return line.run(duration, STEP, 2, DIAGNOSTICS)
+
+
+def eigenfrequencies(stiffness: float) -> np.ndarray:
+    """Of the spur pair's assembly with a constant tangential mesh stiffness, N/m, teeth in contact, undamped; Hz."""
+    choices = {"stiffnessModel": "constant", "constantStiffness": stiffness, "damping": 0.0}
+    with unit(SPUR, choices) as pair:
+        line = Driveline(SPUR, pair, damped=False)
+        data, start = line.mbs.systemData, exu.ConfigurationType.Initial
+        q = np.array(data.GetODE2Coordinates(start))
+        q[line.bodies[0, SHAFTS[0].gear].first + 5] = 2e-4  # pressed
+        data.SetODE2Coordinates(q, start)
+        values = line.mbs.ComputeODE2Eigenvalues(exu.SimulationSettings(), convert2Frequencies=True, autoAssemble=False)[0]
+    return np.sort(np.real(values))
+
+
+def mesh_resonance(stiffness: float) -> float:
+    """The eigenfrequency, Hz, that follows the mesh stiffness most: there the teeth move most."""
+    low, high = eigenfrequencies(0.99 * stiffness), eigenfrequencies(1.01 * stiffness)
+    change = np.where(low > 100.0, high / np.maximum(low, 100.0) - 1.0, 0.0)
+    return float(0.5 * (low + high)[np.argmax(change)])
 
 
 def bearing_forces(line: Driveline, history: History) -> dict[tuple[int, int], np.ndarray]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..files import OUT
 from . import cases
-from .stage import IN_PHASE, PITCH, SEQUENTIAL, TEETH
+from .stage import IN_PHASE, PITCH, SEQUENTIAL
 
 
 def main() -> None:

@@ -14,6 +14,7 @@ from gearmesh import GearPair
 from ..balance import mesh_energy
 from ..cardan import POSES
 from ..files import local
+from ..integrate import runge_kutta
 
 TEETH = (21, 39, 99)  # sun, planet, ring
 CENTER_DISTANCE = 0.3079208  # m
@@ -176,20 +177,15 @@ class Stage:
         inverse, load = 1.0 / self.mass(), np.zeros(len(q))
         load[2], load[-1] = torques
 
-        def acceleration(q, q_t):
-            return (self.forces(q, q_t) + load) * inverse
+        half = len(q)
 
-        out = []
+        def rate(_, z):
+            q, q_t = z[:half], z[half:]
+            return np.concatenate([q_t, (self.forces(q, q_t) + load) * inverse])
+
+        state, out = np.concatenate([q, q_t]), []
         for n in range(round(duration / step) + 1):
             if n % every == 0:
-                out.append((n * step, q.copy(), q_t.copy()))
-            a1 = acceleration(q, q_t)
-            v2 = q_t + 0.5 * step * a1
-            a2 = acceleration(q + 0.5 * step * q_t, v2)
-            v3 = q_t + 0.5 * step * a2
-            a3 = acceleration(q + 0.5 * step * v2, v3)
-            v4 = q_t + step * a3
-            a4 = acceleration(q + step * v3, v4)
-            q = q + step / 6.0 * (q_t + 2.0 * v2 + 2.0 * v3 + v4)
-            q_t = q_t + step / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+                out.append((n * step, state[:half], state[half:]))
+            state = runge_kutta(rate, n * step, state, step)
         return tuple(np.array(column) for column in zip(*out))

@@ -6,6 +6,7 @@ import numpy as np
 from gearmesh import GearPair
 
 from ..files import shipped
+from ..integrate import runge_kutta
 
 # The idle pair: fzg-c, 16 teeth on the countershaft, 24 on the idle gear.
 INERTIA, BASE_RADIUS = 1.5e-3, 101.4868e-3 / 2  # kg m^2 and m of the idle gear
@@ -39,14 +40,6 @@ class Turning:
 
     def close(self) -> None:
         self.pair.close()
-
-
-def runge_kutta(rate, time: float, state: np.ndarray, step: float) -> np.ndarray:
-    k1 = rate(time, state)
-    k2 = rate(time + 0.5 * step, state + 0.5 * step * k1)
-    k3 = rate(time + 0.5 * step, state + 0.5 * step * k2)
-    k4 = rate(time + step, state + step * k3)
-    return state + step / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
 
 
 def restitution(speed: float = 0.03) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 from gearmesh import GearPair
 
 from ..files import local
+from ..integrate import runge_kutta
 
 TEETH = 50
 INERTIA = 7.6e-3  # kg m^2, a steel disc of 150 mm and 20 mm
@@ -26,27 +27,19 @@ def sweep(start: float, end: float, torque: float = 150.0, duration: float = 1.6
         moment, error = pair.output["gear2.moment[3]"], pair.output["mesh.transmissionError"]
         u, y = pair.u, pair.y
 
-        def acceleration(time, angle, speed):
+        def motion(time, z):
             u[spin1], u[rate1] = time * (start * RPM + 0.5 * rate * time), start * RPM + rate * time
-            u[spin2], u[rate2] = angle, speed
+            u[spin2], u[rate2] = z
             pair.evaluate(time)
             # The mean acceleration is taken off the torque, so that the teeth carry the same load up and down.
-            return (y[moment] + torque) / INERTIA - rate
+            return np.array([z[1], (y[moment] + torque) / INERTIA - rate])
 
-        angle, speed = torque / PITCH_RADIUS**2 / pair["mesh.stiffness"] if pair["mesh.stiffness"] else 0.0, -start * RPM
+        state = np.array([0.0, -start * RPM])
         values, apart = np.empty(count), np.empty(count, dtype=bool)
         for n in range(count):
-            time = n * step
-            a1 = acceleration(time, angle, speed)
+            motion(n * step, state)
             values[n], apart[n] = y[error], y[moment] == 0.0
-            v2 = speed + 0.5 * step * a1
-            a2 = acceleration(time + 0.5 * step, angle + 0.5 * step * speed, v2)
-            v3 = speed + 0.5 * step * a2
-            a3 = acceleration(time + 0.5 * step, angle + 0.5 * step * v2, v3)
-            v4 = speed + step * a3
-            a4 = acceleration(time + step, angle + step * v3, v4)
-            angle += step / 6.0 * (speed + 2.0 * (v2 + v3) + v4)
-            speed += step / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
+            state = runge_kutta(motion, n * step, state, step)
     parts = values[: count // window * window].reshape(-1, window)
     speeds = start + (end - start) * (np.arange(len(parts)) + 0.5) * window / count
     return speeds, 0.5 * np.ptp(parts, axis=1), apart[: parts.size].reshape(parts.shape).mean(axis=1)

@@ -9,6 +9,7 @@ from gearmesh import GearPair
 
 from ..cardan import generalised, place
 from ..files import shipped
+from ..integrate import runge_kutta
 
 # The pair helical-25-47 by its drawing: transverse pressure angle and helix angle at the operating pitch cylinders.
 CENTER_DISTANCE, MIDDLE, FACE_OF_GEAR2 = 98e-3, 11e-3, 1e-3  # m; MIDDLE of the common face in gear 2's frame
@@ -85,32 +86,26 @@ def measured(support: Support, frequency: float, points: int = 48) -> float:
     with GearPair(shipped("helical-25-47"), choices, "model-exchange") as pair:
         pair.initialize()
 
-        def acceleration(time, q, q_t):
+        def rate(time, z):
+            q, q_t = np.split(z, 2)
             all_q, all_t = np.zeros(12), np.zeros(12)
-            all_q[[6 + i for i in free]], all_t[[6 + i for i in free]] = q, q_t
+            all_q[places], all_t[places] = q, q_t
             place(pair, all_q.tolist(), all_t.tolist(), reference)
             pair.evaluate(time)
-            force = generalised(pair.y[:12], all_q)[6:][free]
+            force = generalised(pair.y[:12], all_q)[places]
             torque = TORQUE + SWING * np.sin(omega * time)
-            return inverse @ (force + torque * load - stiffness @ q - damping @ q_t)
+            return np.concatenate([q_t, inverse @ (force + torque * load - stiffness @ q - damping @ q_t)])
 
         q = np.linalg.solve(stiffness + STIFFNESS * np.outer(row, row), TORQUE * load)
-        q_t = np.zeros(len(q))
+        state, places = np.concatenate([q, np.zeros(len(q))]), [6 + i for i in free]
         # Steps of about 2.5 us, well inside the stability limit of the stiffest mode, a whole number in a period.
         count = max(points, round(1.0 / frequency / 2.5e-6))
         step, settle, cycles = 1.0 / frequency / count, max(4, round(0.04 * frequency)), 4
         sample = np.zeros(count * cycles)
         for n in range(count * (settle + cycles)):
-            time = n * step
-            a1 = acceleration(time, q, q_t)
             if n >= count * settle:
+                rate(n * step, state)
                 sample[n - count * settle] = pair["mesh.transmissionError"]
-            v2 = q_t + 0.5 * step * a1
-            a2 = acceleration(time + 0.5 * step, q + 0.5 * step * q_t, v2)
-            v3 = q_t + 0.5 * step * a2
-            a3 = acceleration(time + 0.5 * step, q + 0.5 * step * v2, v3)
-            v4 = q_t + step * a3
-            a4 = acceleration(time + step, q + step * v3, v4)
-            q, q_t = q + step / 6.0 * (q_t + 2.0 * (v2 + v3) + v4), q_t + step / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
+            state = runge_kutta(rate, n * step, state, step)
     phase = 2j * np.pi * np.arange(len(sample)) / count
     return 2.0 * abs(np.mean(sample * np.exp(-phase)))

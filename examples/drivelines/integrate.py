@@ -1,0 +1,16 @@
+"""The classical Runge-Kutta method, for the examples that bring their own host."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+
+def runge_kutta(rate: Callable[[float, np.ndarray], np.ndarray], time: float, state: np.ndarray, step: float) -> np.ndarray:
+    """The state after one step of `step` s of fourth order."""
+    k1 = rate(time, state)
+    k2 = rate(time + 0.5 * step, state + 0.5 * step * k1)
+    k3 = rate(time + 0.5 * step, state + 0.5 * step * k2)
+    k4 = rate(time + step, state + step * k3)
+    return state + step / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)

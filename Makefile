@@ -9,7 +9,7 @@ GEARMESH := target/release/gearmesh
 DRIVELINES := housing planetary response cosimulation rattle sweep tutorial
 export PYTHON
 
-.PHONY: all setup build demo test lint licenses report examples bench callgrind clean distclean
+.PHONY: all setup build demo test lint licenses report examples bench callgrind release clean distclean
 .DELETE_ON_ERROR:
 
 all: build
@@ -25,7 +25,7 @@ $(VENV)/.tests-complete: $(VENV)/.complete requirements-test.txt
 	scripts/setup.sh requirements-test.txt
 	touch $@
 
-# Those of examples/drivelines.
+# Other simulators, for examples/drivelines and examples/hosts.
 $(VENV)/.examples-complete: $(VENV)/.tests-complete requirements-examples.txt
 	scripts/setup.sh requirements-test.txt requirements-examples.txt
 	touch $@
@@ -62,11 +62,15 @@ demo: build
 	$(VENV)/bin/python -m demo --out target/demo
 
 # Every figure and table in docs/, and the contact of every shipped pair in target/report.
-report: build
+report: build $(VENV)/.examples-complete
 	$(CARGO) run --release --example stability
 	$(CARGO) run --release --example finite_elements
 	$(CARGO) run --release --example speed_accuracy -- docs $(VENV)/bin/python
 	$(VENV)/bin/python -m demo.frames docs/frames.svg
+	$(GEARMESH) pack --tables resources/tables/palermo2013.json -o target/hosts.fmu
+	$(VENV)/bin/python -m examples.hosts target/hosts.fmu --docs docs/hosts.md
+	$(GEARMESH) pack --pair resources/pairs/palermo2013.json -o target/constant.fmu
+	$(VENV)/bin/python -m examples.hosts.adaptive target/constant.fmu target/hosts.fmu --docs docs/hosts.md
 	$(VENV)/bin/python -m demo --out target/demo --docs docs
 	mkdir -p target/report
 	for pair in resources/pairs/*.json; do \
@@ -87,6 +91,16 @@ bench: setup
 callgrind: setup
 	$(CARGO) build --release --example instructions
 	$(VENV)/bin/python scripts/callgrind.py
+
+# Everything a user downloads, in target/dist: command, library and FMUs for linux64 and win64, wheels. Needs a linker
+# and a Rust for Windows beside the rest; it names what is missing.
+release: $(VENV)/.release-complete
+	$(VENV)/bin/python -m scripts.release
+	$(VENV)/bin/python -m pytest -q tests/release
+
+$(VENV)/.release-complete: $(VENV)/.tests-complete requirements-release.txt
+	scripts/setup.sh requirements-release.txt
+	touch $@
 
 clean:
 	$(CARGO) clean

@@ -28,8 +28,16 @@ fn main() {
     if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("linux") {
         // Line tables serve the command and the tests; in every FMU they would weigh twenty times the code.
         println!("cargo::rustc-cdylib-link-arg=-Wl,--strip-debug");
-        // What dependencies export for themselves is none of the unit's interface.
-        println!("cargo::rustc-cdylib-link-arg=-Wl,--exclude-libs,ALL");
+        // What dependencies export for themselves is none of the unit's interface. zig, which links for old
+        // systems, has no --exclude-libs; there the last version script counts.
+        let linker = env::var("RUSTC_LINKER").unwrap_or_default();
+        let rest = if linker.contains("zigcc") {
+            let folder = env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
+            format!("--version-script={folder}/build/exports.map")
+        } else {
+            "--exclude-libs,ALL".to_owned()
+        };
+        println!("cargo::rustc-cdylib-link-arg=-Wl,{rest}");
     }
     if let Err(error) = generate() {
         println!("cargo::error={SOURCE}: {error}");

@@ -1,7 +1,8 @@
 """Licence texts of the crates that the FMU's library links, for documentation/licenses in every FMU.
 
 Run `make licenses` after a change of the dependencies; `python scripts/licenses.py --check` fails where the file
-is not that of today's Cargo.lock.
+is not that of today's Cargo.lock. `--command FILE` writes the texts for the command with its many more crates, which
+a release brings.
 """
 
 import hashlib
@@ -12,8 +13,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "resources" / "documentation" / "third-party.txt"
-# The unit alone: neither the command nor its preprocessing, nothing that only builds or tests.
-TREE = ["tree", "--locked", "--no-default-features", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"]
+# Nothing that only builds or tests.
+TREE = ["tree", "--locked", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"]
+# The unit alone: neither the command nor its preprocessing.
+LIBRARY = ["--no-default-features"]
+# On whatever platform.
+COMMAND = ["--target", "all"]
 NAMES = ("LICENSE", "LICENCE", "COPYING", "NOTICE", "UNLICENSE")
 
 
@@ -21,9 +26,9 @@ def cargo(*arguments):
     return subprocess.run(["cargo", *arguments], cwd=ROOT, check=True, capture_output=True, text=True).stdout
 
 
-def linked():
-    """(name, version) of every crate in the library but our own."""
-    lines = cargo(*TREE).split("\n")
+def linked(selection):
+    """(name, version) of every crate in the library or the command but our own."""
+    lines = cargo(*TREE, *selection).split("\n")
     found = {tuple(line.split()[:2]) for line in lines if line}
     return sorted((name, version[1:]) for name, version in found if name != "gearmesh")
 
@@ -37,11 +42,11 @@ def texts(folder, terms):
     return [(p.name, p.read_text(encoding="utf-8", errors="replace").strip()) for p in files]
 
 
-def page():
+def page(selection, what):
     metadata = json.loads(cargo("metadata", "--locked", "--format-version", "1"))
     packages = {(p["name"], p["version"]): p for p in metadata["packages"]}
     heads, bodies = [], {}
-    for key in linked():
+    for key in linked(selection):
         package = packages[key]
         references = []
         for name, text in texts(Path(package["manifest_path"]).parent, package["license"]):
@@ -52,7 +57,7 @@ def page():
             f"{key[0]} {key[1]}, {package['license']}, {package['repository'] or 'no address'}\n"
             f"    {', '.join(references) or 'no text in the crate: the terms named are those of the SPDX list'}"
         )
-    out = "Crates in this unit's library, beside Rust's standard library (MIT or Apache-2.0, rust-lang.org), and the\n"
+    out = f"Crates in this {what}, beside Rust's standard library (MIT or Apache-2.0, rust-lang.org), and the\n"
     out += "headers of the FMI standard (BSD 2-clause, fmi-standard.org). Of a choice of licences any one will do.\n\n"
     out += "\n".join(heads) + "\n"
     for number, text in bodies.values():
@@ -61,7 +66,10 @@ def page():
 
 
 def main():
-    text = page()
+    if sys.argv[1:2] == ["--command"]:
+        Path(sys.argv[2]).write_text(page(COMMAND, "program"), encoding="utf-8")
+        return
+    text = page(LIBRARY, "unit's library")
     if "--check" in sys.argv[1:]:
         if OUT.read_text(encoding="utf-8") != text:
             sys.exit(f"{OUT.relative_to(ROOT)} is not that of Cargo.lock: run `make licenses`")

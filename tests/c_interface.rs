@@ -3,35 +3,16 @@
 #![allow(unsafe_code)] // it calls what C calls
 
 use std::ffi::{CStr, CString, c_char, c_void};
-use std::path::Path;
 use std::ptr;
 use std::sync::Mutex;
 
 use ::fmi::fmi2::binding::*;
 use gearmesh::fmi::c_interface::*;
 use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, UnitFile};
-use gearmesh::gear::samples;
 
-const GUID: &str = "{00000000-0000-0000-0000-000000000001}";
-
-/// A spur pair.
-fn unit() -> UnitFile {
-    let start = |name: &str, value: f64| (name.to_owned(), value);
-    UnitFile {
-        version: UNIT_VERSION,
-        guid: GUID.into(),
-        name: "spur".into(),
-        starts: [start("gear2.position[1]", 80e-3)].into(),
-        geometry: samples::spur_pair(),
-    }
-}
-
-/// Writes the resources of `unit` and returns their URI.
-fn resources(folder: &Path, unit: &UnitFile) -> CString {
-    let text = serde_json::to_string(unit).unwrap();
-    std::fs::write(folder.join(UNIT_FILE), text).unwrap();
-    CString::new(format!("file://{}", folder.display())).unwrap()
-}
+#[path = "units/mod.rs"]
+mod units;
+use units::{GUID, resources, spur as unit, tabulated};
 
 static LOG: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
@@ -228,22 +209,11 @@ fn loading_and_unloading_leaves_no_byte_behind() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let library = gearmesh::package::library_beside(&std::env::current_exe().unwrap()).unwrap();
+    let libraries = gearmesh::package::libraries_beside(&std::env::current_exe().unwrap()).unwrap();
+    let library = &libraries[0];
     // With tables, since these are what instances share.
-    let tables = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/resources/tables/palermo2013.json"
-    );
-    let file = gearmesh::table::TableFile::read(tables).unwrap();
-    let geometry = file.geometry.pair_geometry().unwrap();
-    let place = ("gear2.position[1]".to_owned(), geometry.center_distance);
-    let unit = UnitFile {
-        starts: [place, ("stiffnessModel".to_owned(), 2.0)].into(),
-        geometry,
-        ..unit()
-    };
-    std::fs::copy(tables, folder.path().join("tables.json")).unwrap();
-    let (uri, guid) = (resources(folder.path(), &unit), CString::new(GUID).unwrap());
+    let (unit, guid) = (tabulated(folder.path()), CString::new(GUID).unwrap());
+    let uri = resources(folder.path(), &unit);
     let path = CString::new(library.path.to_str().unwrap()).unwrap();
     // Safety: it asks for statistics.
     let given_out = || unsafe { libc::mallinfo2() }.uordblks;

@@ -22,9 +22,9 @@ fn import(pair: &str, folder: &Path) -> (Pair, Fmi2Import) {
         starts: &starts,
     };
     // The library that cargo built for this test lies beside the test's program.
-    let library = package::library_beside(&std::env::current_exe().unwrap()).unwrap();
+    let libraries = package::libraries_beside(&std::env::current_exe().unwrap()).unwrap();
     let fmu = folder.join("pair.fmu");
-    package::pack(&contents, &[library], &fmu).unwrap();
+    package::pack(&contents, &libraries, &fmu).unwrap();
     (pair, ::fmi::import::from_path(&fmu).unwrap())
 }
 

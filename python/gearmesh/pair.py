@@ -6,7 +6,7 @@ import ctypes
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import fmpy
 from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions
@@ -54,7 +54,7 @@ class GearPair:
         parameters: Mapping[str, float | bool | str] | None = None,
         interface: Literal["co-simulation", "model-exchange"] = "co-simulation",
     ) -> None:
-        self._instance: FMU2Slave | FMU2Model | None = None
+        self._instance: Any = None  # of fmpy, which has no types
         self._log: list[str] = []
         self._folder: str | None = fmpy.extract(str(fmu))
         try:
@@ -86,7 +86,8 @@ class GearPair:
             raise
         self.time = 0.0
 
-    def _logged(self, _environment, _instance, _status, _category, _format, text) -> None:
+    def _logged(self, *arguments: Any) -> None:
+        text: bytes = arguments[-1]
         self._log = [*self._log[-7:], text.decode(errors="replace")]
 
     def _error(self, call: str) -> GearPairError:
@@ -125,7 +126,7 @@ class GearPair:
         references = [self._variables[name].valueReference for name in names]
         return (ctypes.c_uint * len(references))(*references)
 
-    def _call(self, function, *arguments) -> None:
+    def _call(self, function: Any, *arguments: object) -> None:
         if function(self._instance.component, *arguments) != OK:
             raise self._error(f"{function.__name__} at t = {self.time} s")
 

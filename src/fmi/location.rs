@@ -18,7 +18,17 @@ pub fn folder(location: &str) -> Result<PathBuf, &'static str> {
         return Err("it is not a file URI");
     }
     url.to_file_path()
+        .or_else(|()| on_the_current_drive(&url))
         .map_err(|()| "it names no folder of this machine")
+}
+
+/// On Windows a path without a drive is one of the current drive, as a host in wine gives it.
+fn on_the_current_drive(url: &Url) -> Result<PathBuf, ()> {
+    if url.host().is_some() {
+        return Err(());
+    }
+    let here = Url::from_directory_path(std::env::current_dir().map_err(drop)?)?;
+    here.join(url.path()).map_err(drop)?.to_file_path()
 }
 
 #[cfg(test)]
@@ -56,6 +66,11 @@ mod tests {
         ] {
             assert_eq!(folder(uri).as_deref(), Ok(Path::new(path)), "{uri}");
         }
+        let found = folder("file:///a%20b/r").unwrap();
+        assert!(
+            found.is_absolute() && found.ends_with("a b\\r"),
+            "{found:?}"
+        );
     }
 
     #[test]

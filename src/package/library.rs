@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::PackageError;
 
+/// File names of the library as cargo gives them on Linux, Windows and macOS.
+const NAMES: [&str; 3] = ["libgearmesh.so", "gearmesh.dll", "libgearmesh.dylib"];
+
 /// A compiled library of the unit for one platform.
 #[derive(Debug, Clone)]
 pub struct Library {
@@ -69,27 +72,25 @@ fn platform(bytes: &[u8]) -> Option<&'static str> {
         .then_some("darwin64")
 }
 
-/// The library that the build left beside the program `executable`: `libgearmesh.so` beside
-/// `target/release/gearmesh`.
+/// The libraries beside the program `executable`: cargo leaves the one of its own platform there
+/// (`target/release/libgearmesh.so`), a release has those of all its platforms.
 ///
 /// # Errors
-/// There is none, or it is not usable.
-pub fn library_beside(executable: &Path) -> Result<Library, PackageError> {
-    let name = if cfg!(windows) {
-        "gearmesh.dll"
-    } else if cfg!(target_os = "macos") {
-        "libgearmesh.dylib"
-    } else {
-        "libgearmesh.so"
-    };
-    let path = executable.with_file_name(name);
-    if !path.exists() {
+/// There is none, or one of them is not usable.
+pub fn libraries_beside(executable: &Path) -> Result<Vec<Library>, PackageError> {
+    let found = NAMES
+        .map(|name| executable.with_file_name(name))
+        .into_iter()
+        .filter(|path| path.exists())
+        .map(|path| Library::read(&path))
+        .collect::<Result<Vec<_>, _>>()?;
+    if found.is_empty() {
         return Err(PackageError::contents(
-            &path,
-            "the unit's library is not there; build it with cargo build --release, or name one with --library",
+            &executable.with_file_name(NAMES[0]),
+            "no library of the unit is there; build it with cargo build --release, or name one with --library",
         ));
     }
-    Library::read(&path)
+    Ok(found)
 }
 
 #[cfg(test)]
@@ -122,5 +123,34 @@ mod tests {
             error.contains("library.rs") && error.contains("no shared library"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn every_library_beside_the_program_is_found_and_none_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let program = folder.path().join("gearmesh");
+        let error = libraries_beside(&program).unwrap_err().to_string();
+        assert!(
+            error.contains("libgearmesh.so") && error.contains("--library"),
+            "{error}"
+        );
+        let mut elf = vec![0u8; 64];
+        elf[..5].copy_from_slice(b"\x7fELF\x02");
+        elf[18] = 62;
+        let mut pe = vec![0u8; 128];
+        pe[..2].copy_from_slice(b"MZ");
+        pe[60] = 64;
+        pe[64..70].copy_from_slice(b"PE\0\0\x64\x86");
+        for (name, mut bytes) in [("libgearmesh.so", elf), ("gearmesh.dll", pe)] {
+            bytes.extend(b"fmi2DoStep\0");
+            fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        let found = libraries_beside(&program).unwrap();
+        let platforms: Vec<_> = found.iter().map(|library| library.platform).collect();
+        assert_eq!(platforms, ["linux64", "win64"]);
+        // One that is no library is named rather than left out.
+        fs::write(folder.path().join("gearmesh.dll"), "text").unwrap();
+        let error = libraries_beside(&program).unwrap_err().to_string();
+        assert!(error.contains("gearmesh.dll"), "{error}");
     }
 }

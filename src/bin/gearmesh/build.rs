@@ -20,7 +20,7 @@ pub struct Build {
     #[arg(short, long)]
     output: PathBuf,
 
-    /// Compiled library of the unit, once per platform [default: the one beside this program]
+    /// Compiled library of the unit, once per platform [default: those beside this program]
     #[arg(long)]
     library: Vec<PathBuf>,
 

@@ -23,7 +23,7 @@ pub struct Pack {
     /// The FMU to write.
     #[arg(short, long)]
     output: PathBuf,
-    /// Compiled library of the unit, once per platform [default: the one beside this program].
+    /// Compiled library of the unit, once per platform [default: those beside this program].
     #[arg(long)]
     library: Vec<PathBuf>,
     /// Start value of a parameter or input, such as damping=500 or interpolation=shepard; repeatable.
@@ -81,10 +81,10 @@ pub fn pack_tables(
     Ok(packed)
 }
 
-/// The libraries at `paths`, or the one beside this program if there are none.
+/// The libraries at `paths`, or those beside this program if there are none.
 pub fn libraries(paths: &[PathBuf]) -> Result<Vec<Library>, crate::Error> {
     if paths.is_empty() {
-        return Ok(vec![package::library_beside(&std::env::current_exe()?)?]);
+        return Ok(package::libraries_beside(&std::env::current_exe()?)?);
     }
     Ok(paths
         .iter()

@@ -1,0 +1,47 @@
+"""Ecos, by ecospy: a master that reads the system from an SSP file (System Structure and Parameterization 1.0)."""
+
+import tempfile
+import zipfile
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+from ecospy import EcosLib, EcosSimulation
+
+VERSION = version("ecospy")
+
+# One unit; a system with shafts and motors adds components and <Connections> between `mesh` and them.
+STRUCTURE = """<?xml version="1.0" encoding="UTF-8"?>
+<ssd:SystemStructureDescription version="1.0" name="gears"
+    xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription">
+  <ssd:System name="gears">
+    <ssd:Elements>
+      <ssd:Component name="mesh" type="application/x-fmu-sharedlibrary" source="resources/mesh.fmu"/>
+    </ssd:Elements>
+  </ssd:System>
+  <ssd:DefaultExperiment startTime="0"/>
+</ssd:SystemStructureDescription>
+"""
+
+
+def co_simulation(fmu, scenario, outputs):
+    EcosLib.set_log_level("err")
+    with tempfile.TemporaryDirectory() as folder:
+        ssp = Path(folder, "gears.ssp")
+        with zipfile.ZipFile(ssp, "w") as archive:
+            archive.writestr("SystemStructure.ssd", STRUCTURE)
+            archive.write(fmu, "resources/mesh.fmu")
+        step = float(scenario.times[1] - scenario.times[0])
+        with EcosSimulation(step, ssp_path=str(ssp)) as simulation:
+            rows = []
+
+            def hand_over(row):
+                for name, value in zip(scenario.names, row):
+                    simulation.set_real(f"mesh::{name}", float(value))
+
+            simulation.init()
+            for row in scenario.values[:-1]:
+                hand_over(row)
+                simulation.step()
+                rows.append([simulation.get_real(f"mesh::{name}") for name in outputs])
+            return np.array(rows)

@@ -4,8 +4,7 @@ use super::element::{GAUSS3, QUAD8, shape};
 use super::outline::Outline;
 use crate::compliance::Strip;
 use crate::contact::local::constants::EDGE_KERNEL_OVER_ELEMENT;
-use crate::contact::local::gauss::GAUSS5;
-use crate::contact::local::kernel::Kernel;
+use crate::contact::local::kernel::{GAUSS5, Kernel};
 use std::collections::BTreeMap;
 
 /// Weights of the flank nodes that share the force on a strip (they sum to one) and, since loads and

@@ -3,8 +3,6 @@
 //! phi(t) = 15/16 (1 - t²)² / w for abs(t) < 1, t the distance over the half-width w; cut off at the edges
 //! of the flank and scaled back to unit mass.
 
-use super::gauss::GAUSS5;
-
 /// A kernel on the flank.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Kernel {
@@ -16,6 +14,15 @@ pub(crate) struct Kernel {
     high: f64,
     mass: f64,
 }
+
+/// Gauss-Legendre abscissae and weights on [0, 1], 5 points, exact to degree 9.
+pub(crate) const GAUSS5: [(f64, f64); 5] = [
+    (0.046_910_077_030_668_0, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
+    (0.5, 0.284_444_444_444_444_4),
+    (0.769_234_655_052_841_6, 0.239_314_335_249_683_24),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];
 
 impl Kernel {
     /// Kernel for a line at the arc length `line` of a flank from `flank[0]` to `flank[1]`, m; a line

@@ -14,7 +14,6 @@
 pub mod constants;
 #[cfg(feature = "preprocess")]
 mod division;
-pub(crate) mod gauss;
 mod hertz;
 #[cfg(feature = "preprocess")]
 pub(crate) mod kernel;

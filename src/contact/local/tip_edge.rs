@@ -16,11 +16,6 @@
 use std::f64::consts::LN_2;
 
 use super::constants::WIDTH_OVER_REFERENCE;
-use super::gauss::GAUSS5;
-
-/// Halvings of the width over which energy is integrated: the rest is below 1e-9 of it, since w dx falls with the
-/// third power of the width at least, with the second at an inclined flank.
-const PANELS: usize = 12;
 
 /// Law of contact at a tip edge, per length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,24 +89,35 @@ impl TipEdge {
         self.c * (self.log_reference - a.ln() + 2.0 * LN_2)
     }
 
-    /// Integral of the line load from the penetration at which contact reaches the edge to `x` (m), J/m: over the
-    /// width a, dx = dh/dw dw/da da, whose logarithm Gauss's rule takes to rounding on halves towards zero.
+    /// Integral of the line load from the penetration at which contact reaches the edge to `x` (m), J/m.
     pub fn energy(&self, x: f64) -> f64 {
         let [wide, w_wide, x_wide] = self.wide;
-        let beyond = (x - x_wide).max(0.0);
-        let end = if beyond > 0.0 { wide } else { self.width(x) };
-        let mut sum = beyond * (w_wide + 0.5 * beyond / self.compliance(wide));
-        let (mut high, start) = (end, self.least[0]);
-        for _ in 0..PANELS {
-            let low = (0.5 * high).max(start);
-            for (at, weight) in GAUSS5 {
-                let a = low + at * (high - low);
-                let growth = (0.5 * self.slope + 0.75 * a / self.radius) / self.c;
-                sum += weight * (high - low) * self.state(a)[1] * self.compliance(a) * growth;
-            }
-            high = low;
+        let reached = self.work(self.least[0]);
+        if x < x_wide {
+            return self.work(self.width(x)) - reached;
         }
-        sum
+        let beyond = x - x_wide;
+        self.work(wide) - reached + beyond * (w_wide + 0.5 * beyond / self.compliance(wide))
+    }
+
+    /// Integral of w dh over the width from 0 to `a`, J/m. With w and dw/da of [`TipEdge::state`] and dh/dw = c (l - ln a)
+    /// the integrand is (alpha²/4 a + 9 alpha/(16 R) a² + 9/(32 R²) a³) (l - ln a) / c.
+    fn work(&self, a: f64) -> f64 {
+        if a <= 0.0 {
+            return 0.0;
+        }
+        let log = self.log_reference + 2.0 * LN_2 - a.ln();
+        let (slope, curvature) = (self.slope, 1.0 / self.radius);
+        let parts = [
+            (2.0, 0.25 * slope * slope),
+            (3.0, 9.0 / 16.0 * slope * curvature * a),
+            (4.0, 9.0 / 32.0 * curvature * curvature * a * a),
+        ];
+        let sum: f64 = parts
+            .iter()
+            .map(|(n, part)| part / n * (log + 1.0 / n))
+            .sum();
+        a * a * sum / self.c
     }
 
     /// Line load (N/m) and its derivative (Pa) at the penetration `x` (m) beyond the least one.

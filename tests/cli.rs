@@ -183,8 +183,10 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     assert!((number("transverse_contact_ratio") - 1.540).abs() < 1e-3);
     assert!((number("overlap_ratio") - 0.448).abs() < 1e-3);
     assert!(number("solve_seconds") > 0.0);
-    // The constant coefficient that the pair file has by default.
-    assert_eq!(numbers(&json["friction_coefficient"]), [0.05, 0.05]);
+    // The constant coefficient that the pair file has by default; arms of tip edges differ from the base radius.
+    for coefficient in numbers(&json["friction_coefficient"]) {
+        assert!((coefficient / 0.05 - 1.0).abs() < 1e-4);
+    }
     let lost = 0.05 * number("loss_factor");
     for (speed, (loss, efficiency)) in [500.0, 1500.0].into_iter().zip(
         numbers(&json["loss_w"])

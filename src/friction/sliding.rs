@@ -15,7 +15,7 @@ pub const TRANSITION_OVER_PITCH: f64 = 0.02;
 /// `distance` about its axis, both times the sign of the relative spin; the loss N |omega_rel| `distance`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Sliding {
-    /// Sum of m f: 1 for laws of the whole mesh.
+    /// Sum of m f: 1 for laws of the whole mesh, but for arms of tip edges that differ from the base radius.
     pub weight: f64,
     /// Sum of m f sign(s).
     pub share: f64,

@@ -353,7 +353,7 @@ fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
     assert_eq!(samples.len(), 11);
     assert_eq!(samples[0]["gear1.lead_slope_um"], 0.0);
     let factors = samples.iter().map(|s| s["face_load_factor"]);
-    assert!(factors.fold(0.0, f64::max) > 1.05 * samples[0]["face_load_factor"]);
+    assert!(factors.fold(0.0, f64::max) > 1.03 * samples[0]["face_load_factor"]);
     let summary = std::fs::read_to_string(Path::new(&whole).join("study.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     let of = |name: &str| summary["statistics"][0][name].as_f64().unwrap();
@@ -413,7 +413,7 @@ fn a_range_that_cannot_be_covered_is_refused_on_the_coarse_model_with_its_corner
     let (file, tables, cache) = (path("pair.json"), path("tables.json"), path("cache"));
     let text = std::fs::read_to_string(paper()).unwrap();
     let mut pair: serde_json::Value = serde_json::from_str(&text).unwrap();
-    pair["operating"]["maximum_torque_nm"] = 14e3.into();
+    pair["operating"]["maximum_torque_nm"] = 15.5e3.into();
     std::fs::write(&file, pair.to_string()).unwrap();
     let output = gearmesh(&[
         "tables",
@@ -430,7 +430,7 @@ fn a_range_that_cannot_be_covered_is_refused_on_the_coarse_model_with_its_corner
     let error = stderr(&output);
     assert!(error.contains("operating range"), "{error}");
     assert!(
-        error.contains("torque = 14000 N m, misalignment = "),
+        error.contains("torque = 15500 N m, misalignment = "),
         "{error}"
     );
     // The fine model was not begun: only the coarse one, which both gears share, is there.

@@ -17,7 +17,7 @@ use crate::model::ModelArgs;
 use crate::progress::{Job, Progress, clock, phases};
 
 /// Positions of the mesh cycle at which every corner is solved.
-const POSITIONS: usize = 8;
+const POSITIONS: usize = 16;
 
 /// Elastic models that take less are computed at once, s.
 const SHORT: f64 = 1.5;

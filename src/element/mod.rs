@@ -67,6 +67,8 @@ mod tests_flanks;
 #[cfg(test)]
 mod tests_friction;
 #[cfg(test)]
+mod tests_jacobian;
+#[cfg(test)]
 mod tests_limits;
 #[cfg(test)]
 mod tests_poses;

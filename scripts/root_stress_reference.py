@@ -256,12 +256,14 @@ class Model:
             grad, det = spatial(self.x[self.elements], shapes(p, self.solid)[1])
             b = strain_matrix(grad)
             k += np.einsum("eij,eik->ejk", b, np.einsum("ij,ejk->eik", c, b) * (w * det)[:, None, None], optimize=True)
+        dofs = dofs.astype(np.int32)
         rows, cols = np.repeat(dofs, size, 1).ravel(), np.tile(dofs, (1, size)).ravel()
         held = np.abs(np.hypot(self.x[:, 0], self.x[:, 1]) - gear.held) < 1e-6
         self.free = np.flatnonzero(~np.repeat(held, n))
         full = sp.csr_matrix((k.ravel(), (rows, cols)), shape=(self.x.size, self.x.size))
         del k, rows, cols
         self.k = full[self.free][:, self.free].tocsr()
+        del full
         self.solver = pypardiso.PyPardisoSolver()
         self.solver.factorize(self.k)
 
@@ -369,6 +371,7 @@ def case(name, gear, layers, loads, **sizes):
         found = model.root(radius, lambda z: q0 + (q1 - q0) * z / b, at=(0.5 * b, 0.25 * b, 0.75 * b) if layers is not None else ())
         out.append({"radius_mm": [r0, r1], "load_n_per_mm": [q0, q1], **found})
         print(out[-1], file=sys.stderr, flush=True)
+    model.solver.free_memory(everything=True)
     return {"name": name, "gear": gear, "plane_strain": layers is None, "loads": out}
 
 
@@ -381,7 +384,7 @@ CASES = {
     "spur16": lambda: case("spur 16 with profile shift, plane strain", SHIFTED, None, flat(36.5, 38.0, 40.0), fine=0.1, coarse=0.6, teeth=5),
     "ring60": lambda: case("ring 60, plane strain", RING, None, flat(88.5, 90.0, 91.5), fine=0.08, coarse=0.6, teeth=7),
     "solid20": lambda: case("spur 20, face 25 mm", SPUR, graded(25.0, 10), [((42.0, 42.0), (100.0, 100.0)), ((42.0, 42.0), (200.0, 0.0)), ((40.0, 40.0), (0.0, 200.0))]),
-    "helical20": lambda: case("helical 20, beta 25 degrees, face 24 mm", dict(z=20, m=3.0, alpha=20.0, beta=25.0, tip=36.104, held=14.0, b=24.0), graded(24.0, 12), [((34.0, 34.0), (100.0, 100.0)), ((32.6, 35.6), (100.0, 100.0)), ((35.6, 32.6), (0.0, 200.0))]),
+    "helical20": lambda: case("helical 20, beta 25 degrees, face 24 mm", dict(z=20, m=3.0, alpha=20.0, beta=25.0, tip=36.104, held=14.0, b=24.0), graded(24.0, 10), [((34.0, 34.0), (100.0, 100.0)), ((32.6, 35.6), (100.0, 100.0)), ((35.6, 32.6), (0.0, 200.0))], fine=0.2, coarse=1.3),
 }
 
 if __name__ == "__main__":

@@ -263,7 +263,10 @@ mod tests {
         assert_eq!(spur.virtual_teeth, 20.0);
         assert_eq!(spur.helix_factor, 1.0);
         // z / (cos^2 beta_b cos beta) with sin beta_b = sin beta cos alpha_n.
-        assert_relative_eq!(helical.virtual_teeth, 23.7269, max_relative = 1e-4);
+        let beta = 20f64.to_radians();
+        let sin_beta_b = beta.sin() * 20f64.to_radians().cos();
+        let teeth = 20.0 / ((1.0 - sin_beta_b * sin_beta_b) * beta.cos());
+        assert_relative_eq!(helical.virtual_teeth, teeth, max_relative = 1e-12);
         assert!(helical.helix_factor < 1.0 && helical.stress < spur.stress);
     }
 

@@ -235,7 +235,7 @@ impl ContactLines<'_> {
 
     /// z in gear 1's frame of the canonical coordinate `z` of gear `i`, m.
     #[cfg(feature = "preprocess")]
-    pub fn from_canonical(&self, i: usize, z: f64) -> f64 {
+    pub fn z_in_frame(&self, i: usize, z: f64) -> f64 {
         let gear = &self.geometry.gears[i];
         let own = if self.is_z_mirrored(i) {
             gear.face_width - z

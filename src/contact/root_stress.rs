@@ -128,7 +128,7 @@ fn of_gear(
     let section = setup.section(input.center_distance_offset)?;
     let lines = setup.lines(input.flank, &section);
     let placed = |point: RootPoint| RootPoint {
-        z: lines.from_canonical(i, point.z),
+        z: lines.z_in_frame(i, point.z),
         ..point
     };
     let teeth: Vec<(usize, i32)> = loads

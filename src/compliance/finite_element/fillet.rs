@@ -33,6 +33,41 @@ pub(super) const COMPONENTS: usize = 3;
 /// radial, circumferential and axial displacement.
 type Functional = Vec<(usize, [f64; 3])>;
 
+/// A place along the face where stress is observed.
+struct Place {
+    /// Layer of elements.
+    layer: usize,
+    /// m.
+    z: f64,
+    /// Points zeta of the layer, and their shares in the stress here.
+    shares: Vec<(f64, f64)>,
+}
+
+impl Place {
+    /// Both faces and the middles of the layers between `stations`; the station itself in plane strain.
+    fn along(stations: &[f64]) -> Vec<Place> {
+        let place = |layer, z, shares| Place { layer, z, shares };
+        let middle = vec![(0.0, 1.0)];
+        let layers = stations.len() - 1;
+        if layers == 0 {
+            return vec![place(0, stations[0], middle)];
+        }
+        // On the straight line through both Gauss points, at zeta = -1 or 1.
+        let near = 0.5 * (1.0 + 1.0 / GAUSS2);
+        let far = 1.0 - near;
+        let mut places = vec![place(0, stations[0], vec![(-GAUSS2, near), (GAUSS2, far)])];
+        for (layer, ends) in stations.windows(2).enumerate() {
+            places.push(place(layer, 0.5 * (ends[0] + ends[1]), middle.clone()));
+        }
+        let last = vec![(-GAUSS2, far), (GAUSS2, near)];
+        places.push(place(layers - 1, stations[layers], last));
+        places
+    }
+}
+
+/// Value and derivatives along xi and zeta of a shape function.
+type Shape = (f64, [f64; 2]);
+
 /// One face of an element, in the order of [`QUAD8`]: xi along the profile, zeta along the face.
 struct Face<'a> {
     mesh: &'a Mesh,
@@ -60,7 +95,6 @@ impl FilletGrid {
         first: &[usize],
     ) -> (FilletGrid, Vec<LoadColumn>) {
         let elements = arcs.len() / 2;
-        let layers = stations.len() - 1;
         let mut grid = FilletGrid {
             radii: Vec::new(),
             tangents: Vec::new(),
@@ -68,33 +102,22 @@ impl FilletGrid {
             z: Vec::new(),
         };
         let abscissae = [-GAUSS2, GAUSS2];
-        let middle = |layer: usize| 0.5 * (stations[layer] + stations[layer + 1]);
-        // Layer, and the shares of its points zeta that make a place along the face.
-        let outward = 0.5 * (1.0 + 1.0 / GAUSS2);
-        let end = |low: f64, high: f64| vec![(-GAUSS2, low), (GAUSS2, high)];
-        let mut places: Vec<(usize, f64, Vec<(f64, f64)>)> = Vec::new();
-        if layers == 0 {
-            places.push((0, stations[0], vec![(0.0, 1.0)]));
-        } else {
-            places.push((0, stations[0], end(outward, 1.0 - outward)));
-            places.extend((0..layers).map(|layer| (layer, middle(layer), vec![(0.0, 1.0)])));
-            places.push((layers - 1, stations[layers], end(1.0 - outward, outward)));
-        }
+        let places = Place::along(stations);
         let mut columns = Vec::new();
-        for (number, (layer, z, shares)) in places.iter().enumerate() {
-            grid.z.push(*z);
+        for (number, place) in places.iter().enumerate() {
+            grid.z.push(place.z);
             for element in 0..elements {
-                let face = Face::new(mesh, elements, element, *layer, material);
+                let face = Face::new(mesh, elements, element, place.layer, material);
                 for xi in abscissae {
                     if number == 0 {
-                        let point = face.at(xi, shares[0].0);
+                        let point = face.at(xi, place.shares[0].0);
                         grid.add(&point, twist);
                         let [low, mid, high] = [0, 1, 2].map(|i| arcs[2 * element + i]);
                         let curved = 0.5 * (low - 2.0 * mid + high) * xi * xi;
                         grid.arcs.push(mid + 0.5 * (high - low) * xi + curved);
                     }
                     let mut stress: [LoadColumn; COMPONENTS] = Default::default();
-                    for (zeta, share) in shares {
+                    for (zeta, share) in &place.shares {
                         for (column, part) in stress.iter_mut().zip(face.at(xi, *zeta).stress) {
                             for (node, factors) in part {
                                 let unknowns = factors.iter().take(mesh.dimension).enumerate();
@@ -154,7 +177,7 @@ impl<'a> Face<'a> {
     }
 
     /// Value and both derivatives of the shape function of each node.
-    fn shapes(&self, xi: f64, zeta: f64) -> Vec<(f64, [f64; 2])> {
+    fn shapes(&self, xi: f64, zeta: f64) -> Vec<Shape> {
         if self.mesh.dimension == 2 {
             return vec![
                 (0.5 * xi * (xi - 1.0), [xi - 0.5, 0.0]),
@@ -173,15 +196,15 @@ impl<'a> Face<'a> {
     fn at(&self, xi: f64, zeta: f64) -> FacePoint {
         let shapes = self.shapes(xi, zeta);
         let points = self.mesh.coordinates(&self.nodes);
-        let sum = |of: &dyn Fn(&(f64, [f64; 2])) -> f64| -> [f64; 3] {
+        let sum = |of: fn(&Shape) -> f64| -> [f64; 3] {
             std::array::from_fn(|d| shapes.iter().zip(&points).map(|(s, p)| of(s) * p[d]).sum())
         };
-        let place = sum(&|s| s.0);
-        let along_profile = sum(&|s| s.1[0]);
+        let place = sum(|s| s.0);
+        let along_profile = sum(|s| s.1[0]);
         let plane = self.mesh.dimension == 2;
         let along_face = match plane {
             true => [0.0, 0.0, 1.0],
-            false => sum(&|s| s.1[1]),
+            false => sum(|s| s.1[1]),
         };
         // Orthonormal in the tangent plane: b along the helix, s across it.
         let helix = norm(along_face);

@@ -120,7 +120,7 @@ impl Roots {
     pub fn list(&self, rows: &mut Listing) {
         for (i, (largest, nominal)) in self.largest.iter().zip(&self.iso_6336_3).enumerate() {
             let words = largest.as_ref().map_or("none".into(), Place::words);
-            rows.row(&format!("root stress of gear {}", i + 1), words);
+            rows.row(format!("root stress of gear {}", i + 1), words);
             let words = nominal.as_ref().map_or(
                 "beyond the standard (rim, notch or helical ring)".into(),
                 Nominal::words,
@@ -156,7 +156,7 @@ impl Place {
 
     fn words(&self) -> String {
         let mut words = format!(
-            "{:.1} MPa at mesh position {} in pair {} ({:.0} % of the load), z = {:.2} mm, diameter {:.3} mm, {:.0} deg tangent",
+            "{:.1} MPa at mesh position {}, pair {} ({:.0} % of the load), z = {:.2} mm, d = {:.3} mm ({:.0} deg tangent)",
             self.stress_mpa,
             rounded(self.mesh_position),
             self.tooth_pair,
@@ -166,7 +166,7 @@ impl Place {
             self.tangent_deg,
         );
         if let Some(stress) = self.at_tangent_mpa {
-            let _ = write!(words, "; {stress:.1} MPa at the standards' tangent");
+            let _ = write!(words, "; {stress:.1} MPa at the standard tangent");
         }
         words
     }

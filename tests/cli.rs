@@ -212,6 +212,45 @@ fn rows(path: &Path) -> Vec<std::collections::HashMap<String, f64>> {
 }
 
 #[test]
+fn root_stress_is_told_where_asked_for_and_agrees_in_json_and_csv() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("results");
+    let to = ["--positions", "8", "--output", out.to_str().unwrap()];
+    let plain = solve_json(&to);
+    assert!(plain.get("root_stress_mpa").is_none());
+    assert!(!out.join("root-stress.csv").exists());
+
+    let json = solve_json(&[&to[..], &["--root-stress"]].concat());
+    assert_eq!(plain["ste_loa_um"], json["ste_loa_um"]);
+    let all = rows(&out.join("root-stress.csv"));
+    let field = rows(&out.join("root-stress-field.csv"));
+    for gear in [1, 2] {
+        let own = |all: &[std::collections::HashMap<String, f64>]| -> Vec<_> {
+            let of_gear = all.iter().filter(|row| row["gear"] == f64::from(gear));
+            of_gear.cloned().collect()
+        };
+        let i = gear as usize - 1;
+        let largest = &json["largest_root_stress"][i];
+        let top = largest["stress_mpa"].as_f64().unwrap();
+        let over = json["root_stress_mpa"][i].as_array().unwrap().iter();
+        let over: Vec<f64> = over.map(|s| s.as_f64().unwrap()).collect();
+        assert_eq!(over.len(), 8);
+        assert_eq!(over.iter().copied().fold(0.0, f64::max), top);
+        let stresses = own(&all).into_iter().map(|row| row["root_stress_mpa"]);
+        assert_eq!(stresses.fold(0.0, f64::max), top);
+        let points = own(&field).into_iter().map(|row| row["root_stress_mpa"]);
+        let of_field = points.fold(0.0, f64::max);
+        assert!(of_field <= top && of_field > 0.97 * top, "{of_field} {top}");
+        // The nominal stress knows nothing of uneven load along the face.
+        let nominal = json["iso_6336_3"][i]["sigma_f0_mpa"].as_f64().unwrap();
+        assert!(
+            top > 0.7 * nominal && top < 2.0 * nominal,
+            "{top} {nominal}"
+        );
+    }
+}
+
+#[test]
 fn a_matrix_of_loads_is_solved_on_one_model_and_written_as_csv_files_that_agree() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("results");

@@ -190,10 +190,10 @@ impl ContactLines<'_> {
         }
     }
 
-    /// `candidate` at the mesh position `tau` in the canonical coordinates of gear 1 and gear 2; `held` as it was made.
+    /// The strip of tooth pair `k` with the ends `z` at the mesh position `tau` in the canonical coordinates of gear 1 and
+    /// gear 2; `held` as it was made.
     #[cfg(feature = "preprocess")]
-    pub fn seen_by_gears(&self, tau: f64, candidate: &Candidate, held: bool) -> [Strip; 2] {
-        let (k, z) = (candidate.tooth_pair, candidate.z);
+    pub fn seen_by_gears(&self, tau: f64, (k, z): (i32, [f64; 2]), held: bool) -> [Strip; 2] {
         let ends = z.map(|z| self.flanks(tau, k, z, held).closest_point(self.section));
         [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]]))
     }
@@ -208,11 +208,9 @@ impl ContactLines<'_> {
     #[cfg(feature = "preprocess")]
     fn canonical(&self, i: usize, k: i32, z: [f64; 2], roll: [f64; 2]) -> Strip {
         let gear = &self.geometry.gears[i];
-        let s = self.flank.sign();
-        let sigma = if i == 0 { s } else { self.geometry.e() * s };
         let tooth = if i == 0 { k } else { -k };
         let own = z.map(|z| (z - gear.face_offset).clamp(0.0, gear.face_width));
-        if gear.hand * sigma < 0.0 {
+        if self.is_z_mirrored(i) {
             let b = gear.face_width;
             Strip {
                 tooth,
@@ -226,5 +224,24 @@ impl ContactLines<'_> {
                 roll,
             }
         }
+    }
+    /// Whether the canonical coordinates of gear `i` count z from its other face.
+    #[cfg(feature = "preprocess")]
+    fn is_z_mirrored(&self, i: usize) -> bool {
+        let s = self.flank.sign();
+        let sigma = if i == 0 { s } else { self.geometry.e() * s };
+        self.geometry.gears[i].hand * sigma < 0.0
+    }
+
+    /// z in gear 1's frame of the canonical coordinate `z` of gear `i`, m.
+    #[cfg(feature = "preprocess")]
+    pub fn z_in_frame(&self, i: usize, z: f64) -> f64 {
+        let gear = &self.geometry.gears[i];
+        let own = if self.is_z_mirrored(i) {
+            gear.face_width - z
+        } else {
+            z
+        };
+        gear.face_offset + own
     }
 }

@@ -36,6 +36,8 @@ pub(crate) mod local;
 mod mesh_cycle;
 mod position;
 mod result;
+#[cfg(feature = "preprocess")]
+mod root_stress;
 mod runtime;
 mod setup;
 #[cfg(feature = "preprocess")]
@@ -57,6 +59,8 @@ pub use file::ContactFile;
 pub use mesh_cycle::{CycleInput, LoadCase, MeshCycle};
 pub use position::PositionProblem;
 pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
+#[cfg(feature = "preprocess")]
+pub use root_stress::{GearRoots, ToothRoot};
 pub use runtime::{ContactPotential, RuntimeContact, Warm};
 pub use setup::{ContactSettings, ContactSetup};
 #[cfg(feature = "preprocess")]

@@ -172,7 +172,7 @@ impl ContactSolver {
         if candidates.is_empty() {
             return Err(self.setup.out_of_mesh(center_distance_offset));
         }
-        let seen = |c| lines.seen_by_gears(tau, c, false);
+        let seen = |c: &Candidate| lines.seen_by_gears(tau, (c.tooth_pair, c.z), false);
         let seen: Vec<_> = candidates.iter().map(seen).collect();
         let influence = self.influence_of((&candidates, &seen), center_distance_offset)?;
         let mut limits = self.setup.limits(center_distance_offset);
@@ -202,7 +202,7 @@ impl ContactSolver {
         let section = self.setup.section(center_distance_offset)?;
         let lines = self.setup.lines(flank, &section);
         let strips = lines.strips_beyond(tau, margin * self.setup.geometry.base_pitch());
-        let seen = |c| lines.seen_by_gears(tau, c, true);
+        let seen = |c: &Candidate| lines.seen_by_gears(tau, (c.tooth_pair, c.z), true);
         let seen: Vec<_> = strips.iter().map(seen).collect();
         let influence = self.influence_of((&strips, &seen), center_distance_offset)?;
         Ok((strips.iter().map(|c| c.name()).collect(), influence))

@@ -6,7 +6,8 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use gearmesh::compliance::ToothCompliance;
 use gearmesh::compliance::finite_element::{
-    Estimate, FiniteElementCompliance, ModelCache, Origin, PairCompliance, Settings, Stage,
+    Estimate, FiniteElementCompliance, ModelCache, Origin, PairCompliance, RootStress, Settings,
+    Stage, pair_root_stress,
 };
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::pair::{Pair, Refinement};
@@ -192,6 +193,18 @@ impl ModelArgs {
         }
     }
 
+    /// Maps from the loads of `pair` to the stress in the roots of gear 1 and gear 2.
+    pub fn root_stress(&self, pair: &Pair) -> Result<[Arc<RootStress>; 2], Error> {
+        let settings = self.settings(pair);
+        let cache = self.kept();
+        let elastic = self.estimates(pair)?.map(|e| e.seconds.iter().sum());
+        let job = self.progress().job(phases(elastic, ("root stress", 0.0)));
+        let told = |gear, stage, share| tell(&job, gear, stage, share);
+        let found = pair_root_stress(&pair.geometry, &settings, cache.as_ref(), &told)?;
+        note([&found[0].1, &found[1].1]);
+        Ok(found.map(|(model, _)| model))
+    }
+
     fn kept(&self) -> Option<ModelCache> {
         self.cache.cache().filter(|_| !self.no_cache)
     }
@@ -228,37 +241,43 @@ impl ModelArgs {
     fn finite_element(&self, pair: &Pair, job: &Job) -> Result<(Models, String), Error> {
         let settings = self.settings(pair);
         let cache = self.kept();
-        let told = |gear: usize, stage, share: f64| {
-            // Shares of the time of a model that is wide enough to be waited for.
-            let (before, part, words) = match stage {
-                Stage::Assembly => (
-                    0.0,
-                    0.05,
-                    "stiffness of one tooth with its share of the body",
-                ),
-                Stage::Condensation => (0.05, 0.6, "reducing it to its loaded flank"),
-                Stage::Ring => (0.65, 0.35, "joining all teeth to the whole gear"),
-            };
-            job.set(gear, before + part * share, words);
-            true
-        };
+        let told = |gear, stage, share| tell(job, gear, stage, share);
         let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &told)?;
-        // A result is right with or without the cache, but it should not be slow in silence. Equal gears share
-        // one model.
-        let [first, second] = &models.origins;
-        for origin in std::iter::once(first).chain((second != first).then_some(second)) {
-            match origin {
-                Origin::Replaced(reason) => {
-                    eprintln!("gearmesh: note: finite-element model computed anew: {reason}");
-                }
-                Origin::NotStored(reason) => {
-                    eprintln!("gearmesh: note: finite-element model not kept: {reason}");
-                }
-                Origin::Computed | Origin::Stored | Origin::Loaded => {}
-            }
-        }
+        note([&models.origins[0], &models.origins[1]]);
         let origin = origin_in_words(&models.origins, cache.as_ref());
         Ok((models.gears, origin))
+    }
+}
+
+/// Tells `job` how far the model of `gear` is; never stops it.
+fn tell(job: &Job, gear: usize, stage: Stage, share: f64) -> bool {
+    // Shares of the time of a model that is wide enough to be waited for.
+    let (before, part, words) = match stage {
+        Stage::Assembly => (
+            0.0,
+            0.05,
+            "stiffness of one tooth with its share of the body",
+        ),
+        Stage::Condensation => (0.05, 0.6, "reducing it to its loaded flank"),
+        Stage::Ring => (0.65, 0.35, "joining all teeth to the whole gear"),
+    };
+    job.set(gear, before + part * share, words);
+    true
+}
+
+/// Says where the cache did not help: a result is right without it, but it should not be slow in silence. Equal gears
+/// share one model.
+fn note([first, second]: [&Origin; 2]) {
+    for origin in std::iter::once(first).chain((second != first).then_some(second)) {
+        match origin {
+            Origin::Replaced(reason) => {
+                eprintln!("gearmesh: note: finite-element model computed anew: {reason}");
+            }
+            Origin::NotStored(reason) => {
+                eprintln!("gearmesh: note: finite-element model not kept: {reason}");
+            }
+            Origin::Computed | Origin::Stored | Origin::Loaded => {}
+        }
     }
 }
 

@@ -134,6 +134,33 @@ impl ModelCache {
         self.directory.join(format!("{}.{ENDING}", hex(&key[..12])))
     }
 
+    /// The body behind the label of what is kept under `key`, or why it is unusable; None if nothing is kept.
+    pub(super) fn find(&self, key: &[u8; 32]) -> Option<Result<Vec<u8>, String>> {
+        let path = self.path(key);
+        let fault = |reason: String| Some(Err(format!("{}: {reason}", path.display())));
+        match fs::read(&path) {
+            Ok(bytes) => match opened(&bytes, key) {
+                Ok(body) => {
+                    touch(&path);
+                    Some(Ok(body.to_vec()))
+                }
+                Err(reason) => fault(reason.to_owned()),
+            },
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) => fault(error.to_string()),
+        }
+    }
+
+    /// Keeps `body` under `key`; `fault` is what was wrong with what was kept there.
+    pub(super) fn keep(&self, key: &[u8; 32], body: &[u8], fault: Option<String>) -> Origin {
+        let path = self.path(key);
+        match (self.store(&path, &sealed(body, key)), fault) {
+            (Err(error), _) => Origin::NotStored(format!("{}: {error}", path.display())),
+            (Ok(()), Some(reason)) => Origin::Replaced(reason),
+            (Ok(()), None) => Origin::Stored,
+        }
+    }
+
     /// Keeps `bytes` as `path`; the least recently used models make room for it.
     fn store(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let size = bytes.len() as u64;
@@ -181,27 +208,20 @@ impl FiniteElementCompliance {
     ) -> Result<(Self, Origin), FiniteElementError> {
         let model = Model::new(gear, settings)?;
         let key = key(&model, settings.reach);
-        let path = cache.path(&key);
-        let mut reason = None;
-        match fs::read(&path) {
-            Ok(bytes) => match decode(&bytes, &key) {
+        let mut fault = None;
+        match cache.find(&key) {
+            Some(Ok(body)) => match decode(&body) {
                 Ok((influence, cost)) => {
-                    touch(&path);
                     let found = Self::from_parts(model, influence, cost, settings);
                     return Ok((found, Origin::Loaded));
                 }
-                Err(fault) => reason = Some(format!("{}: {fault}", path.display())),
+                Err(reason) => fault = Some(reason.to_owned()),
             },
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-            Err(error) => reason = Some(format!("{}: {error}", path.display())),
+            Some(Err(reason)) => fault = Some(reason),
+            None => {}
         }
         let computed = Self::compute(model, settings, progress)?;
-        let bytes = encode(&computed, &gear_in_words(gear), &key);
-        let origin = match (cache.store(&path, &bytes), reason) {
-            (Err(error), _) => Origin::NotStored(format!("{}: {error}", path.display())),
-            (Ok(()), Some(reason)) => Origin::Replaced(reason),
-            (Ok(()), None) => Origin::Stored,
-        };
+        let origin = cache.keep(&key, &encode(&computed, &gear_in_words(gear)), fault);
         Ok((computed, origin))
     }
 }
@@ -225,14 +245,21 @@ pub(super) fn same_model(
 }
 
 fn key(model: &Model, reach: usize) -> [u8; 32] {
+    key_of(model, reach, b"")
+}
+
+/// The key of what is computed of `model` beside its compliance: `what`, with everything it depends on that
+/// [`Model::identify`] does not tell.
+pub(super) fn key_of(model: &Model, reach: usize, what: &[u8]) -> [u8; 32] {
     let mut hash = Sha256::new();
     hash.update(MAGIC);
     hash.update((reach as u64).to_le_bytes());
     model.identify(&mut |bytes| hash.update(bytes));
+    hash.update(what);
     hash.finalize().into()
 }
 
-fn gear_in_words(gear: &Gear) -> String {
+pub(super) fn gear_in_words(gear: &Gear) -> String {
     format!(
         "{} teeth, module {} mm, helix {} deg, face width {} mm",
         gear.teeth,
@@ -242,7 +269,7 @@ fn gear_in_words(gear: &Gear) -> String {
     )
 }
 
-fn encode(model: &FiniteElementCompliance, gear: &str, key: &[u8; 32]) -> Vec<u8> {
+fn encode(model: &FiniteElementCompliance, gear: &str) -> Vec<u8> {
     let Cost {
         elements,
         unknowns,
@@ -251,8 +278,7 @@ fn encode(model: &FiniteElementCompliance, gear: &str, key: &[u8; 32]) -> Vec<u8
         seconds,
         memory_bytes,
     } = model.cost;
-    let mut body = vec![gear.len() as u8];
-    body.extend(gear.as_bytes());
+    let mut body = labelled(gear);
     for count in [
         elements,
         unknowns,
@@ -266,10 +292,22 @@ fn encode(model: &FiniteElementCompliance, gear: &str, key: &[u8; 32]) -> Vec<u8
         body.extend(time.to_le_bytes());
     }
     model.influence.encode(&mut body);
+    body
+}
+
+/// The beginning of a body: what it is, in words.
+pub(super) fn labelled(words: &str) -> Vec<u8> {
+    let mut body = vec![words.len() as u8];
+    body.extend(words.as_bytes());
+    body
+}
+
+/// `body` as a file.
+fn sealed(body: &[u8], key: &[u8; 32]) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     bytes.extend(key);
     bytes.extend((body.len() as u64).to_le_bytes());
-    bytes.extend(Sha256::digest(&body));
+    bytes.extend(Sha256::digest(body));
     bytes.extend(body);
     bytes
 }
@@ -288,8 +326,8 @@ fn word(rest: &mut &[u8]) -> Result<u64, &'static str> {
     Ok(u64::from_le_bytes(std::array::from_fn(|i| bytes[i])))
 }
 
-/// Reads a stored model; the error says what is wrong with the file.
-fn decode(bytes: &[u8], key: &[u8; 32]) -> Result<(Influence, Cost), &'static str> {
+/// What follows the label in a sound file; the error says what is wrong with it.
+fn opened<'a>(bytes: &'a [u8], key: &[u8; 32]) -> Result<&'a [u8], &'static str> {
     let mut rest = bytes;
     if take(&mut rest, MAGIC.len())? != MAGIC {
         return Err("not a compliance file of this version");
@@ -307,6 +345,11 @@ fn decode(bytes: &[u8], key: &[u8; 32]) -> Result<(Influence, Cost), &'static st
     }
     let label = take(&mut rest, 1)?[0];
     take(&mut rest, label.into())?;
+    Ok(rest)
+}
+
+/// Reads a stored model.
+fn decode(mut rest: &[u8]) -> Result<(Influence, Cost), &'static str> {
     let mut counts = [0; 5];
     for count in &mut counts {
         *count = usize::try_from(word(&mut rest)?).map_err(|_| CUT)?;

@@ -27,6 +27,7 @@ fn ring_sector(inner: f64, outer: f64, teeth: u32, rows: usize) -> Mesh {
         held: Vec::new(),
         sides: [Vec::new(), Vec::new()],
         flank: Vec::new(),
+        fillet: Vec::new(),
     };
     for i in 0..=2 * columns {
         let angle = half_pitch * (i as f64 / columns as f64 - 1.0);
@@ -100,6 +101,7 @@ fn cantilever_of_solid_elements_bends_like_timoshenko() {
         held: Vec::new(),
         sides: [Vec::new(), Vec::new()],
         flank: Vec::new(),
+        fillet: Vec::new(),
     };
     for i in 0..=2 * nx {
         for j in 0..=2 * ny {

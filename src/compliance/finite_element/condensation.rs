@@ -14,7 +14,7 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::sparse::linalg::SymbolicSupernodalParams;
 use faer::sparse::linalg::cholesky::{simplicial, supernodal};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Accum, Mat, MatMut, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 /// A sector seen from its sides and its loaded flank.
@@ -83,6 +83,54 @@ pub(super) fn condense(
     columns: &[LoadColumn],
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<CondensedSector, FiniteElementError> {
+    condense_with(a, side_unknowns, columns, progress, |y| {
+        let mut held = Mat::zeros(columns.len(), columns.len());
+        triangular::matmul(
+            held.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            y.transpose(),
+            BlockStructure::Rectangular,
+            y,
+            BlockStructure::Rectangular,
+            1.0,
+            Par::rayon(0),
+        );
+        held
+    })
+}
+
+/// As [`condense`] with the first `loads` of `columns` as loads and the others as functionals of the displacement
+/// that are observed under them: `held_influence` has a row for each functional and a column for each load.
+pub(super) fn condense_observed(
+    a: &LowerTriangle,
+    side_unknowns: usize,
+    columns: &[LoadColumn],
+    loads: usize,
+    progress: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<CondensedSector, FiniteElementError> {
+    condense_with(a, side_unknowns, columns, progress, |y| {
+        let (y_loads, y_observed) = y.split_at_col(loads);
+        product(y_observed, y_loads)
+    })
+}
+
+/// a^T b.
+pub(super) fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let mut out = Mat::zeros(a.ncols(), b.ncols());
+    let par = Par::rayon(0);
+    faer::linalg::matmul::matmul(out.as_mut(), Accum::Replace, a.transpose(), b, 1.0, par);
+    out
+}
+
+/// `held` makes the held influence of the inside of the forward solution, a column for each of `columns`.
+fn condense_with(
+    a: &LowerTriangle,
+    side_unknowns: usize,
+    columns: &[LoadColumn],
+    progress: &(dyn Fn(f64) -> bool + Sync),
+    held: impl Fn(MatRef<'_, f64>) -> Mat<f64>,
+) -> Result<CondensedSector, FiniteElementError> {
     let n = a.column_starts.len() - 1;
     let symbolic = symbolic(a)?;
     let mut values = vec![0.0; symbolic.len_val()];
@@ -127,18 +175,7 @@ pub(super) fn condense(
 
     let inside = n - side_unknowns;
     let (y_inside, y_sides) = y.as_ref().split_at_row(inside);
-    let mut held_influence = Mat::zeros(columns.len(), columns.len());
-    triangular::matmul(
-        held_influence.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Replace,
-        y_inside.transpose(),
-        BlockStructure::Rectangular,
-        y_inside,
-        BlockStructure::Rectangular,
-        1.0,
-        par,
-    );
+    let held_influence = held(y_inside);
     let last = last_block(&factor, inside, side_unknowns);
     let mut side_loads = Mat::zeros(side_unknowns, columns.len());
     faer::linalg::matmul::matmul(

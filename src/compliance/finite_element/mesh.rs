@@ -32,6 +32,8 @@ pub(super) struct Mesh {
     pub sides: [Vec<usize>; 2],
     /// Nodes of the loaded flank, in the order of [`super::flank::FlankGrid`].
     pub flank: Vec<FlankNode>,
+    /// Nodes of root circle and fillet beside the loaded flank, in the same order.
+    pub fillet: Vec<usize>,
 }
 
 impl Mesh {
@@ -60,6 +62,7 @@ impl Mesh {
                     }
                 })
                 .collect(),
+            fillet: section.fillet.iter().map(|(node, _)| *node).collect(),
         }
     }
 
@@ -98,6 +101,7 @@ impl Mesh {
             held: vec![false; total],
             sides: [Vec::new(), Vec::new()],
             flank: Vec::new(),
+            fillet: Vec::new(),
         };
         for half in 0..=2 * layers {
             let middle = half % 2 == 1;
@@ -126,6 +130,9 @@ impl Mesh {
                         .map(|n| number(*n, half)),
                 );
             }
+            let fillet = section.fillet.iter().map(|(node, _)| node);
+            mesh.fillet
+                .extend(fillet.filter(|n| present(n)).map(|n| number(*n, half)));
             for (node, arc) in section.flank.iter().filter(|(n, _)| present(n)) {
                 // The surface contains the helix direction (0, r twist, 1).
                 let [n_r, n_t] = outline.normal(*arc);

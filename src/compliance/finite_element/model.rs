@@ -46,6 +46,8 @@ pub(super) struct Model {
     pub mesh: Mesh,
     pub grid: FlankGrid,
     pub gear: Gear,
+    /// Arc lengths of the nodes of the fillet, see [`Section::fillet`].
+    pub fillet_arcs: Vec<f64>,
 }
 
 impl Model {
@@ -81,6 +83,7 @@ impl Model {
             grid: FlankGrid::new(&outline, &arcs, &stations, half_width),
             mesh,
             gear: gear.clone(),
+            fillet_arcs: section.fillet.iter().map(|(_, arc)| *arc).collect(),
         })
     }
 
@@ -97,6 +100,7 @@ impl Model {
             held,
             sides,
             flank,
+            fillet: _, // where stress may be observed
         } = &self.mesh;
         let mut whole = |number: usize| take(&(number as u64).to_le_bytes());
         whole(*dimension);
@@ -118,12 +122,12 @@ impl Model {
     }
 
     /// Young's modulus, Pa, and Poisson ratio.
-    fn material(&self) -> [f64; 2] {
+    pub fn material(&self) -> [f64; 2] {
         [self.gear.youngs_modulus, self.gear.poisson_ratio]
     }
 
     /// Unit normal loads on the flank nodes, in the numbering `first` of the unknowns.
-    fn load_columns(&self, first: &[usize]) -> Vec<LoadColumn> {
+    pub fn load_columns(&self, first: &[usize]) -> Vec<LoadColumn> {
         self.mesh
             .flank
             .iter()
@@ -141,13 +145,24 @@ impl Model {
         reach: usize,
         progress: &Progress<'_>,
     ) -> Result<(Vec<DMatrix<f64>>, Cost), FiniteElementError> {
+        self.check()?;
+        let order = dissection::elimination_order(&self.mesh);
+        let first = assembly::number_unknowns(&self.mesh, &order);
+        self.influence_of(&order, &self.load_columns(&first), reach, progress)
+    }
+
+    /// Refuses a mesh with a folded element.
+    pub fn check(&self) -> Result<(), FiniteElementError> {
         let (_, quality) = self.mesh.volume_and_quality();
         if quality.is_nan() || quality <= 0.0 {
             return Err(FiniteElementError::FoldedElement { quality });
         }
-        let order = dissection::elimination_order(&self.mesh);
-        let first = assembly::number_unknowns(&self.mesh, &order);
-        self.influence_of(&order, &self.load_columns(&first), reach, progress)
+        Ok(())
+    }
+
+    /// Unknowns of both sides of the sector.
+    pub fn side_unknowns(&self) -> usize {
+        self.mesh.dimension * (self.mesh.sides[0].len() + self.mesh.sides[1].len())
     }
 
     /// Influence of any load columns of sector 0 on the same functionals of sectors 0 to `reach`.
@@ -169,9 +184,8 @@ impl Model {
         };
         let stiffness = assembly::assemble(&self.mesh, order, self.material());
         let assembled = lap();
-        let side_unknowns =
-            self.mesh.dimension * (self.mesh.sides[0].len() + self.mesh.sides[1].len());
-        let sector = condensation::condense(&stiffness, side_unknowns, columns, &|share| {
+        let sides = self.side_unknowns();
+        let sector = condensation::condense(&stiffness, sides, columns, &|share| {
             progress(Stage::Condensation, share)
         })?;
         let unknowns = stiffness.column_starts.len() - 1;

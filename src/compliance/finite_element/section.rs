@@ -29,6 +29,9 @@ pub(super) struct SectionSizes {
     pub tooth: f64,
     /// Elements below the root circle, the first row.
     pub root: f64,
+    /// Elements along fillet and root circle and the first ones below both, where their stress is asked for;
+    /// None: as the flank and the root.
+    pub fillet: Option<f64>,
 }
 
 /// Mesh of the section of one sector, tooth centre line at angle 0.
@@ -44,6 +47,9 @@ pub(super) struct Section {
     /// Nodes along the loaded flank from the middle of the fillet to the tip (corner, mid-edge,
     /// corner, ...) with their arc length.
     pub flank: Vec<(usize, f64)>,
+    /// Nodes along root circle and fillet from the middle of the space to the form point (corner, mid-edge,
+    /// corner, ...) with their arc length.
+    pub fillet: Vec<(usize, f64)>,
     /// Nodes on the sector's sides at -half pitch and +half pitch in the same order, held ones
     /// left out.
     pub sides: [Vec<usize>; 2],
@@ -75,7 +81,8 @@ impl<'a> Stations<'a> {
         let corner_arc = outline.fillet_middle();
         let corner = outline.point(corner_arc);
         // The form point, at arc length 0, is a node.
-        let mut arcs = halved(&divide(corner_arc, 0.0, sizes.flank));
+        let along_fillet = sizes.fillet.unwrap_or(sizes.flank);
+        let mut arcs = halved(&divide(corner_arc, 0.0, along_fillet));
         let mut involute = divide(0.0, outline.tip_arc, sizes.flank);
         // Smaller elements at the tip edge, where the load kernel is narrower.
         for _ in 0..TIP_HALVINGS {
@@ -84,7 +91,9 @@ impl<'a> Stations<'a> {
         }
         arcs.extend(&halved(&involute)[1..]);
         let width = 2.0 * corner[0] * corner[1];
-        let across = graded(width, sizes.flank, sizes.growth, sizes.tooth);
+        let behind = along_fillet.min(sizes.flank);
+        let root = sizes.fillet.unwrap_or(sizes.root);
+        let across = graded(width, behind, sizes.growth, sizes.tooth);
         let across: Vec<f64> = across.iter().rev().map(|t| 1.0 - t).collect();
         let depth = (corner[0] - outline.held_radius).abs();
         let land = corner_arc - outline.space_arc();
@@ -94,8 +103,8 @@ impl<'a> Stations<'a> {
             corner,
             arcs,
             across: halved(&across),
-            rows: halved(&graded(depth, sizes.root, sizes.growth, depth)),
-            columns: halved(&divide(0.0, land, sizes.root.min(0.5 * land))),
+            rows: halved(&graded(depth, root, sizes.growth, depth)),
+            columns: halved(&divide(0.0, land, root.min(0.5 * land))),
         }
     }
 
@@ -125,6 +134,12 @@ impl Section {
 
         let loaded = stations.arcs.iter().zip(&tooth[last]);
         section.flank = loaded.map(|(arc, node)| (*node, *arc)).collect();
+        let below = stations.columns.iter().zip(&right).skip(1).rev();
+        let below = below.map(|(away, column)| (column[0], stations.corner_arc - away));
+        let above = section.flank.iter().copied();
+        section.fillet = below
+            .chain(above.take_while(|(_, arc)| *arc <= 0.0))
+            .collect();
         let lowest = stations.rows.len() - 1;
         section.sides =
             [&left, &right].map(|grid| grid[stations.columns.len() - 1][..lowest].to_vec());
@@ -263,7 +278,8 @@ impl Section {
         self.nodes = kept;
         let rename = |node: &mut usize| *node = new_number[*node];
         self.quads.iter_mut().flatten().for_each(rename);
-        self.flank.iter_mut().for_each(|(node, _)| rename(node));
+        let lines = self.flank.iter_mut().chain(&mut self.fillet);
+        lines.for_each(|(node, _)| rename(node));
         self.sides.iter_mut().flatten().for_each(rename);
         self.held.iter_mut().for_each(rename);
     }

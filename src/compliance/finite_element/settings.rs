@@ -24,6 +24,8 @@ pub struct Discretization {
     pub end_layer: f64,
     /// Half-width of the kernel that spreads a line load over the flank.
     pub kernel_half_width: f64,
+    /// Elements along the fillet where root stress is asked for; None: as flank and root.
+    pub fillet_element: Option<f64>,
 }
 
 impl Discretization {
@@ -37,6 +39,7 @@ impl Discretization {
             layer: 0.75,
             end_layer: 0.3,
             kernel_half_width: 0.15,
+            fillet_element: None,
         };
         // The kernel must be resolved: 1.25 elements in its half-width keep the sum of bulk and Hertz
         // within 0.1 % of a ten times finer mesh; see docs.
@@ -48,6 +51,7 @@ impl Discretization {
             layer: by * normal.layer,
             end_layer: by * normal.end_layer,
             kernel_half_width: kernel,
+            fillet_element: None,
         };
         match refinement {
             Refinement::Coarse => scaled(5.0 / 3.0, 0.25),
@@ -63,6 +67,7 @@ impl Discretization {
             growth: self.growth,
             tooth: self.tooth_element * normal_module,
             root: self.root_element * normal_module,
+            fillet: self.fillet_element.map(|size| size * normal_module),
         }
     }
 

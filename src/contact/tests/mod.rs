@@ -7,6 +7,7 @@ use crate::testing::coarse_solver;
 mod flanks;
 mod mechanics;
 mod paper;
+mod root_stress;
 mod runtime;
 mod separation;
 mod sliding;

@@ -5,6 +5,7 @@ mod map;
 pub mod page;
 mod picture;
 mod pressure;
+mod roots;
 mod survey;
 
 use std::path::PathBuf;
@@ -62,6 +63,10 @@ pub struct Report {
     #[arg(long, default_value_t = limits::POSITIONS)]
     positions: usize,
 
+    /// Stress in the tooth roots, too; its elastic model takes about as long as that of the contact
+    #[arg(long, conflicts_with = "plane_strain")]
+    root_stress: bool,
+
     #[command(flatten)]
     model: ModelArgs,
 }
@@ -103,6 +108,10 @@ impl Report {
         table(&mut page, &cycles);
         survey::survey(&mut page, &pair, &model.solver)?;
         self.patterns(&mut page, &pair, &model)?;
+        if self.root_stress {
+            let models = self.model.root_stress(&pair)?;
+            roots::roots(&mut page, &pair, &model.solver, &models, &cycles)?;
+        }
         if let Some(folder) = &self.figures {
             std::fs::create_dir_all(folder)
                 .map_err(|error| format!("--figures = {}: {error}", folder.display()))?;

@@ -12,20 +12,27 @@ use super::report::Report;
 use crate::Error;
 use crate::output;
 
-/// Names of the files in the folder, in the order in which they are written.
-pub const NAMES: [&str; 5] = [
+/// Names of the files in the folder, in the order in which they are written; those from [`ALWAYS`] on only where root
+/// stress is asked for.
+const NAMES: [&str; 7] = [
     "load-distribution.csv",
     "mesh-cycle.csv",
     "stiffness.csv",
     "face-load.csv",
     "summary.csv",
+    "root-stress.csv",
+    "root-stress-field.csv",
 ];
 
-/// Refuses a folder that cannot take the files, and makes it if it is not there.
-pub fn check(folder: &Path) -> Result<(), Error> {
+/// Files of every run.
+const ALWAYS: usize = 5;
+
+/// Refuses a folder that cannot take the files, those of root stress if it is asked for, and makes it if it is not there.
+pub fn check(folder: &Path, root_stress: bool) -> Result<(), Error> {
     std::fs::create_dir_all(folder)
         .map_err(|error| format!("--output = {}: {error}; name a folder", folder.display()))?;
-    for name in NAMES {
+    let count = if root_stress { NAMES.len() } else { ALWAYS };
+    for name in &NAMES[..count] {
         output::check_writable(&folder.join(name))?;
     }
     Ok(())
@@ -38,13 +45,17 @@ pub fn write(
     cycles: &[MeshCycle],
     reports: &[Report],
 ) -> Result<(), Error> {
-    let tables = [
+    let mut tables = vec![
         distribution(geometry, cycles, reports)?,
         positions(reports)?,
         stiffness(geometry, reports)?,
         face_load(reports)?,
         summary(cycles, reports)?,
     ];
+    if reports.iter().any(|report| report.roots.is_some()) {
+        tables.push(roots(reports)?);
+        tables.push(root_field(reports)?);
+    }
     for (name, table) in NAMES.iter().zip(tables) {
         output::write_whole(&folder.join(name), &table)?;
     }
@@ -209,6 +220,77 @@ fn face_load(reports: &[Report]) -> Result<Vec<u8>, Error> {
     for r in reports {
         for (z, load) in r.face_z_mm.iter().zip(&r.face_load_n_per_mm) {
             table.row(r, &[z, load])?;
+        }
+    }
+    table.finish()
+}
+
+/// Root stress of every tooth under load at every position.
+fn roots(reports: &[Report]) -> Result<Vec<u8>, Error> {
+    let mut table = Table::new(&[
+        "mesh_position",
+        "gear",
+        "tooth_pair",
+        "load_share",
+        "root_stress_mpa",
+        "z_mm",
+        "diameter_mm",
+        "tangent_deg",
+        "root_stress_at_tangent_mpa",
+        "at_tangent_z_mm",
+    ])?;
+    for report in reports {
+        for row in report.roots.iter().flat_map(|roots| &roots.rows) {
+            table.row(
+                report,
+                &[
+                    &row.mesh_position,
+                    &row.gear,
+                    &row.tooth_pair,
+                    &row.load_share,
+                    &row.stress_mpa,
+                    &row.z_mm,
+                    &row.diameter_mm,
+                    &row.tangent_deg,
+                    &Maybe(row.at_tangent_mpa),
+                    &Maybe(row.at_tangent_z_mm),
+                ],
+            )?;
+        }
+    }
+    table.finish()
+}
+
+/// The fillets of the teeth with the largest root stress of either gear.
+fn root_field(reports: &[Report]) -> Result<Vec<u8>, Error> {
+    let mut table = Table::new(&[
+        "gear",
+        "mesh_position",
+        "tooth_pair",
+        "z_mm",
+        "diameter_mm",
+        "tangent_deg",
+        "root_stress_mpa",
+    ])?;
+    for report in reports {
+        for roots in report.roots.iter() {
+            for (largest, field) in roots.largest.iter().zip(&roots.fields) {
+                let Some(largest) = largest else { continue };
+                for point in field.iter().flatten() {
+                    table.row(
+                        report,
+                        &[
+                            &largest.gear,
+                            &largest.mesh_position,
+                            &largest.tooth_pair,
+                            &(1e3 * point.z),
+                            &(2e3 * point.radius),
+                            &point.tangent.to_degrees(),
+                            &(1e-6 * point.stress),
+                        ],
+                    )?;
+                }
+            }
         }
     }
     table.finish()

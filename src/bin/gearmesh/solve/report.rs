@@ -5,6 +5,7 @@ use gearmesh::gear::PairGeometry;
 use gearmesh::words::rounded;
 use serde::Serialize;
 
+use super::roots::Roots;
 use crate::losses::Losses;
 
 /// What `--json` prints of one load. Arrays run over the positions. docs/contact-results.md has every key.
@@ -54,6 +55,9 @@ pub struct Report {
     pub overlap_ratio: f64,
     #[serde(flatten)]
     pub losses: Losses,
+    /// Stress in the tooth roots, where it is asked for.
+    #[serde(flatten)]
+    pub roots: Option<Roots>,
     /// Wall clock of the contact solves.
     pub solve_seconds: f64,
 }
@@ -112,6 +116,7 @@ impl Report {
                 .transverse_contact_ratio(geometry.center_distance + input.center_distance_offset),
             overlap_ratio: geometry.overlap_ratio(),
             losses,
+            roots: None,
             solve_seconds: cycle.solve_seconds,
         }
     }

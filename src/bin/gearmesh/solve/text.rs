@@ -107,6 +107,9 @@ pub fn one(
         )
         .row("overlap ratio", format!("{:.4}", report.overlap_ratio));
     report.losses.list(&mut rows);
+    if let Some(roots) = &report.roots {
+        roots.list(&mut rows);
+    }
     rows.row(
         "largest KKT residual",
         format!("{:.1e}", cycle.kkt_residual()),
@@ -191,6 +194,9 @@ pub fn many(
          line load there; stiffness: mean of the cycle, tangent, on the line of action, per face width; K_Hbeta: largest over\n\
          mean load along the face.\n",
     );
+    if reports.iter().any(|report| report.roots.is_some()) {
+        text.push_str(&super::roots::table(reports));
+    }
     let seconds: f64 = reports.iter().map(|report| report.solve_seconds).sum();
     let mut rows = Listing::default();
     rows.row("elastic model", &model.description)

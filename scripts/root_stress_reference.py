@@ -1,0 +1,393 @@
+"""Tooth root stress by finite elements that share nothing with the program: writes tests/data/root_stress.json.
+
+    pip install numpy scipy gmsh pypardiso
+    python scripts/root_stress_reference.py > tests/data/root_stress.json
+
+Outline by own formulas, mesh by gmsh (unstructured 9-node quadrilaterals, swept along the helix to 27-node hexahedra), some real
+teeth on a disc or ring that is otherwise plain, bore or rim held. A line load acts on the flank of tooth 0. Stress is that of the
+2 x 2 (x 2) Gauss points, carried to the nodes and averaged; the largest principal one over the nodes of the fillet counts.
+"""
+
+import json
+import sys
+from math import acos, atan, cos, hypot, pi, radians, sin, sqrt, tan
+
+import gmsh
+import numpy as np
+import pypardiso
+import scipy.sparse as sp
+from scipy.optimize import brentq
+
+E, NU = 206e3, 0.3  # MPa; lengths in mm
+
+
+def inv(alpha):
+    return tan(alpha) - alpha
+
+
+class Gear:
+    """One gear; `ring`: internal teeth, whose fillet is an arc of radius rho."""
+
+    def __init__(self, z, m, alpha, beta=0.0, x=0.0, dedendum=1.25, rho=0.38, tip=None, held=None, b=0.0, ring=False):
+        self.z, self.m, self.x, self.b, self.ring, self.held = z, m, x, b, ring, held
+        self.alpha, self.beta = radians(alpha), radians(beta)
+        self.kappa = -1 if ring else 1
+        self.alpha_t = atan(tan(self.alpha) / cos(self.beta))
+        self.r = 0.5 * z * m / cos(self.beta)
+        self.rb = self.r * cos(self.alpha_t)
+        self.root = self.r + m * (x - self.kappa * dedendum)
+        self.tip, self.rho = tip, rho * m
+        self.twist = tan(self.beta) / self.r
+        # Half the angle of the tooth (ring: of the space) at the base circle.
+        self.psi = pi / (2 * z) + 2 * x * tan(self.alpha) / z + inv(self.alpha_t)
+
+    def flank(self, r):
+        """Angle of the flank from the centre line of the tooth."""
+        angle = self.psi - inv(acos(min(1.0, self.rb / r)))
+        return pi / self.z - angle if self.ring else angle
+
+    def fillet(self, n=160):
+        """Points (r, theta) from the root circle to the start of the involute, by the envelope of the rack's round or the arc."""
+        if self.ring:
+            rc = self.root - self.rho
+
+            def foot(rr):  # point of the offset involute from the flank point at radius rr, into the space
+                a = acos(self.rb / rr)
+                x, y = rr * cos(self.flank(rr)), rr * sin(self.flank(rr))
+                # The normal of the flank out of the material, which for internal teeth touches the base circle.
+                ux, uy = cos(self.flank(rr) + a), sin(self.flank(rr) + a)
+                tx, ty = self.rb * ux - x, self.rb * uy - y
+                s = hypot(tx, ty)
+                return x + self.rho * tx / s, y + self.rho * ty / s
+
+            rr = brentq(lambda q: hypot(*foot(q)) - rc, max(self.tip, self.rb) * 1.0001, self.root)
+            cx, cy = foot(rr)
+            px, py = rr * cos(self.flank(rr)), rr * sin(self.flank(rr))
+            a0, a1 = np.arctan2(cy, cx), np.arctan2(py - cy, px - cx)
+            t = np.linspace(a0, a1, n)
+            x, y = cx + self.rho * np.cos(t), cy + self.rho * np.sin(t)
+            return np.hypot(x, y), np.arctan2(y, x)
+        cb = cos(self.beta)
+        depth = self.r - self.root - self.rho
+        s0 = (self.m * (pi / 4 + self.x * tan(self.alpha)) + depth * tan(self.alpha) + self.rho / cos(self.alpha)) / cb
+        nu = np.linspace(pi / 2, self.alpha, n)
+        s, d = s0 - self.rho * np.cos(nu) / cb, depth + self.rho * np.sin(nu)
+        # The rack stands where the normal of its point passes through the pitch point.
+        y = -d * cb / np.tan(nu)
+        x = self.r - d
+        return np.hypot(x, y), np.arctan2(y, x) - (y - s) / self.r
+
+    def half(self):
+        """Root land, fillet, flank of the +theta side, from the middle of the space to the tip: lists of (r, theta)."""
+        r, t = self.fillet()
+        start, end = r[-1], self.tip
+        flank = [(q, self.flank(q)) for q in np.linspace(start, end, 60)]
+        return [(self.root, pi / self.z), (r[0], t[0])], list(zip(r, t)), flank
+
+    def tangent_angle(self, r, t):
+        """Angle between the tangent plane of the helicoid through the points and the centre line of the tooth, degrees."""
+        x, y = r * np.cos(t), r * np.sin(t)
+        dx, dy = np.gradient(x), np.gradient(y)
+        nx, ny = dy / np.hypot(dx, dy), -dx / np.hypot(dx, dy)
+        nz = self.twist * (nx * y - ny * x)
+        return np.degrees(np.arcsin(np.abs(nx) / np.sqrt(1 + nz**2)))
+
+
+def mesh(gear, teeth, fine, coarse):
+    """Nodes, 9-node quadrilaterals, and the nodes of fillet and flank of tooth 0's +theta side."""
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Verbosity", 1)
+    geo = gmsh.model.geo
+    point = lambda r, t: geo.addPoint(r * cos(t), r * sin(t), 0, coarse)
+    centre = geo.addPoint(0, 0, 0)
+    land, fillet, flank = gear.half()
+    loop, fine_curves, load_curve = [], [], None
+    pitch, count = 2 * pi / gear.z, teeth // 2
+    first = last = point(gear.root, -count * pitch - pi / gear.z)
+    for k in range(-count, count + 1):
+        for side in (-1, 1):
+            rows = [fillet, flank] if side < 0 else [flank[::-1], fillet[::-1]]
+            if side > 0:
+                p = point(gear.tip, k * pitch + flank[-1][1])
+                loop.append(geo.addCircleArc(last, centre, p))
+                last = p
+            else:
+                p = point(fillet[0][0], k * pitch - fillet[0][1])
+                loop.append(geo.addCircleArc(last, centre, p))
+                last = p
+            for row in rows:
+                points = [last] + [point(r, k * pitch + side * t) for r, t in row[1:]]
+                loop.append(geo.addSpline(points))
+                last = points[-1]
+                if k == 0 and side > 0:
+                    if row[0] == flank[-1]:
+                        load_curve = loop[-1]
+                    else:
+                        fine_curves.append(loop[-1])
+        p = point(gear.root, k * pitch + pi / gear.z)
+        loop.append(geo.addCircleArc(last, centre, p))
+        if k == 0:
+            fine_curves.append(loop[-1])
+        last = p
+    rest = np.linspace(count * pitch + pi / gear.z, 2 * pi - count * pitch - pi / gear.z, 5)
+    for angle in rest[1:-1]:
+        p = point(gear.root, angle)
+        loop.append(geo.addCircleArc(last, centre, p))
+        last = p
+    loop.append(geo.addCircleArc(last, centre, first))
+    held = [geo.addPoint(gear.held * cos(a), gear.held * sin(a), 0, coarse) for a in (0, pi / 2, pi, 1.5 * pi)]
+    circle = [geo.addCircleArc(held[i], centre, held[(i + 1) % 4]) for i in range(4)]
+    surfaces = [geo.addCurveLoop(loop), geo.addCurveLoop(circle)]
+    geo.addPlaneSurface(surfaces[::-1] if gear.ring else surfaces)
+    geo.synchronize()
+    field = gmsh.model.mesh.field
+    limits = []
+    for curves, size, reach in [(fine_curves, fine, 1.5), ([load_curve], 3 * fine, 1.0)]:
+        d = field.add("Distance")
+        field.setNumbers(d, "CurvesList", curves)
+        field.setNumber(d, "Sampling", 400)
+        t = field.add("Threshold")
+        for name, value in [("InField", d), ("SizeMin", size), ("SizeMax", coarse), ("DistMin", 0.15 * reach * gear.m), ("DistMax", 3 * gear.m)]:
+            field.setNumber(t, name, value)
+        limits.append(t)
+    least = field.add("Min")
+    field.setNumbers(least, "FieldsList", limits)
+    field.setAsBackgroundMesh(least)
+    for name, value in [("MeshSizeExtendFromBoundary", 0), ("MeshSizeFromPoints", 0), ("Algorithm", 8), ("RecombineAll", 1),
+                        ("RecombinationAlgorithm", 1), ("SubdivisionAlgorithm", 1), ("ElementOrder", 2), ("HighOrderOptimize", 1)]:
+        gmsh.option.setNumber("Mesh." + name, value)
+    gmsh.model.mesh.generate(2)
+    tags, xyz, _ = gmsh.model.mesh.getNodes()
+    number = {t: i for i, t in enumerate(tags)}
+    xy = xyz.reshape(-1, 3)[:, :2]
+    types, _, nodes = gmsh.model.mesh.getElements(2)
+    assert list(types) == [10], types
+    quads = np.array([number[t] for t in nodes[0]]).reshape(-1, 9)
+
+    def lines(curves):
+        edges = []
+        for c in curves:
+            kind, _, nodes = gmsh.model.mesh.getElements(1, c)
+            edges += [[number[t] for t in nodes[i].reshape(-1, 3).ravel()] for i in range(len(kind))]
+        return np.array(edges[0] if len(edges) == 1 else sum(edges, [])).reshape(-1, 3)
+
+    out = lines(fine_curves[:1]), lines([load_curve])
+    gmsh.finalize()
+    used = np.unique(quads)
+    new = np.full(len(xy), -1)
+    new[used] = np.arange(len(used))
+    return xy[used], new[quads], new[out[0]], new[out[1]]
+
+
+# Lagrange elements: line3 nodes at -1, 1, 0 as gmsh numbers them; the quadrilateral's nine in its order.
+def line3(x):
+    return np.array([x * (x - 1) / 2, x * (x + 1) / 2, 1 - x * x]), np.array([x - 0.5, x + 0.5, -2 * x])
+
+
+QUAD = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (1, 2), (2, 1), (0, 2), (2, 2)]
+
+
+def shapes(xi, solid):
+    """Values and gradients of the 9 or 27 shape functions; the solid's nodes plane by plane (-1, 1, 0)."""
+    n, d = zip(*(line3(x) for x in xi))
+    values, grads = [], []
+    for k in range(3 if solid else 1):
+        for i, j in QUAD:
+            c = (i, j, k)[: len(xi)]
+            values.append(np.prod([n[a][c[a]] for a in range(len(xi))]))
+            grads.append([np.prod([(d if a == g else n)[a][c[a]] for a in range(len(xi))]) for g in range(len(xi))])
+    return np.array(values), np.array(grads)
+
+
+def elasticity(solid):
+    lam, mu = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
+    n = 3 if solid else 2
+    d = np.zeros((6, 6) if solid else (3, 3))
+    d[:n, :n] = lam
+    d[range(n), range(n)] += 2 * mu
+    d[range(n, len(d)), range(n, len(d))] = mu
+    return d
+
+
+def strain_matrix(grad):
+    """Voigt strains from nodal displacements for every element; grad: (elements, nodes, dimension)."""
+    e, a, n = grad.shape
+    b = np.zeros((e, 6 if n == 3 else 3, a, n))
+    for i in range(n):
+        b[:, i, :, i] = grad[:, :, i]
+    for row, (i, j) in enumerate([(1, 2), (0, 2), (0, 1)] if n == 3 else [(0, 1)]):
+        b[:, n + row, :, i] = grad[:, :, j]
+        b[:, n + row, :, j] = grad[:, :, i]
+    return b.reshape(e, b.shape[1], a * n)
+
+
+def spatial(x, g):
+    j = np.einsum("ag,eai->egi", g, x)
+    return np.einsum("egi,ag->eai", np.linalg.inv(j).transpose(0, 2, 1), g), np.abs(np.linalg.det(j))
+
+
+def tensor(points, n):
+    grids = np.meshgrid(*[points] * n, indexing="ij")
+    return np.stack([g.ravel() for g in grids], 1)
+
+
+class Model:
+    def __init__(self, gear, layers, fine=0.16, coarse=1.0, teeth=3):
+        """`layers`: ends along z, mm; None for plane strain."""
+        self.gear, self.solid = gear, layers is not None
+        xy, quads, self.fillet, self.flank = mesh(gear, teeth, fine * gear.m, coarse * gear.m)
+        self.plane = len(xy)
+        if self.solid:
+            ends = np.asarray(layers)
+            self.z = np.sort(np.concatenate([ends, 0.5 * (ends[1:] + ends[:-1])]))
+            turn = np.exp(1j * gear.twist * self.z)
+            w = (xy[:, 0] + 1j * xy[:, 1])[None, :] * turn[:, None]
+            self.x = np.stack([w.real, w.imag, np.repeat(self.z[:, None], len(xy), 1)], 2).reshape(-1, 3)
+            stack = [[quads + p * self.plane for p in (2 * k, 2 * k + 2, 2 * k + 1)] for k in range(len(ends) - 1)]
+            self.elements = np.concatenate([np.concatenate(s, 1) for s in stack])
+        else:
+            self.z, self.x, self.elements = np.zeros(1), xy, quads
+        n = self.x.shape[1]
+        dofs = (self.elements[:, :, None] * n + np.arange(n)).reshape(len(self.elements), -1)
+        size, c = dofs.shape[1], elasticity(self.solid)
+        gauss, weight = np.polynomial.legendre.leggauss(3)
+        k = np.zeros((len(dofs), size, size))
+        for p, w in zip(tensor(gauss, n), np.prod(tensor(weight, n), 1)):
+            grad, det = spatial(self.x[self.elements], shapes(p, self.solid)[1])
+            b = strain_matrix(grad)
+            k += np.einsum("eij,eik->ejk", b, np.einsum("ij,ejk->eik", c, b) * (w * det)[:, None, None], optimize=True)
+        dofs = dofs.astype(np.int32)
+        rows, cols = np.repeat(dofs, size, 1).ravel(), np.tile(dofs, (1, size)).ravel()
+        held = np.abs(np.hypot(self.x[:, 0], self.x[:, 1]) - gear.held) < 1e-6
+        self.free = np.flatnonzero(~np.repeat(held, n))
+        full = sp.csr_matrix((k.ravel(), (rows, cols)), shape=(self.x.size, self.x.size))
+        del k, rows, cols
+        self.k = full[self.free][:, self.free].tocsr()
+        del full
+        self.solver = pypardiso.PyPardisoSolver()
+        self.solver.factorize(self.k)
+
+    def line_load(self, radius, load):
+        """Nodal forces of `load(z)` N/mm of face at the radius `radius(z)` along the inward normal (plane strain: N/mm)."""
+        g, f = self.gear, np.zeros_like(self.x)
+        edges = self.flank
+        r = np.hypot(*self.x[edges.ravel(), :2].T).reshape(-1, 3)
+        spans = [(0.0, 0.0)] if not self.solid else list(zip(self.z[:-2:2], self.z[2::2]))
+        gauss, weight = np.polynomial.legendre.leggauss(8)
+        for layer, (low, high) in enumerate(spans):
+            for t, w in zip(gauss, weight) if self.solid else [(0.0, 2.0)]:
+                z = 0.5 * (low + high) + 0.5 * (high - low) * t
+                part = load(z) * (0.5 * (high - low) * w if self.solid else 1.0)
+                if part == 0.0:
+                    continue
+                rz = radius(z)
+                inside = np.flatnonzero((r.min(1) <= rz + 1e-9) & (rz <= r.max(1) + 1e-9))[0]
+                value = lambda s: line3(s)[0] @ r[inside] - rz
+                s = brentq(value, -1.0 - 1e-6, 1.0 + 1e-6)
+                theta, alpha = g.flank(rz) + g.twist * z, acos(g.rb / rz)
+                # Out of the material: circumferential and, for a ring inwards, radial.
+                normal = [g.kappa * sin(alpha), cos(alpha)]
+                direction = [normal[0] * cos(theta) - normal[1] * sin(theta), normal[0] * sin(theta) + normal[1] * cos(theta)]
+                if self.solid:
+                    axial = -cos(alpha) * rz * g.twist  # the surface contains (0, r twist, 1)
+                    direction = np.array([*direction, axial]) / hypot(1.0, axial)
+                along = line3(t)[0] if self.solid else [1.0]
+                planes = [2 * layer, 2 * layer + 2, 2 * layer + 1] if self.solid else [0]
+                for a, p in zip(along, planes):
+                    for c, node in zip(line3(s)[0], edges[inside]):
+                        f[node + p * self.plane] -= part * a * c * np.asarray(direction)
+        return f
+
+    def stress(self, forces):
+        u = np.zeros(self.x.size)
+        u[self.free] = self.solver.solve(self.k, forces.ravel()[self.free])
+        n = self.x.shape[1]
+        u = u.reshape(-1, n)
+        wanted = np.unique(self.fillet)
+        wanted = np.concatenate([wanted + p * self.plane for p in range(len(self.z))])
+        near = self.elements[np.isin(self.elements, wanted).any(1)]
+        points = tensor(np.array([-1, 1]) / sqrt(3), n)
+        values = []
+        for p in points:
+            b = strain_matrix(spatial(self.x[near], shapes(p, self.solid)[1])[0])
+            values.append(np.einsum("ij,ejk,ek->ei", elasticity(self.solid), b, u[near].reshape(len(near), -1)))
+        values = np.array(values)
+        # Linear through the Gauss points, to the nodes of the element.
+        local = [(-1, 1, 0)[i] for i in range(3)]
+        nodes = [[local[i], local[j]] + ([local[k]] if n == 3 else []) for k in range(3 if n == 3 else 1) for i, j in QUAD]
+        total, count = np.zeros((len(self.x), values.shape[2])), np.zeros(len(self.x))
+        for a, node in enumerate(nodes):
+            w = [np.prod([0.5 * (1 + 3 * p[d] * node[d]) for d in range(n)]) for p in points]
+            np.add.at(total, near[:, a], np.einsum("p,pei->ei", w, values))
+            np.add.at(count, near[:, a], 1)
+        s = total[wanted] / count[wanted][:, None]
+        if n == 2:
+            m = np.array([[s[:, 0], s[:, 2]], [s[:, 2], s[:, 1]]]).transpose(2, 0, 1)
+        else:
+            m = np.array([[s[:, 0], s[:, 5], s[:, 4]], [s[:, 5], s[:, 1], s[:, 3]], [s[:, 4], s[:, 3], s[:, 2]]]).transpose(2, 0, 1)
+        return np.linalg.eigvalsh(m)[:, -1].reshape(len(self.z), -1), np.unique(self.fillet)
+
+    def root(self, radius, load, at=()):
+        """Largest principal stress, MPa: anywhere on the fillet, at the 30 (60) degree tangent, and at the places `at` along z."""
+        s, nodes = self.stress(self.line_load(radius, load))
+        r = np.hypot(*self.x[nodes, :2].T)
+        order = np.argsort(self.gear.kappa * r)
+        s, r = s[:, order], r[order]
+        fr, ft = self.gear.fillet(800)
+        angle = np.interp(self.gear.kappa * r, self.gear.kappa * fr, self.gear.tangent_angle(fr, ft))
+        top = np.unravel_index(s.argmax(), s.shape)
+        tangent = 60 if self.gear.ring else 30
+        at_tangent = max(np.interp(-tangent, -angle, row) for row in s)
+        out = {"largest_mpa": s.max(), "place_radius_mm": r[top[1]], "place_tangent_deg": angle[top[1]], "at_tangent_mpa": at_tangent}
+        if self.solid:
+            out["place_z_mm"] = self.z[top[0]]
+            out["along_face_mpa"] = [[z, np.interp(z, self.z, s.max(1))] for z in at]
+        return json.loads(json.dumps(out), parse_float=lambda v: round(float(v), 3))
+
+
+def graded(b, count):
+    """Ends of `count` layers, the outermost a third as thick."""
+    w = np.ones(count)
+    w[[0, -1]], w[[1, -2]] = 0.35, 0.65
+    return np.concatenate([[0], np.cumsum(w)]) / w.sum() * b
+
+
+SPUR = dict(z=20, m=4.0, alpha=20.0, tip=44.0, held=15.0, b=25.0)
+SHIFTED = dict(z=16, m=4.5, alpha=20.0, x=0.4, tip=41.4, held=15.0)
+RING = dict(z=60, m=3.0, alpha=20.0, x=0.0, tip=87.6, held=105.0, rho=0.3, ring=True)
+
+
+def case(name, gear, layers, loads, **sizes):
+    """`loads`: (radius at z = 0 and at z = b, N/mm there); the contact line and the load are straight between."""
+    g = Gear(**gear)
+    model = Model(g, layers, **sizes)
+    print(name, model.x.size, "unknowns", file=sys.stderr, flush=True)
+    out = []
+    for (r0, r1), (q0, q1) in loads:
+        # A straight contact line of constant slope in the roll length.
+        roll = [sqrt(r * r - g.rb**2) for r in (r0, r1)]
+        b = g.b or 1.0
+        radius = lambda z: hypot(g.rb, roll[0] + (roll[1] - roll[0]) * z / b)
+        found = model.root(radius, lambda z: q0 + (q1 - q0) * z / b, at=(0.5 * b, 0.25 * b, 0.75 * b) if layers is not None else ())
+        out.append({"radius_mm": [r0, r1], "load_n_per_mm": [q0, q1], **found})
+        print(out[-1], file=sys.stderr, flush=True)
+    model.solver.free_memory(everything=True)
+    return {"name": name, "gear": gear, "plane_strain": layers is None, "loads": out}
+
+
+def flat(*radii):
+    return [((r, r), (100.0, 100.0)) for r in radii]
+
+
+CASES = {
+    "spur20": lambda: case("spur 20, plane strain", SPUR, None, flat(38.5, 40.0, 42.0, 43.6), fine=0.1, coarse=0.6, teeth=5),
+    "spur16": lambda: case("spur 16 with profile shift, plane strain", SHIFTED, None, flat(36.5, 38.0, 40.0), fine=0.1, coarse=0.6, teeth=5),
+    "ring60": lambda: case("ring 60, plane strain", RING, None, flat(88.5, 90.0, 91.5), fine=0.08, coarse=0.6, teeth=7),
+    "solid20": lambda: case("spur 20, face 25 mm", SPUR, graded(25.0, 10), [((42.0, 42.0), (100.0, 100.0)), ((42.0, 42.0), (200.0, 0.0)), ((40.0, 40.0), (0.0, 200.0))]),
+    "helical20": lambda: case("helical 20, beta 25 degrees, face 24 mm", dict(z=20, m=3.0, alpha=20.0, beta=25.0, tip=36.104, held=14.0, b=24.0), graded(24.0, 10), [((34.0, 34.0), (100.0, 100.0)), ((32.6, 35.6), (100.0, 100.0)), ((35.6, 32.6), (0.0, 200.0))], fine=0.2, coarse=1.3),
+}
+
+if __name__ == "__main__":
+    names = sys.argv[1:] or list(CASES)
+    data = {"description": " ".join(__doc__.split()), "cases": [CASES[name]() for name in names]}
+    print(json.dumps(data, indent=1))

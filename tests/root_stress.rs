@@ -38,6 +38,8 @@ fn gear(of: &Value, plane_strain: bool) -> Gear {
         tooth_thinning: 0.0,
         youngs_modulus: 206e9,
         poisson_ratio: 0.3,
+        body: None,
+        foundation: None,
     }
 }
 

@@ -55,6 +55,12 @@ pub trait ToothCompliance: Send + Sync {
     /// The length L_i of every strip, m, that completes `bulk` with the local contact.
     fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64>;
 
+    /// The model of the same gear turned end for end, where that is another one: the contact solver takes it for
+    /// strips that it had to mirror in z. None for bodies that are the same from both ends of the face.
+    fn turned(&self) -> Option<&dyn ToothCompliance> {
+        None
+    }
+
     /// Length along z within which the model does not tell loads apart, m; zero for one that tells all.
     fn lengthwise_resolution(&self) -> f64 {
         0.0

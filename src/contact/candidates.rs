@@ -198,19 +198,26 @@ impl ContactLines<'_> {
         [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]]))
     }
 
-    /// The strip as gear `i` sees it once it is mirrored into a right-handed gear whose loaded flank
-    /// faces +theta.
+    /// Whether z is mirrored to make gear `i` a right-handed one whose loaded flank faces +theta.
     ///
     /// The loaded flank faces the sense sigma_1 = s on gear 1 and sigma_2 = e s on gear 2. A mirror
     /// theta -> -theta turns over both sigma and the hand, a mirror z -> -z the hand alone; so theta is
     /// mirrored for sigma = -1 and z for h sigma = -1. Tooth pair k lies k pitches ahead in the sense of
     /// rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k and -k.
     #[cfg(feature = "preprocess")]
+    pub fn is_mirrored(&self, i: usize) -> bool {
+        let s = self.flank.sign();
+        let sigma = if i == 0 { s } else { self.geometry.e() * s };
+        self.geometry.gears[i].hand * sigma < 0.0
+    }
+
+    /// The strip as gear `i` sees it once it is mirrored so.
+    #[cfg(feature = "preprocess")]
     fn canonical(&self, i: usize, k: i32, z: [f64; 2], roll: [f64; 2]) -> Strip {
         let gear = &self.geometry.gears[i];
         let tooth = if i == 0 { k } else { -k };
         let own = z.map(|z| (z - gear.face_offset).clamp(0.0, gear.face_width));
-        if self.is_z_mirrored(i) {
+        if self.is_mirrored(i) {
             let b = gear.face_width;
             Strip {
                 tooth,
@@ -225,19 +232,12 @@ impl ContactLines<'_> {
             }
         }
     }
-    /// Whether the canonical coordinates of gear `i` count z from its other face.
-    #[cfg(feature = "preprocess")]
-    fn is_z_mirrored(&self, i: usize) -> bool {
-        let s = self.flank.sign();
-        let sigma = if i == 0 { s } else { self.geometry.e() * s };
-        self.geometry.gears[i].hand * sigma < 0.0
-    }
 
     /// z in gear 1's frame of the canonical coordinate `z` of gear `i`, m.
     #[cfg(feature = "preprocess")]
     pub fn z_in_frame(&self, i: usize, z: f64) -> f64 {
         let gear = &self.geometry.gears[i];
-        let own = if self.is_z_mirrored(i) {
+        let own = if self.is_mirrored(i) {
             gear.face_width - z
         } else {
             z

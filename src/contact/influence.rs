@@ -42,7 +42,7 @@ impl Influence {
     /// `wanted`, m.
     pub fn new(
         geometry: &PairGeometry,
-        compliance: &[std::sync::Arc<dyn ToothCompliance>; 2],
+        compliance: [&dyn ToothCompliance; 2],
         (candidates, seen): (&[Candidate], &[[Strip; 2]]),
         wanted: f64,
     ) -> Result<Influence, BeyondModel> {

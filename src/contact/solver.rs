@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::candidates::Candidate;
+use super::candidates::{Candidate, ContactLines};
 use super::condensed::StripName;
 use super::deflection::Deflection;
 use super::error::ContactError;
@@ -174,7 +174,7 @@ impl ContactSolver {
         }
         let seen = |c: &Candidate| lines.seen_by_gears(tau, (c.tooth_pair, c.z), false);
         let seen: Vec<_> = candidates.iter().map(seen).collect();
-        let influence = self.influence_of((&candidates, &seen), center_distance_offset)?;
+        let influence = self.influence_of(&lines, (&candidates, &seen), center_distance_offset)?;
         let mut limits = self.setup.limits(center_distance_offset);
         // Compared with approach and misalignment alone.
         let [_, largest] = self.deflection.range(self.face());
@@ -204,17 +204,25 @@ impl ContactSolver {
         let strips = lines.strips_beyond(tau, margin * self.setup.geometry.base_pitch());
         let seen = |c: &Candidate| lines.seen_by_gears(tau, (c.tooth_pair, c.z), true);
         let seen: Vec<_> = strips.iter().map(seen).collect();
-        let influence = self.influence_of((&strips, &seen), center_distance_offset)?;
+        let influence = self.influence_of(&lines, (&strips, &seen), center_distance_offset)?;
         Ok((strips.iter().map(|c| c.name()).collect(), influence))
     }
 
     fn influence_of(
         &self,
+        lines: &ContactLines<'_>,
         strips: (&[Candidate], &[[Strip; 2]]),
         center_distance_offset: f64,
     ) -> Result<Influence, ContactError> {
         let wanted = self.setup.reference_length;
-        Influence::new(&self.setup.geometry, &self.compliance, strips, wanted).map_err(|model| {
+        let models = [0, 1].map(|i| {
+            let model: &dyn ToothCompliance = &*self.compliance[i];
+            match model.turned() {
+                Some(turned) if lines.is_mirrored(i) => turned,
+                _ => model,
+            }
+        });
+        Influence::new(&self.setup.geometry, models, strips, wanted).map_err(|model| {
             ContactError::BeyondModel {
                 center_distance_offset_um: 1e6 * center_distance_offset,
                 model,
@@ -224,7 +232,7 @@ impl ContactSolver {
 }
 
 /// Approach that the pair's largest load and misalignment can cause, with a margin, m: twice that of a stiff
-/// tooth pair, the twist of both bodies as discs, what misalignment adds at the ends of the face and what
+/// tooth pair, how both bodies give way, what misalignment adds at the ends of the face and what
 /// modifications take off at most.
 fn default_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
     let g = &pair.geometry;
@@ -245,21 +253,17 @@ fn default_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
             largest[0].max(largest[1])
         })
         .sum();
-    let twist: f64 = gears()
+    let bodies: f64 = gears()
         .map(|(_, gear)| {
-            let shear_modulus = 0.5 * gear.youngs_modulus / (1.0 + gear.poisson_ratio);
-            let inner = gear.held_radius.min(gear.root_radius());
-            let outer = gear.held_radius.max(gear.root_radius());
-            let per_torque = (inner.powi(-2) - outer.powi(-2))
-                / (4.0 * std::f64::consts::PI * shear_modulus * gear.face_width);
-            force * gear.base_radius().powi(2) * per_torque
+            let twist = force * gear.base_radius().powi(2) * gear.body_twist();
+            twist + force * gear.body_tilt_and_foundation()
         })
         .sum();
     let cos_beta_b = g.base_helix_angle().cos();
     // Force and displacement along the normal are those on the line of action over cos beta_b, the contact line
     // is the face over it.
     2.0 * force / (STIFFNESS_OVER_MODULUS * modulus * width * cos_beta_b)
-        + twist
+        + bodies
         + 0.5 * misalignment * width
         + removal / cos_beta_b
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::involute;
+use super::{Body, involute};
 
 /// Whether the teeth stand outward or inward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,6 +51,13 @@ pub struct Gear {
     pub tool_tip_radius_coefficient: f64,
     /// Radius of the surface that is held, m: bore of an external gear, outer rim of a ring.
     pub held_radius: f64,
+    /// Rim, web and hub of an external gear; None: a full disc. Absent in files of units and tables it is None.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body: Option<Body>,
+    /// Stiffness of an elastic foundation on which the held surface rests, N/m³, alike in all directions; None: it
+    /// is held rigidly. Absent in files of units and tables it is None.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foundation: Option<f64>,
     /// Thinning of each tooth (ring: widening of each space) on the base circle, m, >= 0.
     pub tooth_thinning: f64,
     /// Young's modulus, Pa.

@@ -4,6 +4,7 @@
 //! x through a tooth centre at z = 0 (ring: a space centre). A flank has the sign `sigma`: +1 is
 //! the flank that faces the +theta sense.
 
+mod body;
 mod iso_6336_3;
 mod macrogeometry;
 mod microgeometry;
@@ -16,6 +17,7 @@ pub mod tolerance;
 mod topography;
 mod trochoid;
 
+pub use body::{Annulus, Body};
 pub use iso_6336_3::NominalRootStress;
 pub use macrogeometry::{Gear, GearKind};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};

@@ -20,6 +20,8 @@ pub fn gear(kind: GearKind, teeth: u32, hand: f64, helix_deg: f64, profile_shift
         dedendum_coefficient: 1.25,
         tool_tip_radius_coefficient: 0.38,
         held_radius: 15e-3,
+        body: None,
+        foundation: None,
         tooth_thinning: 0.0,
         tip_chamfer: 0.0,
         youngs_modulus: 206e9,
@@ -44,6 +46,12 @@ pub fn with_module(mut gear: Gear, module: f64) -> Gear {
         &mut gear.tip_chamfer,
     ] {
         *length *= scale;
+    }
+    if let Some(body) = &mut gear.body {
+        let both = body.web.iter_mut().chain(&mut body.hub);
+        for length in both.chain([&mut body.rim_radius, &mut body.hub_radius]) {
+            *length *= scale;
+        }
     }
     gear
 }

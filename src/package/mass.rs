@@ -7,8 +7,9 @@ use crate::gear::{Gear, PairGeometry};
 /// Density of steel, kg/m³.
 const STEEL: f64 = 7850.0;
 
-/// A gear as a solid steel disc between the surface that is held (bore, rim of a ring) and the reference
-/// cylinder, over its face width: nothing of the shaft, the web or the other gears on it.
+/// A gear of steel between the surface that is held (bore, rim of a ring) and the reference cylinder: a solid disc
+/// over its face width, or the rim, web and hub that the pair file gives; nothing of the shaft or the other gears
+/// on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blank {
     /// kg.
@@ -20,16 +21,30 @@ pub struct Blank {
 }
 
 impl Blank {
-    /// The disc of `gear`.
+    /// The body of `gear`.
     pub fn new(gear: &Gear) -> Self {
-        let [held, reference] = [gear.held_radius, gear.reference_radius()].map(|r| r * r);
-        let mass = STEEL * PI * (held - reference).abs() * gear.face_width;
-        let axial_inertia = 0.5 * mass * (held + reference);
-        Self {
-            mass,
-            axial_inertia,
-            transverse_inertia: 0.5 * axial_inertia + mass * gear.face_width.powi(2) / 12.0,
-        }
+        let none = Self {
+            mass: 0.0,
+            axial_inertia: 0.0,
+            transverse_inertia: 0.0,
+        };
+        gear.annuli(gear.reference_radius())
+            .iter()
+            .fold(none, |sum, ring| {
+                let [inner, outer] = ring.radii.map(|r| r * r);
+                let width = ring.z[1] - ring.z[0];
+                let mass = STEEL * PI * (inner - outer).abs() * width;
+                let axial_inertia = 0.5 * mass * (inner + outer);
+                let arm = 0.5 * (ring.z[0] + ring.z[1] - gear.face_width);
+                Self {
+                    mass: sum.mass + mass,
+                    axial_inertia: sum.axial_inertia + axial_inertia,
+                    transverse_inertia: sum.transverse_inertia
+                        + 0.5 * axial_inertia
+                        + mass * width.powi(2) / 12.0
+                        + mass * arm.powi(2),
+                }
+            })
     }
 }
 
@@ -63,6 +78,7 @@ pub fn free_mass(pair: &PairGeometry) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gear::Body;
     use crate::gear::samples::paper_pair;
     use approx::assert_relative_eq;
 
@@ -93,6 +109,31 @@ mod tests {
         assert_relative_eq!(
             disc.transverse_inertia,
             0.25 * disc.mass * square,
+            max_relative = 1e-9
+        );
+        // The same disc in three rings weighs the same; without most of its web it is lighter.
+        let face = [0.0, gear.face_width];
+        let body = Body {
+            rim_radius: 30e-3,
+            web: face,
+            hub_radius: 20e-3,
+            hub: face,
+        };
+        let [whole, webbed] = [face, [8e-3, 12e-3]].map(|web| {
+            Blank::new(&Gear {
+                body: Some(Body { web, ..body }),
+                ..gear.clone()
+            })
+        });
+        assert_relative_eq!(whole.mass, blank.mass, max_relative = 1e-12);
+        assert_relative_eq!(
+            whole.transverse_inertia,
+            blank.transverse_inertia,
+            max_relative = 1e-12
+        );
+        assert_relative_eq!(
+            blank.mass - webbed.mass,
+            STEEL * PI * 500e-6 * (gear.face_width - 4e-3),
             max_relative = 1e-9
         );
         assert!(blank.mass > 0.8 && blank.mass < 1.0, "{} kg", blank.mass);

@@ -95,6 +95,28 @@ pub struct GearFile {
     /// of an internal pair: root diameter + 7 normal modules, a rim of 3.5 modules.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim_diameter_mm: Option<f64>,
+    /// Radial thickness of the rim below the root circle; external gears, with `web_thickness_mm`. Default: a full
+    /// disc.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rim_thickness_mm: Option<f64>,
+    /// Axial thickness of the web.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub web_thickness_mm: Option<f64>,
+    /// z of the middle of the web less mid-face. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub web_offset_mm: Option<f64>,
+    /// Outer diameter of the hub. Default: no hub, the web reaches the bore.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hub_diameter_mm: Option<f64>,
+    /// Axial length of the hub. Default: the face width.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hub_width_mm: Option<f64>,
+    /// z of the middle of the hub less mid-face. Default 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hub_offset_mm: Option<f64>,
+    /// Elastic foundation on which the outside of a ring rests, N/mm per mm² in every direction. Default: rigid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rim_foundation_n_per_mm3: Option<f64>,
     /// Young's modulus. Default 206 (steel).
     #[serde(default = "default_youngs_modulus")]
     pub youngs_modulus_gpa: f64,

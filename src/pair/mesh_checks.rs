@@ -329,7 +329,7 @@ pub(super) fn warnings(geometry: &PairGeometry, profiles: &[ToothProfile; 2]) ->
             ));
         }
         let wall = gear.kappa() * (gear.root_radius() - gear.held_radius);
-        if wall < gear.normal_module {
+        if wall < gear.normal_module && gear.foundation.is_none() {
             out.push(format!(
                 "gear {}: only {:.3} mm, less than a module, between root and {}, which is held rigidly",
                 i + 1,

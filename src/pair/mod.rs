@@ -4,6 +4,7 @@
 //! cannot work, naming field, value and remedy ([`Refusal`]). What is legal but worth knowing comes as
 //! [`Pair::warnings`].
 
+mod bodies;
 mod checks;
 mod draft;
 mod error;
@@ -24,7 +25,7 @@ pub use error::{PairError, Refusal};
 pub use file::Refinement;
 
 use crate::friction::FrictionLaw;
-use crate::gear::{PairGeometry, PairMicrogeometry};
+use crate::gear::{Gear, PairGeometry, PairMicrogeometry};
 
 /// Loads and deviations that tables are to cover.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,14 +91,16 @@ impl Pair {
 
     /// Whether the coast flank is the drive flank seen with both gears turned end for end, so that one
     /// table serves both (with M -> -M and z_c mirrored at mid-face): both flanks modified alike and the same
-    /// from both ends of the face, and both faces share their middle.
+    /// from both ends of the face, as are both bodies, and both faces share their middle.
     pub fn coast_mirrors_drive(&self) -> bool {
         let middle = |i: usize| {
             let g = &self.geometry.gears[i];
             g.face_offset + 0.5 * g.face_width
         };
         // Faces are given to a micrometre at best.
-        (middle(0) - middle(1)).abs() < 1e-9 && self.microgeometry.coast_mirrors_drive()
+        (middle(0) - middle(1)).abs() < 1e-9
+            && self.geometry.gears.iter().all(Gear::has_symmetric_body)
+            && self.microgeometry.coast_mirrors_drive()
     }
 }
 

@@ -10,8 +10,7 @@ use super::mesh_checks::{
     Place, check_clearance, check_contact, check_gear, check_tooth_difference, field, warnings,
 };
 use super::modifications::Flanks;
-use super::slips;
-use super::{Operating, Pair};
+use super::{Operating, Pair, bodies, slips};
 use crate::gear::{
     Flank, Gear, GearKind, PairGeometry, PairMicrogeometry, ToothProfile, inverse_involute,
 };
@@ -36,6 +35,9 @@ pub(super) fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
         check_gear(file, &geometry.gears[0], 0)?,
         check_gear(file, &geometry.gears[1], 1)?,
     ];
+    for (i, gear) in geometry.gears.iter_mut().enumerate() {
+        bodies::complete(file, gear, i)?;
+    }
     check_overlap(file, &geometry)?;
     check_torques(file, &geometry)?;
     notes.extend(slips::notes(file, &geometry));
@@ -338,6 +340,8 @@ fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
         dedendum_coefficient: g.dedendum_coefficient,
         tool_tip_radius_coefficient: g.tool_tip_radius_coefficient,
         held_radius: 0.0,
+        body: None,
+        foundation: None,
         tooth_thinning: 0.0,
         tip_chamfer: 0.0,
         youngs_modulus: g.youngs_modulus_gpa * 1e9,

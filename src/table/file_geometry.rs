@@ -1,7 +1,7 @@
 //! The pair geometry as it stands in a tables file, so that packing and the element need no pair file.
 
 use super::TableError;
-use crate::gear::{Gear, GearKind, PairGeometry};
+use crate::gear::{Body, Gear, GearKind, PairGeometry};
 use serde::{Deserialize, Serialize};
 
 /// `external` or `ring`.
@@ -32,9 +32,25 @@ struct GearRecord {
     dedendum_coefficient: f64,
     tool_tip_radius_coefficient: f64,
     held_radius_m: f64,
+    /// Absent where the body is a full disc.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    body: Option<BodyRecord>,
+    /// Absent where the held surface is rigid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    foundation_n_per_m3: Option<f64>,
     tooth_thinning_m: f64,
     youngs_modulus_pa: f64,
     poisson_ratio: f64,
+}
+
+/// Rim, web and hub; the fields of [`Body`] with their units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BodyRecord {
+    rim_radius_m: f64,
+    web_z_m: [f64; 2],
+    hub_radius_m: f64,
+    hub_z_m: [f64; 2],
 }
 
 /// Geometry of the pair, SI.
@@ -66,6 +82,13 @@ impl From<&PairGeometry> for GeometryRecord {
             dedendum_coefficient: g.dedendum_coefficient,
             tool_tip_radius_coefficient: g.tool_tip_radius_coefficient,
             held_radius_m: g.held_radius,
+            body: g.body.map(|b| BodyRecord {
+                rim_radius_m: b.rim_radius,
+                web_z_m: b.web,
+                hub_radius_m: b.hub_radius,
+                hub_z_m: b.hub,
+            }),
+            foundation_n_per_m3: g.foundation,
             tooth_thinning_m: g.tooth_thinning,
             youngs_modulus_pa: g.youngs_modulus,
             poisson_ratio: g.poisson_ratio,
@@ -186,6 +209,15 @@ impl GearRecord {
         if self.teeth == 0 {
             return Err(damaged(&format!("{name}.teeth"), 0, "a gear has teeth"));
         }
+        if let Some(stiffness) = self.foundation_n_per_m3
+            && !(stiffness > 0.0 && stiffness.is_finite())
+        {
+            return Err(damaged(
+                &format!("{name}.foundation_n_per_m3"),
+                stiffness,
+                "it must be positive",
+            ));
+        }
         Ok(Gear {
             kind: match self.kind {
                 Kind::External => GearKind::External,
@@ -204,9 +236,41 @@ impl GearRecord {
             dedendum_coefficient: self.dedendum_coefficient,
             tool_tip_radius_coefficient: self.tool_tip_radius_coefficient,
             held_radius: self.held_radius_m,
+            body: self
+                .body
+                .as_ref()
+                .map(|b| b.body(&format!("{name}.body")))
+                .transpose()?,
+            foundation: self.foundation_n_per_m3,
             tooth_thinning: self.tooth_thinning_m,
             youngs_modulus: self.youngs_modulus_pa,
             poisson_ratio: self.poisson_ratio,
+        })
+    }
+}
+
+impl BodyRecord {
+    fn body(&self, name: &str) -> Result<Body, TableError> {
+        let ([w0, w1], [h0, h1]) = (self.web_z_m, self.hub_z_m);
+        let ordered = self.hub_radius_m > 0.0
+            && self.rim_radius_m > self.hub_radius_m
+            && self.rim_radius_m.is_finite()
+            && h0 <= w0
+            && w0 < w1
+            && w1 <= h1
+            && (h1 - h0).is_finite();
+        if !ordered {
+            return Err(damaged(
+                name,
+                format!("{self:?}"),
+                "rim, web and hub must follow each other from outside to inside, the web within the hub's ends",
+            ));
+        }
+        Ok(Body {
+            rim_radius: self.rim_radius_m,
+            web: self.web_z_m,
+            hub_radius: self.hub_radius_m,
+            hub: self.hub_z_m,
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use gearmesh::gear::{GearKind, ToothProfile};
+use gearmesh::gear::{Gear, GearKind, ToothProfile};
 use gearmesh::pair::Pair;
 use gearmesh::words::{fixed, rounded};
 
@@ -149,11 +149,13 @@ fn gear(pair: &Pair, i: usize) -> Listing {
     mm(
         match g.kind {
             GearKind::External => "bore (held)",
+            GearKind::Ring if g.foundation.is_some() => "rim (on a foundation)",
             GearKind::Ring => "rim (held)",
         },
         g.held_radius,
         &mut rows,
     );
+    body(g, &mut rows);
     rows.row(
         "material",
         format!(
@@ -164,6 +166,43 @@ fn gear(pair: &Pair, i: usize) -> Listing {
     );
     modifications(pair, i, &mut rows);
     rows
+}
+
+/// Rim, web, hub and foundation, where the body is no full disc held rigidly.
+fn body(g: &Gear, rows: &mut Listing) {
+    let z = |z: [f64; 2]| {
+        format!(
+            "{} mm wide, z {} to {} mm from the z = 0 face of the gear",
+            fixed((z[1] - z[0]) * 1e3, 3),
+            fixed(z[0] * 1e3, 3),
+            fixed(z[1] * 1e3, 3)
+        )
+    };
+    if let Some(body) = g.body {
+        let thickness = g.root_radius() - body.rim_radius;
+        rows.row(
+            "rim",
+            format!(
+                "{} mm ({} normal modules) below the root circle, inner diameter {:.4} mm",
+                fixed(thickness * 1e3, 3),
+                fixed(thickness / g.normal_module, 2),
+                2e3 * body.rim_radius
+            ),
+        )
+        .row("web", z(body.web));
+        if body.hub_radius > g.held_radius {
+            rows.row(
+                "hub",
+                format!("diameter {:.4} mm, {}", 2e3 * body.hub_radius, z(body.hub)),
+            );
+        }
+    }
+    if let Some(stiffness) = g.foundation {
+        rows.row(
+            "outside rests on",
+            format!("{} N/mm3 in every direction", rounded(stiffness * 1e-9)),
+        );
+    }
 }
 
 fn operating(pair: &Pair) -> Listing {

@@ -112,7 +112,12 @@ pub(super) fn first_element(mesh: &Mesh, material: [f64; 2]) -> Vec<f64> {
 /// Element stiffness with the displacements of each node in its own cylindrical axes.
 fn cylindrical_stiffness(mesh: &Mesh, nodes: &[usize], lambda: f64, mu: f64) -> Vec<f64> {
     let d = mesh.dimension;
-    let mut k = element::stiffness(&mesh.coordinates(nodes), lambda, mu);
+    let x = mesh.coordinates(nodes);
+    let mut k = element::stiffness(&x, lambda, mu);
+    if let Some(foundation) = &mesh.foundation {
+        let rests: Vec<bool> = nodes.iter().map(|node| foundation.nodes[*node]).collect();
+        element::add_foundation(&x, &rests, foundation.stiffness, &mut k);
+    }
     let size = d * nodes.len();
     let rotations: Vec<(f64, f64)> = nodes.iter().map(|n| mesh.angles[*n].sin_cos()).collect();
     // u_x = c u_r - s u_t, u_y = s u_r + c u_t, on rows and on columns.

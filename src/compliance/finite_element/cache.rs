@@ -206,6 +206,24 @@ impl FiniteElementCompliance {
         cache: &ModelCache,
         progress: &Progress<'_>,
     ) -> Result<(Self, Origin), FiniteElementError> {
+        let mut origin = Origin::Loaded;
+        let model = Self::with_turned(gear, |gear| {
+            let (model, found) = Self::cached_one(gear, settings, cache, progress)?;
+            // Of a gear with two models the one that was not simply read.
+            if found != Origin::Loaded {
+                origin = found;
+            }
+            Ok(model)
+        })?;
+        Ok((model, origin))
+    }
+
+    fn cached_one(
+        gear: &Gear,
+        settings: &Settings,
+        cache: &ModelCache,
+        progress: &Progress<'_>,
+    ) -> Result<(Self, Origin), FiniteElementError> {
         let model = Model::new(gear, settings)?;
         let key = key(&model, settings.reach);
         let mut fault = None;

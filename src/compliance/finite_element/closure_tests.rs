@@ -28,6 +28,7 @@ fn ring_sector(inner: f64, outer: f64, teeth: u32, rows: usize) -> Mesh {
         sides: [Vec::new(), Vec::new()],
         flank: Vec::new(),
         fillet: Vec::new(),
+        foundation: None,
     };
     for i in 0..=2 * columns {
         let angle = half_pitch * (i as f64 / columns as f64 - 1.0);
@@ -102,6 +103,7 @@ fn cantilever_of_solid_elements_bends_like_timoshenko() {
         sides: [Vec::new(), Vec::new()],
         flank: Vec::new(),
         fillet: Vec::new(),
+        foundation: None,
     };
     for i in 0..=2 * nx {
         for j in 0..=2 * ny {
@@ -157,7 +159,7 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
     let outline = Outline::new(&ToothProfile::new(&gear).unwrap());
     let sizes = Discretization::of(Refinement::Coarse);
     let section = Section::new(&outline, &sizes.section(gear.normal_module));
-    let sector = Mesh::plane(&section, &outline);
+    let sector = Mesh::plane(&section, &outline, None);
 
     // All sectors with common sides, nothing kept: side 1 of sector s is side 0 of sector s + 1.
     let n = sector.points.len();

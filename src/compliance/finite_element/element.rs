@@ -185,10 +185,95 @@ pub(super) fn stiffness(x: &[[f64; 3]], lambda: f64, mu: f64) -> Vec<f64> {
     k
 }
 
+/// Adds to the stiffness matrix `k` of an element (see [`stiffness`]) a foundation of `stiffness` N/m³, alike in all
+/// directions, under the face whose nodes are those that `rest`; without such a face nothing.
+pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &mut [f64]) {
+    let (dimension, nodes): (usize, &[[f64; 3]]) = if x.len() == 8 {
+        (2, &QUAD8)
+    } else {
+        (3, &HEX20)
+    };
+    let on_face = |d: usize, end: f64| {
+        let mut face = nodes.iter().zip(rest).filter(|(c, _)| c[d] == end);
+        face.all(|(_, rests)| *rests)
+    };
+    let sides = (0..dimension).flat_map(|d| [(d, -1.0), (d, 1.0)]);
+    let Some((normal, end)) = sides.into_iter().find(|(d, end)| on_face(*d, *end)) else {
+        return;
+    };
+    let size = dimension * x.len();
+    let along: Vec<usize> = (0..dimension).filter(|d| *d != normal).collect();
+    let second: &[(f64, f64)] = if dimension == 3 {
+        &GAUSS3
+    } else {
+        &[(0.0, 1.0)]
+    };
+    for &(a, wa) in &GAUSS3 {
+        for &(b, wb) in second {
+            let mut xi = [0.0; 3];
+            xi[normal] = end;
+            xi[along[0]] = a;
+            if let Some(d) = along.get(1) {
+                xi[*d] = b;
+            }
+            let values: Vec<(f64, [f64; 3])> =
+                nodes.iter().map(|c| shape(dimension, c, &xi)).collect();
+            let tangent = |d: usize| -> [f64; 3] {
+                std::array::from_fn(|i| values.iter().zip(x).map(|((_, g), p)| g[d] * p[i]).sum())
+            };
+            let u = tangent(along[0]);
+            // A plane element is one unit deep.
+            let v = along.get(1).map_or([0.0, 0.0, 1.0], |d| tangent(*d));
+            let cross = [
+                u[1] * v[2] - u[2] * v[1],
+                u[2] * v[0] - u[0] * v[2],
+                u[0] * v[1] - u[1] * v[0],
+            ];
+            let area = cross.iter().map(|c| c * c).sum::<f64>().sqrt();
+            for (i, (ni, _)) in values.iter().enumerate() {
+                for (j, (nj, _)) in values.iter().enumerate() {
+                    let value = stiffness * wa * wb * area * ni * nj;
+                    for d in 0..dimension {
+                        k[(dimension * i + d) * size + dimension * j + d] += value;
+                    }
+                }
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use approx::assert_abs_diff_eq;
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
+
+    #[test]
+    fn a_foundation_bears_its_area_and_no_other_face() {
+        // A brick of 2 x 3 x 5 on the face zeta = -1: a push along any axis meets 6 times the stiffness.
+        let x: Vec<[f64; 3]> = HEX20.map(|c| [c[0], 1.5 * c[1], 2.5 * c[2]]).to_vec();
+        let rest = HEX20.map(|c| c[2] == -1.0);
+        let mut k = vec![0.0; 3600];
+        add_foundation(&x, &rest, 7.0, &mut k);
+        for d in 0..3 {
+            let rows = (0..20).map(|a| 3 * a + d);
+            let total: f64 = rows
+                .flat_map(|row| (0..20).map(move |b| row * 60 + 3 * b + d))
+                .map(|at| k[at])
+                .sum();
+            assert_relative_eq!(total, 42.0, max_relative = 1e-12);
+        }
+        let mut none = vec![0.0; 3600];
+        add_foundation(&x, &[false; 20], 7.0, &mut none);
+        assert!(none.iter().all(|v| *v == 0.0));
+        // One edge alone is no face.
+        add_foundation(
+            &x,
+            &HEX20.map(|c| c[2] == -1.0 && c[0] == 1.0),
+            7.0,
+            &mut none,
+        );
+        assert!(none.iter().all(|v| *v == 0.0));
+    }
 
     /// A hexahedron or quadrilateral bent out of shape, unit size.
     fn distorted(nodes: &[[f64; 3]], dimension: usize) -> Vec<[f64; 3]> {

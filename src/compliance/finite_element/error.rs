@@ -22,6 +22,28 @@ pub enum FiniteElementError {
         /// Least rim that can be meshed, mm.
         least_mm: f64,
     },
+    /// Rim, web and hub do not follow each other.
+    #[error(
+        "rim, web and hub do not join: the inside of the rim at the radius {rim_mm:.3} mm, the hub at {hub_mm:.3} mm, \
+         the held surface at {held_mm:.3} mm; give radii that fall in this order from the root circle at \
+         {root_mm:.3} mm, a web within the face and a hub that encloses it"
+    )]
+    Body {
+        /// Inner radius of the rim, mm.
+        rim_mm: f64,
+        /// Outer radius of the hub, mm.
+        hub_mm: f64,
+        /// Radius of the held surface, mm.
+        held_mm: f64,
+        /// Root radius, mm.
+        root_mm: f64,
+    },
+    /// Plane strain of a gear whose body is not the same along the face.
+    #[error(
+        "plane strain knows no web: leave out `--plane-strain`, or take rim_thickness_mm and web_thickness_mm \
+         out of the pair file"
+    )]
+    PlaneBody,
     /// An element is folded.
     #[error(
         "the mesh of this tooth has a folded element (quality {quality:.3}); choose another refinement, or \

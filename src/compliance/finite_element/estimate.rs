@@ -52,19 +52,25 @@ impl Estimate {
         // Complex: four times the operations.
         let harmonic = 4.0 * (side.powi(3) / 3.0 + side * side * loads + side * loads * loads);
         let harmonics = 0.5 * f64::from(gear.teeth) + 1.0;
+        let turned = super::turned(gear).map(|gear| Model::new(&gear, settings));
+        let models = 1.0 + turned.iter().count() as f64;
+        let turned = turned.transpose()?;
         Ok(Estimate {
-            kept: cache.is_some_and(|cache| cache.holds(&model, settings)),
+            kept: cache.is_some_and(|cache| {
+                let mut all = std::iter::once(&model).chain(&turned);
+                all.all(|model| cache.holds(model, settings))
+            }),
             seconds: [
-                ELEMENT * mesh.cells.len() as f64,
-                condensation / DENSE,
-                harmonics * harmonic / DENSE,
+                models * ELEMENT * mesh.cells.len() as f64,
+                models * condensation / DENSE,
+                models * harmonics * harmonic / DENSE,
             ],
             memory_bytes: 8.0
                 * (factor
                     + 2.0 * ENTRIES * unknowns
                     + unknowns * loads
-                    + 2.0 * matrices * loads * loads),
-            file_bytes: BYTES * matrices * loads * loads,
+                    + (1.0 + models) * matrices * loads * loads),
+            file_bytes: models * BYTES * matrices * loads * loads,
         })
     }
 

@@ -1,6 +1,7 @@
 //! The mesh of one sector: the section itself (plane strain) or the section extruded along the helix.
 
 use super::element;
+use super::layers::Layers;
 use super::outline::Outline;
 use super::section::Section;
 
@@ -10,6 +11,15 @@ use super::section::Section;
 pub(super) struct FlankNode {
     pub node: usize,
     pub normal: [f64; 3],
+}
+
+/// An elastic foundation.
+#[derive(Debug, Clone)]
+pub(super) struct Foundation {
+    /// Whether a node lies on the surface that rests on it.
+    pub nodes: Vec<bool>,
+    /// Stiffness per area in each direction, N/m³.
+    pub stiffness: f64,
 }
 
 /// One sector of the gear; displacements are in each node's own cylindrical axes, so that both sides of
@@ -28,6 +38,8 @@ pub(super) struct Mesh {
     pub cells: Vec<[i32; 3]>,
     /// Whether a node is held.
     pub held: Vec<bool>,
+    /// What the held surface rests on where it is not rigid.
+    pub foundation: Option<Foundation>,
     /// Nodes of both sides in the same order.
     pub sides: [Vec<usize>; 2],
     /// Nodes of the loaded flank, in the order of [`super::flank::FlankGrid`].
@@ -38,7 +50,7 @@ pub(super) struct Mesh {
 
 impl Mesh {
     /// The plane section.
-    pub fn plane(section: &Section, outline: &Outline) -> Mesh {
+    pub fn plane(section: &Section, outline: &Outline, foundation: Option<f64>) -> Mesh {
         let mut held = vec![false; section.nodes.len()];
         section.held.iter().for_each(|node| held[*node] = true);
         Mesh {
@@ -63,12 +75,31 @@ impl Mesh {
                 })
                 .collect(),
             fillet: section.fillet.iter().map(|(node, _)| *node).collect(),
+            foundation: None,
         }
+        .rested_on(foundation)
     }
 
-    /// The section swept from station to station of `stations` (m, ascending), turned by `twist`
-    /// rad per metre (tan beta_b / rb; right-handed).
-    pub fn extruded(section: &Section, outline: &Outline, stations: &[f64], twist: f64) -> Mesh {
+    /// The mesh with its held nodes on a foundation of the given stiffness (N/m³), if there is one.
+    fn rested_on(mut self, foundation: Option<f64>) -> Mesh {
+        if let Some(stiffness) = foundation {
+            let free = vec![false; self.held.len()];
+            let nodes = std::mem::replace(&mut self.held, free);
+            self.foundation = Some(Foundation { nodes, stiffness });
+        }
+        self
+    }
+
+    /// The section swept through `along`, turned by `twist` rad per metre (tan beta_b / rb; right-handed), without
+    /// what lies outside of rim, web and hub.
+    pub fn extruded(
+        section: &Section,
+        outline: &Outline,
+        along: &Layers,
+        twist: f64,
+        foundation: Option<f64>,
+    ) -> Mesh {
+        let stations = &along.stations;
         let layers = stations.len() - 1;
         let in_plane = section.nodes.len();
         let mut corner = vec![usize::MAX; in_plane];
@@ -102,7 +133,9 @@ impl Mesh {
             sides: [Vec::new(), Vec::new()],
             flank: Vec::new(),
             fillet: Vec::new(),
+            foundation: None,
         };
+        let halves_of_face = 2 * along.face.start..=2 * along.face.end;
         for half in 0..=2 * layers {
             let middle = half % 2 == 1;
             let low = stations[half / 2];
@@ -130,6 +163,9 @@ impl Mesh {
                         .map(|n| number(*n, half)),
                 );
             }
+            if !halves_of_face.contains(&half) {
+                continue;
+            }
             let fillet = section.fillet.iter().map(|(node, _)| node);
             mesh.fillet
                 .extend(fillet.filter(|n| present(n)).map(|n| number(*n, half)));
@@ -146,6 +182,9 @@ impl Mesh {
         }
         for layer in 0..layers {
             for (quad, cell) in section.quads.iter().zip(&section.cells) {
+                if !along.holds(section.part(*cell), layer) {
+                    continue;
+                }
                 for plane in [2 * layer, 2 * layer + 2] {
                     mesh.elements.extend(quad.iter().map(|n| number(*n, plane)));
                 }
@@ -154,7 +193,38 @@ impl Mesh {
                 mesh.cells.push([cell[0], cell[1], layer as i32]);
             }
         }
-        mesh
+        if mesh.cells.len() < layers * section.quads.len() {
+            mesh.drop_unused();
+        }
+        mesh.rested_on(foundation)
+    }
+
+    /// Takes out the nodes of elements that are not there.
+    fn drop_unused(&mut self) {
+        let mut used = vec![false; self.points.len()];
+        self.elements.iter().for_each(|node| used[*node] = true);
+        let mut count = 0;
+        let number: Vec<usize> = used
+            .iter()
+            .map(|used| {
+                count += usize::from(*used);
+                count.wrapping_sub(1)
+            })
+            .collect();
+        let mut keep = used.iter();
+        self.points.retain(|_| *keep.next().unwrap_or(&false));
+        let mut keep = used.iter();
+        self.angles.retain(|_| *keep.next().unwrap_or(&false));
+        let mut keep = used.iter();
+        self.held.retain(|_| *keep.next().unwrap_or(&false));
+        for nodes in &mut self.sides {
+            nodes.retain(|node| used[*node]);
+        }
+        let sides = self.sides.iter_mut().flatten();
+        let flank = self.flank.iter_mut().map(|flank| &mut flank.node);
+        for node in self.elements.iter_mut().chain(sides).chain(flank) {
+            *node = number[*node];
+        }
     }
 
     /// 8 (plane) or 20 (solid).

@@ -28,6 +28,7 @@ mod estimate;
 mod fillet;
 mod flank;
 mod influence;
+mod layers;
 mod mesh;
 mod model;
 mod outline;
@@ -69,6 +70,8 @@ pub struct FiniteElementCompliance {
     /// Of the base helix; plane strain alone needs it.
     cos_base_helix: f64,
     cost: Cost,
+    /// The gear turned end for end, if its body is another one then.
+    turned: Option<Box<FiniteElementCompliance>>,
 }
 
 impl FiniteElementCompliance {
@@ -81,7 +84,25 @@ impl FiniteElementCompliance {
         settings: &Settings,
         progress: &Progress<'_>,
     ) -> Result<Self, FiniteElementError> {
-        Self::compute(Model::new(gear, settings)?, settings, progress)
+        Self::with_turned(gear, |gear| {
+            Self::compute(Model::new(gear, settings)?, settings, progress)
+        })
+    }
+
+    /// The model that `one` gives of `gear`, with that of the gear turned end for end if its body asks for it.
+    fn with_turned(
+        gear: &Gear,
+        mut one: impl FnMut(&Gear) -> Result<Self, FiniteElementError>,
+    ) -> Result<Self, FiniteElementError> {
+        let mut model = one(gear)?;
+        if let Some(turned) = turned(gear) {
+            let turned = one(&turned)?;
+            for (sum, more) in model.cost.seconds.iter_mut().zip(turned.cost.seconds) {
+                *sum += more;
+            }
+            model.turned = Some(Box::new(turned));
+        }
+        Ok(model)
     }
 
     fn compute(
@@ -101,6 +122,7 @@ impl FiniteElementCompliance {
             influence,
             plane_strain: settings.plane_strain,
             cost,
+            turned: None,
         }
     }
 
@@ -127,6 +149,14 @@ impl FiniteElementCompliance {
         let lengths = (a.z[1] - a.z[0]) * (b.z[1] - b.z[0]);
         self.cos_base_helix * overlap / lengths
     }
+}
+
+/// `gear` turned end for end, where its body is another one then.
+fn turned(gear: &Gear) -> Option<Gear> {
+    (!gear.has_symmetric_body()).then(|| Gear {
+        body: gear.body.map(|body| body.mirrored(gear.face_width)),
+        ..gear.clone()
+    })
 }
 
 impl ToothCompliance for FiniteElementCompliance {
@@ -181,11 +211,18 @@ impl ToothCompliance for FiniteElementCompliance {
             .collect()
     }
 
+    fn turned(&self) -> Option<&dyn ToothCompliance> {
+        let turned: &dyn ToothCompliance = self.turned.as_deref()?;
+        Some(turned)
+    }
+
     fn lengthwise_resolution(&self) -> f64 {
         self.grid.thickest_layer()
     }
 }
 
+#[cfg(test)]
+mod body_tests;
 #[cfg(test)]
 mod closure_tests;
 #[cfg(test)]

@@ -5,7 +5,8 @@ use super::condensation::{self, LoadColumn};
 use super::cyclic;
 use super::dissection;
 use super::flank::FlankGrid;
-use super::mesh::Mesh;
+use super::layers::Layers;
+use super::mesh::{Foundation, Mesh};
 use super::outline::Outline;
 use super::section::Section;
 use super::{FiniteElementError, Progress, Settings};
@@ -65,16 +66,35 @@ impl Model {
                 least_mm: 1e3 * least,
             });
         }
+        if let Some(body) = gear.body {
+            let ([w0, w1], [h0, h1]) = (body.web, body.hub);
+            let joins = gear.held_radius <= body.hub_radius
+                && body.hub_radius < body.rim_radius
+                && body.rim_radius < gear.root_radius() - least
+                && (0.0 <= w0 && w0 < w1 && w1 <= gear.face_width)
+                && (h0 <= w0 && w1 <= h1 && (h1 - h0).is_finite());
+            if !joins {
+                return Err(FiniteElementError::Body {
+                    rim_mm: 1e3 * body.rim_radius,
+                    hub_mm: 1e3 * body.hub_radius,
+                    held_mm: 1e3 * gear.held_radius,
+                    root_mm: 1e3 * gear.root_radius(),
+                });
+            }
+        }
         let sizes = settings.discretization;
         let section = Section::new(&outline, &sizes.section(m));
         let (mesh, stations) = if settings.plane_strain {
-            (Mesh::plane(&section, &outline), vec![0.0])
+            if gear.body.is_some() {
+                return Err(FiniteElementError::PlaneBody);
+            }
+            (Mesh::plane(&section, &outline, gear.foundation), vec![0.0])
         } else {
-            let stations = sizes.stations(gear.face_width, m);
+            let layers = Layers::new(gear, &sizes);
             let twist = gear.base_helix_angle().tan() / gear.base_radius();
             (
-                Mesh::extruded(&section, &outline, &stations, twist),
-                stations,
+                Mesh::extruded(&section, &outline, &layers, twist, gear.foundation),
+                layers.of_face().to_vec(),
             )
         };
         let arcs: Vec<f64> = section.flank.iter().map(|(_, arc)| *arc).collect();
@@ -101,6 +121,7 @@ impl Model {
             sides,
             flank,
             fillet: _, // where stress may be observed
+            foundation,
         } = &self.mesh;
         let mut whole = |number: usize| take(&(number as u64).to_le_bytes());
         whole(*dimension);
@@ -118,6 +139,10 @@ impl Model {
         let normals = flank.iter().flat_map(|f| &f.normal);
         for number in numbers.chain(normals).chain(&element) {
             take(&number.to_le_bytes());
+        }
+        if let Some(Foundation { nodes, stiffness }) = foundation {
+            nodes.iter().for_each(|node| take(&[u8::from(*node)]));
+            take(&stiffness.to_le_bytes());
         }
     }
 

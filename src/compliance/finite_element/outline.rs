@@ -1,6 +1,6 @@
 //! Half a tooth in the transverse section as a curve by arc length: what the mesh needs of a gear.
 
-use crate::gear::{GearKind, ToothProfile};
+use crate::gear::{Body, GearKind, ToothProfile};
 
 /// A point of the outline in polar coordinates about the tooth's centre line: radius m, angle rad.
 pub(super) type Polar = [f64; 2];
@@ -20,6 +20,10 @@ pub(super) struct Outline {
     pub kappa: f64,
     pub base_radius: f64,
     pub held_radius: f64,
+    /// Rim, web and hub; None: a full disc.
+    pub body: Option<Body>,
+    /// Whether the held surface rests on an elastic foundation, so that it is free to move.
+    pub rests: bool,
     /// Roll length at the form point, m.
     pub form_roll: f64,
     /// Arc length at the tip, m.
@@ -43,6 +47,8 @@ impl Outline {
             kappa: gear.kappa(),
             base_radius: gear.base_radius(),
             held_radius: gear.held_radius,
+            body: gear.body,
+            rests: gear.foundation.is_some(),
             form_roll: profile.form_roll(),
             tip_arc: 0.0,
             base_half_angle,

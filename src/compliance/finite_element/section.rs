@@ -11,7 +11,8 @@
 //! ```
 //!
 //! Both sides of the sector lie in the middle of a space and carry the same radii, so that the
-//! sector repeats around the gear. In a ring the same figure stands on its head.
+//! sector repeats around the gear. In a ring the same figure stands on its head. Where the body has a web, rows
+//! end at the inside of the rim and at the hub.
 
 use super::outline::{Outline, Polar};
 
@@ -50,11 +51,34 @@ pub(super) struct Section {
     /// Nodes along root circle and fillet from the middle of the space to the form point (corner, mid-edge,
     /// corner, ...) with their arc length.
     pub fillet: Vec<(usize, f64)>,
-    /// Nodes on the sector's sides at -half pitch and +half pitch in the same order, held ones
+    /// Rows below the root, from there on, that belong to rim and web; the others are the hub's. A full disc is
+    /// all rim.
+    pub rows_of_rim_and_web: [usize; 2],
+    /// Nodes on the sector's sides at -half pitch and +half pitch in the same order, rigidly held ones
     /// left out.
     pub sides: [Vec<usize>; 2],
     /// Nodes on the held surface.
     pub held: Vec<usize>,
+}
+
+/// What part of the body an element belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    /// Tooth and rim, as wide as the face.
+    Rim,
+    /// The web.
+    Web,
+    /// The hub.
+    Hub,
+}
+
+/// A place below the root: the share `t` of the way from there to the radius `target`, and the share of the whole
+/// way to the held surface, both about.
+#[derive(Debug, Clone, Copy)]
+struct Depth {
+    t: f64,
+    target: f64,
+    share: f64,
 }
 
 /// A block of (columns + 1) x (rows + 1) node numbers at half-element steps.
@@ -70,8 +94,10 @@ struct Stations<'a> {
     arcs: Vec<f64>,
     /// From the unloaded flank (0) to the loaded one (1).
     across: Vec<f64>,
-    /// From the root (0) to the held surface (1).
-    rows: Vec<f64>,
+    /// From the root to the held surface.
+    rows: Vec<Depth>,
+    /// As [`Section::rows_of_rim_and_web`].
+    rows_of_rim_and_web: [usize; 2],
     /// Arc lengths from the corner on to the middle of the space.
     columns: Vec<f64>,
 }
@@ -95,7 +121,7 @@ impl<'a> Stations<'a> {
         let root = sizes.fillet.unwrap_or(sizes.root);
         let across = graded(width, behind, sizes.growth, sizes.tooth);
         let across: Vec<f64> = across.iter().rev().map(|t| 1.0 - t).collect();
-        let depth = (corner[0] - outline.held_radius).abs();
+        let (rows, rows_of_rim_and_web) = below_root(outline, corner[0], root, sizes.growth);
         let land = corner_arc - outline.space_arc();
         Stations {
             outline,
@@ -103,7 +129,8 @@ impl<'a> Stations<'a> {
             corner,
             arcs,
             across: halved(&across),
-            rows: halved(&graded(depth, root, sizes.growth, depth)),
+            rows,
+            rows_of_rim_and_web,
             columns: halved(&divide(0.0, land, root.min(0.5 * land))),
         }
     }
@@ -115,10 +142,66 @@ impl<'a> Stations<'a> {
         [radius - 4.0 * sag * u * (1.0 - u), angle * (2.0 * u - 1.0)]
     }
 
-    /// Radius at the share `t` of the way from `radius` to the held surface.
-    fn down(&self, radius: f64, t: f64) -> f64 {
-        radius + t * (self.outline.held_radius - radius)
+    /// Radius at `depth` below the surface at `radius`.
+    fn down(&self, radius: f64, depth: Depth) -> f64 {
+        radius + depth.t * (depth.target - radius)
     }
+}
+
+/// Places of the rows below the root, at half-element steps, with the number of rows of rim and web; the blocks
+/// meet at the radius `corner`.
+fn below_root(outline: &Outline, corner: f64, first: f64, growth: f64) -> (Vec<Depth>, [usize; 2]) {
+    let held = outline.held_radius;
+    let depth = (corner - held).abs();
+    let Some(body) = outline.body else {
+        let rows = halved(&graded(depth, first, growth, depth));
+        let rows = rows.into_iter().map(|t| Depth {
+            t,
+            target: held,
+            share: t,
+        });
+        return (rows.collect(), [usize::MAX, 0]);
+    };
+    let rim = graded(
+        corner - body.rim_radius,
+        first,
+        growth,
+        corner - body.rim_radius,
+    );
+    let mut count = [rim.len() - 1, 0];
+    let mut rows: Vec<Depth> = halved(&rim)
+        .into_iter()
+        .map(|t| Depth {
+            t,
+            target: body.rim_radius,
+            share: t * (corner - body.rim_radius) / depth,
+        })
+        .collect();
+    // At the corners between rim, web and hub half of what is thin there.
+    let half = 0.5 * (body.web[1] - body.web[0]);
+    let last = (corner - body.rim_radius) * (1.0 - rim[rim.len() - 2]);
+    let at_rim = half.min(last);
+    let mut annulus = |outer: f64, inner: f64, first: [f64; 2]| {
+        let length = outer - inner;
+        if length <= 0.0 {
+            return 0;
+        }
+        let ends = graded_from_both(length, first, growth, length);
+        let places = halved(&ends).into_iter().skip(1).map(|t| {
+            let target = outer - t * length;
+            Depth {
+                t: 1.0,
+                target,
+                share: (corner - target) / depth,
+            }
+        });
+        rows.extend(places);
+        ends.len() - 1
+    };
+    let width = |z: [f64; 2]| z[1] - z[0];
+    count[1] = annulus(body.rim_radius, body.hub_radius, [at_rim, half]);
+    annulus(body.hub_radius, held, [half, 0.25 * width(body.hub)]);
+    (rows, count)
 }
 
 impl Section {
@@ -140,9 +223,11 @@ impl Section {
         section.fillet = below
             .chain(above.take_while(|(_, arc)| *arc <= 0.0))
             .collect();
+        section.rows_of_rim_and_web = stations.rows_of_rim_and_web;
         let lowest = stations.rows.len() - 1;
+        let free = if outline.rests { lowest + 1 } else { lowest };
         section.sides =
-            [&left, &right].map(|grid| grid[stations.columns.len() - 1][..lowest].to_vec());
+            [&left, &right].map(|grid| grid[stations.columns.len() - 1][..free].to_vec());
         let columns = left.iter().chain(&under).chain(&right);
         section.held = columns.map(|column| column[lowest]).collect();
         section.held.sort_unstable();
@@ -188,10 +273,10 @@ impl Section {
             }
             let w = at.columns[i] / land;
             let surface = at.outline.point(at.corner_arc - at.columns[i]);
-            let t = at.rows[j];
+            let depth = at.rows[j];
             let end = at.corner[1] + w * (space[1] - at.corner[1]);
-            let angle = surface[1] + t * (end - surface[1]);
-            Ok([at.down(surface[0], t), side * angle])
+            let angle = surface[1] + depth.share * (end - surface[1]);
+            Ok([at.down(surface[0], depth), side * angle])
         })
     }
 
@@ -243,6 +328,16 @@ impl Section {
             }
         }
         grid
+    }
+
+    /// The part of the body that an element with the (column, row) `cell` belongs to.
+    pub fn part(&self, cell: [i32; 2]) -> Part {
+        let [rim, web] = self.rows_of_rim_and_web;
+        match usize::try_from(-1 - cell[1]) {
+            Ok(row) if row >= rim && row - rim >= web => Part::Hub,
+            Ok(row) if row >= rim => Part::Web,
+            _ => Part::Rim,
+        }
     }
 
     /// Cartesian coordinates of a node, m.
@@ -319,6 +414,55 @@ fn graded(length: f64, first: f64, growth: f64, largest: f64) -> Vec<f64> {
         step = (step * growth).min(largest);
     }
     ends.iter().map(|x| x / reached).collect()
+}
+
+/// Fractions 0 to 1 of `length`, with steps that start from `first` at both ends, grow by `growth` up to `largest` and
+/// meet; at least two steps. Seen from the other end they are the same.
+pub(super) fn graded_from_both(
+    length: f64,
+    first: [f64; 2],
+    growth: f64,
+    largest: f64,
+) -> Vec<f64> {
+    if first[0] == first[1] {
+        let half = graded(0.5 * length, first[0].min(0.5 * length), growth, largest);
+        // One step in each half is enough.
+        let half = if 0.5 * length <= 1.4 * first[0] {
+            vec![0.0, 1.0]
+        } else {
+            half
+        };
+        let up = half.iter().map(|t| 0.5 * t);
+        let down = half.iter().rev().skip(1).map(|t| 1.0 - 0.5 * t);
+        return up.chain(down).collect();
+    }
+    let mut next = first.map(|step| step.min(largest));
+    let mut steps = [Vec::new(), Vec::new()];
+    let mut reached = 0.0;
+    loop {
+        // The finer end goes ahead, of two that are alike the one that began finer.
+        let side = usize::from(next[1] < next[0] || (next[1] == next[0] && first[1] < first[0]));
+        let count = steps[0].len() + steps[1].len();
+        let short = reached < length - 0.4 * next[side];
+        if count >= 2 && !short {
+            break;
+        }
+        reached += next[side];
+        steps[side].push(next[side]);
+        next[side] = (next[side] * growth).min(largest);
+    }
+    let [low, high] = steps;
+    let all = low.into_iter().chain(high.into_iter().rev());
+    let mut ends = vec![0.0];
+    let mut sum = 0.0;
+    for step in all {
+        sum += step / reached;
+        ends.push(sum);
+    }
+    if let Some(end) = ends.last_mut() {
+        *end = 1.0;
+    }
+    ends
 }
 
 /// The same stations with the middle of each step put in between.

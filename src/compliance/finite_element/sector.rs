@@ -23,7 +23,7 @@ impl SectorMesh {
     /// The mesh on which [`super::FiniteElementCompliance::new`] computes.
     ///
     /// # Errors
-    /// As there: no usable tooth, too thin a rim.
+    /// As there: no usable tooth, too thin a rim; [`FiniteElementError::PlaneBody`] for a gear with a web.
     pub fn new(gear: &Gear, settings: &Settings) -> Result<Self, FiniteElementError> {
         let plane = Settings {
             plane_strain: true,

@@ -2,6 +2,7 @@ use super::file::PairFile;
 use super::*;
 
 mod accepted;
+mod bodies;
 mod flanks;
 mod mutated;
 mod refused;

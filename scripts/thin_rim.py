@@ -1,0 +1,271 @@
+"""Compliance of gears with thin rims from a finite-element model of the whole gear, apart from the product's code.
+
+    python3 -m venv VENV && VENV/bin/pip install numpy scipy pypardiso
+    VENV/bin/python scripts/thin_rim.py > tests/data/thin_rim.json
+
+Every tooth of the gear is meshed, with rim, web and hub, in 20-node hexahedra; nothing is condensed and no symmetry
+is used. The outline is the envelope of the rolling rack. A strip is a line load of 1 N along a contact line, spread
+over the arc length of the flank by 15/16 (1 - t^2)^2 / w, |t| < 1 in half-widths w, normal to the flank; the
+influence of strip j on strip i is the displacement along i's own load, averaged with it (m/N).
+"""
+
+import json
+import sys
+
+import numpy as np
+from pypardiso import PyPardisoSolver
+from scipy.sparse import coo_matrix, csr_matrix
+
+E, NU = 206e9, 0.3
+
+
+def outline(gear, points=4000):
+    """Radius and angle from the middle of the space (angle 0) to the tip, m and rad: envelope of the rack."""
+    m, z, beta = gear["module"], gear["teeth"], np.radians(gear["helix_deg"])
+    alpha, x, hf, rho = np.radians(20.0), gear["shift"], 1.25 * m, 0.38 * m
+    r = 0.5 * z * m / np.cos(beta)
+    half = 0.25 * np.pi * m - hf * np.tan(alpha)  # of the rack's tip, normal section
+    centre = half + rho * np.tan(alpha) - rho / np.cos(alpha)
+    psi = np.linspace(0.0, 0.5 * np.pi - alpha, points)  # round, from the land to the flank
+    up = np.linspace(0.0, 2.6 * m, points)[1:]  # flank, along its normal-section height
+    eta = np.r_[centre + rho * np.sin(psi), centre + rho * np.cos(alpha) + up * np.tan(alpha)]
+    depth = hf - x * m - np.r_[rho * (1 - np.cos(psi)), rho * (1 - np.sin(alpha)) + up]
+    # Normal of the rack in the transverse section, where lengths along its pitch line are stretched by 1 / cos(beta).
+    n_eta = np.r_[np.sin(psi), np.full(points - 1, np.cos(alpha))] * np.cos(beta)
+    n_depth = np.r_[np.cos(psi), np.full(points - 1, np.sin(alpha))]
+    eta = eta / np.cos(beta)
+    shift = depth * n_eta / n_depth - eta  # the normal goes through the pitch point
+    x_fixed, y_fixed, turn = r - depth, eta + shift, shift / r
+    radius = np.hypot(x_fixed, y_fixed)
+    angle = np.arctan2(y_fixed, x_fixed) - turn
+    land = np.linspace(0.0, angle[0], 50)[:-1]
+    radius, angle = np.r_[np.full(49, radius[0]), radius], np.r_[land, angle]
+    tip = r + m * (1.0 + x)
+    last = np.argmax(radius > tip)
+    share = (tip - radius[last - 1]) / (radius[last] - radius[last - 1])
+    angle[last] = angle[last - 1] + share * (angle[last] - angle[last - 1])
+    radius[last] = tip
+    return radius[: last + 1], angle[: last + 1], psi.size + 48
+
+
+def halves(ends):
+    ends = np.asarray(ends)
+    return np.sort(np.r_[ends, 0.5 * (ends[1:] + ends[:-1])])
+
+
+def graded(a, b, first, growth):
+    steps = [first]
+    while sum(steps) < abs(b - a):
+        steps.append(steps[-1] * growth)
+    ends = np.r_[0.0, np.cumsum(steps)]
+    return a + (b - a) * ends / ends[-1]
+
+
+class Model:
+    def __init__(self, gear):
+        self.gear = gear
+        m, z = gear["module"], gear["teeth"]
+        radius, angle, form = outline(gear)
+        pitch = 2 * np.pi / z
+        angle = 0.5 * pitch - angle  # tooth at 0, this flank faces +theta
+        length = np.hypot(np.diff(radius), 0.5 * (radius[1:] + radius[:-1]) * np.diff(angle))
+        arc = np.r_[0.0, np.cumsum(length)]
+        self.arc, self.radius, self.angle, self.arc_form = arc, radius, angle, arc[form]
+        split = np.argmax(np.diff(radius) > 0.707 * length)  # where the fillet has turned by 45 degrees
+        at = lambda s: (np.interp(s, arc, radius), np.interp(s, arc, angle))
+        # Arc lengths of flank nodes; the involute starts on one.
+        n1 = max(1, round((arc[form] - arc[split]) / (0.2 * m)))
+        n2 = round((arc[-1] - arc[form]) / (0.17 * m))
+        arcs = halves(np.r_[np.linspace(arc[split], arc[form], n1 + 1), np.linspace(arc[form], arc[-1], n2 + 1)[1:]])
+        self.arcs = arcs
+        u = halves(np.sin(0.5 * np.pi * np.linspace(-1, 1, gear["across"] + 1)))
+        r_row, t_row = at(arcs)
+        blocks = [(np.outer(np.ones(u.size), r_row), np.outer(u, t_row), "rim")]
+        self.rim_in = radius[0] - gear["rim"]
+        r_s, t_s = at(arc[split])
+        below = halves(graded(0.0, 1.0, 0.3 * m / (r_s - self.rim_in), 1.35))
+        land = halves(np.linspace(arc[split], 0.0, gear["land"] + 1))
+        r_land, t_land = at(land)
+        columns = []  # (surface radius, surface angle, angle inside)
+        columns.append((np.full(u.size, r_s), u * t_s, u * t_s))
+        w = (arc[split] - land) / arc[split]
+        inside = t_s + w * (0.5 * pitch - t_s)
+        columns.append((r_land, t_land, inside))
+        columns.append((r_land[::-1], -t_land[::-1], -inside[::-1]))
+        radii = {"web": graded(self.rim_in, gear["hub"], 0.3 * m, 1.6), "hub": graded(gear["hub"], gear["bore"], 0.5 * m, 2.0)}
+        for surface, theta, deep in columns:
+            blocks.append((
+                surface[:, None] + below * (self.rim_in - surface[:, None]),
+                theta[:, None] + below * (deep - theta)[:, None],
+                "rim",
+            ))
+            for part, ends in radii.items():
+                rows = halves(ends)
+                blocks.append((np.outer(np.ones(deep.size), rows), np.outer(deep, np.ones(rows.size)), part))
+        self.mesh(blocks, pitch)
+
+    def mesh(self, blocks, pitch):
+        gear = self.gear
+        zs = halves(gear["stations"])
+        spans = {"rim": [0.0, gear["face"]], "web": gear["web"], "hub": gear["hub_z"]}
+        twist = np.tan(np.radians(gear["helix_deg"])) / (0.5 * gear["teeth"] * gear["module"] / np.cos(np.radians(gear["helix_deg"])))
+        corner = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
+        edges = [np.array(c) for c in np.ndindex(3, 3, 3) if sum(v == 1 for v in c) == 1]
+        self.local = np.vstack([corner, np.array(edges) - 1])
+        steps = self.local + 1
+        cells, flank = [], []
+        for number, (r, t, part) in enumerate(blocks):
+            low, high = spans[part]
+            for k in range(0, zs.size - 1, 2):
+                if not low - 1e-9 < zs[k + 1] < high + 1e-9:
+                    continue
+                for i in range(0, r.shape[0] - 1, 2):
+                    for j in range(0, r.shape[1] - 1, 2):
+                        a, b, c = i + steps[:, 0], j + steps[:, 1], k + steps[:, 2]
+                        if number == 0 and i == r.shape[0] - 3:
+                            flank.append((len(cells), j, k))
+                        cells.append(np.c_[r[a, b], t[a, b], zs[c]])
+        sector = np.array(cells)
+        whole = []
+        for tooth in range(gear["teeth"]):
+            angle = sector[..., 1] + tooth * pitch + twist * sector[..., 2]
+            whole.append(np.stack([sector[..., 0] * np.cos(angle), sector[..., 0] * np.sin(angle), sector[..., 2]], -1))
+        x = np.concatenate(whole)
+        keys = np.round(x.reshape(-1, 3) / 1e-8).astype(np.int64)
+        _, first, inverse = np.unique(keys // 3, axis=0, return_index=True, return_inverse=True)
+        self.x, self.points = x, x.reshape(-1, 3)[first]
+        self.elements = inverse.reshape(x.shape[0], 20)
+        self.flank, self.per_tooth, self.zs = flank, len(cells), zs
+        self.held = np.hypot(self.points[:, 0], self.points[:, 1]) < gear["bore"] * (1 + 1e-9)
+
+    def shape(self, xi):
+        """Values and gradients of the 20 functions at the points `xi`."""
+        c, n, g = self.local, [], []
+        for p in np.atleast_2d(xi):
+            f, d = np.where(c == 0, 1 - p**2, 1 + p * c), np.where(c == 0, -2 * p + 0 * c, c)
+            corner = (c != 0).all(1)
+            extra = np.where(corner, (p * c).sum(1) - 2, 1.0)
+            scale = np.where(corner, 0.125, 0.25)
+            product = f.prod(1)
+            n.append(scale * product * extra)
+            grad = np.stack([d[:, k] * f[:, (k + 1) % 3] * f[:, (k + 2) % 3] for k in range(3)], 1)
+            g.append(scale[:, None] * (grad * extra[:, None] + np.where(corner[:, None], product[:, None] * c, 0.0)))
+        return np.array(n), np.array(g)
+
+    def stiffness(self):
+        lam, mu = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
+        a, w = np.polynomial.legendre.leggauss(3)
+        gauss = np.array([[p, q, s] for p in a for q in a for s in a])
+        weight = np.array([p * q * s for p in w for q in w for s in w])
+        _, grad = self.shape(gauss)
+        free = np.cumsum(~self.held) - 1
+        free[self.held] = -1
+        self.number = free
+        size = 3 * int((~self.held).sum())
+        total = csr_matrix((size, size))
+        for chunk in range(0, len(self.x), 1500):
+            x, nodes = self.x[chunk : chunk + 1500], self.elements[chunk : chunk + 1500]
+            k = np.zeros((len(x), 20, 3, 20, 3))
+            for g, v in zip(grad, weight):
+                jac = np.einsum("ad,eai->edi", g, x)
+                det = np.linalg.det(jac)
+                b = np.einsum("edi,ad->eai", np.linalg.inv(jac).transpose(0, 2, 1), g)
+                vol = np.abs(det) * v
+                bb = np.einsum("e,eai,ebj->eaibj", vol, b, b, optimize=True)
+                k += lam * bb + mu * bb.transpose(0, 1, 4, 3, 2)
+                dot = mu * np.einsum("eaibi->eab", bb)
+                for i in range(3):
+                    k[:, :, i, :, i] += dot
+            dof = np.where(free[nodes][..., None] < 0, -1, 3 * free[nodes][..., None] + np.arange(3)).reshape(len(x), 60)
+            rows = np.repeat(dof[:, :, None], 60, 2).ravel()
+            cols = np.repeat(dof[:, None, :], 60, 1).ravel()
+            keep = (rows >= 0) & (cols >= rows)
+            total = total + coo_matrix((k.ravel()[keep], (rows[keep], cols[keep])), (size, size)).tocsr()
+        return total
+
+    def load(self, strip, half_width):
+        """Vector of a unit line load; `strip` has tooth, z (two ends) and diameter (at both ends)."""
+        f = np.zeros(3 * int((~self.held).sum()))
+        a, w = np.polynomial.legendre.leggauss(6)
+        z0, z1 = strip["z_mm"][0] * 1e-3, strip["z_mm"][1] * 1e-3
+        for cell, j, k in self.flank:
+            low, high = max(self.zs[k], z0), min(self.zs[k + 2], z1)
+            if high <= low:
+                continue
+            s0, s1 = self.arcs[j], self.arcs[j + 2]
+            element = strip["tooth"] * self.per_tooth + cell
+            for p, wp in zip(a, w):
+                z = 0.5 * (low + high) + 0.5 * (high - low) * p
+                share = (z - z0) / (z1 - z0)
+                roll = [np.sqrt((0.5e-3 * d) ** 2 - self.base() ** 2) for d in strip["diameter_mm"]]
+                place = np.interp(np.hypot(roll[0] + share * (roll[1] - roll[0]), self.base()), self.radius[-2000:], self.arc[-2000:])
+                lo, hi = max(s0, place - half_width), min(s1, place + half_width)
+                if hi <= lo:
+                    continue
+                for q, wq in zip(a, w):
+                    s = 0.5 * (lo + hi) + 0.5 * (hi - lo) * q
+                    t = (s - place) / half_width
+                    density = 15 / 16 * (1 - t * t) ** 2 / half_width
+                    xi = [1.0, 2 * (s - s0) / (s1 - s0) - 1, 2 * (z - self.zs[k]) / (self.zs[k + 2] - self.zs[k]) - 1]
+                    n, g = self.shape(xi)
+                    tangents = g[0].T @ self.x[element]
+                    normal = np.cross(tangents[1], tangents[2])
+                    normal /= np.linalg.norm(normal)
+                    at = n[0] @ self.x[element]
+                    if normal[1] * at[0] - normal[0] * at[1] < 0:  # outwards faces +theta
+                        normal = -normal
+                    value = -density * wp * 0.5 * (high - low) / (z1 - z0) * wq * 0.5 * (hi - lo)
+                    for node, share_of_node in zip(self.elements[element], n[0]):
+                        f[3 * self.number[node] : 3 * self.number[node] + 3] += value * share_of_node * normal
+        return f
+
+    def base(self):
+        beta = np.radians(self.gear["helix_deg"])
+        alpha_t = np.arctan(np.tan(np.radians(20.0)) / np.cos(beta))
+        return 0.5 * self.gear["teeth"] * self.gear["module"] / np.cos(beta) * np.cos(alpha_t)
+
+
+def case(name, teeth, module, helix, face, rim, web, hub, hub_z, bore, stations, strips):
+    gear = dict(teeth=teeth, module=module * 1e-3, helix_deg=helix, shift=0.0, face=face * 1e-3, rim=rim * 1e-3,
+                web=[v * 1e-3 for v in web], hub=0.5e-3 * hub, hub_z=[v * 1e-3 for v in hub_z], bore=0.5e-3 * bore,
+                stations=[v * 1e-3 for v in stations], across=6, land=2)
+    model = Model(gear)
+    matrix = model.stiffness()
+    half_width = 0.3 * module * 1e-3
+    loads = np.array([model.load(s, half_width) for s in strips])
+    print(name, matrix.shape[0], "unknowns", matrix.nnz, "entries", file=sys.stderr, flush=True)
+    solver = PyPardisoSolver(mtype=2)
+    solver.factorize(matrix)
+    answer = solver.solve(matrix, np.ascontiguousarray(loads.T))
+    solver.free_memory(everything=True)
+    influence = loads @ answer
+    return dict(name=name, teeth=teeth, normal_module_mm=module, helix_angle_deg=helix, face_width_mm=face,
+                rim_thickness_mm=rim, web_z_mm=web, hub_diameter_mm=hub, hub_z_mm=hub_z, bore_diameter_mm=bore,
+                kernel_half_width_mm=0.3 * module, unknowns=matrix.shape[0], strips=strips,
+                influence_nm_per_n=[[round(1e9 * v, 6) for v in row] for row in influence])
+
+
+def strip(tooth, z, diameters):
+    return dict(tooth=tooth, z_mm=z, diameter_mm=diameters)
+
+
+def main():
+    chosen = sys.argv[1:]
+    spur = [strip(0, [0, 12], [48, 48]), strip(0, [0, 12], [50.5, 50.5]), strip(0, [0, 3], [48, 48]), strip(0, [9, 12], [48, 48]),
+            strip(1, [0, 12], [46.5, 46.5]), strip(1, [9, 12], [46.5, 46.5]), strip(2, [0, 12], [48, 48])]
+    helical = [strip(0, [0, 12], [49.5, 52.5]), strip(0, [0, 4], [52, 53.5]), strip(0, [8, 12], [49.5, 51]),
+               strip(1, [0, 12], [49, 51]), strip(1, [8, 12], [49, 50.5])]
+    common = dict(teeth=24, module=2.0, face=12.0)
+    cases = {
+        "spur": dict(helix=0.0, rim=3.0, web=[4.5, 7.5], hub=26.0, hub_z=[0.0, 12.0], bore=18.0,
+                     stations=[0, 0.6, 1.6, 3.1, 4.5, 6, 7.5, 8.9, 10.4, 11.4, 12], strips=spur),
+        "helical": dict(helix=20.0, rim=4.0, web=[2.0, 5.0], hub=28.0, hub_z=[-3.0, 12.0], bore=18.0,
+                        stations=[-3, -1.2, 0, 0.7, 2, 3.5, 5, 6.3, 8, 9.9, 11.3, 12], strips=helical),
+    }
+    results = [case(name, **common, **data) for name, data in cases.items() if not chosen or name in chosen]
+    text = json.dumps(dict(description=__doc__.strip(), cases=results))
+    print(text.replace('{"name"', '\n{"name"').replace('{"tooth"', '\n {"tooth"'))
+
+
+if __name__ == "__main__":
+    main()

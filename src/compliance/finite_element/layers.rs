@@ -1,0 +1,132 @@
+//! Layers of the mesh along the axis, and which parts of the body lie in each.
+
+use super::section::{Part, graded_from_both};
+use super::settings::Discretization;
+use crate::gear::{Body, Gear};
+use std::ops::Range;
+
+/// Growth of the layers away from the ends of the face and from the faces of a web.
+const GROWTH: f64 = 1.6;
+
+/// Layers along z.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Layers {
+    /// Ends of the layers, m from the z = 0 face, ascending. Those of the hub may lie beyond the face.
+    pub stations: Vec<f64>,
+    /// The layers within the face.
+    pub face: Range<usize>,
+    body: Option<Body>,
+}
+
+impl Layers {
+    /// Layers of `gear`, graded to both ends of the face and, if it has a web, to both faces of that.
+    pub fn new(gear: &Gear, sizes: &Discretization) -> Layers {
+        let (face, m) = (gear.face_width, gear.normal_module);
+        let Some(body) = gear.body else {
+            let stations = sizes.stations(face, m);
+            return Layers {
+                face: 0..stations.len() - 1,
+                stations,
+                body: None,
+            };
+        };
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
+        let [layer, end] = [sizes.layer, sizes.end_layer].map(|size| size * m);
+        let at_web = layer.min(0.5 * (body.web[1] - body.web[0]));
+        let mut stops = vec![(0.0, end), (face, end)];
+        for z in body.web {
+            if !stops.iter().any(|(stop, _)| close(*stop, z)) {
+                stops.push((z, at_web));
+            }
+        }
+        for z in body.hub {
+            if !stops.iter().any(|(stop, _)| close(*stop, z)) {
+                stops.push((z, layer));
+            }
+        }
+        stops.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut stations = vec![stops[0].0];
+        for ends in stops.windows(2) {
+            let [(low, first), (high, last)] = [ends[0], ends[1]];
+            let parts = graded_from_both(high - low, [first, last], GROWTH, layer);
+            let inner = &parts[1..parts.len() - 1];
+            stations.extend(inner.iter().map(|t| low + t * (high - low)));
+            stations.push(high);
+        }
+        let index = |z: f64| stations.partition_point(|s| *s < z - 1e-12);
+        Layers {
+            face: index(0.0)..index(face),
+            stations,
+            body: Some(body),
+        }
+    }
+
+    /// Ends of the layers within the face, m.
+    pub fn of_face(&self) -> &[f64] {
+        &self.stations[self.face.start..=self.face.end]
+    }
+
+    /// Whether there is material of `part` in the layer `layer`.
+    pub fn holds(&self, part: Part, layer: usize) -> bool {
+        let Some(body) = self.body else {
+            return true;
+        };
+        let middle = 0.5 * (self.stations[layer] + self.stations[layer + 1]);
+        let within = |z: [f64; 2]| z[0] < middle && middle < z[1];
+        match part {
+            Part::Rim => self.face.contains(&layer),
+            Part::Web => within(body.web),
+            Part::Hub => within(body.hub),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear::{GearKind, samples};
+    use crate::pair::Refinement;
+
+    fn gear(web: [f64; 2], hub: [f64; 2]) -> Gear {
+        Gear {
+            body: Some(Body {
+                rim_radius: 28e-3,
+                web,
+                hub_radius: 20e-3,
+                hub,
+            }),
+            ..samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0)
+        }
+    }
+
+    #[test]
+    fn layers_end_at_every_face_of_the_body_and_mirror_with_it() {
+        let sizes = Discretization::of(Refinement::Normal);
+        let gear = gear([4e-3, 9e-3], [-5e-3, 21e-3]);
+        let layers = Layers::new(&gear, &sizes);
+        for z in [-5e-3, 0.0, 4e-3, 9e-3, 21e-3, 25e-3] {
+            assert!(layers.stations.contains(&z), "{z}");
+        }
+        assert_eq!(layers.of_face().first(), Some(&0.0));
+        assert_eq!(layers.of_face().last(), Some(&25e-3));
+        let turned = Gear {
+            body: gear.body.map(|b| b.mirrored(gear.face_width)),
+            ..gear.clone()
+        };
+        let turned = Layers::new(&turned, &sizes);
+        assert_eq!(turned.stations.len(), layers.stations.len());
+        for (a, b) in turned.stations.iter().rev().zip(&layers.stations) {
+            assert!((25e-3 - a - b).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_body_as_wide_as_the_face_has_the_layers_of_its_parts_alone() {
+        let face = [0.0, 25e-3];
+        let layers = Layers::new(&gear(face, face), &Discretization::of(Refinement::Normal));
+        assert_eq!(layers.face, 0..layers.stations.len() - 1);
+        for part in [Part::Rim, Part::Web, Part::Hub] {
+            assert!((0..layers.stations.len() - 1).all(|layer| layers.holds(part, layer)));
+        }
+    }
+}

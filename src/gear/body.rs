@@ -1,0 +1,199 @@
+//! What carries the teeth: a full disc, or rim, web and hub.
+
+use super::{Gear, GearKind};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Rim, web and hub of an external gear, a solid of revolution that fills
+///
+/// ```text
+///   rim   rim_radius .. root circle   over the face
+///   web   hub_radius .. rim_radius    over `web`
+///   hub   held radius .. hub_radius   over `hub`
+/// ```
+///
+/// with sharp corners between them. z counts from the gear's z = 0 face.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// Inner radius of the rim, m.
+    pub rim_radius: f64,
+    /// z of both faces of the web, m, ascending, within the face.
+    pub web: [f64; 2],
+    /// Outer radius of the hub, m; the held radius where the web reaches down to it.
+    pub hub_radius: f64,
+    /// z of both ends of the hub, m, ascending; they may lie beyond the face, and enclose the web.
+    pub hub: [f64; 2],
+}
+
+impl Body {
+    /// The body seen with the face of width `face_width` (m) turned end for end.
+    #[must_use]
+    pub fn mirrored(&self, face_width: f64) -> Body {
+        let turned = |z: [f64; 2]| [face_width - z[1], face_width - z[0]];
+        Body {
+            web: turned(self.web),
+            hub: turned(self.hub),
+            ..*self
+        }
+    }
+
+    /// Whether it is the same from both ends of the face, to a billionth of a metre.
+    pub fn is_symmetric(&self, face_width: f64) -> bool {
+        let turned = self.mirrored(face_width);
+        let near = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
+        near(self.web, turned.web) && near(self.hub, turned.hub)
+    }
+}
+
+/// A ring of rectangular section about the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Annulus {
+    /// Inner and outer radius, m.
+    pub radii: [f64; 2],
+    /// z of both ends, m from the gear's z = 0 face.
+    pub z: [f64; 2],
+}
+
+impl Gear {
+    /// The body as rings, from the axis outwards, that end at the radius `outer` (m) within the teeth; for a ring
+    /// gear the one from there to the held surface.
+    pub fn annuli(&self, outer: f64) -> Vec<Annulus> {
+        let face = [0.0, self.face_width];
+        let whole = |radii| Annulus { radii, z: face };
+        match (self.kind, self.body) {
+            (GearKind::Ring, _) => vec![whole([outer, self.held_radius])],
+            (GearKind::External, None) => vec![whole([self.held_radius, outer])],
+            (GearKind::External, Some(body)) => [
+                (self.held_radius, body.hub_radius, body.hub),
+                (body.hub_radius, body.rim_radius, body.web),
+                (body.rim_radius, outer, face),
+            ]
+            .into_iter()
+            .filter(|(inner, outer, _)| outer > inner)
+            .map(|(inner, outer, z)| Annulus {
+                radii: [inner, outer],
+                z,
+            })
+            .collect(),
+        }
+    }
+
+    /// Whether the body is the same from both ends of the face.
+    pub fn has_symmetric_body(&self) -> bool {
+        self.body.is_none_or(|b| b.is_symmetric(self.face_width))
+    }
+
+    /// Angle by which the rings of the body twist under a torque on the teeth, rad/(N m): shear alone.
+    pub fn body_twist(&self) -> f64 {
+        let shear_modulus = 0.5 * self.youngs_modulus / (1.0 + self.poisson_ratio);
+        self.annuli(self.root_radius())
+            .iter()
+            .map(|ring| {
+                let [inner, outer] = ring.radii;
+                (inner.powi(-2) - outer.powi(-2))
+                    / (4.0 * PI * shear_modulus * (ring.z[1] - ring.z[0]))
+            })
+            .sum()
+    }
+
+    /// Displacement of the teeth along the line of action per force there that a web and a foundation add to the
+    /// twist, m/N: the tilt of the web under the axial force (a plate between two stiff discs: Timoshenko,
+    /// Woinowsky-Krieger, Theory of Plates and Shells, section 63), and the foundation. An estimate of its size.
+    pub fn body_tilt_and_foundation(&self) -> f64 {
+        let tilt = self.body.map_or(0.0, |body| {
+            let thickness = body.web[1] - body.web[0];
+            let plate = self.youngs_modulus * thickness.powi(3)
+                / (12.0 * (1.0 - self.poisson_ratio.powi(2)));
+            let [a, b] = [body.hub_radius, body.rim_radius].map(|r| r * r);
+            let lever = self.reference_radius() * self.base_helix_angle().tan();
+            lever.powi(2) * (0.5 * (b / a).ln() - (b - a) / (b + a)) / (4.0 * PI * plate)
+        });
+        let foundation = self.foundation.map_or(0.0, |stiffness| {
+            let area = 2.0 * PI * self.held_radius * self.face_width;
+            // Turned as a whole, and moved along the line of action.
+            ((self.base_radius() / self.held_radius).powi(2) + 1.0) / (stiffness * area)
+        });
+        tilt + foundation
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gear::samples;
+    use approx::assert_relative_eq;
+
+    fn webbed() -> Gear {
+        Gear {
+            body: Some(Body {
+                rim_radius: 28e-3,
+                web: [5e-3, 12e-3],
+                hub_radius: 20e-3,
+                hub: [-3e-3, 25e-3],
+            }),
+            ..samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0)
+        }
+    }
+
+    #[test]
+    fn mirroring_twice_gives_the_body_back() {
+        let body = webbed().body.unwrap();
+        assert!(!webbed().has_symmetric_body());
+        let turned = body.mirrored(25e-3);
+        assert_eq!(turned.hub, [0.0, 28e-3]);
+        let back = turned.mirrored(25e-3);
+        for (a, b) in [body.web, body.hub]
+            .iter()
+            .flatten()
+            .zip([back.web, back.hub].iter().flatten())
+        {
+            assert!((a - b).abs() < 1e-15);
+        }
+        let central = Body {
+            web: [10e-3, 15e-3],
+            hub: [-5e-3, 30e-3],
+            ..body
+        };
+        assert!(central.is_symmetric(25e-3));
+    }
+
+    #[test]
+    fn rings_join_from_the_held_surface_to_the_teeth() {
+        let gear = webbed();
+        let rings = gear.annuli(34e-3);
+        assert_eq!(rings.len(), 3);
+        assert_eq!(rings[0].radii[0], gear.held_radius);
+        assert!(rings.windows(2).all(|w| w[0].radii[1] == w[1].radii[0]));
+        assert_eq!(rings[2].radii[1], 34e-3);
+        // A web that reaches the bore has no hub.
+        let mut plain = gear.clone();
+        plain.body.as_mut().unwrap().hub_radius = gear.held_radius;
+        assert_eq!(plain.annuli(34e-3).len(), 2);
+    }
+
+    #[test]
+    fn a_web_gives_way_more_than_a_disc_and_a_foundation_adds_to_a_ring() {
+        let disc = samples::gear(GearKind::External, 20, 1.0, 20.0, 0.0);
+        let web = Gear {
+            body: webbed().body,
+            ..disc.clone()
+        };
+        assert!(web.body_twist() > 1.5 * disc.body_twist());
+        assert!(web.body_tilt_and_foundation() > 0.0);
+        assert_eq!(disc.body_tilt_and_foundation(), 0.0);
+        let ring = samples::gear(GearKind::Ring, 60, 1.0, 0.0, 0.0);
+        let bedded = Gear {
+            foundation: Some(1e12),
+            ..ring.clone()
+        };
+        assert_eq!(bedded.body_twist(), ring.body_twist());
+        let area = 2.0 * PI * ring.held_radius * ring.face_width;
+        let turn = (ring.base_radius() / ring.held_radius).powi(2);
+        assert_relative_eq!(
+            bedded.body_tilt_and_foundation(),
+            (1.0 + turn) / (1e12 * area),
+            max_relative = 1e-12
+        );
+    }
+}

@@ -4,6 +4,7 @@
 //! x through a tooth centre at z = 0 (ring: a space centre). A flank has the sign `sigma`: +1 is
 //! the flank that faces the +theta sense.
 
+#[cfg(feature = "preprocess")]
 mod iso_6336_3;
 mod macrogeometry;
 mod microgeometry;
@@ -16,6 +17,7 @@ pub mod tolerance;
 mod topography;
 mod trochoid;
 
+#[cfg(feature = "preprocess")]
 pub use iso_6336_3::NominalRootStress;
 pub use macrogeometry::{Gear, GearKind};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};

@@ -5,7 +5,7 @@
 
 use gearmesh::compliance::Strip;
 use gearmesh::compliance::finite_element::{RootStress, Settings};
-use gearmesh::gear::{Gear, GearKind};
+use gearmesh::gear::{Gear, GearKind, NominalRootStress, PairGeometry, samples};
 use gearmesh::pair::Refinement;
 use serde_json::Value;
 
@@ -156,5 +156,55 @@ fn solid_within_three_percent_of_independent_finite_elements() {
     assert_eq!(cases.len(), 2);
     for case in &cases {
         check(case, Refinement::Normal, 0.03);
+    }
+}
+
+/// The terms of ISO 6336-3 against finite elements of the same tooth: plane strain, load at the outer point of single
+/// pair contact. docs/root-stress.md has the numbers printed here.
+#[test]
+fn the_nominal_stress_of_iso_6336_is_within_an_eighth_of_finite_elements() {
+    for (teeth, shift) in [
+        ([20, 20], [0.0, 0.0]),
+        ([17, 43], [0.3, 0.1]),
+        ([25, 80], [0.5, 0.0]),
+    ] {
+        let gear = |i: usize| samples::gear(GearKind::External, teeth[i], 1.0, 0.0, shift[i]);
+        let gears = [gear(0), gear(1)];
+        let sum = gears[0].reference_radius() + gears[1].reference_radius();
+        let pair = PairGeometry {
+            center_distance: sum + (shift[0] + shift[1]) * gears[0].normal_module,
+            gears,
+        };
+        for (i, gear) in pair.gears.iter().enumerate() {
+            let torque = 100.0;
+            let nominal = NominalRootStress::new(&pair, i, torque).unwrap();
+            let ratio = pair.transverse_contact_ratio(pair.center_distance);
+            let roll = gear.tip_form_roll() - (ratio - 1.0) * pair.base_pitch();
+            let settings = Settings {
+                plane_strain: true,
+                ..Settings::new(Refinement::Normal, 1)
+            };
+            let model = RootStress::new(gear, &settings.for_root_stress(), &|_, _| true).unwrap();
+            let strip = Strip {
+                tooth: 0,
+                z: [0.0, gear.face_width],
+                roll: [roll; 2],
+            };
+            // Normal force per face width.
+            let force = torque / pair.gears[0].base_radius() / gear.face_width;
+            let field = model.of_tooth(0, &[(strip, force)]).unwrap();
+            let found = [field.largest(), field.at_tangent().unwrap()];
+            let [largest, tangent] = found.map(|point| point.stress / nominal.stress);
+            println!(
+                "| {}/{} | {} | {:.3} | {:.3} | {largest:.3} | {tangent:.3} |",
+                teeth[i],
+                teeth[1 - i],
+                shift[i],
+                nominal.form_factor,
+                nominal.correction_factor
+            );
+            assert!((largest - 1.0).abs() < 0.125, "{largest}");
+            assert!(tangent <= largest && tangent > 0.85 * largest, "{tangent}");
+        }
     }
 }

@@ -5,6 +5,7 @@
 //! the flank that faces the +theta sense.
 
 mod body;
+#[cfg(feature = "preprocess")]
 mod iso_6336_3;
 mod macrogeometry;
 mod microgeometry;
@@ -18,6 +19,7 @@ mod topography;
 mod trochoid;
 
 pub use body::{Annulus, Body};
+#[cfg(feature = "preprocess")]
 pub use iso_6336_3::NominalRootStress;
 pub use macrogeometry::{Gear, GearKind};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};

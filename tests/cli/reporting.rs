@@ -1,0 +1,81 @@
+//! The page of pictures.
+
+use super::*;
+
+#[test]
+fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("report.html");
+    let figures = folder.path().join("figures");
+    let (page, drawn) = (file.to_str().unwrap(), figures.to_str().unwrap());
+    let pair = paper();
+    let asked = [
+        "report",
+        &pair,
+        "--positions",
+        "8",
+        "-o",
+        page,
+        "--figures",
+        drawn,
+    ];
+    let output = gearmesh(&[&asked, &QUICK[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let html = std::fs::read_to_string(&file).unwrap();
+    assert!(html.matches("<svg").count() >= 8);
+    // Light and dark, in the page and in every file of a picture.
+    assert!(html.contains("prefers-color-scheme:dark"));
+    for reference in ["src=", "href=", "url(", "@import"] {
+        assert!(!html.contains(reference), "{reference}");
+    }
+    // The name space of SVG is a name, not an address to be loaded.
+    let addresses = html.replace("http://www.w3.org/2000/svg", "");
+    assert!(!addresses.contains("http"), "an address in the page");
+    let files = |folder| std::fs::read_dir(folder).unwrap().count();
+    assert_eq!(
+        files(folder.path()),
+        2,
+        "the page and the folder of figures"
+    );
+    assert_eq!(files(&figures), html.matches("<svg").count());
+    for figure in std::fs::read_dir(&figures).unwrap() {
+        let svg = std::fs::read_to_string(figure.unwrap().path()).unwrap();
+        assert!(svg.contains("prefers-color-scheme:dark") && svg.contains("fill:var(--paper)"));
+    }
+}
+
+#[test]
+fn the_report_shows_the_torques_asked_for_and_the_pressure_that_solve_gives() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("report.html");
+    let pair = paper();
+    let asked = ["report", &pair, "--torques-nm", "55,90", "-o"];
+    let page = file.to_str().unwrap();
+    let output = gearmesh(&[&asked[..], &[page], &QUICK[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let html = std::fs::read_to_string(&file).unwrap();
+    assert!(html.contains("<td>55.0</td>") && html.contains("<td>90.0</td>"));
+    assert!(!html.contains("<td>100.0</td>"));
+    let json = solve_json(&["--torque-nm", "90"]);
+    let pressures = numbers(&json["maximum_pressure_mpa"]);
+    let largest = pressures.into_iter().fold(0.0, f64::max);
+    assert!(
+        html.contains(&format!("<td>{largest:.0}</td>")),
+        "{largest}"
+    );
+}
+
+#[test]
+fn a_report_that_cannot_be_written_is_a_failure_that_names_the_file() {
+    let page = "/no/such/folder/report.html";
+    let pair = paper();
+    let output = gearmesh(
+        &[
+            &["report", &pair, "--positions", "2", "-o", page],
+            &QUICK[..],
+        ]
+        .concat(),
+    );
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("/no/such/folder/report.html"));
+}

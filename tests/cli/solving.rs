@@ -1,0 +1,269 @@
+//! One mesh cycle: keys, files, loads, signs.
+
+use super::*;
+
+#[test]
+fn a_solve_reports_every_agreed_key_for_every_position() {
+    let json = solve_json(&[
+        "--torque-nm",
+        "100",
+        "--positions",
+        "12",
+        "--speed-rpm",
+        "500,1500",
+    ]);
+    let positions = numbers(&json["mesh_position"]);
+    assert_eq!(positions.len(), 12);
+    assert!((positions[3] - 0.25).abs() < 1e-15);
+    for key in [
+        "ste_loa_um",
+        "contact_z_mm",
+        "maximum_pressure_mpa",
+        "edge_line_load_n_per_mm",
+    ] {
+        assert_eq!(numbers(&json[key]).len(), 12, "{key}");
+    }
+    for share in json["load_share"].as_array().unwrap() {
+        assert!((numbers(share).iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    }
+    let ste = numbers(&json["ste_loa_um"]);
+    let number = |key: &str| json[key].as_f64().unwrap_or_else(|| panic!("{key}"));
+    assert!((number("mean_ste_loa_um") - mean(&ste)).abs() < 1e-9);
+    let span =
+        ste.iter().copied().fold(f64::MIN, f64::max) - ste.iter().copied().fold(f64::MAX, f64::min);
+    assert!((number("peak_to_peak_ste_loa_um") - span).abs() < 1e-9);
+    assert!(json["harmonics_loa_um"].as_array().unwrap().len() == 10);
+    assert_eq!(json["torque_nm"], 100.0);
+    assert!(number("face_load_factor") > 1.0 && number("face_load_factor") < 2.0);
+    assert!((number("transverse_contact_ratio") - 1.540).abs() < 1e-3);
+    assert!((number("overlap_ratio") - 0.448).abs() < 1e-3);
+    assert!(number("solve_seconds") > 0.0);
+    // The constant coefficient that the pair file has by default; arms of tip edges differ from the base radius.
+    for coefficient in numbers(&json["friction_coefficient"]) {
+        assert!((coefficient / 0.05 - 1.0).abs() < 1e-4);
+    }
+    let lost = 0.05 * number("loss_factor");
+    for (speed, (loss, efficiency)) in [500.0, 1500.0].into_iter().zip(
+        numbers(&json["loss_w"])
+            .into_iter()
+            .zip(numbers(&json["efficiency"])),
+    ) {
+        let transmitted = 100.0 * speed * std::f64::consts::TAU / 60.0;
+        assert!((loss / (lost * transmitted) - 1.0).abs() < 1e-9);
+        assert!((1.0 - efficiency - lost).abs() < 1e-12);
+    }
+    assert!((number("loss_factor_ohlendorf") / number("loss_factor") - 1.0).abs() < 0.2);
+}
+
+#[test]
+fn root_stress_is_told_where_asked_for_and_agrees_in_json_and_csv() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("results");
+    let to = ["--positions", "8", "--output", out.to_str().unwrap()];
+    let plain = solve_json(&to);
+    assert!(plain.get("root_stress_mpa").is_none());
+    assert!(!out.join("root-stress.csv").exists());
+
+    let json = solve_json(&[&to[..], &["--root-stress"]].concat());
+    assert_eq!(plain["ste_loa_um"], json["ste_loa_um"]);
+    let all = rows(&out.join("root-stress.csv"));
+    let field = rows(&out.join("root-stress-field.csv"));
+    for gear in [1, 2] {
+        let own = |all: &[std::collections::HashMap<String, f64>]| -> Vec<_> {
+            let of_gear = all.iter().filter(|row| row["gear"] == f64::from(gear));
+            of_gear.cloned().collect()
+        };
+        let i = gear as usize - 1;
+        let largest = &json["largest_root_stress"][i];
+        let top = largest["stress_mpa"].as_f64().unwrap();
+        let over = json["root_stress_mpa"][i].as_array().unwrap().iter();
+        let over: Vec<f64> = over.map(|s| s.as_f64().unwrap()).collect();
+        assert_eq!(over.len(), 8);
+        assert_eq!(over.iter().copied().fold(0.0, f64::max), top);
+        let stresses = own(&all).into_iter().map(|row| row["root_stress_mpa"]);
+        assert_eq!(stresses.fold(0.0, f64::max), top);
+        let points = own(&field).into_iter().map(|row| row["root_stress_mpa"]);
+        let of_field = points.fold(0.0, f64::max);
+        assert!(of_field <= top && of_field > 0.97 * top, "{of_field} {top}");
+        // The nominal stress knows nothing of uneven load along the face.
+        let nominal = json["iso_6336_3"][i]["sigma_f0_mpa"].as_f64().unwrap();
+        assert!(
+            top > 0.7 * nominal && top < 2.0 * nominal,
+            "{top} {nominal}"
+        );
+    }
+}
+
+#[test]
+fn a_matrix_of_loads_is_solved_on_one_model_and_written_as_csv_files_that_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("results");
+    let loads = ["--torque-nm", "50,100", "--misalignment-mrad", "-0.5,0,0.5"];
+    let to = ["--positions", "12", "--output", out.to_str().unwrap()];
+    let json = solve_json(&[&loads[..], &to].concat());
+    let cases = json["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 6);
+
+    let summary = rows(&out.join("summary.csv"));
+    assert_eq!(summary.len(), 6);
+    let cycle = rows(&out.join("mesh-cycle.csv"));
+    let strips = rows(&out.join("load-distribution.csv"));
+    let face = rows(&out.join("face-load.csv"));
+    for (case, row) in cases.iter().zip(&summary) {
+        let key = |row: &std::collections::HashMap<String, f64>| {
+            (row["torque_nm"], row["misalignment_mrad"])
+        };
+        assert_eq!(case["torque_nm"].as_f64().unwrap(), row["torque_nm"]);
+        assert_eq!(
+            case["mean_ste_loa_um"].as_f64().unwrap(),
+            row["mean_ste_loa_um"]
+        );
+        let of_load =
+            |all: &[_]| -> Vec<_> { all.iter().filter(|r| key(r) == key(row)).cloned().collect() };
+        // Every position carries the torque: its strips sum to the force on the line of action.
+        let at = |tau: f64| {
+            let here = |r: &&std::collections::HashMap<String, f64>| r["mesh_position"] == tau;
+            let strips = of_load(&strips);
+            let here: Vec<_> = strips.iter().filter(here).cloned().collect();
+            here.iter().map(|r| r["force_n"]).sum::<f64>()
+        };
+        let (first, other) = (at(0.0), at(0.5));
+        assert!(
+            first > 0.0 && (first / other - 1.0).abs() < 0.02,
+            "{first} {other}"
+        );
+        // So does the load along the face.
+        let face = of_load(&face);
+        let mean = face.iter().map(|r| r["face_load_n_per_mm"]).sum::<f64>() / face.len() as f64;
+        let largest = face
+            .iter()
+            .map(|r| r["face_load_n_per_mm"])
+            .fold(0.0, f64::max);
+        assert!((largest / mean - row["face_load_factor"]).abs() < 1e-9);
+        // No strip bears load and is open.
+        for strip in of_load(&strips) {
+            assert!(
+                strip["force_n"] == 0.0 || strip["gap_um"] == 0.0,
+                "{strip:?}"
+            );
+        }
+        assert_eq!(of_load(&cycle).len(), 12);
+    }
+    // Misalignment gathers the load, and the middle one of the three spreads it best.
+    let factor = |i: usize| summary[i]["face_load_factor"];
+    assert!(factor(3) > factor(4) && factor(5) > factor(4));
+
+    // Stiffness: the slope of the mean STE between both torques lies between those at its ends.
+    let stiffness = rows(&out.join("stiffness.csv"));
+    assert_eq!(stiffness.len(), 6 * 12);
+    let ste = |i: usize| summary[i]["mean_ste_loa_um"];
+    let base_radius = 38.456e-3;
+    let secant = 50.0 / base_radius / ((ste(4) - ste(1)) * 1e-6);
+    let tangent = |i: usize| summary[i]["mean_mesh_stiffness_loa_n_per_m"];
+    assert!(
+        tangent(1) < 1.05 * secant && 0.95 * secant < tangent(4),
+        "{secant}"
+    );
+    let row = &stiffness[0];
+    assert!(row["stiffness_normal_n_per_m"] > row["stiffness_loa_n_per_m"]);
+}
+
+#[test]
+fn a_bow_of_the_shafts_acts_as_crowning_and_a_slope_as_misalignment() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("shafts.csv");
+    // 0.4 mrad about mid-face, which is at 12.5 mm.
+    std::fs::write(&file, "# bearings\nz_mm, closing_um\n0, -5\n25, 5\n").unwrap();
+    let mean = |more: &[&str]| {
+        let json = solve_json(&[&["--positions", "4"], more].concat());
+        numbers(&json["ste_loa_um"])
+    };
+    let (slope, tilted) = (
+        mean(&["--deflection", file.to_str().unwrap()]),
+        mean(&["--misalignment-mrad", "0.4"]),
+    );
+    for (a, b) in slope.iter().zip(&tilted) {
+        assert!((a - b).abs() < 1e-3 * b, "{a} {b}");
+    }
+    let (straight, bent) = (mean(&[]), mean(&["--bow-um", "6"]));
+    // Less of the face bears, so the teeth give way more.
+    for (a, b) in bent.iter().zip(&straight) {
+        assert!(*a > b + 0.2, "{a} {b}");
+    }
+    std::fs::write(&file, "z_mm,closing_um\n0,1\n0,2\n").unwrap();
+    let output = gearmesh(&["solve", &paper(), "--deflection", file.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("shafts.csv") && stderr(&output).contains("z of the"));
+}
+
+#[test]
+fn the_error_is_estimated_from_another_refinement() {
+    let output = succeed(&[&["solve", &paper(), "--estimate-error"], &QUICK[..]].concat());
+    let text = stdout(&output);
+    let estimate = text.split("estimated error").nth(1).expect(text);
+    assert!(estimate.contains("finite elements, normal"), "{estimate}");
+    let percent = |name: &str| -> f64 {
+        let line = estimate.lines().find(|line| line.contains(name));
+        let words = line.expect(name).split_whitespace();
+        words.rev().nth(1).unwrap().parse().unwrap()
+    };
+    // docs/finite-elements.md: coarse is 0.3 % and some percent of a small swing away.
+    let (mean, swing) = (percent("mean STE"), percent("peak-to-peak STE"));
+    assert!(mean != 0.0 && mean.abs() < 1.0, "{mean}");
+    assert!(swing != 0.0 && swing.abs() < 10.0, "{swing}");
+}
+
+#[test]
+fn harmonics_that_the_positions_cannot_tell_apart_are_null() {
+    let json = solve_json(&["--positions", "4"]);
+    let harmonics = json["harmonics_loa_um"].as_array().unwrap();
+    assert!(harmonics[0].is_f64());
+    assert!(harmonics[1..].iter().all(serde_json::Value::is_null));
+}
+
+#[test]
+fn the_sign_of_the_misalignment_moves_the_contact_to_that_side() {
+    let at = |m: &str| {
+        mean(&numbers(
+            &solve_json(&["--positions", "8", "--misalignment-mrad", m])["contact_z_mm"],
+        ))
+    };
+    // Mid-face is at 12.5 mm; M > 0 closes the side of larger z.
+    assert!(at("-1") < 12.0);
+    assert!(at("1") > 13.0);
+}
+
+#[test]
+fn the_coast_flank_of_a_symmetric_pair_is_as_stiff_as_the_drive_flank() {
+    let ste = |flank: &str| {
+        solve_json(&["--positions", "8", "--flank", flank])["mean_ste_loa_um"]
+            .as_f64()
+            .unwrap()
+    };
+    assert!((ste("drive") - ste("coast")).abs() < 1e-6);
+}
+
+#[test]
+fn the_table_for_people_shows_the_numbers_of_the_json() {
+    let pair = paper();
+    let output = gearmesh(&[&["solve", &pair, "--positions", "8"], &QUICK[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let json = solve_json(&["--positions", "8"]);
+    let mean = json["mean_ste_loa_um"].as_f64().unwrap();
+    assert!(
+        stdout(&output).contains(&format!("{mean:.4} um")),
+        "{}",
+        stdout(&output)
+    );
+}
+
+#[test]
+fn a_torque_that_cannot_be_is_refused_by_name() {
+    for torque in ["-5", "nan"] {
+        let flag = format!("--torque-nm={torque}");
+        let output = gearmesh(&[&["solve", &paper(), &flag], &QUICK[..]].concat());
+        assert_eq!(output.status.code(), Some(1), "{torque}");
+        assert!(stderr(&output).contains("torque"), "{}", stderr(&output));
+        assert_eq!(stderr(&output).lines().count(), 1);
+    }
+}

@@ -1,0 +1,96 @@
+//! Samples within tolerances.
+
+use super::*;
+
+#[test]
+fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let study = |out: &str, samples: &str, more: &[&str]| {
+        let pair = paper();
+        let asked = [
+            "study",
+            &pair,
+            "--positions",
+            "6",
+            "--samples",
+            samples,
+            "-o",
+            out,
+            "--vary",
+            "gear1.lead_slope_um=+-6",
+            "--vary",
+            "misalignment_mrad=-0.2..0.2",
+        ];
+        gearmesh(&[&asked, &QUICK[..], more].concat())
+    };
+    let (whole, parts) = (path("whole"), path("parts"));
+    let output = study(&whole, "10", &[]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(
+        stdout(&output).contains("10 samples, 0 refused"),
+        "{}",
+        stdout(&output)
+    );
+    assert!(study(&parts, "3", &[]).status.success());
+    assert!(study(&parts, "10", &[]).status.success());
+    let table = |folder: &str| std::fs::read(Path::new(folder).join("samples.csv")).unwrap();
+    assert_eq!(table(&whole), table(&parts));
+
+    // The pair as drawn is sample 0; slope and misalignment gather the load at an end of the face.
+    let samples = rows(&Path::new(&whole).join("samples.csv"));
+    assert_eq!(samples.len(), 11);
+    assert_eq!(samples[0]["gear1.lead_slope_um"], 0.0);
+    let factors = samples.iter().map(|s| s["face_load_factor"]);
+    assert!(factors.fold(0.0, f64::max) > 1.03 * samples[0]["face_load_factor"]);
+    let summary = std::fs::read_to_string(Path::new(&whole).join("study.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let of = |name: &str| summary["statistics"][0][name].as_f64().unwrap();
+    assert!(of("least") <= of("median") && of("median") <= of("percentile_95"));
+    let page = std::fs::read_to_string(Path::new(&whole).join("study.html")).unwrap();
+    assert_eq!(page.matches("<svg").count(), 3);
+
+    let output = study(&whole, "10", &["--seed", "2"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stderr(&output).contains("another study"),
+        "{}",
+        stderr(&output)
+    );
+    assert!(
+        study(&whole, "10", &["--seed", "2", "--restart"])
+            .status
+            .success()
+    );
+    assert_ne!(table(&whole), table(&parts));
+}
+
+#[test]
+fn a_study_refuses_what_it_cannot_vary_before_it_computes() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("study");
+    for (vary, said) in [
+        ("gear1.lead_slop_um=0..1", "lead_slop_um"),
+        ("gear1.bore_diameter_mm=28..30", "teeth"),
+        ("gear1.lead_crowning_um=-5..5", "lead_crowning_um"),
+        ("misalignment_mrad=0..90", "misalignment-mrad"),
+    ] {
+        let output = gearmesh(&[
+            "study",
+            &paper(),
+            "--vary",
+            vary,
+            "-o",
+            out.to_str().unwrap(),
+        ]);
+        assert_eq!(output.status.code(), Some(1), "{vary}");
+        assert!(stderr(&output).contains(said), "{}", stderr(&output));
+        assert!(!out.exists());
+    }
+    let output = gearmesh(&["study", &paper(), "-o", out.to_str().unwrap()]);
+    assert!(
+        stderr(&output).contains("--iso-1328-class"),
+        "{}",
+        stderr(&output)
+    );
+}

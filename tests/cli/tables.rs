@@ -1,0 +1,169 @@
+//! From pair file or samples to tables and FMU.
+
+use super::*;
+
+#[test]
+fn a_range_that_cannot_be_covered_is_refused_on_the_coarse_model_with_its_corner() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (file, tables, cache) = (path("pair.json"), path("tables.json"), path("cache"));
+    let text = std::fs::read_to_string(paper()).unwrap();
+    let mut pair: serde_json::Value = serde_json::from_str(&text).unwrap();
+    pair["operating"]["maximum_torque_nm"] = 15.5e3.into();
+    std::fs::write(&file, pair.to_string()).unwrap();
+    let output = gearmesh(&[
+        "tables",
+        &file,
+        "-o",
+        &tables,
+        "--refinement",
+        "fine",
+        "--cache-dir",
+        &cache,
+        "-q",
+    ]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = stderr(&output);
+    assert!(error.contains("operating range"), "{error}");
+    assert!(
+        error.contains("torque = 15500 N m, misalignment = "),
+        "{error}"
+    );
+    // The fine model was not begun: only the coarse one, which both gears share, is there.
+    assert_eq!(std::fs::read_dir(&cache).unwrap().count(), 1);
+}
+
+/// Options that make tables in a moment: load and mesh position only.
+const SMALL: [&str; 6] = [
+    QUICK[0],
+    QUICK[1],
+    QUICK[2],
+    QUICK[3],
+    "--no-center-distance",
+    "--no-misalignment",
+];
+
+fn guid(inspection: &Output) -> String {
+    let line = stdout(inspection)
+        .lines()
+        .find(|line| line.contains("GUID"));
+    line.expect("a line with the GUID")
+        .split_whitespace()
+        .last()
+        .unwrap()
+        .to_owned()
+}
+
+#[test]
+fn building_is_tabulating_and_packing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (tables, packed, built) = (path("tables.json"), path("packed.fmu"), path("bü ilt.fmu"));
+    let pair = paper();
+    succeed(&[&["tables", &pair, "-o", &tables], &SMALL[..]].concat());
+    succeed(&["pack", "--tables", &tables, "-o", &packed]);
+    succeed(&[&["build", &pair, "-o", &built], &SMALL[..]].concat());
+
+    let inspection = succeed(&["inspect", &tables]);
+    assert!(
+        stdout(&inspection).contains("1 misalignment x"),
+        "{}",
+        stdout(&inspection)
+    );
+    assert!(
+        stdout(&inspection).contains("rms"),
+        "{}",
+        stdout(&inspection)
+    );
+    // The GUID is that of the contents.
+    let [packed, built] = [&packed, &built].map(|fmu| succeed(&["inspect", fmu]));
+    assert!(stdout(&built).contains("time of one evaluation"));
+    let [a, b] = [&packed, &built].map(guid);
+    assert_eq!(a, b);
+    // Nothing but the three files.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
+#[test]
+fn tables_that_were_altered_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let tables = folder.path().join("tables.json");
+    let fmu = folder.path().join("out.fmu");
+    let (tables, fmu) = (tables.to_str().unwrap(), fmu.to_str().unwrap());
+    succeed(&[&["tables", &paper(), "-o", tables], &SMALL[..]].concat());
+    let text = std::fs::read_to_string(tables).unwrap();
+    let altered = text.replacen(
+        "\"maximum_torque_nm\": 200",
+        "\"maximum_torque_nm\": 201",
+        1,
+    );
+    let altered = altered.replacen("\"maximum_torque_nm\":200", "\"maximum_torque_nm\":201", 1);
+    assert_ne!(text, altered);
+    std::fs::write(tables, altered).unwrap();
+
+    let output = gearmesh(&["pack", "--tables", tables, "-o", fmu]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("checksum"), "{}", stderr(&output));
+    assert!(!Path::new(fmu).exists());
+}
+
+#[test]
+fn an_error_bound_that_cannot_be_is_refused_by_name() {
+    let output = gearmesh(&["tables", &paper(), "-o", "unused.json", "--max-error", "0"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stderr(&output).contains("--max-error"),
+        "{}",
+        stderr(&output)
+    );
+    assert!(!Path::new("unused.json").exists());
+}
+
+/// Samples of another program: 0.05 um per N m on top of 1 um, `bent` instead at one of them.
+fn samples(bent: Option<f64>) -> String {
+    let mut text = String::from(
+        "torque_nm,mesh_position,center_distance_offset_um,misalignment_mrad,ste_loa_um,contact_z_mm\n",
+    );
+    for torque in [0.0, 50.0, 100.0, 150.0, 200.0] {
+        for position in 0..8 {
+            let ste = match bent {
+                Some(ste) if torque == 100.0 && position == 3 => ste,
+                _ => 1.0 + 0.05 * torque,
+            };
+            text += &format!("{torque},{},0,0,{ste},12.5\n", f64::from(position) / 8.0);
+        }
+    }
+    text
+}
+
+#[test]
+fn a_sample_that_yields_under_more_torque_is_refused_by_file_and_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (csv, tables) = (path("samples.csv"), path("tables.json"));
+    std::fs::write(&csv, samples(Some(2.0))).unwrap();
+    let output = gearmesh(&["import", &csv, "--pair", &paper(), "-o", &tables]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = stderr(&output);
+    assert!(
+        error.contains("samples.csv") && error.contains("0.375"),
+        "{error}"
+    );
+    assert!(!Path::new(&tables).exists());
+}
+
+#[test]
+fn samples_of_another_program_become_an_fmu() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (csv, tables, fmu) = (path("samples.csv"), path("tables.json"), path("out.fmu"));
+    std::fs::write(&csv, samples(None)).unwrap();
+    succeed(&["import", &csv, "--pair", &paper(), "-o", &tables]);
+    succeed(&["pack", "--tables", &tables, "-o", &fmu]);
+    let inspection = succeed(&["inspect", &fmu]);
+    assert!(
+        stdout(&inspection).contains("samples.csv"),
+        "{}",
+        stdout(&inspection)
+    );
+}

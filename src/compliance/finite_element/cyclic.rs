@@ -15,9 +15,15 @@
 //! ```text
 //! C_k = delta_k0 C_held + (1/z) sum_n e^{i k phi} q_n^H K_n^-1 q_n .
 //! ```
+//!
+//! The loads enter by the few modes in which they act on the sides ([`super::side_modes`]), and harmonics that others
+//! tell are not solved ([`super::harmonics`]).
 
 use super::FiniteElementError;
 use super::condensation::CondensedSector;
+use super::harmonics::{self, Solved};
+use super::side_modes::SideModes;
+use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, Mat, Par, Side, c64};
@@ -31,72 +37,190 @@ pub(super) fn ring_influence(
     reach: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<Vec<Mat<f64>>, FiniteElementError> {
-    let m = sector.sides.nrows() / 2;
+    let solved = harmonics::solved(teeth, reach);
+    influence_of(sector, teeth, &solved, progress)
+}
+
+/// As [`ring_influence`], by the harmonics `solved`.
+fn influence_of(
+    sector: &CondensedSector,
+    teeth: usize,
+    solved: &[Solved],
+    progress: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<Vec<Mat<f64>>, FiniteElementError> {
     let n = sector.side_loads.ncols();
     let par = Par::rayon(0);
-    let full = |i: usize, j: usize| sector.sides[(i.max(j), i.min(j))];
-    let mut influence = vec![Mat::<f64>::zeros(n, n); reach + 1];
-    let harmonics = teeth / 2;
-    for harmonic in 0..=harmonics {
-        let phi = 2.0 * PI * harmonic as f64 / teeth as f64;
-        let wave = c64::new(phi.cos(), phi.sin());
-        let stiffness = Mat::<c64>::from_fn(m, m, |i, j| {
-            let direct = full(i, j) + full(m + i, m + j);
-            c64::new(direct, 0.0) + wave * full(i, m + j) + wave.conj() * full(m + i, j)
-        });
-        let factor = stiffness
-            .llt(Side::Lower)
-            .map_err(|_| FiniteElementError::NotPositiveDefinite)?;
-        let mut w = Mat::<c64>::from_fn(m, n, |i, j| {
-            c64::new(sector.side_loads[(i, j)], 0.0) + wave.conj() * sector.side_loads[(m + i, j)]
-        });
-        solve_lower_triangular_in_place(factor.L(), w.as_mut(), par);
-        // w^H w = even + i odd, a symmetric and a skew part; harmonics n and z - n are conjugate.
-        let re = Mat::from_fn(m, n, |i, j| w[(i, j)].re);
-        let im = Mat::from_fn(m, n, |i, j| w[(i, j)].im);
-        drop(w);
-        let mut even = Mat::<f64>::zeros(n, n);
-        for part in [&re, &im] {
-            triangular::matmul(
-                even.as_mut(),
-                BlockStructure::TriangularLower,
-                Accum::Add,
-                part.transpose(),
-                BlockStructure::Rectangular,
-                part,
-                BlockStructure::Rectangular,
-                1.0,
-                par,
-            );
-        }
-        let mut cross = Mat::<f64>::zeros(n, n);
-        faer::linalg::matmul::matmul(
-            cross.as_mut(),
-            Accum::Replace,
-            re.transpose(),
-            &im,
-            1.0,
-            par,
-        );
-        let alone = harmonic == 0 || 2 * harmonic == teeth;
-        let weight = if alone { 1.0 } else { 2.0 } / teeth as f64;
-        for (k, out) in influence.iter_mut().enumerate() {
-            let (sin, cos) = (k as f64 * phi).sin_cos();
-            for j in 0..n {
-                for i in 0..n {
-                    let odd = cross[(i, j)] - cross[(j, i)];
-                    out[(i, j)] += weight * (cos * even[(i.max(j), i.min(j))] - sin * odd);
+    let SideModes { modes, shares } = SideModes::new(&sector.side_loads);
+    let few = modes.ncols();
+    // Of the modes: C_k = delta_k0 C_held + shares^T R_k shares.
+    let matrices = solved.first().map_or(0, |s| s.weights.len());
+    let mut ring = vec![Mat::<f64>::zeros(few, few); matrices];
+    for (done, harmonic) in solved.iter().enumerate() {
+        let phi = 2.0 * PI * harmonic.harmonic as f64 / teeth as f64;
+        let [even, odd] = response(sector, &modes, phi)?;
+        for (out, [even_weight, odd_weight]) in ring.iter_mut().zip(&harmonic.weights) {
+            for j in 0..few {
+                for i in 0..few {
+                    out[(i, j)] += even_weight * even[(i, j)] - odd_weight * odd[(i, j)];
                 }
             }
         }
-        if !progress((harmonic + 1) as f64 / (harmonics + 1) as f64) {
+        if !progress((done + 1) as f64 / (solved.len() + 1) as f64) {
             return Err(FiniteElementError::Cancelled);
         }
+    }
+    let mut influence = Vec::with_capacity(ring.len());
+    for of_modes in ring {
+        let mut half = Mat::zeros(few, n);
+        matmul(half.as_mut(), Accum::Replace, &of_modes, &shares, 1.0, par);
+        let mut out = Mat::zeros(n, n);
+        matmul(
+            out.as_mut(),
+            Accum::Replace,
+            shares.transpose(),
+            &half,
+            1.0,
+            par,
+        );
+        influence.push(out);
     }
     for j in 0..n {
         for i in 0..n {
             influence[0][(i, j)] += sector.held_influence[(i.max(j), i.min(j))];
         }
     }
+    if !progress(1.0) {
+        return Err(FiniteElementError::Cancelled);
+    }
     Ok(influence)
+}
+
+/// q^H K^-1 q of the forces `modes` on the sides in the harmonic of the phase `phi`: its symmetric real part and its
+/// skew imaginary part.
+fn response(
+    sector: &CondensedSector,
+    modes: &Mat<f64>,
+    phi: f64,
+) -> Result<[Mat<f64>; 2], FiniteElementError> {
+    let m = sector.sides.nrows() / 2;
+    let few = modes.ncols();
+    let par = Par::rayon(0);
+    let full = |i: usize, j: usize| sector.sides[(i.max(j), i.min(j))];
+    let wave = c64::new(phi.cos(), phi.sin());
+    // Only its lower triangle is read.
+    let mut stiffness = Mat::<c64>::zeros(m, m);
+    for j in 0..m {
+        for i in j..m {
+            let direct = full(i, j) + full(m + i, m + j);
+            stiffness[(i, j)] =
+                c64::new(direct, 0.0) + wave * full(i, m + j) + wave.conj() * full(m + i, j);
+        }
+    }
+    let factor = stiffness
+        .llt(Side::Lower)
+        .map_err(|_| FiniteElementError::NotPositiveDefinite)?;
+    drop(stiffness);
+    let mut w = Mat::<c64>::from_fn(m, few, |i, j| {
+        c64::new(modes[(i, j)], 0.0) + wave.conj() * modes[(m + i, j)]
+    });
+    solve_lower_triangular_in_place(factor.L(), w.as_mut(), par);
+    let re = Mat::from_fn(m, few, |i, j| w[(i, j)].re);
+    let im = Mat::from_fn(m, few, |i, j| w[(i, j)].im);
+    drop(w);
+    let mut even = Mat::<f64>::zeros(few, few);
+    for part in [&re, &im] {
+        triangular::matmul(
+            even.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            part.transpose(),
+            BlockStructure::Rectangular,
+            part,
+            BlockStructure::Rectangular,
+            1.0,
+            par,
+        );
+    }
+    let mut cross = Mat::<f64>::zeros(few, few);
+    matmul(
+        cross.as_mut(),
+        Accum::Replace,
+        re.transpose(),
+        &im,
+        1.0,
+        par,
+    );
+    let mut odd = Mat::<f64>::zeros(few, few);
+    for j in 0..few {
+        for i in 0..few {
+            odd[(i, j)] = cross[(i, j)] - cross[(j, i)];
+            if i < j {
+                even[(i, j)] = even[(j, i)];
+            }
+        }
+    }
+    Ok([even, odd])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compliance::finite_element::condensation::condense;
+    use crate::compliance::finite_element::model::Model;
+    use crate::compliance::finite_element::{Settings, assembly, dissection};
+    use crate::gear::{Body, Gear, GearKind, samples};
+    use crate::pair::Refinement;
+
+    #[test]
+    fn harmonics_left_out_change_influences_by_less_than_a_hundred_millionth() {
+        // A disc, a thin rim on a thin web and a thin ring on a soft foundation.
+        let face_width = 8e-3;
+        let disc = Gear {
+            face_width,
+            ..samples::gear(GearKind::External, 81, 1.0, 20.0, 0.0)
+        };
+        let root = disc.root_radius();
+        let webbed = Gear {
+            body: Some(Body {
+                rim_radius: root - 4e-3,
+                web: [3e-3, 4e-3],
+                hub_radius: disc.held_radius,
+                hub: [3e-3, 4e-3],
+            }),
+            ..disc.clone()
+        };
+        let mut ring = Gear {
+            face_width,
+            foundation: Some(1e9),
+            ..samples::gear(GearKind::Ring, 90, 1.0, 0.0, 0.0)
+        };
+        ring.held_radius = ring.root_radius() + 4e-3;
+        for gear in [disc, webbed, ring] {
+            let model = Model::new(&gear, &Settings::new(Refinement::Coarse, 0)).unwrap();
+            let order = dissection::elimination_order(&model.mesh);
+            let first = assembly::number_unknowns(&model.mesh, &order);
+            let material = [gear.youngs_modulus, gear.poisson_ratio];
+            let stiffness = assembly::assemble(&model.mesh, &order, material);
+            let sides = 6 * model.mesh.sides[0].len();
+            // A few of the nodes tell of all.
+            let columns: Vec<_> = (model.mesh.flank.iter().step_by(7))
+                .map(|flank| {
+                    (0..3)
+                        .map(|d| (first[flank.node] + d, flank.normal[d]))
+                        .collect()
+                })
+                .collect();
+            let sector = condense(&stiffness, sides, &columns, &|_| true).unwrap();
+            let teeth = gear.teeth as usize;
+            let few = ring_influence(&sector, teeth, 3, &|_| true).unwrap();
+            let every = harmonics::all(teeth, 3);
+            assert!(harmonics::solved(teeth, 3).len() < every.len() * 2 / 3);
+            let all = influence_of(&sector, teeth, &every, &|_| true).unwrap();
+            for (few, all) in few.iter().zip(&all) {
+                let largest = all.norm_max();
+                let error = (few - all).norm_max();
+                assert!(error < 1e-8 * largest, "{error:e} of {largest:e}");
+            }
+        }
+    }
 }

@@ -26,6 +26,7 @@ mod element;
 mod error;
 mod estimate;
 mod flank;
+mod harmonics;
 mod influence;
 mod layers;
 mod mesh;
@@ -35,6 +36,7 @@ mod pair;
 mod section;
 mod sector;
 mod settings;
+mod side_modes;
 
 pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;

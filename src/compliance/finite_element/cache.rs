@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Changes with the layout of the file and with what is computed from the mesh.
-const MAGIC: &[u8; 32] = b"gearmesh finite elements v0003\r\n";
+const MAGIC: &[u8; 32] = b"gearmesh finite elements v0004\r\n";
 
 /// Ending of the files.
 const ENDING: &str = "compliance";

@@ -2,7 +2,7 @@
 
 use super::cache::ModelCache;
 use super::model::Model;
-use super::{FiniteElementError, Settings};
+use super::{FiniteElementError, Settings, harmonics};
 use crate::gear::Gear;
 
 /// What a model will take.
@@ -26,6 +26,8 @@ const DENSE: f64 = 30e9;
 const FILL: f64 = 5.0;
 /// Entries of the stiffness matrix per unknown, lower triangle.
 const ENTRIES: f64 = 80.0;
+/// Modes in which the loads act on the sides, per load.
+const MODES: f64 = 0.45;
 /// Bytes of an entry of the influence in a file.
 const BYTES: f64 = 1.7;
 
@@ -50,8 +52,9 @@ impl Estimate {
         let condensation =
             factor * factor / unknowns + 2.0 * factor * loads + unknowns * loads * loads;
         // Complex: four times the operations.
-        let harmonic = 4.0 * (side.powi(3) / 3.0 + side * side * loads + side * loads * loads);
-        let harmonics = 0.5 * f64::from(gear.teeth) + 1.0;
+        let few = MODES * loads;
+        let harmonic = 4.0 * (side.powi(3) / 3.0 + side * side * few + side * few * few);
+        let harmonics = harmonics::solved(gear.teeth as usize, 0).len() as f64;
         let turned = super::turned(gear).map(|gear| Model::new(&gear, settings));
         let models = 1.0 + turned.iter().count() as f64;
         let turned = turned.transpose()?;

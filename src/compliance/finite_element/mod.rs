@@ -27,6 +27,7 @@ mod error;
 mod estimate;
 mod fillet;
 mod flank;
+mod harmonics;
 mod influence;
 mod layers;
 mod mesh;
@@ -38,6 +39,7 @@ mod root_stress_cache;
 mod section;
 mod sector;
 mod settings;
+mod side_modes;
 
 pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;

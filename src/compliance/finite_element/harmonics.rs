@@ -1,0 +1,253 @@
+//! Which harmonics of the ring are solved, and how those between them follow.
+//!
+//! The response M(phi) of a harmonic, phi = 2 pi n / z, is the sum of e^{-i k phi} times the influence k teeth away,
+//! which decays with k: it is analytic in phi but for the lowest harmonics, in which the body moves as a whole. So the
+//! lowest are solved one by one and the others at some places only, close to Chebyshev's in u = ln tan(phi / 4), which
+//! is odd about phi = pi, where M mirrors into its conjugate; polynomials in u give those between. The places are the
+//! fewest that do so for every influence e^{-a |k|}, M = sinh a / (cosh a - cos phi), to [`TOLERANCE`].
+
+use std::f64::consts::PI;
+
+/// Largest error of a harmonic that is not solved over its value, for influences that decay exponentially.
+const TOLERANCE: f64 = 1e-8;
+/// Decays a over which that is tried, per tooth: from a body that moves as a whole to teeth that do not feel each other.
+const DECAYS: [f64; 2] = [0.01, 4.0];
+const TRIALS: usize = 24;
+
+/// One harmonic that is solved.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Solved {
+    /// Its number n.
+    pub harmonic: usize,
+    /// Weights of the even and of the odd part of its response in the influence k teeth away, k from 0:
+    /// C_k = sum over the solved ones of even M' - odd M'', M = M' + i M''.
+    pub weights: Vec<[f64; 2]>,
+}
+
+/// The harmonics to be solved for a ring of `teeth` and influences up to `reach` teeth away.
+pub(super) fn solved(teeth: usize, reach: usize) -> Vec<Solved> {
+    let mut best = Places::all(teeth);
+    for low in 3..=16 {
+        for points in (10..=80).step_by(2) {
+            let trial = Places::new(teeth, low, points);
+            if trial.count() < best.count() && trial.error() < TOLERANCE {
+                best = trial;
+            }
+        }
+    }
+    best.weighed(reach)
+}
+
+/// All harmonics of a ring, as [`solved`] gives some.
+#[cfg(test)]
+pub(super) fn all(teeth: usize, reach: usize) -> Vec<Solved> {
+    Places::all(teeth).weighed(reach)
+}
+
+/// Harmonics 0 to `low` - 1 and those in `between`.
+#[derive(Debug, Clone)]
+struct Places {
+    teeth: usize,
+    low: usize,
+    between: Vec<usize>,
+}
+
+impl Places {
+    /// Every harmonic.
+    fn all(teeth: usize) -> Places {
+        Places {
+            teeth,
+            low: teeth / 2 + 1,
+            between: Vec::new(),
+        }
+    }
+
+    /// The harmonics with their weights in the influences up to `reach` teeth away.
+    fn weighed(&self, reach: usize) -> Vec<Solved> {
+        let top = self.teeth / 2;
+        let mut found: Vec<Solved> = (0..self.low.min(top + 1))
+            .chain(self.between.iter().copied())
+            .map(|harmonic| Solved {
+                harmonic,
+                weights: vec![[0.0; 2]; reach + 1],
+            })
+            .collect();
+        for n in 0..=top {
+            // Harmonics n and z - n are conjugate.
+            let alone = n == 0 || 2 * n == self.teeth;
+            let weight = if alone { 1.0 } else { 2.0 } / self.teeth as f64;
+            for (at, [even, odd]) in self.shares(n) {
+                for (k, sum) in found[at].weights.iter_mut().enumerate() {
+                    let (sin, cos) = (k as f64 * 2.0 * PI * n as f64 / self.teeth as f64).sin_cos();
+                    sum[0] += weight * cos * even;
+                    sum[1] += weight * sin * odd;
+                }
+            }
+        }
+        found
+    }
+
+    /// The harmonics next to `points` of Chebyshev's between `low` and its mirror image.
+    fn new(teeth: usize, low: usize, points: usize) -> Places {
+        let mut between = Vec::new();
+        let end = place(low, teeth);
+        for i in 0..points {
+            let u = end * (PI * i as f64 / (points - 1) as f64).cos();
+            let n = (u.exp().atan() * 2.0 * teeth as f64 / PI).round() as usize;
+            if n >= low && 2 * n <= teeth {
+                between.push(n);
+            }
+        }
+        between.sort_unstable();
+        between.dedup();
+        Places {
+            teeth,
+            low,
+            between,
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.low.min(self.teeth / 2 + 1) + self.between.len()
+    }
+
+    /// What each solved harmonic (counted as in [`solved`]) has in the harmonic `n`: shares of even and odd part.
+    fn shares(&self, n: usize) -> Vec<(usize, [f64; 2])> {
+        if n < self.low {
+            return vec![(n, [1.0; 2])];
+        }
+        if let Ok(at) = self.between.binary_search(&n) {
+            return vec![(self.low + at, [1.0; 2])];
+        }
+        let u = place(n, self.teeth);
+        let own = |n: &usize| place(*n, self.teeth);
+        let middle = |n: &usize| 2 * n == self.teeth;
+        // Lagrange's polynomial that is one at `at` and zero at all other places and mirror images.
+        let lagrange = |at: f64| -> f64 {
+            let mut value = 1.0;
+            for other in &self.between {
+                let q = own(other);
+                for q in [q, -q].into_iter().take(if middle(other) { 1 } else { 2 }) {
+                    if (q - at).abs() > 1e-9 {
+                        value *= (u - q) / (at - q);
+                    }
+                }
+            }
+            value
+        };
+        let both = self.between.iter().enumerate().map(|(i, n)| {
+            let here = lagrange(own(n));
+            let image = if middle(n) { 0.0 } else { lagrange(-own(n)) };
+            (self.low + i, [here + image, here - image])
+        });
+        both.collect()
+    }
+
+    /// Largest error of a harmonic that is not solved over its value, even and odd part.
+    fn error(&self) -> f64 {
+        let top = self.teeth / 2;
+        // Many teeth: some of the harmonics tell of all.
+        let step = (top / 64).max(1);
+        let number = |at: usize| {
+            if at < self.low {
+                at
+            } else {
+                self.between[at - self.low]
+            }
+        };
+        let mut worst = 0.0f64;
+        for n in (self.low..=top).step_by(step) {
+            if self.between.binary_search(&n).is_ok() {
+                continue;
+            }
+            let shares = self.shares(n);
+            for trial in 0..TRIALS {
+                let share = trial as f64 / (TRIALS - 1) as f64;
+                let a = DECAYS[0] * (DECAYS[1] / DECAYS[0]).powf(share);
+                let parts = |n: usize| {
+                    let phi = 2.0 * PI * n as f64 / self.teeth as f64;
+                    let below = a.cosh() - phi.cos();
+                    [a.sinh() / below, phi.sin() / below]
+                };
+                let mut error = parts(n).map(|part| -part);
+                for (at, share) in &shares {
+                    let solved = parts(number(*at));
+                    for part in 0..2 {
+                        error[part] += share[part] * solved[part];
+                    }
+                }
+                let scale = parts(n)[0];
+                worst = worst
+                    .max(error[0].abs() / scale)
+                    .max(error[1].abs() / scale);
+            }
+            if worst.is_nan() || worst > TOLERANCE {
+                return f64::INFINITY;
+            }
+        }
+        worst
+    }
+}
+
+/// u of the harmonic `n`.
+fn place(n: usize, teeth: usize) -> f64 {
+    (0.5 * PI * n as f64 / teeth as f64).tan().ln()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn many_teeth_need_few_harmonics_and_few_teeth_all() {
+        for (teeth, most) in [
+            (4, 3),
+            (17, 9),
+            (23, 12),
+            (40, 17),
+            (81, 22),
+            (300, 32),
+            (5000, 50),
+        ] {
+            let found = solved(teeth, 2);
+            assert!(found.len() <= most, "{teeth}: {}", found.len());
+            assert!(found.iter().all(|s| 2 * s.harmonic <= teeth));
+        }
+        assert_eq!(solved(17, 2).len(), 9);
+    }
+
+    #[test]
+    fn influences_come_back_from_the_solved_harmonics_alone() {
+        // Two decays, one to each side: M = sum of c_k e^{-i k phi} over the ring in closed form.
+        for teeth in [5, 23, 41, 80, 81, 163] {
+            let (a, b) = (0.3, 1.1);
+            let response = |n: usize| {
+                let phi = 2.0 * PI * n as f64 / teeth as f64;
+                let below = a - 2.0 * phi.cos() + 1.0 / a;
+                let even = (1.0 / a - a) / below + 0.5 * (1.0 / b as f64).exp();
+                [even, phi.sin() / below]
+            };
+            let exact = |k: usize| -> f64 {
+                (0..teeth)
+                    .map(|n| {
+                        let [even, odd] = response(n);
+                        let (sin, cos) = (2.0 * PI * (n * k) as f64 / teeth as f64).sin_cos();
+                        (even * cos - odd * sin) / teeth as f64
+                    })
+                    .sum()
+            };
+            let found = solved(teeth, 3);
+            for k in 0..=3 {
+                let sum: f64 = found
+                    .iter()
+                    .map(|s| {
+                        let [even, odd] = response(s.harmonic);
+                        s.weights[k][0] * even - s.weights[k][1] * odd
+                    })
+                    .sum();
+                assert_relative_eq!(sum, exact(k), max_relative = 3e-8);
+            }
+        }
+    }
+}

@@ -54,6 +54,15 @@ impl Candidate {
     }
 }
 
+/// How fast a strip changes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StripRates {
+    /// Rates of [`Candidate::gap`].
+    pub gap: [f64; POINTS],
+    /// Rate of the logarithm of [`Candidate::radius`].
+    pub log_radius: f64,
+}
+
 fn points(z: [f64; 2]) -> [f64; POINTS] {
     std::array::from_fn(|q| z[0] + (z[1] - z[0]) * (q as f64 + 0.5) / POINTS as f64)
 }
@@ -87,16 +96,20 @@ impl ContactLines<'_> {
 
     /// Tooth pairs that come within `margin` (m) of the reach of contact.
     fn pairs(&self, tau: f64, margin: f64) -> std::ops::RangeInclusive<i32> {
-        let (_, width) = self.geometry.face_overlap();
-        let pitch = self.geometry.base_pitch();
-        let tilt = 0.5 * width * self.geometry.base_helix_angle().tan() + margin;
+        let numbers = self.section.numbers();
+        let pitch = numbers.base_pitch;
+        let tilt = 0.5 * numbers.face[1] * numbers.tan_beta_b + margin;
         let [first, last] = self.section.reach();
         ((first - tilt) / pitch - tau).floor() as i32..=((last + tilt) / pitch - tau).ceil() as i32
     }
 
+    fn contact_line(&self, tau: f64, k: i32, z: f64) -> f64 {
+        self.section.numbers().contact_line(self.flank, tau, k, z)
+    }
+
     /// Ends of a station, m.
     fn station(&self, station: usize) -> [f64; 2] {
-        let (low, width) = self.geometry.face_overlap();
+        let [low, width] = self.section.numbers().face;
         let step = width / self.stations as f64;
         [0, 1].map(|end| low + step * (station + end) as f64)
     }
@@ -109,6 +122,34 @@ impl ContactLines<'_> {
             .then(|| self.candidate(tau, (k, station), z, false))
     }
 
+    /// Rates by mesh position and by centre distance of the gaps of `candidate` (m per cycle, m/m) and of the logarithm of
+    /// its radius of curvature; `None` unless it is whole, on the path of contact and touches inside its flanks.
+    pub fn rates(&self, tau: f64, candidate: &Candidate) -> Option<[StripRates; 2]> {
+        let (k, station) = candidate.name();
+        if candidate.z != self.station(station) {
+            return None;
+        }
+        let numbers = self.section.numbers();
+        let rolls = self.section.roll_rates();
+        let mut rates = [StripRates::default(); 2];
+        for (q, z) in candidate.points().into_iter().enumerate() {
+            let flanks = self.flanks(tau, k, z, false);
+            for (rates, rolls) in rates.iter_mut().zip(rolls) {
+                rates.gap[q] = flanks.rates(rolls)?.0;
+            }
+        }
+        let middle = self.flanks(tau, k, candidate.middle(), false);
+        for (rates, rolls) in rates.iter_mut().zip(rolls) {
+            let (_, moved) = middle.rates(rolls)?;
+            rates.log_radius = (0..2)
+                .map(|i| numbers.kappa[i] * moved[i] / (candidate.roll[i] * candidate.roll[i]))
+                .sum::<f64>()
+                * numbers.cos_beta_b
+                * candidate.radius;
+        }
+        Some(rates)
+    }
+
     /// Whole strips, those up to `margin` (m, along the path) beyond the reach of contact, too, as if they lay at its end.
     #[cfg(feature = "preprocess")]
     pub fn strips_beyond(&self, tau: f64, margin: f64) -> Vec<Candidate> {
@@ -117,7 +158,7 @@ impl ContactLines<'_> {
         for k in self.pairs(tau, margin) {
             for station in 0..self.stations {
                 let z = self.station(station);
-                let xi = z.map(|z| self.geometry.contact_line(self.flank, tau, k, z));
+                let xi = z.map(|z| self.contact_line(tau, k, z));
                 let (low, high) = (xi[0].min(xi[1]), xi[0].max(xi[1]));
                 if high >= first - margin && low <= last + margin {
                     all.push(self.candidate(tau, (k, station), z, true));
@@ -129,7 +170,7 @@ impl ContactLines<'_> {
 
     /// The part of `z` in which tooth pair `k` lies within the reach of contact.
     fn within_reach(&self, tau: f64, k: i32, z: [f64; 2]) -> Option<[f64; 2]> {
-        let xi = z.map(|z| self.geometry.contact_line(self.flank, tau, k, z));
+        let xi = z.map(|z| self.contact_line(tau, k, z));
         let [first, last] = self.section.reach();
         let slope = xi[1] - xi[0];
         if slope.abs() <= 1e-12 * (last - first) {
@@ -152,11 +193,17 @@ impl ContactLines<'_> {
     fn flanks(&self, tau: f64, k: i32, z: f64, held: bool) -> Flanks<'_> {
         let g = self.geometry;
         let [first, last] = self.section.reach();
-        let mut xi = g.contact_line(self.flank, tau, k, z);
+        let mut xi = self.contact_line(tau, k, z);
         if held {
             xi = xi.clamp(first, last);
         }
-        Flanks::new(g, self.microgeometry, self.section.point(xi), z)
+        Flanks::new(
+            g,
+            self.section,
+            self.microgeometry,
+            self.section.point(xi),
+            z,
+        )
     }
 
     fn candidate(
@@ -166,14 +213,14 @@ impl ContactLines<'_> {
         z: [f64; 2],
         held: bool,
     ) -> Candidate {
-        let g = self.geometry;
+        let numbers = self.section.numbers();
         let flanks = |z: f64| self.flanks(tau, k, z, held);
-        let middle = flanks(0.5 * (z[0] + z[1])).closest_point(self.section);
-        let gap = points(z).map(|z| flanks(z).least_gap(self.section));
-        let cos_beta_b = g.base_helix_angle().cos();
+        let middle = flanks(0.5 * (z[0] + z[1])).closest_point();
+        let gap = points(z).map(|z| flanks(z).least_gap());
+        let cos_beta_b = numbers.cos_beta_b;
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
-            .map(|i| g.gears[i].kappa() * cos_beta_b / middle.roll[i])
+            .map(|i| numbers.kappa[i] * cos_beta_b / middle.roll[i])
             .sum();
         Candidate {
             tooth_pair: k,
@@ -194,7 +241,7 @@ impl ContactLines<'_> {
     #[cfg(feature = "preprocess")]
     pub fn seen_by_gears(&self, tau: f64, candidate: &Candidate, held: bool) -> [Strip; 2] {
         let (k, z) = (candidate.tooth_pair, candidate.z);
-        let ends = z.map(|z| self.flanks(tau, k, z, held).closest_point(self.section));
+        let ends = z.map(|z| self.flanks(tau, k, z, held).closest_point());
         [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]]))
     }
 

@@ -5,13 +5,16 @@
 //! W = y' A y / 2 + sum of the energies of the local contact,
 //!
 //! stationary in y: F_bt = dW/d delta and the moment dW/dM come with the solution, and its slopes by centre distance and
-//! mesh position are those at fixed y, by central differences of a smooth function of the pose.
+//! mesh position are those at fixed y, strip by strip: in closed form where a strip touches inside its flanks, else by
+//! central differences of a smooth function of the pose.
 
 use std::sync::Arc;
 
 use super::complementarity::Target;
 use super::condensed::{CondensedFlank, StripName};
 use super::error::ContactError;
+use super::influence::Influence;
+use super::numbers::PairNumbers;
 use super::position::PositionProblem;
 use super::result::Tangent;
 use super::setup::ContactSetup;
@@ -41,6 +44,7 @@ pub struct ContactPotential {
 #[derive(Debug, Clone)]
 pub struct RuntimeContact {
     setup: Arc<ContactSetup>,
+    numbers: PairNumbers,
     condensed: Arc<CondensedFlank>,
     flank: Flank,
 }
@@ -56,6 +60,7 @@ impl RuntimeContact {
     /// The contact of `flank`, whose condensed model is `condensed`.
     pub fn new(setup: Arc<ContactSetup>, condensed: Arc<CondensedFlank>, flank: Flank) -> Self {
         RuntimeContact {
+            numbers: PairNumbers::new(&setup.geometry),
             setup,
             condensed,
             flank,
@@ -74,7 +79,7 @@ impl RuntimeContact {
     ) -> Result<ContactPotential, ContactError> {
         let [approach, offset, misalignment, position] = at;
         let tau = position - position.floor();
-        let section = self.setup.section(offset)?;
+        let section = self.setup.section(&self.numbers, offset)?;
         let Some(problem) = self.near(&section, at, tau) else {
             warm.0.clear();
             return Ok(ContactPotential::default());
@@ -98,26 +103,100 @@ impl RuntimeContact {
         if warm.0.is_empty() {
             return Ok(ContactPotential::default());
         }
-        let energy = problem.energy(&result.forces, approach, misalignment);
-        let held = |section: &TransverseSection, offset: f64, tau: f64| {
-            let problem = self.held(&warm.0, section, offset, tau);
-            problem.energy(approach, misalignment)
+        let load = Load {
+            approach,
+            misalignment,
+            forces: &result.forces,
         };
-        let [step, turn] = STEPS;
-        let mut sides = [0.0; 2];
-        for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
-            let moved = offset + sign * step;
-            *side = held(&self.setup.section(moved)?, moved, tau);
-        }
-        let by_offset = (sides[0] - sides[1]) / (2.0 * step);
-        let along = |sign: f64| held(&section, offset, tau + sign * turn);
-        let by_tau = (along(1.0) - along(-1.0)) / (2.0 * turn);
+        let (energy, [by_offset, by_tau]) = self.held(&problem, &section, [offset, tau], &load)?;
         Ok(ContactPotential {
             energy,
             gradient: [result.loa_force, by_offset, result.moment, by_tau],
             tangent: result.tangent,
             out_of_range: excess.is_some() || !self.condensed.holds(offset),
         })
+    }
+
+    /// The energy of `problem` under `load`, and its slopes by centre distance and mesh position with the forces held.
+    ///
+    /// With x what gap and local contact take up on a strip, dW = y' dA y / 2 + sum of d Phi(x), where x changes with A,
+    /// arm and gap: at a solution phi(x) = y, so that the share of A is -y' dA y / 2 in all.
+    fn held(
+        &self,
+        problem: &PositionProblem,
+        section: &TransverseSection,
+        [offset, tau]: [f64; 2],
+        load: &Load,
+    ) -> Result<(f64, [f64; 2]), ContactError> {
+        let strips = problem.candidates();
+        let loaded: Vec<usize> = (0..strips.len()).filter(|&i| load.forces[i] > 0.0).collect();
+        let names: Vec<StripName> = loaded.iter().map(|&i| strips[i].name()).collect();
+        let forces: Vec<f64> = loaded.iter().map(|&i| load.forces[i]).collect();
+        let slopes = self.condensed.slopes(&names, &forces, tau, offset);
+        let deflection = problem.deflection(load.forces);
+        let mut energy = 0.5 * forces.iter().zip(&loaded).map(|(y, &i)| y * deflection[i]).sum::<f64>();
+        let [mut by_tau, mut by_offset] = slopes.bulk.map(|q| -0.5 * q);
+        let lines = self.setup.lines(self.flank, section);
+        let plane = self.numbers.plane_compliance;
+        let mut moved: Option<[TransverseSection; 2]> = None;
+        for (place, &i) in loaded.iter().enumerate() {
+            let penetration = problem.penetration(i, load.approach, load.misalignment, deflection[i]);
+            let lengths = problem.lengths(i);
+            let by = slopes.lengths[place];
+            let inside = problem.local[i].held(penetration, plane);
+            let rates = inside.and_then(|_| lines.rates(tau, &strips[i]));
+            if let (Some(held), Some(rates)) = (inside, rates) {
+                energy += held.energy;
+                let along = |by: usize| {
+                    let closing: f64 = rates[by].gap.iter().zip(held.forces).map(|(g, f)| g * f).sum();
+                    let lengths: f64 = (0..2)
+                        .map(|g| held.by_log_length[g] * slopes.lengths[place][by][g] / lengths[g])
+                        .sum();
+                    held.by_log_radius * rates[by].log_radius + lengths
+                        - self.numbers.cos_beta_b * closing
+                };
+                by_tau += along(0);
+                by_offset += along(1);
+                continue;
+            }
+            energy += penetration.iter().map(|x| problem.local[i].energy(*x)).sum::<f64>();
+            let moved = match &moved {
+                Some(moved) => moved,
+                None => {
+                    let side = |sign: f64| self.setup.section(&self.numbers, offset + sign * STEPS[0]);
+                    moved.insert([side(1.0)?, side(-1.0)?])
+                }
+            };
+            let of = |section: &TransverseSection, turn: f64, by: [f64; 2], step: f64| {
+                let lengths = [0, 1].map(|g| lengths[g] + by[g] * step);
+                let strip = self.strip(section, tau + turn, names[place], lengths);
+                strip.map_or(0.0, |strip| strip.energy(load.approach, load.misalignment, deflection[i]))
+            };
+            let [step, turn] = STEPS;
+            by_offset += (of(&moved[0], 0.0, by[1], step) - of(&moved[1], 0.0, by[1], -step)) / (2.0 * step);
+            by_tau += (of(section, turn, by[0], turn) - of(section, -turn, by[0], -turn)) / (2.0 * turn);
+        }
+        Ok((energy, [by_offset, by_tau]))
+    }
+
+    /// The strip `name` alone in `section` at the mesh position `tau`, with the reference lengths `lengths`.
+    fn strip(
+        &self,
+        section: &TransverseSection,
+        tau: f64,
+        (pair, station): StripName,
+        lengths: [f64; 2],
+    ) -> Option<PositionProblem> {
+        let turns = tau.floor();
+        // Counted on where the step crosses a mesh cycle.
+        let name = (pair + turns as i32, station);
+        let strip = self.setup.lines(self.flank, section).strip(tau - turns, name)?;
+        let influence = Influence {
+            bulk: vec![0.0],
+            lengths: lengths.map(|length| vec![length]),
+        };
+        let limits = self.setup.limits(0.0);
+        Some(PositionProblem::with(&self.numbers, vec![strip], influence, limits))
     }
 
     /// The problem of the strips that may carry; `None` if none touches.
@@ -128,7 +207,7 @@ impl RuntimeContact {
         tau: f64,
     ) -> Option<PositionProblem> {
         let mut candidates = self.setup.lines(self.flank, section).candidates(tau);
-        let z_ref = self.setup.geometry.z_ref();
+        let z_ref = self.numbers.z_ref;
         // How far points overlap, along the line of action.
         let overlaps: Vec<f64> = candidates
             .iter()
@@ -152,43 +231,16 @@ impl RuntimeContact {
         let names: Vec<StripName> = candidates.iter().map(|c| c.name()).collect();
         let influence = self.condensed.influence(&names, tau, offset);
         let limits = self.setup.limits(offset);
-        PositionProblem::with(&self.setup.geometry, candidates, influence, limits)
-    }
-
-    /// The problem of the strips of `forces` elsewhere, with these forces held.
-    fn held(
-        &self,
-        forces: &[(StripName, f64)],
-        section: &TransverseSection,
-        offset: f64,
-        tau: f64,
-    ) -> Held {
-        let lines = self.setup.lines(self.flank, section);
-        let turns = tau.floor();
-        let (mut candidates, mut held) = (vec![], vec![]);
-        for &((pair, station), force) in forces {
-            // Counted on where the step crosses a mesh cycle.
-            let named = (pair + turns as i32, station);
-            if let Some(candidate) = lines.strip(tau - turns, named) {
-                candidates.push(candidate);
-                held.push(force);
-            }
-        }
-        Held {
-            problem: self.problem(candidates, offset, tau - turns),
-            forces: held,
-        }
+        PositionProblem::with(&self.numbers, candidates, influence, limits)
     }
 }
 
-/// A problem and forces that are held.
-struct Held {
-    problem: PositionProblem,
-    forces: Vec<f64>,
-}
-
-impl Held {
-    fn energy(&self, approach: f64, misalignment: f64) -> f64 {
-        self.problem.energy(&self.forces, approach, misalignment)
-    }
+/// Where a solution was found.
+struct Load<'a> {
+    /// m.
+    approach: f64,
+    /// rad.
+    misalignment: f64,
+    /// By strip, N.
+    forces: &'a [f64],
 }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::candidates::ContactLines;
 use super::error::ContactError;
 use super::local::constants::{MOST_STATIONS, STIFFNESS_OVER_MODULUS};
+use super::numbers::PairNumbers;
 use super::position::Limits;
 use super::transverse::TransverseSection;
 use crate::gear::{Flank, PairGeometry, PairMicrogeometry};
@@ -49,16 +50,18 @@ pub struct ContactSetup {
 }
 
 impl ContactSetup {
-    /// The transverse section at the deviation `center_distance_offset` (m) from the nominal centre distance.
+    /// The transverse section at the deviation `center_distance_offset` (m) from the nominal centre distance; `numbers` are the
+    /// pair's.
     ///
     /// # Errors
     /// [`ContactError::OutOfMesh`] where teeth cannot meet.
     pub(super) fn section(
         &self,
+        numbers: &PairNumbers,
         center_distance_offset: f64,
     ) -> Result<TransverseSection, ContactError> {
         TransverseSection::new(
-            &self.geometry,
+            numbers,
             self.geometry.center_distance + center_distance_offset,
             self.form_rolls,
             self.settings.tip_corner_contact.then_some(self.reach),

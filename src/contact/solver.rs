@@ -11,6 +11,7 @@ use super::local::constants::{
     FEWEST_STATIONS, MOST_STATIONS, REFERENCE_OVER_HERTZ, STIFFNESS_OVER_MODULUS, STRIP_OVER_WIDTH,
 };
 use super::local::widest_contact;
+use super::numbers::PairNumbers;
 use super::position::PositionProblem;
 use super::setup::{ContactSettings, ContactSetup};
 use crate::compliance::{Strip, ToothCompliance};
@@ -46,6 +47,7 @@ impl ContactSettings {
 #[derive(Clone)]
 pub struct ContactSolver {
     setup: ContactSetup,
+    numbers: PairNumbers,
     compliance: [Arc<dyn ToothCompliance>; 2],
     friction: FrictionLaw,
     deflection: Deflection,
@@ -87,6 +89,7 @@ impl ContactSolver {
             });
         }
         Ok(ContactSolver {
+            numbers: PairNumbers::new(&pair.geometry),
             setup: ContactSetup {
                 geometry: pair.geometry.clone(),
                 microgeometry: pair.microgeometry.clone(),
@@ -158,7 +161,7 @@ impl ContactSolver {
                 });
             }
         }
-        let section = self.setup.section(center_distance_offset)?;
+        let section = self.setup.section(&self.numbers, center_distance_offset)?;
         let lines = self.setup.lines(flank, &section);
         // One base pitch later everything is the same again.
         let tau = mesh_position - mesh_position.floor();
@@ -179,9 +182,11 @@ impl ContactSolver {
         // Compared with approach and misalignment alone.
         let [_, largest] = self.deflection.range(self.face());
         limits.reach = limits.reach.map(|reach| reach - largest.max(0.0));
-        let geometry = &self.setup.geometry;
         Ok(PositionProblem::with(
-            geometry, candidates, influence, limits,
+            &self.numbers,
+            candidates,
+            influence,
+            limits,
         ))
     }
 
@@ -199,7 +204,7 @@ impl ContactSolver {
         center_distance_offset: f64,
         margin: f64,
     ) -> Result<(Vec<StripName>, Influence), ContactError> {
-        let section = self.setup.section(center_distance_offset)?;
+        let section = self.setup.section(&self.numbers, center_distance_offset)?;
         let lines = self.setup.lines(flank, &section);
         let strips = lines.strips_beyond(tau, margin * self.setup.geometry.base_pitch());
         let seen = |c| lines.seen_by_gears(tau, c, true);
@@ -214,7 +219,7 @@ impl ContactSolver {
         center_distance_offset: f64,
     ) -> Result<Influence, ContactError> {
         let wanted = self.setup.reference_length;
-        Influence::new(&self.setup.geometry, &self.compliance, strips, wanted).map_err(|model| {
+        Influence::new(&self.numbers, &self.compliance, strips, wanted).map_err(|model| {
             ContactError::BeyondModel {
                 center_distance_offset_um: 1e6 * center_distance_offset,
                 model,

@@ -4,6 +4,7 @@ use super::closest::Flanks;
 use super::transverse::TransverseSection;
 #[cfg(feature = "preprocess")]
 use crate::compliance::Strip;
+use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry, PairGeometry};
 
 /// Points of a strip at which the local contact is evaluated apart, so that the edge of the contact crosses
@@ -25,6 +26,9 @@ pub struct Candidate {
     /// Gaps along the line of action before load and misalignment at the points of the strip, ascending in z,
     /// m: microgeometry of both flanks and the separation off the path of contact.
     pub gap: [f64; POINTS],
+    /// How far the flanks come closest off the nominal line, along them towards the tip of gear 1, at these points and then at
+    /// mid-strip, m.
+    pub shift: [f64; POINTS + 1],
     /// Relative radius of curvature in the normal section, m.
     pub radius: f64,
     /// Slope of the gap at the nearest tip edge, from the edge into the flank, in the normal section; negative
@@ -79,6 +83,17 @@ pub struct ContactLines<'a> {
     pub flank: Flank,
     /// Number of equal stations over the overlap of both faces.
     pub stations: usize,
+    /// Teeth that differ; `None`: all are alike.
+    pub teeth: Option<TeethAt<'a>>,
+}
+
+/// Teeth that differ, and those that are in mesh.
+#[derive(Debug, Clone, Copy)]
+pub struct TeethAt<'a> {
+    /// All of them.
+    pub passing: &'a Passing,
+    /// Mesh cycles counted.
+    pub counts: Counts,
 }
 
 /// Pieces shorter than this fraction of a station are left out where a path end cuts it: what they could
@@ -133,14 +148,22 @@ impl ContactLines<'_> {
         let rolls = self.section.roll_rates();
         let mut rates = [StripRates::default(); 2];
         for (q, z) in candidate.points().into_iter().enumerate() {
-            let flanks = self.flanks(tau, k, z, false);
-            for (rates, rolls) in rates.iter_mut().zip(rolls) {
-                rates.gap[q] = flanks.rates(rolls)?.0;
+            let found = self
+                .flanks(tau, k, z, false)
+                .rates(candidate.shift[q], rolls)?;
+            for (rates, (gap, _)) in rates.iter_mut().zip(found) {
+                rates.gap[q] = gap;
             }
         }
+        if let Some(teeth) = self.teeth {
+            let [_, rate] = teeth.passing.closing(teeth.counts, k, tau);
+            rates[0].gap.iter_mut().for_each(|gap| *gap -= rate);
+        }
         let middle = self.flanks(tau, k, candidate.middle(), false);
-        for (rates, rolls) in rates.iter_mut().zip(rolls) {
-            let (_, moved) = middle.rates(rolls)?;
+        for (rates, (_, moved)) in rates
+            .iter_mut()
+            .zip(middle.rates(candidate.shift[POINTS], rolls)?)
+        {
             rates.log_radius = (0..2)
                 .map(|i| numbers.kappa[i] * moved[i] / (candidate.roll[i] * candidate.roll[i]))
                 .sum::<f64>()
@@ -200,10 +223,20 @@ impl ContactLines<'_> {
         Flanks::new(
             g,
             self.section,
-            self.microgeometry,
+            self.microgeometry_of(k),
             self.section.point(xi),
             z,
         )
+    }
+
+    /// Modifications of the flanks of tooth pair `k`.
+    fn microgeometry_of(&self, k: i32) -> [&Microgeometry; 2] {
+        [0, 1].map(|i| {
+            let own = self
+                .teeth
+                .and_then(|teeth| teeth.passing.own_flank(i, teeth.counts, k));
+            own.unwrap_or(&self.microgeometry[i])
+        })
     }
 
     fn candidate(
@@ -216,7 +249,16 @@ impl ContactLines<'_> {
         let numbers = self.section.numbers();
         let flanks = |z: f64| self.flanks(tau, k, z, held);
         let middle = flanks(0.5 * (z[0] + z[1])).closest_point();
-        let gap = points(z).map(|z| flanks(z).least_gap());
+        let closing = match self.teeth {
+            Some(teeth) => teeth.passing.closing(teeth.counts, k, tau)[0],
+            None => 0.0,
+        };
+        let mut shift = [middle.s; POINTS + 1];
+        let mut gap = [0.0; POINTS];
+        for (q, z) in points(z).into_iter().enumerate() {
+            let (least, s) = flanks(z).least_gap();
+            (gap[q], shift[q]) = (least - closing, s);
+        }
         let cos_beta_b = numbers.cos_beta_b;
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
@@ -228,6 +270,7 @@ impl ContactLines<'_> {
             z,
             roll: middle.roll,
             gap,
+            shift,
             radius: curvature.recip(),
             // The transverse tangent is normal to the generator; the gap is cos beta_b of that along the
             // line of action.

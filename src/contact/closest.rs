@@ -29,6 +29,8 @@ pub struct ClosestPoint {
     pub roll: [f64; 2],
     /// Gap along the line of action, m.
     pub gap: f64,
+    /// Distance from the nominal point along both flanks towards the tip of gear 1, m.
+    pub s: f64,
     /// Slope of the gap at the tip edge that is nearest in slope, from the edge into the flank; negative
     /// where the flanks come closest inside.
     pub edge_slope: f64,
@@ -43,7 +45,7 @@ pub struct ClosestPoint {
 pub struct Flanks<'a> {
     geometry: &'a PairGeometry,
     section: &'a TransverseSection,
-    microgeometry: &'a [Microgeometry; 2],
+    microgeometry: [&'a Microgeometry; 2],
     /// Place along the face in each gear's own frame, m.
     z: [f64; 2],
     at: TransversePoint,
@@ -59,7 +61,7 @@ impl<'a> Flanks<'a> {
     pub fn new(
         geometry: &'a PairGeometry,
         section: &'a TransverseSection,
-        microgeometry: &'a [Microgeometry; 2],
+        microgeometry: [&'a Microgeometry; 2],
         at: TransversePoint,
         z: f64,
     ) -> Flanks<'a> {
@@ -96,41 +98,54 @@ impl<'a> Flanks<'a> {
             + self.per_cos * (removal(0) + removal(1))
     }
 
-    /// Rates of the least gap and of the lengths of roll there while those of the nominal point change at the rates
-    /// `rolls`, on the path of contact; `None` beyond it, where the closest point is at an end or at a kink, and for a topography.
+    /// Rates of the least gap, which is at `s`, and of the lengths of roll there while those of the nominal point change at
+    /// each of the rates `rolls`, on the path of contact; `None` beyond it, where the closest point is at an end or at a
+    /// kink, and for a topography.
     ///
     /// The least gap changes as that at the present s, which is stationary.
-    pub fn rates(&self, rolls: [f64; 2]) -> Option<(f64, [f64; 2])> {
+    pub fn rates(&self, s: f64, rolls: [[f64; 2]; 2]) -> Option<[(f64, [f64; 2]); 2]> {
         let at = &self.at;
         if at.separation != 0.0 || at.slope != 0.0 {
             return None;
         }
         if self.is_nominal() {
-            return Some((0.0, rolls));
+            return Some(rolls.map(|rolls| (0.0, rolls)));
         }
         if self.microgeometry.iter().any(|m| m.topography.is_some()) {
             return None;
         }
-        let s = self.zero_of_slope(self.range())?;
-        let numbers = self.section.numbers();
+        let kappa = self.section.numbers().kappa;
         let here = self.rolls(s);
-        let (mut curvature, mut gap, mut slope) = (0.0, 0.0, 0.0);
-        // Of the lengths of roll at the present s, and of the change with s.
-        let (mut held, mut by_s) = ([0.0; 2], [0.0; 2]);
-        for i in 0..2 {
-            let relative = rolls[i] / at.roll[i];
-            curvature -= numbers.kappa[i] * relative / at.roll[i];
-            by_s[i] = -self.roll_by_s[i] * relative;
-            held[i] = rolls[i] + s * by_s[i];
-            let (m, gear) = (&self.microgeometry[i], &self.geometry.gears[i]);
-            let removal = self.per_cos * m.slope(gear, here[i], self.z[i]);
-            gap += removal * held[i];
-            slope += by_s[i] * removal
-                + self.per_cos * self.roll_by_s[i] * m.curvature(here[i]) * held[i];
+        let removal = [0, 1].map(|i| {
+            let (m, gear) = (self.microgeometry[i], &self.geometry.gears[i]);
+            let slope = self.per_cos * m.slope(gear, here[i], self.z[i]);
+            [slope, self.per_cos * m.curvature(here[i])]
+        });
+        let slope = s * self.curvature
+            + self.roll_by_s[0] * removal[0][0]
+            + self.roll_by_s[1] * removal[1][0];
+        // The steps of the search end below a tolerance; at a kink the slope jumps past zero.
+        if slope.abs() > 100.0 * TOLERANCE {
+            return None;
         }
-        let moved = -(s * curvature + slope) / self.slope_by_s(s);
-        let rates = [0, 1].map(|i| held[i] + self.roll_by_s[i] * moved);
-        Some((gap + 0.5 * s * s * curvature, rates))
+        let stiffness = self.slope_by_s(s);
+        Some(rolls.map(|rolls| {
+            let (mut curvature, mut gap, mut slope) = (0.0, 0.0, 0.0);
+            // Of the lengths of roll at the present s.
+            let mut held = [0.0; 2];
+            for i in 0..2 {
+                let relative = rolls[i] / at.roll[i];
+                curvature -= kappa[i] * relative / at.roll[i];
+                let by_s = -self.roll_by_s[i] * relative;
+                held[i] = rolls[i] + s * by_s;
+                let [first, second] = removal[i];
+                gap += first * held[i];
+                slope += by_s * first + self.roll_by_s[i] * second * held[i];
+            }
+            let moved = -(s * curvature + slope) / stiffness;
+            let rates = [0, 1].map(|i| held[i] + self.roll_by_s[i] * moved);
+            (gap + 0.5 * s * s * curvature, rates)
+        }))
     }
 
     /// Slope over s of both removals along the line of action at the lengths of roll `rolls`.
@@ -244,9 +259,10 @@ impl<'a> Flanks<'a> {
             .unwrap_or_else(|| self.closest(range))
     }
 
-    /// Least gap along the line of action, m.
-    pub fn least_gap(&self) -> f64 {
-        self.gap(self.closest_in_reach())
+    /// Least gap along the line of action, m, and s there, m.
+    pub fn least_gap(&self) -> (f64, f64) {
+        let s = self.closest_in_reach();
+        (self.gap(s), s)
     }
 
     /// Where both flanks come closest.
@@ -257,6 +273,7 @@ impl<'a> Flanks<'a> {
             return ClosestPoint {
                 roll: at.roll,
                 gap: self.gap(s),
+                s,
                 edge_slope: at.edge_slope,
                 edge_gear: at.edge_gear,
                 arm: at.arm,
@@ -267,6 +284,7 @@ impl<'a> Flanks<'a> {
         ClosestPoint {
             roll: self.rolls(s),
             gap: self.gap(s),
+            s,
             edge_slope: edges[edge_gear],
             edge_gear,
             arm: at.arm,

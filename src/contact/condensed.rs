@@ -30,6 +30,8 @@ pub struct CondensedFlank {
     pub first_pair: i32,
     /// Number of tooth pairs.
     pub pairs: usize,
+    /// Shares of gear 1 and gear 2 in the bulk displacement of a tooth pair under its own load.
+    pub shares: [f64; 2],
     /// Node by node, offsets outside: influence matrix over (tooth pair, station), lower triangle row by row, m/N, then the
     /// reference lengths of gear 1 and gear 2, m. Zero for strips that are not there.
     #[serde(skip)]
@@ -75,6 +77,7 @@ impl CondensedFlank {
             offsets: offsets.to_vec(),
             stations: solver.settings().stations,
             first_pair,
+            shares: solver.tooth_shares(flank)?,
             pairs: pairs()
                 .max()
                 .map_or(0, |last| (last - first_pair + 1) as usize),
@@ -134,8 +137,13 @@ impl CondensedFlank {
     }
 
     /// Influence of `strips`, ascending, at the mesh position `tau` in [0, 1) and at `offset` (m); beyond the offsets
-    /// of the nodes that of the outermost one.
-    pub(super) fn influence(&self, strips: &[StripName], tau: f64, offset: f64) -> Influence {
+    /// of the nodes that of the outermost one. That of a tooth pair on itself is `scale` times as large.
+    pub(super) fn influence(
+        &self,
+        strips: &[StripName],
+        scale: impl Fn(i32) -> f64,
+        [tau, offset]: [f64; 2],
+    ) -> Influence {
         let n = strips.len();
         let mut influence = Influence {
             bulk: vec![0.0; n * n],
@@ -163,7 +171,11 @@ impl CondensedFlank {
             }
         }
         for i in 0..n {
-            for j in 0..i {
+            let scale = scale(strips[i].0);
+            for j in 0..=i {
+                if scale != 1.0 && strips[j].0 == strips[i].0 {
+                    influence.bulk[i * n + j] *= scale;
+                }
                 influence.bulk[j * n + i] = influence.bulk[i * n + j];
             }
         }
@@ -171,13 +183,22 @@ impl CondensedFlank {
     }
 
     /// Slopes of [`CondensedFlank::influence`] by mesh position and by centre distance (1/m) with the forces `y` on the strips.
-    pub(super) fn slopes(&self, strips: &[StripName], y: &[f64], tau: f64, offset: f64) -> Slopes {
-        let mut slopes = Slopes::default();
-        slopes.lengths = vec![[[0.0; 2]; 2]; strips.len()];
+    pub(super) fn slopes(
+        &self,
+        strips: &[StripName],
+        scale: impl Fn(i32) -> f64,
+        y: &[f64],
+        [tau, offset]: [f64; 2],
+    ) -> Slopes {
+        let mut slopes = Slopes {
+            lengths: vec![[[0.0; 2]; 2]; strips.len()],
+            ..Slopes::default()
+        };
         let around = Neighbours::new(self, tau, offset);
         let runs = runs(strips);
         let zeros = vec![0.0; self.stations];
         for (i, &strip) in strips.iter().enumerate() {
+            let scale = scale(strip.0);
             for (k, across) in around.across.iter().enumerate() {
                 let (mut by_tau, mut by_offset) = (0.0, 0.0);
                 for run in runs.iter().take_while(|run| run.first <= i) {
@@ -192,11 +213,16 @@ impl CondensedFlank {
                         sums[2] += force * f64::from(c[j]);
                         sums[3] += force * f64::from(d[j]);
                     }
-                    by_tau += 2.0 * dot4(&around.along_slopes, &sums);
-                    by_offset += 2.0 * dot4(&around.along, &sums);
+                    let twice = if run.name.0 == strip.0 {
+                        2.0 * scale
+                    } else {
+                        2.0
+                    };
+                    by_tau += twice * dot4(&around.along_slopes, &sums);
+                    by_offset += twice * dot4(&around.along, &sums);
                 }
                 let own = around.lines(k, strip, (strip, 1), &zeros).map(|l| l[0]);
-                let own = own.map(|value| y[i] * f64::from(value));
+                let own = own.map(|value| scale * y[i] * f64::from(value));
                 by_tau += dot4(&around.along_slopes, &own);
                 by_offset += dot4(&around.along, &own);
                 slopes.bulk[0] += across * y[i] * by_tau;
@@ -284,8 +310,12 @@ struct Neighbours<'a> {
     along_slopes: [f64; 4],
     across: Vec<f64>,
     across_slopes: Vec<f64>,
-    /// Step of the cycle and whole cycles of each of the four.
-    steps: [(usize, i32); 4],
+    /// Values of the nodes, offset by offset.
+    values: Vec<[&'a [f32]; 4]>,
+    /// Whole cycles of each of the four.
+    turns: [i32; 4],
+    /// Where the reference lengths begin in a node.
+    lengths: usize,
 }
 
 impl<'a> Neighbours<'a> {
@@ -293,6 +323,8 @@ impl<'a> Neighbours<'a> {
         let positions = flank.positions as i64;
         let at = tau * flank.positions as f64;
         let first = at.floor();
+        let nodes = [-1, 0, 1, 2].map(|step| first as i64 + step);
+        let size = flank.node_size();
         let [along, slopes] = catmull_rom(at - first);
         let [across, across_slopes] =
             (flank.offset_weights(offset)).map(|w| w[..flank.offsets.len()].to_vec());
@@ -302,21 +334,22 @@ impl<'a> Neighbours<'a> {
             along_slopes: slopes.map(|slope| slope * flank.positions as f64),
             across,
             across_slopes,
-            steps: std::array::from_fn(|step| {
-                let node = first as i64 - 1 + step as i64;
-                (node.rem_euclid(positions) as usize, node.div_euclid(positions) as i32)
-            }),
+            values: (0..flank.offsets.len())
+                .map(|k| {
+                    nodes.map(|node| {
+                        let place = k * flank.positions + node.rem_euclid(positions) as usize;
+                        &flank.values[place * size..][..size]
+                    })
+                })
+                .collect(),
+            turns: nodes.map(|node| node.div_euclid(positions) as i32),
+            lengths: triangle(flank.strips(), 0),
         }
-    }
-
-    fn values(&self, k: usize, step: usize) -> &'a [f32] {
-        let size = self.flank.node_size();
-        let begin = (k * self.flank.positions + self.steps[step].0) * size;
-        &self.flank.values[begin..begin + size]
     }
 
     /// Influence of the `count` strips from `first` on the strip `row`, none of which comes after it, in the four nodes at the
     /// offset `k`; `zeros` where one is not there.
+    #[inline]
     fn lines<'b>(
         &self,
         k: usize,
@@ -327,26 +360,28 @@ impl<'a> Neighbours<'a> {
     where
         'a: 'b,
     {
-        std::array::from_fn(|step| {
-            let turns = self.steps[step].1;
+        let line = |step: usize| -> &'b [f32] {
+            let turns = self.turns[step];
             let places = (self.flank.place(row, turns), self.flank.place(first, turns));
             match places {
                 (Some(row), Some(column)) => {
-                    &self.values(k, step)[triangle(row, 0) + column..][..count]
+                    &self.values[k][step][triangle(row, 0) + column..][..count]
                 }
                 _ => &zeros[..count],
             }
-        })
+        };
+        [line(0), line(1), line(2), line(3)]
     }
 
     /// Reference lengths of one gear in the four nodes at the offset `k`.
+    #[inline]
     fn lengths(&self, k: usize, strip: StripName, gear: usize) -> [f64; 4] {
-        let strips = self.flank.strips();
-        let begin = triangle(strips, 0) + gear * strips;
-        std::array::from_fn(|step| {
-            let place = self.flank.place(strip, self.steps[step].1);
-            place.map_or(0.0, |place| f64::from(self.values(k, step)[begin + place]))
-        })
+        let begin = self.lengths + gear * self.flank.strips();
+        let length = |step: usize| {
+            let place = self.flank.place(strip, self.turns[step]);
+            place.map_or(0.0, |place| f64::from(self.values[k][step][begin + place]))
+        };
+        [length(0), length(1), length(2), length(3)]
     }
 }
 

@@ -69,7 +69,9 @@ impl Influence {
         divide(
             &mut symmetric,
             &mut lengths,
-            numbers.plane_compliance.map(|p| 2.0 * p / std::f64::consts::PI),
+            numbers
+                .plane_compliance
+                .map(|p| 2.0 * p / std::f64::consts::PI),
             &pieces,
             wanted,
             (SMOOTHING_OVER_LAYER * layer).max(SMOOTHING_OVER_REFERENCE * wanted),

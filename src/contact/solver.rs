@@ -16,7 +16,7 @@ use super::position::PositionProblem;
 use super::setup::{ContactSettings, ContactSetup};
 use crate::compliance::{Strip, ToothCompliance};
 use crate::friction::FrictionLaw;
-use crate::gear::{Flank, PairGeometry, ToothProfile};
+use crate::gear::{Flank, PairGeometry, PairTeeth, ToothProfile};
 use crate::pair::{Pair, Refinement};
 
 /// Elements of level coarse over those of level normal; strips shorter than the elements follow no load of
@@ -93,6 +93,7 @@ impl ContactSolver {
             setup: ContactSetup {
                 geometry: pair.geometry.clone(),
                 microgeometry: pair.microgeometry.clone(),
+                teeth: PairTeeth::default(),
                 settings,
                 reach,
                 reference_length: REFERENCE_OVER_HERTZ * widest_contact(pair),
@@ -211,6 +212,32 @@ impl ContactSolver {
         let seen: Vec<_> = strips.iter().map(seen).collect();
         let influence = self.influence_of((&strips, &seen), center_distance_offset)?;
         Ok((strips.iter().map(|c| c.name()).collect(), influence))
+    }
+
+    /// Shares of gear 1 and gear 2 in the bulk displacement of a tooth pair at the pitch point under a uniform load on itself.
+    pub(super) fn tooth_shares(&self, flank: Flank) -> Result<[f64; 2], ContactError> {
+        let section = self.setup.section(&self.numbers, 0.0)?;
+        let lines = self.setup.lines(flank, &section);
+        let mut strips = lines.strips_beyond(0.0, 0.0);
+        strips.retain(|strip| strip.tooth_pair == 0);
+        let mut sums = [0.0; 2];
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let seen: Vec<Strip> = strips
+                .iter()
+                .map(|strip| lines.seen_by_gears(0.0, strip, true)[i])
+                .collect();
+            *sum = match self.compliance[i].bulk(&seen) {
+                Ok(bulk) => bulk.sum(),
+                Err(model) => {
+                    return Err(ContactError::BeyondModel {
+                        center_distance_offset_um: 0.0,
+                        model,
+                    });
+                }
+            };
+        }
+        let all = sums[0] + sums[1];
+        Ok(sums.map(|sum| sum / all))
     }
 
     fn influence_of(

@@ -210,7 +210,9 @@ impl TransverseSection {
         let excess = |beyond: f64| {
             let point = self.tip_corner(end, self.path[end] + sign * beyond);
             let behind = mate.kappa * (mate.form_roll - point.roll[end]);
-            (point.separation - limit).max(behind)
+            let excess = (point.separation - limit).max(behind);
+            // Not a number where there is no mate to touch.
+            if excess.is_nan() { limit } else { excess }
         };
         let half = 0.5 * (self.path[1] - self.path[0]);
         let mut low = (0.0, excess(0.0));

@@ -303,14 +303,17 @@ mod tests {
             LocalContact::new(bodies, radius, 0.6e-3, f64::NEG_INFINITY)
         };
         let x = [3e-6, 5e-6, -1e-6, 2e-7];
-        let energy =
-            |law: LocalContact| -> f64 { x.iter().map(|x| law.energy(*x)).sum() };
+        let energy = |law: LocalContact| -> f64 { x.iter().map(|x| law.energy(*x)).sum() };
         let lengths = [1.2e-3, 2.0e-3];
         let held = at(7e-3, lengths).held(x, [STEEL; 2]).unwrap();
         assert_relative_eq!(held.energy, energy(at(7e-3, lengths)), max_relative = 1e-13);
         let h = 1e-5f64;
         let by_radius = energy(at(7e-3 * h.exp(), lengths)) - energy(at(7e-3 / h.exp(), lengths));
-        assert_relative_eq!(held.by_log_radius, by_radius / (2.0 * h), max_relative = 1e-8);
+        assert_relative_eq!(
+            held.by_log_radius,
+            by_radius / (2.0 * h),
+            max_relative = 1e-8
+        );
         for gear in 0..2 {
             let moved = |h: f64| {
                 let mut moved = lengths;

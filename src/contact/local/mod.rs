@@ -24,6 +24,6 @@ mod width;
 
 #[cfg(feature = "preprocess")]
 pub(super) use division::{Piece, divide};
-pub(super) use hertz::{HeldContact, LocalBody, LocalContact};
+pub(super) use hertz::{LocalBody, LocalContact};
 #[cfg(feature = "preprocess")]
 pub(crate) use width::widest_contact;

@@ -48,7 +48,8 @@ fn steeply_relieved_flanks_touch_below_the_nominal_line() {
     let relief = pair.microgeometry.drive[0].tip_relief.unwrap();
     // Well within the relief of gear 1.
     let at = section.point(path.end - 0.03 * path.length());
-    let found = Flanks::new(g, &section, &pair.microgeometry.drive, at, Z).closest_point();
+    let found =
+        Flanks::new(g, &section, pair.microgeometry.drive.each_ref(), at, Z).closest_point();
     let gear = &g.gears[0];
     let cos = g.base_helix_angle().cos();
     let radius = 1.0 / (1.0 / at.roll[0] + 1.0 / at.roll[1]);
@@ -79,7 +80,8 @@ fn the_closest_point_is_the_least_gap_of_all() {
     let [first, last] = section.reach();
     for step in 0..=200 {
         let at = section.point(first + (last - first) * f64::from(step) / 200.0);
-        let found = Flanks::new(g, &section, &pair.microgeometry.drive, at, Z).closest_point();
+        let found =
+            Flanks::new(g, &section, pair.microgeometry.drive.each_ref(), at, Z).closest_point();
         let curvature: f64 = at.roll.iter().map(|roll| roll.recip()).sum();
         let least = (-2000..=2000)
             .map(|s| 1e-6 * f64::from(s))
@@ -117,8 +119,14 @@ fn flanks_without_profile_modifications_touch_on_the_nominal_line() {
     let section = section(&pair);
     for xi in section.reach() {
         let at = section.point(0.8 * xi);
-        let found =
-            Flanks::new(&pair.geometry, &section, &pair.microgeometry.drive, at, Z).closest_point();
+        let found = Flanks::new(
+            &pair.geometry,
+            &section,
+            pair.microgeometry.drive.each_ref(),
+            at,
+            Z,
+        )
+        .closest_point();
         assert_eq!((found.roll, found.gap), (at.roll, at.separation));
         assert_eq!((found.edge_slope, found.arm), (at.edge_slope, at.arm));
     }

@@ -11,3 +11,4 @@ mod runtime;
 mod separation;
 mod sliding;
 mod symmetry;
+mod teeth;

@@ -69,7 +69,9 @@ fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     // The user's umask decides, as for any other file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.prefix(".gearmesh-").tempfile_in(folder(path))
+    let made = builder.prefix(".gearmesh-").tempfile_in(folder(path));
+    // Without the temporary name, which means nothing to the user.
+    made.map_err(|error| error.kind().into())
 }
 
 /// `bytes` in hexadecimal digits.
@@ -104,7 +106,8 @@ mod tests {
         fs::create_dir(&taken).unwrap();
         for path in [&taken, &folder.path().join("missing/out.json")] {
             check_writable(path).unwrap_err();
-            write_whole(path, b"x").unwrap_err();
+            let error = write_whole(path, b"x").unwrap_err().to_string();
+            assert!(!error.contains(".gearmesh-"), "{error}");
         }
         assert_eq!(entries(folder.path()), 1);
     }

@@ -87,8 +87,12 @@ pub fn log_log(
     Ok(svg)
 }
 
+/// The label of a grid line: of 1, 2 and 5 in every decade, since those of all nine run into one another.
 fn short(v: f64) -> String {
-    if (1e-2..1e5).contains(&v) {
+    let leading = (v / 10f64.powf(v.log10().floor())).round();
+    if ![1.0, 2.0, 5.0, 10.0].contains(&leading) {
+        String::new()
+    } else if (1e-2..1e5).contains(&v) {
         format!("{}", (v * 1e4).round() / 1e4)
     } else {
         format!("{v:.0e}")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
 import fmpy
 from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions
+
+from .unpacked import Unpacked
 
 OK = 0
 # The unit always logs with the format "%s" and one text.
@@ -56,15 +57,15 @@ class GearPair:
     ) -> None:
         self._instance: Any = None  # of fmpy, which has no types
         self._log: list[str] = []
-        self._folder: str | None = fmpy.extract(str(fmu))
+        self._unpacked: Unpacked | None = Unpacked.of(fmu)
         try:
-            self._description = fmpy.read_model_description(self._folder)
+            self._description = self._unpacked.description
             self._variables = {v.name: v for v in self._description.modelVariables}
             self._exchange = interface == "model-exchange"
             kind = FMU2Model if self._exchange else FMU2Slave
             instance = kind(
                 guid=self._description.guid,
-                unzipDirectory=self._folder,
+                unzipDirectory=self._unpacked.folder,
                 modelIdentifier=self._description.coSimulation.modelIdentifier,
                 instanceName=Path(fmu).stem,
             )
@@ -222,7 +223,7 @@ class GearPair:
         return int(self._instance.getInteger(reference)[0])
 
     def close(self) -> None:
-        """Terminates the instance and removes the unpacked archive."""
+        """Terminates the instance; the last one of its archive removes the unpacked files."""
         if self._instance is not None:
             try:
                 self._instance.terminate()
@@ -230,9 +231,9 @@ class GearPair:
                 pass
             self._instance.freeInstance()
             self._instance = None
-        if self._folder is not None:
-            shutil.rmtree(self._folder, ignore_errors=True)
-            self._folder = None
+        if self._unpacked is not None:
+            self._unpacked.release()
+            self._unpacked = None
 
     def __enter__(self) -> GearPair:
         return self

@@ -12,7 +12,6 @@
 
 use super::constants::{Constants, FLANKS};
 use super::flank::FlankLoad;
-use super::law::Effects;
 use super::map::{Coordinates, Map, Slide, Spatial};
 use super::parameters::Parameters;
 use super::scalar::{Scalar, lift};
@@ -25,7 +24,6 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub(crate) struct Friction {
     table: Arc<Table>,
-    effects: Effects,
     coefficient: Coefficient,
     /// Speed of transition, squared, m²/s².
     transition: f64,
@@ -74,7 +72,6 @@ impl Friction {
         coefficient.scale *= p.friction_factor;
         Some(Friction {
             table: table.clone(),
-            effects: Effects::of(p),
             coefficient,
             transition: p.friction_transition_speed.powi(2),
             rolling_per_spin: pair.rolling_speed_per_spin(pair.center_distance),
@@ -99,10 +96,10 @@ impl Friction {
             load.misalignment,
             load.mesh_position,
         ];
-        if !self.effects.center_distance {
+        if !self.table.effects().center_distance {
             q[1] = T::from(0.0);
         }
-        if !self.effects.misalignment {
+        if !self.table.effects().misalignment {
             q[2] = T::from(0.0);
         }
         if mirrored {

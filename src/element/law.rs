@@ -1,10 +1,9 @@
 //! Elastic law of one flank: from the four mesh coordinates to the derivatives of the potential.
 
-use super::parameters::Parameters;
 use super::scalar::{Scalar, lift};
 use crate::gear::Flank;
 use crate::gear::teeth::Counts;
-use crate::table::{COORDINATES, FlankTable, Potential, Query, Table};
+use crate::table::{COORDINATES, Effects, FlankTable, Potential, Query, Table};
 use std::sync::Arc;
 
 /// Anything that gives the potential W(delta, C, M, PMC) of a loaded flank: the interpolated table,
@@ -76,25 +75,6 @@ impl Elasticity for Linear {
     }
 }
 
-/// Which coordinates and terms are on.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Effects {
-    pub center_distance: bool,
-    pub misalignment: bool,
-    pub shuttling: bool,
-}
-
-impl Effects {
-    /// Those of `parameters`.
-    pub(crate) fn of(parameters: &Parameters) -> Self {
-        Self {
-            center_distance: parameters.center_distance_effect,
-            misalignment: parameters.misalignment_effect,
-            shuttling: parameters.shuttling_effect,
-        }
-    }
-}
-
 /// Law of one flank as the formulations use it.
 #[derive(Clone)]
 pub(crate) struct Law {
@@ -118,18 +98,13 @@ pub(crate) struct Response<T> {
 
 impl Law {
     /// Linear spring of `stiffness` N/m on the line of action.
-    pub(crate) fn linear(stiffness: f64) -> Self {
-        let effects = Effects {
-            center_distance: false,
-            misalignment: false,
-            shuttling: false,
-        };
+    pub(crate) fn linear(stiffness: f64, effects: Effects) -> Self {
         Self::new(Arc::new(Linear { stiffness }), false, effects)
     }
 
-    /// `flank` of the pair's table, which has the dimensions of `effects` alone.
-    pub(crate) fn of_table(table: &Arc<Table>, flank: Flank, effects: Effects) -> Self {
-        let mirrored = table.flank(flank).1;
+    /// `flank` of the pair's table, with the effects that it was made for.
+    pub(crate) fn of_table(table: &Arc<Table>, flank: Flank) -> Self {
+        let (mirrored, effects) = (table.flank(flank).1, *table.effects());
         let table = table.clone();
         Self::new(Arc::new(TableFlank { table, flank }), mirrored, effects)
     }

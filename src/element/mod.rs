@@ -67,6 +67,8 @@ mod tests_flanks;
 #[cfg(test)]
 mod tests_friction;
 #[cfg(test)]
+mod tests_jacobian;
+#[cfg(test)]
 mod tests_limits;
 #[cfg(test)]
 mod tests_poses;
@@ -80,7 +82,7 @@ use crate::table::Table;
 use constants::{Constants, FLANKS};
 use flank::Damper;
 use friction::Friction;
-use law::{Effects, Law};
+use law::Law;
 use nalgebra::Vector3;
 use start::Covered;
 use std::sync::Arc;
@@ -112,7 +114,7 @@ impl Element {
         parameters: &Parameters,
         laws: &FlankLaws,
     ) -> Result<Self, ElementError> {
-        let effects = Effects::of(parameters);
+        let effects = parameters.table_effects(pair);
         let drive = Law::new(laws.drive.clone(), false, effects);
         let coast = match &laws.coast {
             Some(own) => Law::new(own.clone(), false, effects),
@@ -140,8 +142,7 @@ impl Element {
                 if *table.effects() != wanted {
                     table = Arc::new(table.sliced(&wanted)?);
                 }
-                let effects = Effects::of(parameters);
-                let laws = FLANKS.map(|flank| Law::of_table(&table, flank, effects));
+                let laws = FLANKS.map(|flank| Law::of_table(&table, flank));
                 let mut element = Self::build(pair, parameters, laws)?;
                 element.friction = Friction::new(pair, parameters, &table);
                 element.largest_force =
@@ -152,7 +153,8 @@ impl Element {
             StiffnessModel::Contact => Err(ElementError::NoContact),
             StiffnessModel::Constant => {
                 let phi = pair.operating_pressure_angle(pair.center_distance);
-                let law = Law::linear(parameters.constant_stiffness / phi.cos().powi(2));
+                let stiffness = parameters.constant_stiffness / phi.cos().powi(2);
+                let law = Law::linear(stiffness, parameters.table_effects(pair));
                 let mut element = Self::build(pair, parameters, [law.clone(), law])?;
                 element.covered = Some(Covered::NOTHING);
                 Ok(element)

@@ -9,11 +9,48 @@ use zip::ZipArchive;
 use super::PackageError;
 use crate::fmi::resources::{TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
 
-/// Longest text that is read from a unit, bytes: some hundred times the tables of a pair.
+/// Longest file that is read from a unit, bytes: some hundred times the tables of a pair.
 const LONGEST_TEXT: u64 = 256 << 20;
 
 /// Most files of a unit that is looked into; one of gearmesh has some twenty.
 const MOST_FILES: usize = 10_000;
+
+/// Unpacks the resources of the unit at `path` into `folder`, as a host would.
+///
+/// # Errors
+/// A file that cannot be read, or resources longer than any that this program packs.
+pub fn unpack_resources(path: &Path, folder: &Path) -> Result<(), PackageError> {
+    let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
+    let mut archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
+    let names: Vec<String> = archive.file_names().map(str::to_owned).collect();
+    for name in names {
+        // Only what lies there itself: no name leads out of `folder`.
+        let Some(last) = name.strip_prefix("resources/").filter(|n| is_plain(n)) else {
+            continue;
+        };
+        let entry = archive
+            .by_name(&name)
+            .map_err(|e| PackageError::archive(path, e))?;
+        let target = folder.join(last);
+        let mut file = File::create(&target).map_err(|e| PackageError::file(&target, e))?;
+        let mut limited = entry.take(LONGEST_TEXT + 1);
+        let length =
+            std::io::copy(&mut limited, &mut file).map_err(|e| PackageError::file(path, e))?;
+        if length > LONGEST_TEXT {
+            return Err(PackageError::contents(path, too_long(&name)));
+        }
+    }
+    Ok(())
+}
+
+fn is_plain(name: &str) -> bool {
+    !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', ':'])
+}
+
+fn too_long(name: &str) -> String {
+    let longest = LONGEST_TEXT >> 20;
+    format!("{name} unfolds into more than {longest} MB, and was not packed by gearmesh")
+}
 
 /// Contents of a packed unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,11 +99,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
             .read_to_string(&mut text)
             .map_err(|e| PackageError::file(path, e))?;
         if length as u64 > LONGEST_TEXT {
-            let longest = LONGEST_TEXT >> 20;
-            let problem = format!(
-                "{name} unfolds into more than {longest} MB, and was not packed by gearmesh"
-            );
-            return Err(PackageError::contents(path, problem));
+            return Err(PackageError::contents(path, too_long(name)));
         }
         Ok(Some(text))
     };

@@ -22,7 +22,7 @@ use sha2::{Digest, Sha256};
 
 pub use coupling::{Coupling, DAMPING_RATIO};
 pub use documentation::start_in_words;
-pub use inspect::{Inspection, inspect};
+pub use inspect::{Inspection, inspect, unpack_resources};
 pub use library::{Library, libraries_beside};
 pub use mass::Blank;
 pub use settings::{Setting, SettingError};

@@ -5,6 +5,9 @@ use super::{Axes, FlankGrid, TableError};
 /// Fewest nodes of an axis that is there: the C2 spline needs four.
 const FEWEST: usize = 4;
 
+/// Beyond all lengths, forces and moments of gears; products of a few of them with one another stay finite.
+const LARGEST: f64 = 1e15;
+
 impl FlankGrid {
     /// Checks lengths, order and finiteness of all that is there, and that the force does not fall
     /// over the displacement. `flank` names it in messages.
@@ -84,20 +87,28 @@ impl Axes {
                 "make the tables again",
             ));
         }
+        // The spline's first cell begins at the onset of contact.
+        check_spacing("displacement_fraction", &[&[0.0], u.as_slice()].concat())?;
         check_axis("center_distance_offset_m", &self.center_distance_offset)?;
         check_axis("misalignment_rad", &self.misalignment)?;
         check_axis("mesh_position", &self.mesh_position)?;
-        let p = &self.mesh_position;
-        if p[0] < 0.0 || p[p.len() - 1] >= 1.0 {
-            return Err(TableError::field(
-                "axes.mesh_position",
-                format!("{} ... {}", p[0], p[p.len() - 1]),
-                "a mesh position lies in [0, 1)",
-                "leave out the repeated end 1; the axis is periodic",
-            ));
-        }
-        Ok(())
+        check_mesh_position(&self.mesh_position)
     }
+}
+
+/// Checks what sets the periodic axis apart from others.
+pub(super) fn check_mesh_position(nodes: &[f64]) -> Result<(), TableError> {
+    let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
+    if first < 0.0 || last >= 1.0 {
+        return Err(TableError::field(
+            "axes.mesh_position",
+            format!("{first} ... {last}"),
+            "a mesh position lies in [0, 1)",
+            "leave out the repeated end 1; the axis is periodic",
+        ));
+    }
+    // The last cell ends at the first node of the next cycle.
+    check_spacing("mesh_position", &[nodes, &[first + 1.0]].concat())
 }
 
 pub(super) fn too_few(name: &str, count: usize) -> TableError {
@@ -124,16 +135,22 @@ pub(super) fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
             ));
         }
     }
-    let range = nodes[nodes.len() - 1] - nodes[0];
-    if let Some(pair) = nodes.windows(2).find(|w| w[1] - w[0] < range / 1e5) {
-        return Err(TableError::field(
+    check_spacing(name, nodes)
+}
+
+/// Cells of a spline between `ends`, ascending: one far narrower than the range would cost memory without bound
+/// where cells are found by equal buckets.
+fn check_spacing(name: &str, ends: &[f64]) -> Result<(), TableError> {
+    let range = ends[ends.len() - 1] - ends[0];
+    match ends.windows(2).find(|w| w[1] - w[0] < range / 1e5) {
+        Some(pair) => Err(TableError::field(
             format!("axes.{name}"),
             format!("{} and {}", pair[0], pair[1]),
-            "nodes closer than a hundred-thousandth of the range",
+            "closer than a hundred-thousandth of the range",
             "leave one of them out",
-        ));
+        )),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 pub(super) fn check_values(name: &str, values: &[f64], length: usize) -> Result<(), TableError> {
@@ -145,11 +162,11 @@ pub(super) fn check_values(name: &str, values: &[f64], length: usize) -> Result<
             "the file is incomplete; make the tables again",
         ));
     }
-    match values.iter().position(|v| !v.is_finite()) {
+    match values.iter().position(|v| v.is_nan() || v.abs() > LARGEST) {
         Some(i) => Err(TableError::field(
             format!("{name}[{i}]"),
             values[i],
-            "not a finite number",
+            format!("a number no larger than {LARGEST:e} is wanted"),
             "make the tables again",
         )),
         None => Ok(()),

@@ -1,5 +1,8 @@
 """The Python package: both interfaces against one another and against fmpy, and its refusals."""
 
+import shutil
+from pathlib import Path
+
 import fmpy
 import numpy as np
 import pytest
@@ -101,3 +104,22 @@ def test_what_the_unit_logs_is_in_the_exception(fmu):
 def test_a_variable_that_does_not_exist_is_refused_by_name(fmu):
     with pytest.raises(GearPairError, match="'dampnig'"):
         GearPair(fmu, {"dampnig": 1.0})
+
+
+def test_instances_of_one_archive_share_its_files_until_the_last_one_closes(fmu):
+    first, second = GearPair(fmu), GearPair(fmu, interface="model-exchange")
+    folder = Path(first._unpacked.folder)
+    assert Path(second._unpacked.folder) == folder
+    first.close()
+    assert folder.is_dir()
+    turned(second).evaluate(0.0)
+    second.close()
+    assert not folder.exists()
+
+
+def test_an_archive_written_anew_is_another_one(fmu, tmp_path):
+    file = shutil.copy2(fmu, tmp_path / "pair.fmu")
+    with GearPair(file) as old:
+        gearmesh("pack", "--pair", PAIRS / "fzg-c.json", "-o", file)
+        with GearPair(file) as new:
+            assert new._description.guid != old._description.guid

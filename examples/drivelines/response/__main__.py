@@ -27,6 +27,8 @@ def main() -> None:
             left.loglog(points, 1e6 * found, "o", color=colour, label=f"{name}, through the unit")
             error = np.abs(found / closed_form(support, points) - 1.0)
             print(f"{name}: resonances {np.round(eigenfrequencies(support))} Hz; largest deviation {100 * error.max():.2f} %")
+        left.xaxis.set_minor_formatter(lambda value, _: f"{value:.0f}" if f"{value:.0e}"[0] in "25" else "")
+        left.xaxis.set_major_formatter("{x:.0f}")
         left.set(xlabel="frequency, Hz", ylabel="transmission error, µm")
         left.legend(fontsize=8)
         for future, name in zip(sweeps, ("run-up", "run-down")):

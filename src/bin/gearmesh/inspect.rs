@@ -12,6 +12,7 @@ use gearmesh::words::{count, shown};
 use serde::de::IgnoredAny;
 
 use crate::Error;
+use crate::cost;
 use crate::output::{self, Listing};
 use crate::pair_summary::pair_summary;
 
@@ -75,6 +76,13 @@ fn fmu(path: &Path) -> Result<String, Error> {
     let mut rows = Listing::default();
     rows.row("GUID", &found.unit.guid)
         .row("platforms", found.platforms.join(", "));
+    if let Some(time) = cost::evaluation(path, &found.unit.guid)? {
+        let words = format!(
+            "{:.2} us on this machine, under nominal torque and with the start values below",
+            1e6 * time
+        );
+        rows.row("time of one evaluation", words);
+    }
     for (name, value) in &found.unit.starts {
         rows.row(format!("start: {name}"), start_in_words(name, *value));
     }

@@ -5,6 +5,7 @@
 
 mod build;
 mod cache;
+mod cost;
 mod flank_summary;
 mod import;
 mod inspect;

@@ -314,9 +314,12 @@ fn modifications_in_words(pair: &Pair, i: usize) -> String {
 
 /// How the static solves of tables went, as their file says.
 pub fn solves_in_words(file: &TableFile) -> String {
-    let of = |name: &str| {
-        let value = file.solver.get(name);
-        value.map_or("an unknown number".into(), ToString::to_string)
+    let of = |name: &str| match file.solver.get(name) {
+        None => "an unknown number".into(),
+        Some(value) => match value.as_f64() {
+            Some(number) if number.fract() != 0.0 => format!("{number:.1e}"),
+            _ => value.to_string(),
+        },
     };
     format!(
         "{} contact solves, Newton steps {} at most of {} allowed, KKT residual {} at most",

@@ -8,6 +8,7 @@ mod basis;
 mod chain;
 mod continuation;
 mod fit;
+mod jet;
 mod kernel;
 mod lanes;
 mod line;

@@ -8,9 +8,10 @@
 
 use super::basis::{Basis, Ends};
 use super::fit::{Block, breaks, integrated, make_monotone, stored_from_values};
+use super::jet::{Jet4, PAIR};
 use super::kernel::{Coefficients, Jet, field, fields};
 use super::lanes::{Registers, Two};
-use super::scatter::{Jet4, PAIR, Scatter, saturated};
+use super::scatter::{Scatter, saturated};
 use super::tensor::Tensor;
 use super::{Checks, Evaluate, chain};
 use crate::table::{FlankGrid, Potential, Query, TableError};

@@ -13,7 +13,7 @@ pub use interpolant::{SlidingJet, SlidingTable};
 pub use sweep::{default_sliding_axes, sweep_sliding};
 
 use super::TableError;
-use super::check::{check_axis, check_values, too_few};
+use super::check::{check_axis, check_mesh_position, check_values, too_few};
 use crate::friction::{FrictionLaw, Sliding};
 use serde::{Deserialize, Serialize};
 
@@ -114,6 +114,7 @@ impl FrictionRecord {
         ] {
             check_axis(name, nodes)?;
         }
+        check_mesh_position(&axes.mesh_position)?;
         let forces = &axes.loa_force_n;
         if forces.len() < 4 {
             return Err(too_few("loa_force_n", forces.len()));

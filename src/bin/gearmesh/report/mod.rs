@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use chart::{Axes, Curve, line_chart};
 use clap::Args;
-use gearmesh::contact::{ContactResult, MeshCycle};
+use gearmesh::contact::{ContactResult, LoadCase, MeshCycle};
 use gearmesh::pair::Pair;
 use gearmesh::table::TableFile;
 use map::{Patch, map};
@@ -130,13 +130,16 @@ impl Report {
 
     /// A mesh cycle for each load, the torque (N m) first.
     fn cycles(&self, pair: &Pair, model: &Model) -> Result<Vec<(f64, MeshCycle)>, Error> {
-        let torques = self.torques(pair, &LOADS).into_iter();
-        torques
-            .map(|torque| {
-                let cycle = survey::cycle(&model.solver, torque, 0.0, self.positions)?;
-                Ok((torque, cycle))
+        let torques = self.torques(pair, &LOADS);
+        let cases: Vec<LoadCase> = torques
+            .iter()
+            .map(|&torque| LoadCase {
+                torque,
+                misalignment: 0.0,
             })
-            .collect()
+            .collect();
+        let cycles = survey::cycles(&model.solver, &cases, self.positions)?;
+        Ok(torques.into_iter().zip(cycles).collect())
     }
 
     /// Where on the flank the load is carried.

@@ -1,6 +1,6 @@
 //! Transmission error over torque and over misalignment.
 
-use gearmesh::contact::{ContactError, ContactSolver, CycleInput, MeshCycle};
+use gearmesh::contact::{ContactError, ContactSolver, CycleInput, LoadCase, MeshCycle};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 
@@ -21,21 +21,20 @@ const HARMONICS: usize = 3;
 /// Least top of a scale, um.
 const LEAST_TOP: f64 = 1e-3;
 
-/// A mesh cycle of the drive flank.
-pub fn cycle(
+/// Mesh cycles of the drive flank, one for each of `cases`.
+pub fn cycles(
     solver: &ContactSolver,
-    torque: f64,
-    misalignment: f64,
+    cases: &[LoadCase],
     positions: usize,
-) -> Result<MeshCycle, ContactError> {
+) -> Result<Vec<MeshCycle>, ContactError> {
     let input = CycleInput {
         flank: Flank::Drive,
-        torque,
+        torque: 0.0,
         center_distance_offset: 0.0,
-        misalignment,
+        misalignment: 0.0,
         positions,
     };
-    MeshCycle::solve(solver, &input)
+    MeshCycle::solve_all(solver, &input, cases, &|_| {})
 }
 
 /// `count` values evenly from `low` to `high`.
@@ -68,15 +67,16 @@ pub fn survey(page: &mut Page, pair: &Pair, solver: &ContactSolver) -> Result<()
     let operating = &pair.operating;
     let largest = operating.maximum_torque;
     let torques = evenly(largest / TORQUES as f64, largest, TORQUES);
-    let solve = |torque: f64, m: f64| cycle(solver, torque, m, POSITIONS);
     page.section(
         "Transmission error over torque",
         "Peak-to-peak value and amplitudes of the harmonics of the mesh frequency, aligned, on the line of action.",
     );
-    let aligned = torques
-        .iter()
-        .map(|torque| solve(*torque, 0.0))
-        .collect::<Result<Vec<_>, _>>()?;
+    let case = |torque: f64, misalignment: f64| LoadCase {
+        torque,
+        misalignment,
+    };
+    let aligned: Vec<LoadCase> = torques.iter().map(|torque| case(*torque, 0.0)).collect();
+    let aligned = cycles(solver, &aligned, POSITIONS)?;
     let chart = |x: &str, curves: &[Curve]| {
         let axes = Axes::new(x, "amplitude of the STE (um)");
         line_chart(&axes.starting_at_zero().least(LEAST_TOP), curves)
@@ -99,19 +99,24 @@ pub fn survey(page: &mut Page, pair: &Pair, solver: &ContactSolver) -> Result<()
             torque_in_words(operating.nominal_torque)
         ),
     );
-    let tilted = tilts
+    // The nominal torque first, then every torque of the map.
+    let all: Vec<LoadCase> = [operating.nominal_torque]
         .iter()
-        .map(|m| solve(operating.nominal_torque, *m))
-        .collect::<Result<Vec<_>, _>>()?;
+        .chain(&torques)
+        .flat_map(|torque| tilts.iter().map(|m| case(*torque, *m)))
+        .collect();
+    let all = cycles(solver, &all, POSITIONS)?;
+    let (tilted, mapped) = all.split_at(tilts.len());
+    let mut mapped = mapped.iter();
     let mut patches = Vec::new();
     let half = [0.5 * (mrad[1] - mrad[0]), 0.5 * (torques[1] - torques[0])];
     for &torque in &torques {
-        for (&m, &x) in tilts.iter().zip(&mrad) {
+        for (&x, cycle) in mrad.iter().zip(mapped.by_ref()) {
             let (x0, x1) = (x - half[0], x + half[0]);
             let (y0, y1) = (torque - half[1], torque + half[1]);
             patches.push(Patch {
                 corners: [(x0, y0), (x1, y0), (x1, y1), (x0, y1)],
-                value: 1e6 * solve(torque, m)?.peak_to_peak_ste(),
+                value: 1e6 * cycle.peak_to_peak_ste(),
                 apart: false,
             });
         }
@@ -123,7 +128,7 @@ pub fn survey(page: &mut Page, pair: &Pair, solver: &ContactSolver) -> Result<()
         labels: ["misalignment (mrad)", "torque (N m)", "um"],
     };
     page.pictures(&[
-        chart("misalignment (mrad)", &amplitudes(&mrad, &tilted))?,
+        chart("misalignment (mrad)", &amplitudes(&mrad, tilted))?,
         map("peak-to-peak STE", &view, patches, top)?,
     ]);
     Ok(())

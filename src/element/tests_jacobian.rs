@@ -1,0 +1,193 @@
+//! Exact derivatives against finite differences.
+
+use super::jacobian::*;
+use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Motion};
+use super::testing::{LAWS, Noise, compressed, random_pose, rubbing, rubbing_table, three_pairs};
+use super::{Element, Formulation};
+use crate::element::{FlankLaws, Interpolation, LoadedFlank, Parameters};
+use crate::table::{FlankTable, samples::Spring};
+use nalgebra::{Rotation3, SVector};
+use std::sync::Arc;
+
+fn nudged(m: &Motion, d: &MotionChange, h: f64) -> Motion {
+    Motion {
+        p: m.p + d.p * h,
+        r: Rotation3::new(d.rotation * h).matrix() * m.r,
+        v: m.v + d.v * h,
+        w: m.w + d.w * h,
+    }
+}
+
+fn moved(x: &Inputs, d: &InputsChange, h: f64) -> Inputs {
+    Inputs {
+        gears: [0, 1].map(|i| nudged(&x.gears[i], &d.gears[i], h)),
+        carrier: nudged(&x.carrier, &d.carrier, h),
+    }
+}
+
+/// Exact derivatives at `inputs` along a random direction, against finite
+/// differences, all rows but `mesh.stiffness` to `bar` of their scale, that one to `stiffness_bar`.
+fn compare(element: &Element, inputs: &Inputs, noise: &mut Noise, bar: f64, stiffness_bar: f64) {
+    const STIFFNESS_ROW: usize = 22;
+    let latch = element.latch(&element.nominal_inputs()).unwrap();
+    let mut change = || MotionChange {
+        p: noise.vector(1.0),
+        rotation: noise.vector(10.0),
+        v: noise.vector(100.0),
+        w: noise.vector(100.0),
+    };
+    let direction = InputsChange {
+        gears: [change(), change()],
+        carrier: change(),
+    };
+    let exact = element
+        .directional_derivative(&latch, inputs, &direction)
+        .unwrap();
+    // Truncation, of fourth order, stays below the bound at every pose of the sequence, and rounding far below.
+    let h = 1e-8;
+    let side = |h: f64| {
+        let out = element.evaluate(&latch, &moved(inputs, &direction, h));
+        SVector::from(out.unwrap().to_array())
+    };
+    let rough = (8.0 * (side(h) - side(-h)) - (side(2.0 * h) - side(-2.0 * h))) / (12.0 * h);
+    let value = side(0.0);
+    let jacobian = element.jacobian(&latch, inputs).unwrap();
+    let along = direction.to_vector();
+    // Outputs of one kind share a scale: forces, moments, then each scalar its own. It is that of the terms
+    // which add up to the derivative, or of the value where that is larger.
+    for row in 0..CONTINUOUS_OUTPUTS {
+        let group = if row < 15 {
+            row / 3 * 3..row / 3 * 3 + 3
+        } else {
+            row..row + 1
+        };
+        let terms = |i: usize| {
+            jacobian
+                .row(i)
+                .transpose()
+                .component_mul(&along)
+                .abs()
+                .sum()
+        };
+        let scale = group
+            .map(|i| terms(i).max(value[i].abs()))
+            .fold(0.0, f64::max);
+        let bar = if row == STIFFNESS_ROW {
+            stiffness_bar
+        } else {
+            bar
+        };
+        assert!(
+            (exact[row] - rough[row]).abs() <= bar * scale,
+            "{:?} row {row}: {} against {}",
+            element.parameters().formulation,
+            exact[row],
+            rough[row]
+        );
+    }
+}
+
+/// Some motion of both gears.
+fn set_velocities(inputs: &mut Inputs, noise: &mut Noise) {
+    for m in &mut inputs.gears {
+        m.v = noise.vector(1e-3);
+        m.w = noise.vector(1e-2);
+    }
+}
+
+#[test]
+fn derivatives_agree_with_finite_differences_and_with_each_other() {
+    let mut noise = Noise::new(5);
+    for formulation in [Formulation::Paper, Formulation::Conjugate] {
+        for pair in three_pairs(1.0) {
+            let parameters = Parameters {
+                formulation,
+                loaded_flank: LoadedFlank::Both,
+                damping: 1e5,
+                ..Parameters::default()
+            };
+            let element = Element::new(&pair, &parameters, None).unwrap();
+            let latch = element.latch(&element.nominal_inputs()).unwrap();
+            let mut tried = 0;
+            while tried < 8 {
+                let mut inputs = random_pose(&element, &mut noise);
+                set_velocities(&mut inputs, &mut noise);
+                if element.evaluate(&latch, &inputs).unwrap().flank == 0 {
+                    continue;
+                }
+                tried += 1;
+                compare(&element, &inputs, &mut noise, 1e-6, 1e-6);
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_with_friction_agree_with_finite_differences() {
+    let mut noise = Noise::new(8);
+    for formulation in [Formulation::Paper, Formulation::Conjugate] {
+        for pair in three_pairs(1.0) {
+            for law in LAWS {
+                let parameters = Parameters {
+                    damping: 1e5,
+                    friction_transition_speed: 0.05,
+                    ..rubbing(formulation, LoadedFlank::Drive)
+                };
+                let table = rubbing_table(&pair, law, false);
+                let element = Element::new(&pair, &parameters, Some(table)).unwrap();
+                for _ in 0..4 {
+                    let mut inputs = compressed(&element, 1.0, 8e-6 + 1e-6 * noise.next());
+                    set_velocities(&mut inputs, &mut noise);
+                    // Where the faces are flush the paper's (19) has a kink.
+                    inputs.gears[1].p.z += 2e-4;
+                    for m in &mut inputs.gears {
+                        m.w *= 1e3;
+                    }
+                    compare(&element, &inputs, &mut noise, 2e-6, 2e-3);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_on_a_table_agree_with_finite_differences() {
+    let grid = Spring::grid([10, 7, 9, 16]);
+    let drive = Arc::new(FlankTable::new(&grid, Interpolation::Spline).unwrap());
+    let laws = FlankLaws { drive, coast: None };
+    let mut noise = Noise::new(6);
+    let mut tried = 0;
+    for formulation in [Formulation::Paper, Formulation::Conjugate] {
+        for pair in three_pairs(-1.0) {
+            for (s, loaded_flank) in [(1.0, LoadedFlank::Drive), (-1.0, LoadedFlank::Coast)] {
+                let parameters = Parameters {
+                    formulation,
+                    loaded_flank,
+                    damping: 1e5,
+                    ..Parameters::default()
+                };
+                let element = Element::with_laws(&pair, &parameters, &laws).unwrap();
+                for _ in 0..6 {
+                    // Inside the table: +-3 mrad, +-100 um, some 8 um above the first touch.
+                    let mut inputs = compressed(&element, s, 6e-6 + 1e-6 * noise.next());
+                    let tilt = noise.vector(1e-4);
+                    inputs.gears[1].r = Rotation3::new(tilt).matrix() * inputs.gears[1].r;
+                    inputs.gears[1].p += noise.vector(1e-6);
+                    set_velocities(&mut inputs, &mut noise);
+                    let latch = element.latch(&element.nominal_inputs()).unwrap();
+                    let out = element.evaluate(&latch, &inputs).unwrap();
+                    if out.flank == 0 || out.out_of_range {
+                        continue;
+                    }
+                    tried += 1;
+                    // mesh.stiffness: a second derivative of a C2 force, differentiated itself.
+                    compare(&element, &inputs, &mut noise, 1e-6, 1e-3);
+                }
+            }
+        }
+    }
+    assert!(
+        tried >= 36,
+        "only {tried} poses in contact inside the table"
+    );
+}

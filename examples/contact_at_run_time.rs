@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let full = problem.solve_torque(torque, misalignment, None)?;
             let begin = Instant::now();
             let at = [full.approach, offset, misalignment, tau];
-            let found = contact.potential(at, &mut Warm::default())?;
+            let found = contact.potential(at, [0; 2], &mut Warm::default())?;
             cold += begin.elapsed().as_secs_f64();
             let nominal = o.nominal_torque / pair.geometry.gears[0].base_radius();
             let error = (found.gradient[0] - full.loa_force) / nominal;
@@ -66,7 +66,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut warm = Warm::default();
         let begin = Instant::now();
         for i in 0..STEPS {
-            contact.potential([mean.approach, 0.0, 0.0, i as f64 * 1e-3], &mut warm)?;
+            contact.potential(
+                [mean.approach, 0.0, 0.0, i as f64 * 1e-3],
+                [0; 2],
+                &mut warm,
+            )?;
         }
         let each = begin.elapsed().as_secs_f64() / STEPS as f64;
         println!(

@@ -4,6 +4,7 @@ use super::closest::Flanks;
 use super::transverse::TransverseSection;
 #[cfg(feature = "preprocess")]
 use crate::compliance::Strip;
+use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry, PairGeometry};
 
 /// Points of a strip at which the local contact is evaluated apart, so that the edge of the contact crosses
@@ -25,6 +26,9 @@ pub struct Candidate {
     /// Gaps along the line of action before load and misalignment at the points of the strip, ascending in z,
     /// m: microgeometry of both flanks and the separation off the path of contact.
     pub gap: [f64; POINTS],
+    /// How far the flanks come closest off the nominal line, along them towards the tip of gear 1, at these points and then at
+    /// mid-strip, m.
+    pub shift: [f64; POINTS + 1],
     /// Relative radius of curvature in the normal section, m.
     pub radius: f64,
     /// Slope of the gap at the nearest tip edge, from the edge into the flank, in the normal section; negative
@@ -54,6 +58,15 @@ impl Candidate {
     }
 }
 
+/// How fast a strip changes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StripRates {
+    /// Rates of [`Candidate::gap`].
+    pub gap: [f64; POINTS],
+    /// Rate of the logarithm of [`Candidate::radius`].
+    pub log_radius: f64,
+}
+
 fn points(z: [f64; 2]) -> [f64; POINTS] {
     std::array::from_fn(|q| z[0] + (z[1] - z[0]) * (q as f64 + 0.5) / POINTS as f64)
 }
@@ -70,6 +83,17 @@ pub struct ContactLines<'a> {
     pub flank: Flank,
     /// Number of equal stations over the overlap of both faces.
     pub stations: usize,
+    /// Teeth that differ; `None`: all are alike.
+    pub teeth: Option<TeethAt<'a>>,
+}
+
+/// Teeth that differ, and those that are in mesh.
+#[derive(Debug, Clone, Copy)]
+pub struct TeethAt<'a> {
+    /// All of them.
+    pub passing: &'a Passing,
+    /// Mesh cycles counted.
+    pub counts: Counts,
 }
 
 /// Pieces shorter than this fraction of a station are left out where a path end cuts it: what they could
@@ -87,16 +111,20 @@ impl ContactLines<'_> {
 
     /// Tooth pairs that come within `margin` (m) of the reach of contact.
     fn pairs(&self, tau: f64, margin: f64) -> std::ops::RangeInclusive<i32> {
-        let (_, width) = self.geometry.face_overlap();
-        let pitch = self.geometry.base_pitch();
-        let tilt = 0.5 * width * self.geometry.base_helix_angle().tan() + margin;
+        let numbers = self.section.numbers();
+        let pitch = numbers.base_pitch;
+        let tilt = 0.5 * numbers.face[1] * numbers.tan_beta_b + margin;
         let [first, last] = self.section.reach();
         ((first - tilt) / pitch - tau).floor() as i32..=((last + tilt) / pitch - tau).ceil() as i32
     }
 
+    fn contact_line(&self, tau: f64, k: i32, z: f64) -> f64 {
+        self.section.numbers().contact_line(self.flank, tau, k, z)
+    }
+
     /// Ends of a station, m.
     fn station(&self, station: usize) -> [f64; 2] {
-        let (low, width) = self.geometry.face_overlap();
+        let [low, width] = self.section.numbers().face;
         let step = width / self.stations as f64;
         [0, 1].map(|end| low + step * (station + end) as f64)
     }
@@ -109,6 +137,42 @@ impl ContactLines<'_> {
             .then(|| self.candidate(tau, (k, station), z, false))
     }
 
+    /// Rates by mesh position and by centre distance of the gaps of `candidate` (m per cycle, m/m) and of the logarithm of
+    /// its radius of curvature; `None` unless it is whole, on the path of contact and touches inside its flanks.
+    pub fn rates(&self, tau: f64, candidate: &Candidate) -> Option<[StripRates; 2]> {
+        let (k, station) = candidate.name();
+        if candidate.z != self.station(station) {
+            return None;
+        }
+        let numbers = self.section.numbers();
+        let rolls = self.section.roll_rates();
+        let mut rates = [StripRates::default(); 2];
+        for (q, z) in candidate.points().into_iter().enumerate() {
+            let found = self
+                .flanks(tau, k, z, false)
+                .rates(candidate.shift[q], rolls)?;
+            for (rates, (gap, _)) in rates.iter_mut().zip(found) {
+                rates.gap[q] = gap;
+            }
+        }
+        if let Some(teeth) = self.teeth {
+            let [_, rate] = teeth.passing.closing(teeth.counts, k, tau);
+            rates[0].gap.iter_mut().for_each(|gap| *gap -= rate);
+        }
+        let middle = self.flanks(tau, k, candidate.middle(), false);
+        for (rates, (_, moved)) in rates
+            .iter_mut()
+            .zip(middle.rates(candidate.shift[POINTS], rolls)?)
+        {
+            rates.log_radius = (0..2)
+                .map(|i| numbers.kappa[i] * moved[i] / (candidate.roll[i] * candidate.roll[i]))
+                .sum::<f64>()
+                * numbers.cos_beta_b
+                * candidate.radius;
+        }
+        Some(rates)
+    }
+
     /// Whole strips, those up to `margin` (m, along the path) beyond the reach of contact, too, as if they lay at its end.
     #[cfg(feature = "preprocess")]
     pub fn strips_beyond(&self, tau: f64, margin: f64) -> Vec<Candidate> {
@@ -117,7 +181,7 @@ impl ContactLines<'_> {
         for k in self.pairs(tau, margin) {
             for station in 0..self.stations {
                 let z = self.station(station);
-                let xi = z.map(|z| self.geometry.contact_line(self.flank, tau, k, z));
+                let xi = z.map(|z| self.contact_line(tau, k, z));
                 let (low, high) = (xi[0].min(xi[1]), xi[0].max(xi[1]));
                 if high >= first - margin && low <= last + margin {
                     all.push(self.candidate(tau, (k, station), z, true));
@@ -129,7 +193,7 @@ impl ContactLines<'_> {
 
     /// The part of `z` in which tooth pair `k` lies within the reach of contact.
     fn within_reach(&self, tau: f64, k: i32, z: [f64; 2]) -> Option<[f64; 2]> {
-        let xi = z.map(|z| self.geometry.contact_line(self.flank, tau, k, z));
+        let xi = z.map(|z| self.contact_line(tau, k, z));
         let [first, last] = self.section.reach();
         let slope = xi[1] - xi[0];
         if slope.abs() <= 1e-12 * (last - first) {
@@ -152,11 +216,27 @@ impl ContactLines<'_> {
     fn flanks(&self, tau: f64, k: i32, z: f64, held: bool) -> Flanks<'_> {
         let g = self.geometry;
         let [first, last] = self.section.reach();
-        let mut xi = g.contact_line(self.flank, tau, k, z);
+        let mut xi = self.contact_line(tau, k, z);
         if held {
             xi = xi.clamp(first, last);
         }
-        Flanks::new(g, self.microgeometry, self.section.point(xi), z)
+        Flanks::new(
+            g,
+            self.section,
+            self.microgeometry_of(k),
+            self.section.point(xi),
+            z,
+        )
+    }
+
+    /// Modifications of the flanks of tooth pair `k`.
+    fn microgeometry_of(&self, k: i32) -> [&Microgeometry; 2] {
+        [0, 1].map(|i| {
+            let own = self
+                .teeth
+                .and_then(|teeth| teeth.passing.own_flank(i, teeth.counts, k));
+            own.unwrap_or(&self.microgeometry[i])
+        })
     }
 
     fn candidate(
@@ -166,14 +246,23 @@ impl ContactLines<'_> {
         z: [f64; 2],
         held: bool,
     ) -> Candidate {
-        let g = self.geometry;
+        let numbers = self.section.numbers();
         let flanks = |z: f64| self.flanks(tau, k, z, held);
-        let middle = flanks(0.5 * (z[0] + z[1])).closest_point(self.section);
-        let gap = points(z).map(|z| flanks(z).least_gap(self.section));
-        let cos_beta_b = g.base_helix_angle().cos();
+        let middle = flanks(0.5 * (z[0] + z[1])).closest_point();
+        let closing = match self.teeth {
+            Some(teeth) => teeth.passing.closing(teeth.counts, k, tau)[0],
+            None => 0.0,
+        };
+        let mut shift = [middle.s; POINTS + 1];
+        let mut gap = [0.0; POINTS];
+        for (q, z) in points(z).into_iter().enumerate() {
+            let (least, s) = flanks(z).least_gap();
+            (gap[q], shift[q]) = (least - closing, s);
+        }
+        let cos_beta_b = numbers.cos_beta_b;
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
-            .map(|i| g.gears[i].kappa() * cos_beta_b / middle.roll[i])
+            .map(|i| numbers.kappa[i] * cos_beta_b / middle.roll[i])
             .sum();
         Candidate {
             tooth_pair: k,
@@ -181,6 +270,7 @@ impl ContactLines<'_> {
             z,
             roll: middle.roll,
             gap,
+            shift,
             radius: curvature.recip(),
             // The transverse tangent is normal to the generator; the gap is cos beta_b of that along the
             // line of action.
@@ -194,24 +284,18 @@ impl ContactLines<'_> {
     /// gear 2; `held` as it was made.
     #[cfg(feature = "preprocess")]
     pub fn seen_by_gears(&self, tau: f64, (k, z): (i32, [f64; 2]), held: bool) -> [Strip; 2] {
-        let ends = z.map(|z| self.flanks(tau, k, z, held).closest_point(self.section));
+        let ends = z.map(|z| self.flanks(tau, k, z, held).closest_point());
         [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]]))
     }
 
-    /// Whether z is mirrored to make gear `i` a right-handed one whose loaded flank faces +theta.
-    ///
-    /// The loaded flank faces the sense sigma_1 = s on gear 1 and sigma_2 = e s on gear 2. A mirror
-    /// theta -> -theta turns over both sigma and the hand, a mirror z -> -z the hand alone; so theta is
-    /// mirrored for sigma = -1 and z for h sigma = -1. Tooth pair k lies k pitches ahead in the sense of
-    /// rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k and -k.
+    /// See [`PairGeometry::is_mirrored`].
     #[cfg(feature = "preprocess")]
     pub fn is_mirrored(&self, i: usize) -> bool {
-        let s = self.flank.sign();
-        let sigma = if i == 0 { s } else { self.geometry.e() * s };
-        self.geometry.gears[i].hand * sigma < 0.0
+        self.geometry.is_mirrored(self.flank, i)
     }
 
-    /// The strip as gear `i` sees it once it is mirrored so.
+    /// The strip as gear `i` sees it once it is mirrored so. Tooth pair k lies k pitches ahead in the sense of
+    /// rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k and -k.
     #[cfg(feature = "preprocess")]
     fn canonical(&self, i: usize, k: i32, z: [f64; 2], roll: [f64; 2]) -> Strip {
         let gear = &self.geometry.gears[i];

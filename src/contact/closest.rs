@@ -29,6 +29,8 @@ pub struct ClosestPoint {
     pub roll: [f64; 2],
     /// Gap along the line of action, m.
     pub gap: f64,
+    /// Distance from the nominal point along both flanks towards the tip of gear 1, m.
+    pub s: f64,
     /// Slope of the gap at the tip edge that is nearest in slope, from the edge into the flank; negative
     /// where the flanks come closest inside.
     pub edge_slope: f64,
@@ -42,7 +44,8 @@ pub struct ClosestPoint {
 /// Both flanks about one point of the transverse section.
 pub struct Flanks<'a> {
     geometry: &'a PairGeometry,
-    microgeometry: &'a [Microgeometry; 2],
+    section: &'a TransverseSection,
+    microgeometry: [&'a Microgeometry; 2],
     /// Place along the face in each gear's own frame, m.
     z: [f64; 2],
     at: TransversePoint,
@@ -57,21 +60,24 @@ impl<'a> Flanks<'a> {
     /// The flanks about `at` at `z` (gear 1's frame, m).
     pub fn new(
         geometry: &'a PairGeometry,
-        microgeometry: &'a [Microgeometry; 2],
+        section: &'a TransverseSection,
+        microgeometry: [&'a Microgeometry; 2],
         at: TransversePoint,
         z: f64,
     ) -> Flanks<'a> {
-        let gear = |i: usize| &geometry.gears[i];
+        let numbers = section.numbers();
         let along = [1.0, -1.0];
+        let per_roll = at.roll.map(f64::recip);
         Flanks {
             geometry,
+            section,
             microgeometry,
-            z: [0, 1].map(|i| z - gear(i).face_offset),
+            z: numbers.face_offset.map(|offset| z - offset),
             at,
             roll_by_s: [0, 1]
-                .map(|i| along[i] * gear(i).kappa() * gear(i).base_radius() / at.roll[i]),
-            curvature: (0..2).map(|i| gear(i).kappa() / at.roll[i]).sum(),
-            per_cos: geometry.base_helix_angle().cos().recip(),
+                .map(|i| along[i] * numbers.kappa[i] * numbers.base_radius[i] * per_roll[i]),
+            curvature: numbers.kappa[0] * per_roll[0] + numbers.kappa[1] * per_roll[1],
+            per_cos: numbers.cos_beta_b.recip(),
         }
     }
 
@@ -90,6 +96,56 @@ impl<'a> Flanks<'a> {
             + self.at.slope * s
             + 0.5 * s * s * self.curvature
             + self.per_cos * (removal(0) + removal(1))
+    }
+
+    /// Rates of the least gap, which is at `s`, and of the lengths of roll there while those of the nominal point change at
+    /// each of the rates `rolls`, on the path of contact; `None` beyond it, where the closest point is at an end or at a
+    /// kink, and for a topography.
+    ///
+    /// The least gap changes as that at the present s, which is stationary.
+    pub fn rates(&self, s: f64, rolls: [[f64; 2]; 2]) -> Option<[(f64, [f64; 2]); 2]> {
+        let at = &self.at;
+        if at.separation != 0.0 || at.slope != 0.0 {
+            return None;
+        }
+        if self.is_nominal() {
+            return Some(rolls.map(|rolls| (0.0, rolls)));
+        }
+        if self.microgeometry.iter().any(|m| m.topography.is_some()) {
+            return None;
+        }
+        let kappa = self.section.numbers().kappa;
+        let here = self.rolls(s);
+        let removal = [0, 1].map(|i| {
+            let (m, gear) = (self.microgeometry[i], &self.geometry.gears[i]);
+            let slope = self.per_cos * m.slope(gear, here[i], self.z[i]);
+            [slope, self.per_cos * m.curvature(here[i])]
+        });
+        let slope = s * self.curvature
+            + self.roll_by_s[0] * removal[0][0]
+            + self.roll_by_s[1] * removal[1][0];
+        // The steps of the search end below a tolerance; at a kink the slope jumps past zero.
+        if slope.abs() > 100.0 * TOLERANCE {
+            return None;
+        }
+        let stiffness = self.slope_by_s(s);
+        Some(rolls.map(|rolls| {
+            let (mut curvature, mut gap, mut slope) = (0.0, 0.0, 0.0);
+            // Of the lengths of roll at the present s.
+            let mut held = [0.0; 2];
+            for i in 0..2 {
+                let relative = rolls[i] / at.roll[i];
+                curvature -= kappa[i] * relative / at.roll[i];
+                let by_s = -self.roll_by_s[i] * relative;
+                held[i] = rolls[i] + s * by_s;
+                let [first, second] = removal[i];
+                gap += first * held[i];
+                slope += by_s * first + self.roll_by_s[i] * second * held[i];
+            }
+            let moved = -(s * curvature + slope) / stiffness;
+            let rates = [0, 1].map(|i| held[i] + self.roll_by_s[i] * moved);
+            (gap + 0.5 * s * s * curvature, rates)
+        }))
     }
 
     /// Slope over s of both removals along the line of action at the lengths of roll `rolls`.
@@ -113,6 +169,34 @@ impl<'a> Flanks<'a> {
         let least = (0..=SAMPLES).min_by(|&a, &b| self.gap(at(a)).total_cmp(&self.gap(at(b))));
         let k = least.unwrap_or(0);
         [at(k.saturating_sub(1)), at((k + 1).min(SAMPLES))]
+    }
+
+    /// Zero of dg/ds within `range` by Newton's method, which ends after two or three steps where g is a parabola piece by
+    /// piece; `None` where it is at an end or at a kink.
+    fn zero_of_slope(&self, range: [f64; 2]) -> Option<f64> {
+        let tolerance = TOLERANCE / self.curvature;
+        let mut s = 0.0;
+        for _ in 0..4 {
+            let step = self.slope(s) / self.slope_by_s(s);
+            s -= step;
+            if !(range[0] < s && s < range[1]) {
+                return None;
+            }
+            if step.abs() <= tolerance {
+                return Some(s);
+            }
+        }
+        None
+    }
+
+    /// d²g/ds², without that of a topography.
+    fn slope_by_s(&self, s: f64) -> f64 {
+        let rolls = self.rolls(s);
+        let of = |i: usize| {
+            let by_s = self.roll_by_s[i];
+            by_s * by_s * self.microgeometry[i].curvature(rolls[i])
+        };
+        self.curvature + self.per_cos * (of(0) + of(1))
     }
 
     /// Zero of dg/ds in `range`, or the end at which g is least.
@@ -153,47 +237,54 @@ impl<'a> Flanks<'a> {
         self.microgeometry.iter().all(|m| !m.has_profile())
     }
 
-    /// s at which both flanks come closest in `section`.
-    fn closest_in(&self, section: &TransverseSection) -> f64 {
+    /// Range of s: the room on either gear towards its tip and towards the end of its involute.
+    fn range(&self) -> [f64; 2] {
+        let room = [0, 1].map(|i| {
+            let ends = self.section.flank_ends(i);
+            ends.map(|end| ((end - self.at.roll[i]) / self.roll_by_s[i]).abs())
+        });
+        [-room[1][0].min(room[0][1]), room[0][0].min(room[1][1])]
+    }
+
+    /// s at which both flanks come closest.
+    fn closest_in_reach(&self) -> f64 {
         if self.is_nominal() {
             return 0.0;
         }
-        let at = &self.at;
-        // Room on either gear towards its tip and towards the end of its involute, in s.
-        let room = [0, 1].map(|i| {
-            let ends = section.flank_ends(i);
-            ends.map(|end| ((end - at.roll[i]) / self.roll_by_s[i]).abs())
-        });
-        let mut range = [-room[1][0].min(room[0][1]), room[0][0].min(room[1][1])];
+        let range = self.range();
         if self.microgeometry.iter().any(|m| m.topography.is_some()) {
-            range = self.least_of(range);
+            return self.closest(self.least_of(range));
         }
-        self.closest(range)
+        self.zero_of_slope(range)
+            .unwrap_or_else(|| self.closest(range))
     }
 
-    /// Least gap along the line of action in `section`, m.
-    pub fn least_gap(&self, section: &TransverseSection) -> f64 {
-        self.gap(self.closest_in(section))
+    /// Least gap along the line of action, m, and s there, m.
+    pub fn least_gap(&self) -> (f64, f64) {
+        let s = self.closest_in_reach();
+        (self.gap(s), s)
     }
 
-    /// Where both flanks come closest in `section`.
-    pub fn closest_point(&self, section: &TransverseSection) -> ClosestPoint {
+    /// Where both flanks come closest.
+    pub fn closest_point(&self) -> ClosestPoint {
         let at = &self.at;
-        let s = self.closest_in(section);
+        let s = self.closest_in_reach();
         if self.is_nominal() {
             return ClosestPoint {
                 roll: at.roll,
                 gap: self.gap(s),
+                s,
                 edge_slope: at.edge_slope,
                 edge_gear: at.edge_gear,
                 arm: at.arm,
             };
         }
-        let edges = [-self.edge_slope(section, 0), self.edge_slope(section, 1)];
+        let edges = [-self.edge_slope(0), self.edge_slope(1)];
         let edge_gear = usize::from(edges[1] > edges[0]);
         ClosestPoint {
             roll: self.rolls(s),
             gap: self.gap(s),
+            s,
             edge_slope: edges[edge_gear],
             edge_gear,
             arm: at.arm,
@@ -201,7 +292,8 @@ impl<'a> Flanks<'a> {
     }
 
     /// dg/ds at the tip edge of gear `i`, whose distance is that along the involute.
-    fn edge_slope(&self, section: &TransverseSection, i: usize) -> f64 {
+    fn edge_slope(&self, i: usize) -> f64 {
+        let section = self.section;
         let s = [1.0, -1.0][i] * section.distance_to_edge(i, self.at.roll[i]);
         let mut rolls = self.rolls(s);
         rolls[i] = section.flank_ends(i)[0];

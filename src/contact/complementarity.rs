@@ -77,6 +77,7 @@ pub const MAXIMUM_ITERATIONS: usize = 200;
 const TOLERANCE: f64 = 1e-10;
 
 /// State of the iteration.
+#[derive(Clone)]
 struct Iterate {
     y: Vec<f64>,
     /// A y.
@@ -89,14 +90,15 @@ struct Iterate {
 
 impl Problem<'_> {
     fn len(&self) -> usize {
-        self.gap.len()
+        self.arm.len()
     }
 
     fn row(&self, i: usize) -> &[f64] {
         &self.bulk[i * self.len()..(i + 1) * self.len()]
     }
 
-    fn multiply(&self, y: &[f64]) -> Vec<f64> {
+    /// A y.
+    pub fn multiply(&self, y: &[f64]) -> Vec<f64> {
         (0..self.len()).map(|i| dot(self.row(i), y)).collect()
     }
 
@@ -139,13 +141,7 @@ impl Problem<'_> {
             }
             let d_delta = self.newton_step(target, &at, &mut solution, &mut dy)?;
             q.copy_from_slice(&self.multiply(&dy));
-            let t = self.step_length(target, &at, &dy, &q, d_delta);
-            for i in 0..self.len() {
-                at.y[i] += t * dy[i];
-                at.ay[i] += t * q[i];
-            }
-            at.delta += t * d_delta;
-            self.refresh(&mut at);
+            let t = self.go(target, &mut at, &dy, &q, d_delta);
             let largest = at.phi.iter().map(|p| p.0).fold(0.0, f64::max);
             residual =
                 at.y.iter()
@@ -222,13 +218,7 @@ impl Problem<'_> {
 
     /// Force on strip `i` and its derivative where local contact and gaps take up `x`.
     fn law(&self, i: usize, x: f64) -> (f64, f64) {
-        let mut sum = (0.0, 0.0);
-        for gap in &self.gap[i] {
-            let (force, slope) = self.local[i].force(x - gap);
-            sum.0 += force;
-            sum.1 += slope;
-        }
-        sum
+        self.local[i].sum(self.gap[i].map(|gap| x - gap))
     }
 
     fn refresh(&self, at: &mut Iterate) {
@@ -304,22 +294,29 @@ impl Problem<'_> {
             .map_err(|pivot| Failure::NotPositiveDefinite { pivot })
     }
 
-    /// dJ/dt at the fraction `t` of the step.
-    fn slope(
+    /// Moves `at` to `from` plus the fraction `t` of the step; returns dJ/dt there.
+    fn move_to(
         &self,
         target: Target,
-        at: &Iterate,
-        dy: &[f64],
-        q: &[f64],
-        d_delta: f64,
+        (from, at): (&Iterate, &mut Iterate),
+        (dy, q, d_delta): (&[f64], &[f64], f64),
         t: f64,
     ) -> f64 {
-        let (mut slope, mut carried) = (0.0, 0.0);
         for i in 0..self.len() {
-            let c = self.arm[i];
-            let phi = self.law(i, at.x[i] + t * (c * d_delta - q[i])).0;
-            slope += q[i] * (at.y[i] + t * dy[i] - phi);
-            carried += c * phi;
+            at.y[i] = from.y[i] + t * dy[i];
+            at.ay[i] = from.ay[i] + t * q[i];
+        }
+        at.delta = from.delta + t * d_delta;
+        self.refresh(at);
+        self.slope(target, at, q, d_delta)
+    }
+
+    /// dJ/dt at `at`.
+    fn slope(&self, target: Target, at: &Iterate, q: &[f64], d_delta: f64) -> f64 {
+        let (mut slope, mut carried) = (0.0, 0.0);
+        for (i, (force, _)) in at.phi.iter().enumerate() {
+            slope += q[i] * (at.y[i] - force);
+            carried += self.arm[i] * force;
         }
         match target {
             Target::Force(force) => slope + d_delta * (carried - force),
@@ -327,36 +324,32 @@ impl Problem<'_> {
         }
     }
 
-    /// Fraction of the step to go: all of it unless J rises too much at its end, where the zero of dJ/dt
-    /// is sought.
-    fn step_length(
-        &self,
-        target: Target,
-        at: &Iterate,
-        dy: &[f64],
-        q: &[f64],
-        d_delta: f64,
-    ) -> f64 {
-        let slope = |t: f64| self.slope(target, at, dy, q, d_delta, t);
-        let initial = slope(0.0);
+    /// Goes along the step and returns which fraction of it: all of it unless J rises too much at its end, where the
+    /// zero of dJ/dt is sought.
+    fn go(&self, target: Target, at: &mut Iterate, dy: &[f64], q: &[f64], d_delta: f64) -> f64 {
+        let initial = self.slope(target, at, q, d_delta);
+        let from = at.clone();
+        let step = (dy, q, d_delta);
+        let end = self.move_to(target, (&from, at), step, 1.0);
         // At the level of rounding the sign of the slope means nothing.
-        if initial >= 0.0 || slope(1.0) <= -0.9 * initial {
+        if initial >= 0.0 || end <= -0.9 * initial {
             return 1.0;
         }
         let (mut low, mut high) = (0.0, 1.0);
+        let mut middle = 0.5;
         for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            let at_middle = slope(middle);
-            if at_middle.abs() <= -0.2 * initial {
-                return middle;
+            middle = 0.5 * (low + high);
+            let slope = self.move_to(target, (&from, at), step, middle);
+            if slope.abs() <= -0.2 * initial {
+                break;
             }
-            if at_middle > 0.0 {
+            if slope > 0.0 {
                 high = middle;
             } else {
                 low = middle;
             }
         }
-        0.5 * (low + high)
+        middle
     }
 
     /// Largest Hertz pressure of the strip on which `solution` has one that no flank carries, Pa.
@@ -367,19 +360,6 @@ impl Problem<'_> {
                 .filter_map(move |gap| local.overload(local.force(x - gap).0))
         });
         points.reduce(f64::max)
-    }
-
-    /// y' A y / 2 and the energies of the local contact with the forces `y` at the approach `delta`, J.
-    pub fn energy(&self, y: &[f64], delta: f64) -> f64 {
-        let deflection = self.multiply(y);
-        let local: f64 = (0..self.len())
-            .map(|i| {
-                let x = self.arm[i] * delta - deflection[i];
-                let points = self.gap[i].iter();
-                points.map(|gap| self.local[i].energy(x - gap)).sum::<f64>()
-            })
-            .sum();
-        0.5 * dot(y, &deflection) + local
     }
 
     /// Cleans the forces up and judges them by the original conditions.

@@ -14,7 +14,7 @@ use super::setup::ContactSetup;
 use crate::gear::Flank;
 
 /// Changes with the layout.
-const MAGIC: &[u8; 32] = b"gearmesh condensed contact v001\n";
+const MAGIC: &[u8; 32] = b"gearmesh condensed contact v002\n";
 const HASH: std::ops::Range<usize> = 32..64;
 const HEAD: usize = 72;
 
@@ -143,9 +143,12 @@ impl ContactFile {
         };
         let flank = |flank| CondensedFlank::new(solver, flank, &offsets).map(Arc::new);
         Ok(ContactFile {
-            setup: Arc::new(solver.setup().clone()),
+            setup: Arc::new(ContactSetup {
+                teeth: pair.teeth.clone(),
+                ..solver.setup().clone()
+            }),
             drive: flank(Flank::Drive)?,
-            coast: if pair.coast_mirrors_drive() {
+            coast: if pair.coast_mirrors_drive() && pair.teeth.are_alike() {
                 None
             } else {
                 Some(flank(Flank::Coast)?)

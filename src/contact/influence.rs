@@ -1,6 +1,7 @@
 //! How strips give way to each other's forces, divided between bulk and local contact.
 
 use super::candidates::Candidate;
+
 #[cfg(feature = "preprocess")]
 use super::local::{
     Piece,
@@ -8,8 +9,9 @@ use super::local::{
     divide,
 };
 #[cfg(feature = "preprocess")]
+use super::numbers::PairNumbers;
+#[cfg(feature = "preprocess")]
 use crate::compliance::{BeyondModel, Strip, ToothCompliance};
-use crate::gear::PairGeometry;
 
 /// Influence of strips on each other and what completes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,14 +20,6 @@ pub struct Influence {
     pub bulk: Vec<f64>,
     /// Reference lengths of the local contact, per gear, m.
     pub lengths: [Vec<f64>; 2],
-}
-
-/// (1 - nu²) / E of gear 1 and gear 2, 1/Pa.
-pub fn plane_compliance(geometry: &PairGeometry) -> [f64; 2] {
-    [0, 1].map(|i| {
-        let gear = &geometry.gears[i];
-        (1.0 - gear.poisson_ratio.powi(2)) / gear.youngs_modulus
-    })
 }
 
 /// Lengths of strips along the contact line, m.
@@ -41,7 +35,7 @@ impl Influence {
     /// Of `candidates`, as the gears see them in `seen`, by the elastic models `compliance`; the local contact asks for the reference length
     /// `wanted`, m.
     pub fn new(
-        geometry: &PairGeometry,
+        numbers: &PairNumbers,
         compliance: [&dyn ToothCompliance; 2],
         (candidates, seen): (&[Candidate], &[[Strip; 2]]),
         wanted: f64,
@@ -58,7 +52,7 @@ impl Influence {
         let mut symmetric: Vec<f64> = (0..n * n)
             .map(|at| 0.5 * (bulk[(at / n, at % n)] + bulk[(at % n, at / n)]))
             .collect();
-        let cos_beta_b = geometry.base_helix_angle().cos();
+        let cos_beta_b = numbers.cos_beta_b;
         let pieces: Vec<Piece> = candidates
             .iter()
             .zip(strip_lengths(candidates, cos_beta_b))
@@ -75,7 +69,9 @@ impl Influence {
         divide(
             &mut symmetric,
             &mut lengths,
-            plane_compliance(geometry).map(|p| 2.0 * p / std::f64::consts::PI),
+            numbers
+                .plane_compliance
+                .map(|p| 2.0 * p / std::f64::consts::PI),
             &pieces,
             wanted,
             (SMOOTHING_OVER_LAYER * layer).max(SMOOTHING_OVER_REFERENCE * wanted),

@@ -34,6 +34,7 @@ mod influence;
 pub(crate) mod local;
 #[cfg(feature = "preprocess")]
 mod mesh_cycle;
+mod numbers;
 mod position;
 mod result;
 #[cfg(feature = "preprocess")]

@@ -3,10 +3,10 @@
 use super::candidates::{Candidate, POINTS};
 use super::complementarity::{Failure, Problem, Target};
 use super::error::{ContactError, OperatingPoint, Prescribed};
-use super::influence::{Influence, plane_compliance, strip_lengths};
+use super::influence::{Influence, strip_lengths};
 use super::local::{LocalBody, LocalContact};
+use super::numbers::PairNumbers;
 use super::result::ContactResult;
-use crate::gear::PairGeometry;
 
 /// The contact problem at one position and centre distance: influence matrix and gaps.
 pub struct PositionProblem {
@@ -15,6 +15,8 @@ pub struct PositionProblem {
     bulk: Vec<f64>,
     /// Law of one point of each strip.
     pub(super) local: Vec<LocalContact>,
+    /// Reference lengths of both gears at each strip, m.
+    lengths: [Vec<f64>; 2],
     /// Points of each strip from mid-face, m.
     pub(super) lever: Vec<[f64; POINTS]>,
     /// Arm of the normal force on each strip about the axis of gear 1, over its base radius.
@@ -39,27 +41,26 @@ pub(super) struct Limits {
 impl PositionProblem {
     /// The problem of `candidates` whose influence is known.
     pub(super) fn with(
-        geometry: &PairGeometry,
+        numbers: &PairNumbers,
         candidates: Vec<Candidate>,
         influence: Influence,
         limits: Limits,
     ) -> PositionProblem {
-        let cos_beta_b = geometry.base_helix_angle().cos();
-        let plane_compliance = plane_compliance(geometry);
+        let cos_beta_b = numbers.cos_beta_b;
         let strip_lengths = strip_lengths(&candidates, cos_beta_b);
         let local = candidates
             .iter()
             .enumerate()
             .map(|(strip, candidate)| {
                 let bodies = [0, 1].map(|i| LocalBody {
-                    plane_compliance: plane_compliance[i],
+                    plane_compliance: numbers.plane_compliance[i],
                     reference_length: influence.lengths[i][strip],
                 });
                 let length = strip_lengths[strip] / POINTS as f64;
                 LocalContact::new(bodies, candidate.radius, length, candidate.edge_slope)
             })
             .collect();
-        let z_ref = geometry.z_ref();
+        let z_ref = numbers.z_ref;
         PositionProblem {
             lever: candidates
                 .iter()
@@ -68,9 +69,10 @@ impl PositionProblem {
             arm: candidates.iter().map(|c| c.arm * cos_beta_b).collect(),
             candidates,
             bulk: influence.bulk,
+            lengths: influence.lengths,
             local,
             cos_beta_b,
-            base_radius: geometry.gears[0].base_radius(),
+            base_radius: numbers.base_radius[0],
             z_ref,
             limits,
         }
@@ -236,11 +238,36 @@ impl PositionProblem {
         }
     }
 
-    /// Elastic energy, J, with the forces `forces` on the strips at `approach` and `misalignment`; stationary in the forces
-    /// of a solution.
-    pub(super) fn energy(&self, forces: &[f64], approach: f64, misalignment: f64) -> f64 {
-        self.problem(&self.gaps(misalignment))
-            .energy(forces, approach)
+    /// Bulk displacement of each strip under `forces`, m.
+    pub(super) fn deflection(&self, forces: &[f64]) -> Vec<f64> {
+        self.problem(&[]).multiply(forces)
+    }
+
+    /// What the local contact at the points of strip `i` takes up where the bulk gives way by `deflection`, m.
+    pub(super) fn penetration(
+        &self,
+        i: usize,
+        approach: f64,
+        misalignment: f64,
+        deflection: f64,
+    ) -> [f64; POINTS] {
+        let (c, arm) = (&self.candidates[i], self.arm[i]);
+        std::array::from_fn(|q| {
+            arm * (approach + misalignment * self.lever[i][q])
+                - deflection
+                - self.cos_beta_b * c.gap[q]
+        })
+    }
+
+    /// Energy of the local contact of a single strip, J.
+    pub(super) fn energy(&self, approach: f64, misalignment: f64, deflection: f64) -> f64 {
+        let points = self.penetration(0, approach, misalignment, deflection);
+        points.iter().map(|x| self.local[0].energy(*x)).sum()
+    }
+
+    /// Reference lengths of gear 1 and gear 2 at strip `i`, m.
+    pub(super) fn lengths(&self, i: usize) -> [f64; 2] {
+        self.lengths.each_ref().map(|lengths| lengths[i])
     }
 }
 

@@ -92,7 +92,7 @@ fn loads(
     strips: &[StripLoad],
 ) -> Result<Vec<Load>, ContactError> {
     let setup = solver.setup();
-    let section = setup.section(input.center_distance_offset)?;
+    let section = solver.section(input.center_distance_offset)?;
     let lines = setup.lines(input.flank, &section);
     let under_load = strips.iter().filter(|strip| strip.force > 0.0);
     Ok(under_load
@@ -125,7 +125,7 @@ fn of_gear(
             })
     };
     let setup = solver.setup();
-    let section = setup.section(input.center_distance_offset)?;
+    let section = solver.section(input.center_distance_offset)?;
     let lines = setup.lines(input.flank, &section);
     let placed = |point: RootPoint| RootPoint {
         z: lines.z_in_frame(i, point.z),

@@ -5,23 +5,28 @@
 //! W = y' A y / 2 + sum of the energies of the local contact,
 //!
 //! stationary in y: F_bt = dW/d delta and the moment dW/dM come with the solution, and its slopes by centre distance and
-//! mesh position are those at fixed y, by central differences of a smooth function of the pose.
+//! mesh position are those at fixed y, strip by strip: in closed form where a strip touches inside its flanks, else by
+//! central differences of a smooth function of the pose.
 
 use std::sync::Arc;
 
+use super::candidates::{ContactLines, TeethAt};
 use super::complementarity::Target;
 use super::condensed::{CondensedFlank, StripName};
 use super::error::ContactError;
+use super::influence::Influence;
+use super::numbers::PairNumbers;
 use super::position::PositionProblem;
 use super::result::Tangent;
 use super::setup::ContactSetup;
 use super::transverse::TransverseSection;
 use crate::gear::Flank;
+use crate::gear::teeth::{Counts, Passing};
 
-/// What a solve at run time knows of the one before: forces by strip. It saves steps of Newton's iteration and changes the
+/// What a solve at run time knows of the one before: forces by tooth pair, counted from the start, and station. It saves steps of Newton's iteration and changes the
 /// solution by no more than rounding.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Warm(Vec<(StripName, f64)>);
+pub struct Warm(Vec<((i64, usize), f64)>);
 
 /// Potential of one flank.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -41,8 +46,11 @@ pub struct ContactPotential {
 #[derive(Debug, Clone)]
 pub struct RuntimeContact {
     setup: Arc<ContactSetup>,
+    numbers: PairNumbers,
     condensed: Arc<CondensedFlank>,
     flank: Flank,
+    /// `None`: all teeth are alike.
+    teeth: Option<Arc<Passing>>,
 }
 
 /// Steps of the central differences by centre distance, m, and by mesh position.
@@ -56,26 +64,34 @@ impl RuntimeContact {
     /// The contact of `flank`, whose condensed model is `condensed`.
     pub fn new(setup: Arc<ContactSetup>, condensed: Arc<CondensedFlank>, flank: Flank) -> Self {
         RuntimeContact {
+            numbers: PairNumbers::new(&setup.geometry),
+            teeth: Passing::new(&setup.geometry, &setup.teeth, flank).map(Arc::new),
             setup,
             condensed,
             flank,
         }
     }
 
-    /// The potential at the approach (m), centre distance offset (m), misalignment (rad) and mesh position `at`, from
-    /// the forces of `warm`, which become those found.
+    /// The potential at the approach (m), centre distance offset (m), misalignment (rad) and mesh position `at`, with the
+    /// teeth of the cycle `counts`, from the forces of `warm`, which become those found.
     ///
     /// # Errors
     /// [`ContactError::OutOfMesh`] where teeth cannot meet, and a solve that does not converge.
     pub fn potential(
         &self,
         at: [f64; 4],
+        counts: Counts,
         warm: &mut Warm,
     ) -> Result<ContactPotential, ContactError> {
         let [approach, offset, misalignment, position] = at;
-        let tau = position - position.floor();
-        let section = self.setup.section(offset)?;
-        let Some(problem) = self.near(&section, at, tau) else {
+        let turns = position.floor();
+        let tau = position - turns;
+        let cycle = Cycle {
+            tau,
+            counts: counts.map(|count| count + turns as i64),
+        };
+        let section = self.setup.section(&self.numbers, offset)?;
+        let Some(problem) = self.near(&section, at, cycle) else {
             warm.0.clear();
             return Ok(ContactPotential::default());
         };
@@ -83,6 +99,7 @@ impl RuntimeContact {
         let start: Vec<f64> = names
             .iter()
             .map(|name| {
+                let name = &cycle.since_start(*name);
                 let known = warm.0.binary_search_by(|(other, _)| other.cmp(name));
                 known.map_or(0.0, |place| warm.0[place].1)
             })
@@ -92,26 +109,22 @@ impl RuntimeContact {
         let (result, excess) =
             problem.solve_any(Target::Approach(approach), misalignment, start)?;
         warm.0.clear();
-        warm.0
-            .extend(names.iter().copied().zip(result.forces.iter().copied()));
+        warm.0.extend(
+            (names.iter())
+                .map(|name| cycle.since_start(*name))
+                .zip(result.forces.iter().copied()),
+        );
         warm.0.retain(|(_, force)| *force > 0.0);
         if warm.0.is_empty() {
             return Ok(ContactPotential::default());
         }
-        let energy = problem.energy(&result.forces, approach, misalignment);
-        let held = |section: &TransverseSection, offset: f64, tau: f64| {
-            let problem = self.held(&warm.0, section, offset, tau);
-            problem.energy(approach, misalignment)
+        let load = Load {
+            approach,
+            misalignment,
+            forces: &result.forces,
         };
-        let [step, turn] = STEPS;
-        let mut sides = [0.0; 2];
-        for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
-            let moved = offset + sign * step;
-            *side = held(&self.setup.section(moved)?, moved, tau);
-        }
-        let by_offset = (sides[0] - sides[1]) / (2.0 * step);
-        let along = |sign: f64| held(&section, offset, tau + sign * turn);
-        let by_tau = (along(1.0) - along(-1.0)) / (2.0 * turn);
+        let (energy, [by_offset, by_tau]) =
+            self.held(&problem, &section, (offset, cycle), &load)?;
         Ok(ContactPotential {
             energy,
             gradient: [result.loa_force, by_offset, result.moment, by_tau],
@@ -120,15 +133,122 @@ impl RuntimeContact {
         })
     }
 
+    /// The energy of `problem` under `load`, and its slopes by centre distance and mesh position with the forces held.
+    ///
+    /// With x what gap and local contact take up on a strip, dW = y' dA y / 2 + sum of d Phi(x), where x changes with A,
+    /// arm and gap: at a solution phi(x) = y, so that the share of A is -y' dA y / 2 in all.
+    fn held(
+        &self,
+        problem: &PositionProblem,
+        section: &TransverseSection,
+        (offset, cycle): (f64, Cycle),
+        load: &Load,
+    ) -> Result<(f64, [f64; 2]), ContactError> {
+        let strips = problem.candidates();
+        let loaded: Vec<usize> = (0..strips.len())
+            .filter(|&i| load.forces[i] > 0.0)
+            .collect();
+        let names: Vec<StripName> = loaded.iter().map(|&i| strips[i].name()).collect();
+        let forces: Vec<f64> = loaded.iter().map(|&i| load.forces[i]).collect();
+        let tau = cycle.tau;
+        let scale = |k| self.compliance(cycle, k);
+        let slopes = self.condensed.slopes(&names, scale, &forces, [tau, offset]);
+        let deflection = problem.deflection(load.forces);
+        let mut energy = 0.5
+            * forces
+                .iter()
+                .zip(&loaded)
+                .map(|(y, &i)| y * deflection[i])
+                .sum::<f64>();
+        let [mut by_tau, mut by_offset] = slopes.bulk.map(|q| -0.5 * q);
+        let lines = self.lines(section, cycle);
+        let plane = self.numbers.plane_compliance;
+        let mut moved: Option<[TransverseSection; 2]> = None;
+        for (place, &i) in loaded.iter().enumerate() {
+            let penetration =
+                problem.penetration(i, load.approach, load.misalignment, deflection[i]);
+            let lengths = problem.lengths(i);
+            let by = slopes.lengths[place];
+            let inside = problem.local[i].held(penetration, plane);
+            let rates = inside.and_then(|_| lines.rates(tau, &strips[i]));
+            if let (Some(held), Some(rates)) = (inside, rates) {
+                energy += held.energy;
+                let along = |by: usize| {
+                    let closing: f64 = rates[by]
+                        .gap
+                        .iter()
+                        .zip(held.forces)
+                        .map(|(g, f)| g * f)
+                        .sum();
+                    let lengths: f64 = (0..2)
+                        .map(|g| held.by_log_length[g] * slopes.lengths[place][by][g] / lengths[g])
+                        .sum();
+                    held.by_log_radius * rates[by].log_radius + lengths
+                        - self.numbers.cos_beta_b * closing
+                };
+                by_tau += along(0);
+                by_offset += along(1);
+                continue;
+            }
+            energy += penetration
+                .iter()
+                .map(|x| problem.local[i].energy(*x))
+                .sum::<f64>();
+            let moved = match &moved {
+                Some(moved) => moved,
+                None => {
+                    let side =
+                        |sign: f64| self.setup.section(&self.numbers, offset + sign * STEPS[0]);
+                    moved.insert([side(1.0)?, side(-1.0)?])
+                }
+            };
+            let of = |section: &TransverseSection, turn: f64, by: [f64; 2], step: f64| {
+                let lengths = [0, 1].map(|g| lengths[g] + by[g] * step);
+                let strip = self.strip(section, cycle.moved(turn), names[place], lengths);
+                strip.map_or(0.0, |strip| {
+                    strip.energy(load.approach, load.misalignment, deflection[i])
+                })
+            };
+            let [step, turn] = STEPS;
+            by_offset +=
+                (of(&moved[0], 0.0, by[1], step) - of(&moved[1], 0.0, by[1], -step)) / (2.0 * step);
+            by_tau +=
+                (of(section, turn, by[0], turn) - of(section, -turn, by[0], -turn)) / (2.0 * turn);
+        }
+        Ok((energy, [by_offset, by_tau]))
+    }
+
+    /// The strip `name` alone in `section` at `cycle`, with the reference lengths `lengths`.
+    fn strip(
+        &self,
+        section: &TransverseSection,
+        cycle: Cycle,
+        name: StripName,
+        lengths: [f64; 2],
+    ) -> Option<PositionProblem> {
+        let strip = self.lines(section, cycle).strip(cycle.tau, name)?;
+        let influence = Influence {
+            bulk: vec![0.0],
+            lengths: lengths.map(|length| vec![length]),
+        };
+        let limits = self.setup.limits(0.0);
+        Some(PositionProblem::with(
+            &self.numbers,
+            vec![strip],
+            influence,
+            limits,
+        ))
+    }
+
     /// The problem of the strips that may carry; `None` if none touches.
     fn near(
         &self,
         section: &TransverseSection,
         [approach, offset, misalignment, _]: [f64; 4],
-        tau: f64,
+        cycle: Cycle,
     ) -> Option<PositionProblem> {
-        let mut candidates = self.setup.lines(self.flank, section).candidates(tau);
-        let z_ref = self.setup.geometry.z_ref();
+        let mut candidates = self.lines(section, cycle).candidates(cycle.tau);
+        let z_ref = self.numbers.z_ref;
         // How far points overlap, along the line of action.
         let overlaps: Vec<f64> = candidates
             .iter()
@@ -145,50 +265,73 @@ impl RuntimeContact {
         }
         let mut overlaps = overlaps.into_iter();
         candidates.retain(|_| overlaps.next().is_some_and(|o| o > -MARGIN * most));
-        Some(self.problem(candidates, offset, tau))
+        Some(self.problem(candidates, offset, cycle))
     }
 
-    fn problem(&self, candidates: Vec<super::Candidate>, offset: f64, tau: f64) -> PositionProblem {
-        let names: Vec<StripName> = candidates.iter().map(|c| c.name()).collect();
-        let influence = self.condensed.influence(&names, tau, offset);
-        let limits = self.setup.limits(offset);
-        PositionProblem::with(&self.setup.geometry, candidates, influence, limits)
+    /// The contact lines in `section`.
+    fn lines<'a>(&'a self, section: &'a TransverseSection, cycle: Cycle) -> ContactLines<'a> {
+        let counts = cycle.counts;
+        ContactLines {
+            teeth: self
+                .teeth
+                .as_deref()
+                .map(|passing| TeethAt { passing, counts }),
+            ..self.setup.lines(self.flank, section)
+        }
     }
 
-    /// The problem of the strips of `forces` elsewhere, with these forces held.
-    fn held(
+    /// Compliance of tooth pair `k` under its own load over that of others.
+    fn compliance(&self, cycle: Cycle, k: i32) -> f64 {
+        let shares = self.condensed.shares;
+        self.teeth
+            .as_ref()
+            .map_or(1.0, |teeth| teeth.compliance(shares, cycle.counts, k))
+    }
+
+    fn problem(
         &self,
-        forces: &[(StripName, f64)],
-        section: &TransverseSection,
+        candidates: Vec<super::Candidate>,
         offset: f64,
-        tau: f64,
-    ) -> Held {
-        let lines = self.setup.lines(self.flank, section);
-        let turns = tau.floor();
-        let (mut candidates, mut held) = (vec![], vec![]);
-        for &((pair, station), force) in forces {
-            // Counted on where the step crosses a mesh cycle.
-            let named = (pair + turns as i32, station);
-            if let Some(candidate) = lines.strip(tau - turns, named) {
-                candidates.push(candidate);
-                held.push(force);
-            }
-        }
-        Held {
-            problem: self.problem(candidates, offset, tau - turns),
-            forces: held,
-        }
+        cycle: Cycle,
+    ) -> PositionProblem {
+        let names: Vec<StripName> = candidates.iter().map(|c| c.name()).collect();
+        let influence =
+            self.condensed
+                .influence(&names, |k| self.compliance(cycle, k), [cycle.tau, offset]);
+        let limits = self.setup.limits(offset);
+        PositionProblem::with(&self.numbers, candidates, influence, limits)
     }
 }
 
-/// A problem and forces that are held.
-struct Held {
-    problem: PositionProblem,
-    forces: Vec<f64>,
+/// A place in the mesh cycle.
+#[derive(Debug, Clone, Copy)]
+struct Cycle {
+    /// Mesh position; a little beyond [0, 1) for a difference.
+    tau: f64,
+    /// Which teeth are in mesh.
+    counts: Counts,
 }
 
-impl Held {
-    fn energy(&self, approach: f64, misalignment: f64) -> f64 {
-        self.problem.energy(&self.forces, approach, misalignment)
+impl Cycle {
+    fn moved(self, by: f64) -> Cycle {
+        Cycle {
+            tau: self.tau + by,
+            ..self
+        }
     }
+
+    /// The name by which a strip is known in other cycles.
+    fn since_start(self, (pair, station): StripName) -> (i64, usize) {
+        (i64::from(pair) - self.counts[0], station)
+    }
+}
+
+/// Where a solution was found.
+struct Load<'a> {
+    /// m.
+    approach: f64,
+    /// rad.
+    misalignment: f64,
+    /// By strip, N.
+    forces: &'a [f64],
 }

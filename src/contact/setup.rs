@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::candidates::ContactLines;
 use super::error::ContactError;
 use super::local::constants::{MOST_STATIONS, STIFFNESS_OVER_MODULUS};
+use super::numbers::PairNumbers;
 use super::position::Limits;
 use super::transverse::TransverseSection;
-use crate::gear::{Flank, PairGeometry, PairMicrogeometry};
+use crate::gear::{Flank, PairGeometry, PairMicrogeometry, PairTeeth};
 
 /// How the contact is discretised.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -38,6 +39,9 @@ pub struct ContactSetup {
     pub geometry: PairGeometry,
     /// Modifications of both flanks.
     pub microgeometry: PairMicrogeometry,
+    /// How teeth differ; tables hold teeth that are alike.
+    #[serde(default)]
+    pub teeth: PairTeeth,
     /// How the contact is discretised.
     pub settings: ContactSettings,
     /// Approach for which tip corners are followed, m.
@@ -49,19 +53,23 @@ pub struct ContactSetup {
 }
 
 impl ContactSetup {
-    /// The transverse section at the deviation `center_distance_offset` (m) from the nominal centre distance.
+    /// The transverse section at the deviation `center_distance_offset` (m) from the nominal centre distance; `numbers` are the
+    /// pair's.
     ///
     /// # Errors
     /// [`ContactError::OutOfMesh`] where teeth cannot meet.
     pub(super) fn section(
         &self,
+        numbers: &PairNumbers,
         center_distance_offset: f64,
     ) -> Result<TransverseSection, ContactError> {
         TransverseSection::new(
-            &self.geometry,
+            numbers,
             self.geometry.center_distance + center_distance_offset,
             self.form_rolls,
-            self.settings.tip_corner_contact.then_some(self.reach),
+            self.settings
+                .tip_corner_contact
+                .then_some(self.reach + self.teeth.largest_closing()),
         )
         .ok_or_else(|| self.out_of_mesh(center_distance_offset))
     }
@@ -72,7 +80,7 @@ impl ContactSetup {
         }
     }
 
-    /// The contact lines of `flank` in `section`.
+    /// The contact lines of `flank` in `section`, all teeth alike.
     pub(super) fn lines<'a>(
         &'a self,
         flank: Flank,
@@ -84,6 +92,7 @@ impl ContactSetup {
             section,
             flank,
             stations: self.settings.stations,
+            teeth: None,
         }
     }
 

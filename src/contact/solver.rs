@@ -11,11 +11,13 @@ use super::local::constants::{
     FEWEST_STATIONS, MOST_STATIONS, REFERENCE_OVER_HERTZ, STIFFNESS_OVER_MODULUS, STRIP_OVER_WIDTH,
 };
 use super::local::widest_contact;
+use super::numbers::PairNumbers;
 use super::position::PositionProblem;
 use super::setup::{ContactSettings, ContactSetup};
+use super::transverse::TransverseSection;
 use crate::compliance::{Strip, ToothCompliance};
 use crate::friction::FrictionLaw;
-use crate::gear::{Flank, PairGeometry, ToothProfile};
+use crate::gear::{Flank, PairGeometry, PairTeeth, ToothProfile};
 use crate::pair::{Pair, Refinement};
 
 /// Elements of level coarse over those of level normal; strips shorter than the elements follow no load of
@@ -46,6 +48,7 @@ impl ContactSettings {
 #[derive(Clone)]
 pub struct ContactSolver {
     setup: ContactSetup,
+    numbers: PairNumbers,
     compliance: [Arc<dyn ToothCompliance>; 2],
     friction: FrictionLaw,
     deflection: Deflection,
@@ -87,9 +90,11 @@ impl ContactSolver {
             });
         }
         Ok(ContactSolver {
+            numbers: PairNumbers::new(&pair.geometry),
             setup: ContactSetup {
                 geometry: pair.geometry.clone(),
                 microgeometry: pair.microgeometry.clone(),
+                teeth: PairTeeth::default(),
                 settings,
                 reach,
                 reference_length: REFERENCE_OVER_HERTZ * widest_contact(pair),
@@ -158,7 +163,7 @@ impl ContactSolver {
                 });
             }
         }
-        let section = self.setup.section(center_distance_offset)?;
+        let section = self.section(center_distance_offset)?;
         let lines = self.setup.lines(flank, &section);
         // One base pitch later everything is the same again.
         let tau = mesh_position - mesh_position.floor();
@@ -179,9 +184,11 @@ impl ContactSolver {
         // Compared with approach and misalignment alone.
         let [_, largest] = self.deflection.range(self.face());
         limits.reach = limits.reach.map(|reach| reach - largest.max(0.0));
-        let geometry = &self.setup.geometry;
         Ok(PositionProblem::with(
-            geometry, candidates, influence, limits,
+            &self.numbers,
+            candidates,
+            influence,
+            limits,
         ))
     }
 
@@ -199,13 +206,55 @@ impl ContactSolver {
         center_distance_offset: f64,
         margin: f64,
     ) -> Result<(Vec<StripName>, Influence), ContactError> {
-        let section = self.setup.section(center_distance_offset)?;
+        let section = self.section(center_distance_offset)?;
         let lines = self.setup.lines(flank, &section);
         let strips = lines.strips_beyond(tau, margin * self.setup.geometry.base_pitch());
         let seen = |c: &Candidate| lines.seen_by_gears(tau, (c.tooth_pair, c.z), true);
         let seen: Vec<_> = strips.iter().map(seen).collect();
         let influence = self.influence_of(&lines, (&strips, &seen), center_distance_offset)?;
         Ok((strips.iter().map(|c| c.name()).collect(), influence))
+    }
+
+    /// Shares of gear 1 and gear 2 in the bulk displacement of a tooth pair at the pitch point under a uniform load on itself.
+    pub(super) fn tooth_shares(&self, flank: Flank) -> Result<[f64; 2], ContactError> {
+        let section = self.section(0.0)?;
+        let lines = self.setup.lines(flank, &section);
+        let mut strips = lines.strips_beyond(0.0, 0.0);
+        strips.retain(|strip| strip.tooth_pair == 0);
+        let mut sums = [0.0; 2];
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let seen: Vec<Strip> = strips
+                .iter()
+                .map(|strip| lines.seen_by_gears(0.0, (strip.tooth_pair, strip.z), true)[i])
+                .collect();
+            *sum = match self.models(&lines)[i].bulk(&seen) {
+                Ok(bulk) => bulk.sum(),
+                Err(model) => {
+                    return Err(ContactError::BeyondModel {
+                        center_distance_offset_um: 0.0,
+                        model,
+                    });
+                }
+            };
+        }
+        let all = sums[0] + sums[1];
+        Ok(sums.map(|sum| sum / all))
+    }
+
+    /// The transverse section at a centre distance offset, m.
+    pub(super) fn section(&self, offset: f64) -> Result<TransverseSection, ContactError> {
+        self.setup.section(&self.numbers, offset)
+    }
+
+    /// The elastic models of both gears, turned where the gear is seen from its other end.
+    fn models(&self, lines: &ContactLines<'_>) -> [&dyn ToothCompliance; 2] {
+        [0, 1].map(|i| {
+            let model: &dyn ToothCompliance = &*self.compliance[i];
+            match model.turned() {
+                Some(turned) if lines.is_mirrored(i) => turned,
+                _ => model,
+            }
+        })
     }
 
     fn influence_of(
@@ -215,14 +264,8 @@ impl ContactSolver {
         center_distance_offset: f64,
     ) -> Result<Influence, ContactError> {
         let wanted = self.setup.reference_length;
-        let models = [0, 1].map(|i| {
-            let model: &dyn ToothCompliance = &*self.compliance[i];
-            match model.turned() {
-                Some(turned) if lines.is_mirrored(i) => turned,
-                _ => model,
-            }
-        });
-        Influence::new(&self.setup.geometry, models, strips, wanted).map_err(|model| {
+        let models = self.models(lines);
+        Influence::new(&self.numbers, models, strips, wanted).map_err(|model| {
             ContactError::BeyondModel {
                 center_distance_offset_um: 1e6 * center_distance_offset,
                 model,

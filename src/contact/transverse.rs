@@ -1,6 +1,6 @@
 //! Where tooth pairs touch in the transverse section, on the path of contact and beyond its ends.
 
-use crate::gear::{Gear, PairGeometry};
+use super::numbers::PairNumbers;
 
 /// A point that may touch: lengths of roll on both gears and what separates the flanks there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +30,7 @@ pub struct TransversePoint {
 /// q = kappa_1 for gear 1 and -kappa_2 for gear 2, the length of roll is rb tan phi + q xi on either.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransverseSection {
+    numbers: PairNumbers,
     sides: [Side; 2],
     tan_phi: f64,
     /// Ends of the path of contact, m from the pitch point.
@@ -58,32 +59,34 @@ impl TransverseSection {
     /// `form_rolls` are the lengths of roll at which the involutes of both gears end at the root.
     /// None where the centre distance leaves no path of contact.
     pub fn new(
-        geometry: &PairGeometry,
+        numbers: &PairNumbers,
         center_distance: f64,
         form_rolls: [f64; 2],
         separation_limit: Option<f64>,
     ) -> Option<TransverseSection> {
-        let side = |i: usize| {
-            let g: &Gear = &geometry.gears[i];
-            Side {
-                rb: g.base_radius(),
-                kappa: g.kappa(),
-                q: if i == 0 { g.kappa() } else { -g.kappa() },
-                up: if i == 0 { 1.0 } else { -geometry.e() },
-                tip_roll: g.tip_form_roll(),
-                form_roll: form_rolls[i],
-            }
+        let side = |i: usize| Side {
+            rb: numbers.base_radius[i],
+            kappa: numbers.kappa[i],
+            q: if i == 0 { 1.0 } else { -1.0 } * numbers.kappa[i],
+            up: if i == 0 { 1.0 } else { -numbers.e },
+            tip_roll: numbers.tip_roll[i],
+            form_roll: form_rolls[i],
         };
-        let path = geometry.path_of_contact(center_distance);
+        let sides = [side(0), side(1)];
+        let tan_phi = numbers.tan_phi(center_distance);
+        let beyond = |side: &Side| side.kappa * (side.tip_roll - side.rb * tan_phi);
+        let path = [-beyond(&sides[1]), beyond(&sides[0])];
         // NaN: base circles too far apart.
-        if path.length().is_nan() || path.length() <= 0.0 {
+        let length = path[1] - path[0];
+        if length.is_nan() || length <= 0.0 {
             return None;
         }
         let mut section = TransverseSection {
-            sides: [side(0), side(1)],
-            tan_phi: geometry.operating_pressure_angle(center_distance).tan(),
-            path: [path.start, path.end],
-            reach: [path.start, path.end],
+            numbers: *numbers,
+            sides,
+            tan_phi,
+            path,
+            reach: path,
         };
         if let Some(limit) = separation_limit {
             for end in 0..2 {
@@ -91,6 +94,22 @@ impl TransverseSection {
             }
         }
         Some(section)
+    }
+
+    /// The pair's numbers.
+    pub fn numbers(&self) -> &PairNumbers {
+        &self.numbers
+    }
+
+    /// Rates of the lengths of roll of both gears on the path by the mesh position (m) and by the centre distance (m/m).
+    pub fn roll_rates(&self) -> [[f64; 2]; 2] {
+        let n = &self.numbers;
+        let center_distance = n.base_radius_sum * self.tan_phi.hypot(1.0);
+        let by_center = center_distance / (n.base_radius_sum.powi(2) * self.tan_phi);
+        [
+            self.sides.map(|side| side.q * n.base_pitch),
+            self.sides.map(|side| side.rb * by_center),
+        ]
     }
 
     /// Limits of the candidates, m from the pitch point.
@@ -182,26 +201,51 @@ impl TransverseSection {
     }
 
     /// Farthest conjugate position beyond the path's `end` whose separation stays below `limit` and
-    /// whose tip edge still faces the mate's involute. The separation rises monotonically.
+    /// whose tip edge still faces the mate's involute. Both rise monotonically, so Ridders' method finds where the first of
+    /// them ends (Ridders, IEEE Trans. Circuits and Systems 26 (1979) 979-980).
     fn reach_beyond(&self, end: usize, limit: f64) -> f64 {
         let sign = if end == 0 { -1.0 } else { 1.0 };
         let mate = &self.sides[end];
-        let allowed = |beyond: f64| {
+        // > 0: too far.
+        let excess = |beyond: f64| {
             let point = self.tip_corner(end, self.path[end] + sign * beyond);
-            point.separation <= limit && mate.kappa * (point.roll[end] - mate.form_roll) >= 0.0
+            let behind = mate.kappa * (mate.form_roll - point.roll[end]);
+            let excess = (point.separation - limit).max(behind);
+            // Not a number where there is no mate to touch.
+            if excess.is_nan() { limit } else { excess }
         };
-        let (mut low, mut high) = (0.0, 0.5 * (self.path[1] - self.path[0]));
-        if allowed(high) {
-            return self.path[end] + sign * high;
+        let half = 0.5 * (self.path[1] - self.path[0]);
+        let mut low = (0.0, excess(0.0));
+        let mut high = (half, excess(half));
+        if high.1 <= 0.0 {
+            return self.path[end] + sign * half;
         }
+        if low.1 > 0.0 {
+            return self.path[end];
+        }
+        let tolerance = 1e-14 * half;
         for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if allowed(middle) {
-                low = middle;
+            let middle = 0.5 * (low.0 + high.0);
+            let between = (middle, excess(middle));
+            let root = (between.1 * between.1 - low.1 * high.1).sqrt();
+            let way = if root > 0.0 {
+                -(middle - low.0) * between.1 / root
             } else {
-                high = middle;
+                0.0
+            };
+            let next = (middle + way).clamp(low.0, high.0);
+            let next = (next, excess(next));
+            for point in [between, next] {
+                if point.1 <= 0.0 && point.0 >= low.0 {
+                    low = point;
+                } else if point.1 > 0.0 && point.0 <= high.0 {
+                    high = point;
+                }
+            }
+            if high.0 - low.0 <= tolerance || low.1 >= -1e-12 * limit {
+                break;
             }
         }
-        self.path[end] + sign * low
+        self.path[end] + sign * low.0
     }
 }

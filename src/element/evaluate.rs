@@ -8,8 +8,9 @@ use super::friction::Rubbing;
 use super::map::{Coordinates, Map, Placed, Spatial};
 use super::motion::{Inputs, Latch, Motion, Outputs};
 use super::paper::Carried;
-use super::scalar::{Scalar, fraction, wrap};
+use super::scalar::{Scalar, fraction, whole_turns, wrap};
 use super::{Element, Formulation};
+use crate::gear::teeth::Counts;
 
 /// A pose as the formulation sees it.
 pub(crate) struct Pose<T> {
@@ -51,6 +52,21 @@ impl<T> Pose<T> {
         T: Scalar,
     {
         self.coordinates.mesh_angle * (-FLANKS[i].sign() * k.per_pitch_angle) + k.mesh_zero[i]
+    }
+
+    /// Mesh cycles that passed on gear 1 and gear 2 under flank `i`, from the pose alone: the whole part of the mesh position,
+    /// which starts anew with every turn of gear 1, and on gear 2 that less the whole turns of the tooth angle, in
+    /// which both gears differ.
+    pub(crate) fn counts(&self, k: &Constants, i: usize, latch: &Latch) -> Counts
+    where
+        T: Scalar,
+    {
+        let s = FLANKS[i].sign();
+        let position = self.mesh_position(k, i).re() + s * latch.mesh_position;
+        let first = position.floor();
+        let angle = self.coordinates.turn.re() * k.tooth_angle_per + latch.tooth_angle;
+        let apart = s * whole_turns(angle);
+        [first as i64, (first - apart) as i64]
     }
 
     /// Misalignment of flank `i`.
@@ -140,16 +156,22 @@ pub(crate) fn evaluate<T: Scalar>(
         )
     };
     let mut flanks = [unloaded(0), unloaded(1)];
-    for (flank, law) in flanks.iter_mut().zip(&el.laws) {
+    for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {
         let Some(law) = law else { continue };
         let scale = el.law_scale(cos_phi);
         let delta = flank.elongation + flank.misalignment * pose.lever;
-        let response = law.respond([
+        let counts = if law.tells_teeth_apart() {
+            pose.counts(k, i, latch)
+        } else {
+            [0; 2]
+        };
+        let coordinates = [
             delta * scale,
             c - k.center_distance,
             flank.misalignment,
             flank.mesh_position,
-        ]);
+        ];
+        let response = law.respond(coordinates, counts);
         out_of_range |= response.out_of_range;
         flank.press(&response, &mesh);
         if flank.elastic.re() <= 0.0 {

@@ -7,6 +7,7 @@ use super::motion::{Inputs, Latch};
 use super::parameters::PhaseReference;
 use super::scalar::{fraction, wrap};
 use super::{Element, law::Law};
+use crate::gear::teeth::Counts;
 
 /// Base pitches by which the start pose stays short of contact, so that rounding does not decide whether the paper's
 /// damper, which acts at once, is at work.
@@ -30,7 +31,9 @@ fn from_initial_pose(element: &Element, pose: &Pose<f64>) -> Result<Latch, Eleme
     let s = FLANKS[i].sign();
     let mesh_position = element.parameters.mesh_phase / k.pitch_angle;
     let law = element.laws[i].as_ref().ok_or(ElementError::OutOfReach)?;
-    let touching = onset(element, law, pose, i, mesh_position);
+    // The pair of teeth 0 touches where the mesh position is 0.
+    let counts = [mesh_position.floor() as i64; 2];
+    let touching = onset(element, law, pose, i, (mesh_position, counts));
     let elongation = touching - pose.lever * pose.misalignment(i);
     let per_tooth = k.per_tooth_angle;
     Ok(Latch {
@@ -42,12 +45,21 @@ fn from_initial_pose(element: &Element, pose: &Pose<f64>) -> Result<Latch, Eleme
 
 /// The largest elongation, m, at which flank `i` carries nothing: by bisection within half a base pitch about zero,
 /// where the force rises.
-fn onset(element: &Element, law: &Law, pose: &Pose<f64>, i: usize, mesh_position: f64) -> f64 {
+fn onset(
+    element: &Element,
+    law: &Law,
+    pose: &Pose<f64>,
+    i: usize,
+    (mesh_position, counts): (f64, Counts),
+) -> f64 {
     let k = &element.constants;
     let offset = pose.coordinates.center_distance - k.center_distance;
     let carries = |delta: f64| {
-        law.respond([delta, offset, pose.misalignment(i), fraction(mesh_position)])
-            .gradient[0]
+        law.respond(
+            [delta, offset, pose.misalignment(i), fraction(mesh_position)],
+            counts,
+        )
+        .gradient[0]
             > 0.0
     };
     let quarter = 0.25 * k.base_pitch;
@@ -78,17 +90,21 @@ fn absolute(element: &Element, pose: &Pose<f64>) -> Result<Latch, ElementError> 
         let misalignment = pose.misalignment(i);
         let elongation = s * x - pose.coordinates.half_gap;
         let position = fraction(pose.mesh_position(k, i));
+        let counts = pose.counts(k, i, &Latch::default());
         let delta = elongation + pose.lever * misalignment;
         let force = law
-            .respond([
-                delta * element.law_scale(cos_phi),
-                pose.coordinates.center_distance - k.center_distance,
-                misalignment,
-                position,
-            ])
+            .respond(
+                [
+                    delta * element.law_scale(cos_phi),
+                    pose.coordinates.center_distance - k.center_distance,
+                    misalignment,
+                    position,
+                ],
+                counts,
+            )
             .gradient[0];
         if force > element.largest_force {
-            let touching = onset(element, law, pose, i, position);
+            let touching = onset(element, law, pose, i, (position, counts));
             return Err(ElementError::TeethOverlap {
                 overlap_um: 1e6 * (delta - touching),
                 force_kn: 1e-3 * force,

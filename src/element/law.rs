@@ -2,6 +2,7 @@
 
 use super::scalar::{Scalar, lift};
 use crate::gear::Flank;
+use crate::gear::teeth::Counts;
 use crate::table::{COORDINATES, Effects, FlankTable, Potential, Query, Table};
 use std::sync::Arc;
 
@@ -14,6 +15,16 @@ pub trait Elasticity: Send + Sync {
     /// Potential, first derivatives and `hessian[0][0]`, the tangent stiffness, at `query`; the other
     /// second derivatives only if `want_hessian`.
     fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential;
+
+    /// Whether it tells teeth apart and is to be asked by [`Elasticity::with_teeth`].
+    fn tells_teeth_apart(&self) -> bool {
+        false
+    }
+
+    /// As [`Elasticity::evaluate`], with the mesh cycles that passed on gear 1 and gear 2 since the pair of teeth 0.
+    fn with_teeth(&self, query: &Query, _counts: Counts, want_hessian: bool) -> Potential {
+        self.evaluate(query, want_hessian)
+    }
 }
 
 /// The elastic laws of the drive flank and the coast flank.
@@ -69,6 +80,7 @@ impl Elasticity for Linear {
 pub(crate) struct Law {
     surface: Arc<dyn Elasticity>,
     mirrored: bool,
+    tells_teeth_apart: bool,
     effects: Effects,
 }
 
@@ -100,15 +112,21 @@ impl Law {
     /// Any law; `mirrored` for the coast flank of a pair whose table holds the drive flank alone.
     pub(crate) fn new(surface: Arc<dyn Elasticity>, mirrored: bool, effects: Effects) -> Self {
         Self {
+            tells_teeth_apart: surface.tells_teeth_apart(),
             surface,
             mirrored,
             effects,
         }
     }
 
-    /// Potential at the coordinates (delta, C - C_nominal, M, PMC), effects that are off left out.
+    /// Potential at the coordinates (delta, C - C_nominal, M, PMC), effects that are off left out, with the mesh cycles that
+    /// passed on either gear.
     #[inline]
-    pub(crate) fn respond<T: Scalar>(&self, coordinates: [T; COORDINATES]) -> Response<T> {
+    pub(crate) fn respond<T: Scalar>(
+        &self,
+        coordinates: [T; COORDINATES],
+        counts: Counts,
+    ) -> Response<T> {
         let mut q = coordinates;
         if !self.effects.center_distance {
             q[1] = T::from(0.0);
@@ -120,7 +138,7 @@ impl Law {
             q[2] = -q[2];
         }
         let at = [q[0].re(), q[1].re(), q[2].re(), q[3].re()];
-        let w = self.surface.evaluate(&query(at), T::CARRIES);
+        let w = self.ask(at, counts, T::CARRIES);
         let mut gradient = [T::from(0.0); COORDINATES];
         for (i, g) in gradient.iter_mut().enumerate() {
             *g = lift(w.gradient[i], &w.hessian[i], &q);
@@ -137,7 +155,7 @@ impl Law {
         let stiffness = if T::CARRIES && w.gradient[0] > 0.0 {
             let slopes = w
                 .stiffness_gradient
-                .unwrap_or_else(|| self.stiffness_gradient(at));
+                .unwrap_or_else(|| self.stiffness_gradient(at, counts));
             lift(w.hessian[0][0], &slopes, &q)
         } else {
             T::from(w.hessian[0][0])
@@ -150,9 +168,24 @@ impl Law {
         }
     }
 
+    /// Whether it is to be told which teeth are in mesh.
+    #[inline]
+    pub(crate) fn tells_teeth_apart(&self) -> bool {
+        self.tells_teeth_apart
+    }
+
+    #[inline]
+    fn ask(&self, at: [f64; COORDINATES], counts: Counts, want_hessian: bool) -> Potential {
+        if self.tells_teeth_apart {
+            self.surface.with_teeth(&query(at), counts, want_hessian)
+        } else {
+            self.surface.evaluate(&query(at), want_hessian)
+        }
+    }
+
     /// Gradient of the tangent stiffness by central differences, for laws that do not know it. Only the
     /// derivative of the output `mesh.stiffness` uses it.
-    fn stiffness_gradient(&self, at: [f64; COORDINATES]) -> [f64; COORDINATES] {
+    fn stiffness_gradient(&self, at: [f64; COORDINATES], counts: Counts) -> [f64; COORDINATES] {
         const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
         let mut slope = [0.0; COORDINATES];
         for (i, slope) in slope.iter_mut().enumerate() {
@@ -160,7 +193,7 @@ impl Law {
             for (side, sign) in side.iter_mut().zip([1.0, -1.0]) {
                 let mut x = at;
                 x[i] += sign * STEP[i];
-                *side = self.surface.evaluate(&query(x), false).hessian[0][0];
+                *side = self.ask(x, counts, false).hessian[0][0];
             }
             *slope = (side[0] - side[1]) / (2.0 * STEP[i]);
         }

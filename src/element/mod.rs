@@ -74,6 +74,8 @@ mod tests_limits;
 mod tests_poses;
 #[cfg(all(test, feature = "preprocess"))]
 mod tests_tables;
+#[cfg(test)]
+mod tests_teeth;
 
 use crate::gear::PairGeometry;
 use crate::table::Table;

@@ -96,8 +96,12 @@ pub(crate) fn scaled<T: Scalar>(v: &Vector3<T>, factor: f64) -> Vector3<T> {
 
 /// `angle` (rad) brought into [-pi, pi) by whole turns; its derivatives stay.
 pub(crate) fn wrap<T: Scalar>(angle: T) -> T {
-    use std::f64::consts::TAU;
-    angle - TAU * nearest(angle.re() / TAU)
+    angle - std::f64::consts::TAU * whole_turns(angle.re())
+}
+
+/// The whole turns that [`wrap`] takes from `angle` (rad).
+pub(crate) fn whole_turns(angle: f64) -> f64 {
+    nearest(angle / std::f64::consts::TAU)
 }
 
 /// `x` brought into [0, 1) by whole numbers; its derivatives stay.

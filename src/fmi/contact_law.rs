@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use crate::contact::{ContactFile, ContactPotential, RuntimeContact, Warm};
 use crate::element::{Elasticity, FlankLaws};
 use crate::gear::Flank;
+use crate::gear::teeth::Counts;
 use crate::table::{COORDINATES, Potential, Query};
 use std::sync::Arc;
 
@@ -33,10 +34,10 @@ pub fn laws(file: &ContactFile) -> FlankLaws {
 
 impl ContactLaw {
     /// The potential at `at`; not a number where no solve succeeds, which the unit refuses with what it asked for.
-    fn at(&self, at: [f64; COORDINATES]) -> ContactPotential {
+    fn at(&self, at: [f64; COORDINATES], counts: Counts) -> ContactPotential {
         // The forces are whole even if a thread panicked while it held the lock.
         let mut warm = self.warm.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = self.contact.potential(at, &mut warm);
+        let found = self.contact.potential(at, counts, &mut warm);
         found.unwrap_or_else(|_| ContactPotential {
             energy: f64::NAN,
             gradient: [f64::NAN; COORDINATES],
@@ -47,13 +48,21 @@ impl ContactLaw {
 
 impl Elasticity for ContactLaw {
     fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
+        self.with_teeth(query, [0; 2], want_hessian)
+    }
+
+    fn tells_teeth_apart(&self) -> bool {
+        true
+    }
+
+    fn with_teeth(&self, query: &Query, counts: Counts, want_hessian: bool) -> Potential {
         let at = [
             query.delta,
             query.center_distance_offset,
             query.misalignment,
             query.mesh_position,
         ];
-        let here = self.at(at);
+        let here = self.at(at, counts);
         let mut out = Potential {
             value: here.energy,
             gradient: here.gradient,
@@ -71,7 +80,7 @@ impl Elasticity for ContactLaw {
             let side = |sign: f64| {
                 let mut x = at;
                 x[axis] += sign * step;
-                self.at(x).gradient
+                self.at(x, counts).gradient
             };
             let (up, down) = (side(1.0), side(-1.0));
             for i in 0..COORDINATES {

@@ -79,6 +79,14 @@ impl Gear {
         }
     }
 
+    /// The gear turned end for end, where its body is another one then.
+    pub fn turned(&self) -> Option<Gear> {
+        (!self.has_symmetric_body()).then(|| Gear {
+            body: self.body.map(|body| body.mirrored(self.face_width)),
+            ..self.clone()
+        })
+    }
+
     /// Whether the body is the same from both ends of the face.
     pub fn has_symmetric_body(&self) -> bool {
         self.body.is_none_or(|b| b.is_symmetric(self.face_width))

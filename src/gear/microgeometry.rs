@@ -80,6 +80,13 @@ impl Microgeometry {
             + self.topography.as_ref().map_or(0.0, |f| f.slope(roll, z))
     }
 
+    /// d [`Microgeometry::slope`] / d roll at the length of roll `roll`, m per m², without that of a topography.
+    pub fn curvature(&self, roll: f64) -> f64 {
+        self.tip_relief.map_or(0.0, |r| r.curvature(roll))
+            + self.root_relief.map_or(0.0, |r| r.curvature(roll))
+            + self.profile_crowning.map_or(0.0, |c| c.curvature())
+    }
+
     /// The part of [`Microgeometry::removal`] that depends on the place along the face alone, m.
     fn lead_removal(&self, gear: &Gear, z: f64) -> f64 {
         let t = along_face(gear, z);
@@ -222,6 +229,13 @@ mod tests {
                 let at = |roll| m.removal(&gear, roll, z);
                 let numeric = (at(roll + d) - at(roll - d)) / (2.0 * d);
                 assert_abs_diff_eq!(m.slope(&gear, roll, z), numeric, epsilon = 1e-9);
+                let smooth = Microgeometry {
+                    topography: None,
+                    ..m.clone()
+                };
+                let at = |roll| smooth.slope(&gear, roll, z);
+                let numeric = (at(roll + d) - at(roll - d)) / (2.0 * d);
+                assert_abs_diff_eq!(m.curvature(roll), numeric, epsilon = 1e-7);
             }
         }
     }

@@ -14,6 +14,7 @@ mod pair_geometry;
 mod profile;
 mod ring_fillet;
 pub mod samples;
+pub mod teeth;
 pub mod tolerance;
 mod topography;
 mod trochoid;
@@ -26,6 +27,7 @@ pub use microgeometry::{Microgeometry, PairMicrogeometry};
 pub use modification::{EndRelief, ProfileCrowning, ProfileRelief, ProfileSlope, ReliefShape};
 pub use pair_geometry::{Flank, PairGeometry, PathOfContact};
 pub use profile::{ProfileError, ProfilePoint, ToothProfile};
+pub use teeth::{OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
 pub use topography::{Topography, TopographyError};
 
 /// Involute function inv(alpha) = tan(alpha) - alpha, rad.

@@ -33,6 +33,14 @@ impl ReliefShape {
             ReliefShape::Parabolic | ReliefShape::Arc => 2.0 * t,
         }
     }
+
+    /// Derivative of [`ReliefShape::slope`].
+    fn curvature(self, t: f64) -> f64 {
+        match self {
+            ReliefShape::Parabolic | ReliefShape::Arc if t >= 0.0 => 2.0,
+            _ => 0.0,
+        }
+    }
 }
 
 /// Tip or root relief, over the length of roll.
@@ -63,6 +71,12 @@ impl ProfileRelief {
     pub fn slope(&self, roll: f64) -> f64 {
         self.amount * self.shape.slope(self.way(roll)) / (self.end_roll - self.start_roll)
     }
+
+    /// d [`ProfileRelief::slope`] / d roll.
+    pub fn curvature(&self, roll: f64) -> f64 {
+        let length = self.end_roll - self.start_roll;
+        self.amount * self.shape.curvature(self.way(roll)) / (length * length)
+    }
 }
 
 /// Profile crowning (barrelling): parabolic, zero at mid-profile.
@@ -84,6 +98,12 @@ impl ProfileCrowning {
     pub fn slope(&self, roll: f64) -> f64 {
         let [a, b] = self.rolls;
         4.0 * self.amount * along(self.rolls, roll) / (b - a)
+    }
+
+    /// d [`ProfileCrowning::slope`] / d roll.
+    pub fn curvature(&self) -> f64 {
+        let [a, b] = self.rolls;
+        8.0 * self.amount / ((b - a) * (b - a))
     }
 }
 

@@ -57,6 +57,17 @@ impl PairGeometry {
         self.gears[0].kappa() * self.gears[1].kappa()
     }
 
+    /// Whether z is mirrored to make gear `i` (0 or 1) a right-handed one whose loaded flank faces +theta.
+    ///
+    /// The loaded flank faces the sense sigma_1 = s on gear 1 and sigma_2 = e s on gear 2. A mirror theta -> -theta
+    /// turns over both sigma and the hand, a mirror z -> -z the hand alone; so theta is mirrored for sigma = -1 and z for
+    /// h sigma = -1.
+    pub fn is_mirrored(&self, flank: Flank, i: usize) -> bool {
+        let s = flank.sign();
+        let sigma = if i == 0 { s } else { self.e() * s };
+        self.gears[i].hand * sigma < 0.0
+    }
+
     /// z1 + e z2.
     fn tooth_sum(&self) -> f64 {
         self.gears[0].z() + self.e() * self.gears[1].z()

@@ -1,6 +1,7 @@
 //! Flank tolerances of ISO 1328-1:2013.
 
 use super::Gear;
+use crate::random::Random;
 
 /// Finest and coarsest flank tolerance class.
 pub const CLASSES: std::ops::RangeInclusive<u8> = 1..=11;
@@ -40,6 +41,73 @@ pub fn helix_slope(gear: &Gear, class: u8) -> f64 {
     1e-6 * rounded_um(at_five * class_factor(class))
 }
 
+/// Single pitch tolerance f_pT of `class`, m.
+pub fn single_pitch(gear: &Gear, class: u8) -> f64 {
+    let module = 1e3 * gear.normal_module;
+    let at_five = 0.001 * reference_diameter_mm(gear) + 0.4 * module + 5.0;
+    1e-6 * rounded_um(at_five * class_factor(class))
+}
+
+/// Total cumulative pitch tolerance F_pT of `class`, m: range of the index errors of all teeth.
+pub fn total_pitch(gear: &Gear, class: u8) -> f64 {
+    let (diameter, module) = (reference_diameter_mm(gear), 1e3 * gear.normal_module);
+    let at_five = 0.002 * diameter + 0.55 * diameter.sqrt() + 0.7 * module + 12.0;
+    1e-6 * rounded_um(at_five * class_factor(class))
+}
+
+/// Index errors of all teeth of a gear of `class`, m, mean zero: a wave once per revolution at a random angle, as of a blank
+/// that sat askew, and for each tooth a random part of half the single pitch tolerance. They use up the total cumulative
+/// pitch tolerance, or, where that comes first, the single pitch tolerance. The same for the same `seed`.
+pub fn random_index_errors(gear: &Gear, class: u8, seed: u32) -> Vec<f64> {
+    let n = gear.teeth as usize;
+    // Seeds of xorshift should have bits all over: multiplied by 2^64 over the golden ratio.
+    let mut random = Random::new((u64::from(seed) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    for _ in 0..8 {
+        random.next();
+    }
+    let phase = random.within([0.0, std::f64::consts::TAU]);
+    let steps: Vec<f64> = (0..n).map(|_| random.within([-1.0, 1.0])).collect();
+    let mean = steps.iter().sum::<f64>() / n as f64;
+    let [single, total] = [single_pitch(gear, class), total_pitch(gear, class)];
+    let largest_step = largest_pitch(&steps);
+    let with = |wave: f64| -> Vec<f64> {
+        let each = steps.iter().enumerate().map(|(j, step)| {
+            let angle = phase + std::f64::consts::TAU * j as f64 / n as f64;
+            wave * angle.sin() + 0.5 * single / largest_step * (step - mean)
+        });
+        each.collect()
+    };
+    // The range grows with the wave.
+    let (mut low, mut high) = (0.0, total);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if range(&with(middle)) < total {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let errors = with(low);
+    let scale = (single / largest_pitch(&errors))
+        .min(total / range(&errors))
+        .min(1.0);
+    errors.into_iter().map(|error| scale * error).collect()
+}
+
+/// Range of index errors.
+fn range(index: &[f64]) -> f64 {
+    let fold = |f: fn(f64, f64) -> f64, start| index.iter().copied().fold(start, f);
+    fold(f64::max, f64::NEG_INFINITY) - fold(f64::min, f64::INFINITY)
+}
+
+/// Largest single pitch deviation.
+fn largest_pitch(index: &[f64]) -> f64 {
+    let last = index.last().copied().unwrap_or(0.0);
+    let before = std::iter::once(&last).chain(index);
+    let steps = index.iter().zip(before).map(|(x, y)| (x - y).abs());
+    steps.fold(0.0, f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,5 +123,26 @@ mod tests {
         assert!((profile_slope(&gear, 7) - 11e-6).abs() < 1e-12);
         assert!((helix_slope(&gear, 7) - 12e-6).abs() < 1e-12);
         assert!((profile_slope(&gear, 4) - 4.0e-6).abs() < 1e-12);
+        // 0.08 + 1.6 + 5 = 6.68 -> 6.5; 0.16 + 4.919 + 2.8 + 12 = 19.88 -> 20.
+        assert!((single_pitch(&gear, 5) - 6.5e-6).abs() < 1e-12);
+        assert!((total_pitch(&gear, 5) - 20e-6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn random_index_errors_use_up_the_class_and_are_the_same_for_a_seed() {
+        for teeth in [9, 20, 84] {
+            let gear = samples::gear(GearKind::External, teeth, 1.0, 0.0, 0.0);
+            for class in [3, 6, 9] {
+                let errors = random_index_errors(&gear, class, 7);
+                assert_eq!(errors, random_index_errors(&gear, class, 7));
+                assert_ne!(errors, random_index_errors(&gear, class, 8));
+                assert_eq!(errors.len(), teeth as usize);
+                let uses = (range(&errors) / total_pitch(&gear, class))
+                    .max(largest_pitch(&errors) / single_pitch(&gear, class));
+                assert!((uses - 1.0).abs() < 1e-9, "{teeth} {class}: {uses}");
+                assert!(range(&errors) <= total_pitch(&gear, class) * (1.0 + 1e-12));
+                assert!(errors.iter().sum::<f64>().abs() < 1e-12);
+            }
+        }
     }
 }

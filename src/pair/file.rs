@@ -6,6 +6,8 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use super::teeth::{IndexFile, ToothErrorsFile, ToothFile, ToothFlank};
+
 /// The whole file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -162,6 +164,9 @@ pub struct GearFile {
     /// Modifications of the coast flank instead of those above.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coast_flank: Option<FlankFile>,
+    /// Teeth that differ from each other. Default: all are alike.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tooth_errors: Option<ToothErrorsFile>,
 }
 
 /// Modifications of one flank: those of [`GearFile`], which it replaces one by one.

@@ -15,6 +15,7 @@ mod mesh_checks;
 mod modifications;
 mod resolve;
 mod slips;
+mod teeth;
 mod text;
 mod topography;
 
@@ -25,7 +26,7 @@ pub use error::{PairError, Refusal};
 pub use file::Refinement;
 
 use crate::friction::FrictionLaw;
-use crate::gear::{Gear, PairGeometry, PairMicrogeometry};
+use crate::gear::{Gear, PairGeometry, PairMicrogeometry, PairTeeth};
 
 /// Loads and deviations that tables are to cover.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,6 +50,8 @@ pub struct Pair {
     pub geometry: PairGeometry,
     /// Modifications of both flanks of gear 1 and gear 2.
     pub microgeometry: PairMicrogeometry,
+    /// Teeth that differ from each other; static contact and tables take them as all alike.
+    pub teeth: PairTeeth,
     /// Loads and deviations to be covered.
     pub operating: Operating,
     /// Fineness of the finite elements.

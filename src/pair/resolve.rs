@@ -10,6 +10,7 @@ use super::mesh_checks::{
     Place, check_clearance, check_contact, check_gear, check_tooth_difference, field, warnings,
 };
 use super::modifications::Flanks;
+use super::teeth::teeth;
 use super::{Operating, Pair, bodies, slips};
 use crate::gear::{
     Flank, Gear, GearKind, PairGeometry, PairMicrogeometry, ToothProfile, inverse_involute,
@@ -62,8 +63,11 @@ pub(super) fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
         drive: of_flank(Flank::Drive)?,
         coast: of_flank(Flank::Coast)?,
     };
+    let (teeth, differ) = teeth(file, &geometry, &microgeometry, folder)?;
+    notes.extend(differ);
     Ok(Pair {
         name: file.name.clone(),
+        teeth,
         operating: Operating {
             nominal_torque: file.operating.nominal_torque_nm,
             maximum_torque: file.operating.maximum_torque_nm,

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 
 use super::error::PairError;
-use super::file::{FrictionFile, GearFile, OperatingFile, PairFile};
+use super::file::{FrictionFile, GearFile, OperatingFile, PairFile, ToothErrorsFile};
 use crate::words::shown;
 
 /// Longest pair file or topography, bytes.
@@ -205,6 +205,7 @@ fn unknown_field(parent: &str, given: &str, expected: &[&str]) -> String {
             names::<PairFile>(),
         ),
         ("`gear1` and `gear2`", "gear", names::<GearFile>()),
+        ("`tooth_errors`", "gear", names::<ToothErrorsFile>()),
         ("`operating`", "operating", names::<OperatingFile>()),
         ("`friction`", "friction", names::<FrictionFile>()),
     ];

@@ -6,6 +6,49 @@ use gearmesh::words::fixed;
 
 use crate::output::Listing;
 
+/// Rows on what distinguishes the teeth of gear `i`.
+pub fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
+    let um = |amount: f64| fixed(amount * 1e6, 1);
+    for (name, flank) in [("drive flank", Flank::Drive), ("coast flank", Flank::Coast)] {
+        let errors = &pair.teeth.flank(flank)[i];
+        if !errors.index.is_empty() {
+            let fold =
+                |f: fn(f64, f64) -> f64| errors.index.iter().copied().reduce(f).unwrap_or(0.0);
+            rows.row(
+                format!("{name}: index errors"),
+                format!(
+                    "{} to {} um, > 0 towards the mate",
+                    um(fold(f64::min)),
+                    um(fold(f64::max))
+                ),
+            );
+        }
+        for own in &errors.flanks {
+            rows.row(
+                format!("{name}: tooth {}", own.tooth),
+                "topography of its own".to_owned(),
+            );
+        }
+    }
+    let errors = &pair.teeth.drive[i];
+    if let Some(runout) = errors.runout {
+        rows.row(
+            "run-out",
+            format!(
+                "{} um, out most at {} deg from tooth 0",
+                um(runout.amount),
+                fixed(runout.angle.to_degrees(), 1)
+            ),
+        );
+    }
+    for weak in &errors.weak {
+        rows.row(
+            format!("tooth {}: compliance", weak.tooth),
+            format!("{} times that of the others", fixed(weak.factor, 3)),
+        );
+    }
+}
+
 /// Rows on the modifications of gear `i`.
 pub fn modifications(pair: &Pair, i: usize, rows: &mut Listing) {
     let gear = &pair.geometry.gears[i];

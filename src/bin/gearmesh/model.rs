@@ -10,6 +10,7 @@ use gearmesh::compliance::finite_element::{
     Stage, pair_root_stress,
 };
 use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
 
 use crate::Error;
@@ -193,14 +194,14 @@ impl ModelArgs {
         }
     }
 
-    /// Maps from the loads of `pair` to the stress in the roots of gear 1 and gear 2.
-    pub fn root_stress(&self, pair: &Pair) -> Result<[Arc<RootStress>; 2], Error> {
+    /// Maps from the loads of `pair` on `flank` to the stress in the roots of gear 1 and gear 2.
+    pub fn root_stress(&self, pair: &Pair, flank: Flank) -> Result<[Arc<RootStress>; 2], Error> {
         let settings = self.settings(pair);
         let cache = self.kept();
         let elastic = self.estimates(pair)?.map(|e| e.seconds.iter().sum());
         let job = self.progress().job(phases(elastic, ("root stress", 0.0)));
         let told = |gear, stage, share| tell(&job, gear, stage, share);
-        let found = pair_root_stress(&pair.geometry, &settings, cache.as_ref(), &told)?;
+        let found = pair_root_stress(&pair.geometry, flank, &settings, cache.as_ref(), &told)?;
         note([&found[0].1, &found[1].1]);
         Ok(found.map(|(model, _)| model))
     }

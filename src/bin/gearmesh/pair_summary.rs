@@ -6,7 +6,7 @@ use gearmesh::gear::{Gear, GearKind, ToothProfile};
 use gearmesh::pair::Pair;
 use gearmesh::words::{fixed, rounded};
 
-use crate::flank_summary::modifications;
+use crate::flank_summary::{modifications, tooth_errors};
 use crate::output::Listing;
 
 /// The pair in text: geometry in mesh, each gear, its modifications, the ranges to be covered.
@@ -165,6 +165,7 @@ fn gear(pair: &Pair, i: usize) -> Listing {
         ),
     );
     modifications(pair, i, &mut rows);
+    tooth_errors(pair, i, &mut rows);
     rows
 }
 

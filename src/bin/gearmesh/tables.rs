@@ -85,6 +85,8 @@ pub struct Made {
     elastic_model: String,
     /// Wall-clock time of the static contact, s.
     contact_seconds: f64,
+    /// The teeth of the pair differ, which tables do not hold.
+    teeth_differ: bool,
 }
 
 impl std::fmt::Display for Made {
@@ -96,7 +98,20 @@ impl std::fmt::Display for Made {
             self.elastic_model,
             self.contact_seconds,
             solves_in_words(&self.file)
-        )
+        )?;
+        if self.teeth_differ {
+            let contact = match self.contact {
+                Some(_) => "`stiffnessModel = contact` takes the tooth errors",
+                None => {
+                    "only `stiffnessModel = contact` takes the tooth errors: build with --contact"
+                }
+            };
+            write!(
+                f,
+                "\n  note: these tables take all teeth as alike; {contact}"
+            )?;
+        }
+        Ok(())
     }
 }
 
@@ -205,6 +220,7 @@ pub fn compute(
             "{}, {:.1} s, {}",
             model.description, model.compliance_seconds, model.origin
         ),
+        teeth_differ: !pair.teeth.are_alike(),
         contact_seconds: begin.elapsed().as_secs_f64(),
     })
 }

@@ -55,7 +55,7 @@ impl Estimate {
         let few = MODES * loads;
         let harmonic = 4.0 * (side.powi(3) / 3.0 + side * side * few + side * few * few);
         let harmonics = harmonics::solved(gear.teeth as usize, 0).len() as f64;
-        let turned = super::turned(gear).map(|gear| Model::new(&gear, settings));
+        let turned = gear.turned().map(|gear| Model::new(&gear, settings));
         let models = 1.0 + turned.iter().count() as f64;
         let turned = turned.transpose()?;
         Ok(Estimate {

@@ -97,7 +97,7 @@ impl FiniteElementCompliance {
         mut one: impl FnMut(&Gear) -> Result<Self, FiniteElementError>,
     ) -> Result<Self, FiniteElementError> {
         let mut model = one(gear)?;
-        if let Some(turned) = turned(gear) {
+        if let Some(turned) = gear.turned() {
             let turned = one(&turned)?;
             for (sum, more) in model.cost.seconds.iter_mut().zip(turned.cost.seconds) {
                 *sum += more;
@@ -151,14 +151,6 @@ impl FiniteElementCompliance {
         let lengths = (a.z[1] - a.z[0]) * (b.z[1] - b.z[0]);
         self.cos_base_helix * overlap / lengths
     }
-}
-
-/// `gear` turned end for end, where its body is another one then.
-fn turned(gear: &Gear) -> Option<Gear> {
-    (!gear.has_symmetric_body()).then(|| Gear {
-        body: gear.body.map(|body| body.mirrored(gear.face_width)),
-        ..gear.clone()
-    })
 }
 
 impl ToothCompliance for FiniteElementCompliance {

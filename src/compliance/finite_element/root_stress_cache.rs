@@ -7,7 +7,7 @@ use super::fillet::COMPONENTS;
 use super::model::Model;
 use super::root_stress::RootStress;
 use super::{FiniteElementError, ModelCache, Origin, Progress, Settings, Stage};
-use crate::gear::{Gear, PairGeometry};
+use crate::gear::{Flank, Gear, PairGeometry};
 
 /// Changes with what is computed of the mesh beside its compliance.
 const WHAT: &[u8] = b"root stress 1";
@@ -71,25 +71,33 @@ impl RootStress {
     }
 }
 
-/// The maps of gear 1 and gear 2 of `pair`, the same one twice for equal gears; `settings` are those of its compliance.
+/// The maps of gear 1 and gear 2 of `pair` loaded on `flank` (of gear 1), the same one twice for equal gears; `settings` are
+/// those of its compliance.
 /// `progress` is called with the number of the gear (0 or 1) in front.
 ///
 /// # Errors
 /// Those of [`RootStress::new`].
 pub fn pair_root_stress(
     pair: &PairGeometry,
+    flank: Flank,
     settings: &Settings,
     cache: Option<&ModelCache>,
     progress: &(dyn Fn(usize, Stage, f64) -> bool + Sync),
 ) -> Result<[(Arc<RootStress>, Origin); 2], FiniteElementError> {
     let settings = settings.for_root_stress();
+    // As strips see them: turned end for end where they are mirrored.
+    let gears = [0, 1].map(|i| {
+        let turned = pair.gears[i].turned();
+        let turned = turned.filter(|_| pair.is_mirrored(flank, i));
+        turned.unwrap_or_else(|| pair.gears[i].clone())
+    });
     let model = |gear: usize| {
         let told: &Progress<'_> = &|stage, share| progress(gear, stage, share);
-        RootStress::cached(&pair.gears[gear], &settings, cache, told)
+        RootStress::cached(&gears[gear], &settings, cache, told)
             .map(|(model, origin)| (Arc::new(model), origin))
     };
     let first = model(0)?;
-    let second = match same_model(&pair.gears, &settings)? {
+    let second = match same_model(&gears, &settings)? {
         true => first.clone(),
         false => model(1)?,
     };

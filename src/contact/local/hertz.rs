@@ -1,7 +1,9 @@
 //! Local contact of one strip: force over penetration in closed form.
 
 use super::constants::{LARGEST_HALF_WIDTH_OVER_RADIUS, WIDTH_OVER_REFERENCE};
+use super::lambert;
 use super::tip_edge::TipEdge;
+use wide::f64x4;
 
 /// Force of one strip over the approach of its two flanks that the local contact takes up.
 ///
@@ -23,8 +25,23 @@ pub struct LocalContact {
     kappa: f64,
     /// Relative radius of curvature, m.
     radius: f64,
+    /// Penetration from which on the law goes on along its tangent, m.
+    wide: f64,
     /// Takes over from the width of contact at which one side of it ends at a tip edge.
     edge: Option<TipEdge>,
+}
+
+/// Local contact of the four points of a strip inside its flanks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldContact {
+    /// Forces, N.
+    pub forces: [f64; 4],
+    /// Sum of the energies, J.
+    pub energy: f64,
+    /// Its slope by the logarithm of the relative radius of curvature, the penetrations held, J.
+    pub by_log_radius: f64,
+    /// Its slopes by the logarithms of the reference lengths of both gears, J.
+    pub by_log_length: [f64; 2],
 }
 
 /// Elastic constants and reference length of one gear at a strip.
@@ -54,11 +71,13 @@ impl LocalContact {
                     * ((2.0 * g.reference_length).ln() - 0.5 * kappa.ln() + 0.5)
             })
             .sum();
+        let log_scale = (2.0 / c).ln() - 2.0 * b / c;
         let log_reference = b / c - std::f64::consts::LN_2 + 0.5 * kappa.ln() - 0.5;
         LocalContact {
             length,
             c,
-            log_scale: (2.0 / c).ln() - 2.0 * b / c,
+            log_scale,
+            wide: wide_over_scale() * (-log_scale).exp(),
             kappa,
             radius,
             edge: TipEdge::new(c, radius, log_reference, edge_slope),
@@ -76,29 +95,77 @@ impl LocalContact {
             let (w, slope) = edge.line_load(x);
             return (self.length * w, self.length * slope);
         }
-        let log_y = x.ln() + self.log_scale;
-        let u_wide = u_wide();
-        let log_y_wide = (-u_wide).ln() + u_wide;
-        if log_y >= log_y_wide {
-            let slope = self.length / self.slope_at(u_wide);
-            let x_wide = (log_y_wide - self.log_scale).exp();
-            let f_wide = self.length * 2.0 * x_wide / (self.c * -u_wide);
-            return (f_wide + slope * (x - x_wide), slope);
+        if x >= self.wide {
+            let slope = self.length / self.slope_at(u_wide());
+            let f_wide = self.length * 2.0 * self.wide / (self.c * -u_wide());
+            return (f_wide + slope * (x - self.wide), slope);
         }
-        // ln(-u) + u = ln y by Newton.
-        let mut u = lower_branch(log_y).min(u_wide);
-        for _ in 0..20 {
-            let step = ((-u).ln() + u - log_y) / (1.0 + 1.0 / u);
-            u -= step;
-            // Quadratic: what is left is the square of it.
-            if step.abs() <= 1e-7 * u.abs() {
-                break;
-            }
-        }
+        let v = lambert::root_at(-(x.ln() + self.log_scale));
         (
-            self.length * 2.0 * x / (self.c * -u),
-            self.length / self.slope_at(u),
+            self.length * 2.0 * x / (self.c * v),
+            self.length / self.slope_at(-v),
         )
+    }
+
+    /// As [`LocalContact::force`] at four points at once, the sums over them.
+    pub fn sum(&self, x: [f64; 4]) -> (f64, f64) {
+        if x.iter().all(|x| *x <= 0.0) {
+            return (0.0, 0.0);
+        }
+        if let Some((force, v)) = self.within_flank(x) {
+            let open = force.simd_eq(f64x4::ZERO);
+            let slope = open.select(f64x4::ZERO, f64x4::ONE / (v - 1.0)).to_array();
+            let add = |p: [f64; 4]| (p[0] + p[1]) + (p[2] + p[3]);
+            let scale = 2.0 * self.length / self.c;
+            return (add(force.to_array()), scale * add(slope));
+        }
+        let mut sum = (0.0, 0.0);
+        for x in x {
+            let (force, slope) = self.force(x);
+            sum.0 += force;
+            sum.1 += slope;
+        }
+        sum
+    }
+
+    /// Forces at four points (N) and -u there, of any size where there is no force; `None` where contact at one of them
+    /// reaches a tip edge, is too wide, or so slight that the tabulated root ends.
+    fn within_flank(&self, x: [f64; 4]) -> Option<(f64x4, f64x4)> {
+        let limit = match &self.edge {
+            Some(edge) => edge.least_penetration().min(self.wide),
+            None => self.wide,
+        };
+        if !x.iter().all(|x| *x < limit) {
+            return None;
+        }
+        let x = f64x4::new(x);
+        let touches = x.simd_gt(f64x4::ZERO);
+        // Points that are open take any argument of the logarithm.
+        let t = -(touches.select(x, f64x4::splat(0.5 * self.wide)).ln() + self.log_scale);
+        if !lambert::is_held(t) {
+            return None;
+        }
+        let v = lambert::roots_at(t);
+        let scale = 2.0 * self.length / self.c;
+        Some((touches.select(x / v, f64x4::ZERO) * scale, v))
+    }
+
+    /// What the forces at the penetrations `x` do while the law changes and they are held; `None` as of
+    /// [`LocalContact::sum`]'s fast way. `plane` are the plane compliances of both gears.
+    ///
+    /// The slopes of the energy by a parameter at the penetration held are minus those of the complementary energy, the
+    /// integral of h dw, at the force held.
+    pub fn held(&self, x: [f64; 4], plane: [f64; 2]) -> Option<HeldContact> {
+        let (force, _) = self.within_flank(x)?;
+        let forces = force.to_array();
+        let square = forces.iter().map(|f| f * f).sum::<f64>() / self.length;
+        let work: f64 = forces.iter().zip(x).map(|(f, x)| f * x).sum();
+        Some(HeldContact {
+            forces,
+            energy: 0.5 * work - 0.125 * self.c * square,
+            by_log_radius: 0.25 * self.c * square,
+            by_log_length: plane.map(|p| -square * p / std::f64::consts::PI),
+        })
     }
 
     /// Energy of the local contact at the penetration `x` (m), J: the integral of the force, zero for x <= 0.
@@ -117,14 +184,12 @@ impl LocalContact {
             let force = self.length * edge.least_line_load();
             return hertz(reached, force) + self.length * edge.energy(x);
         }
-        let u_wide = u_wide();
-        let x_wide = ((-u_wide).ln() + u_wide - self.log_scale).exp();
-        if x <= x_wide {
+        if x <= self.wide {
             return hertz(x, self.force(x).0);
         }
-        let (f_wide, slope) = self.force(x_wide);
-        let beyond = x - x_wide;
-        hertz(x_wide, f_wide) + beyond * (f_wide + 0.5 * slope * beyond)
+        let (f_wide, slope) = self.force(self.wide);
+        let beyond = x - self.wide;
+        hertz(self.wide, f_wide) + beyond * (f_wide + 0.5 * slope * beyond)
     }
 
     /// dh/dw at u.
@@ -162,15 +227,10 @@ impl LocalContact {
     }
 }
 
-/// Lower branch of Lambert's W at -y within 3e-4, so that two or three Newton steps end at rounding: Barry,
-/// Culligan-Hensley, Barry (1995), Real values of the W-function, ACM Transactions on Mathematical Software
-/// 21, 161-171, for ln y < -1.
-fn lower_branch(log_y: f64) -> f64 {
-    let sigma = -1.0 - log_y;
-    let root = sigma.sqrt();
-    let falling = 1.0 - 0.0042 * sigma * (-0.0201 * root).exp();
-    let inner = 1.0 + 0.3361 * std::f64::consts::FRAC_1_SQRT_2 * root / falling;
-    -1.0 - sigma - 2.0 / 0.3361 * (1.0 - inner.recip())
+/// y at that u.
+fn wide_over_scale() -> f64 {
+    // e^u = (b / 2 L)² / e.
+    -u_wide() * (0.5 * WIDTH_OVER_REFERENCE).powi(2) / std::f64::consts::E
 }
 
 /// u at the width at which the law goes over into its tangent, for the weighted mean of the reference lengths:
@@ -209,6 +269,59 @@ mod tests {
                 .map(|l| 2.0 * STEEL / std::f64::consts::PI * w * ((2.0 * l / b).ln() + 0.5))
                 .sum();
             assert_relative_eq!(law.force(h).0, w * 0.6e-3, max_relative = 1e-13);
+        }
+    }
+
+    #[test]
+    fn four_points_at_once_are_four_points() {
+        let bodies = [1.2e-3, 2.0e-3].map(|reference_length| LocalBody {
+            plane_compliance: STEEL,
+            reference_length,
+        });
+        for edge_slope in [f64::NEG_INFINITY, -5e-3, 0.0, 0.02] {
+            let law = LocalContact::new(bodies, 7e-3, 0.6e-3, edge_slope);
+            for x in [1e-22, 1e-9, 2e-6, 1e-5, 1e-4, 1e-2] {
+                let points = [x, 0.3 * x, -x, 1.7 * x];
+                let each = points.map(|x| law.force(x));
+                let (force, slope) = law.sum(points);
+                let forces: f64 = each.iter().map(|e| e.0).sum();
+                let slopes: f64 = each.iter().map(|e| e.1).sum();
+                assert_relative_eq!(force, forces, max_relative = 1e-13);
+                assert_relative_eq!(slope, slopes, max_relative = 1e-13);
+            }
+            assert_eq!(law.sum([-1e-6; 4]), (0.0, 0.0));
+        }
+    }
+
+    #[test]
+    fn held_contact_has_the_slopes_of_its_energy() {
+        let at = |radius: f64, lengths: [f64; 2]| {
+            let bodies = lengths.map(|reference_length| LocalBody {
+                plane_compliance: STEEL,
+                reference_length,
+            });
+            LocalContact::new(bodies, radius, 0.6e-3, f64::NEG_INFINITY)
+        };
+        let x = [3e-6, 5e-6, -1e-6, 2e-7];
+        let energy = |law: LocalContact| -> f64 { x.iter().map(|x| law.energy(*x)).sum() };
+        let lengths = [1.2e-3, 2.0e-3];
+        let held = at(7e-3, lengths).held(x, [STEEL; 2]).unwrap();
+        assert_relative_eq!(held.energy, energy(at(7e-3, lengths)), max_relative = 1e-13);
+        let h = 1e-5f64;
+        let by_radius = energy(at(7e-3 * h.exp(), lengths)) - energy(at(7e-3 / h.exp(), lengths));
+        assert_relative_eq!(
+            held.by_log_radius,
+            by_radius / (2.0 * h),
+            max_relative = 1e-8
+        );
+        for gear in 0..2 {
+            let moved = |h: f64| {
+                let mut moved = lengths;
+                moved[gear] *= h.exp();
+                energy(at(7e-3, moved))
+            };
+            let slope = (moved(h) - moved(-h)) / (2.0 * h);
+            assert_relative_eq!(held.by_log_length[gear], slope, max_relative = 1e-8);
         }
     }
 

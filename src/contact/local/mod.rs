@@ -5,7 +5,7 @@
 //! kernel: spreads the line load of a strip over the elements; its reference length L says how much of
 //!         the local displacement the bulk matrix therefore holds
 //!    └─> division: moves displacement from the bulk matrix to the law until L suits the width of contact
-//!           └─> hertz: line load over penetration, inside the flanks
+//!           └─> hertz: line load over penetration, inside the flanks (inverted by lambert)
 //!                  └─> tip_edge: the same where contact reaches a tip edge
 //! ```
 //!
@@ -17,6 +17,7 @@ mod division;
 mod hertz;
 #[cfg(feature = "preprocess")]
 pub(crate) mod kernel;
+mod lambert;
 mod tip_edge;
 #[cfg(feature = "preprocess")]
 mod width;

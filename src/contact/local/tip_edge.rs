@@ -37,6 +37,13 @@ pub struct TipEdge {
 impl TipEdge {
     /// None where contact becomes too wide for the law before it reaches the edge.
     pub fn new(c: f64, radius: f64, log_reference: f64, slope: f64) -> Option<TipEdge> {
+        // The whole width, where the law of Hertz counts by half of it.
+        let wide = 2.0 * WIDTH_OVER_REFERENCE * log_reference.exp();
+        let least = (-2.0 * slope * radius).max(0.0);
+        // Not a number where the curvatures cancel: no law of an edge either.
+        if !matches!(least.partial_cmp(&wide), Some(std::cmp::Ordering::Less)) {
+            return None;
+        }
         let mut edge = TipEdge {
             c,
             radius,
@@ -45,13 +52,6 @@ impl TipEdge {
             least: [0.0; 3],
             wide: [0.0; 3],
         };
-        // The whole width, where the law of Hertz counts by half of it.
-        let wide = 2.0 * WIDTH_OVER_REFERENCE * log_reference.exp();
-        let least = (-2.0 * slope * radius).max(0.0);
-        // Not a number where the curvatures cancel: no law of an edge either.
-        if !matches!(least.partial_cmp(&wide), Some(std::cmp::Ordering::Less)) {
-            return None;
-        }
         if least > 0.0 {
             edge.least = edge.state(least);
         }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::contact::closest::Flanks;
+use crate::contact::numbers::PairNumbers;
 use crate::contact::transverse::TransverseSection;
 use crate::gear::{Flank, ProfileRelief, ReliefShape, ToothProfile};
 
@@ -36,7 +37,7 @@ fn relieved(amount: f64, share: f64) -> Pair {
 fn section(pair: &Pair) -> TransverseSection {
     let g = &pair.geometry;
     let forms = [0, 1].map(|i| ToothProfile::new(&g.gears[i]).unwrap().form_roll());
-    TransverseSection::new(g, g.center_distance, forms, Some(100e-6)).unwrap()
+    TransverseSection::new(&PairNumbers::new(g), g.center_distance, forms, Some(100e-6)).unwrap()
 }
 
 #[test]
@@ -47,7 +48,8 @@ fn steeply_relieved_flanks_touch_below_the_nominal_line() {
     let relief = pair.microgeometry.drive[0].tip_relief.unwrap();
     // Well within the relief of gear 1.
     let at = section.point(path.end - 0.03 * path.length());
-    let found = Flanks::new(g, &pair.microgeometry.drive, at, Z).closest_point(&section);
+    let found =
+        Flanks::new(g, &section, pair.microgeometry.drive.each_ref(), at, Z).closest_point();
     let gear = &g.gears[0];
     let cos = g.base_helix_angle().cos();
     let radius = 1.0 / (1.0 / at.roll[0] + 1.0 / at.roll[1]);
@@ -78,7 +80,8 @@ fn the_closest_point_is_the_least_gap_of_all() {
     let [first, last] = section.reach();
     for step in 0..=200 {
         let at = section.point(first + (last - first) * f64::from(step) / 200.0);
-        let found = Flanks::new(g, &pair.microgeometry.drive, at, Z).closest_point(&section);
+        let found =
+            Flanks::new(g, &section, pair.microgeometry.drive.each_ref(), at, Z).closest_point();
         let curvature: f64 = at.roll.iter().map(|roll| roll.recip()).sum();
         let least = (-2000..=2000)
             .map(|s| 1e-6 * f64::from(s))
@@ -116,8 +119,14 @@ fn flanks_without_profile_modifications_touch_on_the_nominal_line() {
     let section = section(&pair);
     for xi in section.reach() {
         let at = section.point(0.8 * xi);
-        let found =
-            Flanks::new(&pair.geometry, &pair.microgeometry.drive, at, Z).closest_point(&section);
+        let found = Flanks::new(
+            &pair.geometry,
+            &section,
+            pair.microgeometry.drive.each_ref(),
+            at,
+            Z,
+        )
+        .closest_point();
         assert_eq!((found.roll, found.gap), (at.roll, at.separation));
         assert_eq!((found.edge_slope, found.arm), (at.edge_slope, at.arm));
     }

@@ -12,3 +12,4 @@ mod runtime;
 mod separation;
 mod sliding;
 mod symmetry;
+mod teeth;

@@ -25,7 +25,10 @@ fn pair(helix_deg: f64) -> Pair {
 
 fn models(pair: &Pair) -> [Arc<RootStress>; 2] {
     let settings = Settings::for_pair(pair);
-    let found = pair_root_stress(&pair.geometry, &settings, None, &|_, _, _| true).unwrap();
+    let found = pair_root_stress(&pair.geometry, Flank::Drive, &settings, None, &|_, _, _| {
+        true
+    })
+    .unwrap();
     found.map(|(model, _)| model)
 }
 

@@ -1,5 +1,6 @@
 //! The closed form of the separation against flanks set up from formulation.md's signed distance.
 
+use crate::contact::numbers::PairNumbers;
 use crate::contact::transverse::TransverseSection;
 use crate::gear::{Gear, PairGeometry, ToothProfile};
 use crate::pair::Pair;
@@ -82,7 +83,9 @@ fn pairs() -> Vec<PairGeometry> {
 fn separation_is_the_signed_distance_of_the_tip_edge_from_the_mate() {
     for p in &pairs() {
         let forms = [0, 1].map(|i| ToothProfile::new(&p.gears[i]).unwrap().form_roll());
-        let section = TransverseSection::new(p, p.center_distance, forms, Some(50e-6)).unwrap();
+        let section =
+            TransverseSection::new(&PairNumbers::new(p), p.center_distance, forms, Some(50e-6))
+                .unwrap();
         let path = p.path_of_contact(p.center_distance);
         let reach = section.reach();
         assert!(
@@ -121,7 +124,13 @@ fn separation_starts_quadratically_at_the_ends_of_the_path() {
     let p = Pair::from_json(include_str!("../../../resources/pairs/palermo2013.json"))
         .unwrap()
         .geometry;
-    let section = TransverseSection::new(&p, p.center_distance, [1e-3; 2], Some(50e-6)).unwrap();
+    let section = TransverseSection::new(
+        &PairNumbers::new(&p),
+        p.center_distance,
+        [1e-3; 2],
+        Some(50e-6),
+    )
+    .unwrap();
     let path = p.path_of_contact(p.center_distance);
     for (end, sign) in [(path.start, -1.0), (path.end, 1.0)] {
         let at = |beyond: f64| section.point(end + sign * beyond).separation;
@@ -134,7 +143,9 @@ fn separation_starts_quadratically_at_the_ends_of_the_path() {
 fn the_arm_of_a_tip_edge_is_the_work_that_gear_1_does_per_turn() {
     for p in &pairs() {
         let forms = [0, 1].map(|i| ToothProfile::new(&p.gears[i]).unwrap().form_roll());
-        let section = TransverseSection::new(p, p.center_distance, forms, Some(50e-6)).unwrap();
+        let section =
+            TransverseSection::new(&PairNumbers::new(p), p.center_distance, forms, Some(50e-6))
+                .unwrap();
         let path = p.path_of_contact(p.center_distance);
         let reach = section.reach();
         for (end, tip_gear, limit) in [(path.start, 1, reach[0]), (path.end, 0, reach[1])] {

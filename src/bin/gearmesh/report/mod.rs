@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use chart::{Axes, Curve, line_chart};
 use clap::Args;
 use gearmesh::contact::{ContactResult, LoadCase, MeshCycle};
+use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use gearmesh::table::TableFile;
 use map::{Patch, map};
@@ -109,7 +110,7 @@ impl Report {
         survey::survey(&mut page, &pair, &model.solver)?;
         self.patterns(&mut page, &pair, &model)?;
         if self.root_stress {
-            let models = self.model.root_stress(&pair)?;
+            let models = self.model.root_stress(&pair, Flank::Drive)?;
             roots::roots(&mut page, &pair, &model.solver, &models, &cycles)?;
         }
         if let Some(folder) = &self.figures {

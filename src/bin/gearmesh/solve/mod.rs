@@ -123,7 +123,7 @@ impl Solve {
         let solved = |pair: &Pair| self.solve(pair, &input, &cases, deflection.as_ref());
         let (model, cycles) = solved(&pair)?;
         let models = match self.root_stress {
-            true => Some(self.model.root_stress(&pair)?),
+            true => Some(self.model.root_stress(&pair, input.flank)?),
             false => None,
         };
         let reports: Vec<Report> = cases

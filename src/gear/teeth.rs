@@ -1,0 +1,278 @@
+//! Teeth that differ from each other: index errors, run-out, and single teeth with a flank or a compliance of their own.
+//!
+//! Teeth are counted from 0 in +theta of their own gear (body frame). Tooth 0 of gear 1 is that at body +x in the phase
+//! reference `absolute`, else that which touches at the start; tooth 0 of gear 2 is that which touches the drive flank
+//! of gear 1's tooth 0 (with gears that start elsewhere on the circle: that would). Errors are positive where
+//! the flank stands further out, towards its mate: they close the gap along the line of action.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Flank, Microgeometry, PairGeometry};
+
+/// Eccentricity of the teeth of a gear against its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Runout {
+    /// Radial run-out F_r, highest reading less lowest, m: twice the eccentricity.
+    pub amount: f64,
+    /// Body angle from the centre of tooth 0 in +theta to where the teeth stand out most, rad.
+    pub angle: f64,
+}
+
+/// A tooth with a flank of its own.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OwnFlank {
+    /// Number of the tooth.
+    pub tooth: u32,
+    /// All its modifications.
+    pub microgeometry: Microgeometry,
+}
+
+/// A tooth with a compliance of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WeakTooth {
+    /// Number of the tooth.
+    pub tooth: u32,
+    /// Compliance of this tooth under loads on itself over that of the others, >= 1: bending, shear and tilt in
+    /// the body, all that the local contact does not hold.
+    pub factor: f64,
+}
+
+/// What distinguishes the teeth of one gear on one flank.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct ToothErrors {
+    /// Index error (cumulative pitch deviation) of every tooth along the line of action, m; empty: none.
+    pub index: Vec<f64>,
+    /// Run-out.
+    pub runout: Option<Runout>,
+    /// Flanks of their own.
+    pub flanks: Vec<OwnFlank>,
+    /// Weak teeth.
+    pub weak: Vec<WeakTooth>,
+}
+
+/// Tooth errors of gear 1 and gear 2 on both flanks. The default: all teeth are alike.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct PairTeeth {
+    /// Drive flanks.
+    pub drive: [ToothErrors; 2],
+    /// Coast flanks.
+    pub coast: [ToothErrors; 2],
+}
+
+impl PairTeeth {
+    /// Those of one flank.
+    pub fn flank(&self, flank: Flank) -> &[ToothErrors; 2] {
+        match flank {
+            Flank::Drive => &self.drive,
+            Flank::Coast => &self.coast,
+        }
+    }
+
+    /// Whether all teeth are alike.
+    pub fn are_alike(&self) -> bool {
+        *self == PairTeeth::default()
+    }
+
+    /// Bound of what errors of both gears close together on either flank, m.
+    pub fn largest_closing(&self) -> f64 {
+        let of = |errors: &ToothErrors| {
+            let index = errors.index.iter().copied().fold(0.0, f64::max);
+            index + errors.runout.map_or(0.0, |r| 0.5 * r.amount)
+        };
+        let both = |gears: &[ToothErrors; 2]| of(&gears[0]) + of(&gears[1]);
+        both(&self.drive).max(both(&self.coast))
+    }
+}
+
+/// Which teeth are in mesh: pair k at the mesh position tau is the k-th ahead of that which touched at the pitch point when
+/// as many mesh cycles were counted as stand here for each gear.
+pub type Counts = [i64; 2];
+
+/// The teeth of one flank, as they pass.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Passing {
+    errors: [ToothErrors; 2],
+    teeth: [f64; 2],
+    /// Sense of tooth numbers over tooth pairs: s on gear 1, -e s on gear 2.
+    sense: [f64; 2],
+    /// Number of the tooth of tooth pair 0 at counts 0.
+    first: [f64; 2],
+    /// +1 where the flank faces +theta.
+    facing: [f64; 2],
+    kappa: [f64; 2],
+    /// Operating pressure angle at the nominal centre distance, rad.
+    pressure_angle: f64,
+}
+
+impl Passing {
+    /// Those of `flank` of a pair; `None` where all its teeth are alike.
+    pub fn new(geometry: &PairGeometry, teeth: &PairTeeth, flank: Flank) -> Option<Passing> {
+        let errors = teeth.flank(flank);
+        if errors.iter().all(|e| *e == ToothErrors::default()) {
+            return None;
+        }
+        let (s, e) = (flank.sign(), geometry.e());
+        let gears = &geometry.gears;
+        Some(Passing {
+            errors: errors.clone(),
+            teeth: [gears[0].z(), gears[1].z()],
+            sense: [s, -e * s],
+            // The mate of the other flank stands one tooth behind.
+            first: [0.0, if flank == Flank::Drive { 0.0 } else { -1.0 }],
+            facing: [s, e * s],
+            kappa: [gears[0].kappa(), gears[1].kappa()],
+            pressure_angle: geometry.operating_pressure_angle(geometry.center_distance),
+        })
+    }
+
+    /// Number of the tooth of gear `i` in the tooth pair `k`.
+    fn tooth(&self, i: usize, counts: Counts, k: i32) -> usize {
+        let pair = (i64::from(k) - counts[i]) as f64;
+        (self.sense[i] * pair + self.first[i]).rem_euclid(self.teeth[i]) as usize
+    }
+
+    /// What the errors of both gears close of the gaps of tooth pair `k` at the mesh position `tau`, along the line of action,
+    /// m, and its rate, m per cycle.
+    pub fn closing(&self, counts: Counts, k: i32, tau: f64) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for (i, errors) in self.errors.iter().enumerate() {
+            if !errors.index.is_empty() {
+                sum[0] += errors.index[self.tooth(i, counts, k)];
+            }
+            if let Some(runout) = errors.runout {
+                // Number of the flank that is at the pitch point, with its fraction, then the body angle from the centre of
+                // tooth 0; teeth and spaces are of the same width.
+                let per_tooth = std::f64::consts::TAU / self.teeth[i];
+                let cycles = tau + counts[i] as f64;
+                let flank = self.first[i] - self.sense[i] * cycles;
+                let at = (flank + 0.25 * self.facing[i]) * per_tooth;
+                // The flank's normal: ahead, and outwards by the pressure angle (ring: inwards).
+                let (sin, cos) = (runout.angle - at).sin_cos();
+                let (out, ahead) = self.pressure_angle.sin_cos();
+                let (out, ahead) = (self.kappa[i] * out, self.facing[i] * ahead);
+                let eccentricity = 0.5 * runout.amount;
+                sum[0] += eccentricity * (out * cos + ahead * sin);
+                // The angle changes by sense * per_tooth per cycle.
+                sum[1] += eccentricity * self.sense[i] * per_tooth * (ahead * cos - out * sin);
+            }
+        }
+        sum
+    }
+
+    /// The modifications of the flank of gear `i` in the tooth pair `k`, where they are its own.
+    pub fn own_flank(&self, i: usize, counts: Counts, k: i32) -> Option<&Microgeometry> {
+        let flanks = &self.errors[i].flanks;
+        if flanks.is_empty() {
+            return None;
+        }
+        let tooth = self.tooth(i, counts, k);
+        let own = flanks.iter().find(|own| own.tooth as usize == tooth);
+        own.map(|own| &own.microgeometry)
+    }
+
+    /// Compliance of the tooth pair `k` under its own load over that of others; `shares` are those of both gears.
+    pub fn compliance(&self, shares: [f64; 2], counts: Counts, k: i32) -> f64 {
+        let more = |i: usize| {
+            let weak = &self.errors[i].weak;
+            if weak.is_empty() {
+                return 0.0;
+            }
+            let tooth = self.tooth(i, counts, k);
+            let own = weak.iter().find(|weak| weak.tooth as usize == tooth);
+            own.map_or(0.0, |weak| shares[i] * (weak.factor - 1.0))
+        };
+        1.0 + more(0) + more(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::GearKind::{External, Ring};
+    use super::super::samples;
+    use super::*;
+
+    fn pair(internal: bool) -> PairGeometry {
+        let second = if internal {
+            samples::gear(Ring, 50, 1.0, 0.0, 0.0)
+        } else {
+            samples::gear(External, 30, 1.0, 0.0, 0.0)
+        };
+        let first = samples::gear(External, 20, 1.0, 0.0, 0.0);
+        let e = if internal { -1.0 } else { 1.0 };
+        let center = (first.reference_radius() + e * second.reference_radius()).abs();
+        PairGeometry {
+            gears: [first, second],
+            center_distance: center,
+        }
+    }
+
+    fn numbered(n: u32) -> ToothErrors {
+        ToothErrors {
+            index: (0..n).map(f64::from).collect(),
+            ..ToothErrors::default()
+        }
+    }
+
+    #[test]
+    fn a_tooth_pair_keeps_its_teeth_while_it_passes_and_all_come_round() {
+        for internal in [false, true] {
+            let geometry = pair(internal);
+            let z2 = geometry.gears[1].teeth;
+            for flank in [Flank::Drive, Flank::Coast] {
+                for (i, z) in [(0, 20), (1, z2)] {
+                    let mut errors = PairTeeth::default();
+                    let both = match flank {
+                        Flank::Drive => &mut errors.drive,
+                        Flank::Coast => &mut errors.coast,
+                    };
+                    both[i] = numbered(z);
+                    let passing = Passing::new(&geometry, &errors, flank).unwrap();
+                    // One cycle later pair k has become pair k + 1.
+                    for k in -3..3 {
+                        let now = passing.closing([7, 7], k, 0.2)[0];
+                        assert_eq!(now, passing.closing([8, 8], k + 1, 0.2)[0]);
+                        let round = [7 + 20, 7 + i64::from(z2)];
+                        assert_eq!(now, passing.closing(round, k, 0.2)[0]);
+                    }
+                    let mut met: Vec<f64> = (0..i64::from(z))
+                        .map(|n| passing.closing([n, n], 0, 0.2)[0])
+                        .collect();
+                    met.sort_by(f64::total_cmp);
+                    assert_eq!(met, numbered(z).index);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn run_out_is_the_displaced_gear_seen_along_the_line_of_action() {
+        // The body turned so that the flank of tooth 0 is at the pitch point; there its normal lies along the line of action.
+        for internal in [false, true] {
+            let geometry = pair(internal);
+            for flank in [Flank::Drive, Flank::Coast] {
+                let mut errors = PairTeeth::default();
+                for gears in [&mut errors.drive, &mut errors.coast] {
+                    gears[0].runout = Some(Runout {
+                        amount: 20e-6,
+                        angle: 0.3,
+                    });
+                }
+                let passing = Passing::new(&geometry, &errors, flank).unwrap();
+                let alpha = geometry.operating_pressure_angle(geometry.center_distance);
+                for tau in [0.0, 0.4, 0.9] {
+                    // Gear 1 has turned on by s tau pitches: the eccentricity in fixed axes, the pitch point on +x.
+                    let s = flank.sign();
+                    let pitch = std::f64::consts::TAU / 20.0;
+                    let turned = s * (tau + 3.0) * pitch - s * 0.25 * pitch + 0.3;
+                    let shift = [10e-6 * turned.cos(), 10e-6 * turned.sin()];
+                    let normal = [alpha.sin(), s * alpha.cos()];
+                    let expected = shift[0] * normal[0] + shift[1] * normal[1];
+                    let [found, rate] = passing.closing([3, 3], 1, tau);
+                    assert!((found - expected).abs() < 1e-18, "{found} {expected}");
+                    let [next, _] = passing.closing([3, 3], 1, tau + 1e-6);
+                    assert!(((next - found) / 1e-6 - rate).abs() < 1e-5 * 10e-6);
+                }
+            }
+        }
+    }
+}

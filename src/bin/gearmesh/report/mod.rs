@@ -64,7 +64,7 @@ pub struct Report {
     #[arg(long, default_value_t = limits::POSITIONS)]
     positions: usize,
 
-    /// Stress in the tooth roots, too; its elastic model takes about twice as long as that of the contact
+    /// Stress in the tooth roots, too; its elastic model takes two to three times as long as that of the contact
     #[arg(long, conflicts_with = "plane_strain")]
     root_stress: bool,
 

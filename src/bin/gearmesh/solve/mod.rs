@@ -71,7 +71,7 @@ pub struct Solve {
     deflection: DeflectionArgs,
 
     /// Stress in the tooth roots of both gears, too, with the nominal one of ISO 6336-3 beside it; its elastic
-    /// model takes about twice as long as that of the contact
+    /// model takes two to three times as long as that of the contact
     #[arg(long, conflicts_with = "plane_strain")]
     root_stress: bool,
 

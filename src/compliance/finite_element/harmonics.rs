@@ -221,11 +221,11 @@ mod tests {
     fn influences_come_back_from_the_solved_harmonics_alone() {
         // Two decays, one to each side: M = sum of c_k e^{-i k phi} over the ring in closed form.
         for teeth in [5, 23, 41, 80, 81, 163] {
-            let (a, b) = (0.3, 1.1);
+            let (a, b): (f64, f64) = (0.3, 1.1);
             let response = |n: usize| {
                 let phi = 2.0 * PI * n as f64 / teeth as f64;
                 let below = a - 2.0 * phi.cos() + 1.0 / a;
-                let even = (1.0 / a - a) / below + 0.5 * (1.0 / b as f64).exp();
+                let even = (1.0 / a - a) / below + 0.5 * (1.0 / b).exp();
                 [even, phi.sin() / below]
             };
             let exact = |k: usize| -> f64 {

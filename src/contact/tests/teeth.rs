@@ -385,3 +385,24 @@ fn a_flank_of_its_own_that_is_lower_by_so_much_is_an_index_error() {
     }
     assert!((1..=4).contains(&differ), "{differ}");
 }
+
+#[test]
+fn a_file_keeps_the_teeth_and_a_coast_flank_of_its_own_for_them() {
+    let ready = Ready::new(HELICAL);
+    assert!(ready.pair.coast_mirrors_drive());
+    let equal = ContactFile::new(&ready.pair, &ready.solver).unwrap();
+    assert!(equal.coast.is_none());
+    let mut pair = ready.pair.clone();
+    pair.teeth.coast[1] = runout(14e-6, 0.7);
+    let file = ContactFile::new(&pair, &ready.solver).unwrap();
+    assert_eq!(file.setup.teeth, pair.teeth);
+    let read = ContactFile::from_bytes(&file.to_bytes()).unwrap();
+    assert_eq!(read, file);
+    // The drive flank's teeth are alike, those of the coast flank are not.
+    let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| {
+        let contact = read.flank(flank).unwrap();
+        [0, 5].map(|cycle| ask(&contact, [2e-5, 0.0, 0.0, 0.3], [cycle; 2]).gradient[0])
+    });
+    assert_eq!(drive[0], drive[1]);
+    assert_ne!(coast[0], coast[1]);
+}

@@ -103,9 +103,10 @@ impl NominalRootStress {
     }
 }
 
-/// Y_B of ISO 6336-3:2006, clause 9; the body between root circle and held surface counts as the rim.
+/// Y_B of ISO 6336-3:2006, clause 9; without a rim of its own the body between root circle and held surface counts.
 fn rim_factor(gear: &Gear) -> Option<f64> {
-    let rim = gear.kappa() * (gear.root_radius() - gear.held_radius);
+    let inside = gear.body.map_or(gear.held_radius, |body| body.rim_radius);
+    let rim = gear.kappa() * (gear.root_radius() - inside);
     match gear.kind {
         GearKind::External => {
             let height = gear.tip_radius - gear.root_radius();

@@ -15,8 +15,8 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
     std::fs::write(plots.join("mesh.svg"), mesh_picture::draw(&mesh, gear))?;
     let layers = mesh.stations.len() - 1;
     Ok(format!(
-        "One sector of a gear is one tooth with its share of rim and web down to the held surface (bore; of a ring the \
-         outer rim). Its outline is the generated one: involute, trochoid of the tool's rounded tip, undercut and profile \
+        "One sector of a gear is one tooth with its share of the body down to the held surface (bore; of a ring the \
+         outer rim, which may rest on a foundation): a full disc, or rim, web and hub where the pair file has them. Its outline is the generated one: involute, trochoid of the tool's rounded tip, undercut and profile \
          shift included. The section is meshed with 8-node quadrilaterals, graded towards the loaded flank, the fillet and \
          the tip edge, where the elements are a quarter as long, and swept along the helix in layers that are thinner \
          towards both ends of the face: 20-node hexahedra.\n\n{}\
@@ -25,7 +25,8 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
          unrolled, its layers along the face.*\n\n\
          A sector is reduced to its two sides and the nodes of its loaded flank by sparse Cholesky factorisation; a discrete \
          Fourier transform over the equal sectors closes the ring, so that **every tooth of the gear is a real one**: there is \
-         no sector size to choose. The result is the normal displacement of the flank nodes of a tooth and its neighbours per \
+         no sector size to choose. Loads enter the ring by the few modes in which they act on the sides, and harmonics that others \
+         tell to eight digits are interpolated. The result is the normal displacement of the flank nodes of a tooth and its neighbours per \
          unit load. A strip of a contact line is a line load spread across it by a smooth kernel; the kernel's own half-plane \
          logarithm is taken out again, and the Hertz contact, whose width follows the load, put in its place.\n\n\
          **Tip edges.** Beyond the path of contact the tip edge of one gear bears on the flank of the other. The kernel there is \

@@ -6,7 +6,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-from ecospy import EcosLib, EcosSimulation
+
+from .ecos import EcosLib, EcosSimulation
 
 VERSION = version("ecospy")
 

@@ -76,6 +76,9 @@ pub const MAXIMUM_ITERATIONS: usize = 200;
 /// Relative change of the forces at which the iteration ends.
 const TOLERANCE: f64 = 1e-10;
 
+/// Relative error that a few roundings leave.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 /// State of the iteration.
 #[derive(Clone)]
 struct Iterate {
@@ -143,12 +146,7 @@ impl Problem<'_> {
             q.copy_from_slice(&self.multiply(&dy));
             let t = self.go(target, &mut at, &dy, &q, d_delta);
             let largest = at.phi.iter().map(|p| p.0).fold(0.0, f64::max);
-            residual =
-                at.y.iter()
-                    .zip(&at.phi)
-                    .map(|(y, p)| (y - p.0).abs())
-                    .fold(0.0, f64::max)
-                    / largest;
+            residual = self.residual(&at) / largest;
             if t == 1.0 && residual <= TOLERANCE {
                 solution.iterations = iteration + 1;
                 return self.finish(target, at, solution);
@@ -158,6 +156,18 @@ impl Problem<'_> {
             iterations: MAXIMUM_ITERATIONS,
             residual,
         })
+    }
+
+    /// Largest difference between the force of a strip and what its law gives, N, beyond what rounding of the closing makes of it:
+    /// flanks that just touch close by less than their gaps are known to.
+    fn residual(&self, at: &Iterate) -> f64 {
+        let of = |i: usize| {
+            let (force, slope) = at.phi[i];
+            let gap = self.gap[i].iter().fold(0.0, |m: f64, g| m.max(g.abs()));
+            let sizes = (self.arm[i] * at.delta).abs() + at.ay[i].abs() + gap;
+            (at.y[i] - force).abs() - ROUNDING * slope * sizes
+        };
+        (0..self.len()).map(of).fold(0.0, f64::max)
     }
 
     fn start(&self, target: Target, start: Option<(&[f64], f64)>, foundation: f64) -> Iterate {

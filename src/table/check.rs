@@ -87,8 +87,12 @@ impl Axes {
                 "make the tables again",
             ));
         }
-        // The spline's first cell begins at the onset of contact.
-        check_spacing("displacement_fraction", &[&[0.0], u.as_slice()].concat())?;
+        // The spline's first cell begins at the onset of contact, which imports round over a few millionths.
+        check_spacing(
+            "displacement_fraction",
+            &[&[0.0], u.as_slice()].concat(),
+            1e-6,
+        )?;
         check_axis("center_distance_offset_m", &self.center_distance_offset)?;
         check_axis("misalignment_rad", &self.misalignment)?;
         check_axis("mesh_position", &self.mesh_position)?;
@@ -108,7 +112,7 @@ pub(super) fn check_mesh_position(nodes: &[f64]) -> Result<(), TableError> {
         ));
     }
     // The last cell ends at the first node of the next cycle.
-    check_spacing("mesh_position", &[nodes, &[first + 1.0]].concat())
+    check_spacing("mesh_position", &[nodes, &[first + 1.0]].concat(), 1e-5)
 }
 
 pub(super) fn too_few(name: &str, count: usize) -> TableError {
@@ -135,18 +139,18 @@ pub(super) fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
             ));
         }
     }
-    check_spacing(name, nodes)
+    check_spacing(name, nodes, 1e-5)
 }
 
-/// Cells of a spline between `ends`, ascending: one far narrower than the range would cost memory without bound
-/// where cells are found by equal buckets.
-fn check_spacing(name: &str, ends: &[f64]) -> Result<(), TableError> {
+/// Cells of a spline between `ends`, ascending: one narrower than `least` of the range costs memory without bound where
+/// cells are found by equal buckets.
+fn check_spacing(name: &str, ends: &[f64], least: f64) -> Result<(), TableError> {
     let range = ends[ends.len() - 1] - ends[0];
-    match ends.windows(2).find(|w| w[1] - w[0] < range / 1e5) {
+    match ends.windows(2).find(|w| w[1] - w[0] < least * range) {
         Some(pair) => Err(TableError::field(
             format!("axes.{name}"),
             format!("{} and {}", pair[0], pair[1]),
-            "closer than a hundred-thousandth of the range",
+            format!("closer than {least:e} of the range"),
             "leave one of them out",
         )),
         None => Ok(()),

@@ -67,7 +67,7 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
     assert!(refused(|f| f.nominal_torque_nm = -1.0).contains("nominal_torque_nm = -1"));
     // Cells at the ends of the spline, which lie outside the nodes: too narrow, they would take memory without bound.
     assert!(refused(|f| f.axes.displacement_fraction[0] = 1e-12).contains("0 and 0.000000000001"));
-    assert!(refused(|f| f.axes.mesh_position[5] = 1.0 - 1e-12).contains("closer than a hundred"));
+    assert!(refused(|f| f.axes.mesh_position[5] = 1.0 - 1e-12).contains("closer than 1e-5"));
     // JSON has no NaN: it is written as null and refused as no number.
     assert!(refused(|f| f.drive.moment_nm.as_mut().unwrap()[1] = f64::NAN).contains("null"));
     assert!(

@@ -84,10 +84,7 @@ def build(gears, begin) -> Path:
 
 def run(ssp: Path, duration: float, size: float) -> np.ndarray:
     """y of both gears and the angle of gear 2 at the end, by Ecos with a fixed step of `size` s."""
-    try:
-        from ecospy import EcosSimulation
-    except OSError as error:
-        raise RuntimeError(f"Ecos could not be loaded ({error}); it needs the system's libtbb12: apt install libtbb12") from error
+    from examples.hosts.ecos import EcosSimulation
 
     simulation = EcosSimulation(size, ssp_path=str(ssp))
     try:

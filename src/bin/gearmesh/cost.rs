@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use gearmesh::element::{Element, Inputs, Latch, Parameters};
+use gearmesh::element::{Element, Inputs, Latch, Parameters, PhaseReference};
 use gearmesh::fmi::resources::{self, Resources};
 use gearmesh::package;
 use nalgebra::{Rotation3, Vector3};
@@ -28,7 +28,11 @@ pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
     package::unpack_resources(path, folder.path())?;
     let place = folder.path().to_string_lossy();
     let resources = resources::load(&place, guid)?;
-    let parameters = resources.starts.settings[0].element;
+    // From any pose: where teeth stand counts for no cost.
+    let parameters = Parameters {
+        phase_reference: PhaseReference::FromInitialPose,
+        ..resources.starts.settings[0].element
+    };
     let element = resources.element(&parameters).map_err(|e| e.to_string())?;
     let latch = element.latch(&element.nominal_inputs())?;
     let Some(spin) = loaded(&element, &latch, &parameters) else {

@@ -73,6 +73,32 @@ fn the_solve_at_run_time_is_that_of_the_tables() {
 }
 
 #[test]
+fn flanks_that_close_by_a_hair_are_solved_as_far_as_rounding_lets_them() {
+    let (_, _, contact) = ready(PAIRS[0], Flank::Coast);
+    for i in 0..12 {
+        let tau = 0.03 + f64::from(i) / 12.0;
+        let of = |approach: f64| {
+            let at = [approach, 0.0, 0.0, tau];
+            contact.potential(at, [0; 2], &mut Warm::default())
+        };
+        let (mut apart, mut touching) = (0.0, 20e-6);
+        while touching - apart > f64::EPSILON * touching {
+            let middle = 0.5 * (apart + touching);
+            match of(middle).unwrap().gradient[0] > 0.0 {
+                true => touching = middle,
+                false => apart = middle,
+            }
+        }
+        // A thousandth of the force of a micrometre would be far too much.
+        let force = of(touching).unwrap().gradient[0];
+        assert!(
+            (0.0..1e-3).contains(&force),
+            "{tau}: {force} N at {touching} m"
+        );
+    }
+}
+
+#[test]
 fn loads_are_the_gradient_of_one_potential() {
     for text in PAIRS {
         let (pair, solver, contact) = ready(text, Flank::Drive);

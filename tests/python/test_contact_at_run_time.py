@@ -4,9 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from conftest import QUICK, gearmesh, instances, pair_files
+from conftest import PAIRS, QUICK, gearmesh, instances, pair_files
 from differences import directional, evaluate, values_of, variables
+from gearmesh import GearPair
 from host import ERROR, Unit
+from scipy.optimize import brentq
 from test_tables import FORMULATIONS, press
 
 TABLE, CONTACT = 2, 3
@@ -110,3 +112,37 @@ def test_contact_that_a_unit_does_not_hold_is_refused_with_what_to_do(table_mesh
     instance.set({"stiffnessModel": CONTACT})
     assert instance.call("fmi2ExitInitializationMode") == ERROR
     assert "gearmesh build --contact" in instance.log()
+
+
+def orders(fmu, positions, torque):
+    """Amplitudes (um on the line of action) by shaft order of the approach under `torque` over a turn of gear 1."""
+    with GearPair(fmu, {"stiffnessModel": "contact"}, interface="model-exchange") as pair:
+        pair.initialize()
+        approach, ahead = [], 2e-4
+        for turn in -2.0 * np.pi * np.arange(positions) / positions:
+            pair["gear2.angles[3]"] = turn
+
+            def excess(angle, turn=turn):
+                pair["gear1.angles[3]"] = angle - turn
+                pair.evaluate(0.0)
+                return -pair["gear1.moment[3]"] - torque
+
+            ahead = brentq(excess, ahead - 5e-4, ahead + 5e-4, xtol=1e-13)
+            approach.append(ahead)
+        base_radius = 12.0815e-3 * 20 / (2.0 * np.pi)
+        return np.abs(np.fft.rfft(approach)) * 2e6 / positions * base_radius
+
+
+def test_index_errors_show_as_shaft_orders_through_the_unit(tmp_path):
+    file = json.loads((PAIRS / "palermo2013.json").read_text())
+    found = {}
+    for name, errors in {"alike": {}, "differ": {"drive_flank": {"pitch_class": 6, "seed": 1}}}.items():
+        file["gear1"]["tooth_errors"] = errors
+        (tmp_path / f"{name}.json").write_text(json.dumps(file))
+        fmu = tmp_path / f"{name}.fmu"
+        gearmesh("build", tmp_path / f"{name}.json", "-o", fmu, *QUICK, "--no-center-distance", "--no-misalignment", "--contact")
+        found[name] = orders(fmu, 20 * 4, 100.0)
+    assert found["alike"][1:20].max() < 1e-3 < 0.05 < found["alike"][20]
+    # The teeth stand between -14.6 and 13.4 um: the wave once per revolution goes through nearly whole.
+    assert 12.5 < found["differ"][1] < 14.0
+    assert found["differ"][2:20].min() > 1e-3

@@ -1,15 +1,15 @@
 //! What contact at run time costs, and how far it is from the full solve: `cargo run --release --example
 //! contact_at_run_time`. Elastic models are kept in target/finite-elements.
 
+#[path = "common/runtime_contact.rs"]
+mod runtime_contact;
+
 use std::error::Error;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use gearmesh::compliance::finite_element::{ModelCache, PairCompliance, Settings};
-use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver, Warm};
+use gearmesh::contact::Warm;
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
 use gearmesh::random::Random;
 
 const PAIRS: [&str; 4] = ["palermo2013", "fzg-c", "helical-25-47", "planet-ring-27-84"];
@@ -24,18 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     println!("|---|---|---|---|---|---|---|");
     for name in PAIRS {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let pair = Pair::read(folder.join(format!("resources/pairs/{name}.json")))?;
-        let settings = Settings::for_pair(&pair);
-        let cache = ModelCache::new(
-            folder.join("target/finite-elements"),
-            ModelCache::DEFAULT_LIMIT,
-        );
-        let models = PairCompliance::new(&pair.geometry, &settings, Some(&cache), &|_, _, _| true)?;
-        let [first, second] = models.gears;
-        let contact = ContactSettings::for_pair(&pair);
-        let solver = ContactSolver::new(&pair, [first, second], contact)?;
-        let file = Arc::new(ContactFile::new(&pair, &solver)?);
+        let (pair, solver, file) = runtime_contact::ready(name)?;
+        let file = Arc::new(file);
         let contact = file.flank(Flank::Drive).ok_or("no drive flank")?;
 
         let mut random = Random::new(1);

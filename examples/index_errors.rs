@@ -2,18 +2,17 @@
 //! index_errors`. Prints the tables of docs/contact-at-run-time.md and draws docs/img/index-errors.svg. Elastic models are
 //! kept in target/finite-elements.
 
+#[path = "common/runtime_contact.rs"]
+mod runtime_contact;
+
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
 
-use gearmesh::compliance::finite_element::{ModelCache, PairCompliance, Settings};
-use gearmesh::contact::{
-    ContactFile, ContactSettings, ContactSetup, ContactSolver, RuntimeContact, Warm,
-};
+use gearmesh::contact::{ContactFile, ContactSetup, RuntimeContact, Warm};
 use gearmesh::gear::tolerance::{random_index_errors, total_pitch};
 use gearmesh::gear::{Flank, PairTeeth, Runout, ToothErrors, WeakTooth};
-use gearmesh::pair::Pair;
 use plotters::prelude::*;
 
 const PAIR: &str = "palermo2013";
@@ -72,18 +71,7 @@ fn spectrum(signal: &[f64], orders: usize) -> Vec<f64> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let pair = Pair::read(folder.join(format!("resources/pairs/{PAIR}.json")))?;
-    let settings = Settings::for_pair(&pair);
-    let cache = ModelCache::new(
-        folder.join("target/finite-elements"),
-        ModelCache::DEFAULT_LIMIT,
-    );
-    let models = PairCompliance::new(&pair.geometry, &settings, Some(&cache), &|_, _, _| true)?;
-    let [first, second] = models.gears;
-    let contact = ContactSettings::for_pair(&pair);
-    let solver = ContactSolver::new(&pair, [first, second], contact)?;
-    let file = ContactFile::new(&pair, &solver)?;
+    let (pair, solver, file) = runtime_contact::ready(PAIR)?;
     let gear = &pair.geometry.gears[0];
     let (z, torque) = (gear.teeth as usize, pair.operating.nominal_torque);
     let force = torque / gear.base_radius();
@@ -194,7 +182,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         println!("| {order} | {} | {by_share} |", row.join(" | "));
     }
-    draw(&folder.join("docs/img/index-errors.svg"), &spectra[..2], z)
+    draw(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/img/index-errors.svg"),
+        &spectra[..2],
+        z,
+    )
 }
 
 /// Both spectra, order by order.

@@ -20,8 +20,7 @@ const MOST_FILES: usize = 10_000;
 /// # Errors
 /// A file that cannot be read, or resources longer than any that this program packs.
 pub fn unpack_resources(path: &Path, folder: &Path) -> Result<(), PackageError> {
-    let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
-    let mut archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
+    let mut archive = opened(path)?;
     let names: Vec<String> = archive.file_names().map(str::to_owned).collect();
     for name in names {
         // Only what lies there itself: no name leads out of `folder`.
@@ -41,6 +40,20 @@ pub fn unpack_resources(path: &Path, folder: &Path) -> Result<(), PackageError> 
         }
     }
     Ok(())
+}
+
+/// The archive at `path`, if it is no larger than a unit is.
+fn opened(path: &Path) -> Result<ZipArchive<File>, PackageError> {
+    let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
+    let archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
+    if archive.len() > MOST_FILES {
+        let problem = format!(
+            "holds {} files, and was not packed by gearmesh",
+            archive.len()
+        );
+        return Err(PackageError::contents(path, problem));
+    }
+    Ok(archive)
 }
 
 fn is_plain(name: &str) -> bool {
@@ -70,15 +83,7 @@ pub struct Inspection {
 /// # Errors
 /// A file that cannot be read or is no unit that this program packed.
 pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
-    let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
-    let mut archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
-    if archive.len() > MOST_FILES {
-        let problem = format!(
-            "holds {} files, and was not packed by gearmesh",
-            archive.len()
-        );
-        return Err(PackageError::contents(path, problem));
-    }
+    let mut archive = opened(path)?;
     let mut files = Vec::new();
     for i in 0..archive.len() {
         let entry = archive

@@ -134,21 +134,22 @@ impl ModelCache {
         self.directory.join(format!("{}.{ENDING}", hex(&key[..12])))
     }
 
-    /// The body behind the label of what is kept under `key`, or why it is unusable; None if nothing is kept.
-    pub(super) fn find(&self, key: &[u8; 32]) -> Option<Result<Vec<u8>, String>> {
+    /// What `decode` makes of the body behind the label of what is kept under `key`, or why that is unusable; no reason
+    /// if nothing is kept.
+    pub(super) fn read<T>(
+        &self,
+        key: &[u8; 32],
+        decode: impl FnOnce(&[u8]) -> Result<T, &'static str>,
+    ) -> Result<T, Option<String>> {
         let path = self.path(key);
-        let fault = |reason: String| Some(Err(format!("{}: {reason}", path.display())));
-        match fs::read(&path) {
-            Ok(bytes) => match opened(&bytes, key) {
-                Ok(body) => {
-                    touch(&path);
-                    Some(Ok(body.to_vec()))
-                }
-                Err(reason) => fault(reason.to_owned()),
-            },
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            Err(error) => fault(error.to_string()),
-        }
+        let fault = |reason: String| Some(format!("{}: {reason}", path.display()));
+        let bytes = fs::read(&path).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => None,
+            _ => fault(error.to_string()),
+        })?;
+        let body = opened(&bytes, key).map_err(|reason| fault(reason.to_owned()))?;
+        touch(&path);
+        decode(body).map_err(|reason| Some(reason.to_owned()))
     }
 
     /// Keeps `body` under `key`; `fault` is what was wrong with what was kept there.
@@ -226,18 +227,13 @@ impl FiniteElementCompliance {
     ) -> Result<(Self, Origin), FiniteElementError> {
         let model = Model::new(gear, settings)?;
         let key = key(&model, settings.reach);
-        let mut fault = None;
-        match cache.find(&key) {
-            Some(Ok(body)) => match decode(&body) {
-                Ok((influence, cost)) => {
-                    let found = Self::from_parts(model, influence, cost, settings);
-                    return Ok((found, Origin::Loaded));
-                }
-                Err(reason) => fault = Some(reason.to_owned()),
-            },
-            Some(Err(reason)) => fault = Some(reason),
-            None => {}
-        }
+        let fault = match cache.read(&key, decode) {
+            Ok((influence, cost)) => {
+                let found = Self::from_parts(model, influence, cost, settings);
+                return Ok((found, Origin::Loaded));
+            }
+            Err(fault) => fault,
+        };
         let computed = Self::compute(model, settings, progress)?;
         let origin = cache.keep(&key, &encode(&computed, &gear_in_words(gear)), fault);
         Ok((computed, origin))

@@ -7,6 +7,7 @@
 
 use super::FiniteElementError;
 use super::assembly::LowerTriangle;
+use super::dense::{add_gram, product};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
@@ -97,16 +98,8 @@ pub(super) fn condense_observed(
 ) -> Result<CondensedSector, FiniteElementError> {
     condense_with(a, side_unknowns, columns, progress, |y| {
         let (y_loads, y_observed) = y.split_at_col(loads);
-        product(y_observed, y_loads)
+        product(y_observed.transpose(), y_loads)
     })
-}
-
-/// a^T b.
-pub(super) fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(a.ncols(), b.ncols());
-    let par = Par::rayon(0);
-    faer::linalg::matmul::matmul(out.as_mut(), Accum::Replace, a.transpose(), b, 1.0, par);
-    out
 }
 
 /// `held` makes the held influence of the inside of the forward solution, a column for each of `columns`.
@@ -163,15 +156,7 @@ fn condense_with(
     let (y_inside, y_sides) = y.as_ref().split_at_row(inside);
     let held_influence = held(y_inside);
     let last = last_block(&factor, inside, side_unknowns);
-    let mut side_loads = Mat::zeros(side_unknowns, columns.len());
-    faer::linalg::matmul::matmul(
-        side_loads.as_mut(),
-        Accum::Replace,
-        &last,
-        y_sides,
-        1.0,
-        par,
-    );
+    let side_loads = product(last.as_ref(), y_sides);
     let mut sides = Mat::zeros(side_unknowns, side_unknowns);
     triangular::matmul(
         sides.as_mut(),
@@ -206,17 +191,7 @@ fn gram(y: MatRef<'_, f64>) -> Mat<f64> {
         let last = (first..part.ncols()).rfind(reaches).unwrap_or(first);
         let count = last + 1 - first;
         let part = part.subcols(first, count);
-        triangular::matmul(
-            out.as_mut().submatrix_mut(first, first, count, count),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            part.transpose(),
-            BlockStructure::Rectangular,
-            part,
-            BlockStructure::Rectangular,
-            1.0,
-            Par::rayon(0),
-        );
+        add_gram(out.as_mut().submatrix_mut(first, first, count, count), part);
     }
     out
 }

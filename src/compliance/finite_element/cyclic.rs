@@ -20,13 +20,12 @@
 //! tell are not solved ([`super::harmonics`]).
 
 use super::FiniteElementError;
-use super::condensation::{CondensedSector, product};
+use super::condensation::CondensedSector;
+use super::dense::{add_gram, product};
 use super::harmonics::{self, Solved};
 use super::side_modes::SideModes;
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, Mat, Par, Side, c64};
+use faer::{Mat, Par, Side, c64};
 use std::f64::consts::PI;
 
 /// Influence of unit loads on sector 0 on the displacements of sectors 0 to `reach`, m/N: element k
@@ -52,7 +51,10 @@ fn influence_of(
     let SideModes { modes, shares } = SideModes::new(&sector.side_loads);
     let ring = of_modes(sector, &modes, teeth, solved, progress)?;
     let mut influence: Vec<Mat<f64>> = (ring.iter())
-        .map(|of_modes| product(shares.as_ref(), product_with(of_modes, &shares).as_ref()))
+        .map(|of_modes| {
+            let half = product(of_modes.as_ref(), shares.as_ref());
+            product(shares.transpose(), half.as_ref())
+        })
         .collect();
     for j in 0..n {
         for i in 0..n {
@@ -84,26 +86,21 @@ pub(super) fn ring_response(
     let alike = Mat::from_fn(g.nrows(), g.ncols(), |i, j| g[(i, j)] * scale(j));
     let SideModes { modes, shares } = SideModes::new(&alike);
     let (of_loads, of_functionals) = shares.as_ref().split_at_col(loads);
-    let of_loads = of_loads.to_owned();
     let solved = harmonics::solved(teeth, reach);
     let ring = of_modes(sector, &modes, teeth, &solved, progress)?;
     let mut response: Vec<Mat<f64>> = (0..=2 * reach)
         .map(|place| {
             // C_-k is the transpose of C_k.
-            let half = match place.checked_sub(reach) {
-                Some(k) => product_with(&ring[k], &of_loads),
-                None => product(ring[reach - place].as_ref(), of_loads.as_ref()),
+            let of_modes = match place.checked_sub(reach) {
+                Some(k) => ring[k].as_ref(),
+                None => ring[reach - place].transpose(),
             };
-            product(of_functionals, half.as_ref()) * faer::Scale(unit)
+            let half = product(of_modes, of_loads);
+            product(of_functionals.transpose(), half.as_ref()) * faer::Scale(unit)
         })
         .collect();
     response[reach] += &sector.held_influence;
     Ok(response)
-}
-
-/// a b.
-fn product_with(a: &Mat<f64>, b: &Mat<f64>) -> Mat<f64> {
-    product(a.transpose(), b.as_ref())
 }
 
 /// Response of the ring to the forces `modes` on the sides of sector 0: element k along those of sector k. Those of sector -k
@@ -169,27 +166,9 @@ fn response(
     drop(w);
     let mut even = Mat::<f64>::zeros(few, few);
     for part in [&re, &im] {
-        triangular::matmul(
-            even.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            part.transpose(),
-            BlockStructure::Rectangular,
-            part,
-            BlockStructure::Rectangular,
-            1.0,
-            par,
-        );
+        add_gram(even.as_mut(), part.as_ref());
     }
-    let mut cross = Mat::<f64>::zeros(few, few);
-    matmul(
-        cross.as_mut(),
-        Accum::Replace,
-        re.transpose(),
-        &im,
-        1.0,
-        par,
-    );
+    let cross = product(re.transpose(), im.as_ref());
     let mut odd = Mat::<f64>::zeros(few, few);
     for j in 0..few {
         for i in 0..few {

@@ -1,6 +1,7 @@
 //! Layers of the mesh along the axis, and which parts of the body lie in each.
 
-use super::section::{Part, graded_from_both};
+use super::grading::graded_from_both;
+use super::section::Part;
 use super::settings::Discretization;
 use crate::gear::{Body, Gear};
 use std::ops::Range;

@@ -32,18 +32,15 @@ impl RootStress {
             what.extend((*node as u64).to_le_bytes());
         }
         let key = key_of(&model, settings.reach, &what);
-        let mut fault = None;
-        match cache.find(&key) {
-            Some(Ok(body)) => {
-                let mut found = RootStress::without_map(&model, settings.reach);
-                match found.decode(&body) {
-                    Some(()) => return Ok((found, Origin::Loaded)),
-                    None => fault = Some("the file is cut off".to_owned()),
-                }
-            }
-            Some(Err(reason)) => fault = Some(reason),
-            None => {}
-        }
+        let decode = |body: &[u8]| {
+            let mut found = RootStress::without_map(&model, settings.reach);
+            found.decode(body).ok_or("the file is cut off")?;
+            Ok(found)
+        };
+        let fault = match cache.read(&key, decode) {
+            Ok(found) => return Ok((found, Origin::Loaded)),
+            Err(fault) => fault,
+        };
         let computed = model.root_stress(settings.reach, progress)?;
         let mut body = labelled(&format!("root stress, {}", gear_in_words(gear)));
         computed.encode(&mut body);

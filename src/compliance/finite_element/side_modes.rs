@@ -5,6 +5,7 @@
 //! from products of G with random vectors (Halko, Martinsson, Tropp, SIAM Review 53, 2011, algorithm 4.2), the same
 //! ones in every run.
 
+use super::dense::product;
 use crate::random::Random;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
@@ -55,12 +56,6 @@ impl SideModes {
         let shares = product(modes.transpose(), g.as_ref());
         SideModes { modes, shares }
     }
-}
-
-fn product(a: faer::MatRef<'_, f64>, b: faer::MatRef<'_, f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(a.nrows(), b.ncols());
-    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, Par::rayon(0));
-    out
 }
 
 /// y := y - Q Q^T y.

@@ -1,5 +1,6 @@
 //! Teeth that differ, in contact at run time.
 
+use super::runtime::assert_loads_are_slopes;
 use super::*;
 use crate::gear::{
     Flank, Microgeometry, OwnFlank, PairTeeth, Runout, ToothErrors, Topography, WeakTooth,
@@ -50,6 +51,21 @@ impl Ready {
 
     fn alike(&self) -> RuntimeContact {
         self.contact(Default::default())
+    }
+
+    /// What the tooth errors of `contact` add to the transmission error over a turn of gear 1, m, at `steps` positions of each
+    /// mesh cycle.
+    fn added(&self, contact: &RuntimeContact, steps: usize) -> Vec<f64> {
+        let (all, force) = (self.alike(), self.force());
+        let place = |i: usize| i as f64 / steps as f64;
+        let alike: Vec<f64> = (0..steps)
+            .map(|i| transmission_error(&all, force, place(i), 0))
+            .collect();
+        let cycles = i64::from(self.pair.geometry.gears[0].teeth);
+        let positions = (0..cycles).flat_map(|cycle| (0..steps).map(move |i| (cycle, i)));
+        positions
+            .map(|(cycle, i)| transmission_error(contact, force, place(i), cycle) - alike[i])
+            .collect()
     }
 
     fn force(&self) -> f64 {
@@ -105,6 +121,18 @@ fn runout(amount: f64, angle: f64) -> ToothErrors {
         runout: Some(Runout { amount, angle }),
         ..ToothErrors::default()
     }
+}
+
+/// Amplitude of the shaft order `order` of a signal over one turn.
+fn amplitude(signal: &[f64], order: usize) -> f64 {
+    let n = signal.len() as f64;
+    let part = |f: fn(f64) -> f64| -> f64 {
+        let terms = signal.iter().enumerate();
+        terms
+            .map(|(i, x)| x * f(TAU * (order * i) as f64 / n) * 2.0 / n)
+            .sum()
+    };
+    part(f64::cos).hypot(part(f64::sin))
 }
 
 #[test]
@@ -179,19 +207,7 @@ fn loads_on_unequal_teeth_are_the_gradient_of_one_potential() {
             let counts = [cycle, cycle + 3];
             let here = ask(&contact, at, counts);
             assert!(here.gradient[0] > 0.0);
-            let work = here.gradient[0] * at[0].abs();
-            for (k, step) in [2e-9, 2e-8, 1e-7, 2e-5].into_iter().enumerate() {
-                let side = |h: f64| {
-                    let mut x = at;
-                    x[k] += h * step;
-                    ask(&contact, x, counts).energy
-                };
-                let slope =
-                    (8.0 * (side(1.0) - side(-1.0)) - (side(2.0) - side(-2.0))) / (12.0 * step);
-                let error = (slope - here.gradient[k]).abs();
-                let bound = 1e-5 * here.gradient[k].abs() + 1e-9 * work / step;
-                assert!(error <= bound, "{k}: {slope} {}", here.gradient[k]);
-            }
+            assert_loads_are_slopes(|x| ask(&contact, x, counts), at);
         }
     }
 }
@@ -221,29 +237,12 @@ fn run_out_adds_its_eccentricity_at_the_shaft_order_and_leaves_the_mesh_orders()
     let ready = Ready::new(HELICAL);
     let (z, steps) = (20usize, 8usize);
     let contact = ready.contact([runout(14e-6, 0.7), ToothErrors::default()]);
-    let alike: Vec<f64> = (0..steps)
-        .map(|i| {
-            let tau = i as f64 / steps as f64;
-            transmission_error(&ready.alike(), ready.force(), tau, 0)
-        })
-        .collect();
-    let n = z * steps;
-    let added: Vec<f64> = (0..n)
-        .map(|i| {
-            let (cycle, tau) = ((i / steps) as i64, (i % steps) as f64 / steps as f64);
-            transmission_error(&contact, ready.force(), tau, cycle) - alike[i % steps]
-        })
-        .collect();
+    let added = ready.added(&contact, steps);
     for order in 0..=2 * z {
-        let [mut c, mut s] = [0.0; 2];
-        for (i, x) in added.iter().enumerate() {
-            let angle = TAU * (order * i) as f64 / n as f64;
-            c += x * angle.cos() * 2.0 / n as f64;
-            s += x * angle.sin() * 2.0 / n as f64;
-        }
         let expected = if order == 1 { 7e-6 } else { 0.0 };
         // Tip edges see an eccentricity by their arm.
-        assert!((c.hypot(s) - expected).abs() < 1e-9, "{order}: {c} {s}");
+        let found = amplitude(&added, order);
+        assert!((found - expected).abs() < 1e-9, "{order}: {found}");
     }
 }
 
@@ -271,25 +270,8 @@ fn a_wave_of_index_errors_has_the_sidebands_of_the_share_of_the_load() {
                 .map(|(k, part)| (tau + f64::from(*k), *part)),
         );
     }
-    let alike: Vec<f64> = (0..steps)
-        .map(|i| transmission_error(&ready.alike(), ready.force(), i as f64 / steps as f64, 0))
-        .collect();
-    let n = z * steps;
-    let added: Vec<f64> = (0..n)
-        .map(|i| {
-            let (cycle, tau) = ((i / steps) as i64, (i % steps) as f64 / steps as f64);
-            transmission_error(&contact, ready.force(), tau, cycle) - alike[i % steps]
-        })
-        .collect();
-    let amplitude = |order: usize| {
-        let part = |f: fn(f64) -> f64| -> f64 {
-            let terms = added.iter().enumerate();
-            terms
-                .map(|(i, x)| x * f(TAU * (order * i) as f64 / n as f64) * 2.0 / n as f64)
-                .sum()
-        };
-        part(f64::cos).hypot(part(f64::sin))
-    };
+    let added = ready.added(&contact, steps);
+    let amplitude = |order: usize| amplitude(&added, order);
     // The share over the way of one tooth pair, transformed.
     let window = |order: f64| {
         let part = |f: fn(f64) -> f64| -> f64 {

@@ -21,6 +21,17 @@ pub struct Patch {
     pub apart: bool,
 }
 
+impl Patch {
+    /// A rectangle between the ends of `x` and `y`.
+    pub fn rectangle(x: [f64; 2], y: [f64; 2], value: f64) -> Patch {
+        Patch {
+            corners: [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])],
+            value,
+            apart: false,
+        }
+    }
+}
+
 /// What patches lie on.
 pub struct View<'a> {
     /// Horizontal axis.

@@ -97,16 +97,8 @@ fn fillet(i: usize, gear: &GearRoots) -> Result<Option<String>, Error> {
     let mut patches = Vec::new();
     for (row, z) in rows.iter().zip(z.windows(2)) {
         for (point, tangent) in row.iter().zip(tangents.windows(2)) {
-            patches.push(Patch {
-                corners: [
-                    (z[0], tangent[0]),
-                    (z[1], tangent[0]),
-                    (z[1], tangent[1]),
-                    (z[0], tangent[1]),
-                ],
-                value: 1e-6 * point.stress,
-                apart: false,
-            });
+            let [z, tangent] = [[z[0], z[1]], [tangent[0], tangent[1]]];
+            patches.push(Patch::rectangle(z, tangent, 1e-6 * point.stress));
         }
     }
     let view = View {

@@ -112,13 +112,12 @@ pub fn survey(page: &mut Page, pair: &Pair, solver: &ContactSolver) -> Result<()
     let half = [0.5 * (mrad[1] - mrad[0]), 0.5 * (torques[1] - torques[0])];
     for &torque in &torques {
         for (&x, cycle) in mrad.iter().zip(mapped.by_ref()) {
-            let (x0, x1) = (x - half[0], x + half[0]);
-            let (y0, y1) = (torque - half[1], torque + half[1]);
-            patches.push(Patch {
-                corners: [(x0, y0), (x1, y0), (x1, y1), (x0, y1)],
-                value: 1e6 * cycle.peak_to_peak_ste(),
-                apart: false,
-            });
+            let around = |at: f64, half: f64| [at - half, at + half];
+            patches.push(Patch::rectangle(
+                around(x, half[0]),
+                around(torque, half[1]),
+                1e6 * cycle.peak_to_peak_ste(),
+            ));
         }
     }
     let top = patches.iter().map(|p| p.value).fold(LEAST_TOP, f64::max);

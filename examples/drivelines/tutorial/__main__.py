@@ -90,6 +90,7 @@ def one_run(fmu: Path):
 
 def main() -> None:
     docs = ROOT / "docs" / "drivelines"
+    (OUT / "tutorial").mkdir(parents=True, exist_ok=True)
     pairs = {"unmodified": PAIRS / "spur-50-50.json", "with tip relief": relieved()}
     for name, pair in pairs.items():
         folder = OUT / "tutorial" / pair.stem

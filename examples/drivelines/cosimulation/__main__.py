@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from contextlib import closing
 
-import fmpy
 import matplotlib.pyplot as plt
 import numpy as np
 
-from ..files import OUT, shipped
+from ..balance import in_words
+from ..files import OUT
 from . import ssp
-from .masters import Gears, cosimulate, distance, exchange, monolithic, start
+from .balance import balance
+from .masters import Gears, cosimulate, distance, monolithic, packed_step, stands, start
 
 DURATION = 1.024e-3  # s, two mesh cycles less a little; a whole number of each step
 SIZES = 1.28e-4 * 0.5 ** np.arange(11)
@@ -31,25 +32,19 @@ def orders(gears, begin, reference, coupling, sizes):
     return np.array(errors), float(np.log2(errors[-2] / errors[-1]))
 
 
-def longest_stable(gears, begin, coupling, packed: float) -> float:
-    """Longest of 1, 1.5, 2, ... times the packed step after which the tooth force still stands after 8 ms, s."""
-    factor = 1.0
-    while factor < 20.0:
-        force = exchange(gears, *begin)[1]
-        try:
-            with np.errstate(all="ignore"):
-                end = cosimulate(gears, begin, 8e-3, factor * packed, coupling)
-            if not abs(exchange(gears, *end)[1] - force) < 0.2 * abs(force):
-                break
-        except RuntimeError:
-            break
+def longest_stable(gears, begin, coupling) -> float:
+    """Longest of 1, 1.5, 2, ... times the packed step that the coupling stands, s; 0 if not the packed one."""
+    packed, factor = packed_step(), 1.0
+    while factor < 20.0 and stands(gears, begin, factor * packed, coupling):
         factor += 0.5
-    return (factor - 0.5) * packed
+    return (factor - 0.5) * packed if factor > 1.0 else 0.0
 
 
 def main() -> None:
     with closing(Gears()) as gears:
         compare(gears)
+    for damped in (False, True):
+        print(f"as one system, {'damped' if damped else 'undamped'}: {in_words(balance(damped))}")
 
 
 def compare(gears: Gears) -> None:
@@ -62,19 +57,21 @@ def compare(gears: Gears) -> None:
         axis.loglog(1e6 * sizes, np.where(errors < 3.0, errors, np.nan), "o-", label=f"{coupling}, order {order:.2f}")
         print(f"{coupling}: order {order:.2f}, error {errors[-1]:.1e} at {1e6 * sizes[-1]:.2f} us")
     file = ssp.build(gears, begin)
-    sizes, errors = SIZES[5:], []
-    for size in sizes:
-        clock = time.process_time()
-        found = ssp.run(file, DURATION, size)
-        clock = (time.process_time() - clock) / round(DURATION / size)
-        errors.append(np.abs((found - reference[0][[1, 4, 5]]) * [1.0, 1.0, 0.064]).max() / 1.5e-5)
-    print(f"Ecos, SSP of three FMUs: order {np.log2(errors[-2] / errors[-1]):.2f}, {1e6 * clock:.0f} us of processor time a step")
-    axis.loglog(1e6 * sizes, errors, "k+", ms=10, label="Ecos, SSP of three FMUs")
-    packed = float(fmpy.read_model_description(str(shipped("helical-25-47"))).defaultExperiment.stepSize)
+    sizes = SIZES[5:]
+    for (name, host), marker in zip(ssp.HOSTS.items(), ("k+", "kx")):
+        errors = []
+        for size in sizes:
+            clock = time.process_time()
+            found = host(file, DURATION, size)
+            clock = (time.process_time() - clock) / round(DURATION / size)
+            errors.append(ssp.error(found, reference))
+        print(f"{name}, SSP of three FMUs: order {np.log2(errors[-2] / errors[-1]):.2f}, {1e6 * clock:.0f} us of processor time a step")
+        axis.loglog(1e6 * sizes, errors, marker, ms=10, label=f"{name}, SSP of three FMUs")
+    packed = packed_step()
     axis.axvline(1e6 * packed, color="grey", lw=0.8)
     axis.text(1e6 * packed, 0.3, " packed step", color="grey")
     for coupling in ("parallel", "held"):
-        print(f"{coupling}: stands {longest_stable(gears, begin, coupling, packed) / packed:.1f} times the packed step of {1e6 * packed:.2f} us")
+        print(f"{coupling}: stands {longest_stable(gears, begin, coupling) / packed:.1f} times the packed step of {1e6 * packed:.2f} us")
     axis.set(xlabel="communication step, µs", ylabel="error over the elastic displacement", ylim=(1e-8, 1.0))
     axis.legend()
     figure.tight_layout()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fmpy
 import numpy as np
 from gearmesh import GearPair
 
@@ -72,17 +73,23 @@ def start(gears: Gears) -> tuple[np.ndarray, np.ndarray]:
     return x, h
 
 
-def monolithic(gears: Gears, begin, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """All equations at once by Runge-Kutta 4; states of shafts and housing at the end."""
-    shafts, housing = sub.shafts(), sub.housing()
+def coupled(gears: Gears, damped: bool = True):
+    """All equations as one system: the rate of the states of shafts and housing."""
+    shafts, housing = sub.shafts(damped=damped), sub.housing(damped=damped)
 
     def rate(_, z):
         x, h = z[:12], z[12:]
         seats = sub.seat_motion(h)
         loads = np.concatenate([gears(x) + DRIVE, seats])
-        return np.concatenate([shafts.a @ x + shafts.b @ loads, housing.a @ h + housing.b @ sub.bearing_forces(x, seats)])
+        forces = sub.bearing_forces(x, seats, damped)
+        return np.concatenate([shafts.a @ x + shafts.b @ loads, housing.a @ h + housing.b @ forces])
 
-    z = np.concatenate(begin)
+    return rate
+
+
+def monolithic(gears: Gears, begin, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """All equations at once by Runge-Kutta 4; states of shafts and housing at the end."""
+    z, rate = np.concatenate(begin), coupled(gears)
     for n in range(round(duration / step)):
         z = runge_kutta(rate, n * step, z, step)
     return z[:12], z[12:]
@@ -142,6 +149,22 @@ def sensitivity(gears: Gears, shafts: sub.Linear, housing: sub.Linear, size: flo
     k, c = sub.BEARING
     forces = k * (by_shafts[[1, 4]] - motion[:2]) + c * (by_shafts[[7, 10]] - motion[2:])
     return np.vstack([gears.jacobian() @ by_shafts, forces, motion])
+
+
+def packed_step() -> float:
+    """The step that the unit of the gears recommends, s."""
+    return float(fmpy.read_model_description(str(shipped("helical-25-47"))).defaultExperiment.stepSize)
+
+
+def stands(gears: Gears, begin, size: float, coupling: str, duration: float = 8e-3) -> bool:
+    """Whether the tooth force is still within a fifth of that of the start after `duration` s in steps of `size` s."""
+    force = exchange(gears, *begin)[1]
+    try:
+        with np.errstate(all="ignore"):
+            end = cosimulate(gears, begin, duration, size, coupling)
+        return bool(abs(exchange(gears, *end)[1] - force) < 0.2 * abs(force))
+    except RuntimeError:  # the poses ran away
+        return False
 
 
 def distance(found, reference) -> float:

@@ -1,4 +1,4 @@
-"""The same system as an SSP of three FMUs, run by Ecos."""
+"""The same system as an SSP of three FMUs, run by Ecos and by libcosim."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CONNECTIONS = (
     + [("shafts", f"seat{i}.force", "housing", f"seat{i}.force") for i in (1, 2)]
     + [("housing", name, "shafts", name) for name in SEATS]
 )
-OBSERVED = ("shafts::gear1.position[2]", "shafts::gear2.position[2]", "shafts::gear2.angles[3]")
+OBSERVED = (("shafts", "gear1.position[2]"), ("shafts", "gear2.position[2]"), ("shafts", "gear2.angles[3]"))
 
 
 def build(gears, begin) -> Path:
@@ -82,7 +82,7 @@ def build(gears, begin) -> Path:
     return out
 
 
-def run(ssp: Path, duration: float, size: float) -> np.ndarray:
+def with_ecos(ssp: Path, duration: float, size: float) -> np.ndarray:
     """y of both gears and the angle of gear 2 at the end, by Ecos with a fixed step of `size` s."""
     from examples.hosts.ecos import EcosSimulation
 
@@ -90,7 +90,34 @@ def run(ssp: Path, duration: float, size: float) -> np.ndarray:
     try:
         simulation.init()
         simulation.step(round(duration / size))
-        return np.array([simulation.get_real(name) for name in OBSERVED])
+        return np.array([simulation.get_real(f"{unit}::{name}") for unit, name in OBSERVED])
     finally:
         simulation.terminate()
         simulation.free()
+
+
+def with_libcosim(ssp: Path, duration: float, size: float) -> np.ndarray:
+    """The same by libcosim, whose times are whole nanoseconds."""
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+    from libcosimpy.CosimObserver import CosimObserver
+
+    log_output_level(CosimLogLevel.ERROR)
+    execution = CosimExecution.from_ssp_file(str(ssp), round(1e9 * size))
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    execution.step(round(duration / size))
+    found = []
+    for unit, name in OBSERVED:
+        slave = execution.slave_index_from_instance_name(unit)
+        reference = {v.name.decode(): v.reference for v in execution.slave_variables(slave)}[name]
+        found += observer.last_real_values(slave, [reference])
+    return np.array(found)
+
+
+HOSTS = {"Ecos": with_ecos, "libcosim": with_libcosim}
+
+
+def error(found: np.ndarray, reference) -> float:
+    """Error of what a host found, over the elastic displacement as `masters.distance` has it."""
+    return float(np.abs((found - reference[0][[1, 4, 5]]) * [1.0, 1.0, 0.064]).max() / 1.5e-5)

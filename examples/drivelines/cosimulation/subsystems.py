@@ -48,13 +48,18 @@ class Linear:
         return transition @ self.x + held @ start + ramp @ (end - start)
 
 
-def shafts(state: np.ndarray | None = None) -> Linear:
+def bearing(damped: bool = True) -> tuple[float, float]:
+    """Stiffness and damping of a bearing."""
+    return BEARING[0], BEARING[1] * damped
+
+
+def shafts(state: np.ndarray | None = None, damped: bool = True) -> Linear:
     """Gear 1 and 2 in the plane, on bearings whose seats move along y.
 
     State: x, y, angle of gear 1, of gear 2, and their rates. Inputs: force x, y and moment of teeth and drive on gear 1,
     on gear 2, then displacement of both seats, then their velocities.
     """
-    k, c = BEARING
+    k, c = bearing(damped)
     mass = np.array([MASSES[0], MASSES[0], INERTIAS[0], MASSES[1], MASSES[1], INERTIAS[1]])
     on = np.array([1.0, 1.0, 0.0, 1.0, 1.0, 0.0]) / mass
     a, b = np.zeros((12, 12)), np.zeros((12, 10))
@@ -66,9 +71,9 @@ def shafts(state: np.ndarray | None = None) -> Linear:
     return Linear(a, b, np.zeros(12) if state is None else state)
 
 
-def bearing_forces(x: np.ndarray, seats: np.ndarray) -> np.ndarray:
+def bearing_forces(x: np.ndarray, seats: np.ndarray, damped: bool = True) -> np.ndarray:
     """Forces along y of the shafts on their seats, from the shafts' state, and displacement and velocity of the seats."""
-    k, c = BEARING
+    k, c = bearing(damped)
     return k * (x[[1, 4]] - seats[:2]) + c * (x[[7, 10]] - seats[2:])
 
 
@@ -78,13 +83,13 @@ def shape(place) -> np.ndarray:
     return np.sqrt(2.0 / BEAM_MASS) * np.sin(np.outer(np.atleast_1d(place), waves))
 
 
-def housing(state: np.ndarray | None = None) -> Linear:
+def housing(state: np.ndarray | None = None, damped: bool = True) -> Linear:
     """Modal housing. State: modal displacements and velocities. Inputs: forces along y at both seats."""
     waves = np.pi * np.arange(1, MODES + 1) / BEAM_LENGTH
-    omega = waves**2 * np.sqrt(BEAM_BENDING * BEAM_LENGTH / BEAM_MASS)
+    omega, loss = waves**2 * np.sqrt(BEAM_BENDING * BEAM_LENGTH / BEAM_MASS), LOSS * damped
     a, b = np.zeros((2 * MODES, 2 * MODES)), np.zeros((2 * MODES, 2))
     a[:MODES, MODES:] = np.eye(MODES)
-    a[MODES:, :MODES], a[MODES:, MODES:] = np.diag(-(omega**2)), np.diag(-2.0 * LOSS * omega)
+    a[MODES:, :MODES], a[MODES:, MODES:] = np.diag(-(omega**2)), np.diag(-2.0 * loss * omega)
     b[MODES:] = shape(SEATS).T
     return Linear(a, b, np.zeros(2 * MODES) if state is None else state)
 

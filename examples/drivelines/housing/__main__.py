@@ -7,6 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..balance import in_words
 from ..files import OUT
 from ..orders import order_amplitude, waterfall
 from .cases import VARIANTS, balance, bearing_forces, deviation_from_statics, mesh_resonance, run_up, torque_ramp
@@ -94,7 +95,7 @@ def main() -> None:
           f"met by order {SPUR.teeth[0]} at {60.0 * frequency / SPUR.teeth[0]:.0f} rpm")
     run_up_figures(histories)
     for gears in (SPUR, HELICAL):
-        print(gears.name, ", ".join(f"{name} {value:.1e}" for name, value in balance(gears).items()))
+        print(f"{gears.name}: {in_words(balance(gears))}")
 
 
 if __name__ == "__main__":

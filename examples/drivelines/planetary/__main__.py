@@ -5,14 +5,17 @@ from __future__ import annotations
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..balance import in_words
 from ..files import OUT
-from . import cases
+from . import cases, phase
 from .stage import IN_PHASE, PITCH, SEQUENTIAL
 
 
 def main() -> None:
-    print(f"phase of the ring mesh, pitch points: {cases.phase_of_ring_mesh():.4f} from the tooth thickness, "
-          f"{cases.measured_phase():.4f} from the units")
+    print(f"lag of the ring mesh, pitch points: {phase.at_pitch_points():.4f} in closed form, {cases.measured_phase():.4f} from the units")
+    for point, standard in phase.conventions(phase.STANDARD).items():
+        print(f"| {point} | {standard:.4f} | {phase.conventions(phase.FITTED)[point]:.4f} |")
+    print(f"published: {phase.PUBLISHED}")
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4))
 
     errors = {name: cases.transmission_error(places) for name, places in
@@ -46,7 +49,8 @@ def main() -> None:
     right.legend(fontsize=8)
     figure.tight_layout()
     figure.savefig(OUT / "planetary.png", dpi=80)
-    print(", ".join(f"{name} {value:.1e}" for name, value in cases.balance().items()))
+    for damped in (False, True):
+        print(f"{'damped' if damped else 'undamped'}: {in_words(cases.balance(damped))}")
 
 
 if __name__ == "__main__":

@@ -11,10 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from gearmesh import GearPair
 
-from ..balance import mesh_energy
+from ..balance import followed, mesh_energy, mesh_loss
 from ..cardan import POSES
 from ..files import local
-from ..integrate import runge_kutta
 
 TEETH = (21, 39, 99)  # sun, planet, ring
 CENTER_DISTANCE = 0.3079208  # m
@@ -161,7 +160,7 @@ class Stage:
         return np.array(sun + planet * len(self.places) + [1e3 * self.masses[2]])
 
     def energy(self, q: np.ndarray, q_t: np.ndarray) -> tuple[float, float]:
-        """Kinetic and elastic energy, J; the meshes' from their forces along a path of its own. Undamped units only."""
+        """Kinetic and elastic energy, J; the meshes' from their forces along a path of its own."""
         pins = self.pins(q[-1])
         elastic = 0.5 * self.sun_support * q[:2] @ q[:2]
         for n, pairs in enumerate(self.meshes):
@@ -173,19 +172,33 @@ class Stage:
         return 0.5 * float(self.mass() @ q_t**2), float(elastic)
 
     def run(self, q, q_t, torques: tuple[float, float], duration: float, step: float, every: int):
-        """Runge-Kutta 4 under constant torques on sun and carrier: times, coordinates and rates of every `every`-th step."""
-        inverse, load = 1.0 / self.mass(), np.zeros(len(q))
-        load[2], load[-1] = torques
+        """Runge-Kutta 4 under constant torques on sun and carrier, every `every`-th step: time, coordinates, rates, and integrals.
 
-        half = len(q)
+        Those are the work of the torques, what the meshes lose, and the impulse (x, y) that sun and planets get from
+        ring, pins and sun support.
+        """
+        inverse, load, half = 1.0 / self.mass(), np.zeros(len(q)), len(q)
+        load[2], load[-1] = torques
 
         def rate(_, z):
             q, q_t = z[:half], z[half:]
             return np.concatenate([q_t, (self.forces(q, q_t) + load) * inverse])
 
-        state, out = np.concatenate([q, q_t]), []
-        for n in range(round(duration / step) + 1):
-            if n % every == 0:
-                out.append((n * step, state[:half], state[half:]))
-            state = runge_kutta(rate, n * step, state, step)
-        return tuple(np.array(column) for column in zip(*out))
+        def accounts(_, z):
+            q, q_t = z[:half], z[half:]
+            # The ring's own loads, not those on the planets, so that the sum is a check.
+            push = -sum(np.array(pairs[1].y[6:8]) for pairs in self.meshes)
+            push = push + self.pin * (self.pins(q[-1]) - self._planets(q)).sum(axis=0) - self.sun_support * q[:2]
+            return [load @ q_t, sum(mesh_loss(pair) for pairs in self.meshes for pair in pairs), *push]
+
+        for time, z, integrals in followed(rate, accounts, np.concatenate([q, q_t]), step, round(duration / step), every):
+            yield time, z[:half], z[half:], integrals
+
+    def momentum(self, q_t: np.ndarray) -> np.ndarray:
+        """Linear momentum of sun and planets, x and y, N s."""
+        return self.masses[0] * q_t[:2] + self.masses[1] * self._planets(q_t).sum(axis=0)
+
+    @staticmethod
+    def _planets(q: np.ndarray) -> np.ndarray:
+        """x and y of the planets, one row each."""
+        return q[3:-1].reshape(-1, 3)[:, :2]

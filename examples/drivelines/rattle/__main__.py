@@ -7,8 +7,9 @@ from concurrent.futures import ProcessPoolExecutor
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..balance import in_words
 from ..files import OUT
-from .idle import gearbox, period_one, restitution, shaken
+from .idle import balance, gearbox, period_one, restitution, shaken
 from .mujoco_joint import GAP, RATIO, lost_motion, run
 
 GAMMAS = np.round(np.arange(0.6, 1.61, 0.05), 2)
@@ -36,6 +37,9 @@ def main() -> None:
     middle.set(xlabel="Gamma by the rigid ratio", ylabel="share of time without contact", title="two-stage gearbox")
     middle.legend()
     print(f"gearbox: idle pair quiet up to Gamma {GAMMAS[idle < 0.01].max():.2f}; loaded pair apart {loaded.max():.3f} of the time at most")
+
+    for damped in (False, True):
+        print(f"gearbox, {'damped' if damped else 'undamped'}: {in_words(balance(damped))}")
 
     for element, name in ((False, "limited hinge"), (True, "gear element")):
         pinion, wheel, force = run(element)

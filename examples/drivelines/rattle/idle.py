@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import closing
+
 import numpy as np
 from gearmesh import GearPair
 
+from ..balance import drift, followed, mesh_energy, mesh_loss, wrench_residual
 from ..files import shipped
 from ..integrate import runge_kutta
 
@@ -107,37 +110,67 @@ COUNTERSHAFT = 6e-3  # kg m^2
 LOADED_TORQUE = 40.0  # N m on the countershaft
 
 
-def gearbox(gamma: float, periods: int = 30) -> tuple[float, float]:
-    """Two stages: shares of time that the loaded and the idle pair are apart.
+class Gearbox:
+    """Two stages: the input turns as imposed, the countershaft carries gear 2 of the loaded pair (helical-25-47) and gear 1
+    of the idle pair. The state has angle and speed of the countershaft, then of the idle gear.
 
-    The input turns as imposed, with a swing that the rigid ratio would make `gamma` at the idle gear; the countershaft
-    carries gear 2 of the loaded pair (helical-25-47) and gear 1 of the idle pair.
+    The input swings as much as the rigid ratio would make `gamma` at the idle gear.
     """
-    loaded, idle = Turning("helical-25-47", {}), Turning("fzg-c", IDLE)
-    first = 25 / 47
-    amplitude = gamma * DRAG / INERTIA / SHAKE**2 / RATIO / first
-    try:
 
-        def drive(time):
-            return (
-                SPEED / first * time + amplitude * np.sin(SHAKE * time),
-                SPEED / first + amplitude * SHAKE * np.cos(SHAKE * time),
-            )
+    def __init__(self, gamma: float, damped: bool = True):
+        undamped = {} if damped else {"damping": 0.0}
+        self.loaded, self.idle = Turning("helical-25-47", undamped), Turning("fzg-c", IDLE | undamped)
+        self.first = 25 / 47
+        self.amplitude = gamma * DRAG / INERTIA / SHAKE**2 / RATIO / self.first
+        self.start = np.array([0.0, -SPEED, 0.0, RATIO * SPEED])
 
-        def rate(time, s):
-            on_counter = loaded(*drive(time), s[0], s[1])[1]
-            back, on_idle = idle(s[0], s[1], s[2], s[3])
-            # The countershaft turns backwards, the idle gear forwards: the drag pulls it back.
-            return np.array([s[1], (on_counter + back + LOADED_TORQUE) / COUNTERSHAFT, s[3], (on_idle - DRAG) / INERTIA])
+    def drive(self, time: float) -> tuple[float, float]:
+        """Angle and speed of the input."""
+        return (
+            SPEED / self.first * time + self.amplitude * np.sin(SHAKE * time),
+            SPEED / self.first + self.amplitude * SHAKE * np.cos(SHAKE * time),
+        )
 
-        state = np.array([0.0, -SPEED, 0.0, RATIO * SPEED])
+    def rate(self, time: float, s: np.ndarray) -> np.ndarray:
+        self.on_input, on_counter = self.loaded(*self.drive(time), s[0], s[1])
+        back, on_idle = self.idle(*s)
+        # The countershaft turns backwards, the idle gear forwards: the drag pulls it back.
+        return np.array([s[1], (on_counter + back + LOADED_TORQUE) / COUNTERSHAFT, s[3], (on_idle - DRAG) / INERTIA])
+
+    def accounts(self, time: float, s: np.ndarray) -> list[float]:
+        """Power of input, torque and drag, and what both meshes lose."""
+        fed = -self.on_input * self.drive(time)[1] + LOADED_TORQUE * s[1] - DRAG * s[3]
+        return [fed, mesh_loss(self.loaded.pair) + mesh_loss(self.idle.pair)]
+
+    def close(self) -> None:
+        self.loaded.close()
+        self.idle.close()
+
+
+def gearbox(gamma: float, periods: int = 30) -> tuple[float, float]:
+    """Shares of time that the loaded and the idle pair of the gearbox are apart."""
+    with closing(Gearbox(gamma)) as box:
+        state = box.start
         count = round(2.0 * np.pi / SHAKE / STEP)
         apart = np.zeros(2)
         for n in range(periods * count):
-            state = runge_kutta(rate, n * STEP, state, STEP)
+            state = runge_kutta(box.rate, n * STEP, state, STEP)
             if n >= (periods - 10) * count:
-                apart += loaded.pair.flank == 0, idle.pair.flank == 0
+                apart += box.loaded.pair.flank == 0, box.idle.pair.flank == 0
         return tuple(apart / (10 * count))
-    finally:
-        loaded.close()
-        idle.close()
+
+
+def balance(damped: bool, gamma: float = 1.2, duration: float = 0.03, step: float = 2.5e-6) -> dict[str, float]:
+    """The gearbox from rest on no load, rattling: what energy and loads stray, over the run."""
+    kinetic, elastic, lost, fed, wrench, apart = [], [], [], [], [], []
+    with closing(Gearbox(gamma, damped)) as box:
+        pairs = (box.loaded.pair, box.idle.pair)
+        for _, s, (work, loss) in followed(box.rate, box.accounts, box.start, step, round(duration / step), 40):
+            wrench += map(wrench_residual, pairs)
+            apart.append(box.idle.pair.flank == 0)
+            kinetic.append(0.5 * (COUNTERSHAFT * s[1] ** 2 + INERTIA * s[3] ** 2))
+            elastic.append(sum(map(mesh_energy, pairs)))
+            lost.append(loss)
+            fed.append(work)
+    stray = {"energy over elastic": drift(kinetic, elastic, lost, fed), "loads": max(wrench)}
+    return stray | {"share of time apart": float(np.mean(apart))}

@@ -8,8 +8,10 @@ from itertools import repeat
 import matplotlib.pyplot as plt
 import numpy as np
 
+from ..balance import in_words
 from ..files import OUT
-from .jump import jump, sweep
+from . import linear
+from .jump import balance as parting, jump, sweep
 from .linear import ONE, SIX, closed_form, eigenfrequencies, measured
 
 RANGE = (1500.0, 3300.0)  # rpm
@@ -17,12 +19,12 @@ RANGE = (1500.0, 3300.0)  # rpm
 
 def main() -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(13, 4.5))
-    line = np.geomspace(300.0, 6000.0, 400)
+    frequencies = np.geomspace(300.0, 6000.0, 400)
     points = np.array([300.0, 500.0, 750.0, 1900.0, 3000.0, 4200.0, 5000.0, 6000.0])
     with ProcessPoolExecutor(2) as pool:
         sweeps = [pool.submit(sweep, *RANGE), pool.submit(sweep, *RANGE[::-1])]
         for support, name, colour in ((ONE, "one freedom", "C0"), (SIX, "six freedoms", "C1")):
-            left.loglog(line, 1e6 * closed_form(support, line), color=colour, label=f"{name}, closed form")
+            left.loglog(frequencies, 1e6 * closed_form(support, frequencies), color=colour, label=f"{name}, closed form")
             found = np.array(list(pool.map(measured, repeat(support), points)))
             left.loglog(points, 1e6 * found, "o", color=colour, label=f"{name}, through the unit")
             error = np.abs(found / closed_form(support, points) - 1.0)
@@ -40,6 +42,11 @@ def main() -> None:
     right.legend()
     figure.tight_layout()
     figure.savefig(OUT / "response.png", dpi=80)
+    for damped in (False, True):
+        word = "damped" if damped else "undamped"
+        print(f"one freedom, {word}: {in_words(linear.balance(ONE, damped))}")
+        print(f"six freedoms, {word}: {in_words(linear.balance(SIX, damped))}")
+        print(f"teeth that part, {word}: {in_words(parting(damped))}")
 
 
 if __name__ == "__main__":

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+
 import numpy as np
 from gearmesh import GearPair
 
+from ..balance import drift, followed, mesh_energy, mesh_loss, wrench_residual
 from ..files import local
 from ..integrate import runge_kutta
 
@@ -15,34 +18,73 @@ DAMPING = 1100.0  # N s/m
 RPM = np.pi / 30.0
 
 
+class Imposed:
+    """Gear 1 at `start` rpm and evenly on to `start` + `change` rpm in a second, gear 2 dragging `torque`, N m.
+
+    The state is the angle and speed of gear 2.
+    """
+
+    def __init__(self, pair: GearPair, start: float, change: float = 0.0, torque: float = 150.0):
+        self.pair, self.start, self.change, self.torque = pair, start * RPM, change * RPM, torque
+        into, out = pair.input, pair.output
+        self.gears = [(into[f"gear{g}.angles[3]"], into[f"gear{g}.angularVelocity[3]"]) for g in (1, 2)]
+        self.moments = [out[f"gear{g}.moment[3]"] for g in (1, 2)]
+
+    def speed(self, time: float) -> float:
+        return self.start + self.change * time
+
+    def rate(self, time: float, z: np.ndarray) -> np.ndarray:
+        u = self.pair.u
+        (spin1, rate1), (spin2, rate2) = self.gears
+        u[spin1], u[rate1] = time * (self.start + 0.5 * self.change * time), self.speed(time)
+        u[spin2], u[rate2] = z
+        self.pair.evaluate(time)
+        # The mean acceleration is taken off the torque, so that the teeth carry the same load up and down.
+        return np.array([z[1], (self.pair.y[self.moments[1]] + self.torque) / INERTIA - self.change])
+
+    def accounts(self, time: float, z: np.ndarray) -> list[float]:
+        """Power of the drive on gear 1 and of the torques on gear 2, and what the mesh loses."""
+        fed = -self.pair.y[self.moments[0]] * self.speed(time) + (self.torque - self.change * INERTIA) * z[1]
+        return [fed, mesh_loss(self.pair)]
+
+
+@contextmanager
+def imposed(damping: float, *motion: float):
+    with GearPair(local("spur-50-50"), {"damping": damping}, "model-exchange") as pair:
+        pair.initialize()
+        yield Imposed(pair, *motion)
+
+
 def sweep(start: float, end: float, torque: float = 150.0, duration: float = 1.6, step: float = 1e-5):
     """Speed, rpm, and swing (half of peak to peak) of the transmission error, m, in windows of 10 ms; share of time apart."""
     count = round(duration / step)
     window = round(0.01 / step)
-    rate = (end - start) * RPM / duration
-    with GearPair(local("spur-50-50"), {"damping": DAMPING}, "model-exchange") as pair:
-        pair.initialize()
-        spin1, rate1 = pair.input["gear1.angles[3]"], pair.input["gear1.angularVelocity[3]"]
-        spin2, rate2 = pair.input["gear2.angles[3]"], pair.input["gear2.angularVelocity[3]"]
-        moment, error = pair.output["gear2.moment[3]"], pair.output["mesh.transmissionError"]
-        u, y = pair.u, pair.y
-
-        def motion(time, z):
-            u[spin1], u[rate1] = time * (start * RPM + 0.5 * rate * time), start * RPM + rate * time
-            u[spin2], u[rate2] = z
-            pair.evaluate(time)
-            # The mean acceleration is taken off the torque, so that the teeth carry the same load up and down.
-            return np.array([z[1], (y[moment] + torque) / INERTIA - rate])
-
+    with imposed(DAMPING, start, (end - start) / duration, torque) as line:
+        y, error = line.pair.y, line.pair.output["mesh.transmissionError"]
         state = np.array([0.0, -start * RPM])
         values, apart = np.empty(count), np.empty(count, dtype=bool)
         for n in range(count):
-            motion(n * step, state)
-            values[n], apart[n] = y[error], y[moment] == 0.0
-            state = runge_kutta(motion, n * step, state, step)
+            line.rate(n * step, state)
+            values[n], apart[n] = y[error], y[line.moments[1]] == 0.0
+            state = runge_kutta(line.rate, n * step, state, step)
     parts = values[: count // window * window].reshape(-1, window)
     speeds = start + (end - start) * (np.arange(len(parts)) + 0.5) * window / count
     return speeds, 0.5 * np.ptp(parts, axis=1), apart[: parts.size].reshape(parts.shape).mean(axis=1)
+
+
+def balance(damped: bool, rpm: float = 2200.0, duration: float = 0.03, step: float = 2.5e-6) -> dict[str, float]:
+    """At a steady speed near resonance, from no load, so that teeth part: what energy and loads stray, over the run."""
+    kinetic, elastic, lost, fed, wrench = [], [], [], [], []
+    with imposed(DAMPING if damped else 0.0, rpm) as line:
+        start = np.array([0.0, -rpm * RPM])
+        for _, z, (work, loss) in followed(line.rate, line.accounts, start, step, round(duration / step), 40):
+            wrench.append(wrench_residual(line.pair))
+            kinetic.append(0.5 * INERTIA * z[1] ** 2)
+            elastic.append(mesh_energy(line.pair))
+            lost.append(loss)
+            fed.append(work)
+    apart = float(np.mean(np.array(elastic) == 0.0))
+    return {"energy over elastic": drift(kinetic, elastic, lost, fed), "loads": max(wrench), "share of time apart": apart}
 
 
 def jump(speeds: np.ndarray, swing: np.ndarray) -> float:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 
 import numpy as np
 from gearmesh import GearPair
 
+from ..balance import drift, followed, mesh_energy, mesh_loss, wrench_residual
 from ..cardan import generalised, place
 from ..files import shipped
 from ..integrate import runge_kutta
@@ -14,6 +16,7 @@ from ..integrate import runge_kutta
 # The pair helical-25-47 by its drawing: transverse pressure angle and helix angle at the operating pitch cylinders.
 CENTER_DISTANCE, MIDDLE, FACE_OF_GEAR2 = 98e-3, 11e-3, 1e-3  # m; MIDDLE of the common face in gear 2's frame
 RADIUS = CENTER_DISTANCE * 47 / 72
+REFERENCE = ((0.0, 0.0, 0.0), (CENTER_DISTANCE, 0.0, FACE_OF_GEAR2))
 PHI = np.radians(22.7804)
 TAN_BETA = np.tan(np.radians(22.0)) * RADIUS / (47 * 2.5e-3 / np.cos(np.radians(22.0)) / 2.0)
 STIFFNESS, DAMPING = 2.556e8, 782.0  # tangential, N/m and N s/m
@@ -74,38 +77,81 @@ def eigenfrequencies(support: Support) -> np.ndarray:
     return np.sqrt(np.sort(np.maximum(values.real, 0.0))) / (2.0 * np.pi)
 
 
-def measured(support: Support, frequency: float, points: int = 48) -> float:
-    """The same through the unit: Runge-Kutta 4 until transients have died out, then a Fourier sum over whole periods."""
-    mass, stiffness, damping = support.matrices()
-    inverse, free = np.linalg.inv(mass), list(support.free)
-    row, omega = mesh_row()[free], 2.0 * np.pi * frequency
-    load = np.zeros(len(row))
-    load[-1] = 1.0
-    reference = [(0.0, 0.0, 0.0), (CENTER_DISTANCE, 0.0, FACE_OF_GEAR2)]
-    choices = {"stiffnessModel": "constant", "constantStiffness": STIFFNESS, "damping": DAMPING}
+class Assembly:
+    """Gear 2 on its support under the swinging torque, gear 1 held, in time through the unit."""
+
+    def __init__(self, support: Support, pair: GearPair, frequency: float):
+        self.mass, self.stiffness, self.damping = support.matrices()
+        self.inverse, self.row = np.linalg.inv(self.mass), mesh_row()[list(support.free)]
+        self.pair, self.places, self.omega = pair, [6 + i for i in support.free], 2.0 * np.pi * frequency
+        self.load = np.zeros(len(self.row))
+        self.load[-1] = 1.0
+
+    def torque(self, time: float) -> float:
+        return TORQUE + SWING * np.sin(self.omega * time)
+
+    def rate(self, time: float, z: np.ndarray) -> np.ndarray:
+        q, q_t = np.split(z, 2)
+        all_q, all_t = np.zeros(12), np.zeros(12)
+        all_q[self.places], all_t[self.places] = q, q_t
+        place(self.pair, all_q.tolist(), all_t.tolist(), REFERENCE)
+        self.pair.evaluate(time)
+        force = generalised(self.pair.y[:12], all_q)[self.places]
+        force += self.torque(time) * self.load - self.stiffness @ q - self.damping @ q_t
+        return np.concatenate([q_t, self.inverse @ force])
+
+    def accounts(self, time: float, z: np.ndarray) -> list[float]:
+        """Power of the torque, lost in dampers and mesh; what holds gear 1 and the support of gear 2 push, in six freedoms."""
+        q, q_t = np.split(z, 2)
+        lost = q_t @ self.damping @ q_t + mesh_loss(self.pair)
+        support = -(self.stiffness @ q + self.damping @ q_t)[:3] if len(q) == 6 else np.zeros(3)
+        return [self.torque(time) * q_t[-1], lost, *(support - self.pair.y[:3])]
+
+    def start(self) -> np.ndarray:
+        """At rest under the mean torque."""
+        q = np.linalg.solve(self.stiffness + STIFFNESS * np.outer(self.row, self.row), TORQUE * self.load)
+        return np.concatenate([q, np.zeros(len(q))])
+
+
+@contextmanager
+def assembled(support: Support, frequency: float, damping: float = DAMPING):
+    choices = {"stiffnessModel": "constant", "constantStiffness": STIFFNESS, "damping": damping}
     with GearPair(shipped("helical-25-47"), choices, "model-exchange") as pair:
         pair.initialize()
+        yield Assembly(support, pair, frequency)
 
-        def rate(time, z):
-            q, q_t = np.split(z, 2)
-            all_q, all_t = np.zeros(12), np.zeros(12)
-            all_q[places], all_t[places] = q, q_t
-            place(pair, all_q.tolist(), all_t.tolist(), reference)
-            pair.evaluate(time)
-            force = generalised(pair.y[:12], all_q)[places]
-            torque = TORQUE + SWING * np.sin(omega * time)
-            return np.concatenate([q_t, inverse @ (force + torque * load - stiffness @ q - damping @ q_t)])
 
-        q = np.linalg.solve(stiffness + STIFFNESS * np.outer(row, row), TORQUE * load)
-        state, places = np.concatenate([q, np.zeros(len(q))]), [6 + i for i in free]
+def measured(support: Support, frequency: float, points: int = 48) -> float:
+    """The same through the unit: Runge-Kutta 4 until transients have died out, then a Fourier sum over whole periods."""
+    with assembled(support, frequency) as line:
+        state = line.start()
         # Steps of about 2.5 us, well inside the stability limit of the stiffest mode, a whole number in a period.
         count = max(points, round(1.0 / frequency / 2.5e-6))
         step, settle, cycles = 1.0 / frequency / count, max(4, round(0.04 * frequency)), 4
         sample = np.zeros(count * cycles)
         for n in range(count * (settle + cycles)):
             if n >= count * settle:
-                rate(n * step, state)
-                sample[n - count * settle] = pair["mesh.transmissionError"]
-            state = runge_kutta(rate, n * step, state, step)
+                line.rate(n * step, state)
+                sample[n - count * settle] = line.pair["mesh.transmissionError"]
+            state = runge_kutta(line.rate, n * step, state, step)
     phase = 2j * np.pi * np.arange(len(sample)) / count
     return 2.0 * abs(np.mean(sample * np.exp(-phase)))
+
+
+def balance(support: Support, damped: bool, duration: float = 6e-3, step: float = 2.5e-6) -> dict[str, float]:
+    """Under the torque swinging at 500 Hz, from its mean: what energy, momentum of gear 2 and loads stray, over the run."""
+    support = support if damped else replace(support, loss=0.0)
+    kinetic, elastic, lost, fed, stray, wrench, passed = [], [], [], [], [], [], 0.0
+    with assembled(support, 500.0, DAMPING if damped else 0.0) as line:
+        for _, z, (work, loss, *impulse) in followed(line.rate, line.accounts, line.start(), step, round(duration / step), 100):
+            q, q_t = np.split(z, 2)
+            wrench.append(wrench_residual(line.pair))
+            passed = max(passed, np.linalg.norm(line.pair.y[:3]) * duration)
+            kinetic.append(0.5 * q_t @ line.mass @ q_t)
+            elastic.append(0.5 * q @ line.stiffness @ q + mesh_energy(line.pair))
+            lost.append(loss)
+            fed.append(work)
+            if len(q) == 6:
+                stray.append(np.linalg.norm((line.mass @ q_t)[:3] - impulse))
+    found = {"energy over elastic": drift(kinetic, elastic, lost, fed), "loads": max(wrench)}
+    return found | ({"momentum": max(stray) / passed} if stray else {})

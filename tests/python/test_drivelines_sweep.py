@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pyarrow.parquet as pq
+from dask.distributed import LocalCluster
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
@@ -53,10 +54,12 @@ def test_a_killed_sweep_goes_on_where_it_stopped(tmp_path):
     assert 0 < before < len(cases), "the kill came too late to show anything"
 
     seen = []
-    with connect(None, 1) as client:
+    # The rest through the address of a scheduler.
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster, connect(cluster.scheduler_address, 0) as client:
         assert study.run(client, fmu, cases, parts, lambda done, total: seen.append((done, total))) == len(cases) - before
     assert seen[0] == (before, len(cases)) and seen[-1] == (len(cases), len(cases))
-    table = study.collect(fmu, cases, parts, tmp_path / "all.parquet")
+    study.collect(fmu, cases, parts, tmp_path / "all.parquet")
+    table = pq.read_table(tmp_path / "all.parquet")
     assert table["speed_rpm"].to_pylist() == SPEEDS
     rows = [key for part in parts.glob("*.parquet") for key in pq.read_table(part)["key"].to_pylist()]
     assert len(rows) == len(set(rows)) == len(cases)

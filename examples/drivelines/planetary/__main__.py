@@ -45,7 +45,7 @@ def main() -> None:
         right.plot(1e6 * pins, shares[:, 1:].mean(axis=1), "x", color=colour, label=f"{name} sun, the others")
         right.plot(1e6 * pins, closed[:, :2], color=colour, lw=0.8)
         print(f"{name} sun, 50 um: shares {np.round(shares[-1], 4)}, closed form {np.round(closed[-1], 4)}")
-    right.set(xlabel="pin error, µm", ylabel="share of the load")
+    right.set(xlabel="pin error, µm", ylabel="share of the load", ylim=(0.29, 0.435))
     right.legend(fontsize=8)
     figure.tight_layout()
     figure.savefig(OUT / "planetary.png", dpi=80)

@@ -93,6 +93,8 @@ def draw(table) -> None:
             at = (data["torque_nm"] == torque) & (data["center_distance_offset_um"] == offset) & (data["misalignment_mrad"] == 0.0)
             label = f"{torque:g} N m" if offset == 0.0 else None
             axes[-1].plot(SPEEDS, data["dynamic_factor"][at], style, color=f"C{TORQUES.index(torque)}", label=label)
+    for axis in axes:
+        axis.set_xticks(range(2000, 14001, 4000))
     axes[-1].set(xlabel="speed, rpm", ylabel="dynamic factor", title="centre distance: nominal, dashed + 40 µm")
     axes[-1].legend()
     figure.tight_layout()

@@ -28,7 +28,7 @@ VARIANTS = {
 }
 
 
-def unit(gears: Gears, parameters: dict, fmu: Path | None = None) -> GearPair:
+def unit(gears: Gears, parameters: dict, fmu: Path | str | None = None) -> GearPair:
     """An initialised instance, of `fmu` or else of the tables at hand: the teeth touch at the start."""
     fmu = fmu or (shipped if gears is HELICAL else local)(gears.name)
     pair = GearPair(fmu, parameters, "model-exchange")
@@ -54,7 +54,7 @@ def torque_ramp(torque: float = 120.0, rpm: float = 600.0, duration: float = 0.4
 
 
 def run_up(
-    variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8, fmu: Path | None = None
+    variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8, fmu: Path | str | None = None
 ) -> History:
     """The spur pair from rest to `rpm`, evenly; the teeth carry `torque`: the load brakes with less, the motor drives with more."""
     with unit(SPUR, {"damping": SPUR_DAMPING} | VARIANTS[variant], fmu) as pair:

@@ -53,13 +53,13 @@ def throughput(fmu: bytes) -> None:
     some = cases(np.linspace(2000.0, 12000.0, 8))
     for workers in (1, 2):
         with connect(None, workers) as client:
-            client.submit(study.compute, fmu, some[:1], pure=False).result()
+            client.submit(runs.simulate, fmu, some[:1], pure=False).result()
             unit = client.scatter(fmu, broadcast=True)
             clock, spent = time.perf_counter(), processor_time(client)
-            client.gather([client.submit(study.compute, unit, some[i : i + 8], pure=False) for i in range(0, len(some), 8)])
+            client.gather([client.submit(runs.simulate, unit, some[i : i + study.BATCH], pure=False) for i in range(0, len(some), study.BATCH)])
             clock, spent = time.perf_counter() - clock, processor_time(client) - spent
             print(f"Dask, {workers} worker{'s' * (workers > 1)}: {len(some) / clock:.1f} cases/s, {len(some) / spent:.1f} per second of processor time")
-    for count in (1, 64):
+    for count in (1, study.BATCH, 64):
         runs.simulate(fmu, some[:count])
         clock = time.process_time()
         for i in range(0, 64, count):

@@ -9,6 +9,7 @@ import numpy as np
 from .stage import CENTER_DISTANCE, PITCH, TEETH
 
 ALPHA_T = np.arctan(np.tan(np.radians(20.0)) / np.cos(np.radians(7.5)))
+FACES = (220e-3, 227.5e-3)  # m, common to sun and planet, and to planet and ring; the middles coincide
 PUBLISHED = 0.2805  # gamma_rs of the NREL GRC stage
 
 
@@ -54,8 +55,8 @@ def at_pitch_points(teeth: Teeth = FITTED) -> float:
     """Lag of the ring mesh behind the sun mesh, in mesh cycles, each counted from its pitch point; the ring drives.
 
     While one flank of the planet touches the sun at the pitch point, the opposite flanks stand so far from the
-    ring's pitch point: half a turn and the tooth thickness further, in pitches. Helical faces share mid-faces
-    within 1.25 mm, which changes nothing: both meshes see the same transverse plane of the planet.
+    ring's pitch point: half a turn and the tooth thickness further, in pitches. Both meshes count in the same
+    transverse plane of the planet, whose place along the face does not matter.
     """
     return centred(TEETH[1] / 2.0 + thickness(teeth))
 
@@ -72,9 +73,12 @@ def conventions(teeth: Teeth) -> dict[str, float]:
     # Contact starts at the tip of the driven gear: driven by the ring, at the tips of sun and planet; by the sun, at
     # those of planet and ring.
     tips_of_driven, tips_of_driving = sun - planet, ring - planet
+    # Both meshes start at the end of the planet that leads; the wider face starts earlier.
+    corner = 0.5 * (FACES[1] - FACES[0]) * np.tan(np.radians(7.5)) * TEETH[1] / (2.0 * np.pi * PITCH[1])
     return {
         "pitch point": pitch,
         "start of contact, ring drives": centred(pitch + tips_of_driven),
+        "start of contact at the corner of the faces, ring drives": centred(pitch + tips_of_driven - corner),
         "middle of the path": centred(pitch + 0.5 * (tips_of_driven + tips_of_driving)),
         "end of contact, ring drives": centred(pitch + tips_of_driving),
         "start of contact, sun drives": centred(-pitch - tips_of_driving),

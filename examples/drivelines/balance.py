@@ -99,10 +99,37 @@ def followed(
         z = runge_kutta(both, n * step, z, step)
 
 
-def drift(kinetic, elastic, lost, fed) -> float:
-    """How far the sum of the energies less what was fed in strays over a run, over the largest elastic energy."""
-    total = np.array(kinetic) + elastic + lost - np.array(fed)
-    return float(np.ptp(total) / np.max(elastic))
+class Ledger:
+    """Energies and loads at instants of a run, and how far they stray from what went in and out."""
+
+    def __init__(self, duration: float):
+        self._passed, self._wrench, self._stray, self._duration = 0.0, 0.0, None, duration
+        self._rows: list[tuple[float, ...]] = []
+
+    def enter(self, pairs, kinetic: float, stored: float, lost: float, fed: float, stray=None) -> None:
+        """Energies, J: of motion, of all springs but the meshes, lost and fed in so far; `stray`, N s, is momentum less impulse.
+
+        The units `pairs` hold the loads of the instant. Their outputs are not those any more afterwards.
+        """
+        self._wrench = max(self._wrench, *map(wrench_residual, pairs))
+        self._passed = max(self._passed, *(np.linalg.norm(pair.y[:3]) * self._duration for pair in pairs))
+        if stray is not None:
+            self._stray = max(self._stray or 0.0, float(np.linalg.norm(stray)))
+        mesh = sum(map(mesh_energy, pairs))
+        self._rows.append((kinetic + stored + mesh + lost - fed, stored + mesh, mesh))
+
+    def found(self) -> dict[str, float]:
+        """Span of the energy's sum over the largest elastic energy and over the swing of that; the largest sum of a unit's loads
+        over its force; the largest stray momentum over the impulse of the largest mesh force over the run."""
+        total, elastic, mesh = np.array(self._rows).T
+        drift = np.ptp(total)
+        found = {
+            "energy over elastic": float(drift / elastic.max()),
+            "energy over mesh": float(drift / mesh.max()),
+            "energy over swing": float(drift / np.ptp(elastic)),
+            "loads": self._wrench,
+        }
+        return found | ({} if self._stray is None else {"momentum": self._stray / self._passed})
 
 
 def in_words(found: dict[str, float]) -> str:

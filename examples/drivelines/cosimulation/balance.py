@@ -6,20 +6,19 @@ from contextlib import closing
 
 import numpy as np
 
-from ..balance import drift, followed, mesh_energy, mesh_loss, wrench_residual
+from ..balance import Ledger, followed, mesh_loss
 from . import subsystems as sub
 from .masters import DRIVE, Gears, coupled, start
 
 MASS = np.array([sub.MASSES[0], sub.MASSES[0], sub.INERTIAS[0], sub.MASSES[1], sub.MASSES[1], sub.INERTIAS[1]])
 
 
-def energies(x: np.ndarray, h: np.ndarray, gears: Gears) -> tuple[float, float]:
-    """Kinetic and elastic, J, of shafts, bearings, housing and mesh."""
+def energies(x: np.ndarray, h: np.ndarray) -> tuple[float, float]:
+    """Kinetic and elastic, J, of shafts, bearings and housing."""
     omega2 = -np.diag(sub.housing().a[sub.MODES :, : sub.MODES])
     modes, rates = np.split(h, 2)
-    kinetic = 0.5 * (MASS @ x[6:] ** 2 + rates @ rates)
     shift = np.concatenate([x[[0, 3]], x[[1, 4]] - sub.seat_motion(h)[:2]])
-    return kinetic, 0.5 * (sub.BEARING[0] * shift @ shift + omega2 @ modes**2) + mesh_energy(gears.pair)
+    return 0.5 * (MASS @ x[6:] ** 2 + rates @ rates), 0.5 * (sub.BEARING[0] * shift @ shift + omega2 @ modes**2)
 
 
 def balance(damped: bool, duration: float = 2e-3, step: float = 5e-7) -> dict[str, float]:
@@ -36,20 +35,11 @@ def balance(damped: bool, duration: float = 2e-3, step: float = 5e-7) -> dict[st
         across = -(k * x[[0, 3]] + c * x[[6, 9]]).sum()
         return [DRIVE @ x[6:], lost, across, -sub.bearing_forces(x, seats, damped).sum()]
 
-    kinetic, elastic, lost, fed, stray, wrench, passed = [], [], [], [], [], [], 0.0
+    ledger = Ledger(duration)
     with closing(Gears(None if damped else {"damping": 0.0})) as gears:
-        begin = start(gears)
-        for _, z, (work, loss, *impulse) in followed(
-            coupled(gears, damped), accounts, np.concatenate(begin), step, round(duration / step), 80
-        ):
+        rate, begin = coupled(gears, damped), np.concatenate(start(gears))
+        for _, z, (work, lost, *impulse) in followed(rate, accounts, begin, step, round(duration / step), 80):
             x, h = z[:12], z[12:]
-            wrench.append(wrench_residual(gears.pair))
-            passed = max(passed, np.linalg.norm(gears.pair.y[:3]) * duration)
             momentum = [(MASS * x[6:])[[i, 3 + i]].sum() for i in (0, 1)]
-            stray.append(np.linalg.norm(np.subtract(momentum, impulse)))
-            stored = energies(x, h, gears)
-            kinetic.append(stored[0])
-            elastic.append(stored[1])
-            lost.append(loss)
-            fed.append(work)
-    return {"energy over elastic": drift(kinetic, elastic, lost, fed), "momentum": max(stray) / passed, "loads": max(wrench)}
+            ledger.enter([gears.pair], *energies(x, h), lost, work, np.subtract(momentum, impulse))
+    return ledger.found()

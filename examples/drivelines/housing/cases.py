@@ -9,7 +9,7 @@ import exudyn as exu
 import numpy as np
 from gearmesh import GearPair
 
-from ..balance import drift, mesh_energy, wrench_residual
+from ..balance import Ledger
 from ..files import local, shipped
 from .model import HELICAL, INERTIAS, SHAFTS, SPUR, Driveline, Gears, History
 
@@ -138,23 +138,11 @@ def balance(gears: Gears, duration: float = 0.01, step: float = 5e-6) -> dict[st
             motor=lambda _: torque, load=lambda _: torque / ratio,
         )  # fmt: skip
         history = line.run(duration, step, round(1e-4 / step))
-        kinetic, mesh, stored, work, momentum, wrench = [], [], [], [], [], []
+        ledger = Ledger(duration)
         for q, q_t in zip(history.q, history.q_t):
-            moving, impulse = line.motion(q, q_t)
-            kinetic.append(moving)
-            mesh.append(mesh_energy(pair, line.gear_coordinates(q)))
-            stored.append(line.stored(q) + mesh[-1])
-            work.append(torque * q[line.rotors[0]] + torque / ratio * q[line.rotors[1]])
-            momentum.append(np.linalg.norm(impulse))
+            kinetic, momentum = line.motion(q, q_t)
+            work = torque * q[line.rotors[0]] + torque / ratio * q[line.rotors[1]]
             pair.u[:6], pair.u[16:22] = np.split(line.gear_coordinates(q), 2)
             pair.evaluate(0.0)
-            wrench.append(wrench_residual(pair))
-        energy = drift(kinetic, stored, 0.0, work)
-        passed = torque / 0.03 * duration  # impulse of the tooth force, N s
-        return {
-            "energy over elastic": energy,
-            "energy over mesh": energy * max(stored) / max(mesh),
-            "momentum": max(momentum) / passed,
-            "loads": max(wrench),
-        }
-
+            ledger.enter([pair], kinetic, line.stored(q), 0.0, work, momentum)
+        return ledger.found()

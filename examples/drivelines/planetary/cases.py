@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..balance import drift, wrench_residual
+from ..balance import Ledger
 from .stage import CENTER_DISTANCE, TEETH, Stage
 
 TORQUE = -56.7e3  # N m on the sun: 750 kW at 22.1 rpm of the carrier
@@ -83,21 +83,8 @@ def balance(damped: bool = False, duration: float = 0.03, step: float = 1e-5) ->
         q = stage.equilibrium(0.0, TORQUE)
         q_t = CARRIER_SPEED * (stage.rolled(1e-4) - stage.rolled(-1e-4)) / 2e-4
         torques = (0.9 * TORQUE, -TORQUE * (1.0 + TEETH[2] / TEETH[0]))
-        begin = stage.momentum(q_t)
-        energies, accounts, stray, wrench, passed = [], [], [], [], 0.0
+        begin, ledger = stage.momentum(q_t), Ledger(duration)
+        pairs = [pair for pairs in stage.meshes for pair in pairs]
         for _, q, q_t, (work, lost, *impulse) in stage.run(q, q_t, torques, duration, step, round(duration / step / 60)):
-            pairs = [pair for pairs in stage.meshes for pair in pairs]
-            wrench += map(wrench_residual, pairs)
-            passed = max(passed, *(np.linalg.norm(pair.y[:3]) * duration for pair in pairs))
-            stray.append(np.linalg.norm(stage.momentum(q_t) - begin - impulse))
-            energies.append(stage.energy(q, q_t))
-            accounts.append((lost, work))
-        kinetic, elastic = np.array(energies).T
-        lost, work = np.array(accounts).T
-        energy = drift(kinetic, elastic, lost, work)
-        return {
-            "energy over elastic": energy,
-            "energy over its change": energy * elastic.max() / np.ptp(elastic),
-            "momentum": max(stray) / passed,
-            "loads": max(wrench),
-        }
+            ledger.enter(pairs, *stage.energy(q, q_t), lost, work, stage.momentum(q_t) - begin - impulse)
+        return ledger.found()

@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from gearmesh import GearPair
 
-from ..balance import followed, mesh_energy, mesh_loss
-from ..cardan import POSES
+from ..balance import followed, mesh_loss
 from ..files import local
 
 TEETH = (21, 39, 99)  # sun, planet, ring
@@ -160,15 +159,9 @@ class Stage:
         return np.array(sun + planet * len(self.places) + [1e3 * self.masses[2]])
 
     def energy(self, q: np.ndarray, q_t: np.ndarray) -> tuple[float, float]:
-        """Kinetic and elastic energy, J; the meshes' from their forces along a path of its own."""
-        pins = self.pins(q[-1])
-        elastic = 0.5 * self.sun_support * q[:2] @ q[:2]
-        for n, pairs in enumerate(self.meshes):
-            elastic += 0.5 * self.pin * np.sum((pins[n] - q[3 + 3 * n : 5 + 3 * n]) ** 2)
-            for pair, bodies in zip(pairs, self._bodies(q, n)):
-                poses = np.concatenate([pair.u[POSES[0]], pair.u[POSES[1]]])
-                poses[[0, 1, 5, 6, 7, 11]] = np.concatenate(bodies)
-                elastic += mesh_energy(pair, list(poses))
+        """Kinetic energy, and elastic energy of pins and sun support, J."""
+        shift = self.pins(q[-1]) - self._planets(q)
+        elastic = 0.5 * (self.sun_support * q[:2] @ q[:2] + self.pin * np.sum(shift**2))
         return 0.5 * float(self.mass() @ q_t**2), float(elastic)
 
     def run(self, q, q_t, torques: tuple[float, float], duration: float, step: float, every: int):

@@ -7,7 +7,7 @@ from contextlib import closing
 import numpy as np
 from gearmesh import GearPair
 
-from ..balance import drift, followed, mesh_energy, mesh_loss, wrench_residual
+from ..balance import Ledger, followed, mesh_loss
 from ..files import shipped
 from ..integrate import runge_kutta
 
@@ -162,15 +162,10 @@ def gearbox(gamma: float, periods: int = 30) -> tuple[float, float]:
 
 def balance(damped: bool, gamma: float = 1.2, duration: float = 0.03, step: float = 2.5e-6) -> dict[str, float]:
     """The gearbox from rest on no load, rattling: what energy and loads stray, over the run."""
-    kinetic, elastic, lost, fed, wrench, apart = [], [], [], [], [], []
+    ledger, apart = Ledger(duration), []
     with closing(Gearbox(gamma, damped)) as box:
         pairs = (box.loaded.pair, box.idle.pair)
-        for _, s, (work, loss) in followed(box.rate, box.accounts, box.start, step, round(duration / step), 40):
-            wrench += map(wrench_residual, pairs)
+        for _, s, (work, lost) in followed(box.rate, box.accounts, box.start, step, round(duration / step), 40):
             apart.append(box.idle.pair.flank == 0)
-            kinetic.append(0.5 * (COUNTERSHAFT * s[1] ** 2 + INERTIA * s[3] ** 2))
-            elastic.append(sum(map(mesh_energy, pairs)))
-            lost.append(loss)
-            fed.append(work)
-    stray = {"energy over elastic": drift(kinetic, elastic, lost, fed), "loads": max(wrench)}
-    return stray | {"share of time apart": float(np.mean(apart))}
+            ledger.enter(pairs, 0.5 * (COUNTERSHAFT * s[1] ** 2 + INERTIA * s[3] ** 2), 0.0, lost, work)
+    return ledger.found() | {"share of time apart": float(np.mean(apart))}

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 import numpy as np
 from gearmesh import GearPair
 
-from ..balance import drift, followed, mesh_energy, mesh_loss, wrench_residual
+from ..balance import Ledger, followed, mesh_loss
 from ..files import local
 from ..integrate import runge_kutta
 
@@ -74,17 +74,13 @@ def sweep(start: float, end: float, torque: float = 150.0, duration: float = 1.6
 
 def balance(damped: bool, rpm: float = 2200.0, duration: float = 0.03, step: float = 2.5e-6) -> dict[str, float]:
     """At a steady speed near resonance, from no load, so that teeth part: what energy and loads stray, over the run."""
-    kinetic, elastic, lost, fed, wrench = [], [], [], [], []
+    ledger, apart = Ledger(duration), []
     with imposed(DAMPING if damped else 0.0, rpm) as line:
         start = np.array([0.0, -rpm * RPM])
-        for _, z, (work, loss) in followed(line.rate, line.accounts, start, step, round(duration / step), 40):
-            wrench.append(wrench_residual(line.pair))
-            kinetic.append(0.5 * INERTIA * z[1] ** 2)
-            elastic.append(mesh_energy(line.pair))
-            lost.append(loss)
-            fed.append(work)
-    apart = float(np.mean(np.array(elastic) == 0.0))
-    return {"energy over elastic": drift(kinetic, elastic, lost, fed), "loads": max(wrench), "share of time apart": apart}
+        for _, z, (work, lost) in followed(line.rate, line.accounts, start, step, round(duration / step), 40):
+            apart.append(line.pair.flank == 0)
+            ledger.enter([line.pair], 0.5 * INERTIA * z[1] ** 2, 0.0, lost, work)
+    return ledger.found() | {"share of time apart": float(np.mean(apart))}
 
 
 def jump(speeds: np.ndarray, swing: np.ndarray) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from gearmesh import GearPair
 
-from ..balance import drift, followed, mesh_energy, mesh_loss, wrench_residual
+from ..balance import Ledger, followed, mesh_loss
 from ..cardan import generalised, place
 from ..files import shipped
 from ..integrate import runge_kutta
@@ -140,18 +140,10 @@ def measured(support: Support, frequency: float, points: int = 48) -> float:
 
 def balance(support: Support, damped: bool, duration: float = 6e-3, step: float = 2.5e-6) -> dict[str, float]:
     """Under the torque swinging at 500 Hz, from its mean: what energy, momentum of gear 2 and loads stray, over the run."""
-    support = support if damped else replace(support, loss=0.0)
-    kinetic, elastic, lost, fed, stray, wrench, passed = [], [], [], [], [], [], 0.0
+    support, ledger = support if damped else replace(support, loss=0.0), Ledger(duration)
     with assembled(support, 500.0, DAMPING if damped else 0.0) as line:
-        for _, z, (work, loss, *impulse) in followed(line.rate, line.accounts, line.start(), step, round(duration / step), 100):
+        for _, z, (work, lost, *impulse) in followed(line.rate, line.accounts, line.start(), step, round(duration / step), 100):
             q, q_t = np.split(z, 2)
-            wrench.append(wrench_residual(line.pair))
-            passed = max(passed, np.linalg.norm(line.pair.y[:3]) * duration)
-            kinetic.append(0.5 * q_t @ line.mass @ q_t)
-            elastic.append(0.5 * q @ line.stiffness @ q + mesh_energy(line.pair))
-            lost.append(loss)
-            fed.append(work)
-            if len(q) == 6:
-                stray.append(np.linalg.norm((line.mass @ q_t)[:3] - impulse))
-    found = {"energy over elastic": drift(kinetic, elastic, lost, fed), "loads": max(wrench)}
-    return found | ({"momentum": max(stray) / passed} if stray else {})
+            stray = (line.mass @ q_t)[:3] - impulse if len(q) == 6 else None
+            ledger.enter([line.pair], 0.5 * q_t @ line.mass @ q_t, 0.5 * q @ line.stiffness @ q, lost, work, stray)
+    return ledger.found()

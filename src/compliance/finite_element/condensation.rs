@@ -60,7 +60,7 @@ pub(super) fn condense_observed(
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<CondensedSector, FiniteElementError> {
     let fronts = Fronts::new(a, parts, columns);
-    let elimination = Elimination {
+    let condensation = Condensation {
         a,
         fronts: &fronts,
         loads,
@@ -69,10 +69,10 @@ pub(super) fn condense_observed(
         progress,
         done: Mutex::new(0.0),
     };
-    elimination.condensed(columns.len())
+    condensation.condensed(columns.len())
 }
 
-struct Elimination<'a> {
+struct Condensation<'a> {
     a: &'a LowerTriangle,
     fronts: &'a Fronts,
     loads: usize,
@@ -106,7 +106,7 @@ struct Assembled {
     rest: Remainder,
 }
 
-impl Elimination<'_> {
+impl Condensation<'_> {
     fn condensed(&self, columns: usize) -> Result<CondensedSector, FiniteElementError> {
         let numbers = self.fronts.numbers();
         let mut memory: Vec<f64> = Vec::new();
@@ -304,6 +304,85 @@ impl Assembled {
         for (j, column) in columns.iter().enumerate() {
             for (i, row) in rows.iter().enumerate() {
                 self.rest.held[(*row, *column)] += left.held[(i, j)];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compliance::finite_element::dissection::Elimination;
+    use crate::compliance::finite_element::model::Model;
+    use crate::compliance::finite_element::{Settings, assembly};
+    use crate::gear::{GearKind, samples};
+    use crate::pair::Refinement;
+    use faer::Side;
+    use faer::prelude::Solve;
+
+    #[test]
+    fn fronts_leave_the_schur_complement_of_the_whole_matrix() {
+        let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
+        let settings = Settings {
+            plane_strain: true,
+            ..Settings::new(Refinement::Coarse, 0)
+        };
+        let mesh = Model::new(&gear, &settings).unwrap().mesh;
+        let elimination = Elimination::new(&mesh);
+        let a = assembly::assemble(&mesh, &elimination.order, [1.0, 0.3]);
+        let n = a.column_starts.len() - 1;
+        let inside = n - 4 * mesh.sides[0].len();
+        // Loads and functionals at single unknowns, at some that are far apart, and on the sides.
+        let columns: Vec<LoadColumn> = vec![
+            vec![(3, 1.0)],
+            vec![(inside / 2, 2.0), (inside - 1, -1.0)],
+            vec![(inside + 5, 1.0), (7, 0.5)],
+            vec![(inside / 3, 1.0), (11, 0.3), (n - 1, -2.0)],
+            vec![(inside - 2, 1.0)],
+        ];
+
+        let mut whole = Mat::<f64>::zeros(n, n);
+        for j in 0..n {
+            for at in a.column_starts[j]..a.column_starts[j + 1] {
+                whole[(a.rows[at], j)] = a.values[at];
+                whole[(j, a.rows[at])] = a.values[at];
+            }
+        }
+        let mut loads = Mat::<f64>::zeros(n, columns.len());
+        for (j, column) in columns.iter().enumerate() {
+            for (row, value) in column {
+                loads[(*row, j)] = *value;
+            }
+        }
+        let factor = whole
+            .submatrix(0, 0, inside, inside)
+            .llt(Side::Lower)
+            .unwrap();
+        let across = whole.submatrix(inside, 0, n - inside, inside);
+        let (loads_inside, loads_sides) = loads.as_ref().split_at_row(inside);
+        let sides = whole.submatrix(inside, inside, n - inside, n - inside)
+            - across * factor.solve(across.transpose());
+        let side_loads = loads_sides - across * factor.solve(loads_inside);
+        let held = loads_inside.transpose() * factor.solve(loads_inside);
+
+        let near =
+            |found: &Mat<f64>, expected: &Mat<f64>, at: (usize, usize), i: usize, j: usize| {
+                let error = (found[(i, j)] - expected[at]).abs();
+                assert!(error < 1e-10 * expected.norm_max(), "{i} {j}");
+            };
+        let all = condense(&a, &elimination.parts, &columns, &|_| true).unwrap();
+        for j in 0..n - inside {
+            (j..n - inside).for_each(|i| near(&all.sides, &sides, (i, j), i, j));
+        }
+        for j in 0..columns.len() {
+            (0..n - inside).for_each(|i| near(&all.side_loads, &side_loads, (i, j), i, j));
+            (j..columns.len()).for_each(|i| near(&all.held_influence, &held, (i, j), i, j));
+        }
+        let observed = condense_observed(&a, &elimination.parts, &columns, 2, &|_| true).unwrap();
+        assert_eq!(observed.held_influence.ncols(), 2);
+        for j in 0..2 {
+            for i in 0..columns.len() - 2 {
+                near(&observed.held_influence, &held, (2 + i, j), i, j);
             }
         }
     }

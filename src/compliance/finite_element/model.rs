@@ -32,7 +32,7 @@ pub struct Cost {
     pub elements: usize,
     /// Free displacements of one sector.
     pub unknowns: usize,
-    /// Entries of the sparse Cholesky factor.
+    /// Entries of the sparse Cholesky factor of the inside of a sector.
     pub factor_entries: usize,
     /// Loaded flank nodes.
     pub flank_nodes: usize,

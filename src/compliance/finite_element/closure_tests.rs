@@ -1,6 +1,7 @@
 //! Condensation and ring closure against closed forms and against the whole gear in one piece.
 
 use super::condensation::{LoadColumn, condense};
+use super::dissection::Elimination;
 use super::mesh::Mesh;
 use super::outline::Outline;
 use super::section::Section;
@@ -64,17 +65,16 @@ fn blank_under_torque_turns_like_a_disk() {
     // A ring held at a under a shear flow at R: u_theta(R) = T R / (4 pi G) (1/a² - 1/R²) per metre.
     let (inner, outer, teeth) = (10e-3, 30e-3, 24);
     let mesh = ring_sector(inner, outer, teeth, 12);
-    let order = dissection::elimination_order(&mesh);
-    let first = assembly::number_unknowns(&mesh, &order);
-    let stiffness = assembly::assemble(&mesh, &order, [E, 0.3]);
+    let elimination = Elimination::new(&mesh);
+    let first = assembly::number_unknowns(&mesh, &elimination.order);
+    let stiffness = assembly::assemble(&mesh, &elimination.order, [E, 0.3]);
     // Consistent nodal forces of an even shear flow on both outer edges: 1/6, 4/6, 1/6 of each.
     let shares = [1.0, 4.0, 2.0, 4.0, 1.0].map(|w: f64| w / 12.0);
     let top = 24;
     let load: LoadColumn = (0..5)
         .map(|i| (first[i * (top + 1) + top] + 1, shares[i]))
         .collect();
-    let sides = 4 * mesh.sides[0].len();
-    let sector = condense(&stiffness, sides, &[load], &|_| true).unwrap();
+    let sector = condense(&stiffness, &elimination.parts, &[load], &|_| true).unwrap();
     let influence =
         cyclic::ring_influence(&sector, teeth as usize, teeth as usize - 1, &|_| true).unwrap();
     // A unit force on every sector: torque = teeth * outer.
@@ -125,14 +125,14 @@ fn cantilever_of_solid_elements_bends_like_timoshenko() {
         }));
         mesh.cells.push([i as i32 / 2, j as i32 / 2, k as i32 / 2]);
     }
-    let order = dissection::elimination_order(&mesh);
-    let first = assembly::number_unknowns(&mesh, &order);
-    let stiffness = assembly::assemble(&mesh, &order, [E, 0.0]);
+    let elimination = Elimination::new(&mesh);
+    let first = assembly::number_unknowns(&mesh, &elimination.order);
+    let stiffness = assembly::assemble(&mesh, &elimination.order, [E, 0.0]);
     let load: LoadColumn = vec![
         (first[id(2 * nx, ny, 2 * nz)] + 1, 0.5),
         (first[id(2 * nx, ny, 0)] + 1, 0.5),
     ];
-    let sector = condense(&stiffness, 0, &[load], &|_| true).unwrap();
+    let sector = condense(&stiffness, &elimination.parts, &[load], &|_| true).unwrap();
     let inertia = width * height.powi(3) / 12.0;
     let shear = 5.0 / 6.0 * width * height * E / 2.0;
     let expected = length.powi(3) / (3.0 * E * inertia) + length / shear;
@@ -201,9 +201,9 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
                 .map(|c| [c[0] + 100 * s as i32, c[1], 0]),
         );
     }
-    let order = dissection::elimination_order(&whole);
-    let first = assembly::number_unknowns(&whole, &order);
-    let stiffness = assembly::assemble(&whole, &order, [E, 0.3]);
+    let elimination = Elimination::new(&whole);
+    let first = assembly::number_unknowns(&whole, &elimination.order);
+    let stiffness = assembly::assemble(&whole, &elimination.order, [E, 0.3]);
     let columns: Vec<LoadColumn> = [0, 1, 11]
         .iter()
         .flat_map(|s| sector.flank.iter().map(move |f| (*s, f)))
@@ -213,7 +213,7 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
                 .collect()
         })
         .collect();
-    let direct = condense(&stiffness, 0, &columns, &|_| true)
+    let direct = condense(&stiffness, &elimination.parts, &columns, &|_| true)
         .unwrap()
         .held_influence;
 

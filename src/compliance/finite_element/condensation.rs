@@ -1,22 +1,21 @@
-//! Sparse Cholesky factor of one sector and what is left of the sector when its inside is eliminated.
+//! What is left of a sector when its inside is eliminated.
 //!
-//! With the nodes of both sides last in the elimination order, the factor L of the sector holds the
-//! Schur complement S = L_ss L_ss^T of the sides in its last block, and the forward solution Y = L^-1 P
-//! of the load columns P gives the rest: P^T A^-1 P of the inside (sides held) is Y_i^T Y_i, the loads
-//! that the sides feel are G = L_ss Y_s. No backward solution is needed.
+//! A part of the mesh after the other is eliminated in the dense matrix of its front ([`super::fronts`]), which leaves
+//! the stiffness of the unknowns around it, the forces that the loads bring to these, and the displacement along the
+//! loads with these held. The unknowns around the last part are the sides of the sector. No factor is kept: no backward
+//! solution is needed.
 
 use super::FiniteElementError;
 use super::assembly::LowerTriangle;
-use super::dense::{add_gram, product};
+use super::dense::add_gram;
+use super::dissection::Part;
+use super::fronts::{Front, Fronts, positions};
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::cholesky::llt::factor::{self, LltRegularization};
+use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::sparse::linalg::SymbolicSupernodalParams;
-use faer::sparse::linalg::cholesky::{simplicial, supernodal};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Accum, Mat, MatMut, MatRef, Par};
-use rayon::prelude::*;
+use faer::{Accum, Mat, Par};
+use std::sync::{Mutex, PoisonError};
 
 /// A sector seen from its sides and its loaded flank.
 pub(super) struct CondensedSector {
@@ -28,253 +27,362 @@ pub(super) struct CondensedSector {
     pub held_influence: Mat<f64>,
     /// Entries of the factor.
     pub factor_entries: usize,
+    /// Numbers kept at most at a time.
+    pub numbers: usize,
 }
 
 /// A sparse load vector: (unknown, value).
 pub(super) type LoadColumn = Vec<(usize, f64)>;
 
-/// Symbolic factor of the lower triangle `a`.
-fn symbolic(
-    a: &LowerTriangle,
-) -> Result<supernodal::SymbolicSupernodalCholesky<usize>, FiniteElementError> {
-    let n = a.column_starts.len() - 1;
-    // The lower triangle by columns is the upper triangle by rows; faer wants the upper by columns.
-    let mut column_starts = vec![0; n + 1];
-    for row in &a.rows {
-        column_starts[row + 1] += 1;
-    }
-    for i in 0..n {
-        column_starts[i + 1] += column_starts[i];
-    }
-    let mut next = column_starts.clone();
-    let mut rows = vec![0; a.rows.len()];
-    for column in 0..n {
-        for row in &a.rows[a.column_starts[column]..a.column_starts[column + 1]] {
-            rows[next[*row]] = column;
-            next[*row] += 1;
-        }
-    }
-    let upper = SymbolicSparseColMatRef::new_checked(n, n, &column_starts, None, &rows);
-    let scratch = simplicial::prefactorize_symbolic_cholesky_scratch::<usize>(n, rows.len())
-        .or(supernodal::factorize_supernodal_symbolic_cholesky_scratch::<usize>(n));
-    let mut memory = MemBuffer::try_new(scratch).map_err(|_| FiniteElementError::Memory)?;
-    let mut parents = vec![0; n];
-    let mut counts = vec![0; n];
-    let tree = simplicial::prefactorize_symbolic_cholesky(
-        &mut parents,
-        &mut counts,
-        upper,
-        MemStack::new(&mut memory),
-    );
-    supernodal::factorize_supernodal_symbolic_cholesky(
-        upper,
-        tree,
-        &counts,
-        MemStack::new(&mut memory),
-        SymbolicSupernodalParams::default(),
-    )
-    .map_err(|_| FiniteElementError::Memory)
-}
+/// Parts of less than this share of all the work are eliminated on one thread, next to others.
+const SHARE_OF_A_THREAD: f64 = 0.1;
+/// Multiplications below which a part is not worth a task of its own.
+const TASK: f64 = 1e8;
 
-/// Factors the sector's stiffness `a`, whose last `side_unknowns` rows are the sides, and eliminates the
-/// inside under the load `columns`. `progress` is told the share done and may stop the work.
+/// Eliminates `parts`, the inside of the sector with the stiffness `a`, under the load `columns`. `progress` is told the
+/// share done and may stop the work.
 pub(super) fn condense(
     a: &LowerTriangle,
-    side_unknowns: usize,
+    parts: &[Part],
     columns: &[LoadColumn],
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<CondensedSector, FiniteElementError> {
-    condense_with(a, side_unknowns, columns, progress, gram)
+    condense_observed(a, parts, columns, columns.len(), progress)
 }
 
 /// As [`condense`] with the first `loads` of `columns` as loads and the others as functionals of the displacement
 /// that are observed under them: `held_influence` has a row for each functional and a column for each load.
 pub(super) fn condense_observed(
     a: &LowerTriangle,
-    side_unknowns: usize,
+    parts: &[Part],
     columns: &[LoadColumn],
     loads: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<CondensedSector, FiniteElementError> {
-    condense_with(a, side_unknowns, columns, progress, |y| {
-        let (y_loads, y_observed) = y.split_at_col(loads);
-        product(y_observed.transpose(), y_loads)
-    })
+    let fronts = Fronts::new(a, parts, columns);
+    let condensation = Condensation {
+        a,
+        fronts: &fronts,
+        loads,
+        functionals: loads < columns.len(),
+        work: fronts.work(),
+        progress,
+        done: Mutex::new(0.0),
+    };
+    condensation.condensed(columns.len())
 }
 
-/// `held` makes the held influence of the inside of the forward solution, a column for each of `columns`.
-fn condense_with(
-    a: &LowerTriangle,
-    side_unknowns: usize,
-    columns: &[LoadColumn],
-    progress: &(dyn Fn(f64) -> bool + Sync),
-    held: impl Fn(MatRef<'_, f64>) -> Mat<f64>,
-) -> Result<CondensedSector, FiniteElementError> {
-    let n = a.column_starts.len() - 1;
-    let symbolic = symbolic(a)?;
-    let mut values = vec![0.0; symbolic.len_val()];
-    let par = Par::rayon(0);
-    let scratch = supernodal::factorize_supernodal_numeric_llt_scratch::<usize, f64>(
-        &symbolic,
-        par,
-        Default::default(),
-    );
-    let mut memory = MemBuffer::try_new(scratch).map_err(|_| FiniteElementError::Memory)?;
-    supernodal::factorize_supernodal_numeric_llt(
-        &mut values,
-        SparseColMatRef::new(
-            SymbolicSparseColMatRef::new_checked(n, n, &a.column_starts, None, &a.rows),
-            &a.values,
-        ),
-        LltRegularization::default(),
-        &symbolic,
-        par,
-        MemStack::new(&mut memory),
-        Default::default(),
-    )
-    .map_err(|_| FiniteElementError::NotPositiveDefinite)?;
-    drop(memory);
-    if !progress(0.5) {
-        return Err(FiniteElementError::Cancelled);
-    }
-    let factor = supernodal::SupernodalLltRef::new(&symbolic, &values);
-    let mut y = Mat::<f64>::zeros(n, columns.len());
-    for (j, column) in columns.iter().enumerate() {
-        for (row, value) in column {
-            y[(*row, j)] += value;
-        }
-    }
-    const BLOCK: usize = 48;
-    y.as_mut()
-        .par_col_chunks_mut(BLOCK)
-        .for_each(|block| forward_solve(&factor, block));
-    if !progress(0.9) {
-        return Err(FiniteElementError::Cancelled);
-    }
-
-    let inside = n - side_unknowns;
-    let (y_inside, y_sides) = y.as_ref().split_at_row(inside);
-    let held_influence = held(y_inside);
-    let last = last_block(&factor, inside, side_unknowns);
-    let side_loads = product(last.as_ref(), y_sides);
-    let mut sides = Mat::zeros(side_unknowns, side_unknowns);
-    triangular::matmul(
-        sides.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Replace,
-        &last,
-        BlockStructure::TriangularLower,
-        last.transpose(),
-        BlockStructure::TriangularUpper,
-        1.0,
-        par,
-    );
-    Ok(CondensedSector {
-        sides,
-        side_loads,
-        held_influence,
-        factor_entries: symbolic.len_val(),
-    })
+struct Condensation<'a> {
+    a: &'a LowerTriangle,
+    fronts: &'a Fronts,
+    loads: usize,
+    /// Whether the other columns are functionals.
+    functionals: bool,
+    work: f64,
+    progress: &'a (dyn Fn(f64) -> bool + Sync),
+    /// Multiplications done.
+    done: Mutex<f64>,
 }
 
-/// y^T y, lower triangle, for a matrix of whose columns few reach most of the rows: those that reach a stretch of
-/// rows mostly follow each other.
-fn gram(y: MatRef<'_, f64>) -> Mat<f64> {
-    const ROWS: usize = 192;
-    let mut out = Mat::zeros(y.ncols(), y.ncols());
-    for start in (0..y.nrows()).step_by(ROWS) {
-        let part = y.subrows(start, ROWS.min(y.nrows() - start));
-        let reaches = |j: &usize| part.col(*j).iter().any(|v| *v != 0.0);
-        let Some(first) = (0..part.ncols()).find(reaches) else {
-            continue;
+/// What a part leaves to those around it.
+struct Remainder {
+    /// Stiffness of the unknowns around, lower triangle.
+    stiffness: Mat<f64>,
+    /// Forces on them if they are held, by load.
+    forces: Mat<f64>,
+    /// Displacement along the loads if they are held: lower triangle, or functionals by loads.
+    held: Mat<f64>,
+}
+
+/// A front before its own unknowns are eliminated.
+struct Assembled {
+    /// Stiffness of the own unknowns, lower triangle.
+    own: Mat<f64>,
+    /// Stiffness between those around (rows) and the own ones.
+    below: Mat<f64>,
+    /// Forces on the own unknowns by load.
+    forces: Mat<f64>,
+    /// The same of those around, without what the own ones will add.
+    rest: Remainder,
+}
+
+impl Condensation<'_> {
+    fn condensed(&self, columns: usize) -> Result<CondensedSector, FiniteElementError> {
+        let numbers = self.fronts.numbers();
+        let mut memory: Vec<f64> = Vec::new();
+        (memory.try_reserve_exact(numbers)).map_err(|_| FiniteElementError::Memory)?;
+        drop(memory);
+        // The sides are the own unknowns of the last front.
+        let sides = self.fronts.last(self.a.column_starts.len() - 1, columns);
+        let found = self.assembled(&sides)?;
+        Ok(CondensedSector {
+            sides: found.own,
+            side_loads: found.forces,
+            held_influence: found.rest.held,
+            factor_entries: self.fronts.factor_entries,
+            numbers,
+        })
+    }
+
+    /// Eliminates `front` and all that it encloses.
+    fn eliminate(&self, front: &Front) -> Result<Remainder, FiniteElementError> {
+        let par = match self.is_small(front) {
+            true => Par::Seq,
+            false => Par::rayon(0),
         };
-        let last = (first..part.ncols()).rfind(reaches).unwrap_or(first);
-        let count = last + 1 - first;
-        let part = part.subcols(first, count);
-        add_gram(out.as_mut().submatrix_mut(first, first, count, count), part);
+        let assembled = self.assembled(front)?;
+        let left = self.reduced(front, assembled, par)?;
+        self.told(front)?;
+        Ok(left)
     }
-    out
+
+    /// Whether `front` with all that it encloses is left to one thread, next to others.
+    fn is_small(&self, front: &Front) -> bool {
+        front.work < SHARE_OF_A_THREAD * self.work
+    }
+
+    /// The front with all that it encloses eliminated.
+    fn assembled(&self, front: &Front) -> Result<Assembled, FiniteElementError> {
+        let enclosed: Vec<&Front> = (front.separates.iter())
+            .map(|part| &self.fronts.fronts[*part])
+            .collect();
+        let apart = enclosed.iter().all(|inner| self.is_small(inner)) && front.work > TASK;
+        let left: Vec<Remainder> = match enclosed[..] {
+            [first, second] if apart => {
+                let both = rayon::join(|| self.eliminate(first), || self.eliminate(second));
+                vec![both.0?, both.1?]
+            }
+            _ => (enclosed.iter().map(|inner| self.eliminate(inner))).collect::<Result<_, _>>()?,
+        };
+        let (p, b, l) = (front.own, front.around.len(), front.loads.len());
+        let loads = front.split(self.loads);
+        let rows = if self.functionals { l - loads } else { loads };
+        let mut found = Assembled {
+            own: Mat::zeros(p, p),
+            below: Mat::zeros(b, p),
+            forces: Mat::zeros(p, l),
+            rest: Remainder {
+                stiffness: Mat::zeros(b, b),
+                forces: Mat::zeros(b, l),
+                held: Mat::zeros(rows, loads),
+            },
+        };
+        for (inner, left) in enclosed.into_iter().zip(left) {
+            found.add((front, inner), &left, (self.loads, self.functionals));
+        }
+        self.add_own(front, &mut found);
+        Ok(found)
+    }
+
+    /// Adds the stiffness and the loads of the own unknowns of `front`.
+    fn add_own(&self, front: &Front, to: &mut Assembled) {
+        let end = front.start + front.own;
+        for j in 0..front.own {
+            let column = front.start + j;
+            let range = self.a.column_starts[column]..self.a.column_starts[column + 1];
+            let mut at = 0;
+            for (row, value) in self.a.rows[range.clone()].iter().zip(&self.a.values[range]) {
+                if *row < end {
+                    to.own[(row - front.start, j)] += value;
+                } else {
+                    while front.around[at] < *row {
+                        at += 1;
+                    }
+                    to.below[(at, j)] += value;
+                }
+            }
+        }
+        for (unknown, column, value) in self.fronts.entries_of(front) {
+            if let Ok(at) = front.loads.binary_search(column) {
+                to.forces[(unknown - front.start, at)] += value;
+            }
+        }
+    }
+
+    /// Eliminates the own unknowns of `front`.
+    fn reduced(
+        &self,
+        front: &Front,
+        from: Assembled,
+        par: Par,
+    ) -> Result<Remainder, FiniteElementError> {
+        let Assembled {
+            mut own,
+            mut below,
+            mut forces,
+            rest: mut left,
+        } = from;
+        let scratch = factor::cholesky_in_place_scratch::<f64>(front.own, par, Default::default());
+        let mut memory = MemBuffer::try_new(scratch).map_err(|_| FiniteElementError::Memory)?;
+        factor::cholesky_in_place(
+            own.as_mut(),
+            LltRegularization::default(),
+            par,
+            MemStack::new(&mut memory),
+            Default::default(),
+        )
+        .map_err(|_| FiniteElementError::NotPositiveDefinite)?;
+        solve_lower_triangular_in_place(own.as_ref(), below.as_mut().transpose_mut(), par);
+        add_gram(left.stiffness.as_mut(), below.transpose(), -1.0, par);
+        if !front.loads.is_empty() {
+            solve_lower_triangular_in_place(own.as_ref(), forces.as_mut(), par);
+            matmul(left.forces.as_mut(), Accum::Add, &below, &forces, -1.0, par);
+            let (loads, observed) = forces.as_ref().split_at_col(front.split(self.loads));
+            if !self.functionals {
+                add_gram(left.held.as_mut(), loads, 1.0, par);
+            } else {
+                matmul(
+                    left.held.as_mut(),
+                    Accum::Add,
+                    observed.transpose(),
+                    loads,
+                    1.0,
+                    par,
+                );
+            }
+        }
+        Ok(left)
+    }
+
+    /// Tells that `front` is done.
+    fn told(&self, front: &Front) -> Result<(), FiniteElementError> {
+        let inner: f64 = (front.separates.iter())
+            .map(|part| self.fronts.fronts[*part].work)
+            .sum();
+        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += front.work - inner;
+        match (self.progress)(*done / self.work) {
+            true => Ok(()),
+            false => Err(FiniteElementError::Cancelled),
+        }
+    }
 }
 
-/// x := L^-1 x, skipping the supernodes that the loads do not reach.
-fn forward_solve(factor: &supernodal::SupernodalLltRef<'_, usize, f64>, mut x: MatMut<'_, f64>) {
-    let symbolic = factor.symbolic();
-    let columns = x.ncols();
-    let mut update = Vec::new();
-    for s in 0..symbolic.n_supernodes() {
-        let node = factor.supernode(s);
-        let size = node.val().ncols();
-        let start = node.start();
-        let reached = (0..columns).any(|j| (start..start + size).any(|i| x[(i, j)] != 0.0));
-        if !reached {
-            continue;
+impl Assembled {
+    /// Adds what the part of `inner`, one that `front` separates, leaves. The first `loads` columns are loads, others
+    /// `functionals`, if there are any.
+    fn add(
+        &mut self,
+        (front, inner): (&Front, &Front),
+        left: &Remainder,
+        (loads, functionals): (usize, bool),
+    ) {
+        let places = front.places(inner);
+        let (p, split) = (front.own, places.partition_point(|at| *at < front.own));
+        for (j, column) in places.iter().enumerate() {
+            let from = left.stiffness.col(j);
+            if *column < p {
+                for i in j..split {
+                    self.own[(places[i], *column)] += from[i];
+                }
+                for i in split..places.len() {
+                    self.below[(places[i] - p, *column)] += from[i];
+                }
+            } else {
+                for i in j..places.len() {
+                    self.rest.stiffness[(places[i] - p, *column - p)] += from[i];
+                }
+            }
         }
-        let (top, bottom) = node.val().split_at_row(size);
-        solve_lower_triangular_in_place(top, x.as_mut().subrows_mut(start, size), Par::Seq);
-        let below = node.pattern().len();
-        update.resize(below * columns, 0.0);
-        let mut product = MatMut::from_column_major_slice_mut(&mut update, below, columns);
-        faer::linalg::matmul::matmul(
-            product.as_mut(),
-            Accum::Replace,
-            bottom,
-            x.as_ref().subrows(start, size),
-            1.0,
-            Par::Seq,
-        );
-        for j in 0..columns {
-            for (k, row) in node.pattern().iter().enumerate() {
-                x[(*row, j)] -= product[(k, j)];
+        let columns = positions(&front.loads, &inner.loads);
+        for (j, column) in columns.iter().enumerate() {
+            let from = left.forces.col(j);
+            for i in 0..split {
+                self.forces[(places[i], *column)] += from[i];
+            }
+            for i in split..places.len() {
+                self.rest.forces[(places[i] - p, *column)] += from[i];
+            }
+        }
+        // Functionals come after all loads.
+        let [of_loads, before] = [inner, front].map(|f| f.split(loads));
+        let (columns, observed) = columns.split_at(of_loads);
+        let rows: Vec<usize> = match functionals {
+            true => observed.iter().map(|row| row - before).collect(),
+            false => columns.to_vec(),
+        };
+        for (j, column) in columns.iter().enumerate() {
+            for (i, row) in rows.iter().enumerate() {
+                self.rest.held[(*row, *column)] += left.held[(i, j)];
             }
         }
     }
-}
-
-/// The lower-triangular last block of the factor as a dense matrix.
-fn last_block(
-    factor: &supernodal::SupernodalLltRef<'_, usize, f64>,
-    inside: usize,
-    size: usize,
-) -> Mat<f64> {
-    let mut block = Mat::zeros(size, size);
-    for s in 0..factor.symbolic().n_supernodes() {
-        let node = factor.supernode(s);
-        let columns = node.val().ncols();
-        for j in 0..columns {
-            let Some(column) = (node.start() + j).checked_sub(inside) else {
-                continue;
-            };
-            for i in j..columns {
-                block[(column + i - j, column)] = node.val()[(i, j)];
-            }
-            for (k, row) in node.pattern().iter().enumerate() {
-                block[(row - inside, column)] = node.val()[(columns + k, j)];
-            }
-        }
-    }
-    block
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compliance::finite_element::dissection::Elimination;
+    use crate::compliance::finite_element::model::Model;
+    use crate::compliance::finite_element::{Settings, assembly};
+    use crate::gear::{GearKind, samples};
+    use crate::pair::Refinement;
+    use faer::Side;
+    use faer::prelude::Solve;
 
     #[test]
-    fn products_of_columns_that_reach_few_rows_are_those_of_the_whole() {
-        // 500 rows, 40 columns that begin ever further down, some with holes, one empty.
-        let y = Mat::from_fn(500, 40, |i, j| {
-            let inside = i >= 11 * j && j != 7 && (i / 100) % 3 != j % 3;
-            if inside {
-                (i * 7 + j * 13) as f64 % 5.0 - 2.0
-            } else {
-                0.0
+    fn fronts_leave_the_schur_complement_of_the_whole_matrix() {
+        let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
+        let settings = Settings {
+            plane_strain: true,
+            ..Settings::new(Refinement::Coarse, 0)
+        };
+        let mesh = Model::new(&gear, &settings).unwrap().mesh;
+        let elimination = Elimination::new(&mesh);
+        let a = assembly::assemble(&mesh, &elimination.order, [1.0, 0.3]);
+        let n = a.column_starts.len() - 1;
+        let inside = n - 4 * mesh.sides[0].len();
+        // Loads and functionals at single unknowns, at some that are far apart, and on the sides.
+        let columns: Vec<LoadColumn> = vec![
+            vec![(3, 1.0)],
+            vec![(inside / 2, 2.0), (inside - 1, -1.0)],
+            vec![(inside + 5, 1.0), (7, 0.5)],
+            vec![(inside / 3, 1.0), (11, 0.3), (n - 1, -2.0)],
+            vec![(inside - 2, 1.0)],
+        ];
+
+        let mut whole = Mat::<f64>::zeros(n, n);
+        for j in 0..n {
+            for at in a.column_starts[j]..a.column_starts[j + 1] {
+                whole[(a.rows[at], j)] = a.values[at];
+                whole[(j, a.rows[at])] = a.values[at];
             }
-        });
-        let found = gram(y.as_ref());
-        for j in 0..40 {
-            for i in j..40 {
-                let expected: f64 = (0..500).map(|row| y[(row, i)] * y[(row, j)]).sum();
-                assert!((found[(i, j)] - expected).abs() < 1e-9, "{i} {j}");
+        }
+        let mut loads = Mat::<f64>::zeros(n, columns.len());
+        for (j, column) in columns.iter().enumerate() {
+            for (row, value) in column {
+                loads[(*row, j)] = *value;
+            }
+        }
+        let factor = whole
+            .submatrix(0, 0, inside, inside)
+            .llt(Side::Lower)
+            .unwrap();
+        let across = whole.submatrix(inside, 0, n - inside, inside);
+        let (loads_inside, loads_sides) = loads.as_ref().split_at_row(inside);
+        let sides = whole.submatrix(inside, inside, n - inside, n - inside)
+            - across * factor.solve(across.transpose());
+        let side_loads = loads_sides - across * factor.solve(loads_inside);
+        let held = loads_inside.transpose() * factor.solve(loads_inside);
+
+        let near =
+            |found: &Mat<f64>, expected: &Mat<f64>, at: (usize, usize), i: usize, j: usize| {
+                let error = (found[(i, j)] - expected[at]).abs();
+                assert!(error < 1e-10 * expected.norm_max(), "{i} {j}");
+            };
+        let all = condense(&a, &elimination.parts, &columns, &|_| true).unwrap();
+        for j in 0..n - inside {
+            (j..n - inside).for_each(|i| near(&all.sides, &sides, (i, j), i, j));
+        }
+        for j in 0..columns.len() {
+            (0..n - inside).for_each(|i| near(&all.side_loads, &side_loads, (i, j), i, j));
+            (j..columns.len()).for_each(|i| near(&all.held_influence, &held, (i, j), i, j));
+        }
+        let observed = condense_observed(&a, &elimination.parts, &columns, 2, &|_| true).unwrap();
+        assert_eq!(observed.held_influence.ncols(), 2);
+        for j in 0..2 {
+            for i in 0..columns.len() - 2 {
+                near(&observed.held_influence, &held, (2 + i, j), i, j);
             }
         }
     }

@@ -166,7 +166,7 @@ fn response(
     drop(w);
     let mut even = Mat::<f64>::zeros(few, few);
     for part in [&re, &im] {
-        add_gram(even.as_mut(), part.as_ref());
+        add_gram(even.as_mut(), part.as_ref(), 1.0, par);
     }
     let cross = product(re.transpose(), im.as_ref());
     let mut odd = Mat::<f64>::zeros(few, few);
@@ -185,8 +185,9 @@ fn response(
 mod tests {
     use super::*;
     use crate::compliance::finite_element::condensation::condense;
+    use crate::compliance::finite_element::dissection::Elimination;
     use crate::compliance::finite_element::model::Model;
-    use crate::compliance::finite_element::{Settings, assembly, dissection};
+    use crate::compliance::finite_element::{Settings, assembly};
     use crate::gear::{Body, Gear, GearKind, samples};
     use crate::pair::Refinement;
 
@@ -216,11 +217,10 @@ mod tests {
         ring.held_radius = ring.root_radius() + 4e-3;
         for gear in [disc, webbed, ring] {
             let model = Model::new(&gear, &Settings::new(Refinement::Coarse, 0)).unwrap();
-            let order = dissection::elimination_order(&model.mesh);
-            let first = assembly::number_unknowns(&model.mesh, &order);
+            let elimination = Elimination::new(&model.mesh);
+            let first = assembly::number_unknowns(&model.mesh, &elimination.order);
             let material = [gear.youngs_modulus, gear.poisson_ratio];
-            let stiffness = assembly::assemble(&model.mesh, &order, material);
-            let sides = 6 * model.mesh.sides[0].len();
+            let stiffness = assembly::assemble(&model.mesh, &elimination.order, material);
             // A few of the nodes tell of all.
             let columns: Vec<_> = (model.mesh.flank.iter().step_by(7))
                 .map(|flank| {
@@ -229,7 +229,7 @@ mod tests {
                         .collect()
                 })
                 .collect();
-            let sector = condense(&stiffness, sides, &columns, &|_| true).unwrap();
+            let sector = condense(&stiffness, &elimination.parts, &columns, &|_| true).unwrap();
             let teeth = gear.teeth as usize;
             let few = ring_influence(&sector, teeth, 3, &|_| true).unwrap();
             let every = harmonics::all(teeth, 3);

@@ -5,27 +5,50 @@
 //! tried and the one that shares the fewest nodes is taken (George, SIAM J. Numer. Anal. 10, 1973).
 
 use super::mesh::Mesh;
+use std::ops::Range;
 
 /// Parts of at most so many elements are not cut further.
 const LEAF: usize = 4;
 
-/// All free nodes in elimination order; the nodes of the sector's sides come last, first those of
-/// side 0, then of side 1, in their own order.
-pub(super) fn elimination_order(mesh: &Mesh) -> Vec<usize> {
-    let mut dissection = Dissection {
-        mesh,
-        placed: mesh.held.clone(),
-        seen: vec![0; mesh.points.len()],
-        stamp: 0,
-        order: Vec::with_capacity(mesh.points.len()),
-    };
-    for node in mesh.sides.iter().flatten() {
-        dissection.placed[*node] = true;
+/// In what order the nodes of a mesh are eliminated.
+pub(super) struct Elimination {
+    /// All free nodes; the nodes of the sector's sides come last, first those of side 0, then of side 1, in their own
+    /// order.
+    pub order: Vec<usize>,
+    /// The tree of separators without the sides, each part after the two that it separates.
+    pub parts: Vec<Part>,
+}
+
+/// Unknowns that are eliminated together: a separator or what is not cut further.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Part {
+    /// Numbers of the unknowns, as [`super::assembly::number_unknowns`] gives them by the order.
+    pub unknowns: Range<usize>,
+    /// Parts that this one separates.
+    pub separates: Vec<usize>,
+}
+
+impl Elimination {
+    /// Of the free nodes of `mesh`.
+    pub fn new(mesh: &Mesh) -> Elimination {
+        let mut dissection = Dissection {
+            mesh,
+            placed: mesh.held.clone(),
+            seen: vec![0; mesh.points.len()],
+            stamp: 0,
+            order: Vec::with_capacity(mesh.points.len()),
+            parts: Vec::new(),
+        };
+        for node in mesh.sides.iter().flatten() {
+            dissection.placed[*node] = true;
+        }
+        dissection.cut((0..mesh.cells.len()).collect());
+        let Dissection {
+            mut order, parts, ..
+        } = dissection;
+        order.extend(mesh.sides.iter().flatten());
+        Elimination { order, parts }
     }
-    dissection.cut((0..mesh.cells.len()).collect());
-    let mut order = dissection.order;
-    order.extend(mesh.sides.iter().flatten());
-    order
 }
 
 struct Dissection<'a> {
@@ -35,6 +58,7 @@ struct Dissection<'a> {
     seen: Vec<u32>,
     stamp: u32,
     order: Vec<usize>,
+    parts: Vec<Part>,
 }
 
 impl<'a> Dissection<'a> {
@@ -43,13 +67,15 @@ impl<'a> Dissection<'a> {
         &self.mesh.elements[n * element..n * (element + 1)]
     }
 
-    fn cut(&mut self, elements: Vec<usize>) {
+    /// Places the nodes of `elements` that are not placed; the number of their last part.
+    fn cut(&mut self, elements: Vec<usize>) -> usize {
         let best = if elements.len() > LEAF {
             self.best_cut(&elements)
         } else {
             None
         };
         let Some((axis, limit)) = best else {
+            let begin = self.order.len();
             for element in elements {
                 for node in self.nodes(element) {
                     if !self.placed[*node] {
@@ -58,16 +84,27 @@ impl<'a> Dissection<'a> {
                     }
                 }
             }
-            return;
+            return self.part(begin, Vec::new());
         };
         let separator = self.shared(&elements, axis, limit);
         separator.iter().for_each(|node| self.placed[*node] = true);
         let (low, high): (Vec<usize>, Vec<usize>) = elements
             .iter()
             .partition(|e| self.mesh.cells[**e][axis] < limit);
-        self.cut(low);
-        self.cut(high);
+        let separates = vec![self.cut(low), self.cut(high)];
+        let begin = self.order.len();
         self.order.extend(separator);
+        self.part(begin, separates)
+    }
+
+    /// Makes a part of what was placed from `begin` on.
+    fn part(&mut self, begin: usize, separates: Vec<usize>) -> usize {
+        let d = self.mesh.dimension;
+        self.parts.push(Part {
+            unknowns: d * begin..d * self.order.len(),
+            separates,
+        });
+        self.parts.len() - 1
     }
 
     /// Free nodes that elements below the limit share with elements above it.

@@ -22,8 +22,10 @@ pub struct Estimate {
 const ELEMENT: f64 = 1e-4;
 /// Operations per second of dense kernels.
 const DENSE: f64 = 30e9;
-/// Entries of the factor over the 1.5th power of the unknowns: nested dissection of a thin solid.
-const FILL: f64 = 5.0;
+/// Entries of the factor of the inside over the 1.5th power of the unknowns: nested dissection of a thin solid.
+const FILL: f64 = 3.6;
+/// Numbers kept at most while a sector is eliminated, over the square of the unknowns and loads of its sides.
+const FRONTS: f64 = 1.7;
 /// Entries of the stiffness matrix per unknown, lower triangle.
 const ENTRIES: f64 = 80.0;
 /// Modes in which the loads act on the sides, per load.
@@ -49,11 +51,12 @@ impl Estimate {
         let side = (mesh.dimension * mesh.sides[0].len()) as f64;
         let matrices = settings.reach as f64 + 1.0;
         let factor = FILL * unknowns.powf(1.5);
-        let condensation =
-            factor * factor / unknowns + 2.0 * factor * loads + unknowns * loads * loads;
+        let last = 2.0 * (side + loads);
+        let condensation = factor * (0.25 * factor / unknowns + 0.5 * (side + loads));
         // Complex: four times the operations.
         let few = MODES * loads;
-        let harmonic = 4.0 * (side.powi(3) / 3.0 + side * side * few + side * few * few);
+        let harmonic =
+            4.0 * (side.powi(3) / 6.0 + 0.5 * side * side * few + 0.5 * side * few * few);
         let harmonics = harmonics::solved(gear.teeth as usize, 0).len() as f64;
         let turned = gear.turned().map(|gear| Model::new(&gear, settings));
         let models = 1.0 + turned.iter().count() as f64;
@@ -69,9 +72,8 @@ impl Estimate {
                 models * harmonics * harmonic / DENSE,
             ],
             memory_bytes: 8.0
-                * (factor
+                * (FRONTS * last * last
                     + 2.0 * ENTRIES * unknowns
-                    + unknowns * loads
                     + (1.0 + models) * matrices * loads * loads),
             file_bytes: models * BYTES * matrices * loads * loads,
         })

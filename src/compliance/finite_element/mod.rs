@@ -28,6 +28,7 @@ mod error;
 mod estimate;
 mod fillet;
 mod flank;
+mod fronts;
 mod grading;
 mod harmonics;
 mod influence;

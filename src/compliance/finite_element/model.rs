@@ -3,7 +3,7 @@
 use super::assembly;
 use super::condensation::{self, LoadColumn};
 use super::cyclic;
-use super::dissection;
+use super::dissection::Elimination;
 use super::flank::FlankGrid;
 use super::layers::Layers;
 use super::mesh::{Foundation, Mesh};
@@ -32,7 +32,7 @@ pub struct Cost {
     pub elements: usize,
     /// Free displacements of one sector.
     pub unknowns: usize,
-    /// Entries of the sparse Cholesky factor.
+    /// Entries of the sparse Cholesky factor of the inside of a sector.
     pub factor_entries: usize,
     /// Loaded flank nodes.
     pub flank_nodes: usize,
@@ -171,9 +171,9 @@ impl Model {
         progress: &Progress<'_>,
     ) -> Result<(Vec<DMatrix<f64>>, Cost), FiniteElementError> {
         self.check()?;
-        let order = dissection::elimination_order(&self.mesh);
-        let first = assembly::number_unknowns(&self.mesh, &order);
-        self.influence_of(&order, &self.load_columns(&first), reach, progress)
+        let elimination = Elimination::new(&self.mesh);
+        let first = assembly::number_unknowns(&self.mesh, &elimination.order);
+        self.influence_of(&elimination, &self.load_columns(&first), reach, progress)
     }
 
     /// Refuses a mesh with a folded element.
@@ -185,15 +185,10 @@ impl Model {
         Ok(())
     }
 
-    /// Unknowns of both sides of the sector.
-    pub fn side_unknowns(&self) -> usize {
-        self.mesh.dimension * (self.mesh.sides[0].len() + self.mesh.sides[1].len())
-    }
-
     /// Influence of any load columns of sector 0 on the same functionals of sectors 0 to `reach`.
     pub fn influence_of(
         &self,
-        order: &[usize],
+        elimination: &Elimination,
         columns: &[LoadColumn],
         reach: usize,
         progress: &Progress<'_>,
@@ -207,10 +202,9 @@ impl Model {
                 .elapsed()
                 .as_secs_f64()
         };
-        let stiffness = assembly::assemble(&self.mesh, order, self.material());
+        let stiffness = assembly::assemble(&self.mesh, &elimination.order, self.material());
         let assembled = lap();
-        let sides = self.side_unknowns();
-        let sector = condensation::condense(&stiffness, sides, columns, &|share| {
+        let sector = condensation::condense(&stiffness, &elimination.parts, columns, &|share| {
             progress(Stage::Condensation, share)
         })?;
         let unknowns = stiffness.column_starts.len() - 1;
@@ -228,7 +222,7 @@ impl Model {
             factor_entries: sector.factor_entries,
             flank_nodes: n,
             seconds: [assembled, condensed, ring],
-            memory_bytes: 8 * (sector.factor_entries + 2 * entries + unknowns * n + n * n),
+            memory_bytes: 8 * (sector.numbers + 2 * entries),
         };
         let matrices = influence
             .into_iter()

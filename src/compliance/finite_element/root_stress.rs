@@ -6,11 +6,12 @@
 //! the map without a backward solution (reciprocity).
 
 use super::condensation::{self, LoadColumn};
+use super::dissection::Elimination;
 use super::fillet::{COMPONENTS, FilletGrid};
 use super::flank::FlankGrid;
 use super::model::Model;
 use super::settings::Settings;
-use super::{FiniteElementError, Progress, Stage, assembly, cyclic, dissection};
+use super::{FiniteElementError, Progress, Stage, assembly, cyclic};
 use crate::compliance::{BeyondModel, Strip};
 use crate::gear::{Gear, GearKind};
 
@@ -272,13 +273,13 @@ impl Model {
         if !progress(Stage::Assembly, 0.0) {
             return Err(FiniteElementError::Cancelled);
         }
-        let order = dissection::elimination_order(&self.mesh);
-        let first = assembly::number_unknowns(&self.mesh, &order);
+        let elimination = Elimination::new(&self.mesh);
+        let first = assembly::number_unknowns(&self.mesh, &elimination.order);
         let mut columns = self.load_columns(&first);
         let loads = columns.len();
         let (fillet, observed) = self.fillet(&first);
         columns.extend(observed);
-        let response = self.response(&order, &columns, loads, reach, progress)?;
+        let response = self.response(&elimination, &columns, loads, reach, progress)?;
         let mut out = RootStress::with(&self, fillet, reach);
         for column in response
             .iter()
@@ -308,16 +309,16 @@ impl Model {
 
     fn response(
         &self,
-        order: &[usize],
+        elimination: &Elimination,
         columns: &[LoadColumn],
         loads: usize,
         reach: usize,
         progress: &Progress<'_>,
     ) -> Result<Vec<faer::Mat<f64>>, FiniteElementError> {
-        let stiffness = assembly::assemble(&self.mesh, order, self.material());
+        let stiffness = assembly::assemble(&self.mesh, &elimination.order, self.material());
         let told = |share| progress(Stage::Condensation, share);
-        let sides = self.side_unknowns();
-        let sector = condensation::condense_observed(&stiffness, sides, columns, loads, &told)?;
+        let parts = &elimination.parts;
+        let sector = condensation::condense_observed(&stiffness, parts, columns, loads, &told)?;
         drop(stiffness);
         cyclic::ring_response(&sector, loads, self.gear.teeth as usize, reach, &|share| {
             progress(Stage::Ring, share)

@@ -62,16 +62,16 @@ fn functionals_that_are_loads_answer_with_the_influence() {
         ..Settings::new(Refinement::Coarse, 2)
     };
     let model = Model::new(&gear, &plane).unwrap();
-    let order = dissection::elimination_order(&model.mesh);
-    let first = assembly::number_unknowns(&model.mesh, &order);
+    let elimination = Elimination::new(&model.mesh);
+    let first = assembly::number_unknowns(&model.mesh, &elimination.order);
     let mut columns = model.load_columns(&first);
     let loads = columns.len();
     let (influence, _) = model
-        .influence_of(&order, &columns, 2, &|_, _| true)
+        .influence_of(&elimination, &columns, 2, &|_, _| true)
         .unwrap();
     columns.extend_from_within(..);
     let response = model
-        .response(&order, &columns, loads, 2, &|_, _| true)
+        .response(&elimination, &columns, loads, 2, &|_, _| true)
         .unwrap();
     let scale = influence[0].amax();
     for (place, response) in response.iter().enumerate() {

@@ -1,8 +1,9 @@
 //! The mesh of one sector as it is, for pictures and studies.
 
+use super::dissection::Elimination;
 use super::element::{QUAD8, shape};
 use super::model::Model;
-use super::{FiniteElementError, Settings, assembly, dissection};
+use super::{FiniteElementError, Settings, assembly};
 use crate::compliance::Strip;
 use crate::gear::Gear;
 
@@ -60,8 +61,8 @@ pub fn centre_line_compliance(
         ..*settings
     };
     let model = Model::new(gear, &plane)?;
-    let order = dissection::elimination_order(&model.mesh);
-    let first = assembly::number_unknowns(&model.mesh, &order);
+    let elimination = Elimination::new(&model.mesh);
+    let first = assembly::number_unknowns(&model.mesh, &elimination.order);
     let roll = gear.roll_length(radius);
     let strip = Strip {
         tooth: 0,
@@ -96,7 +97,7 @@ pub fn centre_line_compliance(
             ]
         })
         .collect();
-    let (influence, _) = model.influence_of(&order, &[load, observed], 0, &|_, _| true)?;
+    let (influence, _) = model.influence_of(&elimination, &[load, observed], 0, &|_, _| true)?;
     Ok(influence[0][(1, 0)])
 }
 

@@ -1,9 +1,10 @@
 //! Writes docs/speed-accuracy.md with its plots: what tables, interpolants, effects, hosts and steps cost
 //! in time and in error.
 //!
-//! `cargo run --release --example speed_accuracy -- [--quick] [DOCS [PYTHON]]`, from the root of the
+//! `cargo run --release --example speed_accuracy -- [--quick] [--levels] [DOCS [PYTHON]]`, from the root of the
 //! repository; DOCS is `docs` and PYTHON `.venv/bin/python` unless given. `--quick` takes fewer points and
-//! coarser finite elements: for trying out, not for the record.
+//! coarser finite elements: for trying out, not for the record. `--levels` writes the last section alone, the levels of detail, to
+//! another DOCS.
 
 mod document;
 #[path = "../common/driver/mod.rs"]
@@ -13,6 +14,7 @@ mod floor;
 mod growth;
 mod hosts;
 mod interpolants;
+mod levels;
 mod machine;
 mod plot;
 mod poses;
@@ -50,11 +52,18 @@ fn nominal_cycle() -> CycleInput {
 fn main() -> Result<(), Error> {
     let (flags, paths): (Vec<String>, Vec<String>) =
         std::env::args().skip(1).partition(|a| a.starts_with("--"));
-    if let Some(unknown) = flags.iter().find(|f| *f != "--quick") {
-        return Err(format!("{unknown}: the only option is --quick").into());
+    let known = ["--quick", "--levels"];
+    if let Some(unknown) = flags.iter().find(|f| !known.contains(&f.as_str())) {
+        return Err(format!("{unknown}: the options are {}", known.join(" and ")).into());
     }
-    let quick = !flags.is_empty();
+    let [quick, levels] = known.map(|option| flags.iter().any(|f| f == option));
     let folder = paths.first().map_or("docs", String::as_str);
+    if levels {
+        let mut document = Document::new(Path::new(folder), "Levels of detail")?;
+        levels_of_detail(&mut document, quick)?;
+        eprintln!("Wrote {}", document.save()?.display());
+        return Ok(());
+    }
     let python = paths.get(1).map_or(".venv/bin/python", String::as_str);
     let library = library()?;
 
@@ -103,9 +112,26 @@ fn main() -> Result<(), Error> {
     ];
     let levels = &levels[..if quick { 1 } else { 2 }];
     preprocessing::report(&mut document, PAIR, levels, points(quick))?;
+    document.save()?;
+    levels_of_detail(&mut document, quick)?;
     let path = document.save()?;
     eprintln!("Wrote {}", path.display());
     Ok(())
+}
+
+/// The section on levels of detail.
+fn levels_of_detail(document: &mut Document, quick: bool) -> Result<(), Error> {
+    let refinements = [
+        (Refinement::Coarse, "coarse"),
+        (Refinement::Normal, "normal"),
+        (Refinement::Fine, "fine"),
+    ];
+    let (refinements, counts) = if quick {
+        (&refinements[..2], [8, 5, 9, 16])
+    } else {
+        (&refinements[..], [12, 5, 17, 32])
+    };
+    levels::report(document, PAIR, refinements, counts)
 }
 
 /// Held-out points per scene.

@@ -42,14 +42,19 @@ impl Setting {
             refinement,
             ..Pair::read(path)?
         };
-        let settings = Settings::for_pair(&pair);
-        let [first, second] =
-            PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true)?.gears;
         let settings = ContactSettings {
             tip_corner_contact: pair.tip_corner_contact,
             ..ContactSettings::default()
         };
-        let solver = ContactSolver::new(&pair, [first, second], settings)?;
+        Self::of(pair, settings)
+    }
+
+    /// `pair` on finite elements, computed here, its contact discretised by `contact`.
+    pub fn of(pair: Pair, contact: ContactSettings) -> Result<Self, Error> {
+        let settings = Settings::for_pair(&pair);
+        let [first, second] =
+            PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true)?.gears;
+        let solver = ContactSolver::new(&pair, [first, second], contact)?;
         Ok(Setting { pair, solver })
     }
 

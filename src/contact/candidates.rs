@@ -1,6 +1,6 @@
 //! The strips that may touch at one position of the mesh.
 
-use super::closest::Flanks;
+use super::closest::{Flanks, LeastGap};
 use super::transverse::TransverseSection;
 #[cfg(feature = "preprocess")]
 use crate::compliance::Strip;
@@ -26,9 +26,6 @@ pub struct Candidate {
     /// Gaps along the line of action before load and misalignment at the points of the strip, ascending in z,
     /// m: microgeometry of both flanks and the separation off the path of contact.
     pub gap: [f64; POINTS],
-    /// How far the flanks come closest off the nominal line, along them towards the tip of gear 1, at these points and then at
-    /// mid-strip, m.
-    pub shift: [f64; POINTS + 1],
     /// Relative radius of curvature in the normal section, m.
     pub radius: f64,
     /// Slope of the gap at the nearest tip edge, from the edge into the flank, in the normal section; negative
@@ -96,17 +93,97 @@ pub struct TeethAt<'a> {
     pub counts: Counts,
 }
 
+/// Flanks at one place of a contact line, and where they come closest.
+type Place<'a> = (Flanks<'a>, LeastGap);
+
+/// Which strips may carry.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Near {
+    /// Approach, m.
+    pub approach: f64,
+    /// Misalignment, rad.
+    pub misalignment: f64,
+    /// Mid-face in gear 1's frame, m.
+    pub z_ref: f64,
+    /// Part of the largest overlap by which others may be open.
+    pub margin: f64,
+    /// Whether gaps are convex over the place on the flank.
+    pub convex: bool,
+}
+
+impl Near {
+    /// How far flanks overlap at `z` where their force has the arm `arm`, m along the line of action.
+    pub fn overlap(&self, z: f64, arm: f64, gap: f64) -> f64 {
+        arm * (self.approach + self.misalignment * (z - self.z_ref)) - gap
+    }
+}
+
 /// Pieces shorter than this fraction of a station are left out where a path end cuts it: what they could
 /// carry is below the rounding of the load.
 const SHORTEST: f64 = 1e-9;
 
 impl ContactLines<'_> {
     /// All candidates at the mesh position `tau`, tooth pair by tooth pair, ascending in z.
+    #[cfg(feature = "preprocess")]
     pub fn candidates(&self, tau: f64) -> Vec<Candidate> {
         let names = self
             .pairs(tau, 0.0)
             .flat_map(|k| (0..self.stations).map(move |s| (k, s)));
         names.filter_map(|name| self.strip(tau, name)).collect()
+    }
+
+    /// Those of [`ContactLines::candidates`] that lie within the conjugate positions `seen` (m) at least in part and that
+    /// may carry by `near`, and how fast they change where [`ContactLines::rates`] tells. Some that may not are among them.
+    pub fn moving(
+        &self,
+        tau: f64,
+        seen: [f64; 2],
+        near: &Near,
+    ) -> Vec<(Candidate, Option<[StripRates; 2]>)> {
+        let mut strips = Vec::with_capacity(4 * self.stations);
+        let mut most = 0.0f64;
+        for k in self.pairs(tau, 0.0) {
+            let closing = self.closing(tau, k)[0];
+            for station in 0..self.stations {
+                let whole = self.station(station);
+                let xi = whole.map(|z| self.contact_line(tau, k, z));
+                if xi[0].max(xi[1]) < seen[0] || xi[0].min(xi[1]) > seen[1] {
+                    continue;
+                }
+                let Some(z) = self.carrying(tau, k, whole) else {
+                    continue;
+                };
+                let at = 0.5 * (z[0] + z[1]);
+                let middle = self.place(tau, k, at, false);
+                let overlap = near.overlap(at, middle.0.arm(), middle.1.gap - closing);
+                most = most.max(overlap);
+                strips.push((k, station, z, z == whole, middle, overlap));
+            }
+        }
+        let rolls = self.section.roll_rates();
+        let mut all = Vec::with_capacity(strips.len());
+        for (i, (k, station, z, whole, middle, overlap)) in strips.iter().enumerate() {
+            // The overlap is concave along whole strips inside the flanks: it does not rise more from the middle of one to its
+            // ends than from the middle of either neighbour.
+            let beside = |other: Option<usize>| {
+                let (pair, at, _, whole, middle, overlap) = strips.get(other?)?;
+                let next = *pair == *k && at.abs_diff(*station) == 1;
+                (next && *whole && middle.0.on_path()).then_some(*overlap)
+            };
+            if near.convex
+                && *whole
+                && let (Some(before), Some(after)) = (beside(i.checked_sub(1)), beside(Some(i + 1)))
+            {
+                let most_beside = 0.5 * (overlap - before).max(overlap - after).max(0.0);
+                if overlap + most_beside < -near.margin * most {
+                    continue;
+                }
+            }
+            let (candidate, places) = self.candidate(tau, (*k, *station), *z, false, *middle);
+            let rates = whole.then(|| self.rates(tau, &candidate, (&places, middle), rolls));
+            all.push((candidate, rates.flatten()));
+        }
+        all
     }
 
     /// Tooth pairs that come within `margin` (m) of the reach of contact.
@@ -131,39 +208,39 @@ impl ContactLines<'_> {
 
     /// The strip of this name at the mesh position `tau`, if it lies within the reach of contact.
     pub fn strip(&self, tau: f64, (k, station): (i32, usize)) -> Option<Candidate> {
-        let whole = self.station(station);
+        let z = self.carrying(tau, k, self.station(station))?;
+        let middle = self.place(tau, k, 0.5 * (z[0] + z[1]), false);
+        Some(self.candidate(tau, (k, station), z, false, middle).0)
+    }
+
+    /// The part of the station `whole` in which tooth pair `k` lies within the reach of contact, if it is long enough to
+    /// carry.
+    fn carrying(&self, tau: f64, k: i32, whole: [f64; 2]) -> Option<[f64; 2]> {
         let z = self.within_reach(tau, k, whole)?;
-        (z[1] - z[0] > SHORTEST * (whole[1] - whole[0]))
-            .then(|| self.candidate(tau, (k, station), z, false))
+        (z[1] - z[0] > SHORTEST * (whole[1] - whole[0])).then_some(z)
     }
 
     /// Rates by mesh position and by centre distance of the gaps of `candidate` (m per cycle, m/m) and of the logarithm of
-    /// its radius of curvature; `None` unless it is whole, on the path of contact and touches inside its flanks.
-    pub fn rates(&self, tau: f64, candidate: &Candidate) -> Option<[StripRates; 2]> {
-        let (k, station) = candidate.name();
-        if candidate.z != self.station(station) {
-            return None;
-        }
+    /// its radius of curvature while the lengths of roll change by `rolls`; `None` unless it is on the path of contact and
+    /// touches inside its flanks. `points` and `middle` are its places.
+    fn rates(
+        &self,
+        tau: f64,
+        candidate: &Candidate,
+        (points, middle): (&[Place<'_>; POINTS], &Place<'_>),
+        rolls: [[f64; 2]; 2],
+    ) -> Option<[StripRates; 2]> {
         let numbers = self.section.numbers();
-        let rolls = self.section.roll_rates();
         let mut rates = [StripRates::default(); 2];
-        for (q, z) in candidate.points().into_iter().enumerate() {
-            let found = self
-                .flanks(tau, k, z, false)
-                .rates(candidate.shift[q], rolls)?;
-            for (rates, (gap, _)) in rates.iter_mut().zip(found) {
+        for (q, (flanks, least)) in points.iter().enumerate() {
+            for (rates, (gap, _)) in rates.iter_mut().zip(flanks.rates(least, rolls)?) {
                 rates.gap[q] = gap;
             }
         }
-        if let Some(teeth) = self.teeth {
-            let [_, rate] = teeth.passing.closing(teeth.counts, k, tau);
-            rates[0].gap.iter_mut().for_each(|gap| *gap -= rate);
-        }
-        let middle = self.flanks(tau, k, candidate.middle(), false);
-        for (rates, (_, moved)) in rates
-            .iter_mut()
-            .zip(middle.rates(candidate.shift[POINTS], rolls)?)
-        {
+        let [_, rate] = self.closing(tau, candidate.tooth_pair);
+        rates[0].gap.iter_mut().for_each(|gap| *gap -= rate);
+        let (flanks, least) = middle;
+        for (rates, (_, moved)) in rates.iter_mut().zip(flanks.rates(least, rolls)?) {
             rates.log_radius = (0..2)
                 .map(|i| numbers.kappa[i] * moved[i] / (candidate.roll[i] * candidate.roll[i]))
                 .sum::<f64>()
@@ -184,7 +261,8 @@ impl ContactLines<'_> {
                 let xi = z.map(|z| self.contact_line(tau, k, z));
                 let (low, high) = (xi[0].min(xi[1]), xi[0].max(xi[1]));
                 if high >= first - margin && low <= last + margin {
-                    all.push(self.candidate(tau, (k, station), z, true));
+                    let middle = self.place(tau, k, 0.5 * (z[0] + z[1]), true);
+                    all.push(self.candidate(tau, (k, station), z, true, middle).0);
                 }
             }
         }
@@ -239,45 +317,54 @@ impl ContactLines<'_> {
         })
     }
 
-    fn candidate(
-        &self,
+    /// What differing teeth close of the gaps of tooth pair `k`, m, and its rate, m per cycle.
+    fn closing(&self, tau: f64, k: i32) -> [f64; 2] {
+        match self.teeth {
+            Some(teeth) => teeth.passing.closing(teeth.counts, k, tau),
+            None => [0.0; 2],
+        }
+    }
+
+    fn place(&self, tau: f64, k: i32, z: f64, held: bool) -> Place<'_> {
+        let flanks = self.flanks(tau, k, z, held);
+        let least = flanks.least_gap();
+        (flanks, least)
+    }
+
+    /// The strip of tooth pair `k` at `station` with the ends `z`; `middle` is its middle.
+    fn candidate<'b>(
+        &'b self,
         tau: f64,
         (k, station): (i32, usize),
         z: [f64; 2],
         held: bool,
-    ) -> Candidate {
+        middle: Place<'b>,
+    ) -> (Candidate, [Place<'b>; POINTS]) {
         let numbers = self.section.numbers();
-        let flanks = |z: f64| self.flanks(tau, k, z, held);
-        let middle = flanks(0.5 * (z[0] + z[1])).closest_point();
-        let closing = match self.teeth {
-            Some(teeth) => teeth.passing.closing(teeth.counts, k, tau)[0],
-            None => 0.0,
-        };
-        let mut shift = [middle.s; POINTS + 1];
-        let mut gap = [0.0; POINTS];
-        for (q, z) in points(z).into_iter().enumerate() {
-            let (least, s) = flanks(z).least_gap();
-            (gap[q], shift[q]) = (least - closing, s);
-        }
+        let places = points(z).map(|z| self.place(tau, k, z, held));
+        let (flanks, least) = &middle;
+        let middle = flanks.closest_point_at(least);
+        let [closing, _] = self.closing(tau, k);
+        let gap = std::array::from_fn(|q| places[q].1.gap - closing);
         let cos_beta_b = numbers.cos_beta_b;
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
             .map(|i| numbers.kappa[i] * cos_beta_b / middle.roll[i])
             .sum();
-        Candidate {
+        let candidate = Candidate {
             tooth_pair: k,
             station,
             z,
             roll: middle.roll,
             gap,
-            shift,
             radius: curvature.recip(),
             // The transverse tangent is normal to the generator; the gap is cos beta_b of that along the
             // line of action.
             edge_slope: middle.edge_slope * cos_beta_b,
             edge_gear: middle.edge_gear,
             arm: middle.arm,
-        }
+        };
+        (candidate, places)
     }
 
     /// The strip of tooth pair `k` with the ends `z` at the mesh position `tau` in the canonical coordinates of gear 1 and

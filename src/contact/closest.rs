@@ -14,7 +14,7 @@
 //! Reliefs, crowning and slopes are convex over the length of roll, hence so is g; a topography need not be.
 
 use super::transverse::{TransversePoint, TransverseSection};
-use crate::gear::{Microgeometry, PairGeometry};
+use crate::gear::{Microgeometry, PairGeometry, ProfilePiece};
 
 /// Relative distance at which the search for the closest point ends, over the relative radius of curvature.
 const TOLERANCE: f64 = 1e-10;
@@ -41,7 +41,19 @@ pub struct ClosestPoint {
     pub arm: f64,
 }
 
+/// Where flanks come closest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeastGap {
+    /// Gap along the line of action, m.
+    pub gap: f64,
+    /// Distance from the nominal point, m.
+    pub s: f64,
+    /// First and second derivatives of both removals over the length of roll there, along the line of action.
+    removal: Option<[[f64; 2]; 2]>,
+}
+
 /// Both flanks about one point of the transverse section.
+#[derive(Clone, Copy)]
 pub struct Flanks<'a> {
     geometry: &'a PairGeometry,
     section: &'a TransverseSection,
@@ -66,23 +78,36 @@ impl<'a> Flanks<'a> {
         z: f64,
     ) -> Flanks<'a> {
         let numbers = section.numbers();
-        let along = [1.0, -1.0];
-        let per_roll = at.roll.map(f64::recip);
+        let per_roll = [at.roll[0].recip(), at.roll[1].recip()];
+        let (kappa, rb, offset) = (&numbers.kappa, &numbers.base_radius, &numbers.face_offset);
         Flanks {
             geometry,
             section,
             microgeometry,
-            z: numbers.face_offset.map(|offset| z - offset),
+            z: [z - offset[0], z - offset[1]],
             at,
-            roll_by_s: [0, 1]
-                .map(|i| along[i] * numbers.kappa[i] * numbers.base_radius[i] * per_roll[i]),
-            curvature: numbers.kappa[0] * per_roll[0] + numbers.kappa[1] * per_roll[1],
+            roll_by_s: [
+                kappa[0] * rb[0] * per_roll[0],
+                -kappa[1] * rb[1] * per_roll[1],
+            ],
+            curvature: kappa[0] * per_roll[0] + kappa[1] * per_roll[1],
             per_cos: numbers.cos_beta_b.recip(),
         }
     }
 
+    /// See [`ClosestPoint::arm`].
+    pub fn arm(&self) -> f64 {
+        self.at.arm
+    }
+
+    /// Whether the point lies on the path of contact.
+    pub fn on_path(&self) -> bool {
+        self.at.separation == 0.0 && self.at.slope == 0.0
+    }
+
     fn rolls(&self, s: f64) -> [f64; 2] {
-        [0, 1].map(|i| self.at.roll[i] + s * self.roll_by_s[i])
+        let (roll, by_s) = (&self.at.roll, &self.roll_by_s);
+        [roll[0] + s * by_s[0], roll[1] + s * by_s[1]]
     }
 
     /// Gap at `s`.
@@ -98,14 +123,14 @@ impl<'a> Flanks<'a> {
             + self.per_cos * (removal(0) + removal(1))
     }
 
-    /// Rates of the least gap, which is at `s`, and of the lengths of roll there while those of the nominal point change at
+    /// Rates of the least gap, `least`, and of the lengths of roll there while those of the nominal point change at
     /// each of the rates `rolls`, on the path of contact; `None` beyond it, where the closest point is at an end or at a
     /// kink, and for a topography.
     ///
     /// The least gap changes as that at the present s, which is stationary.
-    pub fn rates(&self, s: f64, rolls: [[f64; 2]; 2]) -> Option<[(f64, [f64; 2]); 2]> {
+    pub fn rates(&self, least: &LeastGap, rolls: [[f64; 2]; 2]) -> Option<[(f64, [f64; 2]); 2]> {
         let at = &self.at;
-        if at.separation != 0.0 || at.slope != 0.0 {
+        if !self.on_path() {
             return None;
         }
         if self.is_nominal() {
@@ -115,11 +140,14 @@ impl<'a> Flanks<'a> {
             return None;
         }
         let kappa = self.section.numbers().kappa;
-        let here = self.rolls(s);
-        let removal = [0, 1].map(|i| {
-            let (m, gear) = (self.microgeometry[i], &self.geometry.gears[i]);
-            let slope = self.per_cos * m.slope(gear, here[i], self.z[i]);
-            [slope, self.per_cos * m.curvature(here[i])]
+        let s = least.s;
+        let removal = least.removal.unwrap_or_else(|| {
+            let here = self.rolls(s);
+            [0, 1].map(|i| {
+                let (m, gear) = (self.microgeometry[i], &self.geometry.gears[i]);
+                let slope = self.per_cos * m.slope(gear, here[i], self.z[i]);
+                [slope, self.per_cos * m.curvature(here[i])]
+            })
         });
         let slope = s * self.curvature
             + self.roll_by_s[0] * removal[0][0]
@@ -128,8 +156,10 @@ impl<'a> Flanks<'a> {
         if slope.abs() > 100.0 * TOLERANCE {
             return None;
         }
-        let stiffness = self.slope_by_s(s);
-        Some(rolls.map(|rolls| {
+        let by_s = &self.roll_by_s;
+        let stiffness =
+            self.curvature + by_s[0] * by_s[0] * removal[0][1] + by_s[1] * by_s[1] * removal[1][1];
+        let rates = |rolls: [f64; 2]| {
             let (mut curvature, mut gap, mut slope) = (0.0, 0.0, 0.0);
             // Of the lengths of roll at the present s.
             let mut held = [0.0; 2];
@@ -143,9 +173,13 @@ impl<'a> Flanks<'a> {
                 slope += by_s * first + self.roll_by_s[i] * second * held[i];
             }
             let moved = -(s * curvature + slope) / stiffness;
-            let rates = [0, 1].map(|i| held[i] + self.roll_by_s[i] * moved);
+            let rates = [
+                held[0] + self.roll_by_s[0] * moved,
+                held[1] + self.roll_by_s[1] * moved,
+            ];
             (gap + 0.5 * s * s * curvature, rates)
-        }))
+        };
+        Some([rates(rolls[0]), rates(rolls[1])])
     }
 
     /// Slope over s of both removals along the line of action at the lengths of roll `rolls`.
@@ -246,33 +280,76 @@ impl<'a> Flanks<'a> {
         [-room[1][0].min(room[0][1]), room[0][0].min(room[1][1])]
     }
 
-    /// s at which both flanks come closest.
-    fn closest_in_reach(&self) -> f64 {
-        if self.is_nominal() {
-            return 0.0;
+    /// Where both flanks come closest, if each is one parabola from the nominal point to there, inside the flanks.
+    #[inline]
+    fn least_of_parabolas(&self) -> Option<LeastGap> {
+        let at = &self.at;
+        let piece = |i: usize| {
+            let gear = &self.geometry.gears[i];
+            self.microgeometry[i].piece(gear, at.roll[i], self.z[i])
+        };
+        let (first, second) = (piece(0), piece(1));
+        let by_s = self.roll_by_s;
+        let slope = at.slope + self.per_cos * (by_s[0] * first.slope + by_s[1] * second.slope);
+        let bend = by_s[0] * by_s[0] * first.curvature + by_s[1] * by_s[1] * second.curvature;
+        let bend = self.curvature + self.per_cos * bend;
+        let s = -slope / bend;
+        let rolls = self.rolls(s);
+        let holds = |i: usize, piece: &ProfilePiece| {
+            let (roll, [tip, form]) = (rolls[i], self.section.flank_ends(i));
+            (roll - tip) * (roll - form) < 0.0 && piece.range[0] <= roll && roll <= piece.range[1]
+        };
+        if !(holds(0, &first) && holds(1, &second)) {
+            return None;
         }
-        let range = self.range();
-        if self.microgeometry.iter().any(|m| m.topography.is_some()) {
-            return self.closest(self.least_of(range));
-        }
-        self.zero_of_slope(range)
-            .unwrap_or_else(|| self.closest(range))
-    }
-
-    /// Least gap along the line of action, m, and s there, m.
-    pub fn least_gap(&self) -> (f64, f64) {
-        let s = self.closest_in_reach();
-        (self.gap(s), s)
+        let removal = |i: usize, piece: &ProfilePiece| {
+            let slope = piece.slope + s * by_s[i] * piece.curvature;
+            [self.per_cos * slope, self.per_cos * piece.curvature]
+        };
+        Some(LeastGap {
+            gap: at.separation
+                + self.per_cos * (first.removal + second.removal)
+                + s * (slope + 0.5 * s * bend),
+            s,
+            removal: Some([removal(0, &first), removal(1, &second)]),
+        })
     }
 
     /// Where both flanks come closest.
+    pub fn least_gap(&self) -> LeastGap {
+        let at = |s: f64| LeastGap {
+            gap: self.gap(s),
+            s,
+            removal: None,
+        };
+        if self.is_nominal() {
+            return at(0.0);
+        }
+        if self.microgeometry.iter().any(|m| m.topography.is_some()) {
+            return at(self.closest(self.least_of(self.range())));
+        }
+        self.least_of_parabolas().unwrap_or_else(|| {
+            let range = self.range();
+            at(self
+                .zero_of_slope(range)
+                .unwrap_or_else(|| self.closest(range)))
+        })
+    }
+
+    /// Where both flanks come closest.
+    #[cfg(feature = "preprocess")]
     pub fn closest_point(&self) -> ClosestPoint {
+        self.closest_point_at(&self.least_gap())
+    }
+
+    /// The closest point whose gap is `least`.
+    pub fn closest_point_at(&self, least: &LeastGap) -> ClosestPoint {
         let at = &self.at;
-        let s = self.closest_in_reach();
+        let s = least.s;
         if self.is_nominal() {
             return ClosestPoint {
                 roll: at.roll,
-                gap: self.gap(s),
+                gap: least.gap,
                 s,
                 edge_slope: at.edge_slope,
                 edge_gear: at.edge_gear,
@@ -283,7 +360,7 @@ impl<'a> Flanks<'a> {
         let edge_gear = usize::from(edges[1] > edges[0]);
         ClosestPoint {
             roll: self.rolls(s),
-            gap: self.gap(s),
+            gap: least.gap,
             s,
             edge_slope: edges[edge_gear],
             edge_gear,

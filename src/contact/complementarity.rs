@@ -17,8 +17,8 @@
 //! (monotone) directional derivative makes it descend from any start.
 
 use super::candidates::POINTS;
-use super::cholesky::{Cholesky, dot};
-use super::local::LocalContact;
+use super::cholesky::{self, Cholesky, dot};
+use super::local::{LocalContact, PointLoads};
 
 /// One frictionless contact problem.
 pub struct Problem<'a> {
@@ -51,6 +51,8 @@ pub struct Solution {
     pub approach: f64,
     /// What local contact and gap have to take up together on each strip, m.
     pub closing: Vec<f64>,
+    /// Local contact at the points of each strip.
+    pub loads: Vec<PointLoads>,
     /// Newton steps.
     pub iterations: usize,
     /// Largest violation of equilibrium or of the contact conditions: force on a strip less what its gaps
@@ -60,6 +62,8 @@ pub struct Solution {
     pub active: Vec<usize>,
     /// Factor of D + A over the strips in contact, at the solution.
     pub factor: Cholesky,
+    /// D over the strips in contact where it was factored.
+    compliance: Vec<f64>,
 }
 
 /// Why there is no solution; [`super::ContactError`] adds where.
@@ -73,22 +77,59 @@ pub enum Failure {
 
 /// Newton steps after which a solve gives up with an error. Twenty are seldom needed.
 pub const MAXIMUM_ITERATIONS: usize = 200;
-/// Relative change of the forces at which the iteration ends.
-const TOLERANCE: f64 = 1e-10;
+/// Relative residual at which the iteration ends.
+const TOLERANCE: f64 = 1e-12;
+/// A step that brings the residual below this part of what it was leaves so little that another one with the same
+/// factor costs less than a new factor.
+const KEEPS_FACTOR: f64 = 0.02;
 
 /// Relative error that a few roundings leave.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// State of the iteration.
-#[derive(Clone)]
 struct Iterate {
     y: Vec<f64>,
     /// A y.
     ay: Vec<f64>,
     delta: f64,
     x: Vec<f64>,
-    /// Force of the local law at x, and its derivative.
+    /// Local contact at x: at the points, and the force with its derivative.
+    loads: Vec<PointLoads>,
     phi: Vec<(f64, f64)>,
+}
+
+impl Iterate {
+    fn largest(&self) -> f64 {
+        self.phi.iter().map(|p| p.0).fold(0.0, f64::max)
+    }
+}
+
+/// Where a step began.
+#[derive(Default)]
+struct Origin {
+    y: Vec<f64>,
+    ay: Vec<f64>,
+    delta: f64,
+}
+
+impl Origin {
+    fn keep(&mut self, at: &Iterate) {
+        self.y.clone_from(&at.y);
+        self.ay.clone_from(&at.ay);
+        self.delta = at.delta;
+    }
+}
+
+/// What the steps of one solve use again and again.
+#[derive(Default)]
+struct Work {
+    /// Step of the forces, and A times it.
+    dy: Vec<f64>,
+    q: Vec<f64>,
+    /// Where the step began.
+    from: Origin,
+    /// The strips in contact where the factor was made.
+    factored: Vec<usize>,
 }
 
 impl Problem<'_> {
@@ -98,11 +139,6 @@ impl Problem<'_> {
 
     fn row(&self, i: usize) -> &[f64] {
         &self.bulk[i * self.len()..(i + 1) * self.len()]
-    }
-
-    /// A y.
-    pub fn multiply(&self, y: &[f64]) -> Vec<f64> {
-        (0..self.len()).map(|i| dot(self.row(i), y)).collect()
     }
 
     /// Solves from `start` (forces, approach), or from an elastic foundation of the stiffness
@@ -118,8 +154,14 @@ impl Problem<'_> {
     ) -> Result<Solution, Failure> {
         let mut at = self.start(target, start, foundation);
         let mut solution = Solution::default();
-        let mut residual = f64::INFINITY;
-        let (mut dy, mut q) = (vec![0.0; self.len()], vec![0.0; self.len()]);
+        let n = self.len();
+        let mut work = Work {
+            dy: vec![0.0; n],
+            q: vec![0.0; n],
+            ..Work::default()
+        };
+        let mut residual = self.residual(&at) / at.largest();
+        let mut keeps = false;
         for iteration in 0..MAXIMUM_ITERATIONS {
             solution.active.clear();
             solution
@@ -137,16 +179,21 @@ impl Problem<'_> {
                 if at.y.iter().all(|y| *y == 0.0) {
                     solution.force = at.y;
                     solution.closing = at.x;
+                    solution.loads = at.loads;
                     solution.approach = at.delta;
                     solution.iterations = iteration;
                     return Ok(solution);
                 }
             }
-            let d_delta = self.newton_step(target, &at, &mut solution, &mut dy)?;
-            q.copy_from_slice(&self.multiply(&dy));
-            let t = self.go(target, &mut at, &dy, &q, d_delta);
-            let largest = at.phi.iter().map(|p| p.0).fold(0.0, f64::max);
-            residual = self.residual(&at) / largest;
+            if !(keeps && solution.active == work.factored) {
+                self.factor(&at, &mut solution)?;
+                work.factored.clone_from(&solution.active);
+            }
+            let d_delta = self.newton_step(target, &at, &solution, &mut work.dy);
+            cholesky::multiply(self.bulk, &work.dy, &mut work.q);
+            let t = self.go(target, &mut at, &mut work, d_delta);
+            let before = std::mem::replace(&mut residual, self.residual(&at) / at.largest());
+            keeps = t == 1.0 && residual <= KEEPS_FACTOR * before;
             if t == 1.0 && residual <= TOLERANCE {
                 solution.iterations = iteration + 1;
                 return self.finish(target, at, solution);
@@ -171,12 +218,14 @@ impl Problem<'_> {
     }
 
     fn start(&self, target: Target, start: Option<(&[f64], f64)>, foundation: f64) -> Iterate {
+        let n = self.len();
         let mut at = Iterate {
-            y: vec![0.0; self.len()],
-            ay: vec![0.0; self.len()],
+            y: vec![0.0; n],
+            ay: vec![0.0; n],
             delta: 0.0,
-            x: vec![0.0; self.len()],
-            phi: vec![(0.0, 0.0); self.len()],
+            x: vec![0.0; n],
+            loads: vec![PointLoads::default(); n],
+            phi: vec![(0.0, 0.0); n],
         };
         match start {
             Some((force, delta)) if force.len() == self.len() => {
@@ -198,7 +247,7 @@ impl Problem<'_> {
                 }
             }
         }
-        at.ay = self.multiply(&at.y);
+        cholesky::multiply(self.bulk, &at.y, &mut at.ay);
         self.refresh(&mut at);
         at
     }
@@ -226,27 +275,28 @@ impl Problem<'_> {
         0.0
     }
 
-    /// Force on strip `i` and its derivative where local contact and gaps take up `x`.
-    fn law(&self, i: usize, x: f64) -> (f64, f64) {
-        self.local[i].sum(self.gap[i].map(|gap| x - gap))
+    /// Local contact on strip `i` where it and gaps take up `x`.
+    fn law(&self, i: usize, x: f64) -> PointLoads {
+        self.local[i].loads(self.gap[i].map(|gap| x - gap))
     }
 
     fn refresh(&self, at: &mut Iterate) {
         for i in 0..self.len() {
             at.x[i] = self.arm[i] * at.delta - at.ay[i];
-            at.phi[i] = self.law(i, at.x[i]);
+            at.loads[i] = self.law(i, at.x[i]);
+            at.phi[i] = at.loads[i].sum();
         }
     }
 
-    /// Newton step of the forces into `dy`; returns that of the approach.
+    /// Newton step of the forces into `dy`, with the factor that there is; returns that of the approach. Whatever the D of
+    /// the factor, it descends.
     fn newton_step(
         &self,
         target: Target,
         at: &Iterate,
-        solution: &mut Solution,
+        solution: &Solution,
         dy: &mut [f64],
-    ) -> Result<f64, Failure> {
-        self.factor(at, solution)?;
+    ) -> f64 {
         let active = &solution.active;
         // Strips out of contact give up what they still carry.
         let mut is_active = vec![false; self.len()];
@@ -262,9 +312,10 @@ impl Problem<'_> {
         }
         let mut right: Vec<f64> = active
             .iter()
-            .map(|&i| {
+            .zip(&solution.compliance)
+            .map(|(&i, compliance)| {
                 let freed: f64 = released.iter().map(|&j| self.row(i)[j] * at.y[j]).sum();
-                (at.phi[i].0 - at.y[i]) / at.phi[i].1 + freed
+                (at.phi[i].0 - at.y[i]) * compliance + freed
             })
             .collect();
         solution.factor.solve(&mut right);
@@ -286,17 +337,21 @@ impl Problem<'_> {
         for (&i, r) in active.iter().zip(&right) {
             dy[i] = *r;
         }
-        Ok(d_delta)
+        d_delta
     }
 
     fn factor(&self, at: &Iterate, solution: &mut Solution) -> Result<(), Failure> {
         let active = &solution.active;
+        solution.compliance.clear();
+        (solution.compliance).extend(active.iter().map(|&i| at.phi[i].1.recip()));
+        let n = self.len();
         solution
             .factor
             .factor(active.len(), |r, s| {
-                let bulk = self.bulk[active[r] * self.len() + active[s]];
+                // Symmetric: by ascending r.
+                let bulk = self.bulk[active[s] * n + active[r]];
                 if r == s {
-                    bulk + at.phi[active[r]].1.recip()
+                    bulk + solution.compliance[r]
                 } else {
                     bulk
                 }
@@ -308,7 +363,7 @@ impl Problem<'_> {
     fn move_to(
         &self,
         target: Target,
-        (from, at): (&Iterate, &mut Iterate),
+        (from, at): (&Origin, &mut Iterate),
         (dy, q, d_delta): (&[f64], &[f64], f64),
         t: f64,
     ) -> f64 {
@@ -336,11 +391,12 @@ impl Problem<'_> {
 
     /// Goes along the step and returns which fraction of it: all of it unless J rises too much at its end, where the
     /// zero of dJ/dt is sought.
-    fn go(&self, target: Target, at: &mut Iterate, dy: &[f64], q: &[f64], d_delta: f64) -> f64 {
+    fn go(&self, target: Target, at: &mut Iterate, work: &mut Work, d_delta: f64) -> f64 {
+        let Work { dy, q, from, .. } = work;
         let initial = self.slope(target, at, q, d_delta);
-        let from = at.clone();
-        let step = (dy, q, d_delta);
-        let end = self.move_to(target, (&from, at), step, 1.0);
+        from.keep(at);
+        let step = (dy.as_slice(), q.as_slice(), d_delta);
+        let end = self.move_to(target, (from, at), step, 1.0);
         // At the level of rounding the sign of the slope means nothing.
         if initial >= 0.0 || end <= -0.9 * initial {
             return 1.0;
@@ -349,7 +405,7 @@ impl Problem<'_> {
         let mut middle = 0.5;
         for _ in 0..40 {
             middle = 0.5 * (low + high);
-            let slope = self.move_to(target, (&from, at), step, middle);
+            let slope = self.move_to(target, (from, at), step, middle);
             if slope.abs() <= -0.2 * initial {
                 break;
             }
@@ -364,19 +420,18 @@ impl Problem<'_> {
 
     /// Largest Hertz pressure of the strip on which `solution` has one that no flank carries, Pa.
     pub fn overload(&self, solution: &Solution) -> Option<f64> {
-        let strips = solution.closing.iter().zip(self.gap).zip(self.local);
-        let points = strips.flat_map(|((x, gap), local)| {
-            gap.iter()
-                .filter_map(move |gap| local.overload(local.force(x - gap).0))
+        let strips = solution.loads.iter().zip(self.local);
+        let largest = strips.filter_map(|(loads, local)| {
+            local.overload(loads.forces.iter().copied().fold(0.0, f64::max))
         });
-        points.reduce(f64::max)
+        largest.reduce(f64::max)
     }
 
     /// Cleans the forces up and judges them by the original conditions.
     fn finish(
         &self,
         target: Target,
-        at: Iterate,
+        mut at: Iterate,
         mut solution: Solution,
     ) -> Result<Solution, Failure> {
         let mut force: Vec<f64> =
@@ -389,11 +444,14 @@ impl Problem<'_> {
             let scale = wanted / dot(self.arm, &force);
             force.iter_mut().for_each(|f| *f *= scale);
         }
-        let deflection = self.multiply(&force);
+        if force != at.y {
+            at.y.clone_from(&force);
+            cholesky::multiply(self.bulk, &at.y, &mut at.ay);
+            self.refresh(&mut at);
+        }
         let largest = force.iter().copied().fold(0.0, f64::max);
-        for (strip, (deflection, force)) in deflection.iter().zip(&force).enumerate() {
-            let x = self.arm[strip] * at.delta - deflection;
-            let error = (force - self.law(strip, x).0).abs() / largest;
+        for (force, phi) in force.iter().zip(&at.phi) {
+            let error = (force - phi.0).abs() / largest;
             solution.kkt_residual = solution.kkt_residual.max(error);
         }
         if let Target::Force(wanted) = target {
@@ -403,10 +461,11 @@ impl Problem<'_> {
         solution.active.clear();
         solution
             .active
-            .extend((0..self.len()).filter(|&i| force[i] > 0.0));
+            .extend((0..self.len()).filter(|&i| force[i] > 0.0 && at.phi[i].1 > 0.0));
         self.factor(&at, &mut solution)?;
         solution.force = force;
         solution.closing = at.x;
+        solution.loads = at.loads;
         solution.approach = at.delta;
         Ok(solution)
     }

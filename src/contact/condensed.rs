@@ -16,6 +16,7 @@ use super::influence::Influence;
 use super::{error::ContactError, solver::ContactSolver};
 #[cfg(feature = "preprocess")]
 use crate::gear::Flank;
+use crate::table::widest;
 
 /// Influence of the strips of one flank at nodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -150,34 +151,36 @@ impl CondensedFlank {
             lengths: [vec![0.0; n], vec![0.0; n]],
         };
         let around = Neighbours::new(self, tau, offset);
+        let rows = around.rows(strips);
         let runs = runs(strips);
         let zeros = vec![0.0; self.stations];
-        for (i, &strip) in strips.iter().enumerate() {
-            for (k, across) in around.across.iter().enumerate() {
-                let weights = around.along.map(|w| w * across);
+        for (i, row) in rows.iter().enumerate() {
+            for at in around.at_offsets() {
+                let weights = around.along.map(|w| w * at.across);
                 for run in runs.iter().take_while(|run| run.first <= i) {
                     let count = run.count.min(i + 1 - run.first);
-                    let lines = around.lines(k, strip, (run.name, count), &zeros);
-                    let [a, b, c, d] = lines;
-                    let entries = &mut influence.bulk[i * n + run.first..][..count];
-                    for (j, entry) in entries.iter_mut().enumerate() {
-                        *entry += (weights[0] * f64::from(a[j]) + weights[1] * f64::from(b[j]))
-                            + (weights[2] * f64::from(c[j]) + weights[3] * f64::from(d[j]));
-                    }
+                    let lines = at.lines(row, &rows[run.first], count, &zeros);
+                    add_lines(
+                        &mut influence.bulk[i * n + run.first..][..count],
+                        &weights,
+                        lines,
+                    );
                 }
                 for (gear, known) in influence.lengths.iter_mut().enumerate() {
-                    known[i] += dot4(&weights, &around.lengths(k, strip, gear));
+                    known[i] += dot4(&weights, &around.lengths(at, row, gear));
                 }
             }
         }
         for i in 0..n {
             let scale = scale(strips[i].0);
-            for j in 0..=i {
+            let (above, row) = influence.bulk.split_at_mut(i * n);
+            for (j, value) in row[..i].iter_mut().enumerate() {
                 if scale != 1.0 && strips[j].0 == strips[i].0 {
-                    influence.bulk[i * n + j] *= scale;
+                    *value *= scale;
                 }
-                influence.bulk[j * n + i] = influence.bulk[i * n + j];
+                above[j * n + i] = *value;
             }
+            row[i] *= scale;
         }
         influence
     }
@@ -195,43 +198,38 @@ impl CondensedFlank {
             ..Slopes::default()
         };
         let around = Neighbours::new(self, tau, offset);
+        let rows = around.rows(strips);
         let runs = runs(strips);
         let zeros = vec![0.0; self.stations];
-        for (i, &strip) in strips.iter().enumerate() {
-            let scale = scale(strip.0);
-            for (k, across) in around.across.iter().enumerate() {
-                let (mut by_tau, mut by_offset) = (0.0, 0.0);
+        for (i, row) in rows.iter().enumerate() {
+            let scale = scale(strips[i].0);
+            for at in around.at_offsets() {
+                // By node: y' A y of this strip with those before it.
+                let mut by_node = [0.0; 4];
                 for run in runs.iter().take_while(|run| run.first <= i) {
                     // The diagonal counts once, what lies beside it twice.
                     let count = run.count.min(i - run.first);
-                    let [a, b, c, d] = around.lines(k, strip, (run.name, count), &zeros);
-                    let forces = &y[run.first..][..count];
-                    let mut sums = [0.0; 4];
-                    for (j, force) in forces.iter().enumerate() {
-                        sums[0] += force * f64::from(a[j]);
-                        sums[1] += force * f64::from(b[j]);
-                        sums[2] += force * f64::from(c[j]);
-                        sums[3] += force * f64::from(d[j]);
-                    }
-                    let twice = if run.name.0 == strip.0 {
-                        2.0 * scale
+                    let lines = at.lines(row, &rows[run.first], count, &zeros);
+                    let sums = line_sums(&y[run.first..][..count], lines);
+                    let own = if run.name.0 == strips[i].0 {
+                        scale
                     } else {
-                        2.0
+                        1.0
                     };
-                    by_tau += twice * dot4(&around.along_slopes, &sums);
-                    by_offset += twice * dot4(&around.along, &sums);
+                    for (all, sum) in by_node.iter_mut().zip(sums) {
+                        *all += 2.0 * own * sum;
+                    }
                 }
-                let own = around.lines(k, strip, (strip, 1), &zeros).map(|l| l[0]);
-                let own = own.map(|value| scale * y[i] * f64::from(value));
-                by_tau += dot4(&around.along_slopes, &own);
-                by_offset += dot4(&around.along, &own);
-                slopes.bulk[0] += across * y[i] * by_tau;
-                slopes.bulk[1] += around.across_slopes[k] * y[i] * by_offset;
+                let diagonal = at.lines(row, row, 1, &zeros);
+                for (all, line) in by_node.iter_mut().zip(diagonal) {
+                    *all = y[i] * (*all + scale * y[i] * f64::from(line[0]));
+                }
+                slopes.bulk[0] += at.across * dot4(&around.along_slopes, &by_node);
+                slopes.bulk[1] += at.slope * dot4(&around.along, &by_node);
                 for gear in 0..2 {
-                    let lengths = around.lengths(k, strip, gear);
-                    slopes.lengths[i][0][gear] += across * dot4(&around.along_slopes, &lengths);
-                    slopes.lengths[i][1][gear] +=
-                        around.across_slopes[k] * dot4(&around.along, &lengths);
+                    let lengths = around.lengths(at, row, gear);
+                    slopes.lengths[i][0][gear] += at.across * dot4(&around.along_slopes, &lengths);
+                    slopes.lengths[i][1][gear] += at.slope * dot4(&around.along, &lengths);
                 }
             }
         }
@@ -303,15 +301,43 @@ fn runs(strips: &[StripName]) -> Vec<Run> {
     runs
 }
 
-/// The nodes about one point: four along the cycle at each offset.
+/// Places of one strip in the four nodes along the cycle, as far as it is there.
+type Row = [Option<usize>; 4];
+
+/// The four nodes along the cycle at one offset.
+struct AtOffset<'a> {
+    /// Weight of this offset, and its slope, 1/m.
+    across: f64,
+    slope: f64,
+    /// Values of the nodes.
+    values: [&'a [f32]; 4],
+}
+
+impl AtOffset<'_> {
+    /// Influence of the `count` strips from that at `first` on on the strip at `row`, none of which comes after it, in the four
+    /// nodes; `zeros` where one is not there.
+    #[inline(always)]
+    fn lines<'b>(
+        &'b self,
+        row: &Row,
+        first: &Row,
+        count: usize,
+        zeros: &'b [f32],
+    ) -> [&'b [f32]; 4] {
+        std::array::from_fn(|step| match (row[step], first[step]) {
+            (Some(row), Some(first)) => &self.values[step][triangle(row, 0) + first..][..count],
+            _ => &zeros[..count],
+        })
+    }
+}
+
+/// The nodes about one point.
 struct Neighbours<'a> {
     flank: &'a CondensedFlank,
     along: [f64; 4],
     along_slopes: [f64; 4],
-    across: Vec<f64>,
-    across_slopes: Vec<f64>,
-    /// Values of the nodes, offset by offset.
-    values: Vec<[&'a [f32]; 4]>,
+    /// Offset by offset.
+    at: [AtOffset<'a>; 3],
     /// Whole cycles of each of the four.
     turns: [i32; 4],
     /// Where the reference lengths begin in a node.
@@ -326,63 +352,86 @@ impl<'a> Neighbours<'a> {
         let nodes = [-1, 0, 1, 2].map(|step| first as i64 + step);
         let size = flank.node_size();
         let [along, slopes] = catmull_rom(at - first);
-        let [across, across_slopes] =
-            (flank.offset_weights(offset)).map(|w| w[..flank.offsets.len()].to_vec());
+        let [across, across_slopes] = flank.offset_weights(offset);
         Neighbours {
             flank,
             along,
             along_slopes: slopes.map(|slope| slope * flank.positions as f64),
-            across,
-            across_slopes,
-            values: (0..flank.offsets.len())
-                .map(|k| {
-                    nodes.map(|node| {
-                        let place = k * flank.positions + node.rem_euclid(positions) as usize;
-                        &flank.values[place * size..][..size]
-                    })
-                })
-                .collect(),
+            at: std::array::from_fn(|k| AtOffset {
+                across: across[k],
+                slope: across_slopes[k],
+                values: nodes.map(|node| {
+                    let k = k.min(flank.offsets.len() - 1);
+                    let place = k * flank.positions + node.rem_euclid(positions) as usize;
+                    &flank.values[place * size..][..size]
+                }),
+            }),
             turns: nodes.map(|node| node.div_euclid(positions) as i32),
             lengths: triangle(flank.strips(), 0),
         }
     }
 
-    /// Influence of the `count` strips from `first` on the strip `row`, none of which comes after it, in the four nodes at the
-    /// offset `k`; `zeros` where one is not there.
-    #[inline]
-    fn lines<'b>(
-        &self,
-        k: usize,
-        row: StripName,
-        (first, count): (StripName, usize),
-        zeros: &'b [f32],
-    ) -> [&'b [f32]; 4]
-    where
-        'a: 'b,
-    {
-        let line = |step: usize| -> &'b [f32] {
-            let turns = self.turns[step];
-            let places = (self.flank.place(row, turns), self.flank.place(first, turns));
-            match places {
-                (Some(row), Some(column)) => {
-                    &self.values[k][step][triangle(row, 0) + column..][..count]
-                }
-                _ => &zeros[..count],
-            }
-        };
-        [line(0), line(1), line(2), line(3)]
+    fn rows(&self, strips: &[StripName]) -> Vec<Row> {
+        let row = |strip: &StripName| self.turns.map(|turns| self.flank.place(*strip, turns));
+        strips.iter().map(row).collect()
     }
 
-    /// Reference lengths of one gear in the four nodes at the offset `k`.
-    #[inline]
-    fn lengths(&self, k: usize, strip: StripName, gear: usize) -> [f64; 4] {
-        let begin = self.lengths + gear * self.flank.strips();
-        let length = |step: usize| {
-            let place = self.flank.place(strip, self.turns[step]);
-            place.map_or(0.0, |place| f64::from(self.values[k][step][begin + place]))
-        };
-        [length(0), length(1), length(2), length(3)]
+    /// The offsets that count.
+    fn at_offsets(&self) -> impl Iterator<Item = &AtOffset<'a>> {
+        self.at
+            .iter()
+            .filter(|at| at.across != 0.0 || at.slope != 0.0)
     }
+
+    /// Reference lengths of one gear in the four nodes at one offset.
+    #[inline]
+    fn lengths(&self, at: &AtOffset<'_>, row: &Row, gear: usize) -> [f64; 4] {
+        let begin = self.lengths + gear * self.flank.strips();
+        std::array::from_fn(|step| {
+            row[step].map_or(0.0, |place| f64::from(at.values[step][begin + place]))
+        })
+    }
+}
+
+/// Adds the sum of `lines` times `weights` to `entries`.
+fn add_lines(entries: &mut [f64], weights: &[f64; 4], lines: [&[f32]; 4]) {
+    widest(
+        #[inline(always)]
+        || {
+            let [a, b, c, d] = lines;
+            let lines = a.iter().zip(b).zip(c.iter().zip(d));
+            for (entry, ((a, b), (c, d))) in entries.iter_mut().zip(lines) {
+                *entry += (weights[0] * f64::from(*a) + weights[1] * f64::from(*b))
+                    + (weights[2] * f64::from(*c) + weights[3] * f64::from(*d));
+            }
+        },
+    );
+}
+
+/// Dot products of `y` with each of `lines`.
+fn line_sums(y: &[f64], lines: [&[f32]; 4]) -> [f64; 4] {
+    widest(
+        #[inline(always)]
+        || {
+            let (y, y_rest) = y.as_chunks::<4>();
+            let mut all = [0.0; 4];
+            for (all, line) in all.iter_mut().zip(lines) {
+                let mut sums = [0.0; 4];
+                let (line, line_rest) = line.as_chunks::<4>();
+                for (y, line) in y.iter().zip(line) {
+                    for lane in 0..4 {
+                        sums[lane] += y[lane] * f64::from(line[lane]);
+                    }
+                }
+                let mut rest = 0.0;
+                for (y, value) in y_rest.iter().zip(line_rest) {
+                    rest += y * f64::from(*value);
+                }
+                *all = (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest;
+            }
+            all
+        },
+    )
 }
 
 fn dot4(a: &[f64; 4], b: &[f64; 4]) -> f64 {

@@ -1,7 +1,7 @@
 //! Contact at one position of the mesh, for any load and misalignment.
 
 use super::candidates::{Candidate, POINTS};
-use super::complementarity::{Failure, Problem, Target};
+use super::complementarity::{Failure, Problem, Solution, Target};
 use super::error::{ContactError, OperatingPoint, Prescribed};
 use super::influence::{Influence, strip_lengths};
 use super::local::{LocalBody, LocalContact};
@@ -191,12 +191,23 @@ impl PositionProblem {
     }
 
     /// Solves from `start` (forces, approach) and tells what the solution exceeds of what the model is made for.
-    pub(super) fn solve_any(
+    fn solve_any(
         &self,
         target: Target,
         misalignment: f64,
         start: Option<(&[f64], f64)>,
     ) -> Result<(ContactResult, Option<Excess>), ContactError> {
+        let (solution, gap, excess) = self.solution(target, misalignment, start)?;
+        Ok((self.result(solution, &gap), excess))
+    }
+
+    /// As [`PositionProblem::solve_any`]: the bare solution, with the gaps along the normal under this misalignment.
+    pub(super) fn solution(
+        &self,
+        target: Target,
+        misalignment: f64,
+        start: Option<(&[f64], f64)>,
+    ) -> Result<(Solution, Vec<[f64; POINTS]>, Option<Excess>), ContactError> {
         finite("misalignment", misalignment)?;
         let gap = self.gaps(misalignment);
         let problem = self.problem(&gap);
@@ -226,7 +237,7 @@ impl PositionProblem {
                 .fold(f64::NEG_INFINITY, f64::max);
             excess = (needed > reach).then_some(Excess::Reach { needed, reach });
         }
-        Ok((self.result(solution, &gap), excess))
+        Ok((solution, gap, excess))
     }
 
     fn problem<'a>(&'a self, gap: &'a [[f64; POINTS]]) -> Problem<'a> {
@@ -238,31 +249,14 @@ impl PositionProblem {
         }
     }
 
-    /// Bulk displacement of each strip under `forces`, m.
-    pub(super) fn deflection(&self, forces: &[f64]) -> Vec<f64> {
-        self.problem(&[]).multiply(forces)
-    }
-
-    /// What the local contact at the points of strip `i` takes up where the bulk gives way by `deflection`, m.
-    pub(super) fn penetration(
-        &self,
-        i: usize,
-        approach: f64,
-        misalignment: f64,
-        deflection: f64,
-    ) -> [f64; POINTS] {
-        let (c, arm) = (&self.candidates[i], self.arm[i]);
-        std::array::from_fn(|q| {
-            arm * (approach + misalignment * self.lever[i][q])
-                - deflection
-                - self.cos_beta_b * c.gap[q]
-        })
-    }
-
-    /// Energy of the local contact of a single strip, J.
+    /// Energy of the local contact of a single strip where the bulk gives way by `deflection`, J.
     pub(super) fn energy(&self, approach: f64, misalignment: f64, deflection: f64) -> f64 {
-        let points = self.penetration(0, approach, misalignment, deflection);
-        points.iter().map(|x| self.local[0].energy(*x)).sum()
+        let (c, arm, lever) = (&self.candidates[0], self.arm[0], &self.lever[0]);
+        let points = c.gap.iter().zip(lever).map(|(gap, lever)| {
+            let closing = arm * (approach + misalignment * lever) - deflection;
+            self.local[0].energy(closing - self.cos_beta_b * gap)
+        });
+        points.sum()
     }
 
     /// Reference lengths of gear 1 and gear 2 at strip `i`, m.

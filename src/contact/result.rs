@@ -90,18 +90,14 @@ pub struct ContactResult {
 impl PositionProblem {
     pub(super) fn result(&self, solution: Solution, gap: &[[f64; POINTS]]) -> ContactResult {
         let loa_force = dot(&self.arm, &solution.force);
-        let mut moment = 0.0;
+        let (moment, tangent) = self.moment(&solution);
         let mut pressures = vec![0.0f64; solution.force.len()];
         let mut edge_loads = vec![None; solution.force.len()];
-        // Sums of the derivatives of the forces at the points, times powers 0, 1, 2 of their levers.
-        let mut slopes = vec![[0.0; 3]; solution.force.len()];
         for i in 0..solution.force.len() {
             if solution.force[i] == 0.0 {
                 continue;
             }
-            for (gap, lever) in gap[i].iter().zip(&self.lever[i]) {
-                let (force, slope) = self.local[i].force(solution.closing[i] - gap);
-                moment += self.arm[i] * force * lever;
+            for (&force, lever) in solution.loads[i].forces.iter().zip(&self.lever[i]) {
                 match self.local[i].pressure(force) {
                     Some(pressure) => pressures[i] = pressures[i].max(pressure),
                     None => {
@@ -112,9 +108,6 @@ impl PositionProblem {
                         };
                         edge_loads[i] = larger(edge_loads[i], Some(here));
                     }
-                }
-                for (power, sum) in (0..).zip(&mut slopes[i]) {
-                    *sum += slope * lever.powi(power);
                 }
             }
         }
@@ -152,7 +145,7 @@ impl PositionProblem {
             edge_load: edge_loads.iter().copied().fold(None, larger),
             kkt_residual: solution.kkt_residual,
             iterations: solution.iterations,
-            tangent: self.tangent(&solution, &slopes),
+            tangent,
             pressures,
             edge_loads,
             gaps,
@@ -160,11 +153,26 @@ impl PositionProblem {
         }
     }
 
+    /// Moment of the forces about mid-face on the line of action, N m, and the derivatives at the solution.
+    ///
     /// With K the matrix over the strips in contact, c their arms, and s_n the sums of phi' times the
     /// n-th power of the lever over the points of a strip: dF = K^-1 c (d delta + s_1 / s_0 dM), and the
     /// moment changes by c (s_1 / s_0 dF + c (s_2 - s_1^2 / s_0) dM).
-    fn tangent(&self, solution: &Solution, slopes: &[[f64; 3]]) -> Tangent {
-        let active = || solution.active.iter().map(|&i| (self.arm[i], slopes[i]));
+    pub(super) fn moment(&self, solution: &Solution) -> (f64, Tangent) {
+        let mut moment = 0.0;
+        let of = |&i: &usize| {
+            let (loads, levers) = (&solution.loads[i], &self.lever[i]);
+            let mut sums = [0.0; 3];
+            for ((force, slope), lever) in loads.forces.iter().zip(loads.slopes).zip(levers) {
+                moment += self.arm[i] * force * lever;
+                sums[0] += slope;
+                sums[1] += slope * lever;
+                sums[2] += slope * lever * lever;
+            }
+            (self.arm[i], sums)
+        };
+        let active: Vec<(f64, [f64; 3])> = solution.active.iter().map(of).collect();
+        let active = || active.iter().copied();
         let arms: Vec<f64> = active().map(|(c, _)| c).collect();
         let levers: Vec<f64> = active().map(|(c, s)| c * s[1] / s[0]).collect();
         let (mut by_approach, mut by_misalignment) = (arms.clone(), levers.clone());
@@ -173,11 +181,12 @@ impl PositionProblem {
         let within: f64 = active()
             .map(|(c, s)| c * c * (s[2] - s[1] * s[1] / s[0]))
             .sum();
-        Tangent {
+        let tangent = Tangent {
             force_by_approach: dot(&by_approach, &arms),
             force_by_misalignment: dot(&by_misalignment, &arms),
             moment_by_misalignment: dot(&by_misalignment, &levers) + within,
-        }
+        };
+        (moment, tangent)
     }
 
     /// Every strip with what it carries in `result`, for plots of the pressure.

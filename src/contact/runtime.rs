@@ -10,8 +10,9 @@
 
 use std::sync::Arc;
 
-use super::candidates::{ContactLines, TeethAt};
-use super::complementarity::Target;
+use super::candidates::{Candidate, ContactLines, Near, POINTS, StripRates, TeethAt};
+use super::cholesky::dot;
+use super::complementarity::{Solution, Target};
 use super::condensed::{CondensedFlank, StripName};
 use super::error::ContactError;
 use super::influence::Influence;
@@ -20,8 +21,8 @@ use super::position::PositionProblem;
 use super::result::Tangent;
 use super::setup::ContactSetup;
 use super::transverse::TransverseSection;
-use crate::gear::Flank;
 use crate::gear::teeth::{Counts, Passing};
+use crate::gear::{Flank, Microgeometry};
 
 /// What a solve at run time knows of the one before: forces by tooth pair, counted from the start, and station. It saves steps of Newton's iteration and changes the
 /// solution by no more than rounding.
@@ -51,6 +52,8 @@ pub struct RuntimeContact {
     flank: Flank,
     /// `None`: all teeth are alike.
     teeth: Option<Arc<Passing>>,
+    /// Whether no flank stands out of the unmodified one, so that flanks that are far apart there are so in all.
+    only_removes: bool,
 }
 
 /// Steps of the central differences by centre distance, m, and by mesh position.
@@ -60,12 +63,22 @@ const STEPS: [f64; 2] = [1e-8, 1e-5];
 /// forces push flanks apart nearly everywhere, and where they do not, by far less.
 const MARGIN: f64 = 0.1;
 
+/// Flanks that are farther apart than this many times what approach, misalignment and teeth close at most are beyond that
+/// margin, whatever the arm of their force.
+const CLEARLY_APART: f64 = 1.25;
+
 impl RuntimeContact {
     /// The contact of `flank`, whose condensed model is `condensed`.
     pub fn new(setup: Arc<ContactSetup>, condensed: Arc<CondensedFlank>, flank: Flank) -> Self {
         RuntimeContact {
             numbers: PairNumbers::new(&setup.geometry),
             teeth: Passing::new(&setup.geometry, &setup.teeth, flank).map(Arc::new),
+            only_removes: {
+                let own = setup.teeth.flank(flank).iter().flat_map(|t| &t.flanks);
+                (setup.microgeometry.flank(flank).iter())
+                    .chain(own.map(|own| &own.microgeometry))
+                    .all(Microgeometry::only_removes)
+            },
             setup,
             condensed,
             flank,
@@ -91,11 +104,11 @@ impl RuntimeContact {
             counts: counts.map(|count| count + turns as i64),
         };
         let section = self.setup.section(&self.numbers, offset)?;
-        let Some(problem) = self.near(&section, at, cycle) else {
+        let Some((problem, rates)) = self.near(&section, at, cycle) else {
             warm.0.clear();
             return Ok(ContactPotential::default());
         };
-        let names: Vec<StripName> = problem.candidates().iter().map(|c| c.name()).collect();
+        let names: Vec<StripName> = problem.candidates().iter().map(Candidate::name).collect();
         let start: Vec<f64> = names
             .iter()
             .map(|name| {
@@ -106,29 +119,36 @@ impl RuntimeContact {
             .collect();
         let start = (!warm.0.is_empty()).then_some(start.as_slice());
         let start = start.map(|forces| (forces, approach));
-        let (result, excess) =
-            problem.solve_any(Target::Approach(approach), misalignment, start)?;
+        let (solution, gap, excess) =
+            problem.solution(Target::Approach(approach), misalignment, start)?;
         warm.0.clear();
+        let forces = names.iter().zip(solution.force.iter().copied());
         warm.0.extend(
-            (names.iter())
-                .map(|name| cycle.since_start(*name))
-                .zip(result.forces.iter().copied()),
+            forces
+                .filter(|(_, force)| *force > 0.0)
+                .map(|(name, force)| (cycle.since_start(*name), force)),
         );
-        warm.0.retain(|(_, force)| *force > 0.0);
         if warm.0.is_empty() {
             return Ok(ContactPotential::default());
         }
         let load = Load {
-            approach,
             misalignment,
-            forces: &result.forces,
+            solution: &solution,
+            gap: &gap,
+            rates: &rates,
         };
         let (energy, [by_offset, by_tau]) =
             self.held(&problem, &section, (offset, cycle), &load)?;
+        let (moment, tangent) = problem.moment(&solution);
         Ok(ContactPotential {
             energy,
-            gradient: [result.loa_force, by_offset, result.moment, by_tau],
-            tangent: result.tangent,
+            gradient: [
+                dot(&problem.arm, &solution.force),
+                by_offset,
+                moment,
+                by_tau,
+            ],
+            tangent,
             out_of_range: excess.is_some() || !self.condensed.holds(offset),
         })
     }
@@ -145,45 +165,34 @@ impl RuntimeContact {
         load: &Load,
     ) -> Result<(f64, [f64; 2]), ContactError> {
         let strips = problem.candidates();
-        let loaded: Vec<usize> = (0..strips.len())
-            .filter(|&i| load.forces[i] > 0.0)
-            .collect();
+        let Solution { force, closing, .. } = load.solution;
+        let approach = load.solution.approach;
+        let loaded: Vec<usize> = (0..strips.len()).filter(|&i| force[i] > 0.0).collect();
         let names: Vec<StripName> = loaded.iter().map(|&i| strips[i].name()).collect();
-        let forces: Vec<f64> = loaded.iter().map(|&i| load.forces[i]).collect();
+        let forces: Vec<f64> = loaded.iter().map(|&i| force[i]).collect();
         let tau = cycle.tau;
         let scale = |k| self.compliance(cycle, k);
         let slopes = self.condensed.slopes(&names, scale, &forces, [tau, offset]);
-        let deflection = problem.deflection(load.forces);
-        let mut energy = 0.5
-            * forces
-                .iter()
-                .zip(&loaded)
-                .map(|(y, &i)| y * deflection[i])
-                .sum::<f64>();
+        let deflection = |i: usize| problem.arm[i] * approach - closing[i];
+        let mut energy: f64 = loaded.iter().map(|&i| 0.5 * force[i] * deflection(i)).sum();
         let [mut by_tau, mut by_offset] = slopes.bulk.map(|q| -0.5 * q);
-        let lines = self.lines(section, cycle);
         let plane = self.numbers.plane_compliance;
         let mut moved: Option<[TransverseSection; 2]> = None;
         for (place, &i) in loaded.iter().enumerate() {
-            let penetration =
-                problem.penetration(i, load.approach, load.misalignment, deflection[i]);
+            let penetration = load.gap[i].map(|gap| closing[i] - gap);
             let lengths = problem.lengths(i);
             let by = slopes.lengths[place];
-            let inside = problem.local[i].held(penetration, plane);
-            let rates = inside.and_then(|_| lines.rates(tau, &strips[i]));
-            if let (Some(held), Some(rates)) = (inside, rates) {
+            let loads = &load.solution.loads[i];
+            let inside = problem.local[i].held(loads, penetration, plane);
+            if let (Some(held), Some(rates)) = (inside, load.rates[i]) {
                 energy += held.energy;
-                let along = |by: usize| {
-                    let closing: f64 = rates[by]
-                        .gap
-                        .iter()
-                        .zip(held.forces)
-                        .map(|(g, f)| g * f)
-                        .sum();
+                let along = |axis: usize| {
+                    let opened = rates[axis].gap.iter().zip(loads.forces);
+                    let closing: f64 = opened.map(|(g, f)| g * f).sum();
                     let lengths: f64 = (0..2)
-                        .map(|g| held.by_log_length[g] * slopes.lengths[place][by][g] / lengths[g])
+                        .map(|g| held.by_log_length[g] * by[axis][g] / lengths[g])
                         .sum();
-                    held.by_log_radius * rates[by].log_radius + lengths
+                    held.by_log_radius * rates[axis].log_radius + lengths
                         - self.numbers.cos_beta_b * closing
                 };
                 by_tau += along(0);
@@ -206,7 +215,7 @@ impl RuntimeContact {
                 let lengths = [0, 1].map(|g| lengths[g] + by[g] * step);
                 let strip = self.strip(section, cycle.moved(turn), names[place], lengths);
                 strip.map_or(0.0, |strip| {
-                    strip.energy(load.approach, load.misalignment, deflection[i])
+                    strip.energy(approach, load.misalignment, deflection(i))
                 })
             };
             let [step, turn] = STEPS;
@@ -240,22 +249,37 @@ impl RuntimeContact {
         ))
     }
 
-    /// The problem of the strips that may carry; `None` if none touches.
+    /// The problem of the strips that may carry, and how fast they change; `None` if none touches.
     fn near(
         &self,
         section: &TransverseSection,
         [approach, offset, misalignment, _]: [f64; 4],
         cycle: Cycle,
-    ) -> Option<PositionProblem> {
-        let mut candidates = self.lines(section, cycle).candidates(cycle.tau);
+    ) -> Option<(PositionProblem, Vec<Option<[StripRates; 2]>>)> {
         let z_ref = self.numbers.z_ref;
+        let [low, width] = self.numbers.face;
+        let lever = (low - z_ref).abs().max((low + width - z_ref).abs());
+        let closing = approach.max(0.0) + (misalignment * lever).abs();
+        let closing = closing + self.setup.teeth.largest_closing();
+        let seen = if self.only_removes {
+            section.within(CLEARLY_APART * closing)
+        } else {
+            section.reach()
+        };
+        let near = Near {
+            approach,
+            misalignment,
+            z_ref,
+            margin: MARGIN,
+            convex: self.only_removes,
+        };
+        let mut strips = self.lines(section, cycle).moving(cycle.tau, seen, &near);
         // How far points overlap, along the line of action.
-        let overlaps: Vec<f64> = candidates
+        let overlaps: Vec<f64> = strips
             .iter()
-            .map(|c| {
+            .map(|(c, _)| {
                 let points = c.points().into_iter().zip(c.gap);
-                let overlap =
-                    points.map(|(z, gap)| c.arm * (approach + misalignment * (z - z_ref)) - gap);
+                let overlap = points.map(|(z, gap)| near.overlap(z, c.arm, gap));
                 overlap.fold(f64::NEG_INFINITY, f64::max)
             })
             .collect();
@@ -264,8 +288,9 @@ impl RuntimeContact {
             return None;
         }
         let mut overlaps = overlaps.into_iter();
-        candidates.retain(|_| overlaps.next().is_some_and(|o| o > -MARGIN * most));
-        Some(self.problem(candidates, offset, cycle))
+        strips.retain(|_| overlaps.next().is_some_and(|o| o > -MARGIN * most));
+        let (candidates, rates) = strips.into_iter().unzip();
+        Some((self.problem(candidates, offset, cycle), rates))
     }
 
     /// The contact lines in `section`.
@@ -288,12 +313,7 @@ impl RuntimeContact {
             .map_or(1.0, |teeth| teeth.compliance(shares, cycle.counts, k))
     }
 
-    fn problem(
-        &self,
-        candidates: Vec<super::Candidate>,
-        offset: f64,
-        cycle: Cycle,
-    ) -> PositionProblem {
+    fn problem(&self, candidates: Vec<Candidate>, offset: f64, cycle: Cycle) -> PositionProblem {
         let names: Vec<StripName> = candidates.iter().map(|c| c.name()).collect();
         let influence =
             self.condensed
@@ -328,10 +348,11 @@ impl Cycle {
 
 /// Where a solution was found.
 struct Load<'a> {
-    /// m.
-    approach: f64,
     /// rad.
     misalignment: f64,
-    /// By strip, N.
-    forces: &'a [f64],
+    solution: &'a Solution,
+    /// Gaps along the normal under this misalignment, m.
+    gap: &'a [[f64; POINTS]],
+    /// By strip.
+    rates: &'a [Option<[StripRates; 2]>],
 }

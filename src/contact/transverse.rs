@@ -117,6 +117,13 @@ impl TransverseSection {
         self.reach
     }
 
+    /// Conjugate positions between which the flanks, unmodified, are not farther apart than `limit` (m), as far as
+    /// candidates go.
+    pub fn within(&self, limit: f64) -> [f64; 2] {
+        let [first, last] = [0, 1].map(|end| self.reach_beyond(end, limit));
+        [first.max(self.reach[0]), last.min(self.reach[1])]
+    }
+
     /// The point that may touch while the conjugate position of the tooth pair is `xi`.
     pub fn point(&self, xi: f64) -> TransversePoint {
         if xi < self.path[0] {
@@ -206,13 +213,13 @@ impl TransverseSection {
     fn reach_beyond(&self, end: usize, limit: f64) -> f64 {
         let sign = if end == 0 { -1.0 } else { 1.0 };
         let mate = &self.sides[end];
-        // > 0: too far.
+        // > 0: too far. The separation grows with the square of the way.
         let excess = |beyond: f64| {
             let point = self.tip_corner(end, self.path[end] + sign * beyond);
-            let behind = mate.kappa * (mate.form_roll - point.roll[end]);
-            let excess = (point.separation - limit).max(behind);
+            let behind = mate.kappa * (mate.form_roll / point.roll[end] - 1.0);
+            let excess = ((point.separation.max(0.0) / limit).sqrt() - 1.0).max(behind);
             // Not a number where there is no mate to touch.
-            if excess.is_nan() { limit } else { excess }
+            if excess.is_nan() { 1.0 } else { excess }
         };
         let half = 0.5 * (self.path[1] - self.path[0]);
         let mut low = (0.0, excess(0.0));
@@ -242,7 +249,7 @@ impl TransverseSection {
                     high = point;
                 }
             }
-            if high.0 - low.0 <= tolerance || low.1 >= -1e-12 * limit {
+            if high.0 - low.0 <= tolerance || low.1 >= -1e-12 {
                 break;
             }
         }

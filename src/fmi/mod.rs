@@ -16,7 +16,7 @@ mod boundary;
 pub mod c_interface;
 mod clock;
 mod co_simulation;
-mod contact_law;
+pub mod contact_law;
 mod inputs;
 pub mod instance;
 #[cfg(test)]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::modification::{EndRelief, ProfileCrowning, ProfileRelief, ProfileSlope};
+use super::modification::{EndRelief, ProfileCrowning, ProfilePiece, ProfileRelief, ProfileSlope};
 use super::topography::Topography;
 use super::{Flank, Gear};
 
@@ -85,6 +85,39 @@ impl Microgeometry {
         self.tip_relief.map_or(0.0, |r| r.curvature(roll))
             + self.root_relief.map_or(0.0, |r| r.curvature(roll))
             + self.profile_crowning.map_or(0.0, |c| c.curvature())
+    }
+
+    /// [`Microgeometry::removal`] and its derivatives at the length of roll `roll` and at `z`, but for a topography.
+    #[inline]
+    pub fn piece(&self, gear: &Gear, roll: f64, z: f64) -> ProfilePiece {
+        let of = |relief: &Option<ProfileRelief>| {
+            relief.map_or(ProfilePiece::default(), |relief| relief.piece(roll))
+        };
+        let mut piece = of(&self.tip_relief).and(of(&self.root_relief));
+        piece.removal += self.lead_removal(gear, z);
+        if let Some(crowning) = &self.profile_crowning {
+            piece.removal += crowning.removal(roll);
+            piece.slope += crowning.slope(roll);
+            piece.curvature += crowning.curvature();
+        }
+        if let Some(slope) = &self.profile_slope {
+            let t = along_face(gear, z);
+            piece.removal += slope.removal(roll, t);
+            piece.slope += slope.slope(t);
+        }
+        piece
+    }
+
+    /// Whether nothing stands out of the unmodified flank, as far as amounts tell.
+    pub fn only_removes(&self) -> bool {
+        let reliefs = [&self.tip_relief, &self.root_relief];
+        reliefs.into_iter().flatten().all(|r| r.amount >= 0.0)
+            && self.profile_crowning.is_none_or(|c| c.amount >= 0.0)
+            && self.profile_slope.is_none()
+            && self.lead_crowning >= 0.0
+            && self.lead_slope == 0.0
+            && self.end_relief.iter().flatten().all(|r| r.amount >= 0.0)
+            && self.topography.is_none()
     }
 
     /// The part of [`Microgeometry::removal`] that depends on the place along the face alone, m.
@@ -236,6 +269,28 @@ mod tests {
                 let at = |roll| smooth.slope(&gear, roll, z);
                 let numeric = (at(roll + d) - at(roll - d)) / (2.0 * d);
                 assert_abs_diff_eq!(m.curvature(roll), numeric, epsilon = 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn a_piece_is_the_removal_between_its_ends() {
+        let (m, gear) = (all(), gear());
+        let smooth = Microgeometry {
+            topography: None,
+            ..m
+        };
+        for roll in [6.5e-3, 7.7e-3, 9.5e-3, 12.1e-3, 13.9e-3] {
+            for z in [0.0, 1e-3, 12e-3, 23.3e-3] {
+                let piece = smooth.piece(&gear, roll, z);
+                let [low, high] = piece.range;
+                assert!(low <= roll && roll <= high);
+                for other in [low.max(6e-3), high.min(14e-3)] {
+                    let by = other - roll;
+                    let removal = piece.removal + by * (piece.slope + 0.5 * by * piece.curvature);
+                    let expected = smooth.removal(&gear, other, z);
+                    assert_abs_diff_eq!(removal, expected, epsilon = 1e-19);
+                }
             }
         }
     }

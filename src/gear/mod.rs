@@ -24,7 +24,9 @@ pub use body::{Annulus, Body};
 pub use iso_6336_3::NominalRootStress;
 pub use macrogeometry::{Gear, GearKind};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};
-pub use modification::{EndRelief, ProfileCrowning, ProfileRelief, ProfileSlope, ReliefShape};
+pub use modification::{
+    EndRelief, ProfileCrowning, ProfilePiece, ProfileRelief, ProfileSlope, ReliefShape,
+};
 pub use pair_geometry::{Flank, PairGeometry, PathOfContact};
 pub use profile::{ProfileError, ProfilePoint, ToothProfile};
 pub use teeth::{OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};

@@ -72,10 +72,80 @@ impl ProfileRelief {
         self.amount * self.shape.slope(self.way(roll)) / (self.end_roll - self.start_roll)
     }
 
+    /// Removal and its derivatives at the length of roll `roll`, valid up to where the relief starts.
+    #[inline]
+    pub(super) fn piece(&self, roll: f64) -> ProfilePiece {
+        let (from_start, length) = (roll - self.start_roll, self.end_roll - self.start_roll);
+        let begun = from_start * length >= 0.0;
+        // Whether the piece goes on towards longer lengths of roll.
+        let upwards = begun == (length > 0.0);
+        let range = if upwards {
+            [self.start_roll, f64::INFINITY]
+        } else {
+            [f64::NEG_INFINITY, self.start_roll]
+        };
+        if !begun {
+            return ProfilePiece {
+                range,
+                ..ProfilePiece::default()
+            };
+        }
+        let per_length = length.recip();
+        let way = from_start * per_length;
+        let slope = self.amount * per_length;
+        ProfilePiece {
+            removal: self.amount * self.shape.fraction(way),
+            slope: slope * self.shape.slope(way),
+            curvature: slope * per_length * self.shape.curvature(way),
+            range,
+        }
+    }
+
     /// d [`ProfileRelief::slope`] / d roll.
     pub fn curvature(&self, roll: f64) -> f64 {
         let length = self.end_roll - self.start_roll;
         self.amount * self.shape.curvature(self.way(roll)) / (length * length)
+    }
+}
+
+/// What is taken off a flank about one length of roll, at one place along the face: a parabola.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProfilePiece {
+    /// Removal there, m.
+    pub removal: f64,
+    /// Its slope over the length of roll, m/m.
+    pub slope: f64,
+    /// The slope of that, m/m².
+    pub curvature: f64,
+    /// Lengths of roll between which all this is one parabola, m.
+    pub range: [f64; 2],
+}
+
+impl Default for ProfilePiece {
+    /// The unmodified flank.
+    fn default() -> Self {
+        ProfilePiece {
+            removal: 0.0,
+            slope: 0.0,
+            curvature: 0.0,
+            range: [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+}
+
+impl ProfilePiece {
+    /// Both together.
+    #[inline]
+    pub(super) fn and(self, other: ProfilePiece) -> ProfilePiece {
+        ProfilePiece {
+            removal: self.removal + other.removal,
+            slope: self.slope + other.slope,
+            curvature: self.curvature + other.curvature,
+            range: [
+                self.range[0].max(other.range[0]),
+                self.range[1].min(other.range[1]),
+            ],
+        }
     }
 }
 

@@ -33,6 +33,7 @@ pub use error::TableError;
 pub use file::{AxesRecord, FlankRecord, InterpolationError, TableFile, VERSION};
 pub use file_geometry::GeometryRecord;
 pub use grid::{Axes, Axis, FlankGrid};
+pub(crate) use interpolation::widest;
 pub use interpolation::{Checks, FlankTable, Interpolation};
 pub use runtime::{Effects, Load, Table};
 pub use sliding::{FrictionRecord, SlidingAxes, SlidingJet, SlidingSamples, SlidingTable};

@@ -31,11 +31,28 @@ pub struct LocalContact {
     edge: Option<TipEdge>,
 }
 
+/// Local contact at the four points of a strip.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PointLoads {
+    /// Forces, N.
+    pub forces: [f64; 4],
+    /// Their derivatives by the penetrations, N/m.
+    pub slopes: [f64; 4],
+    /// Whether all of it is inside the flanks, in the range of the law of Hertz.
+    pub inside: bool,
+}
+
+impl PointLoads {
+    /// Force of the strip, N, and its derivative by the penetration of all points, N/m.
+    pub fn sum(&self) -> (f64, f64) {
+        let add = |p: [f64; 4]| (p[0] + p[1]) + (p[2] + p[3]);
+        (add(self.forces), add(self.slopes))
+    }
+}
+
 /// Local contact of the four points of a strip inside its flanks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldContact {
-    /// Forces, N.
-    pub forces: [f64; 4],
     /// Sum of the energies, J.
     pub energy: f64,
     /// Its slope by the logarithm of the relative radius of curvature, the penetrations held, J.
@@ -107,25 +124,29 @@ impl LocalContact {
         )
     }
 
-    /// As [`LocalContact::force`] at four points at once, the sums over them.
-    pub fn sum(&self, x: [f64; 4]) -> (f64, f64) {
+    /// As [`LocalContact::force`] at four points at once.
+    pub fn loads(&self, x: [f64; 4]) -> PointLoads {
         if x.iter().all(|x| *x <= 0.0) {
-            return (0.0, 0.0);
+            return PointLoads {
+                inside: true,
+                ..PointLoads::default()
+            };
         }
         if let Some((force, v)) = self.within_flank(x) {
+            let scale = f64x4::splat(2.0 * self.length / self.c);
             let open = force.simd_eq(f64x4::ZERO);
-            let slope = open.select(f64x4::ZERO, f64x4::ONE / (v - 1.0)).to_array();
-            let add = |p: [f64; 4]| (p[0] + p[1]) + (p[2] + p[3]);
-            let scale = 2.0 * self.length / self.c;
-            return (add(force.to_array()), scale * add(slope));
+            return PointLoads {
+                forces: force.to_array(),
+                slopes: open.select(f64x4::ZERO, scale / (v - 1.0)).to_array(),
+                inside: true,
+            };
         }
-        let mut sum = (0.0, 0.0);
-        for x in x {
-            let (force, slope) = self.force(x);
-            sum.0 += force;
-            sum.1 += slope;
+        let each = x.map(|x| self.force(x));
+        PointLoads {
+            forces: each.map(|e| e.0),
+            slopes: each.map(|e| e.1),
+            inside: false,
         }
-        sum
     }
 
     /// Forces at four points (N) and -u there, of any size where there is no force; `None` where contact at one of them
@@ -150,18 +171,19 @@ impl LocalContact {
         Some((touches.select(x / v, f64x4::ZERO) * scale, v))
     }
 
-    /// What the forces at the penetrations `x` do while the law changes and they are held; `None` as of
-    /// [`LocalContact::sum`]'s fast way. `plane` are the plane compliances of both gears.
+    /// What the forces of `loads`, at the penetrations `x`, do while the law changes and they are held; `None` unless all
+    /// is inside the flanks. `plane` are the plane compliances of both gears.
     ///
     /// The slopes of the energy by a parameter at the penetration held are minus those of the complementary energy, the
     /// integral of h dw, at the force held.
-    pub fn held(&self, x: [f64; 4], plane: [f64; 2]) -> Option<HeldContact> {
-        let (force, _) = self.within_flank(x)?;
-        let forces = force.to_array();
+    pub fn held(&self, loads: &PointLoads, x: [f64; 4], plane: [f64; 2]) -> Option<HeldContact> {
+        if !loads.inside {
+            return None;
+        }
+        let forces = loads.forces;
         let square = forces.iter().map(|f| f * f).sum::<f64>() / self.length;
         let work: f64 = forces.iter().zip(x).map(|(f, x)| f * x).sum();
         Some(HeldContact {
-            forces,
             energy: 0.5 * work - 0.125 * self.c * square,
             by_log_radius: 0.25 * self.c * square,
             by_log_length: plane.map(|p| -square * p / std::f64::consts::PI),
@@ -283,13 +305,13 @@ mod tests {
             for x in [1e-22, 1e-9, 2e-6, 1e-5, 1e-4, 1e-2] {
                 let points = [x, 0.3 * x, -x, 1.7 * x];
                 let each = points.map(|x| law.force(x));
-                let (force, slope) = law.sum(points);
+                let (force, slope) = law.loads(points).sum();
                 let forces: f64 = each.iter().map(|e| e.0).sum();
                 let slopes: f64 = each.iter().map(|e| e.1).sum();
                 assert_relative_eq!(force, forces, max_relative = 1e-13);
                 assert_relative_eq!(slope, slopes, max_relative = 1e-13);
             }
-            assert_eq!(law.sum([-1e-6; 4]), (0.0, 0.0));
+            assert_eq!(law.loads([-1e-6; 4]).sum(), (0.0, 0.0));
         }
     }
 
@@ -305,7 +327,8 @@ mod tests {
         let x = [3e-6, 5e-6, -1e-6, 2e-7];
         let energy = |law: LocalContact| -> f64 { x.iter().map(|x| law.energy(*x)).sum() };
         let lengths = [1.2e-3, 2.0e-3];
-        let held = at(7e-3, lengths).held(x, [STEEL; 2]).unwrap();
+        let law = at(7e-3, lengths);
+        let held = law.held(&law.loads(x), x, [STEEL; 2]).unwrap();
         assert_relative_eq!(held.energy, energy(at(7e-3, lengths)), max_relative = 1e-13);
         let h = 1e-5f64;
         let by_radius = energy(at(7e-3 * h.exp(), lengths)) - energy(at(7e-3 / h.exp(), lengths));

@@ -24,6 +24,6 @@ mod width;
 
 #[cfg(feature = "preprocess")]
 pub(super) use division::{Piece, divide};
-pub(super) use hertz::{LocalBody, LocalContact};
+pub(super) use hertz::{LocalBody, LocalContact, PointLoads};
 #[cfg(feature = "preprocess")]
 pub(crate) use width::widest_contact;

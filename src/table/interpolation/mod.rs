@@ -20,7 +20,7 @@ mod tensor;
 pub(crate) use basis::{Basis, Ends};
 pub(crate) use fit::{Block, breaks, stored_from_values};
 pub(crate) use kernel::{Coefficients, over_displacement};
-pub(crate) use lanes::Two;
+pub(crate) use lanes::{Two, widest};
 pub(crate) use tensor::axis_basis;
 
 use super::{FlankGrid, Potential, Query, TableError};

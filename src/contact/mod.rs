@@ -61,7 +61,7 @@ pub use mesh_cycle::{CycleInput, LoadCase, MeshCycle};
 pub use position::PositionProblem;
 pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
 #[cfg(feature = "preprocess")]
-pub use root_stress::{GearRoots, ToothRoot};
+pub use root_stress::{GearRoots, PositionRoots, ToothRoot};
 pub use runtime::{ContactPotential, RuntimeContact, Warm};
 pub use setup::{ContactSettings, ContactSetup};
 #[cfg(feature = "preprocess")]

@@ -1,4 +1,4 @@
-//! Stress in the tooth roots over a mesh cycle that is solved.
+//! Stress in the tooth roots at a position and over a mesh cycle that are solved.
 
 use std::sync::Arc;
 
@@ -6,10 +6,12 @@ use rayon::prelude::*;
 
 use super::error::ContactError;
 use super::mesh_cycle::{CycleInput, MeshCycle};
-use super::result::StripLoad;
+use super::position::PositionProblem;
+use super::result::ContactResult;
 use super::solver::ContactSolver;
 use crate::compliance::Strip;
-use crate::compliance::finite_element::{RootPoint, RootStress};
+use crate::compliance::finite_element::{RootField, RootPoint, RootStress, SpreadStrips};
+use crate::gear::Flank;
 
 /// Stress in the root of one tooth at one mesh position. z of its points is in gear 1's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,11 +57,94 @@ impl GearRoots {
     }
 }
 
-/// A strip as both gears see it, and its tooth pair and force, N.
-struct Load {
-    seen: [Strip; 2],
-    tooth_pair: i32,
-    force: f64,
+/// Strips of both gears at one position of the mesh, and what their loads do to the roots.
+pub struct PositionRoots<'a> {
+    models: &'a [Arc<RootStress>; 2],
+    /// The strips as each gear sees them.
+    strips: [SpreadStrips; 2],
+    /// The tooth pair of each, ascending.
+    tooth_pairs: Vec<i32>,
+    center_distance_offset: f64,
+}
+
+impl<'a> PositionRoots<'a> {
+    /// Of all strips of `problem`, the one of `solver` at this flank, mesh position and centre distance offset (m);
+    /// `models` are those of gear 1 and gear 2 for this flank.
+    ///
+    /// # Errors
+    /// As [`ContactSolver::position`].
+    pub fn new(
+        solver: &ContactSolver,
+        problem: &PositionProblem,
+        (flank, mesh_position, center_distance_offset): (Flank, f64, f64),
+        models: &'a [Arc<RootStress>; 2],
+    ) -> Result<Self, ContactError> {
+        let tau = mesh_position - mesh_position.floor();
+        let strips = problem.candidates().iter().map(|c| (c.tooth_pair, c.z));
+        Self::of_strips(solver, (flank, tau, center_distance_offset), strips, models)
+    }
+
+    fn of_strips(
+        solver: &ContactSolver,
+        (flank, tau, center_distance_offset): (Flank, f64, f64),
+        strips: impl Iterator<Item = (i32, [f64; 2])>,
+        models: &'a [Arc<RootStress>; 2],
+    ) -> Result<Self, ContactError> {
+        let section = solver.section(center_distance_offset)?;
+        let lines = solver.setup().lines(flank, &section);
+        let (tooth_pairs, seen): (Vec<i32>, Vec<[Strip; 2]>) = strips
+            .map(|(k, z)| (k, lines.seen_by_gears(tau, (k, z), false)))
+            .unzip();
+        let of_gear = |i: usize| {
+            let seen: Vec<Strip> = seen.iter().map(|strip| strip[i]).collect();
+            models[i].spread(&seen)
+        };
+        Ok(PositionRoots {
+            models,
+            strips: [of_gear(0), of_gear(1)],
+            tooth_pairs,
+            center_distance_offset,
+        })
+    }
+
+    /// The tooth pairs with a force among `forces`, N, on the strips.
+    fn under_load(&self, forces: &[f64]) -> Vec<i32> {
+        let strips = self.tooth_pairs.iter().zip(forces);
+        let mut pairs: Vec<i32> = strips.filter(|(_, f)| **f > 0.0).map(|(k, _)| *k).collect();
+        pairs.dedup();
+        pairs
+    }
+
+    /// The fillet of gear `i` + 1 on its tooth of `tooth_pair` under `forces`, N, on the strips.
+    fn field(
+        &self,
+        i: usize,
+        tooth_pair: i32,
+        forces: &[f64],
+    ) -> Result<RootField<'_>, ContactError> {
+        let tooth = if i == 0 { tooth_pair } else { -tooth_pair };
+        let field = self.models[i].of_tooth_under(tooth, &self.strips[i], forces);
+        field.map_err(|model| ContactError::BeyondModel {
+            center_distance_offset_um: 1e6 * self.center_distance_offset,
+            model,
+        })
+    }
+
+    /// Largest principal stress in the roots of gear 1 and gear 2 under the load of `result`, a solution of the problem
+    /// it was made of: over face and fillet of every tooth under load, Pa; 0 without load.
+    ///
+    /// # Errors
+    /// [`ContactError::BeyondModel`] where more teeth bear load than the models hold.
+    pub fn largest(&self, result: &ContactResult) -> Result<[f64; 2], ContactError> {
+        let mut largest = [0.0f64; 2];
+        for pair in self.under_load(&result.forces) {
+            for (i, largest) in largest.iter_mut().enumerate() {
+                let field = self.field(i, pair, &result.forces)?;
+                *largest = largest.max(field.largest().stress);
+            }
+        }
+        Ok(largest)
+    }
 }
 
 impl MeshCycle {
@@ -74,55 +159,30 @@ impl MeshCycle {
         input: &CycleInput,
         models: &[Arc<RootStress>; 2],
     ) -> Result<[GearRoots; 2], ContactError> {
-        let loads: Vec<Vec<Load>> = self
-            .mesh_position
-            .iter()
-            .zip(&self.loads)
-            .map(|(tau, strips)| loads(solver, input, *tau, strips))
-            .collect::<Result<_, _>>()?;
-        let [first, second] = [0, 1].map(|i| of_gear(solver, input, &models[i], i, &loads));
+        let positions: Vec<(PositionRoots, Vec<f64>)> = (&self.mesh_position, &self.loads)
+            .into_par_iter()
+            .map(|(tau, strips)| {
+                let loaded = || strips.iter().filter(|strip| strip.force > 0.0);
+                let at = (input.flank, *tau, input.center_distance_offset);
+                let strips = loaded().map(|strip| (strip.tooth_pair, strip.z));
+                let roots = PositionRoots::of_strips(solver, at, strips, models)?;
+                Ok((roots, loaded().map(|strip| strip.force).collect()))
+            })
+            .collect::<Result<_, ContactError>>()?;
+        let [first, second] = [0, 1].map(|i| of_gear(solver, input, i, &positions));
         Ok([first?, second?])
     }
-}
-
-fn loads(
-    solver: &ContactSolver,
-    input: &CycleInput,
-    tau: f64,
-    strips: &[StripLoad],
-) -> Result<Vec<Load>, ContactError> {
-    let setup = solver.setup();
-    let section = solver.section(input.center_distance_offset)?;
-    let lines = setup.lines(input.flank, &section);
-    let under_load = strips.iter().filter(|strip| strip.force > 0.0);
-    Ok(under_load
-        .map(|strip| Load {
-            seen: lines.seen_by_gears(tau, (strip.tooth_pair, strip.z), false),
-            tooth_pair: strip.tooth_pair,
-            force: strip.force,
-        })
-        .collect())
 }
 
 fn of_gear(
     solver: &ContactSolver,
     input: &CycleInput,
-    model: &RootStress,
     i: usize,
-    loads: &[Vec<Load>],
+    positions: &[(PositionRoots, Vec<f64>)],
 ) -> Result<GearRoots, ContactError> {
     let field = |position: usize, tooth_pair: i32| {
-        let tooth = if i == 0 { tooth_pair } else { -tooth_pair };
-        let loads: Vec<(Strip, f64)> = loads[position]
-            .iter()
-            .map(|load| (load.seen[i], load.force))
-            .collect();
-        model
-            .of_tooth(tooth, &loads)
-            .map_err(|model| ContactError::BeyondModel {
-                center_distance_offset_um: 1e6 * input.center_distance_offset,
-                model,
-            })
+        let (roots, forces) = &positions[position];
+        roots.field(i, tooth_pair, forces)
     };
     let setup = solver.setup();
     let section = solver.section(input.center_distance_offset)?;
@@ -131,12 +191,11 @@ fn of_gear(
         z: lines.z_in_frame(i, point.z),
         ..point
     };
-    let teeth: Vec<(usize, i32)> = loads
+    let teeth: Vec<(usize, i32)> = positions
         .iter()
         .enumerate()
-        .flat_map(|(position, loads)| {
-            let mut pairs: Vec<i32> = loads.iter().map(|load| load.tooth_pair).collect();
-            pairs.dedup();
+        .flat_map(|(position, (roots, forces))| {
+            let pairs = roots.under_load(forces);
             pairs.into_iter().map(move |pair| (position, pair))
         })
         .collect();

@@ -8,6 +8,7 @@ use super::friction::Rubbing;
 use super::map::{Coordinates, Map, Placed, Spatial};
 use super::motion::{Inputs, Latch, Motion, Outputs};
 use super::paper::Carried;
+use super::root_stress::root_stress;
 use super::scalar::{Scalar, fraction, whole_turns, wrap};
 use super::{Element, Formulation};
 use crate::gear::teeth::Counts;
@@ -218,6 +219,10 @@ pub(crate) fn evaluate<T: Scalar>(
         }
     }
     let none = [T::from(0.0); 2];
+    let root_stress = match &el.root_stress {
+        Some(table) => root_stress(table, k, c, &flanks),
+        None => none,
+    };
     let [friction_coefficient, loss_factor] = rubbing[index]
         .as_ref()
         .map_or(none, |rubbing| rubbing.shown());
@@ -251,6 +256,7 @@ pub(crate) fn evaluate<T: Scalar>(
         friction_power,
         friction_coefficient,
         loss_factor,
+        root_stress,
         flank,
         out_of_range,
     };

@@ -4,6 +4,7 @@ use super::engagement::Engagement;
 use super::law::Response;
 use super::map::Coordinates;
 use super::scalar::Scalar;
+use crate::table::Effects;
 
 /// Damper on the line of action.
 #[derive(Debug, Clone, Copy)]
@@ -145,6 +146,30 @@ impl<T: Scalar> FlankLoad<T> {
             misalignment: [moment, moment * self.sign],
             ..along_approach(self.sign, self.damping_arm, self.force())
         }
+    }
+
+    /// Where tables over the load are asked: elastic force, centre distance offset (m), misalignment and mesh position,
+    /// without the `effects` that are off; `mirrored`: those of the drive flank, for the coast flank.
+    #[inline(always)]
+    pub(crate) fn table_coordinates(
+        &self,
+        effects: &Effects,
+        center_distance_offset: T,
+        mirrored: bool,
+    ) -> [T; 4] {
+        let zero = T::from(0.0);
+        let on = |effect: bool, x: T| if effect { x } else { zero };
+        let misalignment = on(effects.misalignment, self.misalignment);
+        [
+            self.elastic,
+            on(effects.center_distance, center_distance_offset),
+            if mirrored {
+                -misalignment
+            } else {
+                misalignment
+            },
+            self.mesh_position,
+        ]
     }
 
     /// Total force on the line of action, N, >= 0.

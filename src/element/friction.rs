@@ -90,23 +90,10 @@ impl Friction {
         (velocities, rates): (&[Spatial<T>; 2], &Coordinates<T>),
     ) -> Option<Rubbing<T>> {
         let (table, mirrored) = self.table.sliding(FLANKS[i])?;
-        let mut q = [
-            load.elastic,
-            center_distance - k.center_distance,
-            load.misalignment,
-            load.mesh_position,
-        ];
-        if !self.table.effects().center_distance {
-            q[1] = T::from(0.0);
-        }
-        if !self.table.effects().misalignment {
-            q[2] = T::from(0.0);
-        }
-        if mirrored {
-            q[2] = -q[2];
-        }
-        let jet = table.evaluate([q[0].re(), q[1].re(), q[2].re(), q[3].re()]);
-        let of = |row: usize| lift(jet.value[row], &jet.gradient[row], &q);
+        let offset = center_distance - k.center_distance;
+        let q = load.table_coordinates(self.table.effects(), offset, mirrored);
+        let jets = table.evaluate(q.map(T::re));
+        let of = |row: usize| lift(jets[row].value, &jets[row].gradient, &q);
         let (share, distance, weight) = (of(0), of(2), of(3));
         let share_z = if mirrored { -of(1) } else { of(1) };
         let slide = map.slide(k, load.sign, [share, share_z, distance]);

@@ -18,6 +18,7 @@
 //! - [`Formulation::Conjugate`]: coordinates and loads from the exact helicoids, through one map J and its
 //!   transpose. Undamped it keeps energy, and the damper can only take some; the default.
 //! - [`Parameters::friction`]: friction against the sliding of the flanks, through a row of the same map.
+//! - [`Parameters::root_stress`]: stress in the tooth roots under the elastic forces; nothing depends on it.
 //! - [`Formulation::Paper`]: displacement and elastic force of (1)-(26); the damper goes through the same map.
 //!
 //! One flank alone ([`LoadedFlank`]) carries nothing when the gears turn back, up to half a pitch: there they
@@ -42,6 +43,7 @@ mod map;
 mod motion;
 mod paper;
 mod parameters;
+mod root_stress;
 mod scalar;
 mod start;
 
@@ -72,6 +74,8 @@ mod tests_jacobian;
 mod tests_limits;
 #[cfg(test)]
 mod tests_poses;
+#[cfg(test)]
+mod tests_root_stress;
 #[cfg(all(test, feature = "preprocess"))]
 mod tests_tables;
 #[cfg(test)]
@@ -95,6 +99,8 @@ pub struct Element {
     laws: [Option<Law>; 2],
     damper: Damper,
     friction: Option<Friction>,
+    /// The table with the stress in the tooth roots, where it is wanted.
+    root_stress: Option<Arc<Table>>,
     /// Force on the line of action that a start pose may have, N.
     largest_force: f64,
     /// What its laws cover; `None`: they are the caller's.
@@ -145,6 +151,7 @@ impl Element {
                 let laws = FLANKS.map(|flank| Law::of_table(&table, flank));
                 let mut element = Self::build(pair, parameters, laws)?;
                 element.friction = Friction::new(pair, parameters, &table);
+                element.root_stress = parameters.root_stress.then(|| table.clone());
                 element.largest_force =
                     table.file().maximum_torque_nm / pair.gears[0].base_radius();
                 element.covered = Some(Covered::by(&table));
@@ -177,6 +184,7 @@ impl Element {
         Ok(Self {
             damper: damper(parameters, &constants),
             friction: None,
+            root_stress: None,
             largest_force: START_FORCE * constants.nominal_force,
             covered: None,
             reference_flank: usize::from(parameters.loaded_flank == LoadedFlank::Coast),

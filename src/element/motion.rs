@@ -88,6 +88,10 @@ pub struct Outputs<T = f64> {
     /// Part of the transmitted power that friction would take at a coefficient of 1, in this mesh position
     /// and under this load; 0 likewise.
     pub loss_factor: T,
+    /// Largest principal stress in the fillets of gear 1 and gear 2 beside their loaded flanks, over face, fillet and
+    /// all teeth under load, Pa: that of the static contact under the elastic force, without the damper's. Both flanks
+    /// pressed: the larger one; 0 without load or where it is off.
+    pub root_stress: [T; 2],
     /// Flank of gear 1 that carries (the larger force): +1 drive, -1 coast, 0 none.
     pub flank: i32,
     /// An operating condition lies outside the table, or the gears are on their way out of mesh.
@@ -95,7 +99,7 @@ pub struct Outputs<T = f64> {
 }
 
 /// Number of continuous outputs, in the order of [`Outputs::to_array`].
-pub const CONTINUOUS_OUTPUTS: usize = 27;
+pub const CONTINUOUS_OUTPUTS: usize = 29;
 
 /// How many of them come before the FMU's discrete outputs.
 pub const LEADING_OUTPUTS: usize = 24;
@@ -126,6 +130,7 @@ impl<T: super::Scalar> Outputs<T> {
             friction_power: zero,
             friction_coefficient: zero,
             loss_factor: zero,
+            root_stress: [zero; 2],
             flank: 0,
             out_of_range: true,
         }
@@ -134,8 +139,8 @@ impl<T: super::Scalar> Outputs<T> {
 
 impl<T: nalgebra::Scalar + Copy> Outputs<T> {
     /// All continuous outputs in the FMU's order: force and moment of gear 1, force and moment of
-    /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z` and those of friction
-    /// (`energy` is left out: the FMU does not show it).
+    /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z`, those of friction and the
+    /// stress in both roots (`energy` is left out: the FMU does not show it).
     pub fn to_array(&self) -> [T; CONTINUOUS_OUTPUTS] {
         let [f1, f2] = self.force;
         let [m1, m2] = self.moment;
@@ -168,6 +173,8 @@ impl<T: nalgebra::Scalar + Copy> Outputs<T> {
             self.friction_power,
             self.friction_coefficient,
             self.loss_factor,
+            self.root_stress[0],
+            self.root_stress[1],
         ]
     }
 }

@@ -94,6 +94,8 @@ pub struct Parameters {
     /// Mean sliding speed about which friction turns from viscous to dry, m/s, > 0: it is that of the law times
     /// r / sqrt(r² + this²).
     pub friction_transition_speed: f64,
+    /// Stress in the tooth roots among the outputs, from the table.
+    pub root_stress: bool,
 }
 
 impl Default for Parameters {
@@ -121,6 +123,7 @@ impl Default for Parameters {
             friction: false,
             friction_factor: 1.0,
             friction_transition_speed: 1e-3,
+            root_stress: false,
         }
     }
 }
@@ -141,6 +144,7 @@ impl Parameters {
             misalignment: self.misalignment_effect,
             shuttling: self.shuttling_effect,
             friction: self.friction,
+            root_stress: self.root_stress,
         }
     }
 
@@ -186,12 +190,26 @@ impl Parameters {
             let speed = self.friction_transition_speed;
             return refuse("frictionTransitionSpeed", speed, "m/s", positive);
         }
-        if self.friction && self.stiffness_model != StiffnessModel::Table {
-            return Err(ElementError::Parameter {
-                name: "friction",
-                value: "true".into(),
-                remedy: "how the load slides stands in the table: set stiffnessModel = table, or friction = false",
-            });
+        let of_the_table = [
+            (
+                self.friction,
+                "friction",
+                "how the load slides stands in the table: set stiffnessModel = table, or friction = false",
+            ),
+            (
+                self.root_stress,
+                "rootStress",
+                "the stress in the tooth roots stands in the table: set stiffnessModel = table, or rootStress = false",
+            ),
+        ];
+        for (on, name, remedy) in of_the_table {
+            if on && self.stiffness_model != StiffnessModel::Table {
+                return Err(ElementError::Parameter {
+                    name,
+                    value: "true".into(),
+                    remedy,
+                });
+            }
         }
         if !self.mesh_phase.is_finite() {
             return refuse("meshPhase", self.mesh_phase, "rad", "give a finite angle");

@@ -10,7 +10,8 @@ use crate::gear::{GearKind, PairGeometry};
 use crate::random::Random;
 use crate::table::samples::Spring;
 use crate::table::{
-    FrictionRecord, Potential, Query, SlidingAxes, SlidingSamples, Table, TableFile,
+    FrictionRecord, LoadAxes, Potential, Query, RootStressError, RootStressRecord,
+    RootStressSamples, SlidingSamples, Table, TableFile,
 };
 use nalgebra::{Rotation3, Vector3};
 use num_dual::{DualNum, HyperDual64};
@@ -261,12 +262,19 @@ pub(crate) fn smooth_laws() -> FlankLaws {
     }
 }
 
-/// Springs as in [`crate::table::samples`], and sliding by smooth functions, of `pair`; whether the coast flank has
-/// its own.
+/// Stress in the roots, Pa, of gear 1 and gear 2 at (force, centre distance offset, misalignment, mesh
+/// position) in [`rubbing_table`]; of the drive flank with `k` = 1.
+pub(crate) fn stress_by_formula([f, c, m, p]: [f64; 4], k: f64) -> [f64; 2] {
+    let near = 1.0 + 500.0 * c + 40.0 * k * m + 1e-5 * f;
+    [0.0, 1.0].map(|gear| 2e4 * f * near * (1.0 + 0.3 * k * (TAU * p + gear).cos()))
+}
+
+/// Springs as in [`crate::table::samples`], and sliding and root stress by smooth functions, of `pair`; whether the
+/// coast flank has its own.
 pub(crate) fn rubbing_table(pair: &PairGeometry, law: FrictionLaw, own_coast: bool) -> Arc<Table> {
     let grid = Spring::grid([8, 5, 5, 12]);
     let mut file = TableFile::new("spring", "a formula", pair, [100.0, 200.0], &grid, None);
-    let axes = SlidingAxes {
+    let axes = LoadAxes {
         center_distance_offset_m: grid.axes.center_distance_offset.clone(),
         misalignment_rad: grid.axes.misalignment.clone(),
         loa_force_n: [0.05, 0.2, 0.5, 1.0].map(|x| x * grid.top_force()).to_vec(),
@@ -297,6 +305,32 @@ pub(crate) fn rubbing_table(pair: &PairGeometry, law: FrictionLaw, own_coast: bo
         drive: samples(1.0),
         coast: own_coast.then(|| samples(-0.7)),
         axes: axes.clone(),
+    });
+    let mut axes = axes;
+    axes.loa_force_n[0] = 0.0;
+    let stresses = |k: f64| {
+        let mut all = [vec![], vec![]];
+        for &c in &axes.center_distance_offset_m {
+            for &m in &axes.misalignment_rad {
+                for &f in &axes.loa_force_n {
+                    for &p in &axes.mesh_position {
+                        let stress = stress_by_formula([f, c, m, p], k);
+                        all.iter_mut().zip(stress).for_each(|(of, s)| of.push(s));
+                    }
+                }
+            }
+        }
+        RootStressSamples::new([&all[0], &all[1]])
+    };
+    file.root_stress = Some(RootStressRecord {
+        drive: stresses(1.0),
+        coast: own_coast.then(|| stresses(-0.7)),
+        axes: axes.clone(),
+        interpolation_error: RootStressError {
+            points: 0,
+            rms: 0.0,
+            maximum: 0.0,
+        },
     });
     file.seal();
     Arc::new(Table::from_file(file).unwrap())

@@ -123,7 +123,7 @@ fn derivatives_agree_with_finite_differences_and_with_each_other() {
 }
 
 #[test]
-fn derivatives_with_friction_agree_with_finite_differences() {
+fn derivatives_with_friction_and_root_stress_agree_with_finite_differences() {
     let mut noise = Noise::new(8);
     for formulation in [Formulation::Paper, Formulation::Conjugate] {
         for pair in three_pairs(1.0) {
@@ -131,6 +131,7 @@ fn derivatives_with_friction_agree_with_finite_differences() {
                 let parameters = Parameters {
                     damping: 1e5,
                     friction_transition_speed: 0.05,
+                    root_stress: true,
                     ..rubbing(formulation, LoadedFlank::Drive)
                 };
                 let table = rubbing_table(&pair, law, false);

@@ -1,16 +1,21 @@
 //! Claims about the element on the table of a real pair.
 
-use super::testing::{FORMULATIONS, at, compressed, spun, undamped};
+use super::testing::{FORMULATIONS, Noise, at, compressed, spun, undamped};
 use super::*;
-use crate::contact::ContactSettings;
+use crate::compliance::finite_element::{Settings, pair_root_stress};
+use crate::contact::{ContactSettings, PositionRoots};
 use crate::friction::FrictionLaw;
 use crate::gear::Flank;
-use crate::pair::Pair;
+use crate::pair::{Pair, Refinement};
 use crate::table::source::StaticSource;
 use crate::table::sweep::{Watch, sweep};
-use crate::table::{Axes, FrictionRecord, TableFile, default_sliding_axes, plan, sweep_sliding};
+use crate::table::{
+    Axes, FrictionRecord, LoadAxes, RootStressRecord, RootStressSweep, RootStressTable, TableFile,
+    default_root_stress_axes, default_sliding_axes, plan, sweep_sliding,
+};
 use crate::testing::coarse_solver;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
+use nalgebra::Rotation3;
 use std::f64::consts::TAU;
 
 /// The paper's modified pair with a lead slope, so that the flanks differ; coarse finite elements. The element at
@@ -178,4 +183,105 @@ fn a_real_pair_loses_what_its_line_loads_lose() {
     for (found, loss) in found.iter().zip(&listed) {
         assert_abs_diff_eq!(found, loss, epsilon = 0.05 * mean(&listed));
     }
+}
+
+/// The paper's pair, crowned and helical: what the element shows at random poses is the direct sum over the line loads of
+/// the contact solver there.
+#[test]
+fn a_real_pair_has_the_root_stress_of_its_line_loads() {
+    let text = include_str!("../../resources/pairs/palermo2013.json");
+    let mut pair = Pair::from_json(text).unwrap();
+    pair.refinement = Refinement::Coarse;
+    let geometry = &pair.geometry;
+    let settings = ContactSettings {
+        stations: 12,
+        ..ContactSettings::default()
+    };
+    let solver = coarse_solver(&pair, settings);
+    let elastic = Settings::for_pair(&pair);
+    let models = pair_root_stress(geometry, Flank::Drive, &elastic, None, &|_, _, _| true);
+    let models = models.unwrap().map(|(model, _)| model);
+    let watch = Watch {
+        progress: &|_, _| (),
+        cancel: &std::sync::atomic::AtomicBool::new(false),
+    };
+    let coverage = plan::Coverage {
+        center_distance_offset: Some([-50e-6, 50e-6]),
+        misalignment: Some([-1e-3, 1e-3]),
+        nominal_torque: 100.0,
+        maximum_torque: 200.0,
+    };
+    let axes = Axes {
+        displacement_fraction: plan::displacement_nodes(6, 1.6),
+        center_distance_offset: vec![-50e-6, -20e-6, 20e-6, 50e-6],
+        misalignment: vec![-1e-3, -0.4e-3, 0.0, 0.4e-3, 1e-3],
+        mesh_position: plan::mesh_positions(12),
+    };
+    let grid = sweep(&solver, Flank::Drive, &axes, 200.0, &watch).unwrap();
+    let roots = RootStressSweep {
+        solver: &solver,
+        models: &models,
+        flank: Flank::Drive,
+    };
+    let every = default_root_stress_axes(&coverage, geometry.gears[0].base_radius());
+    let axes = LoadAxes {
+        center_distance_offset_m: axes.center_distance_offset.clone(),
+        misalignment_rad: every.misalignment_rad.iter().copied().step_by(2).collect(),
+        mesh_position: plan::mesh_positions(32),
+        ..every
+    };
+    let drive = roots.samples(&axes, &watch).unwrap();
+    let stress = RootStressTable::new(&axes, &drive, [true; 2]).unwrap();
+    let error = roots.measure(&coverage, &stress, 200, &watch).unwrap();
+    println!("{error}");
+    assert!(error.rms < 0.01 && error.maximum < 0.05, "{error}");
+    let mut file = TableFile::new("p", "test", geometry, [100.0, 200.0], &grid, None);
+    file.root_stress = Some(RootStressRecord {
+        axes,
+        drive,
+        coast: None,
+        interpolation_error: error,
+    });
+    file.seal();
+    let table = Table::from_json(&file.to_json()).unwrap();
+    let mut noise = Noise::new(91);
+    let (mut compared, mut largest) = (0, 0.0f64);
+    for formulation in FORMULATIONS {
+        let parameters = Parameters {
+            stiffness_model: StiffnessModel::Table,
+            root_stress: true,
+            ..undamped(formulation, LoadedFlank::Drive)
+        };
+        let table = Table::with_effects(
+            Arc::new(table.file().clone()),
+            parameters.table_effects(geometry),
+        );
+        let element = Element::new(geometry, &parameters, Some(Arc::new(table.unwrap()))).unwrap();
+        for _ in 0..20 {
+            let turn = noise.next() * TAU / geometry.gears[0].z();
+            let mut inputs = compressed(&element, 1.0, 14e-6 + 4e-6 * noise.next());
+            inputs = spun(&spun(&inputs, 0, turn), 1, -turn);
+            inputs.gears[1].p.x += 40e-6 * noise.next();
+            let tilt = Rotation3::from_euler_angles(0.8e-3 * noise.next(), 0.0, 0.0);
+            inputs.gears[1].r = tilt.matrix() * inputs.gears[1].r;
+            let out = at(&element, &inputs);
+            if out.flank == 0 || out.out_of_range {
+                continue;
+            }
+            let offset = out.center_distance - geometry.center_distance;
+            let force = out.normal_force * geometry.base_helix_angle().cos();
+            let torque = force * geometry.gears[0].base_radius();
+            let place = (Flank::Drive, out.mesh_position, offset);
+            let problem = solver.position(place.0, place.1, place.2).unwrap();
+            let result = problem.solve_torque(torque, out.misalignment, None);
+            let direct = PositionRoots::new(&solver, &problem, place, &models).unwrap();
+            let direct = direct.largest(&result.unwrap()).unwrap();
+            for (found, known) in out.root_stress.iter().zip(direct) {
+                largest = largest.max((found / known - 1.0).abs());
+            }
+            compared += 1;
+        }
+    }
+    println!("{compared} poses, {:.2} % at most", 100.0 * largest);
+    assert!(compared > 20 && largest < 0.05, "{compared} {largest}");
 }

@@ -143,6 +143,7 @@ pub static FIELDS: &[Field] = fields! {
     "friction": element.friction,
     "frictionFactor": element.friction_factor,
     "frictionTransitionSpeed": element.friction_transition_speed,
+    "rootStress": element.root_stress,
 };
 
 impl Settings {

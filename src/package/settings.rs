@@ -52,6 +52,11 @@ impl Setting {
     pub fn is_friction(&self) -> bool {
         self.index == index::FRICTION && self.value != 0.0
     }
+
+    /// Whether it switches root stress on.
+    pub fn is_root_stress(&self) -> bool {
+        self.index == index::ROOT_STRESS && self.value != 0.0
+    }
 }
 
 impl FromStr for Setting {

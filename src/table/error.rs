@@ -70,6 +70,12 @@ pub enum TableError {
          with `gearmesh tables --friction`"
     )]
     MissingFriction,
+    /// Root stress is switched on, and the table does not hold it.
+    #[error(
+        "rootStress = true: the table does not hold the stress in the tooth roots; switch rootStress off or make the \
+         tables with `gearmesh tables --root-stress`"
+    )]
+    MissingRootStress,
     /// External samples that cannot become a table.
     #[error("samples: {0}")]
     Samples(String),

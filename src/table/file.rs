@@ -2,7 +2,7 @@
 //! settings, the interpolation error, and a checksum over all of it.
 
 use super::file_geometry::GeometryRecord;
-use super::{Axes, FlankGrid, FrictionRecord, TableError};
+use super::{Axes, FlankGrid, FrictionRecord, RootStressRecord, TableError};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -50,6 +50,9 @@ pub struct TableFile {
     /// How the load slides, for the effect `friction`; absent where it is not wanted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionRecord>,
+    /// Stress in the tooth roots, for the outputs of `rootStress`; absent where it is not wanted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub root_stress: Option<RootStressRecord>,
 }
 
 /// Error of the default interpolant at operating points that are no nodes, relative to the nominal force.
@@ -166,6 +169,7 @@ impl TableFile {
             drive: FlankRecord::new(drive),
             coast: coast.map(FlankRecord::new),
             friction: None,
+            root_stress: None,
         };
         file.seal();
         file
@@ -256,8 +260,11 @@ impl TableFile {
         if let Some(grid) = self.coast_grid() {
             grid.check("coast")?;
         }
-        match &self.friction {
-            Some(friction) => friction.check(),
+        if let Some(friction) = &self.friction {
+            friction.check()?;
+        }
+        match &self.root_stress {
+            Some(root_stress) => root_stress.check(),
             None => Ok(()),
         }
     }

@@ -24,6 +24,7 @@ const EFFECTS: Effects = Effects {
     misalignment: true,
     shuttling: true,
     friction: false,
+    root_stress: false,
 };
 
 #[test]
@@ -65,6 +66,24 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
     assert!(refused(|f| f.drive.loa_force_n.clear()).contains("drive.loa_force_n = 0 values"));
     assert!(refused(|f| f.axes.mesh_position[2] = 0.0).contains("axes.mesh_position[2] = 0"));
     assert!(refused(|f| f.nominal_torque_nm = -1.0).contains("nominal_torque_nm = -1"));
+    // The record of root stress, by its name.
+    fn record(change: fn(&mut RootStressRecord)) -> Option<RootStressRecord> {
+        let table =
+            crate::element::testing::rubbing_table(&paper_pair(1.0), Default::default(), false);
+        let mut record = table.file().root_stress.clone()?;
+        change(&mut record);
+        Some(record)
+    }
+    let named = refused(|f| f.root_stress = record(|r| r.drive.gear_2_pa.truncate(9)));
+    assert!(
+        named.contains("root_stress.drive.gear_2_pa = 9 values"),
+        "{named}"
+    );
+    let named = refused(|f| f.root_stress = record(|r| r.axes.loa_force_n[0] = 1.0));
+    assert!(
+        named.contains("root_stress.axes.loa_force_n[0] = 1"),
+        "{named}"
+    );
     // Cells at the ends of the spline, which lie outside the nodes: too narrow, they would take memory without bound.
     assert!(refused(|f| f.axes.displacement_fraction[0] = 1e-12).contains("0 and 0.000000000001"));
     assert!(refused(|f| f.axes.mesh_position[5] = 1.0 - 1e-12).contains("closer than 1e-5"));

@@ -18,8 +18,10 @@ mod grid;
 #[cfg(feature = "preprocess")]
 pub mod import;
 mod interpolation;
+mod load_spline;
 #[cfg(feature = "preprocess")]
 pub mod plan;
+mod root_stress;
 mod runtime;
 pub mod samples;
 mod sliding;
@@ -35,8 +37,12 @@ pub use file_geometry::GeometryRecord;
 pub use grid::{Axes, Axis, FlankGrid};
 pub(crate) use interpolation::widest;
 pub use interpolation::{Checks, FlankTable, Interpolation};
+pub use load_spline::{LoadAxes, LoadJet, LoadSpline, PerLoad};
+pub use root_stress::{RootStressError, RootStressRecord, RootStressSamples, RootStressTable};
+#[cfg(feature = "preprocess")]
+pub use root_stress::{RootStressSweep, default_root_stress_axes};
 pub use runtime::{Effects, Load, Table};
-pub use sliding::{FrictionRecord, SlidingAxes, SlidingJet, SlidingSamples, SlidingTable};
+pub use sliding::{FrictionRecord, SlidingSamples, SlidingTable};
 #[cfg(feature = "preprocess")]
 pub use sliding::{default_sliding_axes, sweep_sliding};
 

@@ -1,6 +1,9 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
-use super::{Axis, FlankGrid, FlankTable, Interpolation, SlidingTable, TableError, TableFile};
+use super::{
+    Axis, FlankGrid, FlankTable, Interpolation, RootStressTable, SlidingTable, TableError,
+    TableFile,
+};
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
 use std::sync::Arc;
@@ -33,6 +36,8 @@ pub struct Effects {
     pub shuttling: bool,
     /// How the load slides, for friction.
     pub friction: bool,
+    /// Stress in the tooth roots.
+    pub root_stress: bool,
 }
 
 /// Everything of one pair at run time. Read-only; share it by `Arc`.
@@ -41,10 +46,39 @@ pub struct Table {
     file: Arc<TableFile>,
     geometry: PairGeometry,
     effects: Effects,
-    drive: FlankTable,
-    coast: Option<FlankTable>,
-    /// Drive and coast flank; without one of its own that of the drive flank.
-    sliding: Option<(SlidingTable, Option<SlidingTable>)>,
+    force: Flanks<FlankTable>,
+    sliding: Option<Flanks<SlidingTable>>,
+    root_stress: Option<Flanks<RootStressTable>>,
+}
+
+/// What there is of both flanks.
+#[derive(Debug)]
+struct Flanks<T> {
+    drive: T,
+    /// `None`: the coast flank is the drive flank mirrored.
+    coast: Option<T>,
+}
+
+impl<T> Flanks<T> {
+    fn new<S>(
+        drive: S,
+        coast: Option<S>,
+        of: impl Fn(S) -> Result<T, TableError>,
+    ) -> Result<Self, TableError> {
+        Ok(Flanks {
+            drive: of(drive)?,
+            coast: coast.map(of).transpose()?,
+        })
+    }
+
+    /// That of `flank`, and whether it is the drive flank's, mirrored.
+    fn of(&self, flank: Flank) -> (&T, bool) {
+        match (flank, &self.coast) {
+            (Flank::Drive, _) => (&self.drive, false),
+            (Flank::Coast, Some(own)) => (own, false),
+            (Flank::Coast, None) => (&self.drive, true),
+        }
+    }
 }
 
 impl Table {
@@ -76,6 +110,7 @@ impl Table {
             misalignment: file.axes.misalignment_rad.len() > 1,
             shuttling: file.axes.misalignment_rad.len() > 1 || file.drive.moment_nm.is_some(),
             friction: false,
+            root_stress: false,
         };
         Self::with_effects(Arc::new(file), effects)
     }
@@ -94,20 +129,27 @@ impl Table {
     /// As [`Table::sliced`].
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
         let geometry = file.geometry.pair_geometry()?;
-        let flank = |grid: FlankGrid| flank_table(grid, &effects);
+        let wanted = [effects.center_distance, effects.misalignment];
         let sliding = if effects.friction {
             let record = file.friction.as_ref().ok_or(TableError::MissingFriction)?;
-            let wanted = [effects.center_distance, effects.misalignment];
             let of = |samples| SlidingTable::new(&record.axes, samples, wanted);
-            let coast = record.coast.as_ref().map(of).transpose()?;
-            Some((of(&record.drive)?, coast))
+            Some(Flanks::new(&record.drive, record.coast.as_ref(), of)?)
         } else {
             None
         };
+        let root_stress = if effects.root_stress {
+            let record = file.root_stress.as_ref();
+            let record = record.ok_or(TableError::MissingRootStress)?;
+            let of = |samples| RootStressTable::new(&record.axes, samples, wanted);
+            Some(Flanks::new(&record.drive, record.coast.as_ref(), of)?)
+        } else {
+            None
+        };
+        let flank = |grid: FlankGrid| flank_table(grid, &effects);
         Ok(Table {
+            force: Flanks::new(file.drive_grid(), file.coast_grid(), flank)?,
             sliding,
-            drive: flank(file.drive_grid())?,
-            coast: file.coast_grid().map(flank).transpose()?,
+            root_stress,
             geometry,
             effects,
             file,
@@ -132,24 +174,19 @@ impl Table {
     /// The table of `flank`, and whether it is the drive flank's mirrored: then ask it at -M and take
     /// the opposite moment.
     pub fn flank(&self, flank: Flank) -> (&FlankTable, bool) {
-        match (flank, &self.coast) {
-            (Flank::Drive, _) => (&self.drive, false),
-            (Flank::Coast, Some(own)) => (own, false),
-            (Flank::Coast, None) => (&self.drive, true),
-        }
+        self.force.of(flank)
     }
-}
 
-impl Table {
     /// How the load of `flank` slides, and whether it is the drive flank mirrored: then ask it at -M and take the
     /// opposite axial position. None unless it was asked for.
     pub fn sliding(&self, flank: Flank) -> Option<(&SlidingTable, bool)> {
-        let (drive, coast) = self.sliding.as_ref()?;
-        Some(match (flank, coast) {
-            (Flank::Drive, _) => (drive, false),
-            (Flank::Coast, Some(own)) => (own, false),
-            (Flank::Coast, None) => (drive, true),
-        })
+        Some(self.sliding.as_ref()?.of(flank))
+    }
+
+    /// Stress in the roots under the load of `flank`, and whether it is the drive flank mirrored: then ask it at -M. None
+    /// unless it was asked for.
+    pub fn root_stress(&self, flank: Flank) -> Option<(&RootStressTable, bool)> {
+        Some(self.root_stress.as_ref()?.of(flank))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a tables file covers and how far it can be trusted, in words for `gearmesh inspect` and the FMU's page.
 
-use super::TableFile;
+use super::{LoadAxes, RootStressError, TableFile};
 use crate::words::{count, fixed, rounded};
 
 impl TableFile {
@@ -49,18 +49,16 @@ impl TableFile {
             ("checksum".into(), self.checksum_sha256.clone()),
         ];
         if let Some(friction) = &self.friction {
-            let [c, m, f, p] = friction.axes.lengths();
-            rows.push((
-                "friction".into(),
-                format!(
-                    "{}; {} x {} x {} x {}",
-                    friction.law,
-                    count(f, "force"),
-                    count(c, "centre distance"),
-                    count(m, "misalignment"),
-                    count(p, "mesh position")
-                ),
-            ));
+            let nodes = friction.axes.in_words();
+            rows.push(("friction".into(), format!("{}; {nodes}", friction.law)));
+        }
+        if let Some(root_stress) = &self.root_stress {
+            let words = format!(
+                "{}, {}",
+                root_stress.axes.in_words(),
+                root_stress.interpolation_error
+            );
+            rows.push(("root stress".into(), words));
         }
         for (name, value) in &self.solver {
             // Strings without the quotation marks of JSON.
@@ -106,6 +104,32 @@ impl TableFile {
             } else {
                 " for both"
             },
+        )
+    }
+}
+
+impl LoadAxes {
+    /// Nodes in one line.
+    fn in_words(&self) -> String {
+        let [c, m, f, p] = self.lengths();
+        format!(
+            "{} x {} x {} x {}",
+            count(f, "force"),
+            count(c, "centre distance"),
+            count(m, "misalignment"),
+            count(p, "mesh position")
+        )
+    }
+}
+
+impl std::fmt::Display for RootStressError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "error at {} random points: {:.2} % rms, {:.2} % at most, of the largest stress at nominal torque",
+            self.points,
+            1e2 * self.rms,
+            1e2 * self.maximum
         )
     }
 }

@@ -63,6 +63,27 @@ fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
             .success()
     );
     assert_ne!(table(&whole), table(&parts));
+
+    // With root stress: the same samples with two columns more.
+    let output = study(&parts, "3", &["--root-stress"]);
+    assert!(
+        stderr(&output).contains("another study"),
+        "{}",
+        stderr(&output)
+    );
+    let output = study(&parts, "3", &["--root-stress", "--restart"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(
+        stdout(&output).contains("root_stress_2_mpa"),
+        "{}",
+        stdout(&output)
+    );
+    let stressed = rows(&Path::new(&parts).join("samples.csv"));
+    for sample in &stressed {
+        assert!(sample["root_stress_1_mpa"] > 20.0 && sample["root_stress_2_mpa"] > 20.0);
+    }
+    let page = std::fs::read_to_string(Path::new(&parts).join("study.html")).unwrap();
+    assert_eq!(page.matches("<svg").count(), 5);
 }
 
 #[test]

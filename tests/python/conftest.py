@@ -72,10 +72,14 @@ def units(fmus):
 
 
 # Quick tables: coarse finite elements, kept for all tests, on few stations. `cycle` has mesh position and load
-# alone, on the default grid, and sliding; `all` has the centre distance and the misalignment, too, on a coarse one.
+# alone, on the default grid, sliding and root stress; `all` has the centre distance and the misalignment, too, on a
+# coarse one.
 COARSE = ["--refinement", "coarse", "--cache-dir", ROOT / "target" / "tmp" / "elastic-models"]
 QUICK = [*COARSE, "--stations", "12", "-q"]
-GRIDS = {"cycle": ["--no-center-distance", "--no-misalignment", "--friction"], "all": ["--max-error", "0.02"]}
+GRIDS = {
+    "cycle": ["--no-center-distance", "--no-misalignment", "--friction", "--root-stress"],
+    "all": ["--max-error", "0.02"],
+}
 
 
 @pytest.fixture(scope="session")

@@ -12,8 +12,9 @@ use gearmesh::table::plan::{Coverage, default_axes, measure, table_within};
 use gearmesh::table::source::{SolveQuality, WatchedSolver};
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{
-    FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, TableFile,
-    default_sliding_axes, sweep_sliding,
+    FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, RootStressRecord,
+    RootStressSweep, RootStressTable, TableFile, default_root_stress_axes, default_sliding_axes,
+    sweep_sliding,
 };
 
 use crate::Error;
@@ -21,7 +22,7 @@ use crate::flank_summary::modifications;
 use crate::model::{Model, ModelArgs};
 use crate::output::{self, Listing};
 use crate::preflight::{self, Load, preflight};
-use crate::progress::CONTACT;
+use crate::progress::{CONTACT, phases};
 
 /// Random operating points at which the default grid is measured.
 const HELD_OUT_POINTS: usize = 1000;
@@ -63,6 +64,11 @@ pub struct GridArgs {
     /// Also how the load slides, for the effect `friction` of the unit
     #[arg(long)]
     pub friction: bool,
+
+    /// Also the stress in the tooth roots, for the outputs of the unit's `rootStress`; its elastic model takes two to
+    /// three times as long as that of the contact
+    #[arg(long, conflicts_with = "plane_strain")]
+    pub root_stress: bool,
 }
 
 impl Tables {
@@ -99,6 +105,9 @@ impl std::fmt::Display for Made {
             self.contact_seconds,
             solves_in_words(&self.file)
         )?;
+        if let Some(root_stress) = &self.file.root_stress {
+            write!(f, "\n  root stress: {}", root_stress.interpolation_error)?;
+        }
         if self.teeth_differ {
             let contact = match self.contact {
                 Some(_) => "`stiffnessModel = contact` takes the tooth errors",
@@ -195,6 +204,12 @@ pub fn compute(
         None
     };
     drop(job);
+    let root_stress = if grid.root_stress {
+        let own_coast = coast.is_some();
+        Some(root_stress(&pair, &model, &coverage, args, own_coast)?)
+    } else {
+        None
+    };
 
     let mut file = TableFile::new(
         &pair.name,
@@ -206,6 +221,7 @@ pub fn compute(
     );
     file.interpolation_error = Some(error);
     file.friction = friction;
+    file.root_stress = root_stress;
     file.solver = settings(&pair, &model, args, source.quality());
     file.seal();
     let contact = if contact {
@@ -222,6 +238,49 @@ pub fn compute(
         ),
         teeth_differ: !pair.teeth.are_alike(),
         contact_seconds: begin.elapsed().as_secs_f64(),
+    })
+}
+
+/// Stress in the tooth roots over the range of `coverage`, on the coast flank, too, where it has its `own` tables.
+fn root_stress(
+    pair: &Pair,
+    model: &Model,
+    coverage: &Coverage,
+    args: &ModelArgs,
+    own: bool,
+) -> Result<RootStressRecord, Error> {
+    let rb = pair.geometry.gears[0].base_radius();
+    let axes = default_root_stress_axes(coverage, rb);
+    let of = |flank| {
+        let models = &args.root_stress(pair, flank)?;
+        let sweep = RootStressSweep {
+            solver: &model.solver,
+            models,
+            flank,
+        };
+        let job = args.progress().job(phases([0.0; 2], ("root stress", 1.0)));
+        let watch = Watch {
+            progress: &|done, total| {
+                let told = format!("{done} of {total} solves");
+                job.set(CONTACT, done as f64 / total as f64, &told);
+            },
+            cancel: &AtomicBool::new(false),
+        };
+        let samples = sweep.samples(&axes, &watch)?;
+        let table = RootStressTable::new(&axes, &samples, [true; 2])?;
+        let error = sweep.measure(coverage, &table, HELD_OUT_POINTS, &watch)?;
+        Ok::<_, Error>((samples, error))
+    };
+    let (drive, mut error) = of(Flank::Drive)?;
+    let coast = if own { Some(of(Flank::Coast)?) } else { None };
+    if let Some((_, found)) = &coast {
+        error = error.with(*found);
+    }
+    Ok(RootStressRecord {
+        drive,
+        coast: coast.map(|(samples, _)| samples),
+        interpolation_error: error,
+        axes,
     })
 }
 

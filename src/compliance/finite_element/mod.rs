@@ -49,7 +49,7 @@ pub use error::FiniteElementError;
 pub use estimate::Estimate;
 pub use model::{Cost, Stage};
 pub use pair::PairCompliance;
-pub use root_stress::{RootField, RootPoint, RootStress};
+pub use root_stress::{RootField, RootPoint, RootStress, SpreadStrips};
 pub use root_stress_cache::pair_root_stress;
 pub use sector::{SectorMesh, centre_line_compliance};
 pub use settings::{Discretization, Settings};

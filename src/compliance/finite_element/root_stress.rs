@@ -8,7 +8,7 @@
 use super::condensation::{self, LoadColumn};
 use super::dissection::Elimination;
 use super::fillet::{COMPONENTS, FilletGrid};
-use super::flank::FlankGrid;
+use super::flank::{FlankGrid, Weights};
 use super::model::Model;
 use super::settings::Settings;
 use super::{FiniteElementError, Progress, Stage, assembly, cyclic};
@@ -29,6 +29,10 @@ pub struct RootStress {
     /// Tangent to the centre line at which the standards look, rad.
     tangent: f64,
 }
+
+/// Strips of one gear as loads on the nodes of its flanks.
+#[derive(Debug, Clone)]
+pub struct SpreadStrips(Vec<(i32, Weights)>);
 
 /// Stress in the root of one tooth beside its loaded flank.
 #[derive(Debug, Clone, PartialEq)]
@@ -122,11 +126,34 @@ impl RootStress {
         tooth: i32,
         loads: &[(Strip, f64)],
     ) -> Result<RootField<'_>, BeyondModel> {
+        let (strips, forces): (Vec<Strip>, Vec<f64>) = loads.iter().copied().unzip();
+        self.of_tooth_under(tooth, &self.spread(&strips), &forces)
+    }
+
+    /// Strips of this gear, ready for [`RootStress::of_tooth_under`] any forces.
+    pub fn spread(&self, strips: &[Strip]) -> SpreadStrips {
+        let spread = |strip: &Strip| (strip.tooth, self.loads.weights(strip));
+        SpreadStrips(strips.iter().map(spread).collect())
+    }
+
+    /// As [`RootStress::of_tooth`], under the normal forces `loads`, N, on `strips`.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn of_tooth_under(
+        &self,
+        tooth: i32,
+        strips: &SpreadStrips,
+        loads: &[f64],
+    ) -> Result<RootField<'_>, BeyondModel> {
         let (nodes, points) = (self.loads.len(), COMPONENTS * self.fillet.len());
         let mut stress = vec![0.0; points];
         let mut forces = vec![vec![0.0; nodes]; 2 * self.reach + 1];
-        for (strip, force) in loads {
-            let away = tooth - strip.tooth;
+        for ((of_tooth, weights), force) in strips.0.iter().zip(loads) {
+            if *force == 0.0 {
+                continue;
+            }
+            let away = tooth - of_tooth;
             if away.unsigned_abs() as usize > self.reach {
                 return Err(BeyondModel {
                     distance: away.unsigned_abs() as usize,
@@ -134,8 +161,8 @@ impl RootStress {
                 });
             }
             let forces = &mut forces[(away + self.reach as i32) as usize];
-            for (node, weight) in self.loads.weights(strip) {
-                forces[node] += weight * force;
+            for (node, weight) in weights {
+                forces[*node] += weight * force;
             }
         }
         let columns = self.map.chunks(points);

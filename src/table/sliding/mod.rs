@@ -1,19 +1,15 @@
 //! How the load slides over the operating range: what friction needs, beside the tables of force.
 //!
-//! The quantities of [`Sliding`] are ratios to the load and change slowly with it, so that they have nodes of
-//! their own: load, centre distance, misalignment, mesh position. One cubic spline serves every interpolation of
-//! the force, for the force itself is a coordinate here.
+//! The quantities of [`Sliding`] are ratios to the load, so that they have nodes of their own ([`LoadAxes`]).
 
-mod interpolant;
 #[cfg(feature = "preprocess")]
 mod sweep;
 
-pub use interpolant::{SlidingJet, SlidingTable};
 #[cfg(feature = "preprocess")]
 pub use sweep::{default_sliding_axes, sweep_sliding};
 
-use super::TableError;
-use super::check::{check_axis, check_mesh_position, check_values, too_few};
+use super::check::check_values;
+use super::{LoadAxes, LoadJet, LoadSpline, PerLoad, TableError};
 use crate::friction::{FrictionLaw, Sliding};
 use serde::{Deserialize, Serialize};
 
@@ -24,25 +20,11 @@ pub struct FrictionRecord {
     /// Law of the coefficient, whose weights are in the samples.
     pub law: FrictionLaw,
     /// Nodes.
-    pub axes: SlidingAxes,
+    pub axes: LoadAxes,
     /// Drive flank.
     pub drive: SlidingSamples,
     /// Coast flank, if it is not the drive flank's mirror image.
     pub coast: Option<SlidingSamples>,
-}
-
-/// Nodes; an axis with one value is not there.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SlidingAxes {
-    /// Actual minus nominal centre distance.
-    pub center_distance_offset_m: Vec<f64>,
-    /// In the plane of action.
-    pub misalignment_rad: Vec<f64>,
-    /// Transverse force on the line of action, > 0.
-    pub loa_force_n: Vec<f64>,
-    /// In base pitches, periodic.
-    pub mesh_position: Vec<f64>,
 }
 
 /// Samples of one flank over (centre distance, misalignment, force, mesh position), the last index fastest;
@@ -58,18 +40,6 @@ pub struct SlidingSamples {
     pub distance_m: Vec<f64>,
     /// [`Sliding::weight`]; null for laws of the whole mesh, where it is 1.
     pub weight: Option<Vec<f64>>,
-}
-
-impl SlidingAxes {
-    /// Lengths in the order of the samples.
-    pub fn lengths(&self) -> [usize; 4] {
-        [
-            self.center_distance_offset_m.len(),
-            self.misalignment_rad.len(),
-            self.loa_force_n.len(),
-            self.mesh_position.len(),
-        ]
-    }
 }
 
 impl SlidingSamples {
@@ -105,33 +75,46 @@ impl FrictionRecord {
     /// # Errors
     /// The first defect, by field.
     pub fn check(&self) -> Result<(), TableError> {
-        let axes = &self.axes;
-        for (name, nodes) in [
-            ("center_distance_offset_m", &axes.center_distance_offset_m),
-            ("misalignment_rad", &axes.misalignment_rad),
-            ("loa_force_n", &axes.loa_force_n),
-            ("mesh_position", &axes.mesh_position),
-        ] {
-            check_axis(name, nodes)?;
-        }
-        check_mesh_position(&axes.mesh_position)?;
-        let forces = &axes.loa_force_n;
-        if forces.len() < 4 {
-            return Err(too_few("loa_force_n", forces.len()));
-        }
-        if forces[0] <= 0.0 {
-            return Err(TableError::field(
-                "friction.axes.loa_force_n[0]",
-                forces[0],
-                "nothing slides without a load",
-                "make the tables again",
-            ));
-        }
-        let length = axes.lengths().iter().product();
+        self.axes.check("friction", PerLoad::Ratio)?;
+        let length = self.axes.lengths().iter().product();
         self.drive.check("drive", length)?;
         match &self.coast {
             Some(coast) => coast.check("coast", length),
             None => Ok(()),
         }
+    }
+}
+
+/// Spline of one flank, with just the dimensions that are switched on.
+#[derive(Debug)]
+pub struct SlidingTable(LoadSpline);
+
+impl SlidingTable {
+    /// As [`LoadSpline::new`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn new(
+        axes: &LoadAxes,
+        samples: &SlidingSamples,
+        wanted: [bool; 2],
+    ) -> Result<Self, TableError> {
+        let all = [&samples.share, &samples.share_z_m, &samples.distance_m];
+        let weight = samples.weight.as_ref();
+        let all: Vec<&[f64]> = all.into_iter().chain(weight).map(|q| &q[..]).collect();
+        Ok(SlidingTable(LoadSpline::new(
+            axes,
+            (&all, PerLoad::Ratio),
+            wanted,
+        )?))
+    }
+
+    /// [`Sliding::share`], `share_z`, `distance` and `weight`, see [`LoadSpline::evaluate`].
+    pub fn evaluate(&self, query: [f64; 4]) -> [LoadJet; 4] {
+        let mut jets = [LoadJet::default(); 4];
+        // Laws of the whole mesh have no weights of their own.
+        jets[3].value = 1.0;
+        self.0.evaluate(query, &mut jets);
+        jets
     }
 }

@@ -1,22 +1,22 @@
 //! Fills the samples of one flank with static solutions.
 
-use super::{SlidingAxes, SlidingSamples};
+use super::SlidingSamples;
 use crate::contact::ContactSolver;
 use crate::friction::Sliding;
 use crate::gear::Flank;
-use crate::table::TableError;
 use crate::table::plan::{Coverage, graded, mesh_positions};
 use crate::table::sweep::{Watch, point};
+use crate::table::{LoadAxes, TableError};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Nodes for `coverage` of a pair whose gear 1 has the base radius `base_radius` (m): 6 forces, 5 centre distances,
 /// 9 misalignments and 48 mesh positions. Sliding changes less with load and alignment than the force does, and
 /// more with the position: at the pitch point it changes its direction.
-pub fn default_sliding_axes(coverage: &Coverage, base_radius: f64) -> SlidingAxes {
+pub fn default_sliding_axes(coverage: &Coverage, base_radius: f64) -> LoadAxes {
     let range = |r: Option<[f64; 2]>, n, grading| r.map_or(vec![0.0], |r| graded(r, n, grading));
     let top = coverage.maximum_torque / base_radius;
-    SlidingAxes {
+    LoadAxes {
         center_distance_offset_m: range(coverage.center_distance_offset, 5, 0.0),
         misalignment_rad: range(coverage.misalignment, 9, 2.0),
         loa_force_n: [0.03, 0.1, 0.25, 0.45, 0.7, 1.0]
@@ -33,7 +33,7 @@ pub fn default_sliding_axes(coverage: &Coverage, base_radius: f64) -> SlidingAxe
 pub fn sweep_sliding(
     solver: &ContactSolver,
     flank: Flank,
-    axes: &SlidingAxes,
+    axes: &LoadAxes,
     watch: &Watch,
 ) -> Result<SlidingSamples, TableError> {
     let [nc, nm, nf, np] = axes.lengths();

@@ -1,18 +1,21 @@
-//! `gearmesh study PAIR.json`: what tolerances do to transmission error and pressure.
+//! `gearmesh study PAIR.json`: what tolerances do to transmission error, pressure and root stress.
 
 mod page;
 mod samples;
 mod statistics;
+mod text;
 mod variation;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
+use gearmesh::compliance::finite_element::RootStress;
 use gearmesh::contact::{ContactSolver, CycleInput, MeshCycle};
-use gearmesh::gear::{self, tolerance};
+use gearmesh::gear::{Flank, tolerance};
 use gearmesh::pair::{Pair, PairDraft};
-use gearmesh::words::{count, fixed, rounded, shown};
+use gearmesh::words::rounded;
 use rayon::prelude::*;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -20,11 +23,14 @@ use sha2::{Digest, Sha256};
 use crate::Error;
 use crate::limits;
 use crate::model::{Model, ModelArgs};
-use crate::output::{self, Listing};
+use crate::output;
 use crate::progress::CONTACT;
-use samples::{RESULTS, Sample};
+use samples::Sample;
 use statistics::Statistics;
 use variation::{Asked, LOAD, Variation};
+
+/// The flank that is loaded.
+const FLANK: Flank = Flank::Drive;
 
 /// Draw samples of a pair within its tolerances and solve the mesh cycle of each.
 ///
@@ -61,6 +67,11 @@ pub struct Study {
     #[arg(long, default_value_t = 32)]
     positions: usize,
 
+    /// The largest root stress of both gears, too; its elastic model takes two to three times as long as that of the
+    /// contact
+    #[arg(long, conflicts_with = "plane_strain")]
+    root_stress: bool,
+
     /// Folder for samples.csv, study.json and study.html; it is made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
@@ -94,6 +105,8 @@ struct Bench<'a> {
     /// The pair as drawn, its operating range widened to what is varied.
     pair: Pair,
     model: Model,
+    /// Maps from loads to the stress in the roots, where it is wanted.
+    roots: Option<[Arc<RootStress>; 2]>,
     variations: &'a [Variation],
     torque: f64,
     positions: usize,
@@ -127,9 +140,10 @@ impl Study {
             output::check_writable(path)?;
         }
         let identity = self.identity(&pair, &variations, torque);
+        let names = samples::names(self.root_stress);
         let mut done = match self.restart {
             true => Vec::new(),
-            false => earlier(&table, &summary, &variations, &identity)?,
+            false => earlier(&table, &summary, &variations, names, &identity)?,
         };
         // More samples than asked for now stay in the table.
         let wanted: Vec<usize> = (0..=self.samples)
@@ -151,10 +165,15 @@ impl Study {
         self.model.use_threads()?;
         let job = self.model.job(&pair, "static contact of the samples")?;
         let model = self.model.solver(&pair, &job)?;
+        let roots = match self.root_stress {
+            true => Some(self.model.root_stress(&pair, FLANK)?),
+            false => None,
+        };
         let bench = Bench {
             draft,
             pair,
             model,
+            roots,
             variations: &variations,
             torque,
             positions: self.positions,
@@ -174,11 +193,11 @@ impl Study {
                 .collect();
             done.extend(solved);
             done.sort_by_key(|sample| sample.number);
-            samples::write(&table, &variations, &done)?;
+            samples::write(&table, &variations, names, &done)?;
         }
         drop(job);
 
-        let statistics = spread(&done)?;
+        let statistics = spread(&done, names)?;
         let refused = done.iter().filter(|s| s.outcome.is_err()).count();
         write_json(
             &summary,
@@ -189,8 +208,8 @@ impl Study {
                 ..all
             },
         )?;
-        let text = self.text(&bench, &done, &statistics);
-        let html = page::page(&name, &text, &done)?;
+        let text = text::text(&bench, self.seed, &done, &statistics);
+        let html = page::page(&name, &text, names, &done)?;
         output::write_whole(&page, html.as_bytes())?;
         output::print(&text)?;
         Ok(())
@@ -205,67 +224,13 @@ impl Study {
             self.positions,
             self.model.contact_settings(pair)
         );
-        let hash = Sha256::digest(format!("{all} {}", self.model.is_plane_strain()));
+        let roots = if self.root_stress { " root stress" } else { "" };
+        let plane = self.model.is_plane_strain();
+        let hash = Sha256::digest(format!("{all} {plane}{roots}"));
         hash.iter()
             .take(16)
             .map(|byte| format!("{byte:02x}"))
             .collect()
-    }
-
-    fn text(&self, bench: &Bench, done: &[Sample], statistics: &[Statistics]) -> String {
-        use std::fmt::Write;
-        let refused = done.iter().filter(|s| s.outcome.is_err()).count();
-        let mut text = format!(
-            "{}: {}, {refused} refused, seed {}\n",
-            shown(&bench.pair.name),
-            count(done.len() - 1, "sample"),
-            self.seed
-        );
-        let mut rows = Listing::default();
-        for v in bench.variations {
-            rows.row(&v.field, format!("{} to {}, even", v.low, v.high));
-        }
-        let _ = write!(text, "\n{rows}\n");
-        let heads = ["as drawn", "mean", "5 %", "median", "95 %", "largest"];
-        let _ = write!(text, "{:<26}", "");
-        for head in heads {
-            let _ = write!(text, " {head:>9}");
-        }
-        text.push('\n');
-        for s in statistics {
-            let _ = write!(text, "{:<26}", s.result);
-            for value in [
-                s.nominal,
-                s.mean,
-                s.percentile_5,
-                s.median,
-                s.percentile_95,
-                s.largest,
-            ] {
-                let digits = if value.abs() < 100.0 { 3 } else { 0 };
-                let _ = write!(text, " {:>9}", fixed(value, digits));
-            }
-            text.push('\n');
-        }
-        text.push_str("\ncorrelation with          ");
-        for result in ["p-p STE", "pressure"] {
-            let _ = write!(text, " {result:>9}");
-        }
-        text.push('\n');
-        for (k, v) in bench.variations.iter().enumerate() {
-            let _ = write!(text, "{:<26}", v.field);
-            for of in [0, 3] {
-                let _ = write!(text, " {:>9}", fixed(statistics[of].correlation[k], 2));
-            }
-            text.push('\n');
-        }
-        let first = done
-            .iter()
-            .find_map(|s| Some((s.number, s.outcome.as_ref().err()?)));
-        if let Some((number, error)) = first {
-            let _ = write!(text, "\nfirst that was refused: sample {number}: {error}\n");
-        }
-        text
     }
 }
 
@@ -274,6 +239,7 @@ fn earlier(
     table: &Path,
     summary: &Path,
     variations: &[Variation],
+    names: &[&str],
     identity: &str,
 ) -> Result<Vec<Sample>, Error> {
     if !summary.exists() {
@@ -289,7 +255,7 @@ fn earlier(
         )
         .into());
     }
-    samples::read(table, variations)
+    samples::read(table, variations, names)
 }
 
 fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
@@ -372,9 +338,9 @@ impl Bench<'_> {
         }
     }
 
-    fn solve(&self, fields: &[f64]) -> Result<[f64; RESULTS.len()], Error> {
+    fn solve(&self, fields: &[f64]) -> Result<Vec<f64>, Error> {
         let mut input = CycleInput {
-            flank: gear::Flank::Drive,
+            flank: FLANK,
             torque: self.torque,
             center_distance_offset: 0.0,
             misalignment: 0.0,
@@ -401,14 +367,18 @@ impl Bench<'_> {
         let (low, width) = g.face_overlap();
         let cos_beta_b = g.base_helix_angle().cos();
         let face = cycle.face_load([low, low + width], settings.stations, cos_beta_b);
-        Ok(samples::results(&cycle, face.face_load_factor()).map(rounded))
+        let roots = self.roots.as_ref();
+        let roots = roots.map(|models| cycle.root_stress(&solver, &input, models));
+        let roots = roots.transpose()?;
+        let results = samples::results(&cycle, face.face_load_factor(), roots.as_ref());
+        Ok(results.into_iter().map(rounded).collect())
     }
 }
 
 /// Statistics of every result over the samples that were solved.
-fn spread(done: &[Sample]) -> Result<Vec<Statistics>, Error> {
+fn spread(done: &[Sample], names: &[&'static str]) -> Result<Vec<Statistics>, Error> {
     let nominal = match done.iter().find(|s| s.number == 0).map(|s| &s.outcome) {
-        Some(Ok(results)) => *results,
+        Some(Ok(results)) => results,
         Some(Err(error)) => return Err(format!("the pair as drawn: {error}").into()),
         None => return Err("the pair as drawn was not solved; begin anew with --restart".into()),
     };
@@ -420,7 +390,7 @@ fn spread(done: &[Sample]) -> Result<Vec<Statistics>, Error> {
     if fields.is_empty() {
         return Err("no sample could be solved; samples.csv says why".into());
     }
-    Ok(RESULTS
+    Ok(names
         .iter()
         .enumerate()
         .map(|(k, name)| {

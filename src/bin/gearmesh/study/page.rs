@@ -1,20 +1,22 @@
 //! The study as one HTML page: the spread in numbers and as cumulative distributions.
 
-use super::samples::{RESULTS, Sample};
+use super::samples::Sample;
 use super::statistics::ascending;
 use crate::Error;
 use crate::report::chart::{Axes, Curve, line_chart};
 use crate::report::page::Page;
 
 /// Results that are drawn, with what stands at their axis.
-const DRAWN: [(&str, &str); 3] = [
+const DRAWN: [(&str, &str); 5] = [
     ("peak_to_peak_ste_loa_um", "p-p STE (um)"),
     ("maximum_pressure_mpa", "largest flank pressure (MPa)"),
     ("face_load_factor", "K_Hbeta"),
+    ("root_stress_1_mpa", "root stress of gear 1 (MPa)"),
+    ("root_stress_2_mpa", "root stress of gear 2 (MPa)"),
 ];
 
-/// The page of `samples`; `text` is what the command prints.
-pub fn page(name: &str, text: &str, samples: &[Sample]) -> Result<String, Error> {
+/// The page of `samples` with the results `names`; `text` is what the command prints.
+pub fn page(name: &str, text: &str, names: &[&str], samples: &[Sample]) -> Result<String, Error> {
     let mut page = Page::new(&format!("Tolerance study: {name}"));
     page.section(
         "In numbers",
@@ -27,7 +29,7 @@ pub fn page(name: &str, text: &str, samples: &[Sample]) -> Result<String, Error>
     );
     let mut charts = Vec::new();
     for (result, x) in DRAWN {
-        let Some(k) = RESULTS.iter().position(|name| *name == result) else {
+        let Some(k) = names.iter().position(|name| *name == result) else {
             continue;
         };
         let of = |drawn: bool| -> Vec<f64> {

@@ -2,21 +2,29 @@
 
 use std::path::Path;
 
-use gearmesh::contact::MeshCycle;
+use gearmesh::contact::{GearRoots, MeshCycle};
 
 use super::variation::Variation;
 use crate::Error;
 use crate::output;
 
-/// Results of a sample, with their units.
-pub const RESULTS: [&str; 6] = [
+/// Results of a sample, with their units; the last ones stand there only if they are asked for.
+const RESULTS: [&str; 8] = [
     "peak_to_peak_ste_loa_um",
     "mean_ste_loa_um",
     "harmonic_1_loa_um",
     "maximum_pressure_mpa",
     "edge_line_load_n_per_mm",
     "face_load_factor",
+    "root_stress_1_mpa",
+    "root_stress_2_mpa",
 ];
+
+/// The results of a study with or without the largest root stress of both gears.
+pub fn names(root_stress: bool) -> &'static [&'static str] {
+    let roots = if root_stress { 0 } else { 2 };
+    &RESULTS[..RESULTS.len() - roots]
+}
 
 /// One sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,36 +33,48 @@ pub struct Sample {
     pub number: usize,
     /// Values of the varied fields.
     pub fields: Vec<f64>,
-    /// [`RESULTS`], or why there are none.
-    pub outcome: Result<[f64; RESULTS.len()], String>,
+    /// Those of [`names`], or why there are none.
+    pub outcome: Result<Vec<f64>, String>,
 }
 
-/// The results of a mesh cycle.
-pub fn results(cycle: &MeshCycle, face_load_factor: f64) -> [f64; RESULTS.len()] {
-    [
+/// The results of a mesh cycle, with the largest stress in its `roots`.
+pub fn results(
+    cycle: &MeshCycle,
+    face_load_factor: f64,
+    roots: Option<&[GearRoots; 2]>,
+) -> Vec<f64> {
+    let stress = |gear: &GearRoots| gear.largest().map_or(0.0, |tooth| tooth.largest.stress);
+    let contact = [
         cycle.peak_to_peak_ste() * 1e6,
         cycle.mean_ste() * 1e6,
         cycle.harmonics()[0].map_or(f64::NAN, |h| h.amplitude * 1e6),
         cycle.max_pressure() * 1e-6,
         cycle.edge_load().map_or(0.0, |edge| edge.line_load * 1e-3),
         face_load_factor,
-    ]
+    ];
+    let roots = roots.into_iter().flatten().map(|gear| stress(gear) * 1e-6);
+    contact.into_iter().chain(roots).collect()
 }
 
 /// Writes `samples` to the CSV file `path`: number, fields, results, and what went wrong if something did.
-pub fn write(path: &Path, variations: &[Variation], samples: &[Sample]) -> Result<(), Error> {
+pub fn write(
+    path: &Path,
+    variations: &[Variation],
+    names: &[&str],
+    samples: &[Sample],
+) -> Result<(), Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(header(variations))?;
+    writer.write_record(header(variations, names))?;
     for sample in samples {
         let mut row = vec![sample.number.to_string()];
         row.extend(sample.fields.iter().map(f64::to_string));
         match &sample.outcome {
             Ok(results) => {
-                row.extend(results.map(|r| r.to_string()));
+                row.extend(results.iter().map(f64::to_string));
                 row.push(String::new());
             }
             Err(error) => {
-                row.extend(RESULTS.map(|_| String::new()));
+                row.extend(names.iter().map(|_| String::new()));
                 row.push(error.clone());
             }
         }
@@ -67,7 +87,7 @@ pub fn write(path: &Path, variations: &[Variation], samples: &[Sample]) -> Resul
 ///
 /// # Errors
 /// A file of another form.
-pub fn read(path: &Path, variations: &[Variation]) -> Result<Vec<Sample>, Error> {
+pub fn read(path: &Path, variations: &[Variation], names: &[&str]) -> Result<Vec<Sample>, Error> {
     if !path.exists() {
         return Ok(Vec::new());
     }
@@ -80,7 +100,7 @@ pub fn read(path: &Path, variations: &[Variation]) -> Result<Vec<Sample>, Error>
     };
     let text = output::read_text(path)?;
     let mut reader = csv::Reader::from_reader(text.as_bytes());
-    if reader.headers()?.iter().ne(header(variations)) {
+    if reader.headers()?.iter().ne(header(variations, names)) {
         return Err(wrong("columns of another study"));
     }
     let mut samples = Vec::new();
@@ -92,13 +112,10 @@ pub fn read(path: &Path, variations: &[Variation]) -> Result<Vec<Sample>, Error>
             value.map_err(|_| wrong(&format!("`{}` is no number", text(i))))
         };
         let first = 1 + variations.len();
-        let error = text(first + RESULTS.len());
+        let error = text(first + names.len());
         let outcome = if error.is_empty() {
-            let mut results = [0.0; RESULTS.len()];
-            for (k, result) in results.iter_mut().enumerate() {
-                *result = number(first + k)?;
-            }
-            Ok(results)
+            let results = (first..first + names.len()).map(number);
+            Ok(results.collect::<Result<_, _>>()?)
         } else {
             Err(error.to_owned())
         };
@@ -111,10 +128,10 @@ pub fn read(path: &Path, variations: &[Variation]) -> Result<Vec<Sample>, Error>
     Ok(samples)
 }
 
-fn header(variations: &[Variation]) -> impl Iterator<Item = &str> {
+fn header<'a>(variations: &'a [Variation], names: &'a [&str]) -> impl Iterator<Item = &'a str> {
     let fields = variations.iter().map(|v| v.field.as_str());
     (["sample"].into_iter().chain(fields))
-        .chain(RESULTS)
+        .chain(names.iter().copied())
         .chain(["error"])
 }
 
@@ -132,12 +149,13 @@ mod tests {
             high: 1.0,
         };
         let variations = [of("a"), of("b")];
-        assert_eq!(read(&path, &variations).unwrap(), []);
+        let names = names(false);
+        assert_eq!(read(&path, &variations, names).unwrap(), []);
         let samples = [
             Sample {
                 number: 0,
                 fields: vec![0.1, -2.0],
-                outcome: Ok([1.0, 0.1 + 0.2, 3.0, 4e-7, 5.0, 6.0]),
+                outcome: Ok(vec![1.0, 0.1 + 0.2, 3.0, 4e-7, 5.0, 6.0]),
             },
             Sample {
                 number: 1,
@@ -145,9 +163,14 @@ mod tests {
                 outcome: Err("too much, \"far\"".into()),
             },
         ];
-        write(&path, &variations, &samples).unwrap();
-        assert_eq!(read(&path, &variations).unwrap(), samples);
-        let error = read(&path, &variations[..1]).unwrap_err().to_string();
-        assert!(error.contains("another study"), "{error}");
+        write(&path, &variations, names, &samples).unwrap();
+        assert_eq!(read(&path, &variations, names).unwrap(), samples);
+        for refused in [
+            read(&path, &variations[..1], names),
+            read(&path, &variations, super::names(true)),
+        ] {
+            let error = refused.unwrap_err().to_string();
+            assert!(error.contains("another study"), "{error}");
+        }
     }
 }

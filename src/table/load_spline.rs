@@ -1,0 +1,339 @@
+//! Quantities of the load over the operating range: nodes of their own beside those of the force, and the spline
+//! through them.
+//!
+//! One cubic spline serves every interpolation of the force, for the force itself is a coordinate here.
+
+use super::TableError;
+use super::check::{check_axis, check_mesh_position, too_few};
+use super::grid::value_row;
+use super::interpolation::{
+    Basis, Block, Coefficients, Ends, Two, axis_basis, breaks, over_displacement,
+    stored_from_values,
+};
+use serde::{Deserialize, Serialize};
+
+/// Nodes; an axis with one value is not there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoadAxes {
+    /// Actual minus nominal centre distance.
+    pub center_distance_offset_m: Vec<f64>,
+    /// In the plane of action.
+    pub misalignment_rad: Vec<f64>,
+    /// Transverse force on the line of action: > 0 for what is a ratio to the load, else from 0 on.
+    pub loa_force_n: Vec<f64>,
+    /// In base pitches, periodic.
+    pub mesh_position: Vec<f64>,
+}
+
+/// What quantities are to the load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PerLoad {
+    /// Ratios to it or places: there are none without a load, and beyond the largest one they level out.
+    Ratio,
+    /// Effects of it: they begin at no load, and go on linearly beyond the largest one.
+    Effect,
+}
+
+impl LoadAxes {
+    /// Lengths in the order of the samples: (centre distance, misalignment, force, mesh position), the last index
+    /// fastest.
+    pub fn lengths(&self) -> [usize; 4] {
+        [
+            self.center_distance_offset_m.len(),
+            self.misalignment_rad.len(),
+            self.loa_force_n.len(),
+            self.mesh_position.len(),
+        ]
+    }
+
+    /// Checks lengths, order and finiteness, and that the forces begin where those of `quantities` do; `record` names them
+    /// in messages.
+    pub(super) fn check(&self, record: &str, quantities: PerLoad) -> Result<(), TableError> {
+        for (name, nodes) in [
+            ("center_distance_offset_m", &self.center_distance_offset_m),
+            ("misalignment_rad", &self.misalignment_rad),
+            ("loa_force_n", &self.loa_force_n),
+            ("mesh_position", &self.mesh_position),
+        ] {
+            check_axis(name, nodes)?;
+        }
+        check_mesh_position(&self.mesh_position)?;
+        let forces = &self.loa_force_n;
+        if forces.len() < 4 {
+            return Err(too_few("loa_force_n", forces.len()));
+        }
+        let (begins, reason) = match quantities {
+            PerLoad::Ratio => (forces[0] > 0.0, "ratios to the load need a load"),
+            PerLoad::Effect => (forces[0] == 0.0, "effects of the load begin at 0"),
+        };
+        if !begins {
+            return Err(TableError::field(
+                format!("{record}.axes.loa_force_n[0]"),
+                forces[0],
+                reason,
+                "make the tables again",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// A quantity at one point, with its derivatives by force, centre distance offset, misalignment and mesh position.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LoadJet {
+    /// The quantity.
+    pub value: f64,
+    /// Its derivatives.
+    pub gradient: [f64; 4],
+}
+
+/// Spline of some quantities, with just the dimensions that are switched on.
+#[derive(Debug)]
+pub struct LoadSpline {
+    interpolant: Box<dyn Interpolant>,
+}
+
+trait Interpolant: std::fmt::Debug + Send + Sync {
+    fn at(&self, query: [f64; 4], out: &mut [LoadJet]);
+}
+
+impl LoadSpline {
+    /// Of the samples of each of the quantities on `axes`, cut at 0 along the axes of centre distance and misalignment that
+    /// are not wanted.
+    ///
+    /// # Errors
+    /// Nodes through which no spline passes; an axis to be cut that does not hold 0.
+    pub fn new(
+        axes: &LoadAxes,
+        (quantities, per_load): (&[&[f64]], PerLoad),
+        [center_distance, misalignment]: [bool; 2],
+    ) -> Result<Self, TableError> {
+        let mut axes = axes.clone();
+        let lengths = axes.lengths();
+        let block = |values: &&[f64]| Block {
+            lengths,
+            values: values.to_vec(),
+        };
+        let mut blocks: Vec<Block> = quantities.iter().map(block).collect();
+        let cut = [
+            (0, center_distance, &mut axes.center_distance_offset_m),
+            (1, misalignment, &mut axes.misalignment_rad),
+        ];
+        for (axis, wanted, nodes) in cut {
+            if wanted || nodes.len() == 1 {
+                continue;
+            }
+            let row = value_row(
+                nodes,
+                ["center_distance_offset_m", "misalignment_rad"][axis],
+            )?;
+            for block in &mut blocks {
+                *block = block.transformed(axis, &row);
+            }
+            *nodes = vec![0.0];
+        }
+        macro_rules! choose {
+            ($nc:literal, $nm:literal, $np:literal) => {
+                Box::new(Spline::<$nc, $nm, $np>::new(&axes, &blocks, per_load)?)
+            };
+        }
+        let [nc, nm, _, np] = axes.lengths();
+        let interpolant: Box<dyn Interpolant> = match (nc > 1, nm > 1, np > 1) {
+            (false, false, false) => choose!(1, 1, 1),
+            (false, false, true) => choose!(1, 1, 4),
+            (false, true, false) => choose!(1, 4, 1),
+            (false, true, true) => choose!(1, 4, 4),
+            (true, false, false) => choose!(4, 1, 1),
+            (true, false, true) => choose!(4, 1, 4),
+            (true, true, false) => choose!(4, 4, 1),
+            (true, true, true) => choose!(4, 4, 4),
+        };
+        Ok(LoadSpline { interpolant })
+    }
+
+    /// The quantities, in their order, at the transverse force (N) on the line of action, centre distance offset (m),
+    /// misalignment (rad) and mesh position, in place of the first ones of `out`. Beyond the ends they go on linearly and
+    /// level out, over the load as [`PerLoad`] says.
+    pub fn evaluate(&self, query: [f64; 4], out: &mut [LoadJet]) {
+        self.interpolant.at(query, out);
+    }
+}
+
+#[derive(Debug)]
+struct Spline<const NC: usize, const NM: usize, const NP: usize> {
+    c: Basis<NC>,
+    m: Basis<NM>,
+    force: Basis<4>,
+    p: Basis<NP>,
+    quantities: Vec<Coefficients<NP>>,
+}
+
+impl<const NC: usize, const NM: usize, const NP: usize> Spline<NC, NM, NP> {
+    fn new(axes: &LoadAxes, blocks: &[Block], per_load: PerLoad) -> Result<Self, TableError> {
+        let c = axis_basis::<NC>(&axes.center_distance_offset_m, Ends::Bounded);
+        let m = axis_basis::<NM>(&axes.misalignment_rad, Ends::Bounded);
+        let mut force =
+            Basis::<4>::new(&breaks(&axes.loa_force_n, 3, Ends::Bounded), Ends::Bounded);
+        if per_load == PerLoad::Effect {
+            force.guard = [f64::INFINITY; 2];
+        }
+        let p = axis_basis::<NP>(&axes.mesh_position, Ends::Periodic);
+        let along = [
+            stored_from_values(
+                &c,
+                &axes.center_distance_offset_m,
+                Ends::Bounded,
+                "center_distance_offset_m",
+            )?,
+            stored_from_values(
+                &m,
+                &axes.misalignment_rad,
+                Ends::Bounded,
+                "misalignment_rad",
+            )?,
+            stored_from_values(&force, &axes.loa_force_n, Ends::Bounded, "loa_force_n")?,
+            stored_from_values(&p, &axes.mesh_position, Ends::Periodic, "mesh_position")?,
+        ];
+        let fit = |block: &Block| {
+            let along = along.iter().enumerate();
+            Coefficients::new(&along.fold(block.clone(), |b, (axis, matrix)| {
+                b.transformed(axis, matrix)
+            }))
+        };
+        Ok(Spline {
+            quantities: blocks.iter().map(fit).collect(),
+            c,
+            m,
+            force,
+            p,
+        })
+    }
+}
+
+impl<const NC: usize, const NM: usize, const NP: usize> Interpolant for Spline<NC, NM, NP> {
+    fn at(&self, [force, c, m, p]: [f64; 4], out: &mut [LoadJet]) {
+        let (wc, _) = self.c.weights(Two, c, 1);
+        let (wm, _) = self.m.weights(Two, m, 1);
+        let (wf, _) = self.force.weights(Two, force, 1);
+        let (wp, _) = self.p.weights(Two, p, 1);
+        for (jet, quantity) in out.iter_mut().zip(&self.quantities) {
+            let (shape, _) =
+                over_displacement::<4, NC, NM, NP, false>(Two, quantity, &wf, &wc, &wm, &wp);
+            let [by_c, by_m, by_p] = shape[0].gradient;
+            *jet = LoadJet {
+                value: shape[0].value,
+                gradient: [shape[1].value, by_c, by_m, by_p],
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// A function that a cubic spline holds but for its periodic part.
+    fn exact([f, c, m, p]: [f64; 4], k: usize) -> f64 {
+        let wave = (std::f64::consts::TAU * p).cos();
+        (1.0 + 1e-3 * f)
+            * (1.0 + 200.0 * c)
+            * (1.0 + 300.0 * m * (k as f64 - 1.0))
+            * (1.0 + 0.1 * wave)
+    }
+
+    fn at(spline: &LoadSpline, query: [f64; 4]) -> [LoadJet; 3] {
+        let mut out = [LoadJet::default(); 3];
+        spline.evaluate(query, &mut out);
+        out
+    }
+
+    fn table(wanted: [bool; 2]) -> LoadSpline {
+        table_of(PerLoad::Ratio, wanted)
+    }
+
+    fn table_of(per_load: PerLoad, wanted: [bool; 2]) -> LoadSpline {
+        let axes = LoadAxes {
+            center_distance_offset_m: vec![-1e-4, -4e-5, 0.0, 5e-5, 1e-4],
+            misalignment_rad: vec![-2e-3, -5e-4, 0.0, 1e-3, 2e-3],
+            loa_force_n: vec![100.0, 500.0, 2000.0, 5000.0, 9000.0],
+            mesh_position: (0..40).map(|i| f64::from(i) / 40.0).collect(),
+        };
+        let quantity = |k: usize| {
+            let mut values = vec![];
+            for &c in &axes.center_distance_offset_m {
+                for &m in &axes.misalignment_rad {
+                    for &f in &axes.loa_force_n {
+                        values.extend(axes.mesh_position.iter().map(|&p| exact([f, c, m, p], k)));
+                    }
+                }
+            }
+            values
+        };
+        let quantities = [0, 1, 2].map(quantity);
+        let quantities = quantities.each_ref().map(|q| &q[..]);
+        LoadSpline::new(&axes, (&quantities, per_load), wanted).unwrap()
+    }
+
+    #[test]
+    fn the_spline_holds_smooth_samples_and_its_gradient_is_its_own() {
+        let table = table([true, true]);
+        let mut random = Random::new(7);
+        for _ in 0..200 {
+            let q = [
+                random.within([100.0, 9000.0]),
+                random.within([-1e-4, 1e-4]),
+                random.within([-2e-3, 2e-3]),
+                random.within([0.0, 1.0]),
+            ];
+            let jets = at(&table, q);
+            for k in 0..3 {
+                assert!((jets[k].value / exact(q, k) - 1.0).abs() < 1e-5, "{q:?}");
+                for (axis, step) in [1.0, 1e-8, 1e-7, 1e-6].into_iter().enumerate() {
+                    let side = |sign: f64| {
+                        let mut q = q;
+                        q[axis] += sign * step;
+                        at(&table, q)[k].value
+                    };
+                    let slope = (side(1.0) - side(-1.0)) / (2.0 * step);
+                    let scale = jets[k].value.abs() * 1e-8 / step + slope.abs() * 1e-5;
+                    assert!(
+                        (jets[k].gradient[axis] - slope).abs() <= scale,
+                        "{q:?} {k} {axis}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_dimension_that_is_off_is_cut_at_zero() {
+        let (full, cut) = (table([true, true]), table([false, true]));
+        let q = [3000.0, 7e-5, 1e-3, 0.4];
+        let mut at_zero = q;
+        at_zero[1] = 0.0;
+        let [a, b] = [at(&cut, q), at(&full, at_zero)];
+        for k in 0..3 {
+            assert!((a[k].value / b[k].value - 1.0).abs() < 1e-12);
+            assert_eq!(a[k].gradient[1], 0.0);
+        }
+    }
+
+    #[test]
+    fn beyond_the_largest_load_ratios_level_out_and_effects_go_on() {
+        let top = [9000.0, 2e-5, 1e-4, 0.3];
+        for (per_load, goes_on) in [(PerLoad::Ratio, false), (PerLoad::Effect, true)] {
+            let table = table_of(per_load, [true, true]);
+            let far = [9e4, top[1], top[2], top[3]];
+            let (edge, beyond) = (at(&table, top)[1], at(&table, far)[1]);
+            if goes_on {
+                let linear = edge.value + edge.gradient[0] * (far[0] - top[0]);
+                assert!((beyond.value / linear - 1.0).abs() < 1e-12);
+                assert_eq!(beyond.gradient[0], edge.gradient[0]);
+            } else {
+                assert_eq!(beyond.gradient[0], 0.0);
+            }
+        }
+    }
+}

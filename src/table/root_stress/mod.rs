@@ -1,0 +1,128 @@
+//! Stress in the tooth roots over the operating range, beside the tables of force.
+//!
+//! Samples have nodes of their own ([`LoadAxes`]) from no load on. Each is the largest stress over face, fillet and teeth:
+//! where another tooth or end of the face takes the lead it has a kink, which the spline rounds off. It is the stress that
+//! is smooth over the load, not its ratio to it: edges and misalignment gather small loads.
+
+#[cfg(feature = "preprocess")]
+mod sweep;
+
+#[cfg(feature = "preprocess")]
+pub use sweep::{RootStressSweep, default_root_stress_axes};
+
+use super::check::check_values;
+use super::{LoadAxes, LoadJet, LoadSpline, PerLoad, TableError};
+use serde::{Deserialize, Serialize};
+
+/// Root stress of both flanks, as the tables file holds it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RootStressRecord {
+    /// Nodes.
+    pub axes: LoadAxes,
+    /// Under load on the drive flank.
+    pub drive: RootStressSamples,
+    /// Under load on the coast flank, if it is not the drive flank's mirror image.
+    pub coast: Option<RootStressSamples>,
+    /// Error of the interpolation against the solver.
+    pub interpolation_error: RootStressError,
+}
+
+/// Samples of one flank over (centre distance, misalignment, force, mesh position), the last index fastest: the
+/// largest principal stress in the fillets of a gear, 0 without force.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RootStressSamples {
+    /// Of gear 1.
+    pub gear_1_pa: Vec<f64>,
+    /// Of gear 2.
+    pub gear_2_pa: Vec<f64>,
+}
+
+/// Error at operating points that are no nodes, relative to the largest stress of the gear over the mesh cycle at
+/// nominal torque, nominal centre distance and parallel axes; of both gears and flanks the larger one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RootStressError {
+    /// Number of random operating points.
+    pub points: usize,
+    /// Root of the mean square.
+    pub rms: f64,
+    /// Largest.
+    pub maximum: f64,
+}
+
+impl RootStressError {
+    /// Both flanks together.
+    #[must_use]
+    pub fn with(self, other: RootStressError) -> RootStressError {
+        RootStressError {
+            points: self.points + other.points,
+            rms: self.rms.max(other.rms),
+            maximum: self.maximum.max(other.maximum),
+        }
+    }
+}
+
+impl RootStressSamples {
+    /// Of gear 1 and gear 2, rounded to what interpolation can tell.
+    pub fn new(all: [&[f64]; 2]) -> RootStressSamples {
+        let [gear_1_pa, gear_2_pa] = all.map(|of| super::file::rounded(of, 1e-6));
+        RootStressSamples {
+            gear_1_pa,
+            gear_2_pa,
+        }
+    }
+
+    fn check(&self, flank: &str, length: usize) -> Result<(), TableError> {
+        let named = |name: &str| format!("root_stress.{flank}.{name}");
+        check_values(&named("gear_1_pa"), &self.gear_1_pa, length)?;
+        check_values(&named("gear_2_pa"), &self.gear_2_pa, length)
+    }
+}
+
+impl RootStressRecord {
+    /// Checks lengths, order and finiteness.
+    ///
+    /// # Errors
+    /// The first defect, by field.
+    pub fn check(&self) -> Result<(), TableError> {
+        self.axes.check("root_stress", PerLoad::Effect)?;
+        let length = self.axes.lengths().iter().product();
+        self.drive.check("drive", length)?;
+        match &self.coast {
+            Some(coast) => coast.check("coast", length),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Spline of one flank, with just the dimensions that are switched on.
+#[derive(Debug)]
+pub struct RootStressTable(LoadSpline);
+
+impl RootStressTable {
+    /// As [`LoadSpline::new`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn new(
+        axes: &LoadAxes,
+        samples: &RootStressSamples,
+        wanted: [bool; 2],
+    ) -> Result<Self, TableError> {
+        let gears = [&samples.gear_1_pa[..], &samples.gear_2_pa];
+        Ok(RootStressTable(LoadSpline::new(
+            axes,
+            (&gears, PerLoad::Effect),
+            wanted,
+        )?))
+    }
+
+    /// Stress in the roots of gear 1 and gear 2, Pa, see [`LoadSpline::evaluate`].
+    pub fn evaluate(&self, query: [f64; 4]) -> [LoadJet; 2] {
+        let mut jets = [LoadJet::default(); 2];
+        self.0.evaluate(query, &mut jets);
+        jets
+    }
+}

@@ -3,11 +3,13 @@
     python benches/fmu_step.py UNIT.fmu
 
 prints one JSON object: nanoseconds per step (set all inputs, do the step, get all main outputs), medians
-over batches, and the moment on gear 1 in N m that tells whether the teeth were in contact.
+over batches, instructions per step of the unit and of an empty one with as many variables (benches/empty_fmu.c), and
+the moment on gear 1 in N m that tells whether the teeth were in contact.
 """
 
 import ctypes
 import json
+import re
 import shutil
 import statistics
 import subprocess
@@ -20,46 +22,66 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 BATCHES = 21
+# As in fmu_step.c, and steps of a batch under valgrind.
+C_BATCHES = 41
+COUNTED = 50
 STEP = 1e-6
 
 
 def blocks(description):
-    """Value references of all Real inputs and of the main Real outputs, each contiguous."""
+    """Value references of all Real inputs and of the main Real outputs, the block that the first of them begins."""
     inputs = [v.valueReference for v in description.modelVariables if v.causality == "input"]
     outputs = [
         v.valueReference
         for v in description.modelVariables
         if v.causality == "output" and v.type == "Real"
     ]
-    for name, block in (("inputs", inputs), ("outputs", outputs)):
-        if block != list(range(block[0], block[0] + len(block))):
-            raise SystemExit(f"value references of the {name} are not contiguous")
+    outputs = [r for r in outputs if set(range(outputs[0], r)) <= set(outputs)]
+    if inputs != list(range(inputs[0], inputs[0] + len(inputs))):
+        raise SystemExit("value references of the inputs are not contiguous")
     return inputs, outputs
 
 
+def compiled(source, target, *options):
+    """The C file `source` of this folder as `target`."""
+    source = Path(__file__).with_name(source)
+    command = ["cc", "-O2", "-std=c99", "-Wall", "-Wextra", str(source), "-o", str(target)]
+    subprocess.run([*command, *options], check=True)
+
+
 def from_c(folder, description, inputs, outputs):
-    source = Path(__file__).with_name("fmu_step.c")
-    library = next(Path(folder, "binaries", "linux64").glob("*.so"))
+    """Nanoseconds and instructions (where there is valgrind) of a step, of the unit and of one that computes nothing."""
     with tempfile.TemporaryDirectory() as build:
-        program = Path(build, "fmu_step")
-        subprocess.run(
-            ["cc", "-O2", "-std=c99", "-Wall", "-Wextra", str(source), "-o", str(program), "-ldl"],
-            check=True,
-        )
-        answer = subprocess.run(
-            [
-                str(program),
-                str(library),
-                description.guid,
-                Path(folder, "resources").as_uri(),
-                "20000",
-                *(str(n) for n in (inputs[0], len(inputs), outputs[0], len(outputs))),
-            ],
-            check=True,
-            capture_output=True,
-            text=True,
-        )
-    return [float(x) for x in answer.stdout.split()]
+        program, empty = Path(build, "fmu_step"), Path(build, "empty_fmu.so")
+        compiled("fmu_step.c", program, "-ldl")
+        compiled("empty_fmu.c", empty, "-shared", "-fPIC", "-lm")
+        unit = next(Path(folder, "binaries", "linux64").glob("*.so"))
+        uri = Path(folder, "resources").as_uri()
+
+        def run(library, first, steps, *before):
+            blocks = (first[0], len(inputs), first[1], len(outputs))
+            command = [*before, program, library, description.guid, uri, steps, *blocks]
+            return subprocess.run([str(x) for x in command], check=True, capture_output=True, text=True)
+
+        def instructions(library, first):
+            if shutil.which("valgrind") is None:
+                return None
+            counted = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
+            few, many = (
+                int(re.search(r"Collected : (\d+)", run(library, first, steps, *counted).stderr).group(1))
+                for steps in (COUNTED, 2 * COUNTED)
+            )
+            return round((many - few) / (COUNTED * C_BATCHES))
+
+        ours, none = (inputs[0], outputs[0]), (0, len(inputs))
+        times = {}
+        for name, library, first in (("c", unit, ours), ("empty", empty, none)):
+            time, moment = (float(x) for x in run(library, first, 20000).stdout.split())
+            times[name] = time
+            times[f"{name}_instructions"] = instructions(library, first)
+            if name == "c":
+                times["moment"] = moment
+        return times
 
 
 def median_step(step, steps):
@@ -92,7 +114,7 @@ def main(fmu):
     try:
         description = read_model_description(folder)
         inputs, outputs = blocks(description)
-        c, moment = from_c(folder, description, inputs, outputs)
+        times = from_c(folder, description, inputs, outputs)
         slave = instance(folder, description)
         values = slave.getReal(inputs)
         # Turns gear 1 into contact, as the C program does.
@@ -138,8 +160,7 @@ def main(fmu):
         result = {
             "inputs": len(inputs),
             "outputs": len(outputs),
-            "moment": moment,
-            "c": c,
+            **times,
             "ctypes": median_step(through_ctypes, 2000),
             "fmpy": median_step(through_fmpy, 300),
             "value_by_value": median_step(value_by_value, 60),

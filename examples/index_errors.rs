@@ -202,7 +202,7 @@ fn draw(path: &Path, spectra: &[(&str, Vec<f64>)], z: usize) -> Result<(), Box<d
         .margin(10)
         .x_label_area_size(45)
         .y_label_area_size(60)
-        .build_cartesian_2d(0.0..last, -3.5..1.2)?;
+        .build_cartesian_2d(0.0..last, -3.5..2.3)?;
     chart
         .configure_mesh()
         .disable_x_mesh()

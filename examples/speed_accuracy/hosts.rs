@@ -13,6 +13,10 @@ struct Steps {
     outputs: usize,
     moment: f64,
     c: f64,
+    c_instructions: Option<f64>,
+    /// The unit that computes nothing.
+    empty: f64,
+    empty_instructions: Option<f64>,
     ctypes: f64,
     fmpy: f64,
     value_by_value: f64,
@@ -65,6 +69,14 @@ pub fn report(
         rows.push([
             name.to_owned(),
             format!("{:.0}", steps.c),
+            format!("{:.1}", steps.c / steps.empty),
+            steps
+                .c_instructions
+                .zip(steps.empty_instructions)
+                .map_or_else(
+                    || "-".to_owned(),
+                    |(unit, empty)| format!("{:.1}", unit / empty),
+                ),
             format!("{:.0}", steps.ctypes),
             format!("{:.0}", steps.fmpy),
             format!("{:.0}", steps.value_by_value),
@@ -76,7 +88,8 @@ pub fn report(
     }
     document.paragraph(&format!(
         "One step is fmi2SetReal of all inputs, fmi2DoStep, fmi2GetReal of all main outputs: {block}, one \
-         block each, loaded teeth. *C*: benches/fmu_step.c, the library loaded with dlopen. *ctypes*: \
+         block each, loaded teeth. *C*: benches/fmu_step.c, the library loaded with dlopen. *Empty*: benches/empty_fmu.c, \
+         a unit with as many variables that computes nothing, written as the Reference FMUs of the FMI project are. *ctypes*: \
          Python's foreign functions with arrays made beforehand. *fmpy*: FMU2Slave.setReal, doStep, getReal \
          with lists. *Value by value*: the same with one call for each variable."
     ));
@@ -84,6 +97,8 @@ pub fn report(
         [
             "unit",
             "C, ns",
+            "times an empty unit, by time",
+            "by instructions",
             "ctypes, ns",
             "fmpy, ns",
             "fmpy value by value, ns",

@@ -46,6 +46,15 @@ pub struct Inputs<T = f64> {
     pub carrier: Motion<T>,
 }
 
+impl Default for Inputs {
+    fn default() -> Self {
+        Self {
+            gears: [Motion::default(); 2],
+            carrier: Motion::default(),
+        }
+    }
+}
+
 /// Contact loads and diagnostics.
 ///
 /// Forces and moments are those on the gears by the contact, in world axes; `force[0] = -force[1]`.

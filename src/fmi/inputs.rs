@@ -173,30 +173,30 @@ impl InputValues {
         [VELOCITY, ANGULAR_VELOCITY].map(|at| self.vector(first + at))
     }
 
-    /// The motion of a body as the element takes it.
+    /// Writes the motion of a body, as the element takes it, into `motion`: in place, since it is large and wanted in every
+    /// step.
     ///
     /// # Errors
     /// A quaternion in use whose length is not 1 within [`QUATERNION_TOLERANCE`]; angles and positions
     /// beyond `resolution`.
-    pub fn motion(
+    pub fn write_motion(
         &self,
         body: usize,
         orientation: Orientation,
         resolution: Resolution,
-    ) -> Result<Motion, Refusal> {
+        motion: &mut Motion,
+    ) -> Result<(), Refusal> {
         let first = BODIES[body].first;
-        let mut motion = Motion {
-            p: self.vector(first + POSITION),
-            r: self.rotation(body, orientation, resolution.angle)?,
-            v: self.vector(first + VELOCITY),
-            w: self.vector(first + ANGULAR_VELOCITY),
-        };
+        motion.r = self.rotation(body, orientation, resolution.angle)?;
         self.resolved(first + POSITION, resolution.position, "m")?;
+        motion.p = self.vector(first + POSITION);
+        motion.v = self.vector(first + VELOCITY);
+        motion.w = self.vector(first + ANGULAR_VELOCITY);
         if let Some(drift) = &self.drift[body] {
             motion.p += Vector3::from(drift.moved);
             motion.r = turned(drift) * motion.r;
         }
-        Ok(motion)
+        Ok(())
     }
 
     fn rotation(

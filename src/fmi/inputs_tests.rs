@@ -18,6 +18,19 @@ fn values() -> InputValues {
     inputs
 }
 
+impl InputValues {
+    pub(in crate::fmi) fn motion(
+        &self,
+        body: usize,
+        orientation: Orientation,
+        resolution: Resolution,
+    ) -> Result<Motion, Refusal> {
+        let mut motion = Motion::default();
+        self.write_motion(body, orientation, resolution, &mut motion)?;
+        Ok(motion)
+    }
+}
+
 fn pose(inputs: &InputValues, orientation: Orientation) -> Motion {
     inputs.motion(0, orientation, FINE).unwrap()
 }

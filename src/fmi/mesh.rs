@@ -36,6 +36,8 @@ pub struct Mesh {
     settings: Settings,
     latch: Option<Latch>,
     element: Option<Element>,
+    /// Those of the last look at the inputs.
+    motions: Inputs,
     outputs: Option<Evaluated>,
     slopes: Option<Box<Jacobian>>,
 }
@@ -55,6 +57,7 @@ impl Mesh {
             settings,
             latch: None,
             element: None,
+            motions: Inputs::default(),
             outputs: None,
             slopes: None,
         }
@@ -109,11 +112,11 @@ impl Mesh {
         self.outputs.as_ref()
     }
 
-    fn element(&mut self, resources: &Resources) -> Result<&Element, Refusal> {
+    fn make_element(&mut self, resources: &Resources) -> Result<(), Refusal> {
         if self.element.is_none() {
             self.element = Some(resources.element(&self.settings.element)?);
         }
-        Ok(self.element.as_ref().expect("made above"))
+        Ok(())
     }
 
     fn uses_carrier(&self) -> bool {
@@ -126,22 +129,26 @@ impl Mesh {
         is_carrier || self.variables.gears.contains(&body)
     }
 
-    /// The motions that the element looks at.
-    fn motions(&self, inputs: &InputValues) -> Result<Inputs, Refusal> {
+    /// Takes the motions that the element looks at from `inputs`.
+    fn look(&mut self, inputs: &InputValues) -> Result<(), Refusal> {
         let bodies = self.variables.bodies();
-        let motion =
-            |k: usize| inputs.motion(bodies[k], self.settings.orientation, self.resolution[k]);
-        let gears = [motion(0)?, motion(1)?];
-        let mut carrier = Motion::default();
-        if self.uses_carrier() {
+        let with_carrier = self.uses_carrier();
+        let (orientation, resolution) = (self.settings.orientation, self.resolution);
+        let write = |k: usize, motion: &mut Motion| {
+            inputs.write_motion(bodies[k], orientation, resolution[k], motion)
+        };
+        let Inputs {
+            gears: [first, second],
+            carrier,
+        } = &mut self.motions;
+        write(0, first)?;
+        write(1, second)?;
+        if with_carrier {
+            write(2, carrier)?;
             // The place and velocity of its origin cancel out; gear 1's are those that cost no rounding.
-            carrier = Motion {
-                p: gears[0].p,
-                v: gears[0].v,
-                ..motion(2)?
-            };
+            (carrier.p, carrier.v) = (first.p, first.v);
         }
-        Ok(Inputs { gears, carrier })
+        Ok(())
     }
 
     /// Element, phase zeros (before they are taken: those of the present pose) and motions.
@@ -149,15 +156,16 @@ impl Mesh {
         &mut self,
         resources: &Resources,
         inputs: &InputValues,
-    ) -> Result<(&Element, Latch, Inputs), Refusal> {
-        let motions = self.motions(inputs)?;
+    ) -> Result<(&Element, Latch, &Inputs), Refusal> {
+        self.look(inputs)?;
         let latched = self.latch;
-        let element = self.element(resources)?;
+        self.make_element(resources)?;
+        let element = self.element.as_ref().expect("made above");
         let latch = match latched {
             Some(latch) => latch,
-            None => element.latch(&motions).map_err(refuse)?,
+            None => element.latch(&self.motions).map_err(refuse)?,
         };
-        Ok((element, latch, motions))
+        Ok((element, latch, &self.motions))
     }
 
     /// Keeps the phase zeros of the present pose.
@@ -171,7 +179,7 @@ impl Mesh {
     ) -> Result<(), Refusal> {
         self.latch = None;
         let (element, latch, motions) = self.ready(resources, inputs)?;
-        element.check_start(&latch, &motions).map_err(refuse)?;
+        element.check_start(&latch, motions).map_err(refuse)?;
         self.latch = Some(latch);
         self.slopes = None;
         Ok(())
@@ -186,7 +194,7 @@ impl Mesh {
     ) -> Result<&Evaluated, Failure> {
         if self.outputs.is_none() {
             let (element, latch, motions) = self.ready(resources, inputs)?;
-            let all = element.evaluate(&latch, &motions).map_err(refuse)?;
+            let all = element.evaluate(&latch, motions).map_err(refuse)?;
             let continuous = all.to_array();
             finite(&continuous)?;
             self.outputs = Some(Evaluated { all, continuous });
@@ -198,9 +206,10 @@ impl Mesh {
     /// they are in range or not at hand.
     pub fn out_of_range(&mut self, resources: &Resources, inputs: &InputValues) -> Option<String> {
         let outputs = self.outputs.as_ref().filter(|o| o.all.out_of_range)?.all;
-        let motions = self.motions(inputs).ok()?;
-        let element = self.element(resources).ok()?;
-        element.out_of_range(&motions, &outputs).ok()
+        self.look(inputs).ok()?;
+        self.make_element(resources).ok()?;
+        let element = self.element.as_ref()?;
+        element.out_of_range(&self.motions, &outputs).ok()
     }
 
     /// Derivatives of the continuous outputs along `direction`.
@@ -228,7 +237,7 @@ impl Mesh {
         let follows = self.latch.is_none();
         let bodies = if self.uses_carrier() { 3 } else { 2 };
         let (element, latch, motions) = self.ready(resources, inputs)?;
-        let mut jacobian = element.jacobian(&latch, &motions).map_err(refuse)?;
+        let mut jacobian = element.jacobian(&latch, motions).map_err(refuse)?;
         if !follows {
             return Ok(jacobian);
         }
@@ -243,7 +252,7 @@ impl Mesh {
         let by_spin = [spin(0), spin(1)];
         for body in 0..bodies {
             for k in 0..ROTATION + 3 {
-                let change = latch_rate(element, &motions, body, k)?;
+                let change = latch_rate(element, motions, body, k)?;
                 let first = change.mesh_position * std::f64::consts::TAU / pair.gears[0].z();
                 let rest = change.tooth_angle - first * pair.gears[0].z();
                 let second = rest / (pair.e() * pair.gears[1].z());

@@ -284,7 +284,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, ResourceError> {
 /// # Errors
 /// What is wrong with it, as text.
 pub fn parse_unit(text: &str) -> Result<UnitFile, String> {
-    let unit: UnitFile = serde_json::from_str(text).map_err(|e| e.to_string())?;
+    let unit: UnitFile = serde_json::from_slice(text.as_bytes()).map_err(|e| e.to_string())?;
     if unit.version != UNIT_VERSION {
         let found = unit.version;
         return Err(format!(

@@ -227,9 +227,12 @@ fn unknown_field(parent: &str, given: &str, expected: &[&str]) -> String {
 
 /// Names of the fields of a part of the file, as its deserialiser lists them when it refuses one.
 fn names<T: DeserializeOwned>() -> Vec<String> {
-    match serde_json::from_str::<T>(r#"{"": 0}"#) {
+    // Read as `parse` does, so that the deserialisers are compiled once.
+    let mut json = serde_json::Deserializer::from_slice(br#"{"": 0}"#);
+    match serde_path_to_error::deserialize::<_, T>(&mut json) {
         Ok(_) => Vec::new(),
         Err(error) => error
+            .inner()
             .to_string()
             .split('`')
             .skip(3)

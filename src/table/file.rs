@@ -200,7 +200,7 @@ impl TableFile {
             format: String,
             version: u32,
         }
-        let head: Head = serde_json::from_str(text)?;
+        let head: Head = serde_json::from_slice(text.as_bytes())?;
         if head.format != FORMAT {
             return Err(TableError::field(
                 "format",
@@ -217,7 +217,7 @@ impl TableFile {
                 "make the tables again with this program, or use the one that made them",
             ));
         }
-        let file: TableFile = serde_json::from_str(text)?;
+        let file: TableFile = serde_json::from_slice(text.as_bytes())?;
         let expected = file.content_checksum();
         if file.checksum_sha256 != expected {
             return Err(TableError::Checksum {

@@ -288,8 +288,8 @@ mod tests {
                 random.within([0.0, 1.0]),
             ];
             let jets = at(&table, q);
-            for k in 0..3 {
-                assert!((jets[k].value / exact(q, k) - 1.0).abs() < 1e-5, "{q:?}");
+            for (k, jet) in jets.iter().enumerate() {
+                assert!((jet.value / exact(q, k) - 1.0).abs() < 1e-5, "{q:?}");
                 for (axis, step) in [1.0, 1e-8, 1e-7, 1e-6].into_iter().enumerate() {
                     let side = |sign: f64| {
                         let mut q = q;
@@ -297,9 +297,9 @@ mod tests {
                         at(&table, q)[k].value
                     };
                     let slope = (side(1.0) - side(-1.0)) / (2.0 * step);
-                    let scale = jets[k].value.abs() * 1e-8 / step + slope.abs() * 1e-5;
+                    let scale = jet.value.abs() * 1e-8 / step + slope.abs() * 1e-5;
                     assert!(
-                        (jets[k].gradient[axis] - slope).abs() <= scale,
+                        (jet.gradient[axis] - slope).abs() <= scale,
                         "{q:?} {k} {axis}"
                     );
                 }

@@ -9,7 +9,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 
 fn evaluations(criterion: &mut Criterion) {
     for case in cases::all() {
-        let run = (case.make)();
+        let mut run = (case.make)();
         let mut i = 0;
         criterion.bench_function(&case.name, |b| {
             b.iter(|| {

@@ -22,7 +22,7 @@ fn main() -> Result<(), String> {
                 .find(|c| c.name == *name)
                 .ok_or_else(|| format!("no case {name}"))?;
             let times: usize = times.parse().map_err(|e| format!("{times}: {e}"))?;
-            let run = (case.make)();
+            let mut run = (case.make)();
             for i in 0..times {
                 run(i);
             }

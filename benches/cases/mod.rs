@@ -1,7 +1,7 @@
 //! What is measured: evaluations of tables and of the element at fixed points, by name.
 
 use gearmesh::element::{
-    Element, Formulation, Inputs, InputsChange, LoadedFlank, Parameters, StiffnessModel,
+    Element, Formulation, Inputs, InputsChange, Jacobian, LoadedFlank, Parameters, StiffnessModel,
 };
 use gearmesh::pair::Pair;
 use gearmesh::random::Random;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub const POINTS: usize = 1024;
 
 /// An evaluation; the argument counts up.
-pub type Run = Box<dyn Fn(usize)>;
+pub type Run = Box<dyn FnMut(usize)>;
 
 /// A named evaluation, made only when it is wanted.
 pub struct Case {
@@ -160,6 +160,7 @@ fn element(parameters: &Parameters, ask: Ask) -> Run {
     let mut direction = InputsChange::default();
     direction.gears[0].rotation = Vector3::z();
     direction.gears[1].p = Vector3::new(1e-2, 2e-2, 3e-2);
+    let mut jacobian = Jacobian::zeros();
     Box::new(move |i| {
         let x = black_box(&poses[i % POINTS]);
         match ask {
@@ -170,7 +171,7 @@ fn element(parameters: &Parameters, ask: Ask) -> Run {
                 let _ = black_box(element.directional_derivative(&latch, x, &direction));
             }
             Ask::Jacobian => {
-                let _ = black_box(element.jacobian(&latch, x));
+                let _ = black_box(element.jacobian(&latch, x, &mut jacobian));
             }
         }
     })

@@ -6,7 +6,8 @@ use crate::poses::{self, Spread};
 use crate::setting::{Setting, thinned};
 use crate::timing::{Candidate, medians};
 use gearmesh::element::{
-    Element, Formulation, InputsChange, LoadedFlank, MotionChange, Parameters, StiffnessModel,
+    Element, Formulation, InputsChange, Jacobian, LoadedFlank, MotionChange, Parameters,
+    StiffnessModel,
 };
 use gearmesh::table::{FlankGrid, FlankTable, Interpolation, Table};
 use nalgebra::Vector3;
@@ -128,9 +129,10 @@ pub fn report(
                 let _ = black_box(element.directional_derivative(latch, black_box(x), &along));
             }
         }));
+        let mut jacobian = Jacobian::zeros();
         candidates.push(Candidate::new(POSES, move || {
             for x in poses {
-                let _ = black_box(element.jacobian(latch, black_box(x)));
+                let _ = black_box(element.jacobian(latch, black_box(x), &mut jacobian));
             }
         }));
     }

@@ -68,11 +68,13 @@ impl Element {
         inputs: &Inputs,
         direction: &InputsChange,
     ) -> Result<[f64; CONTINUOUS_OUTPUTS], ElementError> {
-        let jacobian = self.jacobian(latch, inputs)?;
+        let mut jacobian = Jacobian::zeros();
+        self.jacobian(latch, inputs, &mut jacobian)?;
         Ok((jacobian * direction.to_vector()).into())
     }
 
-    /// All partial derivatives of the continuous outputs at `inputs`.
+    /// Writes all partial derivatives of the continuous outputs at `inputs` into `jacobian`: in place, since copies of eight
+    /// kilobytes are a share of the time. After an error its content has no meaning.
     ///
     /// Exact; under a law that does not give [`Potential::stiffness_gradient`](crate::table::Potential),
     /// the derivative of `stiffness` takes it by central differences. At the kinks of the law (first touch of constant
@@ -80,11 +82,17 @@ impl Element {
     ///
     /// # Errors
     /// As [`Element::evaluate`].
-    pub fn jacobian(&self, latch: &Latch, inputs: &Inputs) -> Result<Jacobian, ElementError> {
+    pub fn jacobian(
+        &self,
+        latch: &Latch,
+        inputs: &Inputs,
+        jacobian: &mut Jacobian,
+    ) -> Result<(), ElementError> {
         check::inputs(inputs, self.with_carrier())?;
+        jacobian.fill(0.0);
         match self.parameters.formulation {
-            Formulation::Conjugate => self.jacobian_over::<6>(latch, inputs),
-            Formulation::Paper => self.jacobian_over::<9>(latch, inputs),
+            Formulation::Conjugate => self.jacobian_over::<6>(latch, inputs, jacobian),
+            Formulation::Paper => self.jacobian_over::<9>(latch, inputs, jacobian),
         }
     }
 
@@ -93,16 +101,16 @@ impl Element {
         &self,
         latch: &Latch,
         inputs: &Inputs,
-    ) -> Result<Jacobian, ElementError> {
+        jacobian: &mut Jacobian,
+    ) -> Result<(), ElementError> {
         let [g1, g2] = &inputs.gears;
         let seeded = Inputs {
             gears: [seed::<N>(g1, None, None), seed(g2, Some(0), Some(3))],
             carrier: seed(&inputs.carrier, None, (N > 6).then_some(6)),
         };
-        let mut jacobian = Jacobian::zeros();
         let solution = evaluate(self, latch, &seeded)?;
         if let Some(mesh) = &solution.mesh {
-            self.by_velocities(mesh, &mut jacobian);
+            self.by_velocities(mesh, jacobian);
         }
         let rows = solution.outputs.to_array();
         for (row, y) in rows.iter().enumerate() {
@@ -114,8 +122,8 @@ impl Element {
                 jacobian[(row, column)] = y.eps[lane];
             }
         }
-        by_gear_1(&mut jacobian, &rows.map(|y| y.re), inputs);
-        Ok(jacobian)
+        by_gear_1(jacobian, &rows.map(|y| y.re), inputs);
+        Ok(())
     }
 
     /// Columns of velocity and angular velocity.

@@ -51,7 +51,8 @@ fn compare(element: &Element, inputs: &Inputs, noise: &mut Noise, bar: f64, stif
     };
     let rough = (8.0 * (side(h) - side(-h)) - (side(2.0 * h) - side(-2.0 * h))) / (12.0 * h);
     let value = side(0.0);
-    let jacobian = element.jacobian(&latch, inputs).unwrap();
+    let mut jacobian = Jacobian::zeros();
+    element.jacobian(&latch, inputs, &mut jacobian).unwrap();
     let along = direction.to_vector();
     // Outputs of one kind share a scale: forces, moments, then each scalar its own. It is that of the terms
     // which add up to the derivative, or of the value where that is larger.

@@ -39,7 +39,9 @@ pub struct Mesh {
     /// Those of the last look at the inputs.
     motions: Inputs,
     outputs: Option<Evaluated>,
+    /// Once they were asked for; whether they are those of the present inputs.
     slopes: Option<Box<Jacobian>>,
+    slopes_are_present: bool,
 }
 
 impl Mesh {
@@ -60,6 +62,7 @@ impl Mesh {
             motions: Inputs::default(),
             outputs: None,
             slopes: None,
+            slopes_are_present: false,
         }
     }
 
@@ -103,7 +106,7 @@ impl Mesh {
     #[inline]
     pub fn forget(&mut self) {
         self.outputs = None;
-        self.slopes = None;
+        self.slopes_are_present = false;
     }
 
     /// Outputs, if they were made since the last change.
@@ -181,7 +184,7 @@ impl Mesh {
         let (element, latch, motions) = self.ready(resources, inputs)?;
         element.check_start(&latch, motions).map_err(refuse)?;
         self.latch = Some(latch);
-        self.slopes = None;
+        self.slopes_are_present = false;
         Ok(())
     }
 
@@ -219,11 +222,16 @@ impl Mesh {
         inputs: &InputValues,
         direction: &Freedoms,
     ) -> Result<[f64; CONTINUOUS_OUTPUTS], Failure> {
-        if self.slopes.is_none() {
-            self.slopes = Some(Box::new(self.jacobian(resources, inputs)?));
+        let mut slopes = self
+            .slopes
+            .take()
+            .unwrap_or_else(|| Box::new(Jacobian::zeros()));
+        if !self.slopes_are_present {
+            self.jacobian(resources, inputs, &mut slopes)?;
+            self.slopes_are_present = true;
         }
-        let slopes = self.slopes.as_ref().expect("made above");
-        let all: [f64; CONTINUOUS_OUTPUTS] = (**slopes * direction).into();
+        let all: [f64; CONTINUOUS_OUTPUTS] = (&*slopes * direction).into();
+        self.slopes = Some(slopes);
         finite(&all)?;
         Ok(all)
     }
@@ -233,13 +241,16 @@ impl Mesh {
         &mut self,
         resources: &Resources,
         inputs: &InputValues,
-    ) -> Result<Jacobian, Refusal> {
+        jacobian: &mut Jacobian,
+    ) -> Result<(), Refusal> {
         let follows = self.latch.is_none();
         let bodies = if self.uses_carrier() { 3 } else { 2 };
         let (element, latch, motions) = self.ready(resources, inputs)?;
-        let mut jacobian = element.jacobian(&latch, motions).map_err(refuse)?;
+        element
+            .jacobian(&latch, motions, jacobian)
+            .map_err(refuse)?;
         if !follows {
-            return Ok(jacobian);
+            return Ok(());
         }
         // A change of the phase zeros is a spin of the gears: only gear 1's moves the mesh position,
         // by z1 / 2 pi per radian, and the tooth angle takes z1 and e z2.
@@ -260,7 +271,7 @@ impl Mesh {
                 column += by_spin[0] * first + by_spin[1] * second;
             }
         }
-        Ok(jacobian)
+        Ok(())
     }
 }
 

@@ -359,7 +359,7 @@ pub fn report(
         "Rule: switch on the effects whose coordinates move, and no more. What a level leaves out sets its error, not how finely \
          it is made:\n\n\
          1. The mean torque path and slow control, noise of no interest: constant stiffness ({:.2} µm here).\n\
-         2. Parallel shafts on stiff bearings, one load: a table over the mesh position ({:.2} µm here, where they are neither); with loads that change, over the load too ({:.2} µm).\n\
+         2. Parallel shafts on stiff bearings: a table over the mesh position, if the load stays (here it does not: {:.2} µm), else over the load too ({:.2} µm).\n\
          3. Shafts or housings that tilt: misalignment and shuttling ({:.2} µm; z_c within {:.3} mm instead of {:.2} mm).\n\
          4. Centre distances that change by tens of micrometres: all four axes ({:.2} µm), at {:.1} µs a step against {:.1} µs of the constant stiffness. The default.\n\
          5. Poses beyond the ranges of the pair file, teeth that differ, or a check of the tables: contact at run time (here {:.3} µm on {} elements, {:.0} µs a step, {:.0} times the table). \

@@ -141,6 +141,7 @@ impl ContactLines<'_> {
         near: &Near,
     ) -> Vec<(Candidate, Option<[StripRates; 2]>)> {
         let mut strips = Vec::with_capacity(4 * self.stations);
+        let mut middles = Vec::with_capacity(4 * self.stations);
         let mut most = 0.0f64;
         for k in self.pairs(tau, 0.0) {
             let closing = self.closing(tau, k)[0];
@@ -157,18 +158,19 @@ impl ContactLines<'_> {
                 let middle = self.place(tau, k, at, false);
                 let overlap = near.overlap(at, middle.0.arm(), middle.1.gap - closing);
                 most = most.max(overlap);
-                strips.push((k, station, z, z == whole, middle, overlap));
+                strips.push((k, station, z, z == whole, overlap));
+                middles.push(middle);
             }
         }
         let rolls = self.section.roll_rates();
         let mut all = Vec::with_capacity(strips.len());
-        for (i, (k, station, z, whole, middle, overlap)) in strips.iter().enumerate() {
+        for (i, (k, station, z, whole, overlap)) in strips.iter().enumerate() {
             // The overlap is concave along whole strips inside the flanks: it does not rise more from the middle of one to its
             // ends than from the middle of either neighbour.
             let beside = |other: Option<usize>| {
-                let (pair, at, _, whole, middle, overlap) = strips.get(other?)?;
+                let (pair, at, _, whole, overlap) = strips.get(other?)?;
                 let next = *pair == *k && at.abs_diff(*station) == 1;
-                (next && *whole && middle.0.on_path()).then_some(*overlap)
+                (next && *whole && middles[other?].0.on_path()).then_some(*overlap)
             };
             if near.convex
                 && *whole
@@ -179,9 +181,9 @@ impl ContactLines<'_> {
                     continue;
                 }
             }
-            let (candidate, places) = self.candidate(tau, (*k, *station), *z, false, *middle);
-            let rates = whole.then(|| self.rates(tau, &candidate, (&places, middle), rolls));
-            all.push((candidate, rates.flatten()));
+            let name = (*k, *station);
+            let rolls = whole.then_some(rolls);
+            all.push(self.candidate(tau, name, *z, false, &middles[i], rolls));
         }
         all
     }
@@ -210,7 +212,7 @@ impl ContactLines<'_> {
     pub fn strip(&self, tau: f64, (k, station): (i32, usize)) -> Option<Candidate> {
         let z = self.carrying(tau, k, self.station(station))?;
         let middle = self.place(tau, k, 0.5 * (z[0] + z[1]), false);
-        Some(self.candidate(tau, (k, station), z, false, middle).0)
+        Some(self.candidate(tau, (k, station), z, false, &middle, None).0)
     }
 
     /// The part of the station `whole` in which tooth pair `k` lies within the reach of contact, if it is long enough to
@@ -262,7 +264,7 @@ impl ContactLines<'_> {
                 let (low, high) = (xi[0].min(xi[1]), xi[0].max(xi[1]));
                 if high >= first - margin && low <= last + margin {
                     let middle = self.place(tau, k, 0.5 * (z[0] + z[1]), true);
-                    all.push(self.candidate(tau, (k, station), z, true, middle).0);
+                    all.push(self.candidate(tau, (k, station), z, true, &middle, None).0);
                 }
             }
         }
@@ -331,40 +333,43 @@ impl ContactLines<'_> {
         (flanks, least)
     }
 
-    /// The strip of tooth pair `k` at `station` with the ends `z`; `middle` is its middle.
-    fn candidate<'b>(
-        &'b self,
+    /// The strip of tooth pair `k` at `station` with the ends `z`, whose middle is `middle`, and how fast it changes with the
+    /// lengths of roll by `rolls`, if that is asked for.
+    fn candidate(
+        &self,
         tau: f64,
         (k, station): (i32, usize),
         z: [f64; 2],
         held: bool,
-        middle: Place<'b>,
-    ) -> (Candidate, [Place<'b>; POINTS]) {
+        middle: &Place<'_>,
+        rolls: Option<[[f64; 2]; 2]>,
+    ) -> (Candidate, Option<[StripRates; 2]>) {
         let numbers = self.section.numbers();
         let places = points(z).map(|z| self.place(tau, k, z, held));
-        let (flanks, least) = &middle;
-        let middle = flanks.closest_point_at(least);
+        let (flanks, least) = middle;
+        let closest = flanks.closest_point_at(least);
         let [closing, _] = self.closing(tau, k);
         let gap = std::array::from_fn(|q| places[q].1.gap - closing);
         let cos_beta_b = numbers.cos_beta_b;
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
-            .map(|i| numbers.kappa[i] * cos_beta_b / middle.roll[i])
+            .map(|i| numbers.kappa[i] * cos_beta_b / closest.roll[i])
             .sum();
         let candidate = Candidate {
             tooth_pair: k,
             station,
             z,
-            roll: middle.roll,
+            roll: closest.roll,
             gap,
             radius: curvature.recip(),
             // The transverse tangent is normal to the generator; the gap is cos beta_b of that along the
             // line of action.
-            edge_slope: middle.edge_slope * cos_beta_b,
-            edge_gear: middle.edge_gear,
-            arm: middle.arm,
+            edge_slope: closest.edge_slope * cos_beta_b,
+            edge_gear: closest.edge_gear,
+            arm: closest.arm,
         };
-        (candidate, places)
+        let rates = rolls.and_then(|rolls| self.rates(tau, &candidate, (&places, middle), rolls));
+        (candidate, rates)
     }
 
     /// The strip of tooth pair `k` with the ends `z` at the mesh position `tau` in the canonical coordinates of gear 1 and

@@ -197,17 +197,17 @@ impl PositionProblem {
         misalignment: f64,
         start: Option<(&[f64], f64)>,
     ) -> Result<(ContactResult, Option<Excess>), ContactError> {
-        let (solution, gap, excess) = self.solution(target, misalignment, start)?;
-        Ok((self.result(solution, &gap), excess))
+        let found = self.solution(target, misalignment, start)?;
+        Ok((self.result(found.solution, &found.gap), found.excess))
     }
 
-    /// As [`PositionProblem::solve_any`]: the bare solution, with the gaps along the normal under this misalignment.
+    /// As [`PositionProblem::solve_any`]: the bare solution.
     pub(super) fn solution(
         &self,
         target: Target,
         misalignment: f64,
         start: Option<(&[f64], f64)>,
-    ) -> Result<(Solution, Vec<[f64; POINTS]>, Option<Excess>), ContactError> {
+    ) -> Result<Found, ContactError> {
         finite("misalignment", misalignment)?;
         let gap = self.gaps(misalignment);
         let problem = self.problem(&gap);
@@ -237,7 +237,11 @@ impl PositionProblem {
                 .fold(f64::NEG_INFINITY, f64::max);
             excess = (needed > reach).then_some(Excess::Reach { needed, reach });
         }
-        Ok((solution, gap, excess))
+        Ok(Found {
+            solution,
+            gap,
+            excess,
+        })
     }
 
     fn problem<'a>(&'a self, gap: &'a [[f64; POINTS]]) -> Problem<'a> {
@@ -263,6 +267,14 @@ impl PositionProblem {
     pub(super) fn lengths(&self, i: usize) -> [f64; 2] {
         self.lengths.each_ref().map(|lengths| lengths[i])
     }
+}
+
+/// A solution as it is found.
+pub(super) struct Found {
+    pub solution: Solution,
+    /// Gaps at the points of each strip along the normal under the misalignment, m.
+    pub gap: Vec<[f64; POINTS]>,
+    pub excess: Option<Excess>,
 }
 
 /// What a solution exceeds.

@@ -119,8 +119,8 @@ impl RuntimeContact {
             .collect();
         let start = (!warm.0.is_empty()).then_some(start.as_slice());
         let start = start.map(|forces| (forces, approach));
-        let (solution, gap, excess) =
-            problem.solution(Target::Approach(approach), misalignment, start)?;
+        let found = problem.solution(Target::Approach(approach), misalignment, start)?;
+        let solution = &found.solution;
         warm.0.clear();
         let forces = names.iter().zip(solution.force.iter().copied());
         warm.0.extend(
@@ -133,13 +133,13 @@ impl RuntimeContact {
         }
         let load = Load {
             misalignment,
-            solution: &solution,
-            gap: &gap,
+            solution,
+            gap: &found.gap,
             rates: &rates,
         };
         let (energy, [by_offset, by_tau]) =
             self.held(&problem, &section, (offset, cycle), &load)?;
-        let (moment, tangent) = problem.moment(&solution);
+        let (moment, tangent) = problem.moment(solution);
         Ok(ContactPotential {
             energy,
             gradient: [
@@ -149,7 +149,7 @@ impl RuntimeContact {
                 by_tau,
             ],
             tangent,
-            out_of_range: excess.is_some() || !self.condensed.holds(offset),
+            out_of_range: found.excess.is_some() || !self.condensed.holds(offset),
         })
     }
 

@@ -230,7 +230,8 @@ impl Mesh {
             self.jacobian(resources, inputs, &mut slopes)?;
             self.slopes_are_present = true;
         }
-        let all: [f64; CONTINUOUS_OUTPUTS] = (&*slopes * direction).into();
+        let by_freedoms: &Jacobian = &slopes;
+        let all: [f64; CONTINUOUS_OUTPUTS] = (by_freedoms * direction).into();
         self.slopes = Some(slopes);
         finite(&all)?;
         Ok(all)

@@ -168,7 +168,7 @@ fn main() -> Result<(), Failure> {
     );
 
     println!(
-        "| teeth | misalignment, mrad | approach, um | not coupled, % | force, % | moment, % |"
+        "| teeth | misalignment, mrad | approach, um | force without coupling | force | moment |"
     );
     println!("|---|---|---|---|---|---|");
     for (name, class) in [("alike", None), ("class 6", Some(CLASS))] {

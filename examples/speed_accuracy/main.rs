@@ -59,6 +59,9 @@ fn main() -> Result<(), Error> {
     let [quick, levels] = known.map(|option| flags.iter().any(|f| f == option));
     let folder = paths.first().map_or("docs", String::as_str);
     if levels {
+        if paths.is_empty() || folder == "docs" {
+            return Err("--levels writes a page of this section alone: name a folder for it other than docs".into());
+        }
         let mut document = Document::new(Path::new(folder), "Levels of detail")?;
         levels_of_detail(&mut document, quick)?;
         eprintln!("Wrote {}", document.save()?.display());

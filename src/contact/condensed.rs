@@ -119,7 +119,10 @@ impl CondensedFlank {
     /// Number of all values; `None` where the grid makes no sense.
     pub fn value_count(&self) -> Option<usize> {
         let ascends = self.offsets.windows(2).all(|w| w[0] < w[1]);
-        let makes_sense = matches!(self.offsets.len(), 1 | 3) && ascends && self.positions >= 4;
+        // Pairs are those in reach of one mesh cycle.
+        let near = self.first_pair.unsigned_abs() < 1000 && (1..1000).contains(&self.pairs);
+        let makes_sense =
+            matches!(self.offsets.len(), 1 | 3) && ascends && self.positions >= 4 && near;
         let strips = self.pairs.checked_mul(self.stations)?;
         let size = strips.checked_mul(strips.checked_add(5)?)? / 2;
         let nodes = self.offsets.len().checked_mul(self.positions)?;

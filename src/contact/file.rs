@@ -98,6 +98,13 @@ impl ContactFile {
         let mut rest = bytes[end..].chunks_exact(4);
         let mut filled = |mut flank: CondensedFlank| -> Result<Arc<CondensedFlank>, String> {
             let count = flank.value_count().ok_or("a grid without nodes")?;
+            let stations = head.setup.settings.stations;
+            if flank.stations != stations {
+                return Err(format!(
+                    "{} stations of a flank are not the {stations} of the contact",
+                    flank.stations
+                ));
+            }
             flank.values = rest
                 .by_ref()
                 .take(count)

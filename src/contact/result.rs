@@ -1,6 +1,7 @@
 //! What a solution of the contact problem says: loads, pressures, shares and derivatives.
 
 use super::candidates::POINTS;
+use super::cholesky::dot;
 use super::complementarity::Solution;
 use super::position::PositionProblem;
 
@@ -214,8 +215,4 @@ pub(super) fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoa
         (Some(a), _) => Some(a),
         (None, b) => b,
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -233,7 +233,6 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     let drive = roots.samples(&axes, &watch).unwrap();
     let stress = RootStressTable::new(&axes, &drive, [true; 2]).unwrap();
     let error = roots.measure(&coverage, &stress, 200, &watch).unwrap();
-    println!("{error}");
     assert!(error.rms < 0.01 && error.maximum < 0.05, "{error}");
     let mut file = TableFile::new("p", "test", geometry, [100.0, 200.0], &grid, None);
     file.root_stress = Some(RootStressRecord {
@@ -282,6 +281,5 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
             compared += 1;
         }
     }
-    println!("{compared} poses, {:.2} % at most", 100.0 * largest);
     assert!(compared > 20 && largest < 0.05, "{compared} {largest}");
 }

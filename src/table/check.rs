@@ -5,6 +5,9 @@ use super::{Axes, FlankGrid, TableError};
 /// Fewest nodes of an axis that is there: the C2 spline needs four.
 const FEWEST: usize = 4;
 
+/// Most nodes of an axis, beyond any use: four such axes still have a number of samples that can be counted.
+const MOST: usize = 10_000;
+
 /// Beyond all lengths, forces and moments of gears; products of a few of them with one another stay finite.
 const LARGEST: f64 = 1e15;
 
@@ -75,9 +78,9 @@ impl FlankGrid {
 impl Axes {
     fn check(&self) -> Result<(), TableError> {
         let u = &self.displacement_fraction;
-        check_axis("displacement_fraction", u)?;
+        check_axis("axes.displacement_fraction", u)?;
         if u.len() < FEWEST {
-            return Err(too_few("displacement_fraction", u.len()));
+            return Err(too_few("axes.displacement_fraction", u.len()));
         }
         if u[0] <= 0.0 || u[u.len() - 1] != 1.0 {
             return Err(TableError::field(
@@ -89,35 +92,38 @@ impl Axes {
         }
         // The spline's first cell begins at the onset of contact, which imports round over a few millionths.
         check_spacing(
-            "displacement_fraction",
+            "axes.displacement_fraction",
             &[&[0.0], u.as_slice()].concat(),
             1e-6,
         )?;
-        check_axis("center_distance_offset_m", &self.center_distance_offset)?;
-        check_axis("misalignment_rad", &self.misalignment)?;
-        check_axis("mesh_position", &self.mesh_position)?;
-        check_mesh_position(&self.mesh_position)
+        check_axis(
+            "axes.center_distance_offset_m",
+            &self.center_distance_offset,
+        )?;
+        check_axis("axes.misalignment_rad", &self.misalignment)?;
+        check_axis("axes.mesh_position", &self.mesh_position)?;
+        check_mesh_position("axes.mesh_position", &self.mesh_position)
     }
 }
 
-/// Checks what sets the periodic axis apart from others.
-pub(super) fn check_mesh_position(nodes: &[f64]) -> Result<(), TableError> {
+/// Checks what sets the periodic axis apart from others; `name` with its path, as in all of these.
+pub(super) fn check_mesh_position(name: &str, nodes: &[f64]) -> Result<(), TableError> {
     let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
     if first < 0.0 || last >= 1.0 {
         return Err(TableError::field(
-            "axes.mesh_position",
+            name,
             format!("{first} ... {last}"),
             "a mesh position lies in [0, 1)",
             "leave out the repeated end 1; the axis is periodic",
         ));
     }
     // The last cell ends at the first node of the next cycle.
-    check_spacing("mesh_position", &[nodes, &[first + 1.0]].concat(), 1e-5)
+    check_spacing(name, &[nodes, &[first + 1.0]].concat(), 1e-5)
 }
 
 pub(super) fn too_few(name: &str, count: usize) -> TableError {
     TableError::field(
-        format!("axes.{name}"),
+        name,
         format!("{count} values"),
         format!("a cubic spline needs at least {FEWEST}"),
         "add values, or give a single one to leave this axis out",
@@ -128,11 +134,19 @@ pub(super) fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
     if nodes.is_empty() || (2..FEWEST).contains(&nodes.len()) {
         return Err(too_few(name, nodes.len()));
     }
-    check_values(&format!("axes.{name}"), nodes, nodes.len())?;
+    if nodes.len() > MOST {
+        return Err(TableError::field(
+            name,
+            format!("{} values", nodes.len()),
+            format!("an axis has at most {MOST}"),
+            "leave some of them out",
+        ));
+    }
+    check_values(name, nodes, nodes.len())?;
     for (i, pair) in nodes.windows(2).enumerate() {
         if pair[1] <= pair[0] {
             return Err(TableError::field(
-                format!("axes.{name}[{}]", i + 1),
+                format!("{name}[{}]", i + 1),
                 pair[1],
                 format!("not above the value before it, {}", pair[0]),
                 "sort the axis ascending and let each value stand once",
@@ -148,7 +162,7 @@ fn check_spacing(name: &str, ends: &[f64], least: f64) -> Result<(), TableError>
     let range = ends[ends.len() - 1] - ends[0];
     match ends.windows(2).find(|w| w[1] - w[0] < least * range) {
         Some(pair) => Err(TableError::field(
-            format!("axes.{name}"),
+            name,
             format!("{} and {}", pair[0], pair[1]),
             format!("closer than {least:e} of the range"),
             "leave one of them out",

@@ -84,6 +84,14 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
         named.contains("root_stress.axes.loa_force_n[0] = 1"),
         "{named}"
     );
+    let named = refused(|f| f.root_stress = record(|r| r.axes.mesh_position[2] = 0.0));
+    assert!(
+        named.contains("root_stress.axes.mesh_position[2] = 0"),
+        "{named}"
+    );
+    // Four such axes would have more samples than can be counted.
+    let long = refused(|f| f.axes.misalignment_rad = (0..65_536).map(f64::from).collect());
+    assert!(long.contains("at most 10000"), "{long}");
     // Cells at the ends of the spline, which lie outside the nodes: too narrow, they would take memory without bound.
     assert!(refused(|f| f.axes.displacement_fraction[0] = 1e-12).contains("0 and 0.000000000001"));
     assert!(refused(|f| f.axes.mesh_position[5] = 1.0 - 1e-12).contains("closer than 1e-5"));

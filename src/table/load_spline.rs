@@ -50,18 +50,19 @@ impl LoadAxes {
     /// Checks lengths, order and finiteness, and that the forces begin where those of `quantities` do; `record` names them
     /// in messages.
     pub(super) fn check(&self, record: &str, quantities: PerLoad) -> Result<(), TableError> {
+        let named = |name: &str| format!("{record}.axes.{name}");
         for (name, nodes) in [
             ("center_distance_offset_m", &self.center_distance_offset_m),
             ("misalignment_rad", &self.misalignment_rad),
             ("loa_force_n", &self.loa_force_n),
             ("mesh_position", &self.mesh_position),
         ] {
-            check_axis(name, nodes)?;
+            check_axis(&named(name), nodes)?;
         }
-        check_mesh_position(&self.mesh_position)?;
+        check_mesh_position(&named("mesh_position"), &self.mesh_position)?;
         let forces = &self.loa_force_n;
         if forces.len() < 4 {
-            return Err(too_few("loa_force_n", forces.len()));
+            return Err(too_few(&named("loa_force_n"), forces.len()));
         }
         let (begins, reason) = match quantities {
             PerLoad::Ratio => (forces[0] > 0.0, "ratios to the load need a load"),
@@ -69,7 +70,7 @@ impl LoadAxes {
         };
         if !begins {
             return Err(TableError::field(
-                format!("{record}.axes.loa_force_n[0]"),
+                named("loa_force_n[0]"),
                 forces[0],
                 reason,
                 "make the tables again",

@@ -33,6 +33,29 @@ fn a_range_that_cannot_be_covered_is_refused_on_the_coarse_model_with_its_corner
     assert_eq!(std::fs::read_dir(&cache).unwrap().count(), 1);
 }
 
+#[test]
+fn plane_strain_has_no_root_stress_however_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let unit = folder.path().join("unit.fmu");
+    let (pair, path) = (paper(), unit.to_str().unwrap());
+    let output = gearmesh(&[
+        "build",
+        &pair,
+        "-o",
+        path,
+        "--plane-strain",
+        "--set",
+        "rootStress=true",
+    ]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = stderr(&output);
+    assert!(
+        error.contains("leave out `rootStress` or --plane-strain"),
+        "{error}"
+    );
+    assert!(!unit.exists());
+}
+
 /// Options that make tables in a moment: load and mesh position only.
 const SMALL: [&str; 6] = [
     QUICK[0],

@@ -32,7 +32,12 @@ pub struct Load {
     pub positions: usize,
     /// Solves on all of them.
     pub solves: usize,
+    /// Likewise for the stress in the tooth roots, where it is wanted: positions and solves.
+    pub root_stress: Option<[usize; 2]>,
 }
+
+/// Time of the maps to the stress in the tooth roots over that of the elastic models.
+const ROOT_MODELS: f64 = 2.5;
 
 /// Refuses what cannot be solved at a corner of `coverage`, tells what the rest will take, and returns the job
 /// of the whole command.
@@ -45,7 +50,7 @@ pub fn preflight(
     let estimates = args.estimates(pair)?;
     let elastic: f64 = estimates.iter().map(|e| e.total_seconds()).sum();
     let mut seconds = estimates.map(|e| e.total_seconds());
-    let mut contact = elastic.max(1.0);
+    let (mut contact, mut roots) = (elastic.max(1.0), 0.0);
     if elastic > SHORT && pair.refinement != Refinement::Coarse {
         let coarse = Pair {
             refinement: Refinement::Coarse,
@@ -63,21 +68,33 @@ pub fn preflight(
         // Influence matrices cost what the flank's nodes do, solves what the strips do.
         let stations = args.contact_settings(pair).stations as f64;
         let finer = stations / model.solver.settings().stations as f64;
-        contact = load.positions as f64 * times.position * 2.5 * finer
-            + load.solves as f64 * times.solve * finer * finer;
+        let cost = |[positions, solves]: [usize; 2]| {
+            positions as f64 * times.position * 2.5 * finer
+                + solves as f64 * times.solve * finer * finer
+        };
+        contact = cost([load.positions, load.solves]);
+        let models = ROOT_MODELS * seconds.iter().sum::<f64>();
+        roots = load.root_stress.map_or(0.0, |load| models + cost(load));
     }
-    let total = Duration::from_secs_f64(seconds.iter().sum::<f64>() + contact);
+    let total = Duration::from_secs_f64(seconds.iter().sum::<f64>() + contact + roots);
     if !args.is_quiet() && elastic > SHORT && total.as_secs_f64() > UNANNOUNCED {
         let memory = estimates.iter().map(|e| e.memory_bytes).fold(0.0, f64::max);
         let file: f64 = estimates.iter().map(|e| e.file_bytes).sum();
         eprintln!(
             "gearmesh: about {} of work: {} for the elastic models (memory {:.1} GB; {:.0} MB of them are kept), {} \
-             for the static contact",
+             for the static contact{}",
             clock(total),
             clock(Duration::from_secs_f64(seconds.iter().sum())),
             memory * 1e-9,
             file * 1e-6,
             clock(Duration::from_secs_f64(contact)),
+            match roots {
+                0.0 => String::new(),
+                _ => format!(
+                    ", {} for the tooth roots",
+                    clock(Duration::from_secs_f64(roots))
+                ),
+            },
         );
     }
     Ok(args

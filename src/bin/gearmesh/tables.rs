@@ -91,6 +91,8 @@ pub struct Made {
     elastic_model: String,
     /// Wall-clock time of the static contact, s.
     contact_seconds: f64,
+    /// Likewise of the stress in the tooth roots, its elastic model included.
+    root_stress_seconds: f64,
     /// The teeth of the pair differ, which tables do not hold.
     teeth_differ: bool,
 }
@@ -106,7 +108,11 @@ impl std::fmt::Display for Made {
             solves_in_words(&self.file)
         )?;
         if let Some(root_stress) = &self.file.root_stress {
-            write!(f, "\n  root stress: {}", root_stress.interpolation_error)?;
+            write!(
+                f,
+                "\n  root stress: {:.1} s, {}",
+                self.root_stress_seconds, root_stress.interpolation_error
+            )?;
         }
         if self.teeth_differ {
             let contact = match self.contact {
@@ -137,11 +143,15 @@ pub fn compute(
     {
         return Err(format!("--max-error = {error}: give a share of the nominal force between 0 and 1, such as 0.002").into());
     }
+    // `--set rootStress=true` asks for it, too, and is no option that conflicts with another.
+    if grid.root_stress && args.is_plane_strain() {
+        return Err("--plane-strain has no stress in the tooth roots; leave out `rootStress` or --plane-strain".into());
+    }
     let pair = args.applied_to(Pair::read(path)?);
     crate::output::check_writable(output)?;
     args.use_threads()?;
     let coverage = coverage(&pair, grid);
-    let load = load(&pair, &coverage, grid.max_error);
+    let load = load(&pair, &coverage, grid);
     let job = preflight(&pair, args, &coverage, load)?;
     let model = args.solver(&pair, &job)?;
     preflight::corners(&model.solver, &pair, &coverage)?;
@@ -204,12 +214,15 @@ pub fn compute(
         None
     };
     drop(job);
+    let contact_seconds = begin.elapsed().as_secs_f64();
+    let begin = Instant::now();
     let root_stress = if grid.root_stress {
         let own_coast = coast.is_some();
         Some(root_stress(&pair, &model, &coverage, args, own_coast)?)
     } else {
         None
     };
+    let root_stress_seconds = begin.elapsed().as_secs_f64();
 
     let mut file = TableFile::new(
         &pair.name,
@@ -237,7 +250,8 @@ pub fn compute(
             model.description, model.compliance_seconds, model.origin
         ),
         teeth_differ: !pair.teeth.are_alike(),
-        contact_seconds: begin.elapsed().as_secs_f64(),
+        contact_seconds,
+        root_stress_seconds,
     })
 }
 
@@ -286,14 +300,21 @@ fn root_stress(
 
 /// How much is likely to be solved: the default grid with the points it is measured at, and three times as much where
 /// the grid is sought.
-fn load(pair: &Pair, coverage: &Coverage, max_error: Option<f64>) -> Load {
+fn load(pair: &Pair, coverage: &Coverage, grid: &GridArgs) -> Load {
     let [nc, nm, nu, np] = default_axes(coverage).lengths();
     let flanks = if pair.coast_mirrors_drive() { 1 } else { 2 };
-    let grids = if max_error.is_some() { 3 } else { 1 };
+    let grids = if grid.max_error.is_some() { 3 } else { 1 };
     let of = |grid: usize| flanks * (grids * grid + HELD_OUT_POINTS);
+    let roots = || {
+        let rb = pair.geometry.gears[0].base_radius();
+        let [nc, nm, nf, np] = default_root_stress_axes(coverage, rb).lengths();
+        // Without a force there is nothing to solve.
+        [nc * np, nc * nm * (nf - 1) * np].map(|nodes| flanks * (nodes + HELD_OUT_POINTS))
+    };
     Load {
         positions: of(nc * np),
         solves: of(nc * nm * (nu + 1) * np),
+        root_stress: grid.root_stress.then(roots),
     }
 }
 

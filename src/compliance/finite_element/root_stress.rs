@@ -140,12 +140,16 @@ impl RootStress {
     ///
     /// # Errors
     /// As there.
+    ///
+    /// # Panics
+    /// With another number of loads than of strips.
     pub fn of_tooth_under(
         &self,
         tooth: i32,
         strips: &SpreadStrips,
         loads: &[f64],
     ) -> Result<RootField<'_>, BeyondModel> {
+        assert_eq!(strips.0.len(), loads.len(), "a load for each strip");
         let (nodes, points) = (self.loads.len(), COMPONENTS * self.fillet.len());
         let mut stress = vec![0.0; points];
         let mut forces = vec![vec![0.0; nodes]; 2 * self.reach + 1];

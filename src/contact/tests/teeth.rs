@@ -380,6 +380,10 @@ fn a_file_keeps_the_teeth_and_a_coast_flank_of_its_own_for_them() {
     assert_eq!(file.setup.teeth, pair.teeth);
     let read = ContactFile::from_bytes(&file.to_bytes()).unwrap();
     assert_eq!(read, file);
+    let mut other = file.clone();
+    Arc::make_mut(&mut other.setup).settings.stations -= 1;
+    let refused = ContactFile::from_bytes(&other.to_bytes()).unwrap_err();
+    assert!(refused.contains("stations of a flank"), "{refused}");
     // The drive flank's teeth are alike, those of the coast flank are not.
     let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| {
         let contact = read.flank(flank).unwrap();

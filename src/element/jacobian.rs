@@ -70,7 +70,8 @@ impl Element {
     ) -> Result<[f64; CONTINUOUS_OUTPUTS], ElementError> {
         let mut jacobian = Jacobian::zeros();
         self.jacobian(latch, inputs, &mut jacobian)?;
-        Ok((jacobian * direction.to_vector()).into())
+        let slopes: &Jacobian = &jacobian; // a product with the matrix itself would copy it
+        Ok((slopes * direction.to_vector()).into())
     }
 
     /// Writes all partial derivatives of the continuous outputs at `inputs` into `jacobian`: in place, since copies of eight

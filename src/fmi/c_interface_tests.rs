@@ -1,7 +1,6 @@
 //! What no host may provoke: a panic inside an export.
 
 use super::*;
-use crate::fmi::instance::Instance;
 use crate::fmi::lifecycle::Interface;
 use crate::fmi::resources::{Resources, UNIT_VERSION, UnitFile};
 use std::ffi::CStr;

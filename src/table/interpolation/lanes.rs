@@ -1,7 +1,7 @@
 //! Sums over the few lanes of vector registers: two with what every x86-64 has, four with AVX.
 //!
 //! Both do the same operations in the same order, without fused multiply-add, so results are the same to the
-//! bit whatever the machine. Besides the C interface (src/fmi/c_interface.rs and component.rs), this is the one file with unsafe code.
+//! bit whatever the machine. Besides the C interface, this is the one file with unsafe code.
 
 use wide::f64x2;
 

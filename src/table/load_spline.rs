@@ -4,7 +4,7 @@
 //! One cubic spline serves every interpolation of the force, for the force itself is a coordinate here.
 
 use super::TableError;
-use super::check::{check_axis, check_mesh_position, too_few};
+use super::check::{check_axis, check_mesh_position, check_values, too_few};
 use super::grid::value_row;
 use super::interpolation::{
     Basis, Block, Coefficients, Ends, Two, axis_basis, breaks, over_displacement,
@@ -35,6 +35,9 @@ pub enum PerLoad {
     Effect,
 }
 
+/// The samples of one flank: name and values of each quantity.
+pub(super) type Columns<'a> = Vec<(&'static str, &'a [f64])>;
+
 impl LoadAxes {
     /// Lengths in the order of the samples: (centre distance, misalignment, force, mesh position), the last index
     /// fastest.
@@ -47,9 +50,29 @@ impl LoadAxes {
         ]
     }
 
-    /// Checks lengths, order and finiteness, and that the forces begin where those of `quantities` do; `record` names them
-    /// in messages.
-    pub(super) fn check(&self, record: &str, quantities: PerLoad) -> Result<(), TableError> {
+    /// Checks a record on these axes: lengths, order and finiteness of nodes and samples, and that the forces begin where
+    /// those of `quantities` do. `flanks`: the columns of the drive flank and, if there are own ones, of the coast flank;
+    /// `record` and the columns' names stand in messages.
+    ///
+    /// # Errors
+    /// The first defect, by field.
+    pub(super) fn check_record(
+        &self,
+        record: &str,
+        quantities: PerLoad,
+        flanks: [Option<Columns<'_>>; 2],
+    ) -> Result<(), TableError> {
+        self.check(record, quantities)?;
+        let length = self.lengths().iter().product();
+        for (flank, columns) in ["drive", "coast"].into_iter().zip(flanks) {
+            for (name, values) in columns.into_iter().flatten() {
+                check_values(&format!("{record}.{flank}.{name}"), values, length)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check(&self, record: &str, quantities: PerLoad) -> Result<(), TableError> {
         let named = |name: &str| format!("{record}.axes.{name}");
         for (name, nodes) in [
             ("center_distance_offset_m", &self.center_distance_offset_m),

@@ -10,7 +10,7 @@ mod sweep;
 #[cfg(feature = "preprocess")]
 pub use sweep::{RootStressSweep, default_root_stress_axes};
 
-use super::check::check_values;
+use super::load_spline::Columns;
 use super::{LoadAxes, LoadJet, LoadSpline, PerLoad, TableError};
 use serde::{Deserialize, Serialize};
 
@@ -74,10 +74,11 @@ impl RootStressSamples {
         }
     }
 
-    fn check(&self, flank: &str, length: usize) -> Result<(), TableError> {
-        let named = |name: &str| format!("root_stress.{flank}.{name}");
-        check_values(&named("gear_1_pa"), &self.gear_1_pa, length)?;
-        check_values(&named("gear_2_pa"), &self.gear_2_pa, length)
+    fn columns(&self) -> Columns<'_> {
+        vec![
+            ("gear_1_pa", &self.gear_1_pa),
+            ("gear_2_pa", &self.gear_2_pa),
+        ]
     }
 }
 
@@ -87,13 +88,10 @@ impl RootStressRecord {
     /// # Errors
     /// The first defect, by field.
     pub fn check(&self) -> Result<(), TableError> {
-        self.axes.check("root_stress", PerLoad::Effect)?;
-        let length = self.axes.lengths().iter().product();
-        self.drive.check("drive", length)?;
-        match &self.coast {
-            Some(coast) => coast.check("coast", length),
-            None => Ok(()),
-        }
+        let coast = self.coast.as_ref().map(RootStressSamples::columns);
+        let flanks = [Some(self.drive.columns()), coast];
+        self.axes
+            .check_record("root_stress", PerLoad::Effect, flanks)
     }
 }
 

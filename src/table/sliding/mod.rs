@@ -8,7 +8,7 @@ mod sweep;
 #[cfg(feature = "preprocess")]
 pub use sweep::{default_sliding_axes, sweep_sliding};
 
-use super::check::check_values;
+use super::load_spline::Columns;
 use super::{LoadAxes, LoadJet, LoadSpline, PerLoad, TableError};
 use crate::friction::{FrictionLaw, Sliding};
 use serde::{Deserialize, Serialize};
@@ -57,15 +57,14 @@ impl SlidingSamples {
         }
     }
 
-    fn check(&self, flank: &str, length: usize) -> Result<(), TableError> {
-        let named = |name: &str| format!("friction.{flank}.{name}");
-        check_values(&named("share"), &self.share, length)?;
-        check_values(&named("share_z_m"), &self.share_z_m, length)?;
-        check_values(&named("distance_m"), &self.distance_m, length)?;
-        match &self.weight {
-            Some(weight) => check_values(&named("weight"), weight, length),
-            None => Ok(()),
-        }
+    fn columns(&self) -> Columns<'_> {
+        let mut all: Columns = vec![
+            ("share", &self.share),
+            ("share_z_m", &self.share_z_m),
+            ("distance_m", &self.distance_m),
+        ];
+        all.extend(self.weight.iter().map(|weight| ("weight", &weight[..])));
+        all
     }
 }
 
@@ -75,13 +74,9 @@ impl FrictionRecord {
     /// # Errors
     /// The first defect, by field.
     pub fn check(&self) -> Result<(), TableError> {
-        self.axes.check("friction", PerLoad::Ratio)?;
-        let length = self.axes.lengths().iter().product();
-        self.drive.check("drive", length)?;
-        match &self.coast {
-            Some(coast) => coast.check("coast", length),
-            None => Ok(()),
-        }
+        let coast = self.coast.as_ref().map(SlidingSamples::columns);
+        let flanks = [Some(self.drive.columns()), coast];
+        self.axes.check_record("friction", PerLoad::Ratio, flanks)
     }
 }
 
@@ -99,9 +94,7 @@ impl SlidingTable {
         samples: &SlidingSamples,
         wanted: [bool; 2],
     ) -> Result<Self, TableError> {
-        let all = [&samples.share, &samples.share_z_m, &samples.distance_m];
-        let weight = samples.weight.as_ref();
-        let all: Vec<&[f64]> = all.into_iter().chain(weight).map(|q| &q[..]).collect();
+        let all: Vec<&[f64]> = samples.columns().into_iter().map(|c| c.1).collect();
         Ok(SlidingTable(LoadSpline::new(
             axes,
             (&all, PerLoad::Ratio),

@@ -115,11 +115,11 @@ pub struct LoadJet {
 /// Spline of some quantities, with just the dimensions that are switched on.
 #[derive(Debug)]
 pub struct LoadSpline {
-    interpolant: Box<dyn Interpolant>,
-}
-
-trait Interpolant: std::fmt::Debug + Send + Sync {
-    fn at(&self, query: [f64; 4], out: &mut [LoadJet]);
+    c: Basis<4>,
+    m: Basis<4>,
+    force: Basis<4>,
+    p: Basis<4>,
+    quantities: Vec<Coefficients<4>>,
 }
 
 impl LoadSpline {
@@ -157,93 +157,54 @@ impl LoadSpline {
             }
             *nodes = vec![0.0];
         }
-        macro_rules! choose {
-            ($nc:literal, $nm:literal, $np:literal) => {
-                Box::new(Spline::<$nc, $nm, $np>::new(&axes, &blocks, per_load)?)
-            };
-        }
-        let [nc, nm, _, np] = axes.lengths();
-        let interpolant: Box<dyn Interpolant> = match (nc > 1, nm > 1, np > 1) {
-            (false, false, false) => choose!(1, 1, 1),
-            (false, false, true) => choose!(1, 1, 4),
-            (false, true, false) => choose!(1, 4, 1),
-            (false, true, true) => choose!(1, 4, 4),
-            (true, false, false) => choose!(4, 1, 1),
-            (true, false, true) => choose!(4, 1, 4),
-            (true, true, false) => choose!(4, 4, 1),
-            (true, true, true) => choose!(4, 4, 4),
-        };
-        Ok(LoadSpline { interpolant })
-    }
-
-    /// The quantities, in their order, at the transverse force (N) on the line of action, centre distance offset (m),
-    /// misalignment (rad) and mesh position, in place of the first ones of `out`. Beyond the ends they go on linearly and
-    /// level out, over the load as [`PerLoad`] says.
-    pub fn evaluate(&self, query: [f64; 4], out: &mut [LoadJet]) {
-        self.interpolant.at(query, out);
-    }
-}
-
-#[derive(Debug)]
-struct Spline<const NC: usize, const NM: usize, const NP: usize> {
-    c: Basis<NC>,
-    m: Basis<NM>,
-    force: Basis<4>,
-    p: Basis<NP>,
-    quantities: Vec<Coefficients<NP>>,
-}
-
-impl<const NC: usize, const NM: usize, const NP: usize> Spline<NC, NM, NP> {
-    fn new(axes: &LoadAxes, blocks: &[Block], per_load: PerLoad) -> Result<Self, TableError> {
-        let c = axis_basis::<NC>(&axes.center_distance_offset_m, Ends::Bounded);
-        let m = axis_basis::<NM>(&axes.misalignment_rad, Ends::Bounded);
-        let mut force =
-            Basis::<4>::new(&breaks(&axes.loa_force_n, 3, Ends::Bounded), Ends::Bounded);
+        let c = axis_basis(&axes.center_distance_offset_m, Ends::Bounded);
+        let m = axis_basis(&axes.misalignment_rad, Ends::Bounded);
+        let mut force = Basis::new(&breaks(&axes.loa_force_n, 3, Ends::Bounded), Ends::Bounded);
         if per_load == PerLoad::Effect {
             force.guard = [f64::INFINITY; 2];
         }
-        let p = axis_basis::<NP>(&axes.mesh_position, Ends::Periodic);
+        let p = axis_basis(&axes.mesh_position, Ends::Periodic);
         let along = [
-            stored_from_values(
+            (
                 &c,
                 &axes.center_distance_offset_m,
                 Ends::Bounded,
                 "center_distance_offset_m",
-            )?,
-            stored_from_values(
+            ),
+            (
                 &m,
                 &axes.misalignment_rad,
                 Ends::Bounded,
                 "misalignment_rad",
-            )?,
-            stored_from_values(&force, &axes.loa_force_n, Ends::Bounded, "loa_force_n")?,
-            stored_from_values(&p, &axes.mesh_position, Ends::Periodic, "mesh_position")?,
+            ),
+            (&force, &axes.loa_force_n, Ends::Bounded, "loa_force_n"),
+            (&p, &axes.mesh_position, Ends::Periodic, "mesh_position"),
         ];
-        let fit = |block: &Block| {
-            let along = along.iter().enumerate();
-            Coefficients::new(&along.fold(block.clone(), |b, (axis, matrix)| {
-                b.transformed(axis, matrix)
-            }))
-        };
-        Ok(Spline {
-            quantities: blocks.iter().map(fit).collect(),
+        for (axis, (basis, nodes, ends, name)) in along.into_iter().enumerate() {
+            let matrix = stored_from_values(basis, nodes, ends, name)?;
+            for block in &mut blocks {
+                *block = block.transformed(axis, &matrix);
+            }
+        }
+        Ok(LoadSpline {
+            quantities: blocks.iter().map(Coefficients::new).collect(),
             c,
             m,
             force,
             p,
         })
     }
-}
 
-impl<const NC: usize, const NM: usize, const NP: usize> Interpolant for Spline<NC, NM, NP> {
-    fn at(&self, [force, c, m, p]: [f64; 4], out: &mut [LoadJet]) {
+    /// The quantities, in their order, at the transverse force (N) on the line of action, centre distance offset (m),
+    /// misalignment (rad) and mesh position, in place of the first ones of `out`. Beyond the ends they go on linearly and
+    /// level out, over the load as [`PerLoad`] says.
+    pub fn evaluate(&self, [force, c, m, p]: [f64; 4], out: &mut [LoadJet]) {
         let (wc, _) = self.c.weights(Two, c, 1);
         let (wm, _) = self.m.weights(Two, m, 1);
         let (wf, _) = self.force.weights(Two, force, 1);
         let (wp, _) = self.p.weights(Two, p, 1);
         for (jet, quantity) in out.iter_mut().zip(&self.quantities) {
-            let (shape, _) =
-                over_displacement::<4, NC, NM, NP, false>(Two, quantity, &wf, &wc, &wm, &wp);
+            let (shape, _) = over_displacement::<4, 4, false>(Two, quantity, &wf, &wc, &wm, &wp);
             let [by_c, by_m, by_p] = shape[0].gradient;
             *jet = LoadJet {
                 value: shape[0].value,

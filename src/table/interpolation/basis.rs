@@ -10,6 +10,8 @@ use nalgebra::DMatrix;
 pub struct Weights<const N: usize> {
     /// Stored index of the first of them.
     pub first: usize,
+    /// How many of them there are: N, or 1 on an axis that is not there.
+    pub count: usize,
     /// Values.
     pub value: [f64; N],
     /// First derivatives.
@@ -27,6 +29,7 @@ impl<const N: usize> Weights<N> {
         value[0] = 1.0;
         Weights {
             first: 0,
+            count: 1,
             value,
             slope: [0.0; N],
             curvature: [0.0; N],
@@ -57,7 +60,8 @@ pub struct Cell<const N: usize> {
     pub polynomials: [[f64; N]; N],
 }
 
-/// B-splines of degree N - 1 over one axis; `N` = 1: the axis has a single point and no extent.
+/// B-splines of degree N - 1 over one axis. Without cells the axis has a single point and no extent: one function that is
+/// 1 everywhere.
 #[derive(Debug, Clone)]
 pub struct Basis<const N: usize> {
     ends: Ends,
@@ -74,9 +78,9 @@ pub struct Basis<const N: usize> {
 }
 
 impl<const N: usize> Basis<N> {
-    /// From cell ends `breaks` (ascending; periodic: the first one repeated a period later).
+    /// From cell ends `breaks` (ascending; periodic: the first one repeated a period later; none: no extent).
     pub fn new(breaks: &[f64], ends: Ends) -> Self {
-        if N == 1 {
+        if breaks.is_empty() {
             return Self::absent();
         }
         let degree = N - 1;
@@ -144,7 +148,17 @@ impl<const N: usize> Basis<N> {
     /// Coefficients kept in memory: those of the fit, and N - 1 more of a periodic axis (the first
     /// ones again) or of an onset (zeros before it).
     pub fn stored(&self) -> usize {
-        if N == 1 { 1 } else { self.cells.len() + N - 1 }
+        if self.present() {
+            self.cells.len() + N - 1
+        } else {
+            1
+        }
+    }
+
+    /// Whether the axis has an extent.
+    #[inline(always)]
+    pub fn present(&self) -> bool {
+        !self.cells.is_empty()
     }
 
     /// Index of the cell of `x` (the end cell beyond the range) and the cell.
@@ -163,7 +177,7 @@ impl<const N: usize> Basis<N> {
     /// Whether `x` lies inside the range, its upper end left out, or there is no range to leave.
     #[inline(always)]
     pub fn holds(&self, x: f64) -> bool {
-        N == 1 || (x >= self.low && x < self.high)
+        !self.present() || (x >= self.low && x < self.high)
     }
 
     /// All cells.
@@ -182,7 +196,7 @@ impl<const N: usize> Basis<N> {
     /// above.
     #[inline(always)]
     fn inside_of(&self, registers: impl Registers, x: f64, order: usize) -> Weights<N> {
-        if N == 1 {
+        if !self.present() {
             return Weights::constant();
         }
         let (first, cell) = self.cell(x);
@@ -208,6 +222,7 @@ impl<const N: usize> Basis<N> {
         let s = cell.scale;
         let mut w = Weights {
             first,
+            count: N,
             value: horner[0],
             slope: [0.0; N],
             curvature: [0.0; N],
@@ -234,7 +249,7 @@ impl<const N: usize> Basis<N> {
     /// nearer end, and whether `x` is outside.
     #[inline(always)]
     pub fn weights(&self, registers: impl Registers, x: f64, order: usize) -> (Weights<N>, bool) {
-        if N == 1 {
+        if !self.present() {
             return (Weights::constant(), false);
         }
         if self.holds(x) {
@@ -298,7 +313,7 @@ impl<const N: usize> Basis<N> {
     #[cold]
     #[inline(never)]
     pub fn linear(&self, x: f64) -> Weights<N> {
-        if N == 1 || self.ends != Ends::Bounded {
+        if !self.present() || self.ends != Ends::Bounded {
             return self.weights(Two, x, 3).0;
         }
         let edge = x.clamp(self.low, self.high);

@@ -31,9 +31,9 @@ pub fn spans(fields: &Block) -> Block {
 ///
 /// # Errors
 /// A span that is not positive within the range.
-pub fn limit<const NC: usize, const NM: usize>(
-    c: &mut Basis<NC>,
-    m: &mut Basis<NM>,
+pub fn limit<const N: usize>(
+    c: &mut Basis<N>,
+    m: &mut Basis<N>,
     span: &Block,
     force: Option<&Block>,
 ) -> Result<(), TableError> {
@@ -62,13 +62,13 @@ pub fn limit<const NC: usize, const NM: usize>(
     };
     for end in 0..2 {
         for _ in 0..HALVINGS {
-            if NC == 1 || legal(Some(c.far_end(end)), None) {
+            if !c.present() || legal(Some(c.far_end(end)), None) {
                 break;
             }
             c.guard[end] *= 0.5;
         }
         for _ in 0..HALVINGS {
-            if NM == 1 || legal(None, Some(m.far_end(end))) {
+            if !m.present() || legal(None, Some(m.far_end(end))) {
                 break;
             }
             m.guard[end] *= 0.5;
@@ -77,7 +77,7 @@ pub fn limit<const NC: usize, const NM: usize>(
     // What is linear in either coordinate is extreme at the corners: legal there, legal between.
     for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
         for _ in 0..HALVINGS {
-            if NC == 1 || NM == 1 || legal(Some(c.far_end(i)), Some(m.far_end(j))) {
+            if !c.present() || !m.present() || legal(Some(c.far_end(i)), Some(m.far_end(j))) {
                 break;
             }
             c.guard[i] *= 0.5;

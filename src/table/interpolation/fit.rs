@@ -95,7 +95,7 @@ pub fn stored_from_values<const N: usize>(
     ends: Ends,
     name: &str,
 ) -> Result<DMatrix<f64>, TableError> {
-    if N == 1 {
+    if !basis.present() {
         return Ok(DMatrix::identity(1, 1));
     }
     let n = nodes.len();

@@ -40,43 +40,43 @@ fn put<const N: usize>(
 
 /// Sums over centre distance and misalignment, still open along the mesh position.
 #[derive(Clone, Copy)]
-struct Plane<const NP: usize> {
-    value: [f64; NP],
+struct Plane<const N: usize> {
+    value: [f64; N],
     /// Derivatives by centre distance and misalignment.
-    c: [f64; NP],
-    m: [f64; NP],
+    c: [f64; N],
+    m: [f64; N],
     /// Second derivatives, only with `H`.
-    cc: [f64; NP],
-    cm: [f64; NP],
-    mm: [f64; NP],
+    cc: [f64; N],
+    cm: [f64; N],
+    mm: [f64; N],
 }
 
-impl<const NP: usize> Plane<NP> {
+impl<const N: usize> Plane<N> {
     const ZERO: Self = Plane {
-        value: [0.0; NP],
-        c: [0.0; NP],
-        m: [0.0; NP],
-        cc: [0.0; NP],
-        cm: [0.0; NP],
-        mm: [0.0; NP],
+        value: [0.0; N],
+        c: [0.0; N],
+        m: [0.0; N],
+        cc: [0.0; N],
+        cm: [0.0; N],
+        mm: [0.0; N],
     };
 
     /// Of the rows of `lanes` from `start` on, `c` and `m` apart. `H`: with second derivatives.
     #[inline(always)]
-    fn new<const NC: usize, const NM: usize, const H: bool>(
+    fn new<const H: bool>(
         registers: impl Registers,
-        lanes: &[[f64; NP]],
+        lanes: &[[f64; N]],
         [start, c, m]: [usize; 3],
-        wc: &Weights<NC>,
-        wm: &Weights<NM>,
+        wc: &Weights<N>,
+        wm: &Weights<N>,
     ) -> Self {
         let mut sum = Self::ZERO;
-        for i in 0..NC {
+        for i in 0..wc.count {
             let first = &lanes[start + i * c];
             let mut a = registers.scaled(wm.value[0], first);
             let mut a_m = registers.scaled(wm.slope[0], first);
             let mut a_mm = registers.scaled(wm.curvature[0], first);
-            for j in 1..NM {
+            for j in 1..wm.count {
                 let row = &lanes[start + i * c + j * m];
                 registers.add(&mut a, wm.value[j], row);
                 registers.add(&mut a_m, wm.slope[j], row);
@@ -98,7 +98,7 @@ impl<const NP: usize> Plane<NP> {
 
     /// Closed along the mesh position.
     #[inline(always)]
-    fn jet<const H: bool>(&self, wp: &Weights<NP>) -> Jet {
+    fn jet<const H: bool>(&self, wp: &Weights<N>) -> Jet {
         let mut jet = Jet {
             value: dot(&self.value, &wp.value),
             gradient: [
@@ -122,25 +122,25 @@ impl<const NP: usize> Plane<NP> {
     }
 }
 
-/// A block of coefficients `[c][m][row][mesh position]`, rows as long as whole groups of NP lanes.
+/// A block of coefficients `[c][m][row][mesh position]`, rows as long as whole groups of N lanes.
 #[derive(Debug, Clone)]
-pub struct Coefficients<const NP: usize> {
+pub struct Coefficients<const N: usize> {
     values: Vec<f64>,
     /// Distances from one c, m and row to the next, in groups; short, so that sums of a few cannot overflow and
     /// one check serves a whole cell.
     strides: [u32; 3],
 }
 
-impl<const NP: usize> Coefficients<NP> {
+impl<const N: usize> Coefficients<N> {
     /// From the array of a fit with lengths (c, m, row, mesh position).
     pub fn new(block: &Block) -> Self {
         let [_, nm, rows, np] = block.lengths;
-        let groups = np.div_ceil(NP);
+        let groups = np.div_ceil(N);
         let stride = |n: usize| u32::try_from(n).expect("a table fits into memory");
-        let mut values = Vec::with_capacity(block.values.len() / np * groups * NP);
+        let mut values = Vec::with_capacity(block.values.len() / np * groups * N);
         for row in block.values.chunks_exact(np) {
             values.extend_from_slice(row);
-            values.resize(values.len().next_multiple_of(NP), 0.0);
+            values.resize(values.len().next_multiple_of(N), 0.0);
         }
         Coefficients {
             values,
@@ -159,68 +159,62 @@ impl<const NP: usize> Coefficients<NP> {
 
     /// The lanes from mesh-position coefficient `first` on, of every row.
     #[inline(always)]
-    fn from(&self, first: usize) -> &[[f64; NP]] {
+    fn from(&self, first: usize) -> &[[f64; N]] {
         self.values[first..].as_chunks().0
     }
 }
 
 /// One number over (centre distance, misalignment, mesh position): row `r` of `coefficients`.
 #[inline(always)]
-pub fn field<const NC: usize, const NM: usize, const NP: usize, const H: bool>(
+pub fn field<const N: usize, const H: bool>(
     registers: impl Registers,
-    coefficients: &Coefficients<NP>,
+    coefficients: &Coefficients<N>,
     r: usize,
-    wc: &Weights<NC>,
-    wm: &Weights<NM>,
-    wp: &Weights<NP>,
+    wc: &Weights<N>,
+    wm: &Weights<N>,
+    wp: &Weights<N>,
 ) -> Jet {
     let lanes = coefficients.from(wp.first);
     let [c, m, u] = coefficients.strides.map(|x| x as usize);
     let lanes = &lanes[wc.first * c + wm.first * m..];
-    assert!((NC - 1) * c + (NM - 1) * m + r * u < lanes.len());
-    Plane::new::<NC, NM, H>(registers, lanes, [r * u, c, m], wc, wm).jet::<H>(wp)
+    assert!((wc.count - 1) * c + (wm.count - 1) * m + r * u < lanes.len());
+    Plane::new::<H>(registers, lanes, [r * u, c, m], wc, wm).jet::<H>(wp)
 }
 
 /// The no-load approach (row 0) and the span up to the top load (row 1).
 #[inline(always)]
-pub fn fields<const NC: usize, const NM: usize, const NP: usize, const H: bool>(
+pub fn fields<const N: usize, const H: bool>(
     registers: impl Registers,
-    coefficients: &Coefficients<NP>,
-    wc: &Weights<NC>,
-    wm: &Weights<NM>,
-    wp: &Weights<NP>,
+    coefficients: &Coefficients<N>,
+    wc: &Weights<N>,
+    wm: &Weights<N>,
+    wp: &Weights<N>,
 ) -> [Jet; 2] {
     [
-        field::<NC, NM, NP, H>(registers, coefficients, 0, wc, wm, wp),
-        field::<NC, NM, NP, H>(registers, coefficients, 1, wc, wm, wp),
+        field::<N, H>(registers, coefficients, 0, wc, wm, wp),
+        field::<N, H>(registers, coefficients, 1, wc, wm, wp),
     ]
 }
 
 /// Value, first and second derivative over the displacement, with what [`chain`](super::chain) needs of their
 /// derivatives by the other coordinates; and the third one, only with `H`, zero otherwise.
 #[inline(always)]
-pub fn over_displacement<
-    const NU: usize,
-    const NC: usize,
-    const NM: usize,
-    const NP: usize,
-    const H: bool,
->(
+pub fn over_displacement<const NU: usize, const N: usize, const H: bool>(
     registers: impl Registers,
-    coefficients: &Coefficients<NP>,
+    coefficients: &Coefficients<N>,
     wu: &Weights<NU>,
-    wc: &Weights<NC>,
-    wm: &Weights<NM>,
-    wp: &Weights<NP>,
+    wc: &Weights<N>,
+    wm: &Weights<N>,
+    wp: &Weights<N>,
 ) -> ([Jet; 3], f64) {
     let lanes = coefficients.from(wp.first);
     let [c, m, u] = coefficients.strides.map(|x| x as usize);
     let lanes = &lanes[wc.first * c + wm.first * m + wu.first * u..];
-    assert!((NC - 1) * c + (NM - 1) * m + (NU - 1) * u < lanes.len());
-    let [mut w, mut f, mut k] = [Plane::<NP>::ZERO; 3];
-    let mut third = [0.0; NP];
+    assert!((wc.count - 1) * c + (wm.count - 1) * m + (NU - 1) * u < lanes.len());
+    let [mut w, mut f, mut k] = [Plane::<N>::ZERO; 3];
+    let mut third = [0.0; N];
     for r in 0..NU {
-        let plane = Plane::new::<NC, NM, H>(registers, lanes, [r * u, c, m], wc, wm);
+        let plane = Plane::new::<H>(registers, lanes, [r * u, c, m], wc, wm);
         put(registers, r, &mut w.value, wu.value[r], &plane.value);
         put(registers, r, &mut w.c, wu.value[r], &plane.c);
         put(registers, r, &mut w.m, wu.value[r], &plane.m);

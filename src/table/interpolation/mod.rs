@@ -133,45 +133,14 @@ impl FlankTable {
     /// Nodes through which no spline passes; a span that is not positive everywhere.
     pub fn new(grid: &FlankGrid, interpolation: Interpolation) -> Result<Self, TableError> {
         grid.check("samples")?;
-        macro_rules! choose {
-            ($nu:literal, $nf:literal, $n:literal) => {
-                match grid.axes.present() {
-                    [false, false, false] => boxed(Tensor::<$nu, 1, 1, 1>::new::<$nf>(grid)?),
-                    [false, false, true] => boxed(Tensor::<$nu, 1, 1, $n>::new::<$nf>(grid)?),
-                    [false, true, false] => boxed(Tensor::<$nu, 1, $n, 1>::new::<$nf>(grid)?),
-                    [false, true, true] => boxed(Tensor::<$nu, 1, $n, $n>::new::<$nf>(grid)?),
-                    [true, false, false] => boxed(Tensor::<$nu, $n, 1, 1>::new::<$nf>(grid)?),
-                    [true, false, true] => boxed(Tensor::<$nu, $n, 1, $n>::new::<$nf>(grid)?),
-                    [true, true, false] => boxed(Tensor::<$nu, $n, $n, 1>::new::<$nf>(grid)?),
-                    [true, true, true] => boxed(Tensor::<$nu, $n, $n, $n>::new::<$nf>(grid)?),
-                }
-            };
-        }
-        macro_rules! shepard {
-            ($k:literal, $nc:literal, $nm:literal, $np:literal) => {
-                boxed(Shepard::<$k, $nc, $nm, $np>::new(
-                    grid,
-                    Tensor::new::<4>(grid)?,
-                )?)
-            };
-        }
+        // Shuttling comes from the potential where misalignment is a coordinate of it.
+        let own_moment = grid.moment.is_some() && !grid.axes.present()[1];
+        let spline = || Tensor::<5, 4>::new::<4>(grid);
         let interpolant = match interpolation {
-            Interpolation::Linear => choose!(3, 2, 2),
-            Interpolation::Spline => choose!(5, 4, 4),
-            Interpolation::Shepard => match (grid.axes.present(), grid.moment.is_some()) {
-                ([false, false, false], false) => shepard!(1, 1, 1, 1),
-                ([false, false, false], true) => shepard!(2, 1, 1, 1),
-                ([false, false, true], false) => shepard!(1, 1, 1, 4),
-                ([false, false, true], true) => shepard!(2, 1, 1, 4),
-                ([true, false, false], false) => shepard!(1, 4, 1, 1),
-                ([true, false, false], true) => shepard!(2, 4, 1, 1),
-                ([true, false, true], false) => shepard!(1, 4, 1, 4),
-                ([true, false, true], true) => shepard!(2, 4, 1, 4),
-                ([false, true, false], _) => shepard!(1, 1, 4, 1),
-                ([false, true, true], _) => shepard!(1, 1, 4, 4),
-                ([true, true, false], _) => shepard!(1, 4, 4, 1),
-                ([true, true, true], _) => shepard!(1, 4, 4, 4),
-            },
+            Interpolation::Linear => boxed(Tensor::<3, 2>::new::<2>(grid)?),
+            Interpolation::Spline => boxed(spline()?),
+            Interpolation::Shepard if own_moment => boxed(Shepard::<2>::new(grid, spline()?)?),
+            Interpolation::Shepard => boxed(Shepard::<1>::new(grid, spline()?)?),
         };
         Ok(FlankTable {
             interpolant,
@@ -198,23 +167,11 @@ impl FlankTable {
         loa_force: f64,
     ) -> Result<Self, TableError> {
         grid.check("samples")?;
-        macro_rules! choose {
-            ($n:literal) => {
-                match grid.axes.present() {
-                    [false, false, false] => boxed(Secant::<1, 1, 1>::new(grid, loa_force)?),
-                    [false, false, true] => boxed(Secant::<1, 1, $n>::new(grid, loa_force)?),
-                    [false, true, false] => boxed(Secant::<1, $n, 1>::new(grid, loa_force)?),
-                    [false, true, true] => boxed(Secant::<1, $n, $n>::new(grid, loa_force)?),
-                    [true, false, false] => boxed(Secant::<$n, 1, 1>::new(grid, loa_force)?),
-                    [true, false, true] => boxed(Secant::<$n, 1, $n>::new(grid, loa_force)?),
-                    [true, true, false] => boxed(Secant::<$n, $n, 1>::new(grid, loa_force)?),
-                    [true, true, true] => boxed(Secant::<$n, $n, $n>::new(grid, loa_force)?),
-                }
-            };
-        }
         let interpolant = match interpolation {
-            Interpolation::Linear => choose!(2),
-            Interpolation::Spline | Interpolation::Shepard => choose!(4),
+            Interpolation::Linear => boxed(Secant::<2>::new(grid, loa_force)?),
+            Interpolation::Spline | Interpolation::Shepard => {
+                boxed(Secant::<4>::new(grid, loa_force)?)
+            }
         };
         Ok(FlankTable {
             interpolant,

@@ -8,27 +8,29 @@ use super::tensor::axis_basis;
 use super::{Checks, Evaluate, chain, continuation};
 use crate::table::{FlankGrid, Potential, Query, TableError};
 
+/// `N` functions at one point per coordinate: spline 4, linear 2.
+///
 /// W = F_n (delta - O)² / (2 (STE - O)), that is S w(u) with u = (delta - O)/S, S = STE - O, w = F_n u²/2.
 #[derive(Debug, Clone)]
-pub struct Secant<const NC: usize, const NM: usize, const NP: usize> {
-    c: Basis<NC>,
-    m: Basis<NM>,
-    p: Basis<NP>,
+pub struct Secant<const N: usize> {
+    c: Basis<N>,
+    m: Basis<N>,
+    p: Basis<N>,
     /// O and S over (c, m, row, mesh position).
-    fields: Coefficients<NP>,
+    fields: Coefficients<N>,
     /// z_c - z_ref likewise.
-    lever: Option<Coefficients<NP>>,
+    lever: Option<Coefficients<N>>,
     loa_force: f64,
 }
 
-impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
+impl<const N: usize> Secant<N> {
     /// From the samples of one flank at the force `loa_force`, N.
     pub fn new(grid: &FlankGrid, loa_force: f64) -> Result<Self, TableError> {
         let at = at_force(grid, loa_force)?;
         let axes = &grid.axes;
-        let mut c = axis_basis::<NC>(&axes.center_distance_offset, Ends::Bounded);
-        let mut m = axis_basis::<NM>(&axes.misalignment, Ends::Bounded);
-        let p = axis_basis::<NP>(&axes.mesh_position, Ends::Periodic);
+        let mut c = axis_basis::<N>(&axes.center_distance_offset, Ends::Bounded);
+        let mut m = axis_basis::<N>(&axes.misalignment, Ends::Bounded);
+        let p = axis_basis::<N>(&axes.mesh_position, Ends::Periodic);
         let along = [
             stored_from_values(
                 &c,
@@ -66,13 +68,10 @@ impl<const NC: usize, const NM: usize, const NP: usize> Secant<NC, NM, NP> {
             loa_force,
         })
     }
-
-    /// Which coordinates there are.
-    const PRESENT: [bool; 3] = [NC > 1, NM > 1, NP > 1];
 }
 
-impl<const NC: usize, const NM: usize, const NP: usize> Evaluate for Secant<NC, NM, NP> {
-    const WIDE: bool = NP == 4;
+impl<const N: usize> Evaluate for Secant<N> {
+    const WIDE: bool = N == 4;
 
     #[inline(always)]
     fn at<const H: bool>(&self, registers: impl Registers, q: &Query) -> Potential {
@@ -80,12 +79,12 @@ impl<const NC: usize, const NM: usize, const NP: usize> Evaluate for Secant<NC, 
         let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
         let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
         let (wp, _) = self.p.weights(registers, q.mesh_position, order);
-        let [mut origin, span] = fields::<NC, NM, NP, H>(registers, &self.fields, &wc, &wm, &wp);
+        let [mut origin, span] = fields::<N, H>(registers, &self.fields, &wc, &wm, &wp);
         let out_of_range = c_outside || m_outside;
         if out_of_range {
             let wc = self.c.linear(q.center_distance_offset);
             let wm = self.m.linear(q.misalignment);
-            origin = field::<NC, NM, NP, H>(registers, &self.fields, 0, &wc, &wm, &wp);
+            origin = field::<N, H>(registers, &self.fields, 0, &wc, &wm, &wp);
         }
         let u = (q.delta - origin.value) / span.value;
         if u <= 0.0 {
@@ -99,16 +98,17 @@ impl<const NC: usize, const NM: usize, const NP: usize> Evaluate for Secant<NC, 
             ..Jet::default()
         };
         let f = self.loa_force;
+        let present = [&self.c, &self.m, &self.p].map(Basis::present);
         let mut out = chain::potential::<H>(
             u,
             &[jet(0.5 * f * u * u), jet(f * u), jet(f)],
             0.0,
             &origin,
             &span,
-            Self::PRESENT,
+            present,
         );
         if let Some(lever) = &self.lever {
-            let z = field::<NC, NM, NP, H>(registers, lever, 0, &wc, &wm, &wp);
+            let z = field::<N, H>(registers, lever, 0, &wc, &wm, &wp);
             let moment = Jet {
                 value: f * u * z.value,
                 gradient: z.gradient.map(|g| f * u * g),
@@ -120,7 +120,7 @@ impl<const NC: usize, const NM: usize, const NP: usize> Evaluate for Secant<NC, 
                 &[Jet::default(), moment, jet(f * z.value)],
                 &origin,
                 &span,
-                Self::PRESENT,
+                present,
             );
         }
         out.out_of_range = out_of_range;

@@ -22,14 +22,14 @@ const Y: [usize; 3] = [0, 1, 3];
 /// Points at which the slope of the force is looked at.
 const SCANNED: usize = 8_000;
 
-/// `K` = 2 with a moment of its own (where it is not dW/dM). `NC`, `NM`, `NP`: 4, or 1 without this axis.
+/// `K` = 2 with a moment of its own (where it is not dW/dM).
 #[derive(Debug)]
-pub struct Shepard<const K: usize, const NC: usize, const NM: usize, const NP: usize> {
-    c: Basis<NC>,
-    m: Basis<NM>,
-    p: Basis<NP>,
+pub struct Shepard<const K: usize> {
+    c: Basis<4>,
+    m: Basis<4>,
+    p: Basis<4>,
     /// No-load approach and span: the coordinate, by the spline.
-    fields: Coefficients<NP>,
+    fields: Coefficients<4>,
     u: Basis<5>,
     /// Coefficients of h.
     mean: Vec<f64>,
@@ -39,9 +39,9 @@ pub struct Shepard<const K: usize, const NC: usize, const NM: usize, const NP: u
     checks: Checks,
 }
 
-impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Shepard<K, NC, NM, NP> {
+impl<const K: usize> Shepard<K> {
     /// From the samples of one flank; `tensor` is the spline through the same.
-    pub fn new(grid: &FlankGrid, tensor: Tensor<5, NC, NM, NP>) -> Result<Self, TableError> {
+    pub fn new(grid: &FlankGrid, tensor: Tensor<5, 4>) -> Result<Self, TableError> {
         let u_nodes = &grid.axes.displacement_fraction;
         let u_breaks = breaks(u_nodes, 3, Ends::Onset);
         let force_basis = Basis::<4>::new(&u_breaks, Ends::Onset);
@@ -169,7 +169,7 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Shepard<
     fn shape<const H: bool>(&self, u: f64, [c, m, p]: [f64; 3]) -> (Shape, Option<[Jet; 3]>) {
         let bounded = [c, m, u];
         let stops: [[f64; 4]; 3] = std::array::from_fn(|i| saturated(bounded[i], &self.nodes[i]));
-        let turn = if NP == 1 { 0.0 } else { p - p.floor() };
+        let turn = if self.p.present() { p - p.floor() } else { 0.0 };
         let mut jets = self
             .scatter
             .at::<H>([stops[0][0], stops[1][0], stops[2][0], turn]);
@@ -203,14 +203,9 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Shepard<
         });
         (shape, moment)
     }
-
-    /// Which coordinates beside the displacement there are.
-    const PRESENT: [bool; 3] = [NC > 1, NM > 1, NP > 1];
 }
 
-impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Evaluate
-    for Shepard<K, NC, NM, NP>
-{
+impl<const K: usize> Evaluate for Shepard<K> {
     const WIDE: bool = false;
 
     #[inline(always)]
@@ -219,11 +214,11 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Evaluate
         let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
         let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
         let (wp, _) = self.p.weights(registers, q.mesh_position, order);
-        let [mut no_load, span] = fields::<NC, NM, NP, H>(registers, &self.fields, &wc, &wm, &wp);
+        let [mut no_load, span] = fields::<4, H>(registers, &self.fields, &wc, &wm, &wp);
         if c_outside || m_outside {
             let wc = self.c.linear(q.center_distance_offset);
             let wm = self.m.linear(q.misalignment);
-            no_load = field::<NC, NM, NP, H>(registers, &self.fields, 0, &wc, &wm, &wp);
+            no_load = field::<4, H>(registers, &self.fields, 0, &wc, &wm, &wp);
         }
         let u = (q.delta - no_load.value) / span.value;
         if u <= 0.0 || u.is_nan() {
@@ -234,10 +229,10 @@ impl<const K: usize, const NC: usize, const NM: usize, const NP: usize> Evaluate
         }
         let y = [q.center_distance_offset, q.misalignment, q.mesh_position];
         let (shape, moment) = self.shape::<H>(u, y);
-        let mut out =
-            chain::potential::<H>(u, &shape.by_u, shape.third, &no_load, &span, Self::PRESENT);
+        let present = [&self.c, &self.m, &self.p].map(Basis::present);
+        let mut out = chain::potential::<H>(u, &shape.by_u, shape.third, &no_load, &span, present);
         if let Some(moment) = &moment {
-            chain::set_moment::<H>(&mut out, u, moment, &no_load, &span, Self::PRESENT);
+            chain::set_moment::<H>(&mut out, u, moment, &no_load, &span, present);
         }
         out.out_of_range = c_outside || m_outside || u > 1.0;
         out

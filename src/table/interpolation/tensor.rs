@@ -14,20 +14,20 @@ use super::line::Line;
 use super::{Checks, Evaluate, chain, continuation};
 use crate::table::{FlankGrid, Potential, Query, TableError};
 
-/// `NU`, `NC`, `NM`, `NP`: functions at one point per coordinate (1: no such axis). Spline 5, 4, 4, 4;
-/// linear 3, 2, 2, 2.
+/// `NU` functions at one displacement, `N` at one point of each other coordinate: spline 5 and 4, linear 3 and 2. A
+/// coordinate without an axis has one.
 #[derive(Debug, Clone)]
-pub struct Tensor<const NU: usize, const NC: usize, const NM: usize, const NP: usize> {
+pub struct Tensor<const NU: usize, const N: usize> {
     u: Basis<NU>,
-    c: Basis<NC>,
-    m: Basis<NM>,
-    p: Basis<NP>,
+    c: Basis<N>,
+    m: Basis<N>,
+    p: Basis<N>,
     /// w over (c, m, u, mesh position).
-    shape: Coefficients<NP>,
+    shape: Coefficients<N>,
     /// Integral over u of the moment, likewise, where it is not dW/dM.
-    moment: Option<Coefficients<NP>>,
+    moment: Option<Coefficients<N>>,
     /// No-load approach and span.
-    fields: Coefficients<NP>,
+    fields: Coefficients<N>,
     /// Below it there is no contact anywhere inside the range: less than every coefficient of the no-load approach.
     no_contact: f64,
     /// Potential and moment without any other coordinate, for u up to 1.
@@ -37,16 +37,16 @@ pub struct Tensor<const NU: usize, const NC: usize, const NM: usize, const NP: u
 
 /// The force's own basis, one degree below the potential's, has one function fewer; const generics
 /// cannot say NU - 1, so `NF` is a parameter of the constructor.
-impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<NU, NC, NM, NP> {
+impl<const NU: usize, const N: usize> Tensor<NU, N> {
     /// Fits the samples of one flank.
     pub fn new<const NF: usize>(grid: &FlankGrid) -> Result<Self, TableError> {
         assert_eq!(NF + 1, NU, "the potential is one degree above the force");
         let axes = &grid.axes;
         let u_breaks = breaks(&axes.displacement_fraction, NF - 1, Ends::Onset);
         let force_basis = Basis::<NF>::new(&u_breaks, Ends::Onset);
-        let mut c = axis_basis::<NC>(&axes.center_distance_offset, Ends::Bounded);
-        let mut m = axis_basis::<NM>(&axes.misalignment, Ends::Bounded);
-        let p = axis_basis::<NP>(&axes.mesh_position, Ends::Periodic);
+        let mut c = axis_basis::<N>(&axes.center_distance_offset, Ends::Bounded);
+        let mut m = axis_basis::<N>(&axes.misalignment, Ends::Bounded);
+        let p = axis_basis::<N>(&axes.mesh_position, Ends::Periodic);
         let along = [
             stored_from_values(
                 &c,
@@ -99,12 +99,12 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
         let shape = integrate(&force, &u_breaks, NF - 1);
         let moment = grid
             .moment_block()
-            .filter(|_| NM == 1)
+            .filter(|_| !m.present())
             .map(|b| integrate(&fit(b, true), &u_breaks, NF - 1));
         let fields = fit(grid.field_block(), false);
         continuation::limit(&mut c, &mut m, &continuation::spans(&fields), Some(&force))?;
         let u = Basis::new(&u_breaks, Ends::Onset);
-        let alone = Self::PRESENT == [false; 3];
+        let alone = ![&c, &m, &p].into_iter().any(Basis::present);
         let line = |b: &Block| Line::new(&u, &b.values);
         Ok(Tensor {
             lines: alone.then(|| [&shape].into_iter().chain(&moment).map(line).collect()),
@@ -121,18 +121,13 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Tensor<
     }
 
     /// The coordinate alone: bases of C, M and PMC, and the coefficients of no-load approach and span.
-    pub fn into_frame(self) -> (Basis<NC>, Basis<NM>, Basis<NP>, Coefficients<NP>) {
+    pub fn into_frame(self) -> (Basis<N>, Basis<N>, Basis<N>, Coefficients<N>) {
         (self.c, self.m, self.p, self.fields)
     }
-
-    /// Which coordinates beside the displacement there are.
-    const PRESENT: [bool; 3] = [NC > 1, NM > 1, NP > 1];
 }
 
-impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Evaluate
-    for Tensor<NU, NC, NM, NP>
-{
-    const WIDE: bool = NP == 4;
+impl<const NU: usize, const N: usize> Evaluate for Tensor<NU, N> {
+    const WIDE: bool = N == 4;
 
     #[inline(always)]
     fn at<const H: bool>(&self, registers: impl Registers, q: &Query) -> Potential {
@@ -147,12 +142,12 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Evaluat
         let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
         let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
         let (wp, _) = self.p.weights(registers, q.mesh_position, order);
-        let [mut no_load, span] = fields::<NC, NM, NP, H>(registers, &self.fields, &wc, &wm, &wp);
+        let [mut no_load, span] = fields::<N, H>(registers, &self.fields, &wc, &wm, &wp);
         if c_outside || m_outside {
             // The onset follows the coordinate however far it goes; only stiffness levels out.
             let wc = self.c.linear(q.center_distance_offset);
             let wm = self.m.linear(q.misalignment);
-            no_load = field::<NC, NM, NP, H>(registers, &self.fields, 0, &wc, &wm, &wp);
+            no_load = field::<N, H>(registers, &self.fields, 0, &wc, &wm, &wp);
         }
         let u = (q.delta - no_load.value) / span.value;
         if u <= 0.0 {
@@ -161,26 +156,26 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Evaluat
                 ..Potential::default()
             };
         }
+        let present = [&self.c, &self.m, &self.p].map(Basis::present);
         if let Some(lines) = &self.lines
             && u <= 1.0
         {
             let (cell, t, scale) = self.u.local(u);
             let (shape, third) = lines[0].at(cell, t, scale);
-            let mut out = chain::potential::<H>(u, &shape, third, &no_load, &span, Self::PRESENT);
+            let mut out = chain::potential::<H>(u, &shape, third, &no_load, &span, present);
             if let Some(moment) = lines.get(1) {
                 let (shape, _) = moment.at(cell, t, scale);
-                chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, Self::PRESENT);
+                chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, present);
             }
             return out;
         }
         let (wu, u_outside) = self.u.weights(registers, u, order + 1);
         let (shape, third) =
-            over_displacement::<NU, NC, NM, NP, H>(registers, &self.shape, &wu, &wc, &wm, &wp);
-        let mut out = chain::potential::<H>(u, &shape, third, &no_load, &span, Self::PRESENT);
+            over_displacement::<NU, N, H>(registers, &self.shape, &wu, &wc, &wm, &wp);
+        let mut out = chain::potential::<H>(u, &shape, third, &no_load, &span, present);
         if let Some(moment) = &self.moment {
-            let (shape, _) =
-                over_displacement::<NU, NC, NM, NP, H>(registers, moment, &wu, &wc, &wm, &wp);
-            chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, Self::PRESENT);
+            let (shape, _) = over_displacement::<NU, N, H>(registers, moment, &wu, &wc, &wm, &wp);
+            chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, present);
         }
         out.out_of_range = c_outside || m_outside || u_outside;
         out
@@ -199,7 +194,7 @@ impl<const NU: usize, const NC: usize, const NM: usize, const NP: usize> Evaluat
 
 /// Basis of an axis that is not the displacement.
 pub fn axis_basis<const N: usize>(nodes: &[f64], ends: Ends) -> Basis<N> {
-    if N == 1 {
+    if nodes.len() == 1 {
         // A single point: the nodes say where, nothing depends on it.
         return Basis::new(&[], ends);
     }

@@ -7,7 +7,7 @@ use super::TableError;
 use super::check::{check_axis, check_mesh_position, check_values, too_few};
 use super::grid::value_row;
 use super::interpolation::{
-    Basis, Block, Coefficients, Ends, Two, axis_basis, breaks, over_displacement,
+    ANY, Basis, Block, Coefficients, Ends, Two, axis_basis, breaks, over_displacement,
     stored_from_values,
 };
 use serde::{Deserialize, Serialize};
@@ -204,7 +204,8 @@ impl LoadSpline {
         let (wf, _) = self.force.weights(Two, force, 1);
         let (wp, _) = self.p.weights(Two, p, 1);
         for (jet, quantity) in out.iter_mut().zip(&self.quantities) {
-            let (shape, _) = over_displacement::<4, 4, false>(Two, quantity, &wf, &wc, &wm, &wp);
+            let (shape, _) =
+                over_displacement::<4, 4, false, ANY>(Two, quantity, &wf, &wc, &wm, &wp);
             let [by_c, by_m, by_p] = shape[0].gradient;
             *jet = LoadJet {
                 value: shape[0].value,

@@ -24,7 +24,7 @@ pub struct Weights<const N: usize> {
 
 impl<const N: usize> Weights<N> {
     /// Weights of an axis that is not there: one function that is 1 everywhere.
-    const fn constant() -> Self {
+    pub const fn constant() -> Self {
         let mut value = [0.0; N];
         value[0] = 1.0;
         Weights {

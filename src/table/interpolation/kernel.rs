@@ -5,6 +5,7 @@
 //! misalignment, then centre distance, then displacement.
 
 use super::basis::Weights;
+use super::compiled::{ANY, count};
 use super::fit::Block;
 use super::lanes::{Registers, dot};
 
@@ -63,7 +64,7 @@ impl<const N: usize> Plane<N> {
 
     /// Of the rows of `lanes` from `start` on, `c` and `m` apart. `H`: with second derivatives.
     #[inline(always)]
-    fn new<const H: bool>(
+    fn new<const H: bool, const AXES: usize>(
         registers: impl Registers,
         lanes: &[[f64; N]],
         [start, c, m]: [usize; 3],
@@ -71,12 +72,12 @@ impl<const N: usize> Plane<N> {
         wm: &Weights<N>,
     ) -> Self {
         let mut sum = Self::ZERO;
-        for i in 0..wc.count {
+        for i in 0..count::<AXES, N>(0, wc) {
             let first = &lanes[start + i * c];
             let mut a = registers.scaled(wm.value[0], first);
             let mut a_m = registers.scaled(wm.slope[0], first);
             let mut a_mm = registers.scaled(wm.curvature[0], first);
-            for j in 1..wm.count {
+            for j in 1..count::<AXES, N>(1, wm) {
                 let row = &lanes[start + i * c + j * m];
                 registers.add(&mut a, wm.value[j], row);
                 registers.add(&mut a_m, wm.slope[j], row);
@@ -98,7 +99,10 @@ impl<const N: usize> Plane<N> {
 
     /// Closed along the mesh position.
     #[inline(always)]
-    fn jet<const H: bool>(&self, wp: &Weights<N>) -> Jet {
+    fn jet<const H: bool, const AXES: usize>(&self, wp: &Weights<N>) -> Jet {
+        if AXES != ANY && count::<AXES, N>(2, wp) == 1 {
+            return self.first::<H>();
+        }
         let mut jet = Jet {
             value: dot(&self.value, &wp.value),
             gradient: [
@@ -117,6 +121,20 @@ impl<const N: usize> Plane<N> {
                 dot(&self.m, &wp.slope),
                 dot(&self.value, &wp.curvature),
             ];
+        }
+        jet
+    }
+
+    /// Without an axis of the mesh position.
+    #[inline(always)]
+    fn first<const H: bool>(&self) -> Jet {
+        let mut jet = Jet {
+            value: self.value[0],
+            gradient: [self.c[0], self.m[0], 0.0],
+            ..Jet::default()
+        };
+        if H {
+            jet.second = [self.cc[0], self.cm[0], 0.0, self.mm[0], 0.0, 0.0];
         }
         jet
     }
@@ -166,7 +184,7 @@ impl<const N: usize> Coefficients<N> {
 
 /// One number over (centre distance, misalignment, mesh position): row `r` of `coefficients`.
 #[inline(always)]
-pub fn field<const N: usize, const H: bool>(
+pub fn field<const N: usize, const H: bool, const AXES: usize>(
     registers: impl Registers,
     coefficients: &Coefficients<N>,
     r: usize,
@@ -177,13 +195,15 @@ pub fn field<const N: usize, const H: bool>(
     let lanes = coefficients.from(wp.first);
     let [c, m, u] = coefficients.strides.map(|x| x as usize);
     let lanes = &lanes[wc.first * c + wm.first * m..];
-    assert!((wc.count - 1) * c + (wm.count - 1) * m + r * u < lanes.len());
-    Plane::new::<H>(registers, lanes, [r * u, c, m], wc, wm).jet::<H>(wp)
+    assert!(
+        (count::<AXES, N>(0, wc) - 1) * c + (count::<AXES, N>(1, wm) - 1) * m + r * u < lanes.len()
+    );
+    Plane::new::<H, AXES>(registers, lanes, [r * u, c, m], wc, wm).jet::<H, AXES>(wp)
 }
 
 /// The no-load approach (row 0) and the span up to the top load (row 1).
 #[inline(always)]
-pub fn fields<const N: usize, const H: bool>(
+pub fn fields<const N: usize, const H: bool, const AXES: usize>(
     registers: impl Registers,
     coefficients: &Coefficients<N>,
     wc: &Weights<N>,
@@ -191,15 +211,15 @@ pub fn fields<const N: usize, const H: bool>(
     wp: &Weights<N>,
 ) -> [Jet; 2] {
     [
-        field::<N, H>(registers, coefficients, 0, wc, wm, wp),
-        field::<N, H>(registers, coefficients, 1, wc, wm, wp),
+        field::<N, H, AXES>(registers, coefficients, 0, wc, wm, wp),
+        field::<N, H, AXES>(registers, coefficients, 1, wc, wm, wp),
     ]
 }
 
 /// Value, first and second derivative over the displacement, with what [`chain`](super::chain) needs of their
 /// derivatives by the other coordinates; and the third one, only with `H`, zero otherwise.
 #[inline(always)]
-pub fn over_displacement<const NU: usize, const N: usize, const H: bool>(
+pub fn over_displacement<const NU: usize, const N: usize, const H: bool, const AXES: usize>(
     registers: impl Registers,
     coefficients: &Coefficients<N>,
     wu: &Weights<NU>,
@@ -210,11 +230,14 @@ pub fn over_displacement<const NU: usize, const N: usize, const H: bool>(
     let lanes = coefficients.from(wp.first);
     let [c, m, u] = coefficients.strides.map(|x| x as usize);
     let lanes = &lanes[wc.first * c + wm.first * m + wu.first * u..];
-    assert!((wc.count - 1) * c + (wm.count - 1) * m + (NU - 1) * u < lanes.len());
+    assert!(
+        (count::<AXES, N>(0, wc) - 1) * c + (count::<AXES, N>(1, wm) - 1) * m + (NU - 1) * u
+            < lanes.len()
+    );
     let [mut w, mut f, mut k] = [Plane::<N>::ZERO; 3];
     let mut third = [0.0; N];
     for r in 0..NU {
-        let plane = Plane::new::<H>(registers, lanes, [r * u, c, m], wc, wm);
+        let plane = Plane::new::<H, AXES>(registers, lanes, [r * u, c, m], wc, wm);
         put(registers, r, &mut w.value, wu.value[r], &plane.value);
         put(registers, r, &mut w.c, wu.value[r], &plane.c);
         put(registers, r, &mut w.m, wu.value[r], &plane.m);
@@ -231,6 +254,10 @@ pub fn over_displacement<const NU: usize, const N: usize, const H: bool>(
             put(registers, r, &mut third, wu.third[r], &plane.value);
         }
     }
-    let shape = [w.jet::<H>(wp), f.jet::<false>(wp), k.jet::<false>(wp)];
+    let shape = [
+        w.jet::<H, AXES>(wp),
+        f.jet::<false, AXES>(wp),
+        k.jet::<false, AXES>(wp),
+    ];
     (shape, dot(&third, &wp.value))
 }

@@ -6,6 +6,7 @@
 
 mod basis;
 mod chain;
+mod compiled;
 mod continuation;
 mod fit;
 mod jet;
@@ -18,12 +19,14 @@ mod shepard;
 mod tensor;
 
 pub(crate) use basis::{Basis, Ends};
+pub(crate) use compiled::ANY;
 pub(crate) use fit::{Block, breaks, stored_from_values};
 pub(crate) use kernel::{Coefficients, over_displacement};
 pub(crate) use lanes::{Two, widest};
 pub(crate) use tensor::axis_basis;
 
 use super::{FlankGrid, Potential, Query, TableError};
+use compiled::{Interpolant, boxed, boxed_for};
 use lanes::{Four, Registers};
 use secant::Secant;
 use shepard::Shepard;
@@ -69,52 +72,17 @@ impl Default for Checks {
 trait Evaluate: std::fmt::Debug + Send + Sync {
     /// Whether four lanes are of use.
     const WIDE: bool;
-    /// See [`FlankTable::evaluate`]; `H`: with all second derivatives.
-    fn at<const H: bool>(&self, registers: impl Registers, query: &Query) -> Potential;
+    /// See [`FlankTable::evaluate`]; `H`: with all second derivatives; `AXES`: those that there are, see
+    /// [`compiled::ANY`].
+    fn at<const H: bool, const AXES: usize>(
+        &self,
+        registers: impl Registers,
+        query: &Query,
+    ) -> Potential;
     /// What was found when it was made.
     fn checks(&self) -> Checks;
     /// Memory of the coefficients.
     fn bytes(&self) -> usize;
-}
-
-/// An [`Evaluate`] behind a pointer: the choices that are made at run time.
-trait Interpolant: std::fmt::Debug + Send + Sync {
-    fn evaluate(&self, four: Option<Four>, query: &Query, want_hessian: bool) -> Potential;
-    fn checks(&self) -> Checks;
-    fn bytes(&self) -> usize;
-}
-
-impl<T: Evaluate> Interpolant for T {
-    fn evaluate(&self, four: Option<Four>, query: &Query, want_hessian: bool) -> Potential {
-        if T::WIDE
-            && let Some(four) = four
-        {
-            return if want_hessian {
-                four.run(
-                    #[inline(always)]
-                    || self.at::<true>(four, query),
-                )
-            } else {
-                four.run(
-                    #[inline(always)]
-                    || self.at::<false>(four, query),
-                )
-            };
-        }
-        if want_hessian {
-            self.at::<true>(Two, query)
-        } else {
-            self.at::<false>(Two, query)
-        }
-    }
-
-    fn checks(&self) -> Checks {
-        Evaluate::checks(self)
-    }
-
-    fn bytes(&self) -> usize {
-        Evaluate::bytes(self)
-    }
 }
 
 /// The potential of one flank as the element asks it, with just the dimensions that are switched on.
@@ -134,11 +102,12 @@ impl FlankTable {
     pub fn new(grid: &FlankGrid, interpolation: Interpolation) -> Result<Self, TableError> {
         grid.check("samples")?;
         // Shuttling comes from the potential where misalignment is a coordinate of it.
-        let own_moment = grid.moment.is_some() && !grid.axes.present()[1];
+        let present = grid.axes.present();
+        let own_moment = grid.moment.is_some() && !present[1];
         let spline = || Tensor::<5, 4>::new::<4>(grid);
         let interpolant = match interpolation {
-            Interpolation::Linear => boxed(Tensor::<3, 2>::new::<2>(grid)?),
-            Interpolation::Spline => boxed(spline()?),
+            Interpolation::Linear => boxed_for(present, Tensor::<3, 2>::new::<2>(grid)?),
+            Interpolation::Spline => boxed_for(present, spline()?),
             Interpolation::Shepard if own_moment => boxed(Shepard::<2>::new(grid, spline()?)?),
             Interpolation::Shepard => boxed(Shepard::<1>::new(grid, spline()?)?),
         };
@@ -213,10 +182,6 @@ impl FlankTable {
     pub fn dimensions(&self) -> usize {
         self.dimensions
     }
-}
-
-fn boxed(interpolant: impl Interpolant + 'static) -> Box<dyn Interpolant> {
-    Box::new(interpolant)
 }
 
 #[cfg(test)]

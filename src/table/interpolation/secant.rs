@@ -74,17 +74,21 @@ impl<const N: usize> Evaluate for Secant<N> {
     const WIDE: bool = N == 4;
 
     #[inline(always)]
-    fn at<const H: bool>(&self, registers: impl Registers, q: &Query) -> Potential {
+    fn at<const H: bool, const AXES: usize>(
+        &self,
+        registers: impl Registers,
+        q: &Query,
+    ) -> Potential {
         let order = if H { 2 } else { 1 };
         let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
         let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
         let (wp, _) = self.p.weights(registers, q.mesh_position, order);
-        let [mut origin, span] = fields::<N, H>(registers, &self.fields, &wc, &wm, &wp);
+        let [mut origin, span] = fields::<N, H, AXES>(registers, &self.fields, &wc, &wm, &wp);
         let out_of_range = c_outside || m_outside;
         if out_of_range {
             let wc = self.c.linear(q.center_distance_offset);
             let wm = self.m.linear(q.misalignment);
-            origin = field::<N, H>(registers, &self.fields, 0, &wc, &wm, &wp);
+            origin = field::<N, H, AXES>(registers, &self.fields, 0, &wc, &wm, &wp);
         }
         let u = (q.delta - origin.value) / span.value;
         if u <= 0.0 {
@@ -108,7 +112,7 @@ impl<const N: usize> Evaluate for Secant<N> {
             present,
         );
         if let Some(lever) = &self.lever {
-            let z = field::<N, H>(registers, lever, 0, &wc, &wm, &wp);
+            let z = field::<N, H, AXES>(registers, lever, 0, &wc, &wm, &wp);
             let moment = Jet {
                 value: f * u * z.value,
                 gradient: z.gradient.map(|g| f * u * g),

@@ -209,16 +209,20 @@ impl<const K: usize> Evaluate for Shepard<K> {
     const WIDE: bool = false;
 
     #[inline(always)]
-    fn at<const H: bool>(&self, registers: impl Registers, q: &Query) -> Potential {
+    fn at<const H: bool, const AXES: usize>(
+        &self,
+        registers: impl Registers,
+        q: &Query,
+    ) -> Potential {
         let order = if H { 2 } else { 1 };
         let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
         let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
         let (wp, _) = self.p.weights(registers, q.mesh_position, order);
-        let [mut no_load, span] = fields::<4, H>(registers, &self.fields, &wc, &wm, &wp);
+        let [mut no_load, span] = fields::<4, H, AXES>(registers, &self.fields, &wc, &wm, &wp);
         if c_outside || m_outside {
             let wc = self.c.linear(q.center_distance_offset);
             let wm = self.m.linear(q.misalignment);
-            no_load = field::<4, H>(registers, &self.fields, 0, &wc, &wm, &wp);
+            no_load = field::<4, H, AXES>(registers, &self.fields, 0, &wc, &wm, &wp);
         }
         let u = (q.delta - no_load.value) / span.value;
         if u <= 0.0 || u.is_nan() {

@@ -7,6 +7,7 @@
 //! and the other gradients are its derivatives.
 
 use super::basis::{Basis, Ends};
+use super::compiled::{present, weights};
 use super::fit::{Block, breaks, integrated, make_increasing, stored_from_values};
 use super::kernel::{Coefficients, field, fields, over_displacement};
 use super::lanes::Registers;
@@ -130,7 +131,11 @@ impl<const NU: usize, const N: usize> Evaluate for Tensor<NU, N> {
     const WIDE: bool = N == 4;
 
     #[inline(always)]
-    fn at<const H: bool>(&self, registers: impl Registers, q: &Query) -> Potential {
+    fn at<const H: bool, const AXES: usize>(
+        &self,
+        registers: impl Registers,
+        q: &Query,
+    ) -> Potential {
         // The flank that does not carry, as a rule.
         if q.delta < self.no_contact
             && self.c.holds(q.center_distance_offset)
@@ -139,15 +144,21 @@ impl<const NU: usize, const N: usize> Evaluate for Tensor<NU, N> {
             return Potential::default();
         }
         let order = if H { 2 } else { 1 };
-        let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
-        let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
-        let (wp, _) = self.p.weights(registers, q.mesh_position, order);
-        let [mut no_load, span] = fields::<N, H>(registers, &self.fields, &wc, &wm, &wp);
+        let present = [
+            present::<AXES, N>(0, &self.c),
+            present::<AXES, N>(1, &self.m),
+            present::<AXES, N>(2, &self.p),
+        ];
+        let (wc, c_outside) =
+            weights::<AXES, N>((0, &self.c), registers, q.center_distance_offset, order);
+        let (wm, m_outside) = weights::<AXES, N>((1, &self.m), registers, q.misalignment, order);
+        let (wp, _) = weights::<AXES, N>((2, &self.p), registers, q.mesh_position, order);
+        let [mut no_load, span] = fields::<N, H, AXES>(registers, &self.fields, &wc, &wm, &wp);
         if c_outside || m_outside {
             // The onset follows the coordinate however far it goes; only stiffness levels out.
             let wc = self.c.linear(q.center_distance_offset);
             let wm = self.m.linear(q.misalignment);
-            no_load = field::<N, H>(registers, &self.fields, 0, &wc, &wm, &wp);
+            no_load = field::<N, H, AXES>(registers, &self.fields, 0, &wc, &wm, &wp);
         }
         let u = (q.delta - no_load.value) / span.value;
         if u <= 0.0 {
@@ -156,7 +167,6 @@ impl<const NU: usize, const N: usize> Evaluate for Tensor<NU, N> {
                 ..Potential::default()
             };
         }
-        let present = [&self.c, &self.m, &self.p].map(Basis::present);
         if let Some(lines) = &self.lines
             && u <= 1.0
         {
@@ -171,10 +181,11 @@ impl<const NU: usize, const N: usize> Evaluate for Tensor<NU, N> {
         }
         let (wu, u_outside) = self.u.weights(registers, u, order + 1);
         let (shape, third) =
-            over_displacement::<NU, N, H>(registers, &self.shape, &wu, &wc, &wm, &wp);
+            over_displacement::<NU, N, H, AXES>(registers, &self.shape, &wu, &wc, &wm, &wp);
         let mut out = chain::potential::<H>(u, &shape, third, &no_load, &span, present);
         if let Some(moment) = &self.moment {
-            let (shape, _) = over_displacement::<NU, N, H>(registers, moment, &wu, &wc, &wm, &wp);
+            let (shape, _) =
+                over_displacement::<NU, N, H, AXES>(registers, moment, &wu, &wc, &wm, &wp);
             chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, present);
         }
         out.out_of_range = c_outside || m_outside || u_outside;

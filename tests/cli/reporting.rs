@@ -23,6 +23,13 @@ fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
     assert!(output.status.success(), "{}", stderr(&output));
     let html = std::fs::read_to_string(&file).unwrap();
     assert!(html.matches("<svg").count() >= 8);
+    for picture in [
+        "power lost",
+        "power lost over that transmitted",
+        "loss factor",
+    ] {
+        assert!(html.contains(picture), "{picture}");
+    }
     // Light and dark, in the page and in every file of a picture.
     assert!(html.contains("prefers-color-scheme:dark"));
     for reference in ["src=", "href=", "url(", "@import"] {
@@ -62,6 +69,26 @@ fn the_report_shows_the_torques_asked_for_and_the_pressure_that_solve_gives() {
     assert!(
         html.contains(&format!("<td>{largest:.0}</td>")),
         "{largest}"
+    );
+}
+
+#[test]
+fn losses_up_to_a_speed_of_nothing_are_refused_by_name() {
+    let pair = paper();
+    let asked = [
+        "report",
+        &pair,
+        "--largest-speed-rpm",
+        "0",
+        "-o",
+        "none.html",
+    ];
+    let output = gearmesh(&asked);
+    assert_eq!(output.status.code(), Some(1));
+    let said = stderr(&output);
+    assert!(
+        said.contains("--largest-speed-rpm = 0: give a value from 1"),
+        "{said}"
     );
 }
 

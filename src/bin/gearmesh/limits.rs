@@ -51,6 +51,11 @@ pub fn speed(rpm: f64) -> Result<(), Error> {
     within("speed-rpm", rpm, 0.0..=1e6)
 }
 
+/// Refuses an end of the axis of speeds, rpm, that no gear has or that leaves nothing to draw.
+pub fn largest_speed(rpm: f64) -> Result<(), Error> {
+    within("largest-speed-rpm", rpm, 1.0..=1e6)
+}
+
 /// Refuses what lies outside `range`; NaN lies outside every range.
 fn within<T: PartialOrd + Display>(
     option: &str,

@@ -32,6 +32,21 @@ impl Patch {
     }
 }
 
+/// Patches around the points of an even grid: `values` in rows over `x`, one row for each of `y`.
+pub fn cells(x: &[f64], y: &[f64], values: impl Iterator<Item = f64>) -> Vec<Patch> {
+    let points = y.iter().flat_map(|y| x.iter().map(move |x| (*x, *y)));
+    let around = |at: f64, half: f64| [at - half, at + half];
+    let half = [x, y].map(half_step);
+    points
+        .zip(values)
+        .map(|((x, y), value)| Patch::rectangle(around(x, half[0]), around(y, half[1]), value))
+        .collect()
+}
+
+fn half_step(nodes: &[f64]) -> f64 {
+    0.5 * (nodes[1] - nodes[0])
+}
+
 /// What patches lie on.
 pub struct View<'a> {
     /// Horizontal axis.
@@ -40,6 +55,17 @@ pub struct View<'a> {
     pub y: Range<f64>,
     /// What stands at the axes and at the scale, with its unit.
     pub labels: [&'a str; 3],
+}
+
+impl<'a> View<'a> {
+    /// Of the [`cells`] around the points of an even grid of two axes.
+    pub fn over(axes: [&[f64]; 2], labels: [&'a str; 3]) -> View<'a> {
+        let [x, y] = axes.map(|nodes| {
+            let half = half_step(nodes);
+            nodes[0] - half..nodes[nodes.len() - 1] + half
+        });
+        View { x, y, labels }
+    }
 }
 
 /// Patches apart from the scale.
@@ -132,6 +158,18 @@ pub fn map(title: &str, view: &View, mut patches: Vec<Patch>, top: f64) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cells_fill_the_view_and_carry_their_values_row_by_row() {
+        let (x, y) = ([1.0, 2.0, 3.0], [10.0, 20.0]);
+        let patches = cells(&x, &y, (0..6).map(f64::from));
+        let view = View::over([&x, &y], ["x", "y", "value"]);
+        assert_eq!((view.x, view.y), (0.5..3.5, 5.0..25.0));
+        assert_eq!(patches.len(), 6);
+        assert_eq!(patches[4].value, 4.0);
+        assert_eq!(patches[4].corners[0], (1.5, 15.0));
+        assert_eq!(patches[4].corners[2], (2.5, 25.0));
+    }
 
     #[test]
     fn a_higher_pressure_is_never_drawn_lighter() {

@@ -1,6 +1,7 @@
 //! `gearmesh report PAIR.json`: one HTML page with the static contact of a pair, in pictures.
 
 pub mod chart;
+mod losses;
 mod map;
 pub mod page;
 mod picture;
@@ -64,6 +65,10 @@ pub struct Report {
     #[arg(long, default_value_t = limits::POSITIONS)]
     positions: usize,
 
+    /// Speed of gear 1 up to which losses are drawn, rpm
+    #[arg(long, value_name = "SPEED", default_value_t = 3000.0)]
+    largest_speed_rpm: f64,
+
     /// Stress in the tooth roots, too; its elastic model takes two to three times as long as that of the contact
     #[arg(long, conflicts_with = "plane_strain")]
     root_stress: bool,
@@ -76,6 +81,7 @@ impl Report {
     /// Solves, draws and writes.
     pub fn run(self) -> Result<(), Error> {
         limits::positions(self.positions)?;
+        limits::largest_speed(self.largest_speed_rpm)?;
         let mut pair = self.model.applied_to(Pair::read(&self.pair)?);
         for &torque in &self.torques_nm {
             limits::operating_point(torque, 0.0, 0.0)?;
@@ -107,7 +113,8 @@ impl Report {
         }
         curves(&mut page, &pair, &cycles)?;
         table(&mut page, &cycles);
-        survey::survey(&mut page, &pair, &model.solver)?;
+        let aligned = survey::survey(&mut page, &pair, &model.solver)?;
+        losses::losses(&mut page, &pair, &aligned, self.largest_speed_rpm)?;
         self.patterns(&mut page, &pair, &model)?;
         if self.root_stress {
             let models = self.model.root_stress(&pair, Flank::Drive)?;

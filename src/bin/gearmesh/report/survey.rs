@@ -5,7 +5,7 @@ use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 
 use super::chart::{Axes, Curve, line_chart};
-use super::map::{Patch, View, map};
+use super::map::{View, cells, map};
 use super::page::Page;
 use super::torque_in_words;
 use crate::Error;
@@ -62,8 +62,13 @@ fn amplitudes(at: &[f64], cycles: &[MeshCycle]) -> Vec<Curve> {
     curves
 }
 
-/// Sections on the transmission error over the range of operation.
-pub fn survey(page: &mut Page, pair: &Pair, solver: &ContactSolver) -> Result<(), Error> {
+/// Sections on the transmission error over the range of operation. Returns the aligned mesh cycles, each after its
+/// torque, N m.
+pub fn survey(
+    page: &mut Page,
+    pair: &Pair,
+    solver: &ContactSolver,
+) -> Result<Vec<(f64, MeshCycle)>, Error> {
     let operating = &pair.operating;
     let largest = operating.maximum_torque;
     let torques = evenly(largest / TORQUES as f64, largest, TORQUES);
@@ -87,8 +92,9 @@ pub fn survey(page: &mut Page, pair: &Pair, solver: &ContactSolver) -> Result<()
     )?]);
 
     let [low, high] = operating.misalignment;
+    let aligned = torques.iter().copied().zip(aligned).collect();
     if low == high {
-        return Ok(());
+        return Ok(aligned);
     }
     let tilts = evenly(low, high, MISALIGNMENTS);
     let mrad: Vec<f64> = tilts.iter().map(|m| 1e3 * m).collect();
@@ -107,28 +113,19 @@ pub fn survey(page: &mut Page, pair: &Pair, solver: &ContactSolver) -> Result<()
         .collect();
     let all = cycles(solver, &all, POSITIONS)?;
     let (tilted, mapped) = all.split_at(tilts.len());
-    let mut mapped = mapped.iter();
-    let mut patches = Vec::new();
-    let half = [0.5 * (mrad[1] - mrad[0]), 0.5 * (torques[1] - torques[0])];
-    for &torque in &torques {
-        for (&x, cycle) in mrad.iter().zip(mapped.by_ref()) {
-            let around = |at: f64, half: f64| [at - half, at + half];
-            patches.push(Patch::rectangle(
-                around(x, half[0]),
-                around(torque, half[1]),
-                1e6 * cycle.peak_to_peak_ste(),
-            ));
-        }
-    }
+    let patches = cells(
+        &mrad,
+        &torques,
+        mapped.iter().map(|cycle| 1e6 * cycle.peak_to_peak_ste()),
+    );
     let top = patches.iter().map(|p| p.value).fold(LEAST_TOP, f64::max);
-    let view = View {
-        x: mrad[0] - half[0]..mrad[mrad.len() - 1] + half[0],
-        y: torques[0] - half[1]..largest + half[1],
-        labels: ["misalignment (mrad)", "torque (N m)", "um"],
-    };
+    let view = View::over(
+        [&mrad, &torques],
+        ["misalignment (mrad)", "torque (N m)", "um"],
+    );
     page.pictures(&[
         chart("misalignment (mrad)", &amplitudes(&mrad, tilted))?,
         map("peak-to-peak STE", &view, patches, top)?,
     ]);
-    Ok(())
+    Ok(aligned)
 }

@@ -1,4 +1,5 @@
-//! Contact of random realistic pairs: none refused whose flanks steel can carry.
+//! Contact of random realistic pairs, and of the smallest file of the documentation at the ends of what its fields allow:
+//! none refused whose flanks steel can carry.
 //!
 //! `GEARMESH_SWEEP=60 cargo test --release --test realistic_pairs` goes through so many gear bodies, each with
 //! five sets of modifications, loads and settings of the solver.
@@ -138,4 +139,57 @@ fn none_is_refused_up_to_a_nominal_pressure_of_two_and_a_half_gigapascal() {
         }
     }
     assert!(refused.is_empty(), "{}", refused.join("\n"));
+}
+
+/// The smallest file that docs/pair-file.md shows.
+fn smallest_pair() -> Value {
+    let page = include_str!("../docs/pair-file.md");
+    let (_, from) = page.split_once("```json\n").expect("a file");
+    serde_json::from_str(from.split_once("```").expect("its end").0).unwrap()
+}
+
+#[test]
+fn the_smallest_pair_bears_its_largest_load_at_the_ends_of_what_its_fields_allow() {
+    type Change = fn(&mut Value);
+    let cases: [(&str, Change); 5] = [
+        ("45 degrees", |file| file["helix_angle_deg"] = 45.0.into()),
+        ("55 degrees", |file| {
+            file["helix_angle_deg"] = (-55.0).into()
+        }),
+        ("60 degrees", |file| file["helix_angle_deg"] = 60.0.into()),
+        ("bores", |file| {
+            for gear in ["gear1", "gear2"] {
+                file[gear]["bore_diameter_mm"] = 1.0.into();
+            }
+        }),
+        // A twentieth of the module.
+        ("crowning", |file| {
+            for gear in ["gear1", "gear2"] {
+                file[gear]["profile_crowning_um"] = 150.0.into();
+            }
+        }),
+    ];
+    for (name, change) in cases {
+        let mut file = smallest_pair();
+        file["compliance"] = json!({ "refinement": "coarse" });
+        change(&mut file);
+        let pair = Pair::from_json(&file.to_string()).unwrap();
+        let settings = Settings::for_pair(&pair);
+        let models = PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true);
+        let [first, second] = models.unwrap().gears;
+        let contact = ContactSettings::for_pair(&pair);
+        let solver = ContactSolver::new(&pair, [first, second], contact).unwrap();
+        let operating = &pair.operating;
+        for position in [0.1, 0.35, 0.6, 0.85] {
+            for offset in operating.center_distance_offset {
+                let problem = solver.position(Flank::Drive, position, offset).unwrap();
+                for misalignment in operating.misalignment {
+                    let result = problem
+                        .solve_torque(operating.maximum_torque, misalignment, None)
+                        .unwrap_or_else(|error| panic!("{name}: {error}"));
+                    assert!(result.kkt_residual < 1e-8, "{name}: {result:?}");
+                }
+            }
+        }
+    }
 }

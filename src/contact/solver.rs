@@ -8,11 +8,12 @@ use super::deflection::Deflection;
 use super::error::ContactError;
 use super::influence::Influence;
 use super::local::constants::{
-    FEWEST_STATIONS, MOST_STATIONS, REFERENCE_OVER_HERTZ, STIFFNESS_OVER_MODULUS, STRIP_OVER_WIDTH,
+    FEWEST_STATIONS, MOST_STATIONS, REFERENCE_OVER_HERTZ, STRIP_OVER_WIDTH,
 };
 use super::local::widest_contact;
 use super::numbers::PairNumbers;
 use super::position::PositionProblem;
+use super::reach;
 use super::setup::{ContactSettings, ContactSetup};
 use super::transverse::TransverseSection;
 use crate::compliance::{Strip, ToothCompliance};
@@ -81,7 +82,7 @@ impl ContactSolver {
         }
         let reach = settings
             .reach
-            .unwrap_or_else(|| default_reach(pair, form_rolls));
+            .unwrap_or_else(|| reach::estimate(pair, form_rolls));
         if !(reach.is_finite() && reach > 0.0) {
             return Err(ContactError::Setting {
                 field: "reach",
@@ -89,7 +90,7 @@ impl ContactSolver {
                 remedy: "give a positive length in m",
             });
         }
-        Ok(ContactSolver {
+        let mut solver = ContactSolver {
             numbers: PairNumbers::new(&pair.geometry),
             setup: ContactSetup {
                 geometry: pair.geometry.clone(),
@@ -103,7 +104,16 @@ impl ContactSolver {
             compliance,
             friction: pair.friction,
             deflection: Deflection::default(),
-        })
+        };
+        if settings.reach.is_none() && settings.tip_corner_contact {
+            reach::follow_farther(&mut solver, pair);
+        }
+        Ok(solver)
+    }
+
+    /// Follows tip edges up to the approach `reach`, m.
+    pub(super) fn follow(&mut self, reach: f64) {
+        self.setup.reach = reach;
     }
 
     /// The same pair with its flanks deflected along the face.
@@ -272,41 +282,4 @@ impl ContactSolver {
             }
         })
     }
-}
-
-/// Approach that the pair's largest load and misalignment can cause, with a margin, m: twice that of a stiff
-/// tooth pair, how both bodies give way, what misalignment adds at the ends of the face and what
-/// modifications take off at most.
-fn default_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
-    let g = &pair.geometry;
-    let force = pair.operating.maximum_torque / g.gears[0].base_radius();
-    let modulus = g.gears[0].youngs_modulus.min(g.gears[1].youngs_modulus);
-    let width = g.face_overlap().1;
-    let misalignment = pair
-        .operating
-        .misalignment
-        .iter()
-        .fold(0.0f64, |m, v| m.max(v.abs()));
-    let gears = || g.gears.iter().enumerate();
-    let removal: f64 = gears()
-        .map(|(i, gear)| {
-            let rolls = [form_rolls[i], gear.tip_form_roll()];
-            let flanks = [&pair.microgeometry.drive[i], &pair.microgeometry.coast[i]];
-            let largest = flanks.map(|flank| flank.largest_removal(gear, rolls));
-            largest[0].max(largest[1])
-        })
-        .sum();
-    let bodies: f64 = gears()
-        .map(|(_, gear)| {
-            let twist = force * gear.base_radius().powi(2) * gear.body_twist();
-            twist + force * gear.body_tilt_and_foundation()
-        })
-        .sum();
-    let cos_beta_b = g.base_helix_angle().cos();
-    // Force and displacement along the normal are those on the line of action over cos beta_b, the contact line
-    // is the face over it.
-    2.0 * force / (STIFFNESS_OVER_MODULUS * modulus * width * cos_beta_b)
-        + bodies
-        + 0.5 * misalignment * width
-        + removal / cos_beta_b
 }

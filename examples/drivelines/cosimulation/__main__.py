@@ -11,12 +11,13 @@ import numpy as np
 from ..balance import in_words
 from ..files import OUT
 from . import ssp
-from .balance import balance
+from .balance import balance, coupling_balance
 from .masters import Gears, cosimulate, distance, monolithic, packed_step, stands, start
 
 DURATION = 1.024e-3  # s, two mesh cycles less a little; a whole number of each step
 SIZES = 1.28e-4 * 0.5 ** np.arange(11)
 ENOUGH = slice(0, 9)  # for couplings of second order
+BOOKED = slice(5, 10)  # small enough for every coupling to stand without damping, for the run
 COUPLINGS = ("parallel", "held", "extrapolated", "iterated")
 
 
@@ -41,16 +42,36 @@ def longest_stable(gears, begin, coupling) -> float:
 
 
 def main() -> None:
+    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5))
     with closing(Gears()) as gears:
-        compare(gears)
+        compare(gears, left)
+    books(right)
+    figure.tight_layout()
+    figure.savefig(OUT / "cosimulation.png", dpi=80)
     for damped in (False, True):
         print(f"as one system, {'damped' if damped else 'undamped'}: {in_words(balance(damped))}")
 
 
-def compare(gears: Gears) -> None:
+def books(axis) -> None:
+    """Energy and momentum that each coupling creates or destroys, over the communication step, nothing damped."""
+    sizes = SIZES[BOOKED]
+    for n, coupling in enumerate(COUPLINGS):
+        rows = [coupling_balance(size, coupling) for size in sizes]
+        for name, style in (("energy over elastic", "o-"), ("momentum", "s--")):
+            strays = np.array([row[name] for row in rows])
+            order = np.log2(strays[-2] / strays[-1])
+            kind = name.split()[0]
+            axis.loglog(1e6 * sizes, strays, style, color=f"C{n}", ms=4, label=f"{kind}, {coupling}, order {order:.2f}")
+            print(f"{coupling}, undamped: {kind} order {order:.2f}, strays {strays[-1]:.1e} at {1e6 * sizes[-1]:.2f} us, "
+                  f"{strays[2]:.1e} at {1e6 * sizes[2]:.2f} us")
+    axis.set(xlabel="communication step, µs", ylabel="energy over the elastic, momentum over the impulse of the teeth", ylim=(1e-10, 10.0))
+    axis.legend(fontsize=8)
+
+
+def compare(gears: Gears, axis) -> None:
+    """Error over the communication step, of our own master and of the hosts."""
     begin = start(gears)
     reference = monolithic(gears, begin, DURATION, 2.5e-7)
-    figure, axis = plt.subplots(figsize=(7, 5))
     for coupling in COUPLINGS:
         sizes = SIZES if coupling in ("parallel", "held") else SIZES[ENOUGH]
         errors, order = orders(gears, begin, reference, coupling, sizes)
@@ -74,8 +95,6 @@ def compare(gears: Gears) -> None:
         print(f"{coupling}: stands {longest_stable(gears, begin, coupling) / packed:.1f} times the packed step of {1e6 * packed:.2f} us")
     axis.set(xlabel="communication step, µs", ylabel="error over the elastic displacement", ylim=(1e-8, 1.0))
     axis.legend()
-    figure.tight_layout()
-    figure.savefig(OUT / "cosimulation.png", dpi=80)
 
 
 if __name__ == "__main__":

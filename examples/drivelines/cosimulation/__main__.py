@@ -7,6 +7,7 @@ from contextlib import closing
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import NullLocator
 
 from ..balance import in_words
 from ..files import OUT
@@ -33,12 +34,24 @@ def orders(gears, begin, reference, coupling, sizes):
     return np.array(errors), float(np.log2(errors[-2] / errors[-1]))
 
 
+def by_size(sizes, errors) -> str:
+    """Errors by communication step, us, where the coupling stood."""
+    return "errors " + ", ".join(f"{error:.1e} at {1e6 * size:.3g}" for size, error in zip(sizes, errors) if error < 3.0)
+
+
 def longest_stable(gears, begin, coupling) -> float:
     """Longest of 1, 1.5, 2, ... times the packed step that the coupling stands, s; 0 if not the packed one."""
     packed, factor = packed_step(), 1.0
     while factor < 20.0 and stands(gears, begin, factor * packed, coupling):
         factor += 0.5
     return (factor - 0.5) * packed if factor > 1.0 else 0.0
+
+
+def evaluations(gears, begin, size: float, count: int = 64) -> float:
+    """Of the unit in an iterated step, mean of `count`; directional derivatives not counted."""
+    before = gears.evaluations
+    cosimulate(gears, begin, count * size, size, "iterated")
+    return (gears.evaluations - before) / count
 
 
 def main() -> None:
@@ -64,7 +77,9 @@ def books(axis) -> None:
             axis.loglog(1e6 * sizes, strays, style, color=f"C{n}", ms=4, label=f"{kind}, {coupling}, order {order:.2f}")
             print(f"{coupling}, undamped: {kind} order {order:.2f}, strays {strays[-1]:.1e} at {1e6 * sizes[-1]:.2f} us, "
                   f"{strays[2]:.1e} at {1e6 * sizes[2]:.2f} us")
-    axis.set(xlabel="communication step, µs", ylabel="energy over the elastic, momentum over the impulse of the teeth", ylim=(1e-10, 10.0))
+    axis.set(xlabel="communication step, µs", ylabel="energy (of the elastic), momentum (of the impulse)", ylim=(1e-10, 10.0))
+    axis.set_xticks(1e6 * sizes, [f"{1e6 * size:g}" for size in sizes])
+    axis.xaxis.set_minor_locator(NullLocator())
     axis.legend(fontsize=8)
 
 
@@ -76,7 +91,7 @@ def compare(gears: Gears, axis) -> None:
         sizes = SIZES if coupling in ("parallel", "held") else SIZES[ENOUGH]
         errors, order = orders(gears, begin, reference, coupling, sizes)
         axis.loglog(1e6 * sizes, np.where(errors < 3.0, errors, np.nan), "o-", label=f"{coupling}, order {order:.2f}")
-        print(f"{coupling}: order {order:.2f}, error {errors[-1]:.1e} at {1e6 * sizes[-1]:.2f} us")
+        print(f"{coupling}: order {order:.2f}, {by_size(sizes, errors)}")
     file = ssp.build(gears, begin)
     sizes = SIZES[5:]
     for (name, host), marker in zip(ssp.HOSTS.items(), ("k+", "kx")):
@@ -86,9 +101,12 @@ def compare(gears: Gears, axis) -> None:
             found = host(file, DURATION, size)
             clock = (time.process_time() - clock) / round(DURATION / size)
             errors.append(ssp.error(found, reference))
-        print(f"{name}, SSP of three FMUs: order {np.log2(errors[-2] / errors[-1]):.2f}, {1e6 * clock:.0f} us of processor time a step")
+        print(f"{name}, SSP of three FMUs: order {np.log2(errors[-2] / errors[-1]):.2f}, {1e6 * clock:.0f} us of processor time a step, "
+              f"{by_size(sizes, errors)}")
         axis.loglog(1e6 * sizes, errors, marker, ms=10, label=f"{name}, SSP of three FMUs")
     packed = packed_step()
+    for size in (packed, 16e-6):
+        print(f"iterated at {1e6 * size:.2f} us: {evaluations(gears, begin, size):.1f} evaluations a step")
     axis.axvline(1e6 * packed, color="grey", lw=0.8)
     axis.text(1e6 * packed, 0.3, " packed step", color="grey")
     for coupling in ("parallel", "held"):

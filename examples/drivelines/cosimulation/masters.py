@@ -30,6 +30,7 @@ class Gears:
         self.pair.initialize()
         self.inputs = [self.pair.input[name] for name in IN + RATES]
         self.outputs = [self.pair.output[name] for name in OUT]
+        self.evaluations = 0
 
     def __call__(self, x: np.ndarray) -> np.ndarray:
         values = x.tolist()
@@ -37,6 +38,7 @@ class Gears:
         for k, value in zip(self.inputs, values):
             self.pair.u[k] = value
         self.pair.evaluate(0.0)
+        self.evaluations += 1
         return np.array([self.pair.y[k] for k in self.outputs])
 
     def close(self) -> None:

@@ -31,7 +31,7 @@ VARIANTS = {
 
 def unit(gears: Gears, parameters: dict, fmu: Path | str | None = None) -> GearPair:
     """An initialised instance, of `fmu` or else of the tables at hand: the teeth touch at the start."""
-    fmu = fmu or (shipped if gears is HELICAL else local)(gears.name)
+    fmu = fmu or (shipped if gears == HELICAL else local)(gears.name)
     pair = GearPair(fmu, parameters, "model-exchange")
     pair.initialize()
     return pair

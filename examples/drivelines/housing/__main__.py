@@ -12,7 +12,7 @@ from ..files import OUT
 from ..orders import order_amplitude, waterfall
 from .balance import without_teeth
 from .cases import (
-    VARIANTS, balance, balance_of_ramp, balance_of_run_up, bearing_forces, deviation_from_statics, mesh_resonance, run_up,
+    STEP, VARIANTS, balance, balance_of_ramp, balance_of_run_up, bearing_forces, deviation_from_statics, mesh_resonance, run_up,
     torque_ramp,
 )  # fmt: skip
 from .model import HELICAL, SHAFTS, SPUR, Driveline, History
@@ -115,7 +115,8 @@ def balances() -> None:
                 found[f"{gears.name}, no mounts, {word}"] = pool.submit(balance, gears, damped)
             found[f"torque ramp, {word}"] = pool.submit(balance_of_ramp, damped)
             for variant in VARIANTS:
-                found[f"run-up, {variant}, {word}"] = pool.submit(balance_of_run_up, variant, damped)
+                found[f"run-up in 0.1 s, {variant}, {word}"] = pool.submit(balance_of_run_up, variant, damped)
+        found["run-up as shown, variable load, damped"] = pool.submit(balance_of_run_up, "variable load", True, duration=0.8, step=STEP)
         for name, future in found.items():
             print(f"{name}: {in_words(future.result())}", flush=True)
 

@@ -42,8 +42,8 @@ class Pull:
 def without_teeth(speed: float, force, duration: float, step: float) -> float:
     """What energy strays of the undamped assembly on mounts under constant forces, N, over the largest elastic energy.
 
-    The host's own share: exudyn's springs push along axes that turn with one body, which for unequal stiffnesses
-    has a potential to first order of the tilts only.
+    That is the host's own share: of Runge-Kutta 4, and of bearings and mounts, which push along axes that turn with one
+    body and so have a potential to lowest order of its tilts only.
     """
     line = Driveline(SPUR, Pull(force), damped=False, speed=speed)
     history = line.run(duration, step, 1)

@@ -160,7 +160,11 @@ def balance_of_ramp(damped: bool, duration: float = 0.4) -> dict[str, float]:
         return books(line, line.run(duration, STEP, 1))
 
 
-def balance_of_run_up(variant: str, damped: bool, rpm: float = 6000.0, duration: float = 0.8) -> dict[str, float]:
-    """Of the run-up, mounts and all."""
+def balance_of_run_up(
+    variant: str, damped: bool, rpm: float = 6000.0, duration: float = 0.1, step: float = 2.5e-6
+) -> dict[str, float]:
+    """Of a run-up, mounts and all; by default eight times as fast as the one shown, so that a quarter of the step is affordable."""
     with run_up_line(variant, 150.0, rpm, duration, damped=damped) as line:
-        return books(line, line.run(duration, STEP, 1))
+        history = line.run(duration, step, 1, ("mesh.tangentialForce",))
+        late = history.after(0.25 * duration).mesh["mesh.tangentialForce"]
+        return books(line, history) | {"share of time apart": float(np.mean(late == 0.0))}

@@ -93,12 +93,17 @@ class Body:
 
 @dataclass(frozen=True)
 class Spring:
-    """Spring and damper between points of two bodies (None: ground), diagonal in the axes of the first."""
+    """Spring and damper between points of two bodies (None: ground), diagonal in the axes of the first or, `midway`, between.
+
+    Rotations are then the rotation vector instead of Cardan angles. Pieces of shaft need that: torque in bent shafts
+    would do work in every turn by Cardan angles, T theta^2 pi at a bend of theta.
+    """
 
     bodies: tuple[object, object]
     point: np.ndarray  # where both ends lie at the start, world
     stiffness: np.ndarray
     damping: np.ndarray
+    midway: bool = False
 
 
 class Driveline:
@@ -156,22 +161,23 @@ class Driveline:
             lateral = 1.0 / (1.0 / shear + length**2 / (12.0 * bending))
             stiffness = [lateral, lateral, YOUNG * area / length, bending, bending, 2.0 * SHEAR * second / length]
             middle = (x, 0.0, 0.5 * (z[i] + z[i + 1]))
-            self._spring(("piece", k, i), (k, i), (k, i + 1), middle, stiffness, MATERIAL_DAMPING * np.array(stiffness))
+            self._spring(("piece", k, i), (k, i), (k, i + 1), middle, stiffness, MATERIAL_DAMPING * np.array(stiffness), midway=True)
         for i, axial in zip(shaft.bearings, (BEARING_AXIAL, 0.0)):
             stiffness = np.array([BEARING_RADIAL, BEARING_RADIAL, axial, 0.0, 0.0, 0.0])
             place = (x, 0.0, z[i])
             damping = BEARING_DAMPING * (stiffness > 0.0)
             self._spring(("bearing", k, i), "housing", (k, i), place, stiffness, damping)
 
-    def _spring(self, name, first, second, point, stiffness, damping):
+    def _spring(self, name, first, second, point, stiffness, damping, midway=False):
         point, stiffness = np.array(point, dtype=float), np.array(stiffness, dtype=float)
         damping = np.broadcast_to(damping, 6) * (stiffness > 0.0) * self.damped
-        self.springs[name] = Spring((first, second), point, stiffness, damping)
+        self.springs[name] = Spring((first, second), point, stiffness, damping, midway)
         self.mbs.AddObject(
             RigidBodySpringDamper(
                 markerNumbers=[self._marker(first, point), self._marker(second, point)],
                 stiffness=np.diag(stiffness),
                 damping=np.diag(damping),
+                intrinsicFormulation=midway,
             )
         )
 
@@ -237,23 +243,32 @@ class Driveline:
         return np.concatenate([q[b.first : b.first + 6] + np.r_[b.reference, 0, 0, 0] for b in blanks])
 
     def deflections(self, spring: Spring, q: np.ndarray) -> np.ndarray:
-        """Displacement and rotation of a spring's second end against the first, in axes of the first body.
+        """Displacement and rotation of a spring's second end against the first, in the spring's axes.
 
         `q` is one row of coordinates or one for each instant.
         """
-        (p, a), (r, b) = (self._end(name, spring.point, q) for name in spring.bodies)
-        back = np.swapaxes(a, -1, -2)
-        turn = back @ b
-        # Tait-Bryan x-y-z; the third is the spin where one side turns, and has no stiffness there.
-        x, y = np.arctan2(-turn[..., 1, 2], turn[..., 2, 2]), np.arcsin(turn[..., 0, 2])
-        z = np.arctan2(-turn[..., 0, 1], turn[..., 0, 0])
-        return np.concatenate([apply(back, r - p), np.stack([x, y, z], axis=-1)], axis=-1)
+        (p, _), (r, _) = (self._end(name, spring.point, q) for name in spring.bodies)
+        back, turn = self._axes(spring, q)
+        if spring.midway:
+            angles = rotation_vector(turn)
+        else:
+            # Tait-Bryan x-y-z; the third is the spin where one side turns, and has no stiffness there.
+            x, y = np.arctan2(-turn[..., 1, 2], turn[..., 2, 2]), np.arcsin(turn[..., 0, 2])
+            angles = np.stack([x, y, np.arctan2(-turn[..., 0, 1], turn[..., 0, 0])], axis=-1)
+        return np.concatenate([apply(back, r - p), angles], axis=-1)
 
     def slip(self, spring: Spring, q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
-        """Velocity and angular velocity of a spring's second end against the first, in axes of the first body."""
+        """Velocity and angular velocity of a spring's second end against the first, in the spring's axes."""
         first, second = (self._end_rates(name, spring.point, q, q_t) for name in spring.bodies)
-        back = np.swapaxes(self._end(spring.bodies[0], spring.point, q)[1], -1, -2)
+        back = self._axes(spring, q)[0]
         return np.concatenate([apply(back, b - a) for a, b in zip(first, second)], axis=-1)
+
+    def _axes(self, spring: Spring, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rotation from the world into the spring's axes, and that of the second body against the first."""
+        a, b = (self._end(name, spring.point, q)[1] for name in spring.bodies)
+        turn = np.swapaxes(a, -1, -2) @ b
+        axes = a @ half_way(turn) if spring.midway else a
+        return np.swapaxes(axes, -1, -2), turn
 
     def couplings(self, x: np.ndarray) -> np.ndarray:
         """Of motor and load against their shafts' ends: twist from coordinates, rad, or its rate from their rates."""
@@ -320,6 +335,25 @@ def rotation(angles: np.ndarray) -> np.ndarray:
         [ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb],
         [sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb],
     ])  # fmt: skip
+
+
+def rotation_vector(turn: np.ndarray) -> np.ndarray:
+    """Axis times angle, rad, of a rotation by less than a right angle."""
+    across = 0.5 * np.stack([turn[..., j, i] - turn[..., i, j] for i, j in ((1, 2), (2, 0), (0, 1))], axis=-1)
+    sine = np.linalg.norm(across, axis=-1, keepdims=True)
+    return across * np.where(sine > 0.0, np.arcsin(sine) / np.where(sine > 0.0, sine, 1.0), 1.0)
+
+
+def half_way(turn: np.ndarray) -> np.ndarray:
+    """The rotation by half the angle about the same axis, by less than a right angle as a whole."""
+    vector = rotation_vector(turn)
+    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
+    x, y, z = np.moveaxis(vector, -1, 0)
+    zero = np.zeros_like(x)
+    cross = matrix([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
+    # Rodrigues' formula; np.sinc(t) is sin(pi t) / (pi t).
+    one, two = 0.5 * np.sinc(0.5 * angle / np.pi), 0.125 * np.sinc(0.25 * angle / np.pi) ** 2
+    return np.eye(3) + one * cross + two * cross @ cross
 
 
 def matrix(rows) -> np.ndarray:

@@ -6,7 +6,6 @@ import json
 import shutil
 import subprocess
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
 from pathlib import Path
 
 import matplotlib.pyplot as plt

@@ -2,6 +2,7 @@
 
 import sys
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,12 +22,22 @@ from examples.drivelines.response import jump, linear  # noqa: E402
 from examples.drivelines.tutorial import __main__ as tutorial  # noqa: E402
 
 
+@pytest.mark.parametrize("damped", [False, True], ids=["undamped", "damped"])
 @pytest.mark.parametrize("gears", [SPUR, HELICAL], ids=lambda g: g.name)
-def test_an_undamped_free_gearbox_keeps_energy_and_momentum(gears):
-    found = housing.balance(gears, duration=0.004)
+def test_a_free_gearbox_keeps_energy_and_momentum(gears, damped):
+    found = housing.balance(gears, damped, duration=0.004)
     assert found["energy over elastic"] < 1e-4
     assert found["momentum"] < 1e-11
     assert found["loads"] < 1e-13
+
+
+@pytest.mark.parametrize("damped", [False, True], ids=["undamped", "damped"])
+def test_a_gearbox_on_mounts_keeps_its_energy_while_torque_and_speed_rise(damped):
+    assert housing.balance_of_ramp(damped, duration=0.02)["energy over elastic"] < 1e-4
+    for variant in housing.VARIANTS:
+        found = housing.balance_of_run_up(variant, damped, rpm=300.0, duration=0.04, step=5e-6)
+        assert found["energy over elastic"] < 1e-4
+        assert found["loads"] < 1e-13
 
 
 def test_bearings_carry_what_statics_asks_for():
@@ -53,6 +64,14 @@ def test_the_published_phase_counts_from_the_tips_and_leaves_the_tooth_thickness
     found = phase.conventions(phase.STANDARD)
     near = [point for point, value in found.items() if abs(value - phase.PUBLISHED) < 5e-5]
     assert near == ["the same, thickness of the planet's teeth left out"]
+
+
+def test_the_published_phase_needs_a_tip_that_nobody_published_where_the_tooth_thickness_counts():
+    for teeth in (phase.STANDARD, phase.FITTED):
+        ring = phase.ring_tip_for(phase.PUBLISHED, teeth)
+        found = phase.conventions(replace(teeth, tips=(*teeth.tips[:2], ring)))
+        assert found["end of contact, ring drives"] == pytest.approx(phase.PUBLISHED, abs=1e-12)
+        assert 0.3e-3 < teeth.tips[2] - ring < 2e-3
 
 
 def test_sequential_planets_leave_of_each_harmonic_what_their_phases_add_up_to():
@@ -137,6 +156,14 @@ def test_cosimulation_converges_to_the_monolithic_run_with_the_order_of_its_coup
     assert np.log2(coarse / fine) == pytest.approx(order, abs=0.15)
 
 
+@pytest.mark.parametrize("coupling, order", [("parallel", 1.0), ("held", 1.0), ("extrapolated", 2.0), ("iterated", 2.0)])
+def test_a_coupling_creates_energy_and_momentum_with_its_order(coupling, order):
+    coarse, fine = (cosimulation.coupling_balance(size, coupling, duration=2.56e-4) for size in (1e-6, 5e-7))
+    for name in ("energy over elastic", "momentum"):
+        assert np.log2(coarse[name] / fine[name]) == pytest.approx(order, abs=0.15)
+    assert fine["loads"] < 1e-13
+
+
 def test_the_packed_step_stands_where_all_units_step_at_once():
     with closing(masters.Gears()) as gears:
         begin, packed = masters.start(gears), masters.packed_step()
@@ -161,6 +188,18 @@ def test_an_idle_gear_in_a_gearbox_rattles_once_its_drag_cannot_follow():
 def test_a_reversing_joint_in_mujoco_loses_the_gap_and_the_deflection_of_the_teeth():
     lost = mujoco_joint.lost_motion(*mujoco_joint.run(True)[:2])
     assert mujoco_joint.GAP < lost < 1.05 * mujoco_joint.GAP
+
+
+def test_the_element_in_mujoco_keeps_its_energy_while_it_hits_on_both_flanks():
+    found = mujoco_joint.balance("RK4", 2.5e-6)
+    assert found["energy over elastic"] < 1e-4
+    assert found["loads"] < 1e-13
+    assert found["share of time apart"] > 0.0 and found["share of time on the second flank"] > 0.0
+
+
+def test_what_a_first_order_integrator_strays_in_mujoco_falls_with_its_step():
+    coarse, fine = (mujoco_joint.balance("implicitfast", step)["energy over elastic"] for step in (5e-6, 2.5e-6))
+    assert np.log2(coarse / fine) == pytest.approx(1.0, abs=0.3)
 
 
 def test_the_relief_of_the_tutorial_takes_the_first_harmonic_at_its_torque_alone():

@@ -7,16 +7,18 @@ from contextlib import closing
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import NullLocator
 
 from ..balance import in_words
 from ..files import OUT
 from . import ssp
-from .balance import balance
+from .balance import balance, coupling_balance
 from .masters import Gears, cosimulate, distance, monolithic, packed_step, stands, start
 
 DURATION = 1.024e-3  # s, two mesh cycles less a little; a whole number of each step
 SIZES = 1.28e-4 * 0.5 ** np.arange(11)
 ENOUGH = slice(0, 9)  # for couplings of second order
+BOOKED = slice(5, 10)  # small enough for every coupling to stand without damping, for the run
 COUPLINGS = ("parallel", "held", "extrapolated", "iterated")
 
 
@@ -32,6 +34,11 @@ def orders(gears, begin, reference, coupling, sizes):
     return np.array(errors), float(np.log2(errors[-2] / errors[-1]))
 
 
+def by_size(sizes, errors) -> str:
+    """Errors by communication step, us, where the coupling stood."""
+    return "errors " + ", ".join(f"{error:.1e} at {1e6 * size:.3g}" for size, error in zip(sizes, errors) if error < 3.0)
+
+
 def longest_stable(gears, begin, coupling) -> float:
     """Longest of 1, 1.5, 2, ... times the packed step that the coupling stands, s; 0 if not the packed one."""
     packed, factor = packed_step(), 1.0
@@ -40,22 +47,51 @@ def longest_stable(gears, begin, coupling) -> float:
     return (factor - 0.5) * packed if factor > 1.0 else 0.0
 
 
+def evaluations(gears, begin, size: float, count: int = 64) -> float:
+    """Of the unit in an iterated step, mean of `count`; directional derivatives not counted."""
+    before = gears.evaluations
+    cosimulate(gears, begin, count * size, size, "iterated")
+    return (gears.evaluations - before) / count
+
+
 def main() -> None:
+    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5))
     with closing(Gears()) as gears:
-        compare(gears)
+        compare(gears, left)
+    books(right)
+    figure.tight_layout()
+    figure.savefig(OUT / "cosimulation.png", dpi=80)
     for damped in (False, True):
         print(f"as one system, {'damped' if damped else 'undamped'}: {in_words(balance(damped))}")
 
 
-def compare(gears: Gears) -> None:
+def books(axis) -> None:
+    """Energy and momentum that each coupling creates or destroys, over the communication step, nothing damped."""
+    sizes = SIZES[BOOKED]
+    for n, coupling in enumerate(COUPLINGS):
+        rows = [coupling_balance(size, coupling) for size in sizes]
+        for name, style in (("energy over elastic", "o-"), ("momentum", "s--")):
+            strays = np.array([row[name] for row in rows])
+            order = np.log2(strays[-2] / strays[-1])
+            kind = name.split()[0]
+            axis.loglog(1e6 * sizes, strays, style, color=f"C{n}", ms=4, label=f"{kind}, {coupling}, order {order:.2f}")
+            print(f"{coupling}, undamped: {kind} order {order:.2f}, strays {strays[-1]:.1e} at {1e6 * sizes[-1]:.2f} us, "
+                  f"{strays[2]:.1e} at {1e6 * sizes[2]:.2f} us")
+    axis.set(xlabel="communication step, µs", ylabel="energy (of the elastic), momentum (of the impulse)", ylim=(1e-10, 10.0))
+    axis.set_xticks(1e6 * sizes, [f"{1e6 * size:g}" for size in sizes])
+    axis.xaxis.set_minor_locator(NullLocator())
+    axis.legend(fontsize=8)
+
+
+def compare(gears: Gears, axis) -> None:
+    """Error over the communication step, of our own master and of the hosts."""
     begin = start(gears)
     reference = monolithic(gears, begin, DURATION, 2.5e-7)
-    figure, axis = plt.subplots(figsize=(7, 5))
     for coupling in COUPLINGS:
         sizes = SIZES if coupling in ("parallel", "held") else SIZES[ENOUGH]
         errors, order = orders(gears, begin, reference, coupling, sizes)
         axis.loglog(1e6 * sizes, np.where(errors < 3.0, errors, np.nan), "o-", label=f"{coupling}, order {order:.2f}")
-        print(f"{coupling}: order {order:.2f}, error {errors[-1]:.1e} at {1e6 * sizes[-1]:.2f} us")
+        print(f"{coupling}: order {order:.2f}, {by_size(sizes, errors)}")
     file = ssp.build(gears, begin)
     sizes = SIZES[5:]
     for (name, host), marker in zip(ssp.HOSTS.items(), ("k+", "kx")):
@@ -65,17 +101,18 @@ def compare(gears: Gears) -> None:
             found = host(file, DURATION, size)
             clock = (time.process_time() - clock) / round(DURATION / size)
             errors.append(ssp.error(found, reference))
-        print(f"{name}, SSP of three FMUs: order {np.log2(errors[-2] / errors[-1]):.2f}, {1e6 * clock:.0f} us of processor time a step")
+        print(f"{name}, SSP of three FMUs: order {np.log2(errors[-2] / errors[-1]):.2f}, {1e6 * clock:.0f} us of processor time a step, "
+              f"{by_size(sizes, errors)}")
         axis.loglog(1e6 * sizes, errors, marker, ms=10, label=f"{name}, SSP of three FMUs")
     packed = packed_step()
+    for size in (packed, 16e-6):
+        print(f"iterated at {1e6 * size:.2f} us: {evaluations(gears, begin, size):.1f} evaluations a step")
     axis.axvline(1e6 * packed, color="grey", lw=0.8)
     axis.text(1e6 * packed, 0.3, " packed step", color="grey")
     for coupling in ("parallel", "held"):
         print(f"{coupling}: stands {longest_stable(gears, begin, coupling) / packed:.1f} times the packed step of {1e6 * packed:.2f} us")
     axis.set(xlabel="communication step, µs", ylabel="error over the elastic displacement", ylim=(1e-8, 1.0))
     axis.legend()
-    figure.tight_layout()
-    figure.savefig(OUT / "cosimulation.png", dpi=80)
 
 
 if __name__ == "__main__":

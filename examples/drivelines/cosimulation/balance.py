@@ -1,14 +1,15 @@
-"""Energy and momentum of the run as one system."""
+"""Energy and momentum of the run as one system, and what each coupling adds to them."""
 
 from __future__ import annotations
 
 from contextlib import closing
+from itertools import islice
 
 import numpy as np
 
 from ..balance import Ledger, followed, mesh_loss
 from . import subsystems as sub
-from .masters import DRIVE, Gears, coupled, start
+from .masters import DRIVE, Gears, communication_points, coupled, start
 
 MASS = np.array([sub.MASSES[0], sub.MASSES[0], sub.INERTIAS[0], sub.MASSES[1], sub.MASSES[1], sub.INERTIAS[1]])
 
@@ -42,4 +43,20 @@ def balance(damped: bool, duration: float = 2e-3, step: float = 5e-7) -> dict[st
             x, h = z[:12], z[12:]
             momentum = [(MASS * x[6:])[[i, 3 + i]].sum() for i in (0, 1)]
             ledger.enter([gears.pair], *energies(x, h), lost, work, np.subtract(momentum, impulse))
+    return ledger.found()
+
+
+def coupling_balance(size: float, coupling: str, duration: float = 1.024e-3, instants: int = 32) -> dict[str, float]:
+    """What a coupling creates or destroys in steps of `size` s, over the run: nothing is damped, so nothing else does.
+
+    Subsystems step exactly and the drive is constant, so the energy strays by the coupling alone. Momentum along y is
+    that of the shafts, less what the bearings handed to the seats: the two sides of a border see different forces.
+    """
+    ledger, every = Ledger(duration), round(duration / size / instants)
+    with closing(Gears({"damping": 0.0})) as gears:
+        points = communication_points(gears, start(gears), size, coupling, damped=False)
+        for x, h, impulse in islice(points, 0, round(duration / size) + 1, every):
+            gears(x)
+            momentum = (MASS * x[6:])[[1, 4]].sum() + impulse.sum()
+            ledger.enter([gears.pair], *energies(x, h), 0.0, DRIVE @ x[:6], momentum)
     return ledger.found()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import fmpy
 import numpy as np
 from gearmesh import GearPair
@@ -28,6 +30,7 @@ class Gears:
         self.pair.initialize()
         self.inputs = [self.pair.input[name] for name in IN + RATES]
         self.outputs = [self.pair.output[name] for name in OUT]
+        self.evaluations = 0
 
     def __call__(self, x: np.ndarray) -> np.ndarray:
         values = x.tolist()
@@ -35,6 +38,7 @@ class Gears:
         for k, value in zip(self.inputs, values):
             self.pair.u[k] = value
         self.pair.evaluate(0.0)
+        self.evaluations += 1
         return np.array([self.pair.y[k] for k in self.outputs])
 
     def close(self) -> None:
@@ -95,19 +99,22 @@ def monolithic(gears: Gears, begin, duration: float, step: float) -> tuple[np.nd
     return z[:12], z[12:]
 
 
-def exchange(gears: Gears, x: np.ndarray, h: np.ndarray) -> np.ndarray:
+def exchange(gears: Gears, x: np.ndarray, h: np.ndarray, damped: bool = True) -> np.ndarray:
     """What crosses the borders: loads on the gears, forces on the seats, motion of the seats."""
     seats = sub.seat_motion(h)
-    return np.concatenate([gears(x), sub.bearing_forces(x, seats), seats])
+    return np.concatenate([gears(x), sub.bearing_forces(x, seats, damped), seats])
 
 
-def cosimulate(gears: Gears, begin, duration: float, size: float, coupling: str) -> tuple[np.ndarray, np.ndarray]:
-    """`held`: everyone steps on the values of the last communication point; `parallel`: so, too, but the loads are those
+def communication_points(gears: Gears, begin, size: float, coupling: str, damped: bool = True):
+    """Yields at each communication point the states of shafts and housing, and the impulse handed to the seats so far, N s.
+
+    `held`: everyone steps on the values of the last communication point; `parallel`: so, too, but the loads are those
     of the poses one point earlier, since the unit steps beside the others; `extrapolated`: on lines through the
     values of the last two; `iterated`: on lines to the values at the end of the step, found by Newton's method."""
-    shafts, housing = sub.shafts(begin[0].copy()), sub.housing(begin[1].copy())
-    now = exchange(gears, *begin)
+    shafts, housing = sub.shafts(begin[0].copy(), damped), sub.housing(begin[1].copy(), damped)
+    now = exchange(gears, *begin, damped)
     before, latest, drive = now, now, np.concatenate([DRIVE, np.zeros(4)])
+    impulse = np.zeros(2)
 
     def advance(there):
         return (
@@ -115,30 +122,38 @@ def cosimulate(gears: Gears, begin, duration: float, size: float, coupling: str)
             housing.step(now[6:8], there[6:8], size),
         )
 
-    for _ in range(round(duration / size)):
+    while True:
+        yield shafts.x, housing.x, impulse
         if coupling == "parallel":
             now, latest = np.concatenate([before[:6], now[6:]]), now
         there = now if coupling in ("held", "parallel") else 2.0 * now - before
         shafts_end, housing_end = advance(there)
         if coupling == "iterated":
             for _ in range(8):
-                found = exchange(gears, shafts_end, housing_end)
+                found = exchange(gears, shafts_end, housing_end, damped)
                 residual = found - there
                 if np.abs(residual / SCALE).max() < 1e-10:
                     break
-                there = there + np.linalg.solve(np.eye(12) - sensitivity(gears, shafts, housing, size), residual)
+                change = sensitivity(gears, shafts, housing, size, damped)
+                there = there + np.linalg.solve(np.eye(12) - change, residual)
                 shafts_end, housing_end = advance(there)
+        impulse = impulse + 0.5 * size * (now[6:8] + there[6:8])
         shafts.x, housing.x = shafts_end, housing_end
         before = latest if coupling == "parallel" else now
-        now = exchange(gears, shafts.x, housing.x)
-    return shafts.x, housing.x
+        now = exchange(gears, shafts.x, housing.x, damped)
+
+
+def cosimulate(gears: Gears, begin, duration: float, size: float, coupling: str) -> tuple[np.ndarray, np.ndarray]:
+    """States of shafts and housing after `duration` s in steps of `size` s."""
+    count = round(duration / size)
+    return next(islice(communication_points(gears, begin, size, coupling), count, None))[:2]
 
 
 SHAFT_INPUTS = np.r_[0:6, 8:12]
 SCALE = np.array([1e3, 1e3, 1e2] * 2 + [1e3] * 2 + [1e-5] * 2 + [1e-1] * 2)
 
 
-def sensitivity(gears: Gears, shafts: sub.Linear, housing: sub.Linear, size: float) -> np.ndarray:
+def sensitivity(gears: Gears, shafts: sub.Linear, housing: sub.Linear, size: float, damped: bool = True) -> np.ndarray:
     """Derivative of what is exchanged at the end of a step by what was assumed for it."""
     by_shafts, by_housing = np.zeros((12, 12)), np.zeros((2 * sub.MODES, 12))
     by_shafts[:, SHAFT_INPUTS] = shafts.parts(size)[2]
@@ -146,7 +161,7 @@ def sensitivity(gears: Gears, shafts: sub.Linear, housing: sub.Linear, size: flo
     seats = np.zeros((4, 2 * sub.MODES))
     seats[:2, : sub.MODES] = seats[2:, sub.MODES :] = sub.shape(sub.SEATS)
     motion = seats @ by_housing
-    k, c = sub.BEARING
+    k, c = sub.bearing(damped)
     forces = k * (by_shafts[[1, 4]] - motion[:2]) + c * (by_shafts[[7, 10]] - motion[2:])
     return np.vstack([gears.jacobian() @ by_shafts, forces, motion])
 

@@ -13,7 +13,6 @@ from pythonfmu import FmuBuilder
 
 from ..files import GEARMESH, OUT, ROOT
 from .masters import DRIVE, IN, OUT as LOADS, RATES, CENTER_DISTANCE, exchange
-from . import subsystems as sub
 
 SEATS = [f"seat{i}.{name}" for name in ("position", "velocity") for i in (1, 2)]
 CONNECTIONS = (

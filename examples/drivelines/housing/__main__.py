@@ -10,11 +10,16 @@ import numpy as np
 from ..balance import in_words
 from ..files import OUT
 from ..orders import order_amplitude, waterfall
-from .cases import VARIANTS, balance, bearing_forces, deviation_from_statics, mesh_resonance, run_up, torque_ramp
+from .balance import without_teeth
+from .cases import (
+    STEP, VARIANTS, balance, balance_of_ramp, balance_of_run_up, bearing_forces, deviation_from_statics, mesh_resonance, run_up,
+    torque_ramp,
+)  # fmt: skip
 from .model import HELICAL, SHAFTS, SPUR, Driveline, History
 from .observe import spin, wall
 
 RPM = 30.0 / np.pi
+TOOTH_FORCE = (500.0, 1333.0, 0.0)  # N, about that of 100 N m
 BASE_HELIX = np.radians(20.61)  # of the helical pair
 
 
@@ -94,8 +99,26 @@ def main() -> None:
     print(f"mean tangent stiffness {slow.mean():.3g} N/m: eigenfrequency of the mesh {frequency:.0f} Hz, "
           f"met by order {SPUR.teeth[0]} at {60.0 * frequency / SPUR.teeth[0]:.0f} rpm")
     run_up_figures(histories)
-    for gears in (SPUR, HELICAL):
-        print(f"{gears.name}: {in_words(balance(gears))}")
+    balances()
+
+
+def balances() -> None:
+    """Energy, momentum and loads of each case, without and with damping."""
+    for step in (1e-5, 5e-6, 2.5e-6):
+        print(f"{SPUR.name}, no mounts, undamped, at {1e6 * step:g} us: {in_words(balance(SPUR, step=step))}")
+        print(f"constant forces in place of the teeth, at {1e6 * step:g} us: {without_teeth(350.0, TOOTH_FORCE, 0.01, step):.1e}")
+    with ProcessPoolExecutor(2) as pool:
+        found = {}
+        for damped in (False, True):
+            word = "damped" if damped else "undamped"
+            for gears in (SPUR, HELICAL):
+                found[f"{gears.name}, no mounts, {word}"] = pool.submit(balance, gears, damped)
+            found[f"torque ramp, {word}"] = pool.submit(balance_of_ramp, damped)
+            for variant in VARIANTS:
+                found[f"run-up in 0.1 s, {variant}, {word}"] = pool.submit(balance_of_run_up, variant, damped)
+        found["run-up as shown, variable load, damped"] = pool.submit(balance_of_run_up, "variable load", True, duration=0.8, step=STEP)
+        for name, future in found.items():
+            print(f"{name}: {in_words(future.result())}", flush=True)
 
 
 if __name__ == "__main__":

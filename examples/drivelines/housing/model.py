@@ -93,12 +93,17 @@ class Body:
 
 @dataclass(frozen=True)
 class Spring:
-    """Spring and damper between points of two bodies (None: ground), diagonal in the axes of the first."""
+    """Spring and damper between points of two bodies (None: ground), diagonal in the axes of the first or, `midway`, between.
+
+    Rotations are then the rotation vector instead of Cardan angles. Pieces of shaft need that: torque in bent shafts
+    would do work in every turn by Cardan angles, T theta^2 pi at a bend of theta.
+    """
 
     bodies: tuple[object, object]
     point: np.ndarray  # where both ends lie at the start, world
     stiffness: np.ndarray
     damping: np.ndarray
+    midway: bool = False
 
 
 class Driveline:
@@ -156,22 +161,23 @@ class Driveline:
             lateral = 1.0 / (1.0 / shear + length**2 / (12.0 * bending))
             stiffness = [lateral, lateral, YOUNG * area / length, bending, bending, 2.0 * SHEAR * second / length]
             middle = (x, 0.0, 0.5 * (z[i] + z[i + 1]))
-            self._spring(("piece", k, i), (k, i), (k, i + 1), middle, stiffness, MATERIAL_DAMPING * np.array(stiffness))
+            self._spring(("piece", k, i), (k, i), (k, i + 1), middle, stiffness, MATERIAL_DAMPING * np.array(stiffness), midway=True)
         for i, axial in zip(shaft.bearings, (BEARING_AXIAL, 0.0)):
             stiffness = np.array([BEARING_RADIAL, BEARING_RADIAL, axial, 0.0, 0.0, 0.0])
             place = (x, 0.0, z[i])
             damping = BEARING_DAMPING * (stiffness > 0.0)
             self._spring(("bearing", k, i), "housing", (k, i), place, stiffness, damping)
 
-    def _spring(self, name, first, second, point, stiffness, damping):
+    def _spring(self, name, first, second, point, stiffness, damping, midway=False):
         point, stiffness = np.array(point, dtype=float), np.array(stiffness, dtype=float)
         damping = np.broadcast_to(damping, 6) * (stiffness > 0.0) * self.damped
-        self.springs[name] = Spring((first, second), point, stiffness, damping)
+        self.springs[name] = Spring((first, second), point, stiffness, damping, midway)
         self.mbs.AddObject(
             RigidBodySpringDamper(
                 markerNumbers=[self._marker(first, point), self._marker(second, point)],
                 stiffness=np.diag(stiffness),
                 damping=np.diag(damping),
+                intrinsicFormulation=midway,
             )
         )
 
@@ -231,47 +237,59 @@ class Driveline:
         self.mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
         return History(step * every * np.arange(count), *rows, dict(zip(diagnostics, more.T)))
 
-
     def gear_coordinates(self, q: np.ndarray) -> np.ndarray:
         """Position and Cardan angles of gear 1, then of gear 2, from the system's coordinates."""
         blanks = [self.bodies[k, shaft.gear] for k, shaft in enumerate(SHAFTS)]
         return np.concatenate([q[b.first : b.first + 6] + np.r_[b.reference, 0, 0, 0] for b in blanks])
 
     def deflections(self, spring: Spring, q: np.ndarray) -> np.ndarray:
-        """Displacement and rotation of a spring's second end against the first, in axes of the first body."""
-        (p, a), (r, b) = (self._end(name, spring.point, q) for name in spring.bodies)
-        turn = a.T @ b
-        # Tait-Bryan x-y-z; the third is the spin where one side turns, and has no stiffness there.
-        x, y = np.arctan2(-turn[1, 2], turn[2, 2]), np.arcsin(turn[0, 2])
-        return np.concatenate([a.T @ (r - p), [x, y, np.arctan2(-turn[0, 1], turn[0, 0])]])
+        """Displacement and rotation of a spring's second end against the first, in the spring's axes.
+
+        `q` is one row of coordinates or one for each instant.
+        """
+        (p, _), (r, _) = (self._end(name, spring.point, q) for name in spring.bodies)
+        back, turn = self._axes(spring, q)
+        if spring.midway:
+            angles = rotation_vector(turn)
+        else:
+            # Tait-Bryan x-y-z; the third is the spin where one side turns, and has no stiffness there.
+            x, y = np.arctan2(-turn[..., 1, 2], turn[..., 2, 2]), np.arcsin(turn[..., 0, 2])
+            angles = np.stack([x, y, np.arctan2(-turn[..., 0, 1], turn[..., 0, 0])], axis=-1)
+        return np.concatenate([apply(back, r - p), angles], axis=-1)
+
+    def slip(self, spring: Spring, q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
+        """Velocity and angular velocity of a spring's second end against the first, in the spring's axes."""
+        first, second = (self._end_rates(name, spring.point, q, q_t) for name in spring.bodies)
+        back = self._axes(spring, q)[0]
+        return np.concatenate([apply(back, b - a) for a, b in zip(first, second)], axis=-1)
+
+    def _axes(self, spring: Spring, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Rotation from the world into the spring's axes, and that of the second body against the first."""
+        a, b = (self._end(name, spring.point, q)[1] for name in spring.bodies)
+        turn = np.swapaxes(a, -1, -2) @ b
+        axes = a @ half_way(turn) if spring.midway else a
+        return np.swapaxes(axes, -1, -2), turn
+
+    def couplings(self, x: np.ndarray) -> np.ndarray:
+        """Of motor and load against their shafts' ends: twist from coordinates, rad, or its rate from their rates."""
+        ends = [self.bodies[k, shaft.coupling].first + 5 for k, shaft in enumerate(SHAFTS)]
+        return x[..., self.rotors] - x[..., ends]
 
     def _end(self, name, point, q):
         if name is None:
             return point, np.eye(3)
         body = self.bodies[name]
-        axes = rotation(q[body.first + 3 : body.first + 6])
-        return body.reference + q[body.first : body.first + 3] + axes @ (point - body.reference), axes
+        axes = rotation(q[..., body.first + 3 : body.first + 6])
+        return body.reference + q[..., body.first : body.first + 3] + axes @ (point - body.reference), axes
 
-    def stored(self, q: np.ndarray) -> float:
-        """Elastic energy of shafts, bearings, mounts and couplings, J."""
-        energy = sum(s.stiffness @ self.deflections(s, q) ** 2 for s in self.springs.values())
-        ends = [self.bodies[k, shaft.coupling].first + 5 for k, shaft in enumerate(SHAFTS)]
-        twist = [q[rotor] - q[end] for rotor, end in zip(self.rotors, ends)]
-        return 0.5 * (energy + COUPLING[0] * twist[0] ** 2 + COUPLING[1] * twist[1] ** 2)
-
-    def motion(self, q: np.ndarray, q_t: np.ndarray) -> tuple[float, np.ndarray]:
-        """Kinetic energy, J, and linear momentum, N s."""
-        energy = 0.5 * sum(j * q_t[rotor] ** 2 for j, rotor in zip(INERTIAS, self.rotors))
-        momentum = np.zeros(3)
-        for body in self.bodies.values():
-            angles, rates = (x[body.first + 3 : body.first + 6] for x in (q, q_t))
-            velocity, axes = q_t[body.first : body.first + 3], rotation(angles)
-            omega = cardan_axes(angles) @ rates
-            impulse = body.mass * (velocity + np.cross(omega, axes @ body.center))
-            momentum += impulse
-            spin = axes.T @ omega
-            energy += velocity @ (impulse - 0.5 * body.mass * velocity) + 0.5 * spin @ body.inertia @ spin
-        return energy, momentum
+    def _end_rates(self, name, point, q, q_t):
+        if name is None:
+            return np.zeros(3), np.zeros(3)
+        body = self.bodies[name]
+        angles = slice(body.first + 3, body.first + 6)
+        omega = apply(cardan_axes(q[..., angles]), q_t[..., angles])
+        arm = rotation(q[..., angles]) @ (point - body.reference)
+        return q_t[..., body.first : body.first + 3] + np.cross(omega, arm), omega
 
 
 @dataclass
@@ -297,16 +315,46 @@ def cylinder(radius: float, length: float, bore: float = 0.0):
     return mass, np.diag([across, across, 0.5 * mass * (radius**2 + bore**2)])
 
 
-def cardan_axes(angles) -> np.ndarray:
-    """Columns: the axes about which the rates of the Cardan angles x-y-z turn."""
-    (ca, cb), (sa, sb) = np.cos(angles[:2]), np.sin(angles[:2])
-    return np.array([[1.0, 0.0, sb], [0.0, ca, -sa * cb], [0.0, sa, ca * cb]])
+def apply(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Matrix times vector, for one or for each of a row."""
+    return (matrices @ vectors[..., None])[..., 0]
 
 
-def rotation(angles) -> np.ndarray:
-    """Rx Ry Rz."""
-    (ca, cb, cc), (sa, sb, sc) = np.cos(angles), np.sin(angles)
-    x = np.array([[1, 0, 0], [0, ca, -sa], [0, sa, ca]])
-    y = np.array([[cb, 0, sb], [0, 1, 0], [-sb, 0, cb]])
-    z = np.array([[cc, -sc, 0], [sc, cc, 0], [0, 0, 1]])
-    return x @ y @ z
+def cardan_axes(angles: np.ndarray) -> np.ndarray:
+    """Columns: the axes about which the rates of the Cardan angles x-y-z turn; for one row of angles or for each."""
+    (ca, cb, _), (sa, sb, _) = (np.moveaxis(f(angles), -1, 0) for f in (np.cos, np.sin))
+    one, zero = np.ones_like(ca), np.zeros_like(ca)
+    return matrix([[one, zero, sb], [zero, ca, -sa * cb], [zero, sa, ca * cb]])
+
+
+def rotation(angles: np.ndarray) -> np.ndarray:
+    """Rx Ry Rz, for one row of angles or for each."""
+    (ca, cb, cc), (sa, sb, sc) = (np.moveaxis(f(angles), -1, 0) for f in (np.cos, np.sin))
+    return matrix([
+        [cb * cc, -cb * sc, sb],
+        [ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb],
+        [sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb],
+    ])  # fmt: skip
+
+
+def rotation_vector(turn: np.ndarray) -> np.ndarray:
+    """Axis times angle, rad, of a rotation by less than a right angle."""
+    across = 0.5 * np.stack([turn[..., j, i] - turn[..., i, j] for i, j in ((1, 2), (2, 0), (0, 1))], axis=-1)
+    sine = np.linalg.norm(across, axis=-1, keepdims=True)
+    return across * np.where(sine > 0.0, np.arcsin(sine) / np.where(sine > 0.0, sine, 1.0), 1.0)
+
+
+def half_way(turn: np.ndarray) -> np.ndarray:
+    """The rotation by half the angle about the same axis, by less than a right angle as a whole."""
+    vector = rotation_vector(turn)
+    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
+    x, y, z = np.moveaxis(vector, -1, 0)
+    zero = np.zeros_like(x)
+    cross = matrix([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
+    # Rodrigues' formula; np.sinc(t) is sin(pi t) / (pi t).
+    one, two = 0.5 * np.sinc(0.5 * angle / np.pi), 0.125 * np.sinc(0.25 * angle / np.pi) ** 2
+    return np.eye(3) + one * cross + two * cross @ cross
+
+
+def matrix(rows) -> np.ndarray:
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

@@ -16,6 +16,9 @@ def main() -> None:
     for point, standard in phase.conventions(phase.STANDARD).items():
         print(f"| {point} | {standard:.4f} | {phase.conventions(phase.FITTED)[point]:.4f} |")
     print(f"published: {phase.PUBLISHED}")
+    for name, teeth in (("standard teeth", phase.STANDARD), ("teeth of the root diameters", phase.FITTED)):
+        further = teeth.tips[2] - phase.ring_tip_for(phase.PUBLISHED, teeth)
+        print(f"{name}: end of contact has it, ring drives, with the ring's tip {1e3 * further:.2f} mm further in")
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4))
 
     errors = {name: cases.transmission_error(places) for name, places in

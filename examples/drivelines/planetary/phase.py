@@ -61,6 +61,14 @@ def at_pitch_points(teeth: Teeth = FITTED) -> float:
     return centred(TEETH[1] / 2.0 + thickness(teeth))
 
 
+def ring_tip_for(lag: float, teeth: Teeth) -> float:
+    """Tip radius of the ring, m, with which the contacts end `lag` cycles apart (ring drives), or start so (sun drives)."""
+    path = lag - at_pitch_points(teeth) + teeth.paths()[1]
+    base = PITCH[2] * np.cos(ALPHA_T)
+    way = path * 2.0 * np.pi * base / TEETH[2]
+    return float(np.hypot(base, base * np.tan(teeth.pressure_angle) - way))
+
+
 def centred(phase: float) -> float:
     """The same phase from -0.5 to 0.5."""
     return (phase + 0.5) % 1.0 - 0.5

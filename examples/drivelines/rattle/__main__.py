@@ -10,7 +10,7 @@ import numpy as np
 from ..balance import in_words
 from ..files import OUT
 from .idle import balance, gearbox, period_one, restitution, shaken
-from .mujoco_joint import GAP, RATIO, lost_motion, run
+from .mujoco_joint import GAP, RATIO, balance as free_joint, kept_by_the_hinge, lost_motion, run
 
 GAMMAS = np.round(np.arange(0.6, 1.61, 0.05), 2)
 
@@ -46,6 +46,10 @@ def main() -> None:
         part = slice(len(pinion) // 2, None)
         right.plot(1e3 * RATIO * pinion[part], -1e3 * wheel[part], label=name)
         print(f"MuJoCo, {name}: lost motion {1e3 * lost_motion(pinion, wheel):.3f} mrad, gap {1e3 * GAP:.3f} mrad")
+    for integrator in ("implicitfast", "RK4"):
+        for step in (5e-6, 2.5e-6, 1.25e-6):
+            print(f"MuJoCo, nothing damped, {integrator} at {1e6 * step:g} us: {in_words(free_joint(integrator, step))}")
+    print(f"MuJoCo, nothing damped, limited hinge: {kept_by_the_hinge(5e-6):.3f} of the energy left")
     right.set(xlabel="pinion times ratio, mrad", ylabel="wheel, mrad", title="reversing joint in MuJoCo")
     right.legend()
     figure.tight_layout()

@@ -6,7 +6,6 @@ import json
 import shutil
 import subprocess
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -98,6 +97,8 @@ def main() -> None:
         shutil.copy(folder / "contact-pattern-on-gear-1-2.svg", docs / f"tutorial-contact-{pair.stem}.svg")
     transmission_errors(pairs)
     whine(pairs)
+    for name in ("tutorial-ste.png", "tutorial-orders.png"):
+        shutil.copy(OUT / name, docs / name)
 
 
 if __name__ == "__main__":

@@ -1,21 +1,27 @@
-//! How near tooth pairs that are coupled by one number come to contact at run time: `cargo run --release --example
-//! teeth_level`. Prints the table of "Tooth pair by tooth pair" in docs/contact-at-run-time.md. Elastic models are kept in
+//! How near `stiffnessModel = teeth` comes to contact at run time, and what it costs: `cargo run --release --example teeth_level`.
+//! Prints the tables of "Tooth pair by tooth pair" in docs/contact-at-run-time.md. Elastic models are kept in
 //! target/finite-elements.
-//!
-//! Pair k carries F_k = f(delta + e_k - sum of c F_j over the pairs beside it, place k), f the force of one tooth pair alone at its
-//! place along the path, all others lifted off: what a table per tooth pair would hold, here without its interpolation. The
-//! coupling c is what gives the force of two pairs under the nominal load.
 
 #[path = "common/runtime_contact.rs"]
 mod runtime_contact;
 
 use std::error::Error;
+use std::hint::black_box;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
-use gearmesh::contact::{ContactFile, ContactSetup, RuntimeContact, Warm};
+use gearmesh::contact::{ContactFile, ContactSetup, ContactSolver, Warm};
 use gearmesh::gear::tolerance::random_index_errors;
 use gearmesh::gear::{Flank, PairTeeth, ToothErrors};
+use gearmesh::pair::Pair;
 use gearmesh::random::Random;
+use gearmesh::table::plan::{Coverage, default_axes};
+use gearmesh::table::sweep::{Watch, sweep};
+use gearmesh::table::{
+    Effects, FlankTable, Interpolation, Load, Query, TeethFlank, TeethRecord, TeethSweep,
+    default_teeth_axes,
+};
 
 type Failure = Box<dyn Error>;
 
@@ -25,13 +31,18 @@ const CLASS: u8 = 6;
 const SEED: u32 = 1;
 /// Random poses over a turn.
 const POSES: usize = 200;
-/// Index error that keeps a tooth out of any contact, m.
-const LIFTED: f64 = -1e-3;
-/// Relative error at which forces of the model are found.
-const TOLERANCE: f64 = 1e-6;
+/// Random operating points at which the error of the record is measured.
+const POINTS: usize = 1000;
+/// Rounds that are timed.
+const ROUNDS: usize = 200;
 
-/// The pair with the index errors `index` on gear 1.
-fn with_errors(file: &ContactFile, index: Vec<f64>) -> Result<RuntimeContact, Failure> {
+/// The record of the pair with the index errors `index` on gear 1, and its contact.
+fn record(
+    pair: &Pair,
+    solver: &ContactSolver,
+    file: &ContactFile,
+    index: Vec<f64>,
+) -> Result<(TeethRecord, ContactFile), Failure> {
     let first = ToothErrors {
         index,
         ..ToothErrors::default()
@@ -40,114 +51,58 @@ fn with_errors(file: &ContactFile, index: Vec<f64>) -> Result<RuntimeContact, Fa
         drive: [first, ToothErrors::default()],
         ..PairTeeth::default()
     };
-    let with = ContactFile {
+    let contact = ContactFile {
         setup: Arc::new(ContactSetup {
             teeth,
             ..(*file.setup).clone()
         }),
         ..file.clone()
     };
-    Ok(with.flank(Flank::Drive).ok_or("no drive flank")?)
+    let sweep = TeethSweep {
+        solver,
+        contact: &contact,
+        coverage: &coverage(pair),
+        coast_mirrors_drive: true,
+    };
+    let record = sweep.record(&default_teeth_axes(&coverage(pair)), POINTS, &quiet())?;
+    Ok((record, contact))
 }
 
-/// Numbers of tooth pairs that may touch.
-const NEAR: std::ops::RangeInclusive<i64> = -3..=3;
-/// Places at which couplings are told, and the least part of the force of two pairs that the lesser one carries there.
-const PLACES: usize = 32;
-const LEAST_SHARE: f64 = 0.05;
-
-/// Force and shuttling moment.
-type Load = [f64; 2];
-
-/// Tooth pairs and what couples them.
-struct Model {
-    /// All teeth but number 0 lifted off.
-    alone: RuntimeContact,
-    /// Compliance of the coupling of neighbours, m/N.
-    coupling: f64,
-}
-
-fn load(
-    contact: &RuntimeContact,
-    [delta, misalignment]: [f64; 2],
-    place: f64,
-) -> Result<Load, Failure> {
-    let cycle = place.floor();
-    let at = [delta, 0.0, misalignment, place - cycle];
-    let found = contact.potential(at, [cycle as i64; 2], &mut Warm::default())?;
-    Ok([found.gradient[0], found.gradient[2]])
-}
-
-impl Model {
-    /// Of teeth that are alike, at the approach `delta`, with the couplings found: least and largest.
-    fn new(file: &ContactFile, teeth: usize, delta: f64) -> Result<(Model, [f64; 2]), Failure> {
-        let but = |kept: &[usize]| {
-            let mut index = vec![LIFTED; teeth];
-            kept.iter().for_each(|&tooth| index[tooth] = 0.0);
-            with_errors(file, index)
-        };
-        let two = but(&[0, 1])?;
-        let mut model = Model {
-            alone: but(&[0])?,
-            coupling: 0.0,
-        };
-        let mut found = vec![];
-        for place in 0..PLACES {
-            let place = -1.0 + place as f64 / PLACES as f64;
-            let [wanted, _] = load(&two, [delta, 0.0], place)?;
-            let places = [place, place + 1.0];
-            let both = |coupling: f64| model.solve(&[delta; 2], 0.0, &places, coupling);
-            let [first, second] = both(0.0)?[..] else {
-                return Err("two tooth pairs".into());
-            };
-            if first[0].min(second[0]) < LEAST_SHARE * (first[0] + second[0]) {
-                continue;
-            }
-            let (mut low, mut high) = (0.0, 1e-8);
-            for _ in 0..30 {
-                let middle = 0.5 * (low + high);
-                if both(middle)?.iter().map(|load| load[0]).sum::<f64>() > wanted {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            found.push(0.5 * (low + high));
-        }
-        if found.is_empty() {
-            return Err("no place where two tooth pairs carry".into());
-        }
-        model.coupling = found.iter().sum::<f64>() / found.len() as f64;
-        let least = found.iter().copied().fold(f64::INFINITY, f64::min);
-        let largest = found.iter().copied().fold(0.0, f64::max);
-        Ok((model, [least, largest]))
+fn coverage(pair: &Pair) -> Coverage {
+    let operating = &pair.operating;
+    Coverage {
+        center_distance_offset: Some(operating.center_distance_offset),
+        misalignment: Some(operating.misalignment),
+        nominal_torque: operating.nominal_torque,
+        maximum_torque: operating.maximum_torque,
     }
+}
 
-    /// Loads of tooth pairs, neighbours in this order, that close by `closing` at `places`.
-    fn solve(
-        &self,
-        closing: &[f64],
-        misalignment: f64,
-        places: &[f64],
-        coupling: f64,
-    ) -> Result<Vec<Load>, Failure> {
-        let mut loads = vec![[0.0; 2]; closing.len()];
-        for _ in 0..200 {
-            let mut change = 0.0f64;
-            for i in 0..closing.len() {
-                let beside = [i.checked_sub(1), Some(i + 1)];
-                let beside = beside.into_iter().flatten().filter_map(|j| loads.get(j));
-                let given = coupling * beside.map(|load: &Load| load[0]).sum::<f64>();
-                let found = load(&self.alone, [closing[i] - given, misalignment], places[i])?;
-                change = change.max((found[0] - loads[i][0]).abs());
-                loads[i] = found;
-            }
-            if change <= TOLERANCE * loads.iter().map(|load| load[0]).sum::<f64>() {
-                return Ok(loads);
-            }
-        }
-        Err("coupled tooth pairs do not settle".into())
+fn quiet() -> Watch<'static> {
+    static GO_ON: AtomicBool = AtomicBool::new(false);
+    Watch {
+        progress: &|_, _| (),
+        cancel: &GO_ON,
     }
+}
+
+fn level(record: &TeethRecord, pair: &Pair) -> Result<TeethFlank, Failure> {
+    let effects = Effects {
+        interpolation: Interpolation::Spline,
+        load: Load::Variable,
+        center_distance: true,
+        misalignment: true,
+        shuttling: true,
+        friction: false,
+        root_stress: false,
+        teeth: true,
+    };
+    Ok(TeethFlank::new(
+        record,
+        &pair.geometry,
+        Flank::Drive,
+        &effects,
+    )?)
 }
 
 fn main() -> Result<(), Failure> {
@@ -160,62 +115,112 @@ fn main() -> Result<(), Failure> {
         .position(Flank::Drive, 0.0, 0.0)?
         .solve_torque(pair.operating.nominal_torque, 0.0, None)?
         .approach;
-    let (model, [least, largest]) = Model::new(&file, teeth, delta)?;
-    println!(
-        "Coupling of neighbours: {:.3e} m/N, between {least:.3e} and {largest:.3e} over the path; approach under the nominal load {:.2} um",
-        model.coupling,
-        1e6 * delta
-    );
+    let mut levels = vec![];
+    for (name, index) in [
+        ("alike", vec![0.0; teeth]),
+        ("class 6", random_index_errors(gear, CLASS, SEED)),
+    ] {
+        let begin = Instant::now();
+        let (record, contact) = record(&pair, &solver, &file, index)?;
+        println!(
+            "{name}: {} ({:.0} s)",
+            record.in_words(),
+            begin.elapsed().as_secs_f64()
+        );
+        levels.push((name, record, contact));
+    }
 
     println!(
-        "| teeth | misalignment, mrad | approach, um | force without coupling | force | moment |"
+        "\n| teeth | misalignment, mrad | approach, um | force without coupling | force | moment |"
     );
     println!("|---|---|---|---|---|---|");
-    for (name, class) in [("alike", None), ("class 6", Some(CLASS))] {
-        let errors = class.map_or(vec![0.0; teeth], |class| {
-            random_index_errors(gear, class, SEED)
-        });
-        let contact = with_errors(&file, errors.clone())?;
-        for (misalignment, share) in [0.0, 5e-4]
+    for (name, record, contact) in &levels {
+        let contact = contact.flank(Flank::Drive).ok_or("no drive flank")?;
+        let without = TeethRecord {
+            coupling_m_per_n: 0.0,
+            ..record.clone()
+        };
+        let without = level(&without, &pair)?;
+        let whole = level(record, &pair)?;
+        for (misalignment, share) in [0.0, 5e-4, 2e-3]
             .into_iter()
             .flat_map(|m| [0.7, 1.0, 1.3].map(|s| (m, s)))
         {
             let mut random = Random::new(1);
             let mut squares = [0.0; 3];
             for _ in 0..POSES {
-                let place = random.within([0.0, teeth as f64]);
-                let (cycle, tau) = (place.floor(), place.fract());
-                let [force, moment] = load(&contact, [share * delta, misalignment], place)?;
-                let places: Vec<f64> = NEAR.map(|k| tau + k as f64).collect();
-                let closing: Vec<f64> = NEAR
-                    .map(|k| {
-                        let tooth = (k - cycle as i64).rem_euclid(teeth as i64);
-                        share * delta + errors[tooth as usize]
-                    })
-                    .collect();
-                let sums = |coupling: f64| -> Result<Load, Failure> {
-                    let loads = model.solve(&closing, misalignment, &places, coupling)?;
-                    Ok([0, 1].map(|i| loads.iter().map(|load| load[i]).sum()))
+                let query = Query {
+                    delta: share * delta,
+                    center_distance_offset: 0.0,
+                    misalignment,
+                    mesh_position: random.within([0.0, teeth as f64]),
                 };
-                let [alone, _] = sums(0.0)?;
-                let [by_force, by_moment] = sums(model.coupling)?;
+                let at = [query.delta, 0.0, misalignment, query.mesh_position];
+                let exact = contact
+                    .potential(at, [0; 2], &mut Warm::default())?
+                    .gradient;
+                let of = |level: &TeethFlank| level.evaluate(&query, [0; 2], false).gradient;
+                let found = of(&whole);
                 let errors = [
-                    (alone - force) / nominal,
-                    (by_force - force) / nominal,
-                    (by_moment - moment) / (nominal * half_face),
+                    (of(&without)[0] - exact[0]) / nominal,
+                    (found[0] - exact[0]) / nominal,
+                    (found[2] - exact[2]) / (nominal * half_face),
                 ];
                 for (square, error) in squares.iter_mut().zip(errors) {
                     *square += error * error;
                 }
             }
-            let [alone, force, moment] =
+            let [without, force, moment] =
                 squares.map(|square| format!("{:.2}", 100.0 * (square / POSES as f64).sqrt()));
             println!(
-                "| {name} | {:.1} | {:.2} | {alone} | {force} | {moment} |",
+                "| {name} | {:.1} | {:.2} | {without} | {force} | {moment} |",
                 1e3 * misalignment,
                 1e6 * share * delta
             );
         }
+    }
+
+    let axes = default_axes(&coverage(&pair));
+    let torque = pair.operating.maximum_torque;
+    let grid = sweep(&solver, Flank::Drive, &axes, torque, &quiet())?;
+    let table = FlankTable::new(&grid, Interpolation::Spline)?;
+    let class_6 = level(&levels[1].1, &pair)?;
+    let mut random = Random::new(2);
+    let queries: Vec<Query> = (0..1000)
+        .map(|_| Query {
+            delta: delta * random.within([0.5, 1.5]),
+            center_distance_offset: random.within([-5e-5, 5e-5]),
+            misalignment: random.within([-5e-4, 5e-4]),
+            mesh_position: random.within([0.0, teeth as f64]),
+        })
+        .collect();
+    // The fastest round counts: others were interrupted.
+    let timed = |of: &dyn Fn(&Query) -> f64| {
+        let round = || {
+            let begin = Instant::now();
+            for query in &queries {
+                black_box(of(black_box(query)));
+            }
+            1e9 * begin.elapsed().as_secs_f64() / queries.len() as f64
+        };
+        (0..ROUNDS).map(|_| round()).fold(f64::INFINITY, f64::min)
+    };
+    println!("\n| evaluation, ns | loads | with second derivatives |\n|---|---|---|");
+    for (name, of) in [
+        (
+            "4-D table",
+            &(|q: &Query, h| table.evaluate(q, h).gradient[0]) as &dyn Fn(&Query, bool) -> f64,
+        ),
+        (
+            "tooth pair by tooth pair",
+            &(|q: &Query, h| class_6.evaluate(q, [0; 2], h).gradient[0]),
+        ),
+    ] {
+        println!(
+            "| {name} | {:.0} | {:.0} |",
+            timed(&|q| of(q, false)),
+            timed(&|q| of(q, true))
+        );
     }
     Ok(())
 }

@@ -12,13 +12,17 @@ use gearmesh::contact::{ContactFile, ContactSettings, CycleInput, MeshCycle};
 use gearmesh::element::{Element, LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::fmi::contact_law;
 use gearmesh::pair::{Pair, Refinement};
-use gearmesh::table::Table;
+use gearmesh::table::sweep::Watch;
+use gearmesh::table::{Table, TeethSweep, default_teeth_axes};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Speed of gear 1, rpm, and the time of its revolution, s.
 const SPEED_RPM: f64 = 1500.0;
 const DURATION: f64 = 60.0 / SPEED_RPM;
+/// Random operating points at which tooth pairs one by one are measured.
+const POINTS: usize = 200;
 /// Step of the integrator, s, and steps from one sample to the next.
 const STEP: f64 = 5e-6;
 const STEPS_PER_SAMPLE: usize = 4;
@@ -225,6 +229,38 @@ fn simpler(setting: &Setting, counts: [usize; 4]) -> Result<Vec<Level>, Error> {
     .collect()
 }
 
+/// Tooth pair by tooth pair, all teeth alike, on the whole range of the pair file.
+fn by_teeth(setting: &Setting, contact: &ContactFile, counts: [usize; 4]) -> Result<Level, Error> {
+    let coverage = setting.coverage();
+    let sweep = TeethSweep {
+        solver: &setting.solver,
+        contact,
+        coverage: &coverage,
+        coast_mirrors_drive: true,
+    };
+    let watch = Watch {
+        progress: &|_, _| (),
+        cancel: &AtomicBool::new(false),
+    };
+    let record = sweep.record(&default_teeth_axes(&coverage), POINTS, &watch)?;
+    let mut file = setting.file(&setting.samples(counts)?);
+    file.teeth = Some(record);
+    let parameters = Parameters {
+        stiffness_model: StiffnessModel::Teeth,
+        loaded_flank: LoadedFlank::Drive,
+        ..everything(setting)
+    };
+    let table = Table::with_effects(
+        Arc::new(file),
+        parameters.table_effects(&setting.pair.geometry),
+    )?;
+    Ok(Level {
+        name: "tooth pair by tooth pair".to_owned(),
+        kind: 1,
+        element: Element::new(&setting.pair.geometry, &parameters, Some(Arc::new(table)))?,
+    })
+}
+
 /// The section, on the pair file at `path`; the last of `refinements` is the reference.
 pub fn report(
     document: &mut Document,
@@ -243,10 +279,11 @@ pub fn report(
     };
     let reference = run(best, &by_contact(best, file)?)?;
     // Tables on the elements of the finest level that is not the reference.
-    let (usual_name, (usual, _)) = contacts
+    let (usual_name, (usual, usual_contact)) = contacts
         .get(others.len().wrapping_sub(1))
         .unwrap_or(&contacts[0]);
     let mut levels = simpler(usual, counts)?;
+    levels.push(by_teeth(usual, usual_contact, counts)?);
     for (name, (setting, file)) in contacts.iter().take(others.len()) {
         levels.push(Level {
             name: format!("contact at run time, {name}"),
@@ -346,13 +383,13 @@ pub fn report(
         "Cost and error of every level of detail in one dynamic run",
         &svg,
     )?;
-    let [constant, one, two, three, four, ..] = found[..] else {
-        return Err("five levels and more".into());
+    let [constant, one, two, three, four, teeth, ..] = found[..] else {
+        return Err("six levels and more".into());
     };
     let last = found[found.len() - 1];
     // The 4-D table and contact on its own elements.
-    let [_, _, _, _, table, .., same] = &runs[..] else {
-        return Err("five levels and more".into());
+    let [_, _, _, _, table, _, .., same] = &runs[..] else {
+        return Err("six levels and more".into());
     };
     let [by_table, _] = error(table, same);
     document.paragraph(&format!(
@@ -362,7 +399,8 @@ pub fn report(
          2. Parallel shafts on stiff bearings: a table over the mesh position, if the load stays (here it does not: {:.2} µm), else over the load too ({:.2} µm).\n\
          3. Shafts or housings that tilt: misalignment and shuttling ({:.2} µm; z_c within {:.3} mm instead of {:.2} mm).\n\
          4. Centre distances that change by tens of micrometres: all four axes ({:.2} µm), at {:.1} µs a step against {:.1} µs of the constant stiffness. The default.\n\
-         5. Poses beyond the ranges of the pair file, teeth that differ, or a check of the tables: contact at run time (here {:.3} µm on {} elements, {:.0} µs a step, {:.0} times the table). \
+         5. Teeth that differ by index errors or run-out, in runs in which the cost counts: tooth pair by tooth pair ({:.2} µm here, with teeth that are alike, at {:.1} µs a step).\n\
+         6. Poses beyond the ranges of the pair file, single teeth of their own, or a check of the tables: contact at run time (here {:.3} µm on {} elements, {:.0} µs a step, {:.0} times the table). \
          It costs that much everywhere; with teeth that are alike and poses within the ranges, tables answer as well: {:.3} µm rms from contact on the same elements.",
         constant[1],
         one[1],
@@ -373,6 +411,8 @@ pub fn report(
         four[1],
         four[0],
         constant[0],
+        teeth[1],
+        teeth[0],
         last[1],
         others.last().map_or("these", |(_, name)| name),
         last[0],

@@ -81,6 +81,17 @@ impl Setting {
         }
     }
 
+    /// The whole operating range.
+    pub fn coverage(&self) -> Coverage {
+        let operating = &self.pair.operating;
+        Coverage {
+            center_distance_offset: Some(operating.center_distance_offset),
+            misalignment: Some(operating.misalignment),
+            nominal_torque: operating.nominal_torque,
+            maximum_torque: operating.maximum_torque,
+        }
+    }
+
     /// Direct solutions at `n` random points of `ranges`.
     pub fn exact(&self, ranges: &Ranges, n: usize) -> Result<Vec<Exact>, Error> {
         let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
@@ -118,14 +129,7 @@ impl Setting {
     /// Samples with `counts` (displacement, centre distance, misalignment, mesh position) nodes; 1 leaves
     /// an axis out.
     pub fn samples(&self, counts: [usize; 4]) -> Result<FlankGrid, Error> {
-        let operating = &self.pair.operating;
-        let coverage = Coverage {
-            center_distance_offset: Some(operating.center_distance_offset),
-            misalignment: Some(operating.misalignment),
-            nominal_torque: operating.nominal_torque,
-            maximum_torque: operating.maximum_torque,
-        };
-        let full = default_axes(&coverage);
+        let full = default_axes(&self.coverage());
         let thinned = |nodes: &[f64], n: usize| -> Vec<f64> {
             if n == 1 {
                 return vec![0.0];
@@ -148,7 +152,7 @@ impl Setting {
             &self.solver,
             Flank::Drive,
             &axes,
-            operating.maximum_torque,
+            self.pair.operating.maximum_torque,
             &watch,
         )?)
     }

@@ -126,10 +126,24 @@ impl ContactLines<'_> {
     /// All candidates at the mesh position `tau`, tooth pair by tooth pair, ascending in z.
     #[cfg(feature = "preprocess")]
     pub fn candidates(&self, tau: f64) -> Vec<Candidate> {
-        let names = self
-            .pairs(tau, 0.0)
-            .flat_map(|k| (0..self.stations).map(move |s| (k, s)));
-        names.filter_map(|name| self.strip(tau, name)).collect()
+        self.pairs(tau, 0.0)
+            .flat_map(|k| self.of_pair(tau, k))
+            .collect()
+    }
+
+    /// Those of tooth pair `k` alone.
+    #[cfg(feature = "preprocess")]
+    pub fn of_pair(&self, tau: f64, k: i32) -> impl Iterator<Item = Candidate> {
+        (0..self.stations).filter_map(move |station| self.strip(tau, (k, station)))
+    }
+
+    /// Mesh positions between which tooth pair 0 comes within the reach of contact.
+    #[cfg(feature = "preprocess")]
+    pub fn passage(&self) -> [f64; 2] {
+        let numbers = self.section.numbers();
+        let tilt = 0.5 * numbers.face[1] * numbers.tan_beta_b;
+        let [first, last] = self.section.reach();
+        [first - tilt, last + tilt].map(|end| end / numbers.base_pitch)
     }
 
     /// Those of [`ContactLines::candidates`] that lie within the conjugate positions `seen` (m) at least in part and that

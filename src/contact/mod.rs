@@ -46,6 +46,8 @@ mod setup;
 mod sliding;
 #[cfg(feature = "preprocess")]
 mod solver;
+#[cfg(feature = "preprocess")]
+mod tooth_pairs;
 mod transverse;
 
 pub use candidates::Candidate;

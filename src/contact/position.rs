@@ -179,6 +179,26 @@ impl PositionProblem {
         }
     }
 
+    /// As [`PositionProblem::solve_torque`] and [`PositionProblem::solve_approach`], also where a flank bears more than any
+    /// does, or where tip edges were not followed: for tables, whose ends no load reaches.
+    ///
+    /// # Errors
+    /// What the solve itself can refuse.
+    #[cfg(feature = "preprocess")]
+    pub(crate) fn solve_beyond(
+        &self,
+        prescribed: Prescribed,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        let target = match prescribed {
+            Prescribed::Torque(torque) => Target::Force(torque / self.base_radius),
+            Prescribed::Approach(approach) => Target::Approach(approach),
+        };
+        let start = warm.map(|w| (w.forces.as_slice(), w.approach));
+        Ok(self.solve_any(target, misalignment, start)?.0)
+    }
+
     fn operating_point(&self, target: Target, misalignment: f64) -> OperatingPoint {
         OperatingPoint {
             prescribed: match target {

@@ -48,8 +48,8 @@ impl ContactSettings {
 /// Clones share nothing mutable; one solver serves all threads.
 #[derive(Clone)]
 pub struct ContactSolver {
-    setup: ContactSetup,
-    numbers: PairNumbers,
+    pub(super) setup: ContactSetup,
+    pub(super) numbers: PairNumbers,
     compliance: [Arc<dyn ToothCompliance>; 2],
     friction: FrictionLaw,
     deflection: Deflection,
@@ -177,7 +177,17 @@ impl ContactSolver {
         let lines = self.setup.lines(flank, &section);
         // One base pitch later everything is the same again.
         let tau = mesh_position - mesh_position.floor();
-        let mut candidates = lines.candidates(tau);
+        self.problem(&lines, tau, lines.candidates(tau), center_distance_offset)
+    }
+
+    /// The problem of `candidates`, which lie on `lines` at the mesh position `tau`.
+    pub(super) fn problem(
+        &self,
+        lines: &ContactLines<'_>,
+        tau: f64,
+        mut candidates: Vec<Candidate>,
+        center_distance_offset: f64,
+    ) -> Result<PositionProblem, ContactError> {
         for candidate in &mut candidates {
             let places = candidate.points();
             for (gap, z) in candidate.gap.iter_mut().zip(places) {
@@ -189,7 +199,7 @@ impl ContactSolver {
         }
         let seen = |c: &Candidate| lines.seen_by_gears(tau, (c.tooth_pair, c.z), false);
         let seen: Vec<_> = candidates.iter().map(seen).collect();
-        let influence = self.influence_of(&lines, (&candidates, &seen), center_distance_offset)?;
+        let influence = self.influence_of(lines, (&candidates, &seen), center_distance_offset)?;
         let mut limits = self.setup.limits(center_distance_offset);
         // Compared with approach and misalignment alone.
         let [_, largest] = self.deflection.range(self.face());

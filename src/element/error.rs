@@ -36,7 +36,7 @@ pub enum ElementError {
     },
     /// The parameters ask for a table and none was given.
     #[error(
-        "stiffnessModel = table, but there is no table: pack one with `gearmesh tables`, or set stiffnessModel = constant"
+        "stiffnessModel = table or teeth, but there is no table: pack one with `gearmesh tables`, or set stiffnessModel = constant"
     )]
     NoTable,
     /// The parameters ask for contact at run time and none was given.

@@ -3,7 +3,9 @@
 use super::scalar::{Scalar, lift};
 use crate::gear::Flank;
 use crate::gear::teeth::Counts;
-use crate::table::{COORDINATES, Effects, FlankTable, Potential, Query, Table};
+use crate::table::{
+    COORDINATES, Effects, FlankTable, Potential, Query, Table, TableError, TeethFlank,
+};
 use std::sync::Arc;
 
 /// Anything that gives the potential W(delta, C, M, PMC) of a loaded flank: the interpolated table,
@@ -57,6 +59,35 @@ impl Elasticity for TableFlank {
     }
 }
 
+/// Tooth pairs of one flank of a pair's table.
+struct TableTeeth {
+    table: Arc<Table>,
+    flank: Flank,
+}
+
+impl TableTeeth {
+    #[inline]
+    fn teeth(&self) -> Option<&TeethFlank> {
+        Some(self.table.teeth(self.flank)?.0)
+    }
+}
+
+impl Elasticity for TableTeeth {
+    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
+        self.with_teeth(query, [0; 2], want_hessian)
+    }
+
+    fn tells_teeth_apart(&self) -> bool {
+        self.teeth().is_some_and(TeethFlank::tells_teeth_apart)
+    }
+
+    fn with_teeth(&self, query: &Query, counts: Counts, want_hessian: bool) -> Potential {
+        self.teeth().map_or(Potential::default(), |teeth| {
+            teeth.evaluate(query, counts, want_hessian)
+        })
+    }
+}
+
 /// Linear spring on the line of action.
 struct Linear {
     /// N/m on the line of action.
@@ -107,6 +138,20 @@ impl Law {
         let (mirrored, effects) = (table.flank(flank).1, *table.effects());
         let table = table.clone();
         Self::new(Arc::new(TableFlank { table, flank }), mirrored, effects)
+    }
+
+    /// `flank` of the pair's table, tooth pair by tooth pair.
+    ///
+    /// # Errors
+    /// The table was not asked for them.
+    pub(crate) fn of_teeth(table: &Arc<Table>, flank: Flank) -> Result<Self, TableError> {
+        let (_, mirrored) = table.teeth(flank).ok_or(TableError::MissingTeeth)?;
+        let (table, effects) = (table.clone(), *table.effects());
+        Ok(Self::new(
+            Arc::new(TableTeeth { table, flank }),
+            mirrored,
+            effects,
+        ))
     }
 
     /// Any law; `mirrored` for the coast flank of a pair whose table holds the drive flank alone.

@@ -25,7 +25,7 @@
 //! would meet the tooth behind, which is refused.
 //!
 //! Known limits: gears are rigid apart from the mesh; misalignment to first order, tilts up to 0.1 rad
-//! and meaningful within the table's range; no tooth-to-tooth errors. An evaluation
+//! and meaningful within the table's range; errors of teeth with [`StiffnessModel::Teeth`] and [`StiffnessModel::Contact`] alone. An evaluation
 //! neither allocates nor remembers; the phase zeros are the caller's [`Latch`].
 
 mod check;
@@ -142,13 +142,18 @@ impl Element {
     ) -> Result<Self, ElementError> {
         parameters.check()?;
         match parameters.stiffness_model {
-            StiffnessModel::Table => {
+            StiffnessModel::Table | StiffnessModel::Teeth => {
                 let mut table = table.ok_or(ElementError::NoTable)?;
                 let wanted = parameters.table_effects(pair);
                 if *table.effects() != wanted {
                     table = Arc::new(table.sliced(&wanted)?);
                 }
-                let laws = FLANKS.map(|flank| Law::of_table(&table, flank));
+                let laws = if wanted.teeth {
+                    let [drive, coast] = FLANKS.map(|flank| Law::of_teeth(&table, flank));
+                    [drive?, coast?]
+                } else {
+                    FLANKS.map(|flank| Law::of_table(&table, flank))
+                };
                 let mut element = Self::build(pair, parameters, laws)?;
                 element.friction = Friction::new(pair, parameters, &table);
                 element.root_stress = parameters.root_stress.then(|| table.clone());

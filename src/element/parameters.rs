@@ -14,6 +14,8 @@ pub enum StiffnessModel {
     /// A static contact solve at every evaluation: laws that the caller gives
     /// ([`super::Element::with_laws`]).
     Contact,
+    /// Tooth pair by tooth pair, from the pair's table.
+    Teeth,
 }
 
 /// How displacement and force follow from the poses.
@@ -131,9 +133,14 @@ impl Default for Parameters {
 impl Parameters {
     /// What these parameters ask of the table of `pair`.
     pub fn table_effects(&self, pair: &PairGeometry) -> Effects {
+        let teeth = self.stiffness_model == StiffnessModel::Teeth;
         Effects {
-            interpolation: self.interpolation,
-            load: if self.load_dependent {
+            interpolation: if teeth {
+                Interpolation::Spline
+            } else {
+                self.interpolation
+            },
+            load: if self.load_dependent || teeth {
                 Load::Variable
             } else {
                 Load::Constant {
@@ -145,6 +152,7 @@ impl Parameters {
             shuttling: self.shuttling_effect,
             friction: self.friction,
             root_stress: self.root_stress,
+            teeth,
         }
     }
 

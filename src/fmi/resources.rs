@@ -134,7 +134,7 @@ impl Resources {
             return Element::with_laws(geometry, parameters, &laws).map_err(refuse);
         }
         let table = match (&self.tables, parameters.stiffness_model) {
-            (Some(file), StiffnessModel::Table) => {
+            (Some(file), StiffnessModel::Table | StiffnessModel::Teeth) => {
                 let effects = parameters.table_effects(geometry);
                 Some(self.table(file, effects).map_err(|e| refuse(e.into()))?)
             }

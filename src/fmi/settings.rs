@@ -93,7 +93,7 @@ macro_rules! enumerations {
 }
 
 enumerations! {
-    StiffnessModel { Constant, Table, Contact }
+    StiffnessModel { Constant, Table, Contact, Teeth }
     Formulation { Paper, Conjugate }
     Interpolation { Linear, Spline, Shepard }
     Orientation { Angles, Quaternion }
@@ -244,7 +244,7 @@ mod tests {
             let beyond = Value::Integer(variable.items.len() as i32 + 1);
             assert!(!(field.set)(&mut template(), beyond), "{}", field.name);
         }
-        assert_eq!(compared, 15);
+        assert_eq!(compared, 16);
     }
 
     #[test]

@@ -73,6 +73,21 @@ impl PairTeeth {
         *self == PairTeeth::default()
     }
 
+    /// Bound of how far apart two tooth pairs can be in what errors of both gears close, on either flank, m.
+    pub fn spread(&self) -> f64 {
+        let of = |errors: &ToothErrors| {
+            let least = errors.index.iter().copied().fold(f64::INFINITY, f64::min);
+            let largest = errors
+                .index
+                .iter()
+                .copied()
+                .fold(f64::NEG_INFINITY, f64::max);
+            (largest - least).max(0.0) + errors.runout.map_or(0.0, |r| r.amount)
+        };
+        let both = |gears: &[ToothErrors; 2]| of(&gears[0]) + of(&gears[1]);
+        both(&self.drive).max(both(&self.coast))
+    }
+
     /// Bound of what errors of both gears close together on either flank, m.
     pub fn largest_closing(&self) -> f64 {
         let of = |errors: &ToothErrors| {
@@ -140,23 +155,43 @@ impl Passing {
                 sum[0] += errors.index[self.tooth(i, counts, k)];
             }
             if let Some(runout) = errors.runout {
-                // Number of the flank that is at the pitch point, with its fraction, then the body angle from the centre of
-                // tooth 0; teeth and spaces are of the same width.
-                let per_tooth = std::f64::consts::TAU / self.teeth[i];
-                let cycles = tau + counts[i] as f64;
-                let flank = self.first[i] - self.sense[i] * cycles;
-                let at = (flank + 0.25 * self.facing[i]) * per_tooth;
-                // The flank's normal: ahead, and outwards by the pressure angle (ring: inwards).
-                let (sin, cos) = (runout.angle - at).sin_cos();
-                let (out, ahead) = self.pressure_angle.sin_cos();
-                let (out, ahead) = (self.kappa[i] * out, self.facing[i] * ahead);
-                let eccentricity = 0.5 * runout.amount;
-                sum[0] += eccentricity * (out * cos + ahead * sin);
-                // The angle changes by sense * per_tooth per cycle.
-                sum[1] += eccentricity * self.sense[i] * per_tooth * (ahead * cos - out * sin);
+                let [value, rate] = self.eccentric(i, runout, counts, tau);
+                sum[0] += value;
+                sum[1] += rate;
             }
         }
         sum
+    }
+
+    /// What the run-out of gear `i` closes, m, and its rate, m per cycle.
+    fn eccentric(&self, i: usize, runout: Runout, counts: Counts, tau: f64) -> [f64; 2] {
+        // Number of the flank that is at the pitch point, with its fraction, then the body angle from the centre of
+        // tooth 0; teeth and spaces are of the same width.
+        let per_tooth = std::f64::consts::TAU / self.teeth[i];
+        let cycles = tau + counts[i] as f64;
+        let flank = self.first[i] - self.sense[i] * cycles;
+        let at = (flank + 0.25 * self.facing[i]) * per_tooth;
+        // The flank's normal: ahead, and outwards by the pressure angle (ring: inwards).
+        let (sin, cos) = (runout.angle - at).sin_cos();
+        let (out, ahead) = self.pressure_angle.sin_cos();
+        let (out, ahead) = (self.kappa[i] * out, self.facing[i] * ahead);
+        let eccentricity = 0.5 * runout.amount;
+        // The angle changes by sense * per_tooth per cycle.
+        [
+            eccentricity * (out * cos + ahead * sin),
+            eccentricity * self.sense[i] * per_tooth * (ahead * cos - out * sin),
+        ]
+    }
+
+    /// Second derivative by the mesh position of what the errors of both gears close, m; for all tooth pairs in mesh the same.
+    pub fn closing_curvature(&self, counts: Counts, tau: f64) -> f64 {
+        let runouts = self.errors.iter().zip(self.teeth).enumerate();
+        let of = |(i, (errors, teeth)): (usize, (&ToothErrors, f64))| {
+            let per_tooth = std::f64::consts::TAU / teeth;
+            let runout = errors.runout?;
+            Some(-per_tooth * per_tooth * self.eccentric(i, runout, counts, tau)[0])
+        };
+        runouts.filter_map(of).sum()
     }
 
     /// The modifications of the flank of gear `i` in the tooth pair `k`, where they are its own.

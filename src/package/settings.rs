@@ -43,9 +43,17 @@ pub enum SettingError {
 impl Setting {
     /// Whether it chooses contact at run time.
     pub fn is_contact(&self) -> bool {
+        self.is_stiffness_model("contact")
+    }
+
+    /// Whether it chooses tooth pairs one by one.
+    pub fn is_teeth(&self) -> bool {
+        self.is_stiffness_model("teeth")
+    }
+
+    fn is_stiffness_model(&self, name: &str) -> bool {
         let items = VARIABLES[index::STIFFNESS_MODEL].items;
-        self.index == index::STIFFNESS_MODEL
-            && items.get(self.value as usize - 1) == Some(&"contact")
+        self.index == index::STIFFNESS_MODEL && items.get(self.value as usize - 1) == Some(&name)
     }
 
     /// Whether it switches friction on.

@@ -119,7 +119,8 @@ pub(super) fn teeth(
         }
     }
     let note = "the teeth differ (`tooth_errors`): tables hold teeth that are all alike and take the nominal flanks; \
-                only `stiffnessModel = contact` of a unit built with --contact takes the errors";
+                `stiffnessModel = teeth` of a unit built with --teeth takes index errors and run-out, `contact` of one built with \
+                --contact all of them";
     let notes = (!all.are_alike()).then(|| note.to_owned());
     Ok((all, notes.into_iter().collect()))
 }

@@ -76,6 +76,12 @@ pub enum TableError {
          tables with `gearmesh tables --root-stress`"
     )]
     MissingRootStress,
+    /// Tooth pairs are wanted one by one, and the table does not hold them so.
+    #[error(
+        "stiffnessModel = teeth: the table does not hold tooth pairs one by one; set stiffnessModel = table or make the \
+         tables with `gearmesh tables --teeth`"
+    )]
+    MissingTeeth,
     /// External samples that cannot become a table.
     #[error("samples: {0}")]
     Samples(String),

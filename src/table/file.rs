@@ -2,7 +2,7 @@
 //! settings, the interpolation error, and a checksum over all of it.
 
 use super::file_geometry::GeometryRecord;
-use super::{Axes, FlankGrid, FrictionRecord, RootStressRecord, TableError};
+use super::{Axes, FlankGrid, FrictionRecord, RootStressRecord, TableError, TeethRecord};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -53,10 +53,13 @@ pub struct TableFile {
     /// Stress in the tooth roots, for the outputs of `rootStress`; absent where it is not wanted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub root_stress: Option<RootStressRecord>,
+    /// Tooth pairs one by one, for `stiffnessModel = teeth`; absent where it is not wanted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub teeth: Option<TeethRecord>,
 }
 
 /// Error of the default interpolant at operating points that are no nodes, relative to the nominal force.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InterpolationError {
     /// Number of random operating points.
@@ -97,6 +100,36 @@ pub struct FlankRecord {
     pub loa_force_n: Vec<f64>,
     /// Force times (z_c - z_ref); null where it is not known.
     pub moment_nm: Option<Vec<f64>>,
+}
+
+impl InterpolationError {
+    /// Of errors of force and shuttling moment at random points, each relative to its nominal one.
+    pub fn of(errors: &[[f64; 2]]) -> Self {
+        let rms = |k: usize| {
+            let squares: f64 = errors.iter().map(|e| e[k] * e[k]).sum();
+            (squares / errors.len() as f64).sqrt()
+        };
+        let maximum = |k: usize| errors.iter().map(|e| e[k].abs()).fold(0.0, f64::max);
+        InterpolationError {
+            points: errors.len(),
+            force_rms: rms(0),
+            force_maximum: maximum(0),
+            moment_rms: rms(1),
+            moment_maximum: maximum(1),
+        }
+    }
+
+    /// Both flanks together: the larger of each.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        InterpolationError {
+            points: self.points + other.points,
+            force_rms: self.force_rms.max(other.force_rms),
+            force_maximum: self.force_maximum.max(other.force_maximum),
+            moment_rms: self.moment_rms.max(other.moment_rms),
+            moment_maximum: self.moment_maximum.max(other.moment_maximum),
+        }
+    }
 }
 
 impl FlankRecord {
@@ -170,6 +203,7 @@ impl TableFile {
             coast: coast.map(FlankRecord::new),
             friction: None,
             root_stress: None,
+            teeth: None,
         };
         file.seal();
         file
@@ -244,7 +278,7 @@ impl TableFile {
     /// # Errors
     /// The first defect, by field.
     pub fn check(&self) -> Result<(), TableError> {
-        self.geometry.pair_geometry()?;
+        let geometry = self.geometry.pair_geometry()?;
         let (nominal, top) = (self.nominal_torque_nm, self.maximum_torque_nm);
         for (field, torque) in [("nominal_torque_nm", nominal), ("maximum_torque_nm", top)] {
             if !(torque > 0.0 && torque.is_finite()) {
@@ -263,40 +297,44 @@ impl TableFile {
         if let Some(friction) = &self.friction {
             friction.check()?;
         }
-        match &self.root_stress {
-            Some(root_stress) => root_stress.check(),
+        if let Some(root_stress) = &self.root_stress {
+            root_stress.check()?;
+        }
+        match &self.teeth {
+            Some(teeth) => teeth.check(&geometry),
             None => Ok(()),
         }
     }
 
     /// Samples of the drive flank.
     pub fn drive_grid(&self) -> FlankGrid {
-        self.grid(&self.drive)
+        grid_on(&self.axes, &self.drive)
     }
 
     /// Samples of the coast flank, if it has its own.
     pub fn coast_grid(&self) -> Option<FlankGrid> {
-        self.coast.as_ref().map(|r| self.grid(r))
-    }
-
-    fn grid(&self, record: &FlankRecord) -> FlankGrid {
-        FlankGrid {
-            axes: Axes {
-                displacement_fraction: self.axes.displacement_fraction.clone(),
-                center_distance_offset: self.axes.center_distance_offset_m.clone(),
-                misalignment: self.axes.misalignment_rad.clone(),
-                mesh_position: self.axes.mesh_position.clone(),
-            },
-            no_load_approach: record.no_load_approach_m.clone(),
-            top_load_approach: record.top_load_approach_m.clone(),
-            loa_force: record.loa_force_n.clone(),
-            moment: record.moment_nm.clone(),
-        }
+        self.coast.as_ref().map(|r| grid_on(&self.axes, r))
     }
 
     /// The text of the file.
     pub fn to_json(&self) -> String {
         serde_json::to_string(self).expect("plain structs become JSON") + "\n"
+    }
+}
+
+/// The grid of `record` on the nodes of `axes`.
+pub(super) fn grid_on(axes: &AxesRecord, record: &FlankRecord) -> FlankGrid {
+    FlankGrid {
+        axes: Axes {
+            displacement_fraction: axes.displacement_fraction.clone(),
+            center_distance_offset: axes.center_distance_offset_m.clone(),
+            misalignment: axes.misalignment_rad.clone(),
+            mesh_position: axes.mesh_position.clone(),
+        },
+        no_load_approach: record.no_load_approach_m.clone(),
+        top_load_approach: record.top_load_approach_m.clone(),
+        loa_force: record.loa_force_n.clone(),
+        moment: record.moment_nm.clone(),
     }
 }
 

@@ -25,6 +25,7 @@ const EFFECTS: Effects = Effects {
     shuttling: true,
     friction: false,
     root_stress: false,
+    teeth: false,
 };
 
 #[test]

@@ -30,6 +30,7 @@ pub mod source;
 mod summary;
 #[cfg(feature = "preprocess")]
 pub mod sweep;
+mod teeth;
 
 pub use error::TableError;
 pub use file::{AxesRecord, FlankRecord, InterpolationError, TableFile, VERSION};
@@ -45,6 +46,9 @@ pub use runtime::{Effects, Load, Table};
 pub use sliding::{FrictionRecord, SlidingSamples, SlidingTable};
 #[cfg(feature = "preprocess")]
 pub use sliding::{default_sliding_axes, sweep_sliding};
+pub use teeth::{Closing, GearTeethRecord, TeethFlank, TeethRecord, TeethTable};
+#[cfg(feature = "preprocess")]
+pub use teeth::{TeethSweep, default_teeth_axes};
 
 /// Where the table is asked, for one flank (coast flank: after mapping to its own table).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -171,15 +171,7 @@ fn measure_drawn(
             ])
         })
         .collect::<Result<_, _>>()?;
-    let rms = |k: usize| (errors.iter().map(|e| e[k] * e[k]).sum::<f64>() / points as f64).sqrt();
-    let max = |k: usize| errors.iter().map(|e| e[k].abs()).fold(0.0, f64::max);
-    Ok(InterpolationError {
-        points,
-        force_rms: rms(0),
-        force_maximum: max(0),
-        moment_rms: rms(1),
-        moment_maximum: max(1),
-    })
+    Ok(InterpolationError::of(&errors))
 }
 
 /// Force and moment that errors are related to.

@@ -2,7 +2,7 @@
 
 use super::{
     Axis, FlankGrid, FlankTable, Interpolation, RootStressTable, SlidingTable, TableError,
-    TableFile,
+    TableFile, TeethFlank,
 };
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
@@ -38,6 +38,8 @@ pub struct Effects {
     pub friction: bool,
     /// Stress in the tooth roots.
     pub root_stress: bool,
+    /// Tooth pair by tooth pair, for teeth that differ.
+    pub teeth: bool,
 }
 
 /// Everything of one pair at run time. Read-only; share it by `Arc`.
@@ -49,6 +51,7 @@ pub struct Table {
     force: Flanks<FlankTable>,
     sliding: Option<Flanks<SlidingTable>>,
     root_stress: Option<Flanks<RootStressTable>>,
+    teeth: Option<[TeethFlank; 2]>,
 }
 
 /// What there is of both flanks.
@@ -111,6 +114,7 @@ impl Table {
             shuttling: file.axes.misalignment_rad.len() > 1 || file.drive.moment_nm.is_some(),
             friction: false,
             root_stress: false,
+            teeth: false,
         };
         Self::with_effects(Arc::new(file), effects)
     }
@@ -145,11 +149,18 @@ impl Table {
         } else {
             None
         };
-        let flank = |grid: FlankGrid| flank_table(grid, &effects);
+        let teeth = if effects.teeth {
+            let record = file.teeth.as_ref().ok_or(TableError::MissingTeeth)?;
+            Some(TeethFlank::both(record, &geometry, &effects)?)
+        } else {
+            None
+        };
+        let flank = |grid: FlankGrid| Ok(flank_table(grid, &effects)?.1);
         Ok(Table {
             force: Flanks::new(file.drive_grid(), file.coast_grid(), flank)?,
             sliding,
             root_stress,
+            teeth,
             geometry,
             effects,
             file,
@@ -188,9 +199,24 @@ impl Table {
     pub fn root_stress(&self, flank: Flank) -> Option<(&RootStressTable, bool)> {
         Some(self.root_stress.as_ref()?.of(flank))
     }
+
+    /// Tooth pairs of `flank` one by one, and whether their samples are those of the drive flank mirrored: then ask at -M and
+    /// take the opposite moment. None unless it was asked for.
+    pub fn teeth(&self, flank: Flank) -> Option<(&TeethFlank, bool)> {
+        let [drive, coast] = self.teeth.as_ref()?;
+        let own = self.file.teeth.as_ref()?.coast.is_some();
+        Some(match flank {
+            Flank::Drive => (drive, false),
+            Flank::Coast => (coast, !own),
+        })
+    }
 }
 
-fn flank_table(mut grid: FlankGrid, effects: &Effects) -> Result<FlankTable, TableError> {
+/// What is left of `grid` with only the dimensions that `effects` switch on, and its interpolant.
+pub(super) fn flank_table(
+    mut grid: FlankGrid,
+    effects: &Effects,
+) -> Result<(FlankGrid, FlankTable), TableError> {
     let [has_center_distance, has_misalignment, _] = grid.axes.present();
     let axes = [
         (
@@ -222,10 +248,11 @@ fn flank_table(mut grid: FlankGrid, effects: &Effects) -> Result<FlankTable, Tab
     } else if grid.moment.is_none() && !from_potential {
         return Err(TableError::MissingMoment);
     }
-    match effects.load {
-        Load::Variable => FlankTable::new(&grid, effects.interpolation),
+    let table = match effects.load {
+        Load::Variable => FlankTable::new(&grid, effects.interpolation)?,
         Load::Constant { loa_force } => {
-            FlankTable::constant_load(&grid, effects.interpolation, loa_force)
+            FlankTable::constant_load(&grid, effects.interpolation, loa_force)?
         }
-    }
+    };
+    Ok((grid, table))
 }

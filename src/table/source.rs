@@ -29,6 +29,13 @@ pub trait StaticPosition {
     /// # Errors
     /// What the solver says.
     fn at_approach(&mut self, approach: f64, misalignment: f64) -> Result<Sample, String>;
+    /// Equilibrium up to which a table for this largest torque goes: that under the torque itself.
+    ///
+    /// # Errors
+    /// What the solver says.
+    fn top(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
+        self.at_torque(torque, misalignment)
+    }
 }
 
 /// Static contact of a pair.

@@ -1,6 +1,6 @@
 //! What a tables file covers and how far it can be trusted, in words for `gearmesh inspect` and the FMU's page.
 
-use super::{LoadAxes, RootStressError, TableFile};
+use super::{InterpolationError, LoadAxes, RootStressError, TableFile, TeethRecord};
 use crate::words::{count, fixed, rounded};
 
 impl TableFile {
@@ -60,6 +60,9 @@ impl TableFile {
             );
             rows.push(("root stress".into(), words));
         }
+        if let Some(teeth) = &self.teeth {
+            rows.push(("tooth pairs one by one".into(), teeth.in_words()));
+        }
         for (name, value) in &self.solver {
             // Strings without the quotation marks of JSON.
             let value = value
@@ -78,20 +81,9 @@ impl TableFile {
     /// Nodes, flanks and measured error in one line.
     pub fn size_and_error(&self) -> String {
         let axes = &self.axes;
-        let error = self.interpolation_error.map_or_else(
-            || "error not measured".into(),
-            |e| {
-                format!(
-                    "error at {} random points: force {:.2} % rms, {:.2} % at most, of the nominal force; shuttling \
-                     moment {:.2} % rms, {:.2} % at most, of that force at an end of the face",
-                    e.points,
-                    1e2 * e.force_rms,
-                    1e2 * e.force_maximum,
-                    1e2 * e.moment_rms,
-                    1e2 * e.moment_maximum
-                )
-            },
-        );
+        let error = self
+            .interpolation_error
+            .map_or_else(|| "error not measured".into(), |error| error.to_string());
         format!(
             "{} x {} x {} x {}, {} flank{}, {error}",
             count(axes.displacement_fraction.len(), "displacement"),
@@ -104,6 +96,39 @@ impl TableFile {
             } else {
                 " for both"
             },
+        )
+    }
+}
+
+impl std::fmt::Display for InterpolationError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "error at {} random points: force {:.2} % rms, {:.2} % at most, of the nominal force; shuttling \
+             moment {:.2} % rms, {:.2} % at most, of that force at an end of the face",
+            self.points,
+            1e2 * self.force_rms,
+            1e2 * self.force_maximum,
+            1e2 * self.moment_rms,
+            1e2 * self.moment_maximum
+        )
+    }
+}
+
+impl TeethRecord {
+    /// Nodes, coupling and error against contact at run time in one line.
+    pub fn in_words(&self) -> String {
+        let axes = &self.axes;
+        format!(
+            "{} x {} x {} x {} from {:.2} to {:.2} base pitches; a neighbour takes {:.2} um/kN; {} against contact at run time",
+            count(axes.displacement_fraction.len(), "displacement"),
+            count(axes.center_distance_offset_m.len(), "centre distance"),
+            count(axes.misalignment_rad.len(), "misalignment"),
+            count(axes.mesh_position.len(), "place"),
+            self.first_place,
+            self.last_place,
+            1e9 * self.coupling_m_per_n,
+            self.error
         )
     }
 }

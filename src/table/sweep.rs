@@ -47,7 +47,7 @@ pub fn sweep(
                         return Err(TableError::Cancelled);
                     }
                     let low = at.no_load_approach(m);
-                    let top = at.at_torque(maximum_torque, m).map_err(|e| failed(m, e))?;
+                    let top = at.top(maximum_torque, m).map_err(|e| failed(m, e))?;
                     let mut samples = vec![top; nu];
                     // From the top down each solution starts from a near one; the top itself is known.
                     for (u, sample) in axes

@@ -101,6 +101,7 @@ fn building_is_tabulating_and_packing() {
     // The GUID is that of the contents.
     let [packed, built] = [&packed, &built].map(|fmu| succeed(&["inspect", fmu]));
     assert!(stdout(&built).contains("time of one evaluation"));
+    assert!(stdout(&built).contains("table: error at"));
     let [a, b] = [&packed, &built].map(guid);
     assert_eq!(a, b);
     // Nothing but the three files.
@@ -188,5 +189,42 @@ fn samples_of_another_program_become_an_fmu() {
         stdout(&inspection).contains("samples.csv"),
         "{}",
         stdout(&inspection)
+    );
+}
+
+#[test]
+fn tooth_pairs_one_by_one_are_packed_and_inspected_and_refuse_teeth_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (pair, fmu) = (path("pair.json"), path("teeth.fmu"));
+    let text = std::fs::read_to_string(paper()).unwrap();
+    let with = |errors: &str| {
+        let errors = format!("\"teeth\": 20, \"tooth_errors\": {errors},");
+        let differ = text.replacen("\"teeth\": 20,", &errors, 1);
+        assert_ne!(differ, text);
+        std::fs::write(&pair, differ).unwrap();
+    };
+    let choices = ["--set", "stiffnessModel=teeth"];
+    let arguments = [&["build", &pair, "-o", &fmu], &SMALL[..], &choices].concat();
+
+    with(r#"{ "teeth": [{ "tooth": 3, "compliance_factor": 1.5 }] }"#);
+    let refused = gearmesh(&arguments);
+    assert_eq!(refused.status.code(), Some(1));
+    let message = stderr(&refused);
+    assert!(message.contains("compliance_factor") && message.contains("tooth 3"));
+    assert!(!Path::new(&fmu).exists());
+
+    with(r#"{ "drive_flank": { "pitch_class": 6 }, "runout_um": 5.0 }"#);
+    let built = succeed(&arguments);
+    assert!(stdout(&built).contains("`stiffnessModel = teeth` takes the tooth errors"));
+    let inspection = succeed(&["inspect", &fmu]);
+    let shown = stdout(&inspection);
+    assert!(
+        shown.contains("teeth: error at 1000 random points"),
+        "{shown}"
+    );
+    assert!(
+        shown.contains("tooth pairs one by one") && shown.contains("um/kN"),
+        "{shown}"
     );
 }

@@ -11,7 +11,7 @@ from host import ERROR, Unit
 from scipy.optimize import brentq
 from test_tables import FORMULATIONS, press
 
-TABLE, CONTACT = 2, 3
+TABLE, CONTACT, TEETH = 2, 3, 4
 
 
 @pytest.fixture(scope="module")
@@ -114,9 +114,9 @@ def test_contact_that_a_unit_does_not_hold_is_refused_with_what_to_do(table_mesh
     assert "gearmesh build --contact" in instance.log()
 
 
-def orders(fmu, positions, torque):
+def orders(fmu, positions, torque, model="contact"):
     """Amplitudes (um on the line of action) by shaft order of the approach under `torque` over a turn of gear 1."""
-    with GearPair(fmu, {"stiffnessModel": "contact"}, interface="model-exchange") as pair:
+    with GearPair(fmu, {"stiffnessModel": model}, interface="model-exchange") as pair:
         pair.initialize()
         approach, ahead = [], 2e-4
         for turn in -2.0 * np.pi * np.arange(positions) / positions:
@@ -146,3 +146,67 @@ def test_index_errors_show_as_shaft_orders_through_the_unit(tmp_path):
     # The teeth stand between -14.6 and 13.4 um: the wave once per revolution goes through nearly whole.
     assert 12.5 < found["differ"][1] < 14.0
     assert found["differ"][2:20].min() > 1e-3
+
+
+@pytest.fixture(scope="module")
+def toothed(tmp_path_factory):
+    """Units with tables, contact and tooth pairs one by one: all teeth alike, and gear 1 with index errors."""
+    folder = tmp_path_factory.mktemp("teeth")
+    file = json.loads((PAIRS / "palermo2013.json").read_text())
+    units = {}
+    for name, errors in {"alike": {}, "differ": {"drive_flank": {"pitch_class": 6, "seed": 1}}}.items():
+        file["gear1"]["tooth_errors"] = errors
+        (folder / f"{name}.json").write_text(json.dumps(file))
+        units[name] = folder / f"{name}.fmu"
+        choices = ["--no-center-distance", "--no-misalignment", "--contact", "--teeth"]
+        gearmesh("build", folder / f"{name}.json", "-o", units[name], *QUICK, *choices)
+    return units
+
+
+def test_index_errors_show_in_the_fast_level_as_in_contact(toothed):
+    steps = 20 * 8
+    alike = {model: orders(toothed["alike"], steps, 100.0, model) for model in ("table", "teeth")}
+    differ = {model: orders(toothed["differ"], steps, 100.0, model) for model in ("contact", "teeth")}
+    # Equal teeth: mesh orders alone, those of the table.
+    assert alike["teeth"][1:20].max() < 1e-3 < 0.05 < alike["teeth"][20]
+    assert alike["teeth"][[20, 40]] == pytest.approx(alike["table"][[20, 40]], abs=0.01)
+    # Differing teeth: shaft orders and sidebands of the mesh orders appear, which stay.
+    assert 12.5 < differ["teeth"][1] < 14.0
+    assert differ["teeth"][2:20].min() > 1e-3
+    assert differ["teeth"][[19, 21]].min() > 0.03
+    assert differ["teeth"][20] > 0.05
+    # All orders are those of the static contact itself.
+    assert differ["teeth"][1:61] == pytest.approx(differ["contact"][1:61], abs=0.02)
+
+
+def test_tooth_pairs_that_a_unit_does_not_hold_are_refused_with_what_to_do(table_mesh):
+    instance = table_mesh("external-cycle")
+    instance.expect("fmi2EnterInitializationMode")
+    instance.set({"stiffnessModel": TEETH})
+    assert instance.call("fmi2ExitInitializationMode") == ERROR
+    assert "gearmesh tables --teeth" in instance.log()
+
+
+def test_derivatives_of_the_fast_level_are_those_of_its_outputs(toothed):
+    unit = Unit(toothed["differ"])
+    instance = next(instances({"differ": unit}))("differ")
+    instance.initialize({"stiffnessModel": TEETH, "damping": 0.0})
+    press(instance, 1.5e-5)
+    rng = np.random.default_rng(4)
+    inputs, _ = variables(instance)
+    outputs = [f"gear{g}.{kind}[{k}]" for g in (1, 2) for kind in ("force", "moment") for k in (1, 2, 3)]
+    values = values_of(instance, inputs)
+    moved = [n for n in inputs if ("position" in n or "angles" in n) and "carrier" not in n]
+    for _ in range(4):
+        seed = rng.normal(size=len(moved))
+        exact = directional(instance, outputs, moved, seed)
+        at = {}
+        for k in (-2, -1, 1, 2):
+            instance.set({n: values[n] + 2e-8 * k * s for n, s in zip(moved, seed)})
+            at[k] = evaluate(instance, outputs)
+        instance.set(values)
+        numeric = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * 2e-8)
+        for block in range(4):
+            rows = slice(3 * block, 3 * block + 3)
+            scale = np.abs(numeric[rows]).max()
+            assert np.abs(exact[rows] - numeric[rows]).max() <= 1e-4 * scale

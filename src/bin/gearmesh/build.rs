@@ -48,6 +48,7 @@ impl Build {
         // What the unit starts with must be in its tables.
         grid.friction |= self.set.iter().any(Setting::is_friction);
         grid.root_stress |= self.set.iter().any(Setting::is_root_stress);
+        grid.teeth |= self.set.iter().any(Setting::is_teeth);
         let contact = self.contact || self.set.iter().any(Setting::is_contact);
         let made = tables::compute(&self.pair, &self.output, &grid, contact, &self.model)?;
         let contact = made.contact.as_ref();

@@ -12,6 +12,7 @@ use gearmesh::words::{count, shown};
 use serde::de::IgnoredAny;
 
 use crate::Error;
+use crate::accuracy;
 use crate::cost;
 use crate::output::{self, Listing};
 use crate::pair_summary::pair_summary;
@@ -83,6 +84,12 @@ fn fmu(path: &Path) -> Result<String, Error> {
         );
         rows.row("time of one evaluation", words);
     }
+    let tables = found
+        .tables
+        .as_deref()
+        .map(TableFile::from_json)
+        .transpose()?;
+    rows.row("error", accuracy::of_level(&found.unit, tables.as_ref()));
     for (name, value) in &found.unit.starts {
         rows.row(format!("start: {name}"), start_in_words(name, *value));
     }
@@ -90,8 +97,8 @@ fn fmu(path: &Path) -> Result<String, Error> {
         rows.row(format!("file: {name}"), count(*size as usize, "byte"));
     }
     let mut text = format!("{}: FMU\n{rows}", shown(&found.unit.name));
-    if let Some(tables) = &found.tables {
-        let _ = write!(text, "\n{}", table_file(&TableFile::from_json(tables)?)?);
+    if let Some(tables) = &tables {
+        let _ = write!(text, "\n{}", table_file(tables)?);
     }
     Ok(text)
 }

@@ -3,6 +3,7 @@
 //! One file per subcommand. Results go to standard output, progress and errors to standard error,
 //! and the exit status is 0 only when the whole thing was done.
 
+mod accuracy;
 mod build;
 mod cache;
 mod cost;

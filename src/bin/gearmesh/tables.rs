@@ -13,8 +13,8 @@ use gearmesh::table::source::{SolveQuality, WatchedSolver};
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{
     FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, RootStressRecord,
-    RootStressSweep, RootStressTable, TableFile, default_root_stress_axes, default_sliding_axes,
-    sweep_sliding,
+    RootStressSweep, RootStressTable, TableFile, TeethRecord, TeethSweep, default_root_stress_axes,
+    default_sliding_axes, default_teeth_axes, sweep_sliding,
 };
 
 use crate::Error;
@@ -26,6 +26,9 @@ use crate::progress::{CONTACT, phases};
 
 /// Random operating points at which the default grid is measured.
 const HELD_OUT_POINTS: usize = 1000;
+
+/// Places of a tooth pair that are likely: some three base pitches.
+const PLACES: usize = 96;
 
 /// Compute the tables of a pair.
 #[derive(Debug, Args)]
@@ -69,6 +72,10 @@ pub struct GridArgs {
     /// three times as long as that of the contact
     #[arg(long, conflicts_with = "plane_strain")]
     pub root_stress: bool,
+
+    /// Also tooth pairs one by one, for stiffnessModel = teeth of the unit, which takes index errors and run-out
+    #[arg(long)]
+    pub teeth: bool,
 }
 
 impl Tables {
@@ -93,6 +100,8 @@ pub struct Made {
     contact_seconds: f64,
     /// Likewise of the stress in the tooth roots, its elastic model included.
     root_stress_seconds: f64,
+    /// Likewise of tooth pairs one by one.
+    teeth_seconds: f64,
     /// The teeth of the pair differ, which tables do not hold.
     teeth_differ: bool,
 }
@@ -114,16 +123,28 @@ impl std::fmt::Display for Made {
                 self.root_stress_seconds, root_stress.interpolation_error
             )?;
         }
+        if let Some(teeth) = &self.file.teeth {
+            write!(
+                f,
+                "\n  tooth pairs one by one: {:.1} s, {}",
+                self.teeth_seconds,
+                teeth.in_words()
+            )?;
+        }
         if self.teeth_differ {
-            let contact = match self.contact {
-                Some(_) => "`stiffnessModel = contact` takes the tooth errors",
-                None => {
-                    "only `stiffnessModel = contact` takes the tooth errors: build with --contact"
+            let takes = match (&self.file.teeth, &self.contact) {
+                (Some(_), Some(_)) => {
+                    "`stiffnessModel = teeth` and `contact` take the tooth errors"
+                }
+                (Some(_), None) => "`stiffnessModel = teeth` takes the tooth errors",
+                (None, Some(_)) => "`stiffnessModel = contact` takes the tooth errors",
+                (None, None) => {
+                    "only `stiffnessModel = teeth` (build with --teeth) and `contact` (--contact) take the tooth errors"
                 }
             };
             write!(
                 f,
-                "\n  note: these tables take all teeth as alike; {contact}"
+                "\n  note: `stiffnessModel = table` takes all teeth as alike; {takes}"
             )?;
         }
         Ok(())
@@ -148,6 +169,9 @@ pub fn compute(
         return Err("--plane-strain has no stress in the tooth roots; leave out `rootStress` or --plane-strain".into());
     }
     let pair = args.applied_to(Pair::read(path)?);
+    if grid.teeth {
+        TeethRecord::takes(&pair.teeth)?;
+    }
     crate::output::check_writable(output)?;
     args.use_threads()?;
     let coverage = coverage(&pair, grid);
@@ -190,13 +214,7 @@ pub fn compute(
             HELD_OUT_POINTS,
             &watch,
         )?;
-        error = InterpolationError {
-            points: error.points + found.points,
-            force_rms: error.force_rms.max(found.force_rms),
-            force_maximum: error.force_maximum.max(found.force_maximum),
-            moment_rms: error.moment_rms.max(found.moment_rms),
-            moment_maximum: error.moment_maximum.max(found.moment_maximum),
-        };
+        error = error.with(found);
         within(grid.max_error, &error)?;
         Some(flank)
     };
@@ -223,6 +241,17 @@ pub fn compute(
         None
     };
     let root_stress_seconds = begin.elapsed().as_secs_f64();
+    let contact = if contact || grid.teeth {
+        Some((contact, ContactFile::new(&pair, &model.solver)?))
+    } else {
+        None
+    };
+    let begin = Instant::now();
+    let teeth = match &contact {
+        Some((_, contact)) if grid.teeth => Some(teeth(&pair, &model, &coverage, contact, args)?),
+        _ => None,
+    };
+    let teeth_seconds = begin.elapsed().as_secs_f64();
 
     let mut file = TableFile::new(
         &pair.name,
@@ -235,16 +264,12 @@ pub fn compute(
     file.interpolation_error = Some(error);
     file.friction = friction;
     file.root_stress = root_stress;
+    file.teeth = teeth;
     file.solver = settings(&pair, &model, args, source.quality());
     file.seal();
-    let contact = if contact {
-        Some(ContactFile::new(&pair, &model.solver)?)
-    } else {
-        None
-    };
     Ok(Made {
         file,
-        contact,
+        contact: contact.and_then(|(wanted, contact)| wanted.then_some(contact)),
         elastic_model: format!(
             "{}, {:.1} s, {}",
             model.description, model.compliance_seconds, model.origin
@@ -252,7 +277,33 @@ pub fn compute(
         teeth_differ: !pair.teeth.are_alike(),
         contact_seconds,
         root_stress_seconds,
+        teeth_seconds,
     })
+}
+
+/// Tooth pairs one by one over the range of `coverage`, their error measured against `contact`.
+fn teeth(
+    pair: &Pair,
+    model: &Model,
+    coverage: &Coverage,
+    contact: &ContactFile,
+    args: &ModelArgs,
+) -> Result<TeethRecord, Error> {
+    let job = args.progress().job(phases([0.0; 2], ("tooth pairs", 1.0)));
+    let watch = Watch {
+        progress: &|done, total| {
+            let told = format!("{done} of {total} solves");
+            job.set(CONTACT, done as f64 / total as f64, &told);
+        },
+        cancel: &AtomicBool::new(false),
+    };
+    let sweep = TeethSweep {
+        solver: &model.solver,
+        contact,
+        coverage,
+        coast_mirrors_drive: pair.coast_mirrors_drive(),
+    };
+    Ok(sweep.record(&default_teeth_axes(coverage), HELD_OUT_POINTS, &watch)?)
 }
 
 /// Stress in the tooth roots over the range of `coverage`, on the coast flank, too, where it has its `own` tables.
@@ -311,10 +362,16 @@ fn load(pair: &Pair, coverage: &Coverage, grid: &GridArgs) -> Load {
         // Without a force there is nothing to solve.
         [nc * np, nc * nm * (nf - 1) * np].map(|nodes| flanks * (nodes + HELD_OUT_POINTS))
     };
+    let teeth = || {
+        let [nc, nm, nu, _] = default_teeth_axes(coverage).lengths();
+        let np = PLACES;
+        [nc * np, nc * nm * (nu + 1) * np].map(|nodes| flanks * nodes)
+    };
     Load {
         positions: of(nc * np),
         solves: of(nc * nm * (nu + 1) * np),
         root_stress: grid.root_stress.then(roots),
+        teeth: grid.teeth.then(teeth),
     }
 }
 

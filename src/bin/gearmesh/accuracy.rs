@@ -1,0 +1,58 @@
+//! How far the forces of a packed unit are from those of its static contact, by the level that it starts with.
+
+use gearmesh::fmi::resources::UnitFile;
+use gearmesh::fmi::variables::{VARIABLES, index};
+use gearmesh::table::TableFile;
+
+/// The level that `unit` starts with, by the name of its `stiffnessModel`, and its error as it was measured when the
+/// unit was made.
+pub fn of_level(unit: &UnitFile, tables: Option<&TableFile>) -> String {
+    let start = |i: usize| {
+        let variable = &VARIABLES[i];
+        let own = unit.starts.get(variable.name).copied();
+        own.or(variable.start).unwrap_or(0.0)
+    };
+    let item = |i: usize| {
+        let items = VARIABLES[i].items;
+        (start(i) as usize)
+            .checked_sub(1)
+            .and_then(|k| items.get(k).copied())
+            .unwrap_or("")
+    };
+    let level = item(index::STIFFNESS_MODEL);
+    let error = match (level, tables) {
+        ("contact", _) => {
+            "0.1 % rms and 0.5 % at most of force and shuttling moment against the solve that tables come from, as tests assert \
+             for three pairs"
+                .to_owned()
+        }
+        ("teeth", Some(TableFile { teeth: Some(teeth), .. })) => {
+            format!("{} against contact at run time", teeth.error)
+        }
+        ("table", Some(tables)) => {
+            let error = tables.interpolation_error;
+            let error = error.map_or_else(|| "not measured".to_owned(), |error| error.to_string());
+            let all = [
+                (start(index::LOAD_DEPENDENT) == 0.0, "loadDependent = false"),
+                (item(index::INTERPOLATION) != "spline", "another interpolation"),
+                (
+                    start(index::CENTER_DISTANCE_EFFECT) == 0.0
+                        && tables.axes.center_distance_offset_m.len() > 1,
+                    "centerDistanceEffect = false",
+                ),
+                (
+                    start(index::MISALIGNMENT_EFFECT) == 0.0 && tables.axes.misalignment_rad.len() > 1,
+                    "misalignmentEffect = false",
+                ),
+            ];
+            let less: Vec<&str> = all.iter().filter(|(on, _)| *on).map(|(_, name)| *name).collect();
+            if less.is_empty() {
+                error
+            } else {
+                format!("{error}; that of the spline with all axes, more with {}", less.join(", "))
+            }
+        }
+        _ => "not measured: one stiffness for all loads and mesh positions".to_owned(),
+    };
+    format!("{level}: {error}")
+}

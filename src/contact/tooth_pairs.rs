@@ -1,0 +1,68 @@
+//! Contact of chosen tooth pairs, all other teeth out of the way.
+
+use super::error::ContactError;
+use super::position::PositionProblem;
+use super::solver::ContactSolver;
+use crate::gear::Flank;
+
+impl ContactSolver {
+    /// The same pair with tip edges followed up to the approach `reach`, m.
+    #[must_use]
+    pub(crate) fn followed_to(&self, reach: f64) -> ContactSolver {
+        let mut solver = self.clone();
+        solver.setup.reach = reach;
+        solver
+    }
+
+    /// Places, in base pitches from where it touches at the pitch point at mid-face, between which a tooth pair comes within
+    /// the reach of contact at the deviation `center_distance_offset` (m).
+    ///
+    /// # Errors
+    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
+    pub(crate) fn passage(
+        &self,
+        flank: Flank,
+        center_distance_offset: f64,
+    ) -> Result<[f64; 2], ContactError> {
+        let section = self.section(center_distance_offset)?;
+        Ok(self.setup.lines(flank, &section).passage())
+    }
+
+    /// As [`ContactSolver::position`] of tooth pairs 0 to `last` alone, with pair 0 at `place` and each other one a base pitch
+    /// ahead of the one before.
+    ///
+    /// # Errors
+    /// As there; [`ContactError::OutOfMesh`] where none of them is within reach.
+    pub(crate) fn tooth_pairs(
+        &self,
+        flank: Flank,
+        place: f64,
+        center_distance_offset: f64,
+        last: i32,
+    ) -> Result<PositionProblem, ContactError> {
+        let section = self.section(center_distance_offset)?;
+        let lines = self.setup.lines(flank, &section);
+        let candidates = (0..=last).flat_map(|k| lines.of_pair(place, k)).collect();
+        self.problem(&lines, place, candidates, center_distance_offset)
+    }
+    /// Approach at which tooth pair 0, alone, first touches at `place` and `misalignment` (rad), m; infinite where it is not
+    /// within reach.
+    ///
+    /// # Errors
+    /// As [`ContactSolver::passage`].
+    pub(crate) fn first_touch(
+        &self,
+        flank: Flank,
+        place: f64,
+        center_distance_offset: f64,
+        misalignment: f64,
+    ) -> Result<f64, ContactError> {
+        let section = self.section(center_distance_offset)?;
+        let lines = self.setup.lines(flank, &section);
+        let touches = lines.of_pair(place, 0).flat_map(|strip| {
+            let points = strip.points().into_iter().zip(strip.gap);
+            points.map(move |(z, gap)| gap / strip.arm - misalignment * (z - self.numbers.z_ref))
+        });
+        Ok(touches.fold(f64::INFINITY, f64::min))
+    }
+}

@@ -1,0 +1,130 @@
+//! One flank of a pair whose teeth may differ, from the record in the tables file.
+
+use std::sync::Arc;
+
+use super::coupled::{Closing, TeethTable};
+use super::record::TeethRecord;
+use crate::gear::teeth::{Counts, Passing};
+use crate::gear::{Flank, PairGeometry};
+use crate::table::runtime::flank_table;
+use crate::table::{
+    Effects, FlankGrid, FlankTable, Interpolation, Load, Potential, Query, TableError,
+};
+
+/// The potential of one flank, and which teeth are in mesh.
+#[derive(Debug, Clone)]
+pub struct TeethFlank {
+    table: Arc<TeethTable>,
+    /// `None`: all teeth are alike.
+    passing: Option<Passing>,
+}
+
+impl TeethFlank {
+    /// `flank` of `record`, which is of the pair `geometry`, reduced to the dimensions that `effects` switch on.
+    ///
+    /// # Errors
+    /// An effect whose axis is missing; a coupling that is too large for the table.
+    pub fn new(
+        record: &TeethRecord,
+        geometry: &PairGeometry,
+        flank: Flank,
+        effects: &Effects,
+    ) -> Result<Self, TableError> {
+        Ok(TeethFlank {
+            table: Arc::new(table(record, record.grid(flank), effects)?),
+            passing: Passing::new(geometry, &record.teeth(), flank),
+        })
+    }
+
+    /// Both flanks of `record`, as [`TeethFlank::new`]; with the drive flank's samples for both they share them.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn both(
+        record: &TeethRecord,
+        geometry: &PairGeometry,
+        effects: &Effects,
+    ) -> Result<[Self; 2], TableError> {
+        let drive = TeethFlank::new(record, geometry, Flank::Drive, effects)?;
+        let coast = if record.coast.is_some() {
+            TeethFlank::new(record, geometry, Flank::Coast, effects)?
+        } else {
+            TeethFlank {
+                table: drive.table.clone(),
+                passing: Passing::new(geometry, &record.teeth(), Flank::Coast),
+            }
+        };
+        Ok([drive, coast])
+    }
+
+    /// Whether its teeth differ.
+    pub fn tells_teeth_apart(&self) -> bool {
+        self.passing.is_some()
+    }
+
+    /// As [`TeethTable::evaluate`] with the mesh cycles that passed on gear 1 and gear 2 since the pair of teeth 0.
+    pub fn evaluate(&self, query: &Query, counts: Counts, want_hessian: bool) -> Potential {
+        let turns = query.mesh_position.floor();
+        let tau = query.mesh_position - turns;
+        let at = Query {
+            mesh_position: tau,
+            ..*query
+        };
+        let counts = counts.map(|count| count + turns as i64);
+        let closing = |k| {
+            self.passing.as_ref().map_or(Closing::default(), |passing| {
+                let [value, rate] = passing.closing(counts, k, tau);
+                let curvature = passing.closing_curvature(counts, tau);
+                Closing {
+                    value,
+                    rate,
+                    curvature,
+                }
+            })
+        };
+        self.table.evaluate(&at, closing, want_hessian)
+    }
+}
+
+fn table(
+    record: &TeethRecord,
+    grid: FlankGrid,
+    effects: &Effects,
+) -> Result<TeethTable, TableError> {
+    let effects = Effects {
+        interpolation: Interpolation::Spline,
+        load: Load::Variable,
+        ..*effects
+    };
+    let spans = grid.top_load_approach.iter().zip(&grid.no_load_approach);
+    let span = spans
+        .map(|(top, low)| top - low)
+        .fold(f64::INFINITY, f64::min);
+    let (grid, pair) = flank_table(grid, &effects)?;
+    record.check_gain(largest_stiffness(&grid, &pair))?;
+    let places = [record.first_place, record.last_place - record.first_place];
+    Ok(TeethTable::new(pair, places, record.coupling_m_per_n, span))
+}
+
+/// Largest stiffness of `pair` at the nodes of `grid`, N/m; not a number if one is not.
+fn largest_stiffness(grid: &FlankGrid, pair: &FlankTable) -> f64 {
+    let axes = &grid.axes;
+    let columns = axes
+        .center_distance_offset
+        .iter()
+        .flat_map(|&c| axes.misalignment.iter().map(move |&m| (c, m)))
+        .flat_map(|(c, m)| axes.mesh_position.iter().map(move |&p| (c, m, p)));
+    let approaches = grid.no_load_approach.iter().zip(&grid.top_load_approach);
+    let stiffnesses = columns.zip(approaches).flat_map(|((c, m, p), (low, top))| {
+        axes.displacement_fraction.iter().map(move |u| {
+            let query = Query {
+                delta: low + u * (top - low),
+                center_distance_offset: c,
+                misalignment: m,
+                mesh_position: p,
+            };
+            pair.evaluate(&query, false).hessian[0][0]
+        })
+    });
+    stiffnesses.fold(0.0, |a: f64, b| if b <= a { a } else { b })
+}

@@ -1,0 +1,431 @@
+//! Claims about tooth pairs one by one (`stiffnessModel = teeth`), on a real pair with coarse finite elements.
+
+use gearmesh::compliance::finite_element::{PairCompliance, Settings};
+use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver, Warm};
+use gearmesh::gear::tolerance::random_index_errors;
+use gearmesh::gear::{Flank, OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
+use gearmesh::pair::{Pair, Refinement};
+use gearmesh::random::Random;
+use gearmesh::table::plan::{Coverage, displacement_nodes, measure, mesh_positions};
+use gearmesh::table::sweep::{Watch, sweep};
+use gearmesh::table::{
+    Axes, COORDINATES, Effects, FlankTable, Interpolation, Load, Potential, Query, TableFile,
+    TeethFlank, TeethRecord, TeethSweep,
+};
+use std::sync::LazyLock;
+use std::sync::atomic::AtomicBool;
+
+static GO_ON: AtomicBool = AtomicBool::new(false);
+
+const QUIET: Watch = Watch {
+    progress: &|_, _| (),
+    cancel: &GO_ON,
+};
+
+const MISALIGNMENT: [f64; 2] = [-5e-4, 5e-4];
+
+/// The paper's pair with class 6 errors on gear 1 and run-out of gear 2, on coarse finite elements.
+struct Ready {
+    pair: Pair,
+    solver: ContactSolver,
+    coverage: Coverage,
+    contact: ContactFile,
+    record: TeethRecord,
+}
+
+static READY: LazyLock<Ready> = LazyLock::new(|| {
+    let text = include_str!("../resources/pairs/palermo2013.json");
+    let mut pair = Pair::from_json(text).unwrap();
+    pair.teeth = teeth(&pair);
+    let settings = ContactSettings {
+        stations: 12,
+        ..ContactSettings::default()
+    };
+    pair.refinement = Refinement::Coarse;
+    let elements = Settings::for_pair(&pair);
+    let models = PairCompliance::new(&pair.geometry, &elements, None, &|_, _, _| true);
+    let [first, second] = models.unwrap().gears;
+    let solver = ContactSolver::new(&pair, [first, second], settings).unwrap();
+    let coverage = Coverage {
+        center_distance_offset: None,
+        misalignment: Some(MISALIGNMENT),
+        nominal_torque: pair.operating.nominal_torque,
+        maximum_torque: pair.operating.maximum_torque,
+    };
+    let contact = ContactFile::new(&pair, &solver).unwrap();
+    let record = TeethSweep {
+        solver: &solver,
+        contact: &contact,
+        coverage: &coverage,
+        coast_mirrors_drive: true,
+    }
+    .record(&axes(), 400, &QUIET)
+    .unwrap();
+    Ready {
+        pair,
+        solver,
+        coverage,
+        contact,
+        record,
+    }
+});
+
+fn teeth(pair: &Pair) -> PairTeeth {
+    let gears = &pair.geometry.gears;
+    let errors = [
+        ToothErrors {
+            index: random_index_errors(&gears[0], 6, 1),
+            ..ToothErrors::default()
+        },
+        ToothErrors {
+            runout: Some(Runout {
+                amount: 10e-6,
+                angle: 0.4,
+            }),
+            ..ToothErrors::default()
+        },
+    ];
+    PairTeeth {
+        drive: errors.clone(),
+        coast: errors,
+    }
+}
+
+fn axes() -> Axes {
+    Axes {
+        displacement_fraction: displacement_nodes(10, 1.6),
+        center_distance_offset: vec![0.0],
+        misalignment: (-3..=3)
+            .map(|i| f64::from(i) / 3.0 * MISALIGNMENT[1])
+            .collect(),
+        mesh_position: vec![0.0],
+    }
+}
+
+const EFFECTS: Effects = Effects {
+    interpolation: Interpolation::Spline,
+    load: Load::Variable,
+    center_distance: false,
+    misalignment: true,
+    shuttling: true,
+    friction: false,
+    root_stress: false,
+    teeth: true,
+};
+
+fn level(record: &TeethRecord) -> TeethFlank {
+    TeethFlank::new(record, &READY.pair.geometry, Flank::Drive, &EFFECTS).unwrap()
+}
+
+fn alike() -> TeethRecord {
+    TeethRecord {
+        drive_errors: Default::default(),
+        coast_errors: Default::default(),
+        ..READY.record.clone()
+    }
+}
+
+/// Approaches up to nearly that of the largest load.
+fn query(random: &mut Random) -> Query {
+    Query {
+        delta: random.within([-5e-6, 20e-6]),
+        center_distance_offset: 0.0,
+        misalignment: random.within(MISALIGNMENT),
+        mesh_position: random.within([-200.0, 200.0]),
+    }
+}
+
+fn coordinates(q: &Query) -> [f64; COORDINATES] {
+    [
+        q.delta,
+        q.center_distance_offset,
+        q.misalignment,
+        q.mesh_position,
+    ]
+}
+
+fn at(x: [f64; COORDINATES]) -> Query {
+    Query {
+        delta: x[0],
+        center_distance_offset: x[1],
+        misalignment: x[2],
+        mesh_position: x[3],
+    }
+}
+
+/// Nominal force, N, and moment of it at an end of the face, N m.
+fn nominal() -> [f64; 2] {
+    let geometry = &READY.pair.geometry;
+    let force = READY.coverage.nominal_torque / geometry.gears[0].base_radius();
+    [force, 0.5 * force * geometry.face_overlap().1]
+}
+
+#[test]
+fn the_force_with_class_6_errors_is_that_of_contact_at_run_time() {
+    let error = READY.record.error;
+    println!("{:.3e} m/N {error:?}", READY.record.coupling_m_per_n);
+    assert_eq!(error.points, 400);
+    // What the record says is what is found at other points.
+    let level = level(&READY.record);
+    let contact = READY.contact.flank(Flank::Drive).unwrap();
+    let [force, moment] = nominal();
+    let mut random = Random::new(5);
+    let mut squares = [0.0; 2];
+    let n = 300;
+    for _ in 0..n {
+        let q = query(&mut random);
+        let found = level.evaluate(&q, [3, -2], false);
+        let exact = contact.potential(coordinates(&q), [3, -2], &mut Warm::default());
+        let exact = exact.unwrap();
+        squares[0] += ((found.gradient[0] - exact.gradient[0]) / force).powi(2);
+        squares[1] += ((found.gradient[2] - exact.gradient[2]) / moment).powi(2);
+    }
+    let [force, moment] = squares.map(|s| (s / f64::from(n)).sqrt());
+    println!("force {force:.2e}, moment {moment:.2e}");
+    assert!(force < 1e-2 && error.force_rms < 1e-2, "{force} {error:?}");
+    assert!(
+        moment < 2e-2 && error.moment_rms < 2e-2,
+        "{moment} {error:?}"
+    );
+    assert!(force < 1.5 * error.force_rms, "{force} {error:?}");
+}
+
+#[test]
+fn equal_teeth_carry_what_the_table_of_all_teeth_says() {
+    let level = level(&alike());
+    let axes = Axes {
+        mesh_position: mesh_positions(32),
+        ..axes()
+    };
+    let torque = READY.coverage.maximum_torque;
+    let grid = sweep(&READY.solver, Flank::Drive, &axes, torque, &QUIET).unwrap();
+    let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
+    let (solver, geometry) = (&READY.solver, &READY.pair.geometry);
+    let of_table = measure(
+        solver,
+        geometry,
+        Flank::Drive,
+        &READY.coverage,
+        &table,
+        200,
+        &QUIET,
+    );
+    let of_table = of_table.unwrap().force_rms;
+    let [force, _] = nominal();
+    let (mut square, n) = (0.0, 1000);
+    let mut random = Random::new(6);
+    for _ in 0..n {
+        let q = query(&mut random);
+        let difference =
+            level.evaluate(&q, [0; 2], false).gradient[0] - table.evaluate(&q, false).gradient[0];
+        square += (difference / force).powi(2);
+    }
+    let rms = (square / f64::from(n)).sqrt();
+    let stated = READY.record.error.force_rms + of_table;
+    println!("{rms:.2e}, stated {stated:.2e}");
+    assert!(rms < stated, "{rms} {stated}");
+}
+
+#[test]
+fn loads_and_their_slopes_are_those_of_one_potential() {
+    let level = level(&READY.record);
+    let mut random = Random::new(7);
+    let (mut loaded, mut shared) = (0, 0);
+    while loaded < 200 {
+        let q = query(&mut random);
+        let w = level.evaluate(&q, [5, 5], true);
+        if w.gradient[0] < 100.0 {
+            continue;
+        }
+        loaded += 1;
+        shared += usize::from(w.hessian[0][0] > 2.5e8);
+        let x = coordinates(&q);
+        for (k, step) in [(0, 1e-8), (2, 2e-7), (3, 5e-5)] {
+            let side = |h: f64| {
+                let mut x = x;
+                x[k] += h * step;
+                level.evaluate(&at(x), [5, 5], false)
+            };
+            let sides = [side(1.0), side(-1.0), side(2.0), side(-2.0)];
+            let slope = |of: &dyn Fn(&Potential) -> f64| {
+                let [a, b, c, d] = sides.each_ref().map(of);
+                (8.0 * (a - b) - (c - d)) / (12.0 * step)
+            };
+            let by_energy = slope(&|w| w.value);
+            // Third derivatives jump at the knots.
+            let bound = 1e-5 * w.gradient[k].abs() + 1e-9 * w.value / step;
+            let error = by_energy - w.gradient[k];
+            assert!(
+                error.abs() < bound,
+                "{q:?} {k}: {by_energy} {:?}",
+                w.gradient
+            );
+            for i in [0, 2, 3] {
+                let by_load = slope(&|w| w.gradient[i]);
+                let scale = (w.hessian[i][i] * w.hessian[k][k]).abs().sqrt();
+                let error = by_load - w.hessian[i][k];
+                assert!(
+                    error.abs() < 1e-3 * scale,
+                    "{q:?} {i} {k}: {by_load} {:?}",
+                    w.hessian[i]
+                );
+            }
+        }
+    }
+    println!("{shared} of {loaded} points are stiff");
+    assert!(shared > 20);
+}
+
+#[test]
+fn energy_comes_back_on_a_closed_way() {
+    // Round a rectangle of approach and mesh position, with teeth that come and go.
+    let level = level(&READY.record);
+    let [low, high] = [2e-6, 20e-6];
+    let n = 4000;
+    let mut work = 0.0;
+    let mut turned = 0.0;
+    let load = |delta: f64, position: f64| {
+        let q = at([delta, 0.0, 2e-4, position]);
+        level.evaluate(&q, [0; 2], false).gradient
+    };
+    for i in 0..n {
+        let t = (f64::from(i) + 0.5) / f64::from(n);
+        let delta = low + t * (high - low);
+        work += (load(delta, 3.0)[0] - load(delta, 0.3)[0]) * (high - low) / f64::from(n);
+        let position = 0.3 + t * 2.7;
+        let step = (load(low, position)[3] - load(high, position)[3]) * 2.7 / f64::from(n);
+        work += step;
+        turned += step.abs();
+    }
+    println!("{work:.2e} J of {turned:.2e} J");
+    assert!(work.abs() < 1e-5 * turned, "{work} {turned}");
+}
+
+#[test]
+fn loads_are_found_everywhere() {
+    let level = level(&READY.record);
+    let mut random = Random::new(8);
+    let mut most = 0.0f64;
+    for _ in 0..100_000 {
+        let mut q = query(&mut random);
+        // A third of the points lies far beyond the table: up to some thirty times the nominal force.
+        if random.next() < 0.33 {
+            q.delta *= 10.0;
+            q.misalignment *= 10.0;
+        }
+        let w = level.evaluate(&q, [1, 4], false);
+        assert!(
+            w.value.is_finite() && w.value >= 0.0 && w.gradient[0] >= 0.0,
+            "{q:?} {w:?}"
+        );
+        assert!(w.hessian[0][0] >= 0.0, "{q:?} {w:?}");
+        most = most.max(w.gradient[0]);
+    }
+    assert!(most > 5.0 * nominal()[0]);
+}
+
+#[test]
+fn neighbours_lift_off_and_touch_without_a_jump() {
+    let level = level(&READY.record);
+    for position in [0.1, 4.4, 7.8] {
+        let of = |delta: f64| level.evaluate(&at([delta, 0.0, 0.0, position]), [0; 2], false);
+        let (mut before, mut stiffness) = (0.0, vec![]);
+        for i in 0..4000 {
+            let delta = -20e-6 + 50e-6 * f64::from(i) / 4000.0;
+            let w = of(delta);
+            let step = w.gradient[0] - before;
+            // 12.5 nm: no spring of the mesh gives more than this.
+            assert!((0.0..12.5e-9 * 1e9).contains(&step), "{delta} {step}");
+            before = w.gradient[0];
+            stiffness.push(w.hessian[0][0]);
+        }
+        let none = stiffness.iter().filter(|k| **k == 0.0).count();
+        assert!(none > 100 && stiffness[3999] > 1e8);
+    }
+}
+
+#[test]
+fn a_record_that_makes_no_sense_is_refused_by_field() {
+    let geometry = &READY.pair.geometry;
+    let good = &READY.record;
+    good.check(geometry).unwrap();
+    let refused = |change: &dyn Fn(&mut TeethRecord), field: &str| {
+        let mut record = good.clone();
+        change(&mut record);
+        let error = record.check(geometry).unwrap_err().to_string();
+        assert!(error.contains(field), "{error}");
+    };
+    refused(&|r| r.last_place = r.first_place, "teeth.first_place");
+    refused(&|r| r.last_place = f64::NAN, "teeth.first_place");
+    refused(&|r| r.coupling_m_per_n = f64::NAN, "teeth.coupling_m_per_n");
+    refused(&|r| r.coupling_m_per_n = -1e-9, "teeth.coupling_m_per_n");
+    refused(
+        &|r| r.drive_errors[0].index_m.truncate(3),
+        "teeth.drive_errors[0].index_m",
+    );
+    refused(
+        &|r| r.coast_errors[1].runout_m = f64::NAN,
+        "teeth.coast_errors[1].runout_m",
+    );
+    refused(
+        &|r| r.drive.loa_force_n.truncate(3),
+        "teeth.drive.loa_force_n",
+    );
+    // A coupling beyond what tooth pairs give way has no single solution.
+    let mut record = good.clone();
+    record.coupling_m_per_n *= 10.0;
+    record.check(geometry).unwrap();
+    let error = TeethFlank::new(&record, geometry, Flank::Drive, &EFFECTS).unwrap_err();
+    assert!(error.to_string().contains("teeth.coupling"), "{error}");
+}
+
+#[test]
+fn teeth_that_are_not_told_apart_are_refused_by_field() {
+    for weak in [true, false] {
+        let mut teeth = PairTeeth::default();
+        let errors = &mut teeth.coast[1];
+        if weak {
+            errors.weak.push(WeakTooth {
+                tooth: 3,
+                factor: 2.0,
+            });
+        } else {
+            errors.flanks.push(OwnFlank {
+                tooth: 3,
+                microgeometry: READY.pair.microgeometry.drive[0].clone(),
+            });
+        }
+        let error = TeethRecord::takes(&teeth).unwrap_err().to_string();
+        let field = if weak {
+            "compliance_factor"
+        } else {
+            "topography_file"
+        };
+        assert!(
+            error.contains(field) && error.contains("gear2") && error.contains("contact"),
+            "{error}"
+        );
+    }
+    TeethRecord::takes(&READY.pair.teeth).unwrap();
+}
+
+#[test]
+fn a_file_with_tooth_pairs_is_read_as_it_was_written() {
+    let axes = Axes {
+        mesh_position: mesh_positions(8),
+        ..axes()
+    };
+    let torque = READY.coverage.maximum_torque;
+    let grid = sweep(&READY.solver, Flank::Drive, &axes, torque, &QUIET).unwrap();
+    let geometry = &READY.pair.geometry;
+    let mut file = TableFile::new("pair", "test", geometry, [100.0, 200.0], &grid, None);
+    let bare = file.to_json();
+    assert!(!bare.contains("\"teeth\":{"));
+    file.teeth = Some(READY.record.clone());
+    file.seal();
+    let again = TableFile::from_json(&file.to_json()).unwrap();
+    assert_eq!(again, file);
+    let [drive, coast] =
+        TeethFlank::both(again.teeth.as_ref().unwrap(), geometry, &EFFECTS).unwrap();
+    assert!(drive.tells_teeth_apart() && coast.tells_teeth_apart());
+}

@@ -52,24 +52,25 @@ pub(super) fn estimate(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
         + removal / cos_beta_b
 }
 
-/// Makes `solver` follow edges farther where the largest load and misalignment of `pair` bring the teeth nearer to each
+/// `solver`, with edges followed farther where the largest load and misalignment of `pair` bring the teeth nearer to each
 /// other than [`estimate`] thinks, as bodies that tilt under the axial force of a steep helix do.
 ///
 /// What cannot be solved here is refused by name when it is asked for; edges that only more teeth than the elastic models
 /// hold could reach are not followed.
-pub(super) fn follow_farther(solver: &mut ContactSolver, pair: &Pair) {
-    let mut followed = solver.setup().reach;
+pub(super) fn followed_as_needed(solver: ContactSolver, pair: &Pair) -> ContactSolver {
+    let mut followed = solver.clone();
+    let mut tried = solver;
     for _ in 0..TRIALS {
-        match beyond(solver, pair) {
-            Ok(needed) => {
-                followed = solver.setup().reach;
-                let Some(needed) = needed else { return };
-                solver.follow(MARGIN * needed);
-            }
-            Err(_) => break,
+        let Ok(needed) = beyond(&tried, pair) else {
+            break;
+        };
+        followed = tried.clone();
+        match needed {
+            Some(needed) => tried = tried.followed_to(MARGIN * needed),
+            None => break,
         }
     }
-    solver.follow(followed);
+    followed
 }
 
 /// Largest approach, m, beyond the reach of `solver` at the positions tried.

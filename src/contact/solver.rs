@@ -90,7 +90,7 @@ impl ContactSolver {
                 remedy: "give a positive length in m",
             });
         }
-        let mut solver = ContactSolver {
+        let solver = ContactSolver {
             numbers: PairNumbers::new(&pair.geometry),
             setup: ContactSetup {
                 geometry: pair.geometry.clone(),
@@ -105,15 +105,17 @@ impl ContactSolver {
             friction: pair.friction,
             deflection: Deflection::default(),
         };
-        if settings.reach.is_none() && settings.tip_corner_contact {
-            reach::follow_farther(&mut solver, pair);
+        if settings.reach.is_some() || !settings.tip_corner_contact {
+            return Ok(solver);
         }
-        Ok(solver)
+        Ok(reach::followed_as_needed(solver, pair))
     }
 
-    /// Follows tip edges up to the approach `reach`, m.
-    pub(super) fn follow(&mut self, reach: f64) {
+    /// The same pair with tip edges followed up to the approach `reach`, m.
+    #[must_use]
+    pub(crate) fn followed_to(mut self, reach: f64) -> ContactSolver {
         self.setup.reach = reach;
+        self
     }
 
     /// The same pair with its flanks deflected along the face.

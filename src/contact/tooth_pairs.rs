@@ -6,14 +6,6 @@ use super::solver::ContactSolver;
 use crate::gear::Flank;
 
 impl ContactSolver {
-    /// The same pair with tip edges followed up to the approach `reach`, m.
-    #[must_use]
-    pub(crate) fn followed_to(&self, reach: f64) -> ContactSolver {
-        let mut solver = self.clone();
-        solver.setup.reach = reach;
-        solver
-    }
-
     /// Places, in base pitches from where it touches at the pitch point at mid-face, between which a tooth pair comes within
     /// the reach of contact at the deviation `center_distance_offset` (m).
     ///
@@ -45,6 +37,7 @@ impl ContactSolver {
         let candidates = (0..=last).flat_map(|k| lines.of_pair(place, k)).collect();
         self.problem(&lines, place, candidates, center_distance_offset)
     }
+
     /// Approach at which tooth pair 0, alone, first touches at `place` and `misalignment` (rad), m; infinite where it is not
     /// within reach.
     ///

@@ -52,7 +52,7 @@ impl Alone {
         spread: f64,
     ) -> Result<Alone, TableError> {
         let reach = REACH * (solver.setup().reach + spread);
-        let solver = solver.followed_to(reach);
+        let solver = solver.clone().followed_to(reach);
         let nodes = [
             axes.center_distance_offset.clone(),
             axes.misalignment.clone(),

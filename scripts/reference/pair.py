@@ -105,10 +105,10 @@ class Pair:
             if name not in of:
                 continue
             relief = of[name]
-            assert relief.get("shape", "linear") == "linear"
+            power = {"linear": 1, "parabolic": 2}[relief.get("shape", "linear")]
             at = relief.get("start", "pitch_point")
             begin = self.nominal_roll[gear] if at == "pitch_point" else sqrt((0.5 * at["diameter_mm"]) ** 2 - g.rb**2)
-            out = out + 1e-3 * relief["amount_um"] * np.maximum((roll - begin) / (end - begin), 0.0)
+            out = out + 1e-3 * relief["amount_um"] * np.maximum((roll - begin) / (end - begin), 0.0) ** power
         share = 2 * z / self.b - 1
         return out + 1e-3 * (of.get("lead_crowning_um", 0.0) * share**2 + 0.5 * of.get("lead_slope_um", 0.0) * share)
 

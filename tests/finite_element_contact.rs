@@ -296,13 +296,13 @@ fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
     agrees_with_reference("solid-relief-30", 100.0, |at| {
         without_curvature_of_the_relief("solid-relief-30", at)
     });
-    // 2 mrad tell the points of a strip apart by 1.2 um; at less load contact is too narrow for the cells of the data.
+    // 2 mrad tell the ends of a strip apart by 1.2 um, which is no reason for more pressure than the line bears.
     agrees_with_reference("solid-crowned", 100.0, |_| true);
 }
 
 #[test]
 fn helix_of_30_degrees_and_an_internal_helical_pair_agree() {
     agrees_with_reference("helix-30", 100.0, |_| true);
-    // The unrelieved tips of the ring bear on the flank: pressure rises towards them.
+    // Its contact line crosses the knee of a relief that begins at the pitch point.
     agrees_with_reference("internal-helical", 100.0, |_| false);
 }

@@ -14,7 +14,8 @@ import sys
 
 import numpy as np
 from pypardiso import PyPardisoSolver
-from scipy.sparse import coo_matrix, csr_matrix
+
+from reference.hexahedra import LOCAL, halves, shape, stiffness
 
 E, NU = 206e9, 0.3
 
@@ -46,11 +47,6 @@ def outline(gear, points=4000):
     angle[last] = angle[last - 1] + share * (angle[last] - angle[last - 1])
     radius[last] = tip
     return radius[: last + 1], angle[: last + 1], psi.size + 48
-
-
-def halves(ends):
-    ends = np.asarray(ends)
-    return np.sort(np.r_[ends, 0.5 * (ends[1:] + ends[:-1])])
 
 
 def graded(a, b, first, growth):
@@ -109,10 +105,7 @@ class Model:
         zs = halves(gear["stations"])
         spans = {"rim": [0.0, gear["face"]], "web": gear["web"], "hub": gear["hub_z"]}
         twist = np.tan(np.radians(gear["helix_deg"])) / (0.5 * gear["teeth"] * gear["module"] / np.cos(np.radians(gear["helix_deg"])))
-        corner = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
-        edges = [np.array(c) for c in np.ndindex(3, 3, 3) if sum(v == 1 for v in c) == 1]
-        self.local = np.vstack([corner, np.array(edges) - 1])
-        steps = self.local + 1
+        steps = LOCAL + 1
         cells, flank = [], []
         for number, (r, t, part) in enumerate(blocks):
             low, high = spans[part]
@@ -138,50 +131,11 @@ class Model:
         self.flank, self.per_tooth, self.zs = flank, len(cells), zs
         self.held = np.hypot(self.points[:, 0], self.points[:, 1]) < gear["bore"] * (1 + 1e-9)
 
-    def shape(self, xi):
-        """Values and gradients of the 20 functions at the points `xi`."""
-        c, n, g = self.local, [], []
-        for p in np.atleast_2d(xi):
-            f, d = np.where(c == 0, 1 - p**2, 1 + p * c), np.where(c == 0, -2 * p + 0 * c, c)
-            corner = (c != 0).all(1)
-            extra = np.where(corner, (p * c).sum(1) - 2, 1.0)
-            scale = np.where(corner, 0.125, 0.25)
-            product = f.prod(1)
-            n.append(scale * product * extra)
-            grad = np.stack([d[:, k] * f[:, (k + 1) % 3] * f[:, (k + 2) % 3] for k in range(3)], 1)
-            g.append(scale[:, None] * (grad * extra[:, None] + np.where(corner[:, None], product[:, None] * c, 0.0)))
-        return np.array(n), np.array(g)
-
     def stiffness(self):
-        lam, mu = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
-        a, w = np.polynomial.legendre.leggauss(3)
-        gauss = np.array([[p, q, s] for p in a for q in a for s in a])
-        weight = np.array([p * q * s for p in w for q in w for s in w])
-        _, grad = self.shape(gauss)
-        free = np.cumsum(~self.held) - 1
-        free[self.held] = -1
-        self.number = free
-        size = 3 * int((~self.held).sum())
-        total = csr_matrix((size, size))
-        for chunk in range(0, len(self.x), 1500):
-            x, nodes = self.x[chunk : chunk + 1500], self.elements[chunk : chunk + 1500]
-            k = np.zeros((len(x), 20, 3, 20, 3))
-            for g, v in zip(grad, weight):
-                jac = np.einsum("ad,eai->edi", g, x)
-                det = np.linalg.det(jac)
-                b = np.einsum("edi,ad->eai", np.linalg.inv(jac).transpose(0, 2, 1), g)
-                vol = np.abs(det) * v
-                bb = np.einsum("e,eai,ebj->eaibj", vol, b, b, optimize=True)
-                k += lam * bb + mu * bb.transpose(0, 1, 4, 3, 2)
-                dot = mu * np.einsum("eaibi->eab", bb)
-                for i in range(3):
-                    k[:, :, i, :, i] += dot
-            dof = np.where(free[nodes][..., None] < 0, -1, 3 * free[nodes][..., None] + np.arange(3)).reshape(len(x), 60)
-            rows = np.repeat(dof[:, :, None], 60, 2).ravel()
-            cols = np.repeat(dof[:, None, :], 60, 1).ravel()
-            keep = (rows >= 0) & (cols >= rows)
-            total = total + coo_matrix((k.ravel()[keep], (rows[keep], cols[keep])), (size, size)).tocsr()
-        return total
+        self.number = np.where(self.held, -1, np.cumsum(~self.held) - 1)
+        nodes = self.number[self.elements][..., None]
+        dofs = np.where(nodes < 0, -1, 3 * nodes + np.arange(3))
+        return stiffness(self.x, dofs, 3 * int((~self.held).sum()), E, NU)
 
     def load(self, strip, half_width):
         """Vector of a unit line load; `strip` has tooth, z (two ends) and diameter (at both ends)."""
@@ -207,7 +161,7 @@ class Model:
                     t = (s - place) / half_width
                     density = 15 / 16 * (1 - t * t) ** 2 / half_width
                     xi = [1.0, 2 * (s - s0) / (s1 - s0) - 1, 2 * (z - self.zs[k]) / (self.zs[k + 2] - self.zs[k]) - 1]
-                    n, g = self.shape(xi)
+                    n, g = shape(xi)
                     tangents = g[0].T @ self.x[element]
                     normal = np.cross(tangents[1], tangents[2])
                     normal /= np.linalg.norm(normal)

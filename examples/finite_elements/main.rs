@@ -21,6 +21,7 @@ mod plane;
 #[path = "../stability/plot.rs"]
 mod plot;
 mod properties;
+mod reference;
 
 use cases::Models;
 use gearmesh::storage::write_whole;
@@ -32,13 +33,14 @@ use std::time::Instant;
 /// One chapter: the text from its measurements; plots go to the folder.
 type Chapter = fn(&Models, &Path) -> Outcome<String>;
 
-const CHAPTERS: [(&str, Chapter); 9] = [
+const CHAPTERS: [(&str, Chapter); 10] = [
     ("Model", method::report),
     ("Against plane-strain numbers from elsewhere", plane::report),
     (
         "Against an independent three-dimensional program",
         independent::report,
     ),
+    ("Against scripts/contact_reference.py", reference::report),
     ("Convergence", convergence::report),
     ("Where the gear is held", held::report),
     ("The paper's pair", paper::report),

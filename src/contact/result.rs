@@ -67,7 +67,7 @@ pub struct ContactResult {
     pub contact_z: f64,
     /// Fraction of the load on each tooth pair in reach, ascending.
     pub load_share: Vec<(i32, f64)>,
-    /// Largest Hertz pressure inside the flanks, Pa.
+    /// Largest of `pressures`, Pa.
     pub max_pressure: f64,
     /// Largest line load at a tip edge, if contact reaches one.
     pub edge_load: Option<EdgeLoad>,
@@ -80,7 +80,7 @@ pub struct ContactResult {
     pub tangent: Tangent,
     /// Normal force on each strip, N, in the order of [`PositionProblem::candidates`].
     pub forces: Vec<f64>,
-    /// Largest Hertz pressure inside the flanks on each strip, Pa.
+    /// Hertz pressure of each strip inside the flanks, Pa: under the mean line load of its loaded part.
     pub pressures: Vec<f64>,
     /// Largest line load at a tip edge on each strip.
     pub edge_loads: Vec<Option<EdgeLoad>>,
@@ -98,18 +98,29 @@ impl PositionProblem {
             if solution.force[i] == 0.0 {
                 continue;
             }
+            // Only the local law tells the points of a strip apart: where the gap changes along it, a point bears more than
+            // the line does there. Their mean is what the line bears.
+            let (mut inside, mut points) = (0.0, 0.0);
             for (&force, lever) in solution.loads[i].forces.iter().zip(&self.lever[i]) {
-                match self.local[i].pressure(force) {
-                    Some(pressure) => pressures[i] = pressures[i].max(pressure),
-                    None => {
-                        let here = EdgeLoad {
-                            line_load: force / self.local[i].length(),
-                            z: self.z_ref + lever,
-                            gear: self.candidates[i].edge_gear,
-                        };
-                        edge_loads[i] = larger(edge_loads[i], Some(here));
-                    }
+                if force == 0.0 {
+                    continue;
                 }
+                if self.local[i].pressure(force).is_some() {
+                    inside += force;
+                    points += 1.0;
+                    continue;
+                }
+                let here = EdgeLoad {
+                    line_load: force / self.local[i].length(),
+                    z: self.z_ref + lever,
+                    gear: self.candidates[i].edge_gear,
+                };
+                edge_loads[i] = larger(edge_loads[i], Some(here));
+            }
+            if points > 0.0
+                && let Some(pressure) = self.local[i].pressure(inside / points)
+            {
+                pressures[i] = pressure;
             }
         }
         let mut load_share: Vec<(i32, f64)> = Vec::new();

@@ -1,0 +1,295 @@
+"""Loaded tooth contact of gear pairs by finite elements, apart from the program: writes tests/data/contact_reference.json.
+
+    pip install numpy scipy pypardiso
+    python scripts/contact_reference.py [CASE ...]      # into the file, case by case; all of them take hours
+
+Both gears in 20-node hexahedra (8-node quadrilaterals in plane strain), the loaded teeth and their neighbours real, bore or rim
+held, rebuilt for each mesh position with a band of fine cells along every contact line: 0.012 mm in plane strain, 0.02 mm for solid
+spur gears (half of the face, even and odd loads), 0.03 mm for helical ones. A constant pressure on each face of the band; gap
+between the exact involutes, along the normal of the flank whose tip is further away, plus the removal of material there. Both
+gears are condensed onto these pressures; a linear complementarity problem gives them and the turn of gear 1 under its torque,
+each with its own arm. No Hertz formula. Positions, signs and units as in the product: mesh position 0 touches at the pitch
+point at mid-face, ste_um is on the transverse line of action, loads are torque (N m) and misalignment (mrad); edge_share is the
+share of the load within three cells of a tip edge. flank_pressure_mpa is that of the half-ellipse with the force and spread of the
+faces across the contact line, away from tip edges; where contact straddles the knee of a linear relief the pressure is no
+half-ellipse, and it is not resolved where contact is less than four cells wide. Where both gears are alike, the other half of
+the mesh cycle mirrors that of the data.
+"""
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from reference.flank_mesh import FlankMesh, Mesh
+from reference.pair import Pair
+
+OUTPUT = Path(__file__).parent.parent / "tests/data/contact_reference.json"
+GAUSS = 4  # points along the flank of a face, 3 along the width
+
+
+class Contact:
+    """Pressures on the faces of one mesh position: gap, compliance and arms; any modification, torque and misalignment follow."""
+
+    def __init__(self, pair, position, layers=None, parts=2, mesh=Mesh(), limit=0.04):
+        """`layers`: ends along the face, mm, of a spur pair those up to mid-face (None: plane strain), each with `parts` faces;
+        `limit`: gaps up to it may close, mm."""
+        self.pair, self.position = pair, position
+        self.plane = layers is None
+        half = not self.plane and pair.lean == 0.0
+        layers = np.array([0.0, pair.b]) if self.plane else np.asarray(layers)
+        zs = np.linspace(0, pair.b, 201)
+        self.pairs = [k for k in range(-6, 7) if self.lines(k, zs)[2].min() < limit]
+        meshes = []
+        for gear in (0, 1):
+            sign = 1 if gear == 0 else -1
+            lines = {sign * k: (lambda z, k=k, gear=gear: self.lines(k, z)[gear]) for k in self.pairs}
+            meshes.append(FlankMesh(pair.gears[gear], layers, lines, mesh, self.plane, half))
+        self.faces(meshes, layers, 1 if self.plane else parts, mesh, limit)
+        self.points = [tuple(np.concatenate(v) for v in zip(*of)) for of in self.points]
+        if half:
+            self.each += [dict(f, z=pair.b - f["z"], zs=pair.b - f["zs"], layer=2 * len(layers) - 3 - f["layer"]) for f in self.each]
+        for name in ("gap", "arm", "area", "length", "width", "arc", "z", "tooth", "row", "layer", "edge"):
+            setattr(self, name, np.array([f[name] for f in self.each]))
+        first = meshes[0].condensed(self.points[0])
+        swap = self.reflection(layers if not half else np.r_[layers, pair.b - layers[-2::-1]])
+        self.compliance = first + (meshes[1].condensed(self.points[1]) if swap is None else first[np.ix_(swap, swap)])
+        self.unknowns = [m.size for m in meshes]
+
+    def reflection(self, layers):
+        """Numbers of the faces in the point reflection that swaps equal gears at mesh positions 0 and 1/2; None elsewhere."""
+        g1, g2 = self.pair.gears
+        same = all(getattr(g1, n) == getattr(g2, n) for n in ("z", "x", "tip", "root", "held", "rho")) and not self.pair.ring
+        if not same or self.position not in (0.0, 0.5) or not np.allclose(layers, self.pair.b - layers[::-1]):
+            return None
+        name = lambda tooth, z, row, gear: (int(tooth), round(float(z), 6), int(row), int(gear))
+        number = {name(f["tooth"], f["z"], f["row"], f["gear"]): i for i, f in enumerate(self.each)}
+        of = [name(-f["tooth"] - round(2 * self.position), self.pair.b - f["z"], f["row"], 1 - f["gear"]) for f in self.each]
+        return [number[n] for n in of] if all(n in number for n in of) else None
+
+    def lines(self, k, z):
+        """Radii on both gears where pair k is closest, and the gap there (transverse)."""
+        p = self.pair
+        path = p.path(self.position, k, z)
+        radii, gap = [], 0.0
+        for e in (0, 1):
+            g, mate = p.gears[e], p.gears[1 - e]
+            own = path > 0 if e == 0 else path <= 0
+            r = p.nominal_radius(e, path)
+            beyond = g.kappa * (r - g.tip) > 0
+            r = np.where(beyond, g.tip, r)
+            apart, roll, _, _ = p.foot(e, self.position, k, r, z)
+            radii.append((np.where(own, r, 0.0), np.where(own, np.hypot(mate.rb, roll), 0.0)))
+            gap = gap + np.where(own & beyond, apart, 0.0)
+        return radii[0][0] + radii[1][1], radii[0][1] + radii[1][0], gap
+
+    def faces(self, meshes, layers, parts, mesh, limit):
+        """Faces on the flank whose tip is near, and their points on both gears."""
+        self.each, self.points = [], ([], [])
+        xi, weight_xi = np.polynomial.legendre.leggauss(GAUSS)
+        zeta, weight_zeta = np.polynomial.legendre.leggauss(3)
+        self.local = [v.ravel() for v in np.meshgrid(xi, zeta, indexing="ij")]
+        self.weight = 0.25 * np.outer(weight_xi, weight_zeta).ravel()
+        for k in self.pairs:
+            for layer, (low, high) in enumerate(zip(layers[:-1], layers[1:])):
+                gear = 0 if self.pair.path(self.position, k, 0.5 * (low + high)) > 0 else 1
+                for part in range(parts):
+                    ends = low + (high - low) * np.array([part, part + 1]) / parts
+                    for row in range(len(meshes[gear].tooth[k if gear == 0 else -k][1])):
+                        self.face(meshes, gear, k, row, ends, mesh, limit, layer)
+
+    def face(self, meshes, e, k, row, ends, mesh, limit, layer):
+        """One face between `ends` along the width on the row of cells `row` of gear e, unless it is no candidate."""
+        p, number, sector = self.pair, len(self.each), (k, -k)
+        g, m = p.gears[e], p.gears[1 - e]
+        middle, width = ends.mean(), ends[1] - ends[0]
+        z = middle + 0.5 * width * self.local[1]
+        edges = np.array([meshes[e].radius(sector[e], row, s, np.array([middle]))[0] for s in (-1.0, 1.0)])
+        rolls = np.sqrt(np.maximum(edges**2 - g.rb**2, 0.0))
+        length = abs(rolls[1] ** 2 - rolls[0] ** 2) / (2 * g.rb)
+        if length > 1.5 * mesh.cell or g.kappa * (edges[0] - meshes[e].profile.form_radius) < 0:
+            return
+        r = meshes[e].radius(sector[e], row, self.local[0], z)
+        gap, roll, normal, arm = p.foot(e, self.position, k, r, z)
+        mate = np.hypot(m.rb, roll)
+        beyond_tip = m.kappa * (mate - m.tip) > 1e-9
+        below_form = (roll < 0) | (m.kappa * (mate - meshes[1 - e].profile.form_radius) < 0)
+        if self.weight @ gap > limit or beyond_tip.any() or below_form.any():
+            return
+        # Forces along the normal of the mate's flank, which leans along the face.
+        axial = 0.0 if self.plane else -m.rb * p.twist[1 - e]
+        for gear, radius, sign in ((e, r, 1.0), (1 - e, mate, -1.0)):
+            # The tooth of the mesh stands elsewhere than that of the gear.
+            stands = sector[gear] * 2 * np.pi / p.gears[gear].z + p.twist[gear] * z
+            n = sign * p.turned(gear, normal) * np.exp(1j * (stands - p.tooth_angle(gear, self.position, k, z)))
+            direction = p.cos_base * np.stack([n.real, n.imag, np.full(n.size, sign * axial)], 1)
+            same = np.ones(n.size, int)
+            self.points[gear].append((same * sector[gear], radius, z, direction, self.weight, same * number))
+        own = np.sqrt(r**2 - g.rb**2)
+        self.each.append(dict(
+            tooth=k, row=row, gear=e, layer=layer, z=middle, zs=z, rolls=(own, roll) if e == 0 else (roll, own), length=length, width=width,
+            gap=self.weight @ gap * p.cos_base, arm=self.weight @ arm * p.cos_base, area=length * width / p.cos_base,
+            arc=(rolls**2).mean() / (2 * g.rb), edge=abs(edges[1] - g.tip) < 3 * mesh.cell))
+
+    def solve(self, torque, misalignment=0.0, pair=None):
+        """Torque N m on gear 1, misalignment mrad. `pair`: the same gears with other modifications."""
+        pair, w = pair or self.pair, self.weight
+        removal = np.array([w @ sum(pair.removal(e, f["rolls"][e], f["zs"]) for e in (0, 1)) for f in self.each])
+        gap = self.gap + removal - 1e-3 * misalignment * (self.z - 0.5 * pair.b) * pair.cos_base
+        force, turn = complementarity(self.compliance, gap, self.arm, 1e3 * torque)
+        pressure = force / self.area
+        return dict(ste_um=1e3 * turn * pair.gears[0].rb, contact_z_mm=force @ self.z / force.sum(),
+                    flank_pressure_mpa=self.peak(force), edge_share=force[self.edge].sum() / force.sum())
+
+    def peak(self, force):
+        """Largest pressure away from tip edges: of the half-ellipses with the force and spread of the faces across a layer,
+        along the face where the parabola through the line loads of a layer and its neighbours has its top."""
+        largest = 0.0
+        for tooth in np.unique(self.tooth[force > 0]):
+            on = self.tooth == tooth
+            layers = np.unique(self.layer[on & (force > 0)])
+            columns = [np.flatnonzero(on & (self.layer == n)) for n in layers]
+            parts = [[at[self.z[at] == z] for z in np.unique(self.z[at])] for at in columns]
+            width = np.array([sum(self.width[part[0]] for part in layer) for layer in parts])
+            load = np.array([force[at].sum() for at in columns]) / width
+            middle = np.array([np.mean([self.z[part[0]] for part in layer]) for layer in parts])
+            for n, at in enumerate(columns):
+                if force[at][self.edge[at]].sum() > 0:
+                    continue
+                # The contact line may be oblique, and the pressure is constant over each face.
+                spread = 0.0
+                for part in (part for part in parts[n] if force[part].any()):
+                    f, s = force[part], self.arc[part]
+                    spread += f @ ((s - f @ s / f.sum()) ** 2 + self.length[part] ** 2 / 12)
+                half_width = 2 * np.sqrt(spread / force[at].sum())
+                top = load[n]
+                if 0 < n < len(columns) - 1 and load[n] >= max(load[n - 1], load[n + 1]):
+                    # Averages of 1, z and z^2 over the three layers, z from the middle of this one.
+                    z, w = middle[n - 1 : n + 2] - middle[n], width[n - 1 : n + 2]
+                    a, b, c = np.linalg.solve(np.stack([np.ones(3), z, z**2 + w**2 / 12], 1), load[n - 1 : n + 2])
+                    top = a - b**2 / (4 * c) if c < 0 else top
+                # A half-ellipse of more load is wider in proportion to its height.
+                largest = max(largest, 2 * self.pair.cos_base * np.sqrt(load[n] * top) / (np.pi * half_width))
+        return largest
+
+
+def complementarity(c, gap, arm, torque):
+    """Forces f >= 0 and the turn of gear 1: gap + C f - arm turn >= 0, one of the two zero, arm f = torque."""
+    active = gap < np.sort(gap)[len(gap) // 8]
+    for _ in range(200):
+        i = np.flatnonzero(active)
+        k = np.zeros((len(i) + 1, len(i) + 1))
+        k[:-1, :-1], k[:-1, -1], k[-1, :-1] = c[np.ix_(i, i)], -arm[i], arm[i]
+        x = np.linalg.solve(k, np.r_[-gap[i], torque])
+        force = np.zeros(len(gap))
+        force[i] = x[:-1]
+        open_ = gap + c @ force - arm * x[-1]
+        pull, press = active & (force < 0), ~active & (open_ < -1e-12)
+        if not pull.any() and not press.any():
+            return force, x[-1]
+        active = (active & ~pull) | press
+    raise RuntimeError("the contact did not settle")
+
+
+def spur(addendum=1.0, teeth=(20, 20), module=4.0, alpha=20.0, b=25.0, bores=(30.0, 30.0), helix=0.0, dedendum=1.25, tool=0.38, torque=200.0, **gears):
+    """A pair file; `gears`: fields that both gears or one of them (gear1, gear2) have beside these."""
+    each = [dict(teeth=z, face_width_mm=b, addendum_coefficient=addendum, dedendum_coefficient=dedendum, tool_tip_radius_coefficient=tool,
+                 bore_diameter_mm=d) for z, d in zip(teeth, bores)]
+    for i, gear in enumerate(each):
+        gear.update({k: v for k, v in gears.items() if not k.startswith("gear")}, **gears.get(f"gear{i + 1}", {}))
+    return dict(name="reference", meshing="external", normal_module_mm=module, normal_pressure_angle_deg=alpha, helix_angle_deg=helix,
+                gear1=each[0], gear2=each[1], operating=dict(nominal_torque_nm=0.5 * torque, maximum_torque_nm=torque,
+                                                             center_distance_offset_um=[-100.0, 100.0], misalignment_mrad=[-2.0, 2.0]))
+
+
+def late_relief(amount, share=0.2, shape="linear"):
+    """Tip relief over the last `share` of the path of contact of 20/20 teeth of module 4."""
+    pair = Pair(spur())
+    g = pair.gears[0]
+    tip = np.sqrt(g.tip**2 - g.rb**2)
+    begin = tip - share * 2 * (tip - pair.roll[0])
+    return dict(tip_relief=dict(amount_um=amount, start=dict(diameter_mm=round(2 * float(np.hypot(g.rb, begin)), 6)), shape=shape))
+
+
+def family(cases, positions, layers=None, mesh=Mesh(), offset=0.0, parts=2, limit=0.04):
+    """Cases on the same elastic models: name, title, pair, loads (N m, mrad). Each position goes into the file as it is found."""
+    out = {name: dict(title=title, pair=pair, plane_strain=layers is None, center_distance_offset_um=offset, loads=loads, positions=[])
+           for name, title, pair, loads in cases}
+    for position in positions:
+        contact = Contact(Pair(cases[0][2], offset), position, layers, parts, mesh, limit)
+        for name, title, pair, loads in cases:
+            found = [contact.solve(*load, pair=Pair(pair, offset)) for load in loads]
+            row = dict(mesh_position=position)
+            for key, digits in (("ste_um", 4), ("contact_z_mm", 4), ("flank_pressure_mpa", 1), ("edge_share", 3)):
+                row[key] = [round(float(f[key]), digits) for f in found]
+            out[name]["positions"].append(row)
+            print(name, position, contact.unknowns, len(contact.gap), row["ste_um"], row["flank_pressure_mpa"], file=sys.stderr, flush=True)
+        write(out)
+
+
+def write(found):
+    """Adds cases to the file, in the order of their positions."""
+    for case in found.values():
+        case["positions"].sort(key=lambda row: row["mesh_position"])
+    known = json.loads(OUTPUT.read_text())["cases"] if OUTPUT.exists() else {}
+    text = json.dumps(dict(description=" ".join(__doc__.split()), cases={**known, **found}))
+    OUTPUT.write_text(text.replace('{"mesh_position"', '\n {"mesh_position"').replace('{"title"', '\n{"title"') + "\n")
+
+
+FLAT = replace(Mesh(), cell=0.012, band=70, side=16, across=18, body=10)
+SOLID = Mesh(cell=0.02, band=24, side=9, across=11, body=6)
+CROSSED = [(torque, m) for torque in (100.0, 200.0) for m in (-2.0, -1.0, 0.0, 1.0, 2.0)]
+HALF = [0, 0.6, 1.6, 3.4, 6, 9.2, 12.5]
+
+
+TILTED = [(torque, m) for torque in (200.0, 400.0) for m in (-1.0, 0.0, 1.0)]
+OBLIQUE = Mesh(cell=0.03, band=12, side=8, across=9, body=5)
+RING = dict(name="ring", meshing="internal", normal_module_mm=3.0, normal_pressure_angle_deg=20.0, helix_angle_deg=15.0,
+            gear1=dict(teeth=20, face_width_mm=18.0, bore_diameter_mm=40.0, lead_crowning_um=4.0, tip_relief=dict(amount_um=12.0, start="pitch_point", shape="linear")),
+            gear2=dict(teeth=60, face_width_mm=18.0, tip_diameter_mm=182.0, rim_diameter_mm=206.0),
+            operating=dict(nominal_torque_nm=100.0, maximum_torque_nm=200.0, center_distance_offset_um=[0.0, 0.0], misalignment_mrad=[-1.0, 1.0]))
+LAYERS = [0, 0.5, 1.3, 2.5, 4, 5.5, 7, 8.5, 10, 11.5, 13, 14.5, 16, 17.5, 18.7, 19.5, 20]
+
+
+def torques(*values):
+    return [(v, 0.0) for v in values]
+
+
+# Equal gears without misalignment: the other half of the cycle mirrors this one.
+FAMILIES = {
+    "relief": lambda: family(
+        [(f"relief-{n}", f"spur 20/20, {n} um of tip relief over a fifth of the path, plane strain", spur(**late_relief(n)), torques(25.0, 50.0, 100.0, 200.0))
+         for n in (8, 25, 30)], [i / 32 for i in range(17)], mesh=FLAT),
+    "parabolic-relief": lambda: family(
+        [("relief-30-parabolic", "spur 20/20, 30 um of parabolic tip relief over a fifth of the path, plane strain",
+          spur(**late_relief(30, shape="parabolic")), torques(50.0, 100.0, 200.0))], [i / 16 for i in range(7)] + [i / 32 for i in (13, 14, 15, 16)], mesh=FLAT),
+    "centre-distance": lambda: [family(
+        [(f"centre-distance{offset:+.0f}", f"spur 20/20, centre distance {offset:+.0f} um, plane strain", spur(), torques(50.0, 100.0, 200.0))],
+        [i / 16 for i in range(9)], mesh=FLAT, offset=offset) for offset in (-100.0, 100.0)],
+    "high-contact-ratio": lambda: family(
+        [("high-contact-ratio", "spur 40/40, contact ratio above 2, plane strain",
+          spur(teeth=(40, 40), alpha=17.5, addendum=1.25, dedendum=1.5, tool=0.25, bores=(80.0, 80.0), torque=800.0), torques(200.0, 400.0, 800.0))],
+        [i / 16 for i in range(9)], mesh=FLAT),
+    "solid": lambda: family(
+        [("solid-relief-30", "spur 20/20, 30 um of tip relief over a fifth of the path, solid", spur(**late_relief(30)), torques(25.0, 50.0, 100.0, 200.0)),
+         ("solid-crowned", "spur 20/20, 8 um of lead crowning, solid", spur(gear1=dict(lead_crowning_um=8.0)), CROSSED)],
+        [0.0, 0.5, 0.25, 0.125, 0.375, 0.4375, 0.1875, 0.3125], layers=HALF, mesh=SOLID),
+    "wide": lambda: family(
+        [("wide", "spur 20/20, face 12 modules, 5 um of lead crowning, solid", spur(b=48.0, gear1=dict(lead_crowning_um=5.0), torque=400.0), TILTED)],
+        [0.0, 0.5], layers=[0, 0.6, 1.6, 3.4, 6, 9.5, 13.5, 18.5, 24], mesh=SOLID),
+    "helix-30": lambda: family(
+        [("helix-30", "helical 20/20, 30 degrees, tip relief and lead crowning, solid",
+          spur(b=20.0, helix=30.0, tip_relief=dict(amount_um=12.0, start="pitch_point", shape="linear"), gear1=dict(lead_crowning_um=5.0)),
+          torques(50.0, 100.0, 200.0) + [(100.0, -1.0), (100.0, 1.0)])],
+        [0.5, 0.0], layers=LAYERS, mesh=OBLIQUE, limit=0.035),
+    "internal-helical": lambda: family(
+        [("internal-helical", "internal helical 20/60, 15 degrees, tip relief and lead crowning, solid", RING, torques(50.0, 100.0, 200.0))],
+        [0.0, 0.5], layers=[0.9 * z for z in LAYERS], mesh=OBLIQUE, parts=1, limit=0.035),
+}
+
+
+if __name__ == "__main__":
+    for chosen in sys.argv[1:] or FAMILIES:
+        FAMILIES[chosen]()

@@ -1,8 +1,8 @@
 //! The C interface of FMI 2.0: the one file with unsafe code.
 //!
 //! Every function runs inside `call`, which refuses null components and wrong states, turns a
-//! panic into fmi2Fatal, and reports to the host's logger. The compiler compares each signature with
-//! the type that the standard's header gives it (`TYPE`).
+//! panic into fmi2Fatal, and reports to the host's logger. In the tests the compiler compares each signature
+//! with the type that the standard's header gives it (`TYPE`).
 //!
 //! # Safety
 //! All functions ask of the host what the standard asks: a component is null or came from
@@ -21,7 +21,6 @@ use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 
-use ::fmi::fmi2::binding::*;
 use libc::c_char;
 
 use super::boundary::{
@@ -31,6 +30,7 @@ use super::instance::Instance;
 use super::lifecycle::{Function, State};
 use super::report::{EVENTS, Event, Refusal, Severity, Wanted};
 use super::resources;
+use super::standard::*;
 use super::variables::Kind;
 
 /// What a fmi2Component points to.
@@ -194,23 +194,26 @@ macro_rules! export {
         pub unsafe extern "C" fn $name(c: fmi2Component $(, $arg: $arg_type)*) -> fmi2Status {
             call(c, Function::$function, stringify!($name), |$c| $body)
         }
-        const _: $type = Some($name);
+        #[cfg(test)]
+        const _: header::$type = Some($name);
     )*};
 }
 
 /// The platform of the types, "default".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
-    fmi2TypesPlatform.as_ptr().cast()
+    fmi2TypesPlatform.as_ptr()
 }
-const _: fmi2GetTypesPlatformTYPE = Some(fmi2GetTypesPlatform);
+#[cfg(test)]
+const _: header::fmi2GetTypesPlatformTYPE = Some(fmi2GetTypesPlatform);
 
 /// The version of the interface, "2.0".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetVersion() -> *const c_char {
-    fmi2Version.as_ptr().cast()
+    fmi2Version.as_ptr()
 }
-const _: fmi2GetVersionTYPE = Some(fmi2GetVersion);
+#[cfg(test)]
+const _: header::fmi2GetVersionTYPE = Some(fmi2GetVersion);
 
 /// A new instance, or null with the reason in the log.
 #[unsafe(no_mangle)]
@@ -249,7 +252,8 @@ pub unsafe extern "C" fn fmi2Instantiate(
     });
     made.unwrap_or(ptr::null_mut())
 }
-const _: fmi2InstantiateTYPE = Some(fmi2Instantiate);
+#[cfg(test)]
+const _: header::fmi2InstantiateTYPE = Some(fmi2Instantiate);
 
 /// Frees the instance with all its stored states; null is no instance and nothing happens.
 #[unsafe(no_mangle)]
@@ -263,7 +267,8 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
         resources::release();
     }));
 }
-const _: fmi2FreeInstanceTYPE = Some(fmi2FreeInstance);
+#[cfg(test)]
+const _: header::fmi2FreeInstanceTYPE = Some(fmi2FreeInstance);
 
 /// Copies Integer, Enumeration or Boolean values, all of them C's int, to the host.
 unsafe fn get(
@@ -542,6 +547,10 @@ export! {
         none_of(nx, "nominals of continuous states")
     }
 }
+
+#[cfg(test)]
+#[path = "standard_tests.rs"]
+mod header;
 
 #[cfg(test)]
 #[path = "c_interface_tests.rs"]

@@ -14,7 +14,7 @@ export PYTHON
 
 all: build
 
-# Python packages, and libclang for the tests' bindgen, under .venv.
+# Python packages, and libclang for bindgen, under .venv.
 setup: $(VENV)/.complete
 
 $(VENV)/.complete: requirements.txt scripts/setup.sh

@@ -6,9 +6,9 @@ use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr;
 use std::sync::Mutex;
 
+use ::fmi::fmi2::binding::*;
 use gearmesh::fmi::c_interface::*;
 use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, UnitFile};
-use gearmesh::fmi::standard::*;
 
 #[path = "units/mod.rs"]
 mod units;
@@ -65,8 +65,8 @@ fn instantiate(uri: &CStr, guid: &CStr, kind: fmi2Type) -> fmi2Component {
             guid.as_ptr(),
             uri.as_ptr(),
             &callbacks,
-            fmi2False,
-            fmi2True,
+            fmi2False as fmi2Boolean,
+            fmi2True as fmi2Boolean,
         )
     }
 }

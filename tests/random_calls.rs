@@ -8,8 +8,8 @@
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr;
 
+use ::fmi::fmi2::binding::*;
 use gearmesh::fmi::c_interface::*;
-use gearmesh::fmi::standard::*;
 use gearmesh::random::Random;
 
 #[path = "units/mod.rs"]
@@ -63,7 +63,7 @@ impl Host {
             stepFinished: None,
             componentEnvironment: ptr::null_mut::<c_void>(),
         };
-        let [off, on] = [fmi2False, fmi2True];
+        let [off, on] = [fmi2False as fmi2Boolean, fmi2True as fmi2Boolean];
         // Safety: all pointers are valid during the call.
         let component = unsafe {
             fmi2Instantiate(
@@ -182,7 +182,7 @@ impl Host {
                     } else {
                         self.time
                     };
-                    let status = fmi2DoStep(c, point, step, fmi2True);
+                    let status = fmi2DoStep(c, point, step, fmi2True as fmi2Boolean);
                     let mut time = 0.0;
                     let kind = fmi2StatusKind_fmi2LastSuccessfulTime;
                     if fmi2GetRealStatus(c, kind, &mut time) == fmi2Status_fmi2OK {

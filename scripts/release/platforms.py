@@ -80,7 +80,11 @@ def build_linux() -> None:
 
 def build_windows() -> None:
     """By mingw, which is needed for linking alone: the library asks for Windows' own DLLs only."""
-    environment = {"CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER": "x86_64-w64-mingw32-gcc"}
+    headers = Path(output("x86_64-w64-mingw32-gcc", "-print-file-name=include"))
+    environment = {
+        "CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER": "x86_64-w64-mingw32-gcc",
+        "BINDGEN_EXTRA_CLANG_ARGS_x86_64_pc_windows_gnu": f"-I{headers}",
+    }
     build = ["cargo", "build"]
     if not standard_library_for_windows():
         rustc, cargo, _ = DEBIAN

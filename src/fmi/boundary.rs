@@ -3,15 +3,16 @@
 use std::any::Any;
 use std::ffi::CString;
 
-use super::instance::Instance;
-use super::lifecycle::Interface;
-use super::report::{Refusal, Severity};
-use super::resources;
-use super::standard::{
+use ::fmi::fmi2::binding::{
     fmi2Status, fmi2Status_fmi2Discard, fmi2Status_fmi2Error, fmi2Status_fmi2Fatal,
     fmi2Status_fmi2Warning, fmi2StatusKind, fmi2Type, fmi2Type_fmi2CoSimulation,
     fmi2Type_fmi2ModelExchange,
 };
+
+use super::instance::Instance;
+use super::lifecycle::Interface;
+use super::report::{Refusal, Severity};
+use super::resources;
 
 /// `text` as a C string; a zero byte inside it ends it.
 pub(super) fn c_string(text: &str) -> CString {

@@ -1,8 +1,8 @@
 //! The C interface of FMI 2.0: the one file with unsafe code.
 //!
 //! Every function runs inside `call`, which refuses null components and wrong states, turns a
-//! panic into fmi2Fatal, and reports to the host's logger. In the tests the compiler compares each signature
-//! with the type that the standard's header gives it (`TYPE`).
+//! panic into fmi2Fatal, and reports to the host's logger. The compiler compares each signature with
+//! the type that the standard's header gives it (`TYPE`).
 //!
 //! # Safety
 //! All functions ask of the host what the standard asks: a component is null or came from
@@ -21,6 +21,7 @@ use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
 
+use ::fmi::fmi2::binding::*;
 use libc::c_char;
 
 use super::boundary::{
@@ -30,7 +31,6 @@ use super::instance::Instance;
 use super::lifecycle::{Function, State};
 use super::report::{EVENTS, Event, Refusal, Severity, Wanted};
 use super::resources;
-use super::standard::*;
 use super::variables::Kind;
 
 /// What a fmi2Component points to.
@@ -194,26 +194,23 @@ macro_rules! export {
         pub unsafe extern "C" fn $name(c: fmi2Component $(, $arg: $arg_type)*) -> fmi2Status {
             call(c, Function::$function, stringify!($name), |$c| $body)
         }
-        #[cfg(test)]
-        const _: header::$type = Some($name);
+        const _: $type = Some($name);
     )*};
 }
 
 /// The platform of the types, "default".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
-    fmi2TypesPlatform.as_ptr()
+    fmi2TypesPlatform.as_ptr().cast()
 }
-#[cfg(test)]
-const _: header::fmi2GetTypesPlatformTYPE = Some(fmi2GetTypesPlatform);
+const _: fmi2GetTypesPlatformTYPE = Some(fmi2GetTypesPlatform);
 
 /// The version of the interface, "2.0".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetVersion() -> *const c_char {
-    fmi2Version.as_ptr()
+    fmi2Version.as_ptr().cast()
 }
-#[cfg(test)]
-const _: header::fmi2GetVersionTYPE = Some(fmi2GetVersion);
+const _: fmi2GetVersionTYPE = Some(fmi2GetVersion);
 
 /// A new instance, or null with the reason in the log.
 #[unsafe(no_mangle)]
@@ -252,8 +249,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     });
     made.unwrap_or(ptr::null_mut())
 }
-#[cfg(test)]
-const _: header::fmi2InstantiateTYPE = Some(fmi2Instantiate);
+const _: fmi2InstantiateTYPE = Some(fmi2Instantiate);
 
 /// Frees the instance with all its stored states; null is no instance and nothing happens.
 #[unsafe(no_mangle)]
@@ -267,8 +263,7 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
         resources::release();
     }));
 }
-#[cfg(test)]
-const _: header::fmi2FreeInstanceTYPE = Some(fmi2FreeInstance);
+const _: fmi2FreeInstanceTYPE = Some(fmi2FreeInstance);
 
 /// Copies Integer, Enumeration or Boolean values, all of them C's int, to the host.
 unsafe fn get(
@@ -547,10 +542,6 @@ export! {
         none_of(nx, "nominals of continuous states")
     }
 }
-
-#[cfg(test)]
-#[path = "standard_tests.rs"]
-mod header;
 
 #[cfg(test)]
 #[path = "c_interface_tests.rs"]

@@ -6,8 +6,8 @@
 //!         panics, log    machine   └─ model exchange   parameters and phases
 //! ```
 //!
-//! [`standard`] has the types of FMI's headers, [`variables`] is generated from modelDescription.xml, and
-//! [`layout`] alone knows how many bodies and meshes there are; [`resources`] reads what packing put beside
+//! [`variables`] is generated from modelDescription.xml, and [`layout`] alone knows how many bodies and
+//! meshes there are; [`resources`] reads what packing put beside
 //! the library. In the product only [`c_interface`] and the vector registers of the table's kernel
 //! (src/table/interpolation/lanes.rs) have unsafe code; the tests that call the interface as C does
 //! (c_interface_tests.rs here and tests/c_interface.rs) need it for that, and nothing else may have any.
@@ -30,7 +30,6 @@ pub mod report;
 pub mod resources;
 pub mod settings;
 mod snapshot;
-pub mod standard;
 mod stored;
 pub(crate) mod unit;
 pub mod values;

@@ -58,10 +58,12 @@ pub mod element;
 pub mod fmi;
 pub mod friction;
 pub mod gear;
+#[cfg(feature = "preprocess")]
 pub mod package;
 #[cfg(feature = "preprocess")]
 pub mod pair;
 pub mod random;
+#[cfg(feature = "preprocess")]
 pub mod storage;
 pub mod table;
 #[cfg(all(test, feature = "preprocess"))]

@@ -74,11 +74,6 @@ fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     made.map_err(|error| error.kind().into())
 }
 
-/// `bytes` in hexadecimal digits.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

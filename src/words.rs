@@ -24,8 +24,17 @@ pub fn count(number: usize, of: &str) -> String {
 /// Longest name or value that is repeated, in characters.
 const LONGEST: usize = 300;
 
-/// Text from a file: control characters escaped, cut where it is too long for a line.
+/// Most digits in which a number is written out: a double needs 17, sign, point and leading zeros come to it.
+const DIGITS: usize = 24;
+
+/// Text from a file: control characters escaped, cut where it is too long for a line; a number of many digits with
+/// an exponent.
 pub fn shown(text: &str) -> String {
+    if text.len() > DIGITS
+        && let Ok(number) = text.parse::<f64>()
+    {
+        return format!("{number:e}");
+    }
     let mut out = String::new();
     for (i, c) in text.chars().enumerate() {
         if i == LONGEST {
@@ -39,6 +48,11 @@ pub fn shown(text: &str) -> String {
         }
     }
     out
+}
+
+/// `bytes` in hexadecimal digits.
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 #[cfg(test)]
@@ -65,6 +79,16 @@ mod tests {
     fn one_is_no_plural() {
         assert_eq!(count(1, "misalignment"), "1 misalignment");
         assert_eq!(count(0, "node"), "0 nodes");
+    }
+
+    #[test]
+    fn a_number_does_not_fill_the_line() {
+        assert_eq!(shown(&1e300.to_string()), "1e300");
+        assert_eq!(shown(&(-2.5e-300).to_string()), "-2.5e-300");
+        assert_eq!(
+            shown(&0.08210400000000001.to_string()),
+            "0.08210400000000001"
+        );
     }
 
     #[test]

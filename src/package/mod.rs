@@ -242,7 +242,7 @@ fn guid(
         add(library.platform.as_bytes());
         add(&library.bytes);
     }
-    let hex = crate::storage::hex(&hash.finalize()[..16]);
+    let hex = crate::words::hex(&hash.finalize()[..16]);
     let groups = [
         &hex[..8],
         &hex[8..12],

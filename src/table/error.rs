@@ -108,7 +108,7 @@ impl TableError {
     ) -> Self {
         TableError::Field {
             field: field.into(),
-            value: value.to_string(),
+            value: crate::words::shown(&value.to_string()),
             reason: reason.into(),
             remedy: remedy.into(),
         }

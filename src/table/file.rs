@@ -220,7 +220,7 @@ impl TableFile {
             ..self.clone()
         };
         let text = serde_json::to_string(&unsealed).expect("plain structs become JSON");
-        crate::storage::hex(&Sha256::digest(text.as_bytes()))
+        crate::words::hex(&Sha256::digest(text.as_bytes()))
     }
 
     /// Reads and checks the text of a tables file.

@@ -7,7 +7,7 @@
 
 use super::{Axes, FlankGrid, TableError};
 use crate::gear::PairGeometry;
-use crate::words::rounded;
+use crate::words::{rounded, shown};
 use std::collections::BTreeMap;
 
 /// Columns of the file, in any order in its header.
@@ -137,7 +137,7 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     if torques[0] < 0.0 {
         return Err(refused(format!(
             "torque_nm = {}: a torque is not negative; give the loaded flank's samples only",
-            torques[0]
+            brief(torques[0])
         )));
     }
     if loads < 4 {
@@ -237,8 +237,13 @@ fn refused(message: String) -> TableError {
 }
 
 fn describe(v: [f64; 6]) -> String {
-    let name = |k: usize| format!("{} = {}", COLUMNS[k], v[k]);
+    let name = |k: usize| format!("{} = {}", COLUMNS[k], brief(v[k]));
     format!("{}, {}, {}, {}", name(0), name(1), name(2), name(3))
+}
+
+/// `value` in no more digits than a line has room for.
+fn brief(value: f64) -> String {
+    shown(&value.to_string())
 }
 
 /// How far off the face a resultant may be written for rounding, mm.
@@ -258,7 +263,7 @@ fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError
             "line {}: contact_z_mm = {} at {} lies off the common face of the gears, {low} to {high} mm from \
              gear 1's z = 0 face; give the axial position of the resultant from that face",
             row.line,
-            row.values[5],
+            brief(row.values[5]),
             describe(row.values)
         ))),
     }
@@ -278,7 +283,8 @@ fn parse(text: &str) -> Result<Vec<Row>, TableError> {
     }
     if let Some(unknown) = names.iter().find(|n| !COLUMNS.contains(n)) {
         return Err(refused(format!(
-            "unknown column `{unknown}`; the columns are {}",
+            "unknown column `{}`; the columns are {}",
+            shown(unknown),
             COLUMNS.join(",")
         )));
     }
@@ -305,6 +311,7 @@ fn parse(text: &str) -> Result<Vec<Row>, TableError> {
                 .ok()
                 .filter(|v: &f64| v.is_finite())
                 .ok_or_else(|| {
+                    let cell = shown(cell);
                     refused(format!("line {line}: {name} = {cell}: not a finite number"))
                 })?;
         }
@@ -352,10 +359,10 @@ fn invertible(rows: &[Row], z_ref: f64, base_radius: f64) -> Result<Line, TableE
                 "line {}: ste_loa_um = {} at {} is not above ste_loa_um = {} at torque_nm = {} (line {}); \
                  the displacement must rise with the load, so correct or remove this sample",
                 high.line,
-                high.values[4],
+                brief(high.values[4]),
                 describe(high.values),
-                low.values[4],
-                low.values[0],
+                brief(low.values[4]),
+                brief(low.values[0]),
                 low.line
             )));
         }

@@ -216,3 +216,13 @@ fn an_axis_without_the_nominal_state_is_refused() {
         "{error}"
     );
 }
+
+#[test]
+fn a_number_of_many_digits_is_told_with_an_exponent() {
+    let text = csv(&TORQUES).replacen(",13.5\n", ",1e300\n", 1);
+    let error = import_csv(&text, &spur_pair()).unwrap_err().to_string();
+    assert!(error.contains("contact_z_mm = 1e300 at "), "{error}");
+    let text = csv(&TORQUES).replacen("0.5,0,", "0.5,1e-300,", 1);
+    let error = import_csv(&text, &spur_pair()).unwrap_err().to_string();
+    assert!(error.len() < 300, "{error}");
+}

@@ -1,8 +1,10 @@
-"""What `make release` left in target/dist, and a Windows to run it in."""
+"""What `make release` left in target/dist, and wine to run the half for Windows in."""
 
 import os
 import shutil
 import subprocess
+import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -50,3 +52,37 @@ def wine(tmp_path_factory):
     yield environment
     os.environ.clear()
     os.environ.update(before)
+
+
+@dataclass(frozen=True)
+class Windows:
+    """A folder with a Python for Windows, fmpy and the installed wheel of the release, and wine to run its programs."""
+
+    folder: Path
+    environment: dict[str, str]
+
+    def run(self, program, *words):
+        """What the folder's `program` prints. Raises RuntimeError with its messages if it fails."""
+        command = ["wine64", str(self.folder / program), *map(str, words)]
+        environment = os.environ | self.environment
+        # Without a console Python for Windows wants its input closed.
+        done = subprocess.run(
+            command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=600
+        )
+        if done.returncode != 0:
+            raise RuntimeError(f"{' '.join(command)}: {done.returncode}\n{done.stdout}{done.stderr}")
+        return done.stdout
+
+
+@pytest.fixture(scope="session")
+def windows(wine, tmp_path_factory):
+    """A Python for Windows as requirements-windows.txt has it, and the wheel installed into it."""
+    folder = tmp_path_factory.mktemp("windows")
+    (wheel,) = DIST.glob("*-win_amd64.whl")
+    install = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", folder]
+    platform = ["--platform", "win_amd64", "--python-version", "3.11"]
+    # The one archive of the list is built by the tools of requirements-release.txt.
+    listed = ["--no-build-isolation", "--requirement", ROOT / "requirements-windows.txt"]
+    for what in (listed, [wheel]):
+        subprocess.run([*install, *platform, *what], check=True)
+    return Windows(folder, wine)

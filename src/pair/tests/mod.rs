@@ -4,7 +4,6 @@ use super::*;
 mod accepted;
 mod bodies;
 mod flanks;
-mod mutated;
 mod refused;
 mod slips;
 mod text;

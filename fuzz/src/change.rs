@@ -1,0 +1,138 @@
+//! Changes of JSON, CSV and bytes.
+
+use gearmesh::random::Random;
+use serde_json::Value;
+
+/// Numbers in odd corners.
+const ODD: [f64; 12] = [
+    0.0, -0.0, 1.0, -1.0, 1e-15, 1e-9, 1e5, 1e9, 1e15, 1e-300, 1e300, 2e9,
+];
+
+/// A number below `count`, which is not 0.
+fn below(count: usize, random: &mut Random) -> usize {
+    (random.next() * count as f64) as usize
+}
+
+/// A number near `old` more often than not.
+fn number(old: f64, random: &mut Random) -> f64 {
+    match below(8, random) {
+        0..=4 => old * random.within([0.9, 1.1]),
+        5 => old * random.within([-3.0, 3.0]),
+        6 => ODD[below(ODD.len(), random)],
+        _ => old * ODD[below(ODD.len(), random)],
+    }
+}
+
+/// JSON with one to three places changed; bytes of what is no JSON.
+pub fn json(data: &[u8], random: &mut Random) -> Vec<u8> {
+    let Ok(mut document) = serde_json::from_slice::<Value>(data) else {
+        return bytes(data, random);
+    };
+    for _ in 0..=below(3, random) {
+        change(&mut document, random);
+    }
+    document.to_string().into_bytes()
+}
+
+/// Goes down at random, so that a field counts as much as a long array, and changes what it meets.
+fn change(value: &mut Value, random: &mut Random) {
+    let stop = below(10, random) == 0;
+    match value {
+        Value::Array(items) if !items.is_empty() => {
+            let place = below(items.len(), random);
+            match below(4, random) {
+                0 if stop => {
+                    items.remove(place);
+                }
+                1 if stop => items.insert(place, items[place].clone()),
+                2 if stop => items.swap(0, place),
+                3 if stop => items.truncate(place),
+                _ => change(&mut items[place], random),
+            }
+        }
+        Value::Object(fields) if !fields.is_empty() => {
+            let names: Vec<String> = fields.keys().cloned().collect();
+            let name = &names[below(names.len(), random)];
+            match below(3, random) {
+                0 if stop => {
+                    fields.remove(name);
+                }
+                1 if stop => {
+                    let other = fields[&names[below(names.len(), random)]].clone();
+                    fields[name] = other;
+                }
+                2 if stop => fields[name] = Value::Null,
+                _ => change(&mut fields[name], random),
+            }
+        }
+        Value::Number(old) => {
+            let new = number(old.as_f64().unwrap_or(0.0), random);
+            *value = if old.is_f64() {
+                Value::from(new)
+            } else {
+                Value::from((new as i64).saturating_add(below(3, random) as i64 - 1))
+            };
+        }
+        Value::Bool(flag) => *flag = !*flag,
+        Value::String(text) => {
+            *text = String::from_utf8_lossy(&bytes(text.as_bytes(), random)).into_owned();
+        }
+        // Null, empty array, empty object.
+        _ => {
+            *value = [Value::from(1.0), Value::Array(vec![]), Value::from("text")]
+                [below(3, random)]
+            .clone();
+        }
+    }
+}
+
+/// CSV with one to three cells or lines changed; bytes of what is no text.
+pub fn csv(data: &[u8], random: &mut Random) -> Vec<u8> {
+    let Ok(text) = str::from_utf8(data) else {
+        return bytes(data, random);
+    };
+    let mut lines: Vec<Vec<String>> = text
+        .lines()
+        .map(|line| line.split(',').map(str::to_owned).collect())
+        .collect();
+    for _ in 0..=below(3, random) {
+        if lines.is_empty() {
+            break;
+        }
+        let at = below(lines.len(), random);
+        match below(12, random) {
+            0 => {
+                lines.remove(at);
+            }
+            1 => lines.insert(at, lines[at].clone()),
+            2 => lines.truncate(at),
+            3 => lines.swap(0, at),
+            _ => {
+                let place = below(lines[at].len(), random);
+                let cell = &mut lines[at][place];
+                *cell = match cell.trim().parse::<f64>() {
+                    Ok(old) => number(old, random).to_string(),
+                    Err(_) => String::from_utf8_lossy(&bytes(cell.as_bytes(), random)).into_owned(),
+                };
+            }
+        }
+    }
+    let lines: Vec<String> = lines.iter().map(|cells| cells.join(",")).collect();
+    (lines.join("\n") + "\n").into_bytes()
+}
+
+/// One byte changed, taken out or put in, or the rest cut off.
+pub fn bytes(data: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut data = data.to_vec();
+    let place = below(data.len() + 1, random);
+    let byte = below(256, random) as u8;
+    match below(4, random) {
+        0 if place < data.len() => data[place] = byte,
+        1 if place < data.len() => {
+            data.remove(place);
+        }
+        2 => data.truncate(place),
+        _ => data.insert(place, byte),
+    }
+    data
+}

@@ -1,0 +1,60 @@
+//! What comes from outside and is read: pair files, tables, samples for `import`, stored states. Each has inputs to
+//! start from, a way to change them that keeps their form more often than changed bytes do, and a check: the input is
+//! refused with a message or gives something that works; a panic, or a result that is no number, is a finding.
+//!
+//! libFuzzer drives this from fuzz/fuzz_targets, `make test` in a short form from tests/fuzz.rs.
+
+pub mod change;
+pub mod pair_file;
+pub mod samples;
+pub mod stored_state;
+pub mod tables;
+
+use gearmesh::random::Random;
+
+/// One kind of input.
+pub struct Target {
+    /// Its name.
+    pub name: &'static str,
+    /// Inputs to start from, all of them accepted.
+    pub seeds: fn() -> Vec<Vec<u8>>,
+    /// An input changed in one to three places; those without the form, in bytes.
+    pub change: fn(&[u8], &mut Random) -> Vec<u8>,
+    /// Reads an input and uses what it gives; true if it was accepted. Panics are findings.
+    pub check: fn(&[u8]) -> bool,
+}
+
+/// All of them.
+pub const TARGETS: [&Target; 4] = [
+    &pair_file::TARGET,
+    &tables::TARGET,
+    &samples::TARGET,
+    &stored_state::TARGET,
+];
+
+/// `data` changed as the target has it, or one of its seeds in place of nothing, if that is no longer than `longest` and
+/// this is not the one time in four in which bytes are to be changed.
+pub fn changed(target: &Target, data: &[u8], longest: usize, seed: u32) -> Option<Vec<u8>> {
+    if seed % 4 == 0 {
+        return None;
+    }
+    let mut random = random(seed);
+    // libFuzzer begins with next to nothing.
+    let changed = if data.len() < 2 {
+        let mut seeds = (target.seeds)();
+        seeds.swap_remove((random.next() * seeds.len() as f64) as usize)
+    } else {
+        (target.change)(data, &mut random)
+    };
+    (changed.len() <= longest).then_some(changed)
+}
+
+/// A sequence for each `seed`.
+pub fn random(seed: u32) -> Random {
+    let mut random = Random::new((u64::from(seed) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    // Seeds that are alike begin alike.
+    for _ in 0..4 {
+        random.next();
+    }
+    random
+}

@@ -1,0 +1,155 @@
+//! Stored states: refused, or a unit that goes on from there with numbers, or refuses to.
+//!
+//! An input is the JSON inside a state. Version and checksum are put around it, since whoever means harm can do that,
+//! too; and it is read as it stands.
+
+use std::sync::{Arc, LazyLock};
+
+use gearmesh::fmi::instance::Instance;
+use gearmesh::fmi::lifecycle::{Function, Interface};
+use gearmesh::fmi::resources::{Resources, UNIT_VERSION, UnitFile};
+use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index};
+use sha2::{Digest, Sha256};
+
+use super::{Target, change, tables};
+
+/// States in the middle of a simulation through both interfaces are where it starts.
+pub const TARGET: Target = Target {
+    name: "stored_state",
+    seeds: || {
+        INTERFACES
+            .map(|interface| inside(&state(interface)).to_vec())
+            .to_vec()
+    },
+    change: change::json,
+    check,
+};
+
+const INTERFACES: [Interface; 2] = [Interface::CoSimulation, Interface::ModelExchange];
+/// Bytes before the JSON, magic and version, and after it, the checksum.
+const AROUND: [usize; 2] = [12, 32];
+
+/// A unit with everything that a table may hold.
+static RESOURCES: LazyLock<Arc<Resources>> = LazyLock::new(|| {
+    let file = tables::formula([8, 4, 4, 6]);
+    let geometry = file
+        .geometry
+        .pair_geometry()
+        .expect("a pair that is shipped");
+    let starts = [
+        ("gear2.position[1]", geometry.center_distance),
+        ("stiffnessModel", 2.0),
+        ("friction", 1.0),
+        ("rootStress", 1.0),
+    ];
+    let unit = UnitFile {
+        version: UNIT_VERSION,
+        guid: "{00000000-0000-0000-0000-000000000001}".into(),
+        name: "spring".into(),
+        starts: starts.map(|(name, value)| (name.to_owned(), value)).into(),
+        geometry,
+    };
+    Arc::new(Resources::new(unit, Some(file), None).expect("a unit by hand"))
+});
+
+fn instance(interface: Interface) -> Instance {
+    Instance::new(Arc::clone(&RESOURCES), interface)
+}
+
+/// The state of an instance in contact, after a step.
+fn state(interface: Interface) -> Vec<u8> {
+    let mut instance = instance(interface);
+    instance.setup(0.125, None).expect("a start time");
+    let inputs = [index::GEAR1_ANGLES_3, index::GEAR2_ANGULAR_VELOCITY_3];
+    let references = inputs.map(|i| VARIABLES[i].value_reference);
+    instance
+        .set_real(&references, &[1e-4, -0.1])
+        .expect("inputs");
+    if interface == Interface::CoSimulation {
+        let rate = (references[0], 1, 0.7);
+        instance
+            .set_input_derivatives(std::iter::once(rate))
+            .expect("a rate");
+    }
+    instance.exit_initialization().expect("the start pose");
+    if interface == Interface::CoSimulation {
+        instance.do_step(0.125, 1e-5).expect("a step");
+    }
+    let handle = instance.store(None).expect("a state");
+    instance.serialize(handle).expect("its bytes")
+}
+
+fn inside(state: &[u8]) -> &[u8] {
+    &state[AROUND[0]..state.len() - AROUND[1]]
+}
+
+/// See [`Target::check`].
+pub fn check(data: &[u8]) -> bool {
+    static HEAD: LazyLock<Vec<u8>> =
+        LazyLock::new(|| state(Interface::CoSimulation)[..AROUND[0]].to_vec());
+    let mut sealed = [HEAD.as_slice(), data].concat();
+    let checksum = Sha256::digest(&sealed);
+    sealed.extend_from_slice(&checksum);
+    let mut accepted = false;
+    for interface in INTERFACES {
+        for bytes in [data, &sealed] {
+            accepted |= go_on(instance(interface), bytes);
+        }
+    }
+    accepted
+}
+
+/// Goes to the state and on from there; false if it is refused.
+fn go_on(mut instance: Instance, bytes: &[u8]) -> bool {
+    let handle = match instance.deserialize(bytes) {
+        Ok(handle) => handle,
+        Err(refusal) => {
+            assert!(!refusal.message.is_empty());
+            return false;
+        }
+    };
+    if instance.restore(handle).is_err() {
+        return false;
+    }
+    // Kept again it is the same state, but for the sign of a whole number's zero.
+    let again = instance.store(None).expect("the state just entered");
+    let [once, twice] = [handle, again].map(|h| {
+        let bytes = instance.serialize(h).expect("a state kept");
+        serde_json::from_slice::<serde_json::Value>(inside(&bytes)).expect("JSON")
+    });
+    assert_eq!(once, twice, "the state changed when it was entered");
+    outputs(&mut instance);
+    for _ in 0..2 {
+        let time = instance.time();
+        if instance.admit(Function::DoStep, "fmi2DoStep").is_err()
+            || instance.do_step(time, 1e-5).is_err()
+        {
+            break;
+        }
+        outputs(&mut instance);
+    }
+    // Nothing of it stays after a reset.
+    if instance.admit(Function::Reset, "fmi2Reset").is_ok() {
+        instance.reset();
+        instance.exit_initialization().expect("the start pose");
+        outputs(&mut instance);
+    }
+    true
+}
+
+/// Every output is a number, or refused.
+fn outputs(instance: &mut Instance) {
+    if instance.admit(Function::Get, "fmi2GetReal").is_err() {
+        return;
+    }
+    let outputs = VARIABLES
+        .iter()
+        .filter(|v| v.causality == Causality::Output && v.kind == Kind::Real);
+    for variable in outputs {
+        let reference = std::iter::once(variable.value_reference);
+        let finite = |value: f64| assert!(value.is_finite(), "{} = {value}", variable.name);
+        if let Err(refusal) = instance.get_real(reference, finite) {
+            assert!(!refusal.message.is_empty());
+        }
+    }
+}

@@ -35,7 +35,7 @@ pub const TARGETS: [&Target; 4] = [
 /// `data` changed as the target has it, or one of its seeds in place of nothing, if that is no longer than `longest` and
 /// this is not the one time in four in which bytes are to be changed.
 pub fn changed(target: &Target, data: &[u8], longest: usize, seed: u32) -> Option<Vec<u8>> {
-    if seed % 4 == 0 {
+    if seed.is_multiple_of(4) {
         return None;
     }
     let mut random = random(seed);

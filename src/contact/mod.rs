@@ -36,6 +36,7 @@ pub(crate) mod local;
 mod mesh_cycle;
 mod numbers;
 mod position;
+#[cfg(feature = "preprocess")]
 mod reach;
 mod result;
 #[cfg(feature = "preprocess")]

@@ -177,7 +177,7 @@ class Driveline:
                 markerNumbers=[self._marker(first, point), self._marker(second, point)],
                 stiffness=np.diag(stiffness),
                 damping=np.diag(damping),
-                intrinsicFormulation=midway,
+                useIntrinsicFormulation=midway,
             )
         )
 

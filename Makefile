@@ -28,6 +28,7 @@ $(VENV)/.tests-complete: $(VENV)/.complete requirements-test.txt
 # Other simulators, for examples/drivelines and examples/hosts.
 $(VENV)/.examples-complete: $(VENV)/.tests-complete requirements-examples.txt
 	scripts/setup.sh requirements-test.txt requirements-examples.txt
+	$(VENV)/bin/python scripts/without_display.py
 	touch $@
 
 # The command target/release/gearmesh and the FMU's library beside it.

@@ -62,6 +62,8 @@ chown -R $id:$id "$root$home"
 for device in null zero random urandom; do
     [ -e "$root/dev/$device" ] || cp -a "/dev/$device" "$root/dev/"
 done
+# Where processes share semaphores.
+install -d -m 1777 "$root/dev/shm"
 
 # Programs find their libraries through it.
 mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"

@@ -83,6 +83,7 @@ def windows(wine, tmp_path_factory):
     platform = ["--platform", "win_amd64", "--python-version", "3.11"]
     # The one archive of the list is built by the tools of requirements-release.txt.
     listed = ["--no-build-isolation", "--requirement", ROOT / "requirements-windows.txt"]
-    for what in (listed, [wheel]):
+    # The wheel first: both have a `bin`, and pip leaves one as it is that is there already.
+    for what in ([wheel], listed):
         subprocess.run([*install, *platform, *what], check=True)
     return Windows(folder, wine)

@@ -55,7 +55,8 @@ pub trait Interpolant: std::fmt::Debug + Send + Sync {
 }
 
 /// `T` with the axes `AXES`. Without second derivatives and with the registers that nearly every processor has, its
-/// evaluation is compiled for these axes; else all share one. Each more would cost seconds of every build.
+/// evaluation is compiled for these axes; else all share one (but a table without any). Each more would cost seconds of
+/// every build.
 #[derive(Debug)]
 struct For<const AXES: usize, T>(T);
 
@@ -64,18 +65,30 @@ impl<const AXES: usize, T: Evaluate> Interpolant for For<AXES, T> {
         if const { AXES == ANY } {
             return shared(&self.0, four, query, want_hessian);
         }
-        if const { T::WIDE } {
-            match four {
-                Some(four) if !want_hessian => four.run(
-                    #[inline(always)]
-                    || self.0.at::<false, AXES>(four, query),
-                ),
-                _ => shared(&self.0, four, query, want_hessian),
+        if want_hessian {
+            // Without any axis there is little to compile, and little to gain by sharing.
+            if const { AXES != 0 } {
+                return shared(&self.0, four, query, true);
             }
-        } else if want_hessian {
-            shared(&self.0, four, query, true)
-        } else {
-            self.0.at::<false, AXES>(Two, query)
+            if const { T::WIDE }
+                && let Some(four) = four
+            {
+                return four.run(
+                    #[inline(always)]
+                    || self.0.at::<true, 0>(four, query),
+                );
+            }
+            return self.0.at::<true, 0>(Two, query);
+        }
+        if const { !T::WIDE } {
+            return self.0.at::<false, AXES>(Two, query);
+        }
+        match four {
+            Some(four) => four.run(
+                #[inline(always)]
+                || self.0.at::<false, AXES>(four, query),
+            ),
+            None => shared(&self.0, None, query, false),
         }
     }
 

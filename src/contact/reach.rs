@@ -57,20 +57,19 @@ pub(super) fn estimate(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
 ///
 /// What cannot be solved here is refused by name when it is asked for; edges that only more teeth than the elastic models
 /// hold could reach are not followed.
-pub(super) fn followed_as_needed(solver: ContactSolver, pair: &Pair) -> ContactSolver {
-    let mut followed = solver.clone();
-    let mut tried = solver;
+pub(super) fn followed_as_needed(mut solver: ContactSolver, pair: &Pair) -> ContactSolver {
+    let mut followed = solver.setup().reach;
     for _ in 0..TRIALS {
-        let Ok(needed) = beyond(&tried, pair) else {
+        let Ok(needed) = beyond(&solver, pair) else {
             break;
         };
-        followed = tried.clone();
+        followed = solver.setup().reach;
         match needed {
-            Some(needed) => tried = tried.followed_to(MARGIN * needed),
+            Some(needed) => solver = solver.followed_to(MARGIN * needed),
             None => break,
         }
     }
-    followed
+    solver.followed_to(followed)
 }
 
 /// Largest approach, m, beyond the reach of `solver` at the positions tried.

@@ -84,6 +84,11 @@ impl PairTeeth {
                 .fold(f64::NEG_INFINITY, f64::max);
             (largest - least).max(0.0) + errors.runout.map_or(0.0, |r| r.amount)
         };
+        self.larger_of_flanks(of)
+    }
+
+    /// Sum of `of` over both gears, on the flank where it is larger.
+    fn larger_of_flanks(&self, of: impl Fn(&ToothErrors) -> f64) -> f64 {
         let both = |gears: &[ToothErrors; 2]| of(&gears[0]) + of(&gears[1]);
         both(&self.drive).max(both(&self.coast))
     }
@@ -94,8 +99,7 @@ impl PairTeeth {
             let index = errors.index.iter().copied().fold(0.0, f64::max);
             index + errors.runout.map_or(0.0, |r| 0.5 * r.amount)
         };
-        let both = |gears: &[ToothErrors; 2]| of(&gears[0]) + of(&gears[1]);
-        both(&self.drive).max(both(&self.coast))
+        self.larger_of_flanks(of)
     }
 }
 

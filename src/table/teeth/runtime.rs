@@ -71,10 +71,14 @@ impl TeethFlank {
             ..*query
         };
         let counts = counts.map(|count| count + turns as i64);
+        // The same for all tooth pairs, and of use for second derivatives alone.
+        let curvature = match &self.passing {
+            Some(passing) if want_hessian => passing.closing_curvature(counts, tau),
+            _ => 0.0,
+        };
         let closing = |k| {
             self.passing.as_ref().map_or(Closing::default(), |passing| {
                 let [value, rate] = passing.closing(counts, k, tau);
-                let curvature = passing.closing_curvature(counts, tau);
                 Closing {
                     value,
                     rate,

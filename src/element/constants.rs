@@ -20,8 +20,6 @@ pub(crate) struct Constants {
     pub z: [f64; 2],
     /// Base radii, m.
     pub rb: [f64; 2],
-    /// One over them, 1/m.
-    pub per_rb: [f64; 2],
     /// kappa: +1 external teeth, -1 ring.
     pub kappa: [f64; 2],
     /// h: hand of gear 1 (gear 2 has -e h).
@@ -136,7 +134,6 @@ impl Constants {
             sc: pair.sc(),
             z: [z1, z2],
             rb: [g[0].base_radius(), g[1].base_radius()],
-            per_rb: [1.0 / g[0].base_radius(), 1.0 / g[1].base_radius()],
             kappa: [g[0].kappa(), g[1].kappa()],
             hand: g[0].hand,
             tooth_sum: tooth_sum.abs(),

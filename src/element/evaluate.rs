@@ -5,13 +5,14 @@ use super::engagement::engagement;
 use super::error::ElementError;
 use super::flank::{FlankLoad, along_approach};
 use super::friction::Rubbing;
-use super::map::{Coordinates, Map, Placed, Spatial};
+use super::map::{Coordinates, Map, Placed};
 use super::motion::{Inputs, Latch, Motion, Outputs};
 use super::paper::Carried;
 use super::root_stress::root_stress;
 use super::scalar::{Scalar, fraction, whole_turns, wrap};
 use super::{Element, Formulation};
 use crate::gear::teeth::Counts;
+use nalgebra::Vector3;
 
 /// A pose as the formulation sees it.
 pub(crate) struct Pose<T> {
@@ -84,21 +85,21 @@ impl<T> Pose<T> {
 #[inline(always)]
 pub(crate) fn pose<T: Scalar>(
     el: &Element,
-    inputs: &Inputs<T>,
+    inputs: &Inputs,
 ) -> Result<Result<Pose<T>, Outputs<T>>, ElementError> {
     let k = &el.constants;
     let formulation = el.parameters.formulation;
     let far = |point, c| {
-        let point = inputs.gears[0].p + point;
+        let point = in_world(&inputs.gears[0], point);
         Ok(Err(Outputs::out_of_reach(point, c, T::from(k.z_ref))))
     };
-    let (coordinates, map) = match Map::place(k, formulation, &inputs.gears)? {
-        Placed::Near(coordinates, map) => (coordinates, map),
+    let map = match Map::place(k, formulation, &inputs.gears)? {
+        Placed::Near(map) => map,
         Placed::Far(point, c) => return far(point, c),
     };
     match formulation {
         Formulation::Conjugate => Ok(Ok(Pose {
-            coordinates,
+            coordinates: map.coordinates(k, &inputs.gears),
             lever: T::from(0.0),
             map,
             carried: None,
@@ -124,7 +125,7 @@ pub(crate) fn pose<T: Scalar>(
 pub(crate) fn evaluate<T: Scalar>(
     el: &Element,
     latch: &Latch,
-    inputs: &Inputs<T>,
+    inputs: &Inputs,
 ) -> Result<Solution<T>, ElementError> {
     let k = &el.constants;
     let pose = match pose(el, inputs)? {
@@ -139,9 +140,8 @@ pub(crate) fn evaluate<T: Scalar>(
     let q = &pose.coordinates;
     let c = q.center_distance;
     let cos_phi = c.recip() * k.base_sum;
-    let [g1, g2] = &inputs.gears;
-    let velocities = [velocity(g1), velocity(g2)];
-    let rates = pose.map.rates(&velocities);
+    let twist = pose.map.twist(&inputs.gears);
+    let rates = pose.map.rates(&twist);
     let mesh = engagement(k, c, q.axial);
     let x = wrap(q.turn * k.tooth_angle_per + latch.tooth_angle) * k.per_tooth_angle;
 
@@ -188,24 +188,20 @@ pub(crate) fn evaluate<T: Scalar>(
         flank.damping = el.damper.force(flank.elastic, approach, cos_phi);
     }
 
-    let mut loads = match &pose.carried {
-        None => {
-            let slopes = |i: usize| flanks[i].all_slopes(k.per_pitch_angle);
-            pose.map.loads(&(slopes(0) + slopes(1)))
-        }
-        Some(carried) => {
-            let [drive, coast] = flanks.map(|f| along_approach(f.sign, f.damping_arm, f.damping));
-            let damping = pose.map.loads(&(drive + coast));
-            let elastic = carried.elastic_loads(k, &flanks);
-            [damping[0] + elastic[0], damping[1] + elastic[1]]
+    let slopes = |i: usize| {
+        let f = &flanks[i];
+        match pose.carried {
+            None => f.all_slopes(k.per_pitch_angle),
+            Some(_) => along_approach(f.sign, f.damping_arm, f.damping),
         }
     };
+    let mut on_2 = pose.map.loads(&(slopes(0) + slopes(1)));
 
     let (index, flank) = carrying_flank(&flanks, el.reference_flank);
     let mut rubbing = [None, None];
     let mut friction_power = T::from(0.0);
     if let Some(friction) = &el.friction {
-        let moving = (&velocities, &rates);
+        let moving = (&twist, &rates);
         for (i, load) in flanks.iter().enumerate() {
             if load.elastic.re() <= 0.0 {
                 continue;
@@ -213,10 +209,15 @@ pub(crate) fn evaluate<T: Scalar>(
             rubbing[i] = friction.rub(k, &pose.map, c, (i, load), moving);
             if let Some(rubbing) = &rubbing[i] {
                 let (against, power) = friction.loads(rubbing);
-                loads = [loads[0] + against[0], loads[1] + against[1]];
+                on_2 = on_2 + against;
                 friction_power += power;
             }
         }
+    }
+    let mut loads = pose.map.on_gears(&on_2);
+    if let Some(carried) = &pose.carried {
+        let elastic = carried.elastic_loads(k, &flanks);
+        loads = [loads[0] + elastic[0], loads[1] + elastic[1]];
     }
     let none = [T::from(0.0); 2];
     let root_stress = match &el.root_stress {
@@ -229,10 +230,7 @@ pub(crate) fn evaluate<T: Scalar>(
     let shown = &flanks[index];
     let reference = &flanks[el.reference_flank];
     let (contact_point, contact_z) = match &pose.carried {
-        None => (
-            pose.map.pitch_point() + pose.map.axis() * shown.arm,
-            shown.arm + k.z_ref,
-        ),
+        None => (pose.map.beside_pitch_point(shown.arm), shown.arm + k.z_ref),
         Some(carried) => carried.contact(k, shown.arm),
     };
     let rate = rates.turn * reference.sign - rates.half_gap;
@@ -241,7 +239,7 @@ pub(crate) fn evaluate<T: Scalar>(
     let outputs = Outputs {
         force: [loads[0].linear, loads[1].linear],
         moment: [loads[0].angular, loads[1].angular],
-        contact_point: g1.p + contact_point,
+        contact_point: in_world(&inputs.gears[0], contact_point),
         transmission_error: reference.elongation * c * (k.per_base_sum * reference.sign),
         transmission_error_rate: (rate * c + reference.elongation * rates.center_distance)
             * (k.per_base_sum * reference.sign),
@@ -273,11 +271,10 @@ pub(crate) fn evaluate<T: Scalar>(
     })
 }
 
-fn velocity<T: Scalar>(m: &Motion<T>) -> Spatial<T> {
-    Spatial {
-        linear: m.v,
-        angular: m.w,
-    }
+/// The point `from_origin` beyond the origin of `gear`, whose derivatives by its own motion are not asked.
+fn in_world<T: Scalar>(gear: &Motion, from_origin: Vector3<T>) -> Vector3<T> {
+    let [x, y, z] = from_origin.into();
+    Vector3::new(x + gear.p.x, y + gear.p.y, z + gear.p.z)
 }
 
 /// Index of the flank that carries the larger elastic force and its sign; the `reference` flank and 0 where

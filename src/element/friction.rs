@@ -1,6 +1,6 @@
 //! Friction of the flanks: from load and sliding to loads that never do work on the gears.
 //!
-//! With the row of [`super::map::Slide`], r the mean sliding speed and N the normal force,
+//! With the row of [`Map::slide`], r the mean sliding speed and N the normal force,
 //!
 //! ```text
 //! k = factor mu(F_bt, v_sum) N r / sqrt(r^2 + v_t^2),    power = -k r <= 0,
@@ -12,7 +12,7 @@
 
 use super::constants::{Constants, FLANKS};
 use super::flank::FlankLoad;
-use super::map::{Coordinates, Map, Slide, Spatial};
+use super::map::{Coordinates, Map, Spatial};
 use super::parameters::Parameters;
 use super::scalar::{Scalar, lift};
 use crate::friction::{Coefficient, FrictionLaw, LOWEST_ROLLING_SPEED};
@@ -35,7 +35,8 @@ pub(crate) struct Friction {
 
 /// Friction of one flank at one state.
 pub(crate) struct Rubbing<T> {
-    slide: Slide<T>,
+    /// Wrench on gear 2 of a unit friction.
+    row: Spatial<T>,
     /// Coefficient of the mesh and normal force at full sliding, N.
     full: T,
     /// r, m/s.
@@ -50,8 +51,8 @@ pub(crate) struct Rubbing<T> {
 
 /// Slopes of friction by the velocities: of the loads along `row`s, see [`Rubbing::by_velocities`].
 pub(crate) struct VelocitySlopes {
-    /// -dr/dv: loads of a unit friction.
-    pub row: [Spatial<f64>; 2],
+    /// Minus the slopes of r: wrench on gear 2 of a unit friction.
+    pub row: Spatial<f64>,
     /// dk/dr, N s/m.
     pub by_speed: f64,
     /// dk/dspin at fixed r, N s.
@@ -79,7 +80,7 @@ impl Friction {
         })
     }
 
-    /// Friction of flank `i` under `load` > 0 while the gears move with `velocities`.
+    /// Friction of flank `i` under `load` > 0 while gear 2 moves against gear 1 with `twist`.
     #[inline(always)]
     pub(crate) fn rub<T: Scalar>(
         &self,
@@ -87,7 +88,7 @@ impl Friction {
         map: &Map<T>,
         center_distance: T,
         (i, load): (usize, &FlankLoad<T>),
-        (velocities, rates): (&[Spatial<T>; 2], &Coordinates<T>),
+        (twist, rates): (&Spatial<T>, &Coordinates<T>),
     ) -> Option<Rubbing<T>> {
         let (table, mirrored) = self.table.sliding(FLANKS[i])?;
         let offset = center_distance - k.center_distance;
@@ -96,8 +97,9 @@ impl Friction {
         let of = |row: usize| lift(jets[row].value, &jets[row].gradient, &q);
         let (share, distance, weight) = (of(0), of(2), of(3));
         let share_z = if mirrored { -of(1) } else { of(1) };
-        let slide = map.slide(k, load.sign, [share, share_z, distance]);
-        let spin = Map::spin(rates);
+        let row = map.slide(k, load.sign, [share, share_z, distance]);
+        // Of gear 1 against the line of centres.
+        let spin = -rates.mesh_angle;
         let rolling = spin * spin * self.rolling_per_spin.powi(2) + LOWEST_ROLLING_SPEED.powi(2);
         let c = &self.coefficient;
         let mut mu = T::from(c.scale);
@@ -109,8 +111,8 @@ impl Friction {
         }
         let by_spin = -c.by_speed * spin.re() * self.rolling_per_spin.powi(2) / rolling.re();
         Some(Rubbing {
-            speed: slide.speed(velocities),
-            slide,
+            speed: -row.power(twist),
+            row,
             full: mu * load.elastic * k.per_cos_beta_b,
             coefficient: mu * weight,
             loss_factor: distance / weight * self.loss_per_distance,
@@ -124,11 +126,11 @@ impl Friction {
         r / (r * r + self.transition).sqrt()
     }
 
-    /// Forces and moments of friction on both gears, and its power, W, <= 0.
+    /// Wrench of friction on gear 2, and its power, W, <= 0.
     #[inline(always)]
-    pub(crate) fn loads<T: Scalar>(&self, rubbing: &Rubbing<T>) -> ([Spatial<T>; 2], T) {
+    pub(crate) fn loads<T: Scalar>(&self, rubbing: &Rubbing<T>) -> (Spatial<T>, T) {
         let k = rubbing.full * self.sign(rubbing.speed);
-        (rubbing.slide.loads(k), -k * rubbing.speed)
+        (rubbing.row.times(k), -k * rubbing.speed)
     }
 
     /// Slopes by the velocities.
@@ -139,7 +141,7 @@ impl Friction {
         let by_speed = full * self.transition / root.powi(3);
         let by_spin = k * rubbing.by_spin;
         VelocitySlopes {
-            row: rubbing.slide.re().loads(1.0),
+            row: rubbing.row.re(),
             by_speed,
             by_spin,
             power_by_speed: -(by_speed * r + k),

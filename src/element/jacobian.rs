@@ -11,9 +11,9 @@ use super::error::ElementError;
 use super::evaluate::{Mesh, evaluate};
 use super::flank::along_approach;
 use super::map::{Coordinates, Spatial};
-use super::motion::{CONTINUOUS_OUTPUTS, Inputs, LEADING_OUTPUTS, Latch, Motion};
+use super::motion::{CONTINUOUS_OUTPUTS, Inputs, LEADING_OUTPUTS, Latch};
 use super::{Element, Formulation, check};
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 /// Change of one body's motion; a rotation is a small rotation vector in world axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,7 +90,7 @@ impl Element {
         jacobian: &mut Jacobian,
     ) -> Result<(), ElementError> {
         check::inputs(inputs, self.with_carrier())?;
-        jacobian.fill(0.0);
+        jacobian.as_mut_slice().fill(0.0); // the matrix's own goes entry by entry
         match self.parameters.formulation {
             Formulation::Conjugate => self.jacobian_over::<6>(latch, inputs, jacobian),
             Formulation::Paper => self.jacobian_over::<9>(latch, inputs, jacobian),
@@ -104,12 +104,7 @@ impl Element {
         inputs: &Inputs,
         jacobian: &mut Jacobian,
     ) -> Result<(), ElementError> {
-        let [g1, g2] = &inputs.gears;
-        let seeded = Inputs {
-            gears: [seed::<N>(g1, None, None), seed(g2, Some(0), Some(3))],
-            carrier: seed(&inputs.carrier, None, (N > 6).then_some(6)),
-        };
-        let solution = evaluate(self, latch, &seeded)?;
+        let solution = evaluate::<Dual<N>>(self, latch, inputs)?;
         if let Some(mesh) = &solution.mesh {
             self.by_velocities(mesh, jacobian);
         }
@@ -136,6 +131,7 @@ impl Element {
         let map = &mesh.map;
         let c = mesh.center_distance.re;
         let cos_phi = k.base_sum / c;
+        let row = |on_2: &Spatial<f64>| stacked(&map.on_gears(on_2));
         let mut add = |row: usize, unit: &SVector<f64, 12>, factor: f64| {
             for (i, value) in unit.iter().enumerate() {
                 // Velocity and angular velocity of gear 1, then of gear 2.
@@ -154,7 +150,7 @@ impl Element {
                 .force(constant(flank.elastic.re), rate, constant(cos_phi))
                 .eps[0];
             // Minus the row of J: loads for a unit force against the rate.
-            let unit = stacked(&map.loads(&along_approach(flank.sign, flank.damping_arm.re, 1.0)));
+            let unit = row(&map.loads(&along_approach(flank.sign, flank.damping_arm.re, 1.0)));
             for row in 0..12 {
                 add(row, &unit, -damper * unit[row]);
             }
@@ -165,14 +161,14 @@ impl Element {
             const POWER: usize = LEADING_OUTPUTS;
             const COEFFICIENT: usize = LEADING_OUTPUTS + 1;
             // Minus the row of the spin: of gear 1 against the line of centres.
-            let spin = stacked(&map.loads(&Coordinates {
+            let spin = row(&map.loads(&Coordinates {
                 mesh_angle: -1.0,
                 ..along_approach(1.0, 0.0, 0.0)
             }));
             for (i, rubbing) in mesh.rubbing.iter().enumerate() {
                 let Some(rubbing) = rubbing else { continue };
                 let slopes = friction.by_velocities(rubbing);
-                let unit = stacked(&slopes.row);
+                let unit = row(&slopes.row);
                 for row in 0..12 {
                     add(row, &unit, -slopes.by_speed * unit[row]);
                     add(row, &spin, -slopes.by_spin * unit[row]);
@@ -186,7 +182,7 @@ impl Element {
         }
         let sign = FLANKS[self.reference_flank].sign();
         let elongation = mesh.flanks[self.reference_flank].elongation.re;
-        let unit = stacked(&map.loads(&Coordinates {
+        let unit = row(&map.loads(&Coordinates {
             center_distance: elongation * sign * k.per_base_sum,
             ..along_approach(sign, 0.0, sign * c * k.per_base_sum)
         }));
@@ -212,35 +208,6 @@ fn stacked(both: &[Spatial<f64>; 2]) -> SVector<f64, 12> {
         both[1].angular,
     ];
     SVector::from_fn(|i, _| parts[i / 3][i % 3])
-}
-
-/// `m` whose translations are the dual parts from `translation` on, and its rotations those from `rotation` on.
-fn seed<const N: usize>(
-    m: &Motion,
-    translation: Option<usize>,
-    rotation: Option<usize>,
-) -> Motion<Dual<N>> {
-    let mut out = Motion {
-        p: m.p.map(Dual::from),
-        r: m.r.map(Dual::from),
-        v: m.v.map(Dual::from),
-        w: m.w.map(Dual::from),
-    };
-    if let Some(first) = translation {
-        for i in 0..3 {
-            out.p[i].eps[first + i] = 1.0;
-        }
-    }
-    if let Some(first) = rotation {
-        let axes: [Vector3<f64>; 3] = [Vector3::x(), Vector3::y(), Vector3::z()];
-        for (k, axis) in axes.iter().enumerate() {
-            let turn: Matrix3<f64> = axis.cross_matrix() * m.r;
-            for (entry, slope) in out.r.iter_mut().zip(turn.iter()) {
-                entry.eps[first + k] = *slope;
-            }
-        }
-    }
-    out
 }
 
 /// Columns of gear 1's pose: moved alike, gears (and carrier) keep their scalars, and the vectors move along.

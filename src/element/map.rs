@@ -1,31 +1,33 @@
 //! The one linear map between the motions of two gears and what the law knows of them.
 //!
-//! A fixed station on gear 1's axis is c1; c2 is where the axis of gear 2 pierces the transverse plane of
-//! gear 1 through c1; u = c2 - c1 and X = c1 + w u, w = z1/(z1 + e z2), is the operating pitch point. A pose
-//! becomes [`Coordinates`] q, with (rho_i, theta_i, zeta_i) the cylindrical coordinates of X in body i:
+//! In the [`LineFrame`] with C, lambda, b, theta_1, theta_2 of that place, X = c1 + w (c2 - c1), w = z1/(z1 + e z2), is
+//! the operating pitch point, rho_i its distance from axis i and zeta_2 = lambda - (1 - w) C b_x its axial position on
+//! gear 2. A pose becomes [`Coordinates`] q:
 //!
 //! ```text
 //! turn             x  = -(rb1/z1) [z1 theta_1 + e z2 theta_2] - h tan(beta_b) (zeta_2 - z_ref)
-//! half_gap         H  = sum kappa_i rb_i (inv(rho_i) - psi_i)
-//! center_distance  C  = |u|,  cos phi = |rb1 + e rb2| / C
-//! misalignment     M  = -(e sin(phi) x^ + s sc cos(phi) y^) . a2, in parts even and odd in s
-//! mesh_angle       theta_1 less that of the line of centres (0 or pi),   axial  lambda = axial position of c2 in gear 2
+//! half_gap         H  = sum kappa_i rb_i (inv(rho_i) - psi_i),   rho_1 = |w| C,   rho_2 = |1 - w| C sqrt(1 - b_x²)
+//! center_distance  C,   cos phi = |rb1 + e rb2| / C
+//! misalignment     M  = -e sin(phi) b_x - s sc cos(phi) b_y, in parts even and odd in s
+//! mesh_angle       theta_1 less that of the line of centres (0 or pi),   axial  lambda
 //! ```
 //!
 //! Both flanks s = +1, -1 share everything but signs: delta_s = s x - H is minus the sum of the signed
-//! normal distances of X to both flanks over cos(beta_b). With v the velocities of both gears,
-//! q' = J v ([`Map::rates`]), and slopes g of a potential by q are the loads -J^T g ([`Map::loads`]): virtual
-//! work, so that what the law keeps or takes of the energy is what the gears feel. J is never
-//! written out; both directions go through the same few vectors (tested to be each other's transpose).
+//! normal distances of X to both flanks over cos(beta_b). With t the twist of gear 2 against gear 1,
+//! q' = J t ([`Map::rates`]), and slopes g of a potential by q are the wrench -J^T g on gear 2 ([`Map::loads`]):
+//! virtual work, so that what the law keeps or takes of the energy is what the gears feel. J is never
+//! written out: it is the few slopes of q by the scalars of the frame, times theirs by t (tested: both directions are each
+//! other's transpose).
 
+mod line_frame;
 mod slide;
 
-pub(crate) use slide::Slide;
+use line_frame::LineFrame;
 
-use super::constants::{Constants, TILT_LIMIT};
-use super::error::{Body, ElementError};
+use super::constants::Constants;
+use super::error::ElementError;
 use super::motion::Motion;
-use super::scalar::{Scalar, angles, scaled};
+use super::scalar::{Scalar, angles, lift};
 use super::{Formulation, check};
 use nalgebra::Vector3;
 
@@ -46,7 +48,8 @@ pub(crate) struct Coordinates<T> {
     pub axial: T,
 }
 
-/// Force and moment about the origin of a gear, or its velocity and angular velocity; W.
+/// Force and moment, or velocity and angular velocity, at one point: on the gears at their origins in W, between
+/// the gears on gear 2 at c2 in the frame of the line of centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Spatial<T> {
     /// Force, N, or velocity, m/s.
@@ -57,50 +60,39 @@ pub(crate) struct Spatial<T> {
 
 /// J at one pose.
 pub(crate) struct Map<T> {
-    /// Axes.
-    a: [Vector3<T>; 2],
-    /// 1 / (a1 . a2).
-    per_aa: T,
+    frame: LineFrame<T>,
+    /// 1 / C.
+    per_c: T,
+    /// 1 / b_z.
+    per_bz: T,
+    /// (b_y, b_z) / D: minus the slopes of theta_2 by w_y and w_z.
+    spin: [T; 2],
     /// w = z1 / (z1 + e z2).
     w: f64,
-    /// e.
-    e: f64,
-    /// Axial position of c1 in gear 1, m.
-    station: f64,
-    /// c1 - p1.
-    k1: Vector3<T>,
-    /// c2 - p2.
-    k2: Vector3<T>,
-    /// c2 - c1.
-    u: Vector3<T>,
-    /// a1 x u.
-    across: Vector3<T>,
-    /// Direction of u.
-    line: Vector3<T>,
-    /// Gradients by X of H ...
-    even: [Vector3<T>; 2],
-    /// ... and of -x, on gear 2 over e.
-    odd: [Vector3<T>; 2],
-    /// Gradient by X of theta_1.
-    around: Vector3<T>,
-    /// Gradients of both parts of M by u ...
-    misalignment_u: [Vector3<T>; 2],
-    /// ... by a1 (odd part alone) ...
-    misalignment_a1: Vector3<T>,
-    /// ... and by a2.
-    misalignment_a2: [Vector3<T>; 2],
+    /// rb1 and e rb2: minus the slopes of x by theta_1 and theta_2.
+    radii: [f64; 2],
+    /// h tan(beta_b).
+    helix: f64,
+    /// Slopes of H by C and b_x.
+    half_gap: [T; 2],
+    /// Slopes of the even part of M by C and b_x.
+    even: [T; 2],
+    /// Slopes of the odd part of M by C and b_y.
+    odd: [T; 2],
+    /// Tangents of the pressure angle at X on either gear; zero inside the base circle.
+    tangents: [f64; 2],
 }
 
 /// Where the gears stand.
 pub(crate) enum Placed<T> {
-    /// In mesh or near it: coordinates, with x before the latch and not wrapped, and the map.
-    Near(Coordinates<T>, Map<T>),
-    /// Out of reach: X - p1 and C.
+    /// In mesh or near it.
+    Near(Map<T>),
+    /// Out of reach: X - p1, W, and C.
     Far(Vector3<T>, T),
 }
 
 impl<T: Scalar> Map<T> {
-    /// Coordinates and map of a pose. The station is mid-face. In the paper's formulation it is gear 1's
+    /// Map of a pose. The station is mid-face. In the paper's formulation it is gear 1's
     /// z = 0 face, and the elongation knows rotations about the axes alone: x without helix, H fixed.
     ///
     /// # Errors
@@ -109,7 +101,7 @@ impl<T: Scalar> Map<T> {
     pub(crate) fn place(
         k: &Constants,
         formulation: Formulation,
-        [g1, g2]: &[Motion<T>; 2],
+        gears: &[Motion; 2],
     ) -> Result<Placed<T>, ElementError> {
         let whole = formulation == Formulation::Conjugate;
         let (station, tan_beta_b) = if whole {
@@ -117,199 +109,187 @@ impl<T: Scalar> Map<T> {
         } else {
             (0.0, 0.0)
         };
-        let a = [g1.r.column(2).into_owned(), g2.r.column(2).into_owned()];
-        let aa = a[0].dot(&a[1]);
-        check::tilt(Body::Gear2, Body::Gear1, aa.re(), TILT_LIMIT)?;
-        let relative = g2.p - g1.p;
-        let k1 = scaled(&a[0], station);
-        let per_aa = aa.recip();
-        let lambda = (k1 - relative).dot(&a[0]) * per_aa;
-        let k2 = a[1] * lambda;
-        let u = relative + k2 - k1;
-        let c = u.dot(&u).sqrt();
+        let frame = LineFrame::<T>::new(gears, station)?;
         let w = k.pitch_fraction;
+        let c = frame.c;
         if check::center_distance(k, c.re())? == check::Distance::OutOfReach {
-            return Ok(Placed::Far(k1 + scaled(&u, w), c));
+            let point = Vector3::new(c * w, T::from(0.0), T::from(station));
+            return Ok(Placed::Far(frame.to_world(&point), c));
         }
         let per_c = c.recip();
-        let line = u * per_c;
-        let across = a[0].cross(&u);
-
-        // Cylindrical coordinates of X in either body.
-        let rho1 = c * w.abs();
-        let along = u.dot(&a[1]) * (1.0 - w);
-        let arm2 = a[1] * along - scaled(&u, 1.0 - w);
-        let rho2 = arm2.dot(&arm2).sqrt();
-        let per_rho = [rho1.recip(), rho2.recip()];
-        let radial = [scaled(&line, w.signum()), arm2 * per_rho[1]];
-        // Tangent of the pressure angle at X on either gear. Tilt shortens rho_2 by its square; at
-        // C = |rb1 + e rb2| that can cross the base circle.
-        let tangent = [tangent(rho1 * k.per_rb[0]), tangent(rho2 * k.per_rb[1])];
-        let one = T::from(1.0);
-        let [theta1, theta2, phi1, phi2] = angles(
-            [
-                radial[0].dot(&g1.r.column(1)),
-                radial[1].dot(&g2.r.column(1)),
-                tangent[0],
-                tangent[1],
-            ],
-            [
-                radial[0].dot(&g1.r.column(0)),
-                radial[1].dot(&g2.r.column(0)),
-                one,
-                one,
-            ],
-        );
-        let half_gap = (tangent[0] - phi1) * (k.kappa[0] * k.rb[0])
-            + (tangent[1] - phi2) * (k.kappa[1] * k.rb[1])
-            + k.half_gap;
-        let per_tooth = k.per_tooth_angle;
-        let turn = (theta1 * k.z[0] + theta2 * (k.e * k.z[1]) - k.tooth_zero) * -per_tooth
-            - (lambda - along - k.z_ref) * (k.hand * tan_beta_b);
-
-        // Gradients by X.
-        let hands = [k.hand, -k.e * k.hand];
-        let about = [a[0].cross(&radial[0]), a[1].cross(&radial[1])];
-        let cosine = [per_rho[0] * k.rb[0], per_rho[1] * k.rb[1]];
-        let radial_part = |i: usize| {
-            if whole {
-                radial[i] * (tangent[i] * cosine[i] * k.kappa[i])
-            } else {
-                Vector3::zeros()
-            }
-        };
-        let odd = |i: usize| about[i] * cosine[i] - scaled(&a[i], hands[i] * tan_beta_b);
-
-        // M and its gradients at fixed axes, and by the axes.
+        let [bx, by, bz] = frame.b;
+        let d = -bx * bx + 1.0;
+        let per_d = d.recip();
         let cos_phi = per_c * k.base_sum;
-        let sin_phi = (-cos_phi * cos_phi + 1.0).sqrt();
-        let (alpha, beta) = (sin_phi * per_c, cos_phi * per_c);
-        let (u_axial, u_across) = (u.dot(&a[1]), across.dot(&a[1]));
-        let alpha_slope = (sin_phi.recip() - sin_phi * 2.0) * (per_c * per_c);
-        let beta_slope = -beta * per_c * 2.0;
-        let coordinates = Coordinates {
-            turn,
-            half_gap,
-            center_distance: c,
-            misalignment: [u_axial * alpha * -k.e, u_across * beta * -k.sc],
-            mesh_angle: theta1 - k.behind,
-            axial: lambda,
+        let square = cos_phi * cos_phi;
+        let sin_phi = (-square + 1.0).sqrt();
+        // rho_2 sin(phi_2) over |1 - w| C. Tilt shortens rho_2 by its square; at C = |rb1 + e rb2| that can
+        // cross the base circle.
+        let rest = d - square;
+        let root = if rest.re() > 0.0 {
+            rest.sqrt()
+        } else {
+            T::from(0.0)
         };
-        let map = Map {
-            per_aa,
+        let half_gap = if whole {
+            let by_rho2 = root * (k.kappa[1] * (1.0 - w).abs());
+            [
+                sin_phi * (k.kappa[0] * w.abs()) + by_rho2,
+                -by_rho2 * c * bx * per_d,
+            ]
+        } else {
+            [T::from(0.0); 2]
+        };
+        let per_cos = 1.0 / cos_phi.re();
+        Ok(Placed::Near(Map {
+            per_bz: bz.recip(),
+            spin: [by * per_d, bz * per_d],
             w,
-            e: k.e,
-            station,
-            k1,
-            k2,
-            even: [radial_part(0), radial_part(1)],
-            odd: [odd(0), odd(1)],
-            around: about[0] * per_rho[0],
-            misalignment_u: [
-                scaled(&(a[1] * alpha + line * (u_axial * alpha_slope)), -k.e),
-                scaled(
-                    &(a[1].cross(&a[0]) * beta + line * (u_across * beta_slope)),
-                    -k.sc,
-                ),
-            ],
-            misalignment_a1: u.cross(&a[1]) * (beta * -k.sc),
-            misalignment_a2: [u * (alpha * -k.e), across * (beta * -k.sc)],
-            across,
-            line,
-            u,
-            a,
-        };
-        Ok(Placed::Near(coordinates, map))
+            radii: [k.rb[0], k.e * k.rb[1]],
+            helix: k.hand * tan_beta_b,
+            half_gap,
+            even: [bx * square * per_c / sin_phi * -k.e, sin_phi * -k.e],
+            odd: [by * cos_phi * per_c * k.sc, cos_phi * -k.sc],
+            tangents: [sin_phi.re() * per_cos, root.re() * per_cos],
+            per_c,
+            frame,
+        }))
     }
 
-    /// J v: rates of the coordinates while the gears move with `v`.
+    /// Coordinates at the pose `gears` of the map in the conjugate formulation, with x before the latch and not wrapped.
     #[inline(always)]
-    pub(crate) fn rates(&self, [v1, v2]: &[Spatial<T>; 2]) -> Coordinates<T> {
-        let d = v2.linear + v2.angular.cross(&self.k2) - v1.linear - v1.angular.cross(&self.k1);
-        let axial = -(d.dot(&self.a[0]) + v1.angular.dot(&self.across)) * self.per_aa;
-        let slip = self.a[1] * axial;
-        let u = d + slip;
-        // Velocity of X against the material of either gear.
-        let x1 = scaled(&(u - v1.angular.cross(&self.u)), self.w);
-        let x2 = slip - scaled(&(u - v2.angular.cross(&self.u)), 1.0 - self.w);
-        let [a1, a2] = [v1.angular.cross(&self.a[0]), v2.angular.cross(&self.a[1])];
-        let [m_u, m_a2] = [&self.misalignment_u, &self.misalignment_a2];
-        Coordinates {
-            turn: -(self.odd[0].dot(&x1) + self.odd[1].dot(&x2) * self.e),
-            half_gap: self.even[0].dot(&x1) + self.even[1].dot(&x2),
-            center_distance: self.line.dot(&u),
-            misalignment: [
-                m_u[0].dot(&u) + m_a2[0].dot(&a2),
-                m_u[1].dot(&u) + self.misalignment_a1.dot(&a1) + m_a2[1].dot(&a2),
+    pub(crate) fn coordinates(&self, k: &Constants, [g1, g2]: &[Motion; 2]) -> Coordinates<T> {
+        let LineFrame {
+            axes: [line, ..],
+            c,
+            lambda,
+            b: [bx, by, _],
+            gamma,
+            theta2,
+            ..
+        } = &self.frame;
+        let ahead = [line * self.w.signum(), line * (self.w - 1.0).signum()];
+        let [tan1, tan2] = self.tangents;
+        let [angle1, angle2, phi1, phi2] = angles(
+            [
+                ahead[0].dot(&g1.r.column(1)),
+                ahead[1].dot(&g2.r.column(1)),
+                tan1,
+                tan2,
             ],
-            mesh_angle: self.around.dot(&x1),
+            [
+                ahead[0].dot(&g1.r.column(0)),
+                ahead[1].dot(&g2.r.column(0)),
+                1.0,
+                1.0,
+            ],
+        );
+        let theta1 = *gamma + angle1;
+        let theta2 = *theta2 + angle2;
+        let gap = (tan1 - phi1) * (k.kappa[0] * k.rb[0])
+            + (tan2 - phi2) * (k.kappa[1] * k.rb[1])
+            + k.half_gap;
+        Coordinates {
+            turn: (theta1 * k.z[0] + theta2 * (k.e * k.z[1]) - k.tooth_zero) * -k.per_tooth_angle
+                - (*lambda - *c * *bx * (1.0 - self.w) - k.z_ref) * self.helix,
+            half_gap: lift(gap, &self.half_gap.map(T::re), &[*c, *bx]),
+            center_distance: *c,
+            misalignment: [self.even[1] * *bx, self.odd[1] * *by],
+            mesh_angle: theta1 - k.behind,
+            axial: *lambda,
+        }
+    }
+
+    /// Twist of gear 2 against gear 1 while both move as `gears` tell.
+    #[inline(always)]
+    pub(crate) fn twist(&self, gears: &[Motion; 2]) -> Spatial<T> {
+        self.frame.twist(gears)
+    }
+
+    /// J `twist`: rates of the coordinates.
+    #[inline(always)]
+    pub(crate) fn rates(&self, twist: &Spatial<T>) -> Coordinates<T> {
+        let (d, w) = (&twist.linear, &twist.angular);
+        let [bx, by, bz] = self.frame.b;
+        let axial = -d.z * self.per_bz;
+        let c = d.x + bx * axial;
+        let gamma = (d.y + by * axial) * self.per_c;
+        let spin = w.z - gamma;
+        let b = [bz * w.y - by * spin, bx * spin - bz * w.x];
+        let theta2 = -(self.spin[1] * spin + self.spin[0] * w.y);
+        let along = (c * bx + self.frame.c * b[0]) * (1.0 - self.w);
+        Coordinates {
+            turn: (axial - along) * -self.helix - gamma * self.radii[0] - theta2 * self.radii[1],
+            half_gap: self.half_gap[0] * c + self.half_gap[1] * b[0],
+            center_distance: c,
+            misalignment: [
+                self.even[0] * c + self.even[1] * b[0],
+                self.odd[0] * c + self.odd[1] * b[1],
+            ],
+            mesh_angle: gamma,
             axial,
         }
     }
 
-    /// -J^T `slopes`: force and moment on each gear about its own origin.
+    /// -J^T `slopes`: wrench on gear 2.
     #[inline(always)]
-    pub(crate) fn loads(&self, slopes: &Coordinates<T>) -> [Spatial<T>; 2] {
+    pub(crate) fn loads(&self, slopes: &Coordinates<T>) -> Spatial<T> {
         let [m_even, m_odd] = slopes.misalignment;
-        let [m_u, m_a2] = [&self.misalignment_u, &self.misalignment_a2];
-        let n1 = self.even[0] * slopes.half_gap - self.odd[0] * slopes.turn
-            + self.around * slopes.mesh_angle;
-        let n2 = self.even[1] * slopes.half_gap - self.odd[1] * (slopes.turn * self.e);
-        let by_u = m_u[0] * m_even
-            + m_u[1] * m_odd
-            + self.line * slopes.center_distance
-            + scaled(&n1, self.w)
-            + scaled(&n2, self.w - 1.0);
-        let by_axial = (by_u.dot(&self.a[1]) + n2.dot(&self.a[1]) + slopes.axial) * self.per_aa;
-        let force = by_u - self.a[0] * by_axial;
-        let couple1 = scaled(&self.u.cross(&n1), self.w) + self.across * by_axial
-            - self.a[0].cross(&(self.misalignment_a1 * m_odd));
-        let couple2 = scaled(&self.u.cross(&n2), self.w - 1.0)
-            - self.a[1].cross(&(m_a2[0] * m_even + m_a2[1] * m_odd));
-        [
-            Spatial {
-                linear: force,
-                angular: self.k1.cross(&force) + couple1,
-            },
-            Spatial {
-                linear: -force,
-                angular: couple2 - self.k2.cross(&force),
-            },
-        ]
+        let [bx, by, bz] = self.frame.b;
+        let along = slopes.turn * (self.helix * (1.0 - self.w));
+        // Slopes by the scalars of the frame.
+        let by_c = slopes.center_distance
+            + bx * along
+            + self.half_gap[0] * slopes.half_gap
+            + self.even[0] * m_even
+            + self.odd[0] * m_odd;
+        let by_bx =
+            self.frame.c * along + self.half_gap[1] * slopes.half_gap + self.even[1] * m_even;
+        let by_by = self.odd[1] * m_odd;
+        let by_theta1 = slopes.mesh_angle - slopes.turn * self.radii[0];
+        let by_theta2 = slopes.turn * -self.radii[1];
+        let by_lambda = slopes.axial - slopes.turn * self.helix;
+        let moment = Vector3::new(
+            bz * by_by,
+            self.spin[0] * by_theta2 - bz * by_bx,
+            by * by_bx - bx * by_by + self.spin[1] * by_theta2,
+        );
+        let [x, y] = [-by_c, -(by_theta1 + moment.z) * self.per_c];
+        Spatial {
+            linear: Vector3::new(x, y, (by_lambda - bx * x - by * y) * self.per_bz),
+            angular: moment,
+        }
+    }
+
+    /// Forces and moments on both gears about their origins, W, of the wrench `on_2` on gear 2 and its opposite on gear 1.
+    #[inline(always)]
+    pub(crate) fn on_gears(&self, on_2: &Spatial<T>) -> [Spatial<T>; 2] {
+        self.frame.loads(on_2)
     }
 
     /// Without derivatives.
     pub(crate) fn re(&self) -> Map<f64> {
-        let re = |v: &Vector3<T>| v.map(|x| x.re());
-        let both = |v: &[Vector3<T>; 2]| [re(&v[0]), re(&v[1])];
         Map {
-            a: both(&self.a),
-            per_aa: self.per_aa.re(),
+            frame: self.frame.re(),
+            per_c: self.per_c.re(),
+            per_bz: self.per_bz.re(),
+            spin: self.spin.map(T::re),
             w: self.w,
-            e: self.e,
-            station: self.station,
-            k1: re(&self.k1),
-            k2: re(&self.k2),
-            u: re(&self.u),
-            across: re(&self.across),
-            line: re(&self.line),
-            even: both(&self.even),
-            odd: both(&self.odd),
-            around: re(&self.around),
-            misalignment_u: both(&self.misalignment_u),
-            misalignment_a1: re(&self.misalignment_a1),
-            misalignment_a2: both(&self.misalignment_a2),
+            radii: self.radii,
+            helix: self.helix,
+            half_gap: self.half_gap.map(T::re),
+            even: self.even.map(T::re),
+            odd: self.odd.map(T::re),
+            tangents: self.tangents,
         }
     }
 
-    /// X - p1, m: the operating pitch point at the station.
-    pub(crate) fn pitch_point(&self) -> Vector3<T> {
-        self.k1 + scaled(&self.u, self.w)
-    }
-
-    /// Direction of gear 1's axis.
-    pub(crate) fn axis(&self) -> Vector3<T> {
-        self.a[0]
+    /// From gear 1's origin to the point `arm` (m) along gear 1's axis from the operating pitch point at the station, m, W.
+    #[inline(always)]
+    pub(crate) fn beside_pitch_point(&self, arm: T) -> Vector3<T> {
+        let frame = &self.frame;
+        let point = Vector3::new(frame.c * self.w, T::from(0.0), arm + frame.station);
+        frame.to_world(&point)
     }
 }
 
@@ -337,16 +317,5 @@ impl<T: Scalar> std::ops::Add for Spatial<T> {
             linear: self.linear + other.linear,
             angular: self.angular + other.angular,
         }
-    }
-}
-
-/// Tangent of the pressure angle where the radius is `ratio` times the base radius; zero inside the base circle.
-#[inline(always)]
-fn tangent<T: Scalar>(ratio: T) -> T {
-    let square = ratio * ratio - 1.0;
-    if square.re() > 0.0 {
-        square.sqrt()
-    } else {
-        T::from(0.0)
     }
 }

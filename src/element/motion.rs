@@ -8,15 +8,15 @@ use nalgebra::{Matrix3, Vector3};
 /// axes of both gears point alike. Body +x at z = 0 passes through a tooth centre (ring: a space
 /// centre); only the `absolute` phase reference looks at that.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion<T = f64> {
+pub struct Motion {
     /// p_WG: origin of the body, m.
-    pub p: Vector3<T>,
+    pub p: Vector3<f64>,
     /// R_WG: columns are the body's axes in W.
-    pub r: Matrix3<T>,
+    pub r: Matrix3<f64>,
     /// Velocity of the origin, m/s.
-    pub v: Vector3<T>,
+    pub v: Vector3<f64>,
     /// Angular velocity in W, rad/s.
-    pub w: Vector3<T>,
+    pub w: Vector3<f64>,
 }
 
 impl Motion {
@@ -39,11 +39,11 @@ impl Default for Motion {
 
 /// Motion of everything the element looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Inputs<T = f64> {
+pub struct Inputs {
     /// Gear 1 and gear 2.
-    pub gears: [Motion<T>; 2],
+    pub gears: [Motion; 2],
     /// The carrier; looked at by [`super::Formulation::Paper`] alone.
-    pub carrier: Motion<T>,
+    pub carrier: Motion,
 }
 
 impl Default for Inputs {

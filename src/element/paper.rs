@@ -14,7 +14,7 @@ use super::error::{Body, ElementError};
 use super::flank::FlankLoad;
 use super::map::{Coordinates, Spatial};
 use super::motion::{Inputs, Motion};
-use super::scalar::{Scalar, angles};
+use super::scalar::{FREEDOMS, Scalar, angles};
 use nalgebra::{Matrix3, Vector3};
 
 /// Pose of one gear relative to the carrier, in carrier axes.
@@ -29,18 +29,43 @@ struct Relative<T> {
 
 fn relative<T: Scalar>(
     body: Body,
-    gear: &Motion<T>,
-    carrier: &Motion<T>,
+    gear: &Motion,
+    carrier: &Motion,
 ) -> Result<Relative<T>, ElementError> {
-    let to_carrier: Matrix3<T> = carrier.r.transpose();
-    let r = to_carrier * gear.r;
-    let a = r.column(2).into_owned();
+    let moves = if body == Body::Gear2 { 1.0 } else { 0.0 };
+    let zero = Vector3::zeros();
+    let between = gear.p - carrier.p;
+    let p = |i: usize| {
+        let e = carrier.r.column(i).into_owned();
+        varying(e.dot(&between), &(e * moves), &zero, &e.cross(&between))
+    };
+    let r = |i: usize, j: usize| {
+        let (e, g) = (carrier.r.column(i), gear.r.column(j));
+        let turned = g.cross(&e);
+        varying(e.dot(&g), &zero, &(turned * moves), &-turned)
+    };
+    let a: Vector3<T> = Vector3::new(r(0, 2), r(1, 2), r(2, 2));
     check::tilt(body, Body::Carrier, a.z.re(), TILT_LIMIT)?;
     Ok(Relative {
-        p: to_carrier * (gear.p - carrier.p),
+        p: Vector3::new(p(0), p(1), p(2)),
         a,
-        twist: [r[(1, 0)] - r[(0, 1)], r[(0, 0)] + r[(1, 1)]],
+        twist: [r(1, 0) - r(0, 1), r(0, 0) + r(1, 1)],
     })
+}
+
+/// `re` with its slopes by translation and rotation of gear 2 and rotation of the carrier.
+#[inline(always)]
+fn varying<T: Scalar>(
+    re: f64,
+    by_translation: &Vector3<f64>,
+    by_rotation: &Vector3<f64>,
+    by_carrier: &Vector3<f64>,
+) -> T {
+    let mut slopes = [0.0; FREEDOMS];
+    slopes[..3].copy_from_slice(by_translation.as_slice());
+    slopes[3..6].copy_from_slice(by_rotation.as_slice());
+    slopes[6..].copy_from_slice(by_carrier.as_slice());
+    T::with_slopes(re, &slopes)
 }
 
 /// Both gears in the carrier.
@@ -57,15 +82,15 @@ pub(crate) struct Carried<T> {
     /// Middle of the overlap of both faces over gear 1's z = 0 face, m.
     pub middle: T,
     /// Rotation of the carrier.
-    to_world: Matrix3<T>,
+    to_world: Matrix3<f64>,
 }
 
 impl<T: Scalar> Carried<T> {
     /// # Errors
     /// Gears that are tilted against the carrier, base circles without a common tangent in its plane.
-    pub(crate) fn new(k: &Constants, inputs: &Inputs<T>) -> Result<Self, ElementError> {
-        let g1 = relative(Body::Gear1, &inputs.gears[0], &inputs.carrier)?;
-        let g2 = relative(Body::Gear2, &inputs.gears[1], &inputs.carrier)?;
+    pub(crate) fn new(k: &Constants, inputs: &Inputs) -> Result<Self, ElementError> {
+        let g1 = relative::<T>(Body::Gear1, &inputs.gears[0], &inputs.carrier)?;
+        let g2 = relative::<T>(Body::Gear2, &inputs.gears[1], &inputs.carrier)?;
         let d = g2.p - g1.p;
         let c = (d.x * d.x + d.y * d.y).sqrt();
         check::center_distance(k, c.re())?;
@@ -157,15 +182,28 @@ impl<T: Scalar> Carried<T> {
             total = [total[0] + on_1, total[1] + on_2];
         }
         total.map(|load| Spatial {
-            linear: self.to_world * load.linear,
-            angular: self.to_world * load.angular,
+            linear: self.to_world(&load.linear),
+            angular: self.to_world(&load.angular),
         })
     }
 
     /// Contact point from gear 1's origin, W, and its axial position, with the resultant `arm` beyond mid-face.
     pub(crate) fn contact(&self, k: &Constants, arm: T) -> (Vector3<T>, T) {
         let z = self.middle + arm;
-        (self.to_world * self.pitch_point(k, z), z)
+        (self.to_world(&self.pitch_point(k, z)), z)
+    }
+
+    /// The vector with the components `v` in the carrier, W.
+    fn to_world(&self, v: &Vector3<T>) -> Vector3<T> {
+        let zero = Vector3::zeros();
+        let still: Vector3<f64> = self.to_world * v.map(T::re);
+        let [ex, ey, ez] = [0, 1, 2].map(|j| self.to_world.column(j).into_owned());
+        let component = |i: usize| {
+            // Turning with the carrier: rotation x vector.
+            let turned = still.cross(&Vector3::ith(i, 1.0));
+            v.x * ex[i] + v.y * ey[i] + v.z * ez[i] + varying::<T>(0.0, &zero, &zero, &turned)
+        };
+        Vector3::new(component(0), component(1), component(2))
     }
 }
 

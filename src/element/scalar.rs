@@ -1,10 +1,13 @@
 //! The number type of the kinematics: `f64` for values, dual numbers for exact derivatives.
 
 use super::dual::Dual;
-use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign, Vector3};
+use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign};
 use num_traits::{One, Zero};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use wide::f64x4;
+
+/// Freedoms that derivatives can be by: translation and rotation of gear 2, rotation of the carrier, each in world axes.
+pub(crate) const FREEDOMS: usize = 9;
 
 /// A real number, or a real number that carries derivatives along. The element's equations are
 /// written once over this trait: with `f64` they cost what plain code costs, with a [`Dual`] every
@@ -27,6 +30,9 @@ pub trait Scalar:
 {
     /// Whether it carries derivatives.
     const CARRIES: bool;
+    /// `re` with the derivatives `slopes` by translation (per m) and rotation (per rad) of gear 2 and rotation of the carrier, of
+    /// which it takes as many as it carries.
+    fn with_slopes(re: f64, slopes: &[f64; FREEDOMS]) -> Self;
     /// The number without its derivatives.
     fn re(self) -> f64;
     /// Square root; of a number above zero.
@@ -39,6 +45,11 @@ pub trait Scalar:
 
 impl Scalar for f64 {
     const CARRIES: bool = false;
+
+    #[inline(always)]
+    fn with_slopes(re: f64, _: &[f64; FREEDOMS]) -> Self {
+        re
+    }
 
     #[inline(always)]
     fn re(self) -> f64 {
@@ -65,6 +76,14 @@ impl<const N: usize> Scalar for Dual<N> {
     const CARRIES: bool = true;
 
     #[inline(always)]
+    fn with_slopes(re: f64, slopes: &[f64; FREEDOMS]) -> Self {
+        const { assert!(N <= FREEDOMS) };
+        let mut eps = [0.0; N];
+        eps.copy_from_slice(&slopes[..N]);
+        Self::new(re, eps)
+    }
+
+    #[inline(always)]
     fn re(self) -> f64 {
         self.re
     }
@@ -86,12 +105,6 @@ impl<const N: usize> Scalar for Dual<N> {
         let power = self.re.powf(exponent);
         self.chained(power, exponent * power / self.re)
     }
-}
-
-/// `v` times a plain number: a dual factor without derivatives would cost three times as much.
-#[inline(always)]
-pub(crate) fn scaled<T: Scalar>(v: &Vector3<T>, factor: f64) -> Vector3<T> {
-    Vector3::new(v.x * factor, v.y * factor, v.z * factor)
 }
 
 /// `angle` (rad) brought into [-pi, pi) by whole turns; its derivatives stay.

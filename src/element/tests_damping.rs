@@ -1,6 +1,6 @@
 //! Claims about the damper: it takes energy at every state, and nothing else changes.
 
-use super::map::{Coordinates, Map, Placed, Spatial};
+use super::map::{Coordinates, Map, Placed};
 use super::testing::{FORMULATIONS, Noise, random_pose, smooth_laws, three_pairs, undamped};
 use super::*;
 use crate::gear::samples::paper_pair;
@@ -32,8 +32,8 @@ fn loads_are_minus_the_transpose_of_rates() {
             let element = element.unwrap();
             for _ in 0..20 {
                 let inputs = moving(&element, &mut noise, 0.1);
-                let Placed::Near(_, map) =
-                    Map::place(&element.constants, formulation, &inputs.gears).unwrap()
+                let Placed::Near(map) =
+                    Map::<f64>::place(&element.constants, formulation, &inputs.gears).unwrap()
                 else {
                     panic!("out of reach");
                 };
@@ -45,11 +45,7 @@ fn loads_are_minus_the_transpose_of_rates() {
                     mesh_angle: 1e-2 * noise.next(),
                     axial: noise.next(),
                 };
-                let v = inputs.gears.map(|m| Spatial {
-                    linear: m.v,
-                    angular: m.w,
-                });
-                let r = map.rates(&v);
+                let r = map.rates(&map.twist(&inputs.gears));
                 let terms = [
                     slopes.turn * r.turn,
                     slopes.half_gap * r.half_gap,
@@ -59,10 +55,11 @@ fn loads_are_minus_the_transpose_of_rates() {
                     slopes.mesh_angle * r.mesh_angle,
                     slopes.axial * r.axial,
                 ];
-                let loads = map.loads(&slopes);
+                let loads = map.on_gears(&map.loads(&slopes));
                 let work: f64 = (0..2)
                     .map(|i| {
-                        loads[i].linear.dot(&v[i].linear) + loads[i].angular.dot(&v[i].angular)
+                        let m = &inputs.gears[i];
+                        loads[i].linear.dot(&m.v) + loads[i].angular.dot(&m.w)
                     })
                     .sum();
                 let scale: f64 = terms.iter().map(|t| t.abs()).sum();

@@ -9,86 +9,61 @@
 //! r = share t . v12(X) - share_z n . w12 + distance a1 . w12,
 //! ```
 //!
-//! and friction of the size k against it is -k dr/dv: force and moment on gear 1, and exactly the opposite on
-//! gear 2. Its power is -k r.
+//! and friction of the size k against it is -k dr/dv: on gear 2 the wrench k times a row, of which r is minus the product
+//! with the twist of gear 2 against gear 1. Its power is -k r.
 
-use super::{Coordinates, Map, Spatial};
+use super::{Map, Spatial};
 use crate::element::constants::Constants;
-use crate::element::scalar::{Scalar, scaled};
+use crate::element::scalar::Scalar;
 use nalgebra::Vector3;
 
-/// The row of one flank.
-pub(crate) struct Slide<T> {
-    /// Share of the force, over that of the normal force.
-    force: Vector3<T>,
-    /// Moment about the axis and about the line of action.
-    couple: Vector3<T>,
-    /// X - p1 and X - p2, mid-face.
-    arms: [Vector3<T>; 2],
-}
-
 impl<T: Scalar> Map<T> {
-    /// Row of the flank `sign` with the sums `share`, `share_z` (m) and `distance` (m).
+    /// Row of the flank `sign` with the sums `share`, `share_z` (m) and `distance` (m): wrench on gear 2 by friction of unit size.
     #[inline(always)]
     pub(crate) fn slide(
         &self,
         k: &Constants,
         sign: f64,
         [share, share_z, distance]: [T; 3],
-    ) -> Slide<T> {
-        let c = self.u.dot(&self.line);
-        let cos_phi = c.recip() * k.base_sum;
+    ) -> Spatial<T> {
+        let cos_phi = self.per_c * k.base_sum;
         let sin_phi = (-cos_phi * cos_phi + 1.0).sqrt();
-        let across = self.a[0].cross(&self.line);
-        let action = self.line * (sin_phi * self.e) + scaled(&(across * cos_phi), sign * k.sc);
-        let slip = self.a[0].cross(&action);
-        let shift = scaled(&self.a[0], k.z_ref - self.station);
-        let pitch = self.pitch_point() + shift;
-        Slide {
-            force: slip * share,
-            couple: self.a[0] * distance - action * share_z,
-            arms: [pitch, self.k2 - scaled(&self.u, 1.0 - self.w) + shift],
+        let (x, y) = (sin_phi * k.e, cos_phi * (sign * k.sc));
+        let force = [-y * share, x * share];
+        // X - c2, mid-face, has these components along x and z.
+        let (across, up) = (self.frame.c * (self.w - 1.0), k.z_ref - self.frame.station);
+        Spatial {
+            linear: Vector3::new(force[0], force[1], T::from(0.0)),
+            angular: Vector3::new(
+                -x * share_z - force[1] * up,
+                force[0] * up - y * share_z,
+                distance + across * force[1],
+            ),
         }
-    }
-
-    /// Spin of gear 1 against the line of centres, rad/s, out of the `rates` of the coordinates.
-    pub(crate) fn spin(rates: &Coordinates<T>) -> T {
-        -rates.mesh_angle
     }
 }
 
-impl<T: Scalar> Slide<T> {
-    /// r, m/s, while the gears move with `v`.
+impl<T: Scalar> Spatial<T> {
+    /// Power of this wrench on the twist `other`, or of this twist under it.
     #[inline(always)]
-    pub(crate) fn speed(&self, [v1, v2]: &[Spatial<T>; 2]) -> T {
-        let at = |v: &Spatial<T>, arm: &Vector3<T>| v.linear + v.angular.cross(arm);
-        let between = at(v1, &self.arms[0]) - at(v2, &self.arms[1]);
-        self.force.dot(&between) + self.couple.dot(&(v1.angular - v2.angular))
-    }
-
-    /// Loads of friction of the size `k`, N: -k dr/dv.
-    #[inline(always)]
-    pub(crate) fn loads(&self, k: T) -> [Spatial<T>; 2] {
-        let (force, couple) = (self.force * -k, self.couple * -k);
-        [
-            Spatial {
-                linear: force,
-                angular: self.arms[0].cross(&force) + couple,
-            },
-            Spatial {
-                linear: -force,
-                angular: -(self.arms[1].cross(&force) + couple),
-            },
-        ]
+    pub(crate) fn power(&self, other: &Self) -> T {
+        self.linear.dot(&other.linear) + self.angular.dot(&other.angular)
     }
 
     /// Without derivatives.
-    pub(crate) fn re(&self) -> Slide<f64> {
-        let re = |v: &Vector3<T>| v.map(|x| x.re());
-        Slide {
-            force: re(&self.force),
-            couple: re(&self.couple),
-            arms: [re(&self.arms[0]), re(&self.arms[1])],
+    pub(crate) fn re(&self) -> Spatial<f64> {
+        Spatial {
+            linear: self.linear.map(T::re),
+            angular: self.angular.map(T::re),
+        }
+    }
+
+    /// This wrench `factor` times.
+    #[inline(always)]
+    pub(crate) fn times(&self, factor: T) -> Self {
+        Self {
+            linear: self.linear * factor,
+            angular: self.angular * factor,
         }
     }
 }

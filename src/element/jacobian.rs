@@ -56,6 +56,14 @@ pub const BODY_COLUMNS: usize = 12;
 /// vector in world axes (rad), velocity (m/s), angular velocity (rad/s).
 pub type Jacobian = SMatrix<f64, CONTINUOUS_OUTPUTS, { 3 * BODY_COLUMNS }>;
 
+/// [`Jacobian`], column by column.
+type Columns = [[f64; CONTINUOUS_OUTPUTS]; 3 * BODY_COLUMNS];
+
+/// First columns of the bodies.
+const GEAR_1: usize = 0;
+const GEAR_2: usize = BODY_COLUMNS;
+const CARRIER: usize = 2 * BODY_COLUMNS;
+
 impl Element {
     /// Derivative of the continuous outputs ([`Outputs::to_array`](super::Outputs::to_array)) at `inputs` along `direction`:
     /// [`Element::jacobian`] times the direction.
@@ -90,7 +98,6 @@ impl Element {
         jacobian: &mut Jacobian,
     ) -> Result<(), ElementError> {
         check::inputs(inputs, self.with_carrier())?;
-        jacobian.as_mut_slice().fill(0.0); // the matrix's own goes entry by entry
         match self.parameters.formulation {
             Formulation::Conjugate => self.jacobian_over::<6>(latch, inputs, jacobian),
             Formulation::Paper => self.jacobian_over::<9>(latch, inputs, jacobian),
@@ -105,40 +112,45 @@ impl Element {
         jacobian: &mut Jacobian,
     ) -> Result<(), ElementError> {
         let solution = evaluate::<Dual<N>>(self, latch, inputs)?;
-        if let Some(mesh) = &solution.mesh {
-            self.by_velocities(mesh, jacobian);
-        }
+        let columns = &mut jacobian.data.0;
         let rows = solution.outputs.to_array();
-        for (row, y) in rows.iter().enumerate() {
-            for lane in 0..N {
-                let column = match lane {
-                    0..6 => BODY_COLUMNS + lane,
-                    _ => 2 * BODY_COLUMNS + 3 + lane - 6,
-                };
-                jacobian[(row, column)] = y.eps[lane];
+        for lane in 0..6 {
+            columns[GEAR_2 + lane] = rows.map(|y| y.eps[lane]);
+        }
+        for column in &mut columns[CARRIER..CARRIER + 6] {
+            column.fill(0.0);
+        }
+        for lane in 6..N {
+            columns[CARRIER + lane - 3] = rows.map(|y| y.eps[lane]);
+        }
+        by_gear_1(columns, &rows.map(|y| y.re), inputs);
+        for body in [GEAR_1, GEAR_2, CARRIER] {
+            for column in &mut columns[body + 6..body + BODY_COLUMNS] {
+                column.fill(0.0);
             }
         }
-        by_gear_1(jacobian, &rows.map(|y| y.re), inputs);
+        if let Some(mesh) = &solution.mesh {
+            self.by_velocities(mesh, inputs, columns);
+        }
         Ok(())
     }
 
-    /// Columns of velocity and angular velocity.
-    fn by_velocities<const N: usize>(&self, mesh: &Mesh<Dual<N>>, jacobian: &mut Jacobian) {
+    /// Adds what velocities do: to their columns, and to those of gear 1's rotation, which turns them along.
+    fn by_velocities<const N: usize>(
+        &self,
+        mesh: &Mesh<Dual<N>>,
+        inputs: &Inputs,
+        columns: &mut Columns,
+    ) {
+        const TRANSMISSION_ERROR_RATE: usize = 16;
         const TANGENTIAL: usize = 20;
         const NORMAL: usize = 21;
-        const TRANSMISSION_ERROR_RATE: usize = 16;
         let k = &self.constants;
         let map = &mesh.map;
         let c = mesh.center_distance.re;
         let cos_phi = k.base_sum / c;
-        let row = |on_2: &Spatial<f64>| stacked(&map.on_gears(on_2));
-        let mut add = |row: usize, unit: &SVector<f64, 12>, factor: f64| {
-            for (i, value) in unit.iter().enumerate() {
-                // Velocity and angular velocity of gear 1, then of gear 2.
-                let column = i / 6 * BODY_COLUMNS + 6 + i % 6;
-                jacobian[(row, column)] += factor * value;
-            }
-        };
+        // Loads of a wrench on gear 2 are minus the slopes of the rate that it acts along, too.
+        let unit = |on_2: &Spatial<f64>| Unit::new(&map.on_gears(on_2), inputs);
         for flank in &mesh.flanks {
             if flank.elastic.re <= 0.0 {
                 continue;
@@ -149,44 +161,43 @@ impl Element {
                 .damper
                 .force(constant(flank.elastic.re), rate, constant(cos_phi))
                 .eps[0];
-            // Minus the row of J: loads for a unit force against the rate.
-            let unit = row(&map.loads(&along_approach(flank.sign, flank.damping_arm.re, 1.0)));
-            for row in 0..12 {
-                add(row, &unit, -damper * unit[row]);
-            }
-            add(TANGENTIAL, &unit, -damper * cos_phi);
-            add(NORMAL, &unit, -damper * k.per_cos_beta_b);
+            let unit = unit(&map.loads(&along_approach(flank.sign, flank.damping_arm.re, 1.0)));
+            let scalars = [
+                (TANGENTIAL, -damper * cos_phi),
+                (NORMAL, -damper * k.per_cos_beta_b),
+            ];
+            unit.add(columns, &unit.times(-damper), &scalars);
         }
         if let Some(friction) = &self.friction {
             const POWER: usize = LEADING_OUTPUTS;
             const COEFFICIENT: usize = LEADING_OUTPUTS + 1;
-            // Minus the row of the spin: of gear 1 against the line of centres.
-            let spin = row(&map.loads(&Coordinates {
+            // Of gear 1 against the line of centres.
+            let spin = unit(&map.loads(&Coordinates {
                 mesh_angle: -1.0,
                 ..along_approach(1.0, 0.0, 0.0)
             }));
             for (i, rubbing) in mesh.rubbing.iter().enumerate() {
                 let Some(rubbing) = rubbing else { continue };
                 let slopes = friction.by_velocities(rubbing);
-                let unit = row(&slopes.row);
-                for row in 0..12 {
-                    add(row, &unit, -slopes.by_speed * unit[row]);
-                    add(row, &spin, -slopes.by_spin * unit[row]);
-                }
-                add(POWER, &unit, -slopes.power_by_speed);
-                add(POWER, &spin, -slopes.power_by_spin);
-                if i == mesh.shown {
-                    add(COEFFICIENT, &spin, -slopes.coefficient_by_spin);
-                }
+                let unit = unit(&slopes.row);
+                let by_speed = [(POWER, -slopes.power_by_speed)];
+                unit.add(columns, &unit.times(-slopes.by_speed), &by_speed);
+                let shown = if i == mesh.shown {
+                    -slopes.coefficient_by_spin
+                } else {
+                    0.0
+                };
+                let by_spin = [(POWER, -slopes.power_by_spin), (COEFFICIENT, shown)];
+                spin.add(columns, &unit.times(-slopes.by_spin), &by_spin);
             }
         }
         let sign = FLANKS[self.reference_flank].sign();
         let elongation = mesh.flanks[self.reference_flank].elongation.re;
-        let unit = row(&map.loads(&Coordinates {
+        let unit = unit(&map.loads(&Coordinates {
             center_distance: elongation * sign * k.per_base_sum,
             ..along_approach(sign, 0.0, sign * c * k.per_base_sum)
         }));
-        add(TRANSMISSION_ERROR_RATE, &unit, -1.0);
+        unit.add(columns, &[], &[(TRANSMISSION_ERROR_RATE, -1.0)]);
     }
 }
 
@@ -199,52 +210,79 @@ impl InputsChange {
     }
 }
 
-/// Linear and angular part of gear 1, then of gear 2.
-fn stacked(both: &[Spatial<f64>; 2]) -> SVector<f64, 12> {
-    let parts = [
-        both[0].linear,
-        both[0].angular,
-        both[1].linear,
-        both[1].angular,
-    ];
-    SVector::from_fn(|i, _| parts[i / 3][i % 3])
+/// A unit force along a rate of the gears against one another.
+struct Unit {
+    /// Force and moment on gear 1, then on gear 2: minus the slopes of the rate by velocity and angular velocity.
+    loads: [f64; 12],
+    /// Minus the slopes by gear 1's rotation, while velocities stay.
+    rotation: Vector3<f64>,
 }
 
-/// Columns of gear 1's pose: moved alike, gears (and carrier) keep their scalars, and the vectors move along.
-fn by_gear_1(jacobian: &mut Jacobian, values: &[f64; CONTINUOUS_OUTPUTS], inputs: &Inputs) {
+impl Unit {
+    fn new([on_1, on_2]: &[Spatial<f64>; 2], inputs: &Inputs) -> Self {
+        let [g1, g2] = &inputs.gears;
+        let parts = [on_1.linear, on_1.angular, on_2.linear, on_2.angular];
+        let mut loads = [0.0; 12];
+        for (load, part) in loads.as_chunks_mut().0.iter_mut().zip(parts) {
+            *load = part.into();
+        }
+        Self {
+            loads,
+            // Turning both gears and their velocities alike changes no rate.
+            rotation: on_1.linear.cross(&(g1.v - g2.v))
+                + on_1.angular.cross(&g1.w)
+                + on_2.angular.cross(&g2.w),
+        }
+    }
+
+    /// The loads of `force` along the rate.
+    fn times(&self, force: f64) -> [f64; 12] {
+        self.loads.map(|load| load * force)
+    }
+
+    /// Adds minus the slopes of the rate times the slopes of the outputs by it, with another sign: of the first ones `rows`, of others
+    /// `scalars`.
+    #[inline(always)]
+    fn add<const L: usize, const S: usize>(
+        &self,
+        columns: &mut Columns,
+        rows: &[f64; L],
+        scalars: &[(usize, f64); S],
+    ) {
+        let mut add = |column: usize, slope: f64| {
+            let column = &mut columns[column];
+            for (entry, row) in column.iter_mut().zip(rows) {
+                *entry += slope * row;
+            }
+            for (row, scalar) in scalars {
+                column[*row] += slope * scalar;
+            }
+        };
+        for i in 0..6 {
+            add(GEAR_1 + 6 + i, self.loads[i]);
+            add(GEAR_2 + 6 + i, self.loads[6 + i]);
+        }
+        for i in 0..3 {
+            add(GEAR_1 + 3 + i, self.rotation[i]);
+        }
+    }
+}
+
+/// Columns of gear 1's pose at rest: moved alike, gears (and carrier) keep their scalars, and the vectors move along.
+fn by_gear_1(columns: &mut Columns, values: &[f64; CONTINUOUS_OUTPUTS], inputs: &Inputs) {
     const POINT: usize = 12;
     let [g1, g2] = &inputs.gears;
-    let column = |body: usize, part: usize| BODY_COLUMNS * body + 3 * part;
-    let moved = [
-        (column(1, 0), g2.p - g1.p),
-        (column(0, 2), g1.v),
-        (column(0, 3), g1.w),
-        (column(1, 2), g2.v),
-        (column(1, 3), g2.w),
-    ];
+    let apart = g2.p - g1.p;
     for axis in 0..3 {
         let [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
-        let of = |c: usize| {
-            let start = CONTINUOUS_OUTPUTS * c;
-            &jacobian.as_slice()[start..start + CONTINUOUS_OUTPUTS]
-        };
         let mut translated = [0.0; CONTINUOUS_OUTPUTS];
         let mut turned = [0.0; CONTINUOUS_OUTPUTS];
-        let (shift, turn, carrier) = (
-            of(column(1, 0) + axis),
-            of(column(1, 1) + axis),
-            of(column(2, 1) + axis),
-        );
+        let [shift, x, y] = [axis, next, last].map(|i| &columns[GEAR_2 + i]);
+        let (turn, carrier) = (&columns[GEAR_2 + 3 + axis], &columns[CARRIER + 3 + axis]);
         for row in 0..CONTINUOUS_OUTPUTS {
             translated[row] = -shift[row];
-            turned[row] = -turn[row] - carrier[row];
-        }
-        for (first, vector) in &moved {
-            // Less the change e_axis x vector of what is held fixed in the other columns.
-            let (x, y) = (of(first + next), of(first + last));
-            for row in 0..CONTINUOUS_OUTPUTS {
-                turned[row] += vector[last] * x[row] - vector[next] * y[row];
-            }
+            // Less the change e_axis x apart of what is held fixed in the other columns.
+            turned[row] = apart[last] * x[row] - apart[next] * y[row] - turn[row] - carrier[row];
         }
         translated[POINT + axis] += 1.0;
         for first in (0..=POINT).step_by(3) {
@@ -257,7 +295,7 @@ fn by_gear_1(jacobian: &mut Jacobian, values: &[f64; CONTINUOUS_OUTPUTS], inputs
             turned[first + next] -= values[first + last] - origin[last];
             turned[first + last] += values[first + next] - origin[next];
         }
-        jacobian.column_mut(axis).copy_from_slice(&translated);
-        jacobian.column_mut(3 + axis).copy_from_slice(&turned);
+        columns[GEAR_1 + axis] = translated;
+        columns[GEAR_1 + 3 + axis] = turned;
     }
 }

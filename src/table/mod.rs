@@ -20,6 +20,8 @@ pub mod import;
 mod interpolation;
 mod load_spline;
 #[cfg(feature = "preprocess")]
+mod load_sweep;
+#[cfg(feature = "preprocess")]
 pub mod plan;
 mod root_stress;
 mod runtime;

@@ -2,15 +2,15 @@
 
 use super::{RootStressError, RootStressSamples, RootStressTable};
 use crate::compliance::finite_element::RootStress;
-use crate::contact::{ContactError, ContactSolver, PositionRoots};
+use crate::contact::{ContactError, ContactResult, ContactSolver, PositionProblem, PositionRoots};
 use crate::gear::Flank;
 use crate::random::Random;
-use crate::table::plan::{Coverage, drawn, graded, mesh_positions};
-use crate::table::sweep::{Watch, point};
+use crate::table::load_sweep::{LoadSweep, load_axes};
+use crate::table::plan::{Coverage, drawn};
+use crate::table::sweep::Watch;
 use crate::table::{LoadAxes, TableError};
 use rayon::prelude::*;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 const MEASURE_SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 
@@ -21,16 +21,8 @@ const CYCLE: usize = 64;
 /// distances, 17 misalignments and 48 mesh positions. Small loads move along the face as the misalignment changes, and with
 /// it the place of the largest stress.
 pub fn default_root_stress_axes(coverage: &Coverage, base_radius: f64) -> LoadAxes {
-    let range = |r: Option<[f64; 2]>, n, grading| r.map_or(vec![0.0], |r| graded(r, n, grading));
-    let top = coverage.maximum_torque / base_radius;
-    LoadAxes {
-        center_distance_offset_m: range(coverage.center_distance_offset, 5, 0.0),
-        misalignment_rad: range(coverage.misalignment, 17, 1.0),
-        loa_force_n: [0.0, 0.03, 0.065, 0.15, 0.26, 0.45, 0.68, 0.85, 1.0]
-            .map(|part| part * top)
-            .to_vec(),
-        mesh_position: mesh_positions(48),
-    }
+    let forces = [0.0, 0.03, 0.065, 0.15, 0.26, 0.45, 0.68, 0.85, 1.0];
+    load_axes(coverage, base_radius, (17, 1.0), &forces)
 }
 
 /// Root stress of a pair under load on one flank.
@@ -43,75 +35,39 @@ pub struct RootStressSweep<'a> {
     pub flank: Flank,
 }
 
-impl RootStressSweep<'_> {
+impl<'a> RootStressSweep<'a> {
     /// Solves at every node of `axes`.
     ///
     /// # Errors
     /// The first solve that fails, with its operating point; cancellation.
     pub fn samples(&self, axes: &LoadAxes, watch: &Watch) -> Result<RootStressSamples, TableError> {
-        let [nc, nm, nf, np] = axes.lengths();
-        let done = AtomicUsize::new(0);
-        // Over (centre distance, mesh position): misalignments, forces.
-        let columns: Vec<Vec<[f64; 2]>> = (0..nc * np)
-            .into_par_iter()
-            .map(|k| {
-                let c = axes.center_distance_offset_m[k / np];
-                let p = axes.mesh_position[k % np];
-                let forces = &axes.loa_force_n;
-                let told = || {
-                    let count = done.fetch_add(nf, Ordering::Relaxed) + nf;
-                    (watch.progress)(count, nc * nm * nf * np);
-                };
-                self.column((c, p), &axes.misalignment_rad, forces, watch, &told)
-            })
-            .collect::<Result<_, _>>()?;
-        let of_gear = |gear: usize| -> Vec<f64> {
-            let rows = columns.chunks(np);
-            rows.flat_map(|row| {
-                (0..nm * nf).flat_map(move |at| row.iter().map(move |column| column[at][gear]))
-            })
-            .collect()
-        };
+        let all = self
+            .on(watch)
+            .nodes(axes, |problem, c, p| self.largest(problem, c, p))?;
+        let of_gear = |gear: usize| -> Vec<f64> { all.iter().map(|both| both[gear]).collect() };
         Ok(RootStressSamples::new([&of_gear(0), &of_gear(1)]))
     }
 
-    /// Stress of both gears, Pa, at the centre distance offset `c` and mesh position `p`, for each of `misalignments` under
-    /// each of `forces`, ascending.
-    fn column(
-        &self,
-        (c, p): (f64, f64),
-        misalignments: &[f64],
-        forces: &[f64],
-        watch: &Watch,
-        told: &dyn Fn(),
-    ) -> Result<Vec<[f64; 2]>, TableError> {
-        let failed = |m: f64, error: ContactError| TableError::Solve {
-            point: point(self.flank, c, m, p),
-            message: error.to_string(),
-        };
-        let solver = self.solver;
-        let rb = solver.geometry().gears[0].base_radius();
-        let problem = (solver.position(self.flank, p, c)).map_err(|e| failed(0.0, e))?;
-        let roots = PositionRoots::new(solver, &problem, (self.flank, p, c), self.models)
-            .map_err(|e| failed(0.0, e))?;
-        let mut column = vec![[0.0; 2]; misalignments.len() * forces.len()];
-        for (&m, row) in misalignments.iter().zip(column.chunks_mut(forces.len())) {
-            if watch.cancel.load(Ordering::Relaxed) {
-                return Err(TableError::Cancelled);
-            }
-            let mut warm = None;
-            // From the top down each solution starts from a near one.
-            let loaded = forces.iter().zip(row).filter(|(force, _)| **force > 0.0);
-            for (&force, sample) in loaded.rev() {
-                let result = problem
-                    .solve_torque(force * rb, m, warm.as_ref())
-                    .map_err(|e| failed(m, e))?;
-                *sample = roots.largest(&result).map_err(|e| failed(m, e))?;
-                warm = Some(result);
-            }
-            told();
+    fn on<'w>(&'w self, watch: &'w Watch<'w>) -> LoadSweep<'w> {
+        LoadSweep {
+            solver: self.solver,
+            flank: self.flank,
+            watch,
         }
-        Ok(column)
+    }
+
+    /// Stress of both gears, Pa, out of a solution at the centre distance offset `c` and mesh position `p`.
+    fn largest(
+        &self,
+        problem: &PositionProblem,
+        c: f64,
+        p: f64,
+    ) -> Result<
+        impl Fn(&PositionProblem, &ContactResult) -> Result<[f64; 2], ContactError> + use<'a>,
+        ContactError,
+    > {
+        let roots = PositionRoots::new(self.solver, problem, (self.flank, p, c), self.models)?;
+        Ok(move |_: &PositionProblem, result: &ContactResult| roots.largest(result))
     }
 
     /// Error of `table` at `points` random operating points: torques even in (0, maximum), the other coordinates even
@@ -144,7 +100,8 @@ impl RootStressSweep<'_> {
             .into_par_iter()
             .map(|query| {
                 let [force, c, m, p] = query;
-                let exact = self.column((c, p), &[m], &[force], watch, &|| ())?[0];
+                let of = |problem: &PositionProblem, c, p| self.largest(problem, c, p);
+                let exact = self.on(watch).column((c, p), [&[m], &[force]], of, || ())?[0];
                 let found = stress(query);
                 Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
             })

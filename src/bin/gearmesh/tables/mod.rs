@@ -1,0 +1,257 @@
+//! `gearmesh tables PAIR.json -o TABLES.json`: the static contact of a pair over its operating range.
+
+mod records;
+mod words;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
+
+use clap::Args;
+use gearmesh::contact::ContactFile;
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use gearmesh::table::plan::{Coverage, default_axes};
+use gearmesh::table::source::WatchedSolver;
+use gearmesh::table::sweep::Watch;
+use gearmesh::table::{TableFile, TeethRecord, default_root_stress_axes, default_teeth_axes};
+
+use crate::Error;
+use crate::model::ModelArgs;
+use crate::output;
+use crate::preflight::{self, Load, preflight};
+use crate::progress::CONTACT;
+use records::{default_grid, drive_flank, root_stress, sliding, teeth, within};
+use words::settings;
+
+/// Random operating points at which the default grid is measured.
+const HELD_OUT_POINTS: usize = 1000;
+
+/// Places of a tooth pair that are likely: some three base pitches.
+const PLACES: usize = 96;
+
+/// Compute the tables of a pair.
+#[derive(Debug, Args)]
+pub struct Tables {
+    /// Pair file
+    pair: PathBuf,
+
+    /// Tables to write
+    #[arg(short, long)]
+    output: PathBuf,
+
+    #[command(flatten)]
+    grid: GridArgs,
+
+    #[command(flatten)]
+    model: ModelArgs,
+}
+
+/// Which dimensions a table has and how fine it is.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Grid")]
+pub struct GridArgs {
+    /// Choose the nodes so that the force error between them, root of the mean square over the nominal
+    /// force, stays below this [default: a fixed grid, whose error is measured]
+    #[arg(long)]
+    max_error: Option<f64>,
+
+    /// Nominal centre distance only
+    #[arg(long)]
+    no_center_distance: bool,
+
+    /// Parallel axes only
+    #[arg(long)]
+    no_misalignment: bool,
+
+    /// Also how the load slides, for the effect `friction` of the unit
+    #[arg(long)]
+    pub friction: bool,
+
+    /// Also the stress in the tooth roots, for the outputs of the unit's `rootStress`; its elastic model takes two to
+    /// three times as long as that of the contact
+    #[arg(long, conflicts_with = "plane_strain")]
+    pub root_stress: bool,
+
+    /// Also tooth pairs one by one, for stiffnessModel = teeth of the unit, which takes index errors and run-out
+    #[arg(long)]
+    pub teeth: bool,
+}
+
+impl Tables {
+    /// Computes, writes and says what was made.
+    pub fn run(self) -> Result<(), Error> {
+        let made = compute(&self.pair, &self.output, &self.grid, false, &self.model)?;
+        output::write_whole(&self.output, made.file.to_json().as_bytes())?;
+        output::print(&format!("Wrote {}: {made}\n", self.output.display()))?;
+        Ok(())
+    }
+}
+
+/// Tables that were just computed.
+pub struct Made {
+    /// The tables.
+    pub file: TableFile,
+    /// The contact at run time, if it was wanted.
+    pub contact: Option<ContactFile>,
+    /// The elastic model, and the time it took.
+    elastic_model: String,
+    /// Wall-clock time of the static contact, s.
+    contact_seconds: f64,
+    /// Likewise of the stress in the tooth roots, its elastic model included.
+    root_stress_seconds: f64,
+    /// Likewise of tooth pairs one by one.
+    teeth_seconds: f64,
+    /// The teeth of the pair differ, which tables do not hold.
+    teeth_differ: bool,
+}
+
+/// The tables of the pair file `path`, on their way to `output`, and with `contact` what its contact at run time needs.
+pub fn compute(
+    path: &Path,
+    output: &Path,
+    grid: &GridArgs,
+    contact: bool,
+    args: &ModelArgs,
+) -> Result<Made, Error> {
+    if let Some(error) = grid.max_error
+        && !(error > 0.0 && error < 1.0)
+    {
+        return Err(format!("--max-error = {error}: give a share of the nominal force between 0 and 1, such as 0.002").into());
+    }
+    // `--set rootStress=true` asks for it, too, and is no option that conflicts with another.
+    if grid.root_stress && args.is_plane_strain() {
+        return Err("--plane-strain has no stress in the tooth roots; leave out `rootStress` or --plane-strain".into());
+    }
+    let pair = args.applied_to(Pair::read(path)?);
+    if grid.teeth {
+        TeethRecord::takes(&pair.teeth)?;
+    }
+    crate::output::check_writable(output)?;
+    args.use_threads()?;
+    let coverage = coverage(&pair, grid);
+    let load = load(&pair, &coverage, grid);
+    let job = preflight(&pair, args, &coverage, load)?;
+    let model = args.solver(&pair, &job)?;
+    preflight::corners(&model.solver, &pair, &coverage)?;
+    let begin = Instant::now();
+
+    let cancel = AtomicBool::new(false);
+    // Several grids may be solved one after the other.
+    let before = AtomicUsize::new(0);
+    let told = |done: usize, total: usize| {
+        let all = before.load(Ordering::Relaxed) + done;
+        if done == total {
+            before.fetch_add(total, Ordering::Relaxed);
+        }
+        let likely = load.solves.max(all);
+        let share = all as f64 / likely as f64;
+        job.set(CONTACT, share, &format!("{all} of about {likely} solves"));
+    };
+    let watch = Watch {
+        progress: &told,
+        cancel: &cancel,
+    };
+    let source = WatchedSolver::new(&model.solver);
+    let (drive, mut error) = drive_flank(&source, &pair, &coverage, grid.max_error, &watch)?;
+    let coast = if pair.coast_mirrors_drive() {
+        None
+    } else {
+        let (coast, found) = default_grid(&source, &pair, Flank::Coast, &coverage, &watch)?;
+        error = error.with(found);
+        within(grid.max_error, &error)?;
+        Some(coast)
+    };
+    let friction = if grid.friction {
+        let own_coast = coast.is_some();
+        Some(sliding(&pair, &model, &coverage, own_coast, &watch)?)
+    } else {
+        None
+    };
+    drop(job);
+    let contact_seconds = begin.elapsed().as_secs_f64();
+    let begin = Instant::now();
+    let root_stress = if grid.root_stress {
+        let own_coast = coast.is_some();
+        Some(root_stress(&pair, &model, &coverage, args, own_coast)?)
+    } else {
+        None
+    };
+    let root_stress_seconds = begin.elapsed().as_secs_f64();
+    let contact = if contact || grid.teeth {
+        Some((contact, ContactFile::new(&pair, &model.solver)?))
+    } else {
+        None
+    };
+    let begin = Instant::now();
+    let teeth = match &contact {
+        Some((_, contact)) if grid.teeth => Some(teeth(&pair, &model, &coverage, contact, args)?),
+        _ => None,
+    };
+    let teeth_seconds = begin.elapsed().as_secs_f64();
+
+    let mut file = TableFile::new(
+        &pair.name,
+        "static tooth contact by gearmesh",
+        &pair.geometry,
+        [coverage.nominal_torque, coverage.maximum_torque],
+        &drive,
+        coast.as_ref(),
+    );
+    file.interpolation_error = Some(error);
+    file.friction = friction;
+    file.root_stress = root_stress;
+    file.teeth = teeth;
+    file.solver = settings(&pair, &model, args, source.quality());
+    file.seal();
+    Ok(Made {
+        file,
+        contact: contact.and_then(|(wanted, contact)| wanted.then_some(contact)),
+        elastic_model: format!(
+            "{}, {:.1} s, {}",
+            model.description, model.compliance_seconds, model.origin
+        ),
+        teeth_differ: !pair.teeth.are_alike(),
+        contact_seconds,
+        root_stress_seconds,
+        teeth_seconds,
+    })
+}
+
+/// How much is likely to be solved: the default grid with the points it is measured at, and three times as much where
+/// the grid is sought.
+fn load(pair: &Pair, coverage: &Coverage, grid: &GridArgs) -> Load {
+    let [nc, nm, nu, np] = default_axes(coverage).lengths();
+    let flanks = if pair.coast_mirrors_drive() { 1 } else { 2 };
+    let grids = if grid.max_error.is_some() { 3 } else { 1 };
+    let of = |grid: usize| flanks * (grids * grid + HELD_OUT_POINTS);
+    let roots = || {
+        let rb = pair.geometry.gears[0].base_radius();
+        let [nc, nm, nf, np] = default_root_stress_axes(coverage, rb).lengths();
+        // Without a force there is nothing to solve.
+        [nc * np, nc * nm * (nf - 1) * np].map(|nodes| flanks * (nodes + HELD_OUT_POINTS))
+    };
+    let teeth = || {
+        let [nc, nm, nu, _] = default_teeth_axes(coverage).lengths();
+        let np = PLACES;
+        [nc * np, nc * nm * (nu + 1) * np].map(|nodes| flanks * nodes)
+    };
+    Load {
+        positions: of(nc * np),
+        solves: of(nc * nm * (nu + 1) * np),
+        root_stress: grid.root_stress.then(roots),
+        teeth: grid.teeth.then(teeth),
+    }
+}
+
+/// The ranges of the pair file, less the dimensions that are not asked for.
+fn coverage(pair: &Pair, grid: &GridArgs) -> Coverage {
+    let wanted = |range: [f64; 2], off: bool| (!off && range[0] < range[1]).then_some(range);
+    let operating = &pair.operating;
+    Coverage {
+        center_distance_offset: wanted(operating.center_distance_offset, grid.no_center_distance),
+        misalignment: wanted(operating.misalignment, grid.no_misalignment),
+        nominal_torque: operating.nominal_torque,
+        maximum_torque: operating.maximum_torque,
+    }
+}

@@ -1,0 +1,163 @@
+//! What a tables file is made of: grids of the flanks, sliding, root stress, tooth pairs.
+
+use std::sync::atomic::AtomicBool;
+
+use gearmesh::contact::ContactFile;
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use gearmesh::table::plan::{Coverage, default_axes, measure, table_within};
+use gearmesh::table::source::WatchedSolver;
+use gearmesh::table::sweep::{Watch, sweep};
+use gearmesh::table::{
+    FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, RootStressRecord,
+    RootStressSweep, RootStressTable, TeethRecord, TeethSweep, default_root_stress_axes,
+    default_sliding_axes, default_teeth_axes, sweep_sliding,
+};
+
+use super::HELD_OUT_POINTS;
+use crate::Error;
+use crate::model::{Model, ModelArgs};
+use crate::progress::{CONTACT, phases};
+
+/// Of the drive flank: the default grid, or one whose error stays below `max_error`, with its error.
+pub(super) fn drive_flank(
+    solver: &WatchedSolver<'_>,
+    pair: &Pair,
+    coverage: &Coverage,
+    max_error: Option<f64>,
+    watch: &Watch,
+) -> Result<(FlankGrid, InterpolationError), Error> {
+    if let Some(error) = max_error {
+        let (grid, found) = table_within(solver, &pair.geometry, coverage, error, watch)?;
+        within(max_error, &found)?;
+        return Ok((grid, found));
+    }
+    default_grid(solver, pair, Flank::Drive, coverage, watch)
+}
+
+/// The default grid of `flank`, and its error at random operating points.
+pub(super) fn default_grid(
+    solver: &WatchedSolver<'_>,
+    pair: &Pair,
+    flank: Flank,
+    coverage: &Coverage,
+    watch: &Watch,
+) -> Result<(FlankGrid, InterpolationError), Error> {
+    let axes = default_axes(coverage);
+    let grid = sweep(solver, flank, &axes, coverage.maximum_torque, watch)?;
+    let table = FlankTable::new(&grid, Interpolation::Spline)?;
+    let points = HELD_OUT_POINTS;
+    let error = measure(
+        solver,
+        &pair.geometry,
+        flank,
+        coverage,
+        &table,
+        points,
+        watch,
+    )?;
+    Ok((grid, error))
+}
+
+/// Refuses tables that miss the error asked for.
+pub(super) fn within(max_error: Option<f64>, found: &InterpolationError) -> Result<(), Error> {
+    match max_error {
+        Some(error) if found.force_rms > error => Err(format!(
+            "--max-error = {error}: the best grid has an rms error of {:.5}; ask for no less, or narrow \
+             the ranges of the pair file",
+            found.force_rms
+        )
+        .into()),
+        _ => Ok(()),
+    }
+}
+
+/// How the load slides, on the coast flank, too, where it has its `own` tables.
+pub(super) fn sliding(
+    pair: &Pair,
+    model: &Model,
+    coverage: &Coverage,
+    own: bool,
+    watch: &Watch,
+) -> Result<FrictionRecord, Error> {
+    let axes = default_sliding_axes(coverage, pair.geometry.gears[0].base_radius());
+    let of = |flank| sweep_sliding(&model.solver, flank, &axes, watch);
+    Ok(FrictionRecord {
+        law: pair.friction,
+        drive: of(Flank::Drive)?,
+        coast: own.then(|| of(Flank::Coast)).transpose()?,
+        axes: axes.clone(),
+    })
+}
+
+/// Stress in the tooth roots over the range of `coverage`, on the coast flank, too, where it has its `own` tables.
+pub(super) fn root_stress(
+    pair: &Pair,
+    model: &Model,
+    coverage: &Coverage,
+    args: &ModelArgs,
+    own: bool,
+) -> Result<RootStressRecord, Error> {
+    let rb = pair.geometry.gears[0].base_radius();
+    let axes = default_root_stress_axes(coverage, rb);
+    let of = |flank| {
+        let models = &args.root_stress(pair, flank)?;
+        let sweep = RootStressSweep {
+            solver: &model.solver,
+            models,
+            flank,
+        };
+        watched(args, "root stress", |watch| {
+            let samples = sweep.samples(&axes, watch)?;
+            let table = RootStressTable::new(&axes, &samples, [true; 2])?;
+            let error = sweep.measure(coverage, &table, HELD_OUT_POINTS, watch)?;
+            Ok((samples, error))
+        })
+    };
+    let (drive, mut error) = of(Flank::Drive)?;
+    let coast = if own { Some(of(Flank::Coast)?) } else { None };
+    if let Some((_, found)) = &coast {
+        error = error.with(*found);
+    }
+    Ok(RootStressRecord {
+        drive,
+        coast: coast.map(|(samples, _)| samples),
+        interpolation_error: error,
+        axes,
+    })
+}
+
+/// Tooth pairs one by one over the range of `coverage`, their error measured against `contact`.
+pub(super) fn teeth(
+    pair: &Pair,
+    model: &Model,
+    coverage: &Coverage,
+    contact: &ContactFile,
+    args: &ModelArgs,
+) -> Result<TeethRecord, Error> {
+    let sweep = TeethSweep {
+        solver: &model.solver,
+        contact,
+        coverage,
+        coast_mirrors_drive: pair.coast_mirrors_drive(),
+    };
+    watched(args, "tooth pairs", |watch| {
+        Ok(sweep.record(&default_teeth_axes(coverage), HELD_OUT_POINTS, watch)?)
+    })
+}
+
+/// `work` with its progress shown as that of `what`.
+fn watched<R>(
+    args: &ModelArgs,
+    what: &'static str,
+    work: impl FnOnce(&Watch) -> Result<R, Error>,
+) -> Result<R, Error> {
+    let job = args.progress().job(phases([0.0; 2], (what, 1.0)));
+    work(&Watch {
+        progress: &|done, total| {
+            let told = format!("{done} of {total} solves");
+            job.set(CONTACT, done as f64 / total as f64, &told);
+        },
+        cancel: &AtomicBool::new(false),
+    })
+}

@@ -1,9 +1,11 @@
 //! Exact derivatives of the outputs by poses and velocities.
 //!
-//! Loads are -J^T g. Their derivatives by the pose take the change of J and, through the Hessian of the law,
-//! that of g: the equations run over dual numbers that carry the motions of gear 2 (and the turning of the paper's
-//! carrier). What gear 1 does follows, since moving everything alike moves the loads along. By the velocities the
-//! loads are linear through the dampers alone: -J^T B J, the outer product of one row a flank.
+//! Loads are -J^T g. Their derivatives by the pose take the change of J and, through the Hessian of the law, that of g. All
+//! of it hangs on seven scalars of the frame on the line of centres ([`super::map`]), whose slopes by the motions of gear 2
+//! are closed forms; from there on the equations run over dual numbers. (The paper's formulation looks at the carrier, too: its
+//! turning makes three more dual parts.) What gear 1 does follows, since moving everything alike moves the loads along.
+//!
+//! By the velocities the loads are linear through dampers and friction alone: -J^T B J, the outer product of one row a flank.
 
 use super::constants::FLANKS;
 use super::dual::Dual;
@@ -240,8 +242,7 @@ impl Unit {
         self.loads.map(|load| load * force)
     }
 
-    /// Adds minus the slopes of the rate times the slopes of the outputs by it, with another sign: of the first ones `rows`, of others
-    /// `scalars`.
+    /// Adds what the outputs change with the rate. Minus their slopes by it are `rows`, of the first outputs, and `scalars`, each with its row.
     #[inline(always)]
     fn add<const L: usize, const S: usize>(
         &self,

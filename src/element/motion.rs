@@ -38,21 +38,12 @@ impl Default for Motion {
 }
 
 /// Motion of everything the element looks at.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Inputs {
     /// Gear 1 and gear 2.
     pub gears: [Motion; 2],
     /// The carrier; looked at by [`super::Formulation::Paper`] alone.
     pub carrier: Motion,
-}
-
-impl Default for Inputs {
-    fn default() -> Self {
-        Self {
-            gears: [Motion::default(); 2],
-            carrier: Motion::default(),
-        }
-    }
 }
 
 /// Contact loads and diagnostics.

@@ -14,7 +14,7 @@ use super::error::{Body, ElementError};
 use super::flank::FlankLoad;
 use super::map::{Coordinates, Spatial};
 use super::motion::{Inputs, Motion};
-use super::scalar::{FREEDOMS, Scalar, angles};
+use super::scalar::{Scalar, angles};
 use nalgebra::{Matrix3, Vector3};
 
 /// Pose of one gear relative to the carrier, in carrier axes.
@@ -37,12 +37,14 @@ fn relative<T: Scalar>(
     let between = gear.p - carrier.p;
     let p = |i: usize| {
         let e = carrier.r.column(i).into_owned();
-        varying(e.dot(&between), &(e * moves), &zero, &e.cross(&between))
+        T::varying(e.dot(&between), || [e * moves, zero, e.cross(&between)])
     };
     let r = |i: usize, j: usize| {
         let (e, g) = (carrier.r.column(i), gear.r.column(j));
-        let turned = g.cross(&e);
-        varying(e.dot(&g), &zero, &(turned * moves), &-turned)
+        T::varying(e.dot(&g), || {
+            let turned = g.cross(&e);
+            [zero, turned * moves, -turned]
+        })
     };
     let a: Vector3<T> = Vector3::new(r(0, 2), r(1, 2), r(2, 2));
     check::tilt(body, Body::Carrier, a.z.re(), TILT_LIMIT)?;
@@ -51,21 +53,6 @@ fn relative<T: Scalar>(
         a,
         twist: [r(1, 0) - r(0, 1), r(0, 0) + r(1, 1)],
     })
-}
-
-/// `re` with its slopes by translation and rotation of gear 2 and rotation of the carrier.
-#[inline(always)]
-fn varying<T: Scalar>(
-    re: f64,
-    by_translation: &Vector3<f64>,
-    by_rotation: &Vector3<f64>,
-    by_carrier: &Vector3<f64>,
-) -> T {
-    let mut slopes = [0.0; FREEDOMS];
-    slopes[..3].copy_from_slice(by_translation.as_slice());
-    slopes[3..6].copy_from_slice(by_rotation.as_slice());
-    slopes[6..].copy_from_slice(by_carrier.as_slice());
-    T::with_slopes(re, &slopes)
 }
 
 /// Both gears in the carrier.
@@ -195,13 +182,15 @@ impl<T: Scalar> Carried<T> {
 
     /// The vector with the components `v` in the carrier, W.
     fn to_world(&self, v: &Vector3<T>) -> Vector3<T> {
-        let zero = Vector3::zeros();
-        let still: Vector3<f64> = self.to_world * v.map(T::re);
+        let still = v.map(T::re);
         let [ex, ey, ez] = [0, 1, 2].map(|j| self.to_world.column(j).into_owned());
         let component = |i: usize| {
             // Turning with the carrier: rotation x vector.
-            let turned = still.cross(&Vector3::ith(i, 1.0));
-            v.x * ex[i] + v.y * ey[i] + v.z * ez[i] + varying::<T>(0.0, &zero, &zero, &turned)
+            let turned = T::varying(0.0, || {
+                let [none, axis] = [Vector3::zeros(), Vector3::ith(i, 1.0)];
+                [none, none, (self.to_world * still).cross(&axis)]
+            });
+            v.x * ex[i] + v.y * ey[i] + v.z * ez[i] + turned
         };
         Vector3::new(component(0), component(1), component(2))
     }

@@ -1,13 +1,10 @@
 //! The number type of the kinematics: `f64` for values, dual numbers for exact derivatives.
 
 use super::dual::Dual;
-use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign};
+use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign, Vector3};
 use num_traits::{One, Zero};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use wide::f64x4;
-
-/// Freedoms that derivatives can be by: translation and rotation of gear 2, rotation of the carrier, each in world axes.
-pub(crate) const FREEDOMS: usize = 9;
 
 /// A real number, or a real number that carries derivatives along. The element's equations are
 /// written once over this trait: with `f64` they cost what plain code costs, with a [`Dual`] every
@@ -30,9 +27,9 @@ pub trait Scalar:
 {
     /// Whether it carries derivatives.
     const CARRIES: bool;
-    /// `re` with the derivatives `slopes` by translation (per m) and rotation (per rad) of gear 2 and rotation of the carrier, of
-    /// which it takes as many as it carries.
-    fn with_slopes(re: f64, slopes: &[f64; FREEDOMS]) -> Self;
+    /// `re` with the derivatives `slopes` by translation (per m) and rotation (per rad) of gear 2 and by rotation of the carrier, in world
+    /// axes: as many of them as it carries, and not even asked for where it carries none.
+    fn varying(re: f64, slopes: impl FnOnce() -> [Vector3<f64>; 3]) -> Self;
     /// The number without its derivatives.
     fn re(self) -> f64;
     /// Square root; of a number above zero.
@@ -47,7 +44,7 @@ impl Scalar for f64 {
     const CARRIES: bool = false;
 
     #[inline(always)]
-    fn with_slopes(re: f64, _: &[f64; FREEDOMS]) -> Self {
+    fn varying(re: f64, _: impl FnOnce() -> [Vector3<f64>; 3]) -> Self {
         re
     }
 
@@ -76,11 +73,12 @@ impl<const N: usize> Scalar for Dual<N> {
     const CARRIES: bool = true;
 
     #[inline(always)]
-    fn with_slopes(re: f64, slopes: &[f64; FREEDOMS]) -> Self {
-        const { assert!(N <= FREEDOMS) };
-        let mut eps = [0.0; N];
-        eps.copy_from_slice(&slopes[..N]);
-        Self::new(re, eps)
+    fn varying(re: f64, slopes: impl FnOnce() -> [Vector3<f64>; 3]) -> Self {
+        const { assert!(N <= 9) };
+        let rows: [[f64; 3]; 3] = slopes().map(Into::into);
+        let mut out = Self::from(re);
+        out.eps.copy_from_slice(&rows.as_flattened()[..N]);
+        out
     }
 
     #[inline(always)]

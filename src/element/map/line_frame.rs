@@ -19,7 +19,7 @@ use crate::element::check;
 use crate::element::constants::TILT_LIMIT;
 use crate::element::error::{Body, ElementError};
 use crate::element::motion::Motion;
-use crate::element::scalar::{FREEDOMS, Scalar, lift};
+use crate::element::scalar::{Scalar, lift};
 use nalgebra::Vector3;
 
 /// The frame at one pose.
@@ -60,30 +60,22 @@ impl<T: Scalar> LineFrame<T> {
         let x = u * per_c;
         let y = z.cross(&x);
         let (bx, by) = (x.dot(&a2), y.dot(&a2));
-        // By translation and rotation of gear 2, from the slopes by d and w: d = dp + w × k2.
-        let moving = |re: f64, by_d: Vector3<f64>, by_w: Vector3<f64>| {
-            let turned = by_w + k2.cross(&by_d);
-            let mut slopes = [0.0; FREEDOMS];
-            slopes[..3].copy_from_slice(by_d.as_slice());
-            slopes[3..6].copy_from_slice(turned.as_slice());
-            T::with_slopes(re, &slopes)
-        };
         let zero = Vector3::zeros();
-        let gamma = moving(0.0, (y - z * (by * per_bz)) * per_c, zero);
-        let turning = |re: f64, by_w: Vector3<f64>, by_gamma: f64| {
-            lift::<T, 1>(0.0, &[by_gamma], &[gamma]) + moving(re, zero, by_w)
-        };
+        // By d, which is dp + w × k2, and by w and gamma.
+        let shifted = |by_d: Vector3<f64>| [by_d, k2.cross(&by_d), zero];
+        let gamma = T::varying(0.0, || shifted((y - z * (by * per_bz)) * per_c));
+        let turned = |by_gamma: f64| lift::<T, 1>(0.0, &[by_gamma], &[gamma]);
         let per_d = 1.0 / (1.0 - bx * bx);
         Ok(Self {
             station,
-            c: moving(c, x - z * (bx * per_bz), zero),
-            lambda: moving(lambda, z * -per_bz, zero),
+            c: T::varying(c, || shifted(x - z * (bx * per_bz))),
+            lambda: T::varying(lambda, || shifted(z * -per_bz)),
             b: [
-                turning(bx, a2.cross(&x), by),
-                turning(by, a2.cross(&y), -bx),
-                moving(bz, zero, a2.cross(&z)),
+                turned(by) + T::varying(bx, || [zero, a2.cross(&x), zero]),
+                turned(-bx) + T::varying(by, || [zero, a2.cross(&y), zero]),
+                T::varying(bz, || [zero, a2.cross(&z), zero]),
             ],
-            theta2: turning(0.0, (x * bx - a2) * per_d, bz * per_d),
+            theta2: turned(bz * per_d) + T::varying(0.0, || [zero, (x * bx - a2) * per_d, zero]),
             gamma,
             axes: [x, y, z],
         })

@@ -33,11 +33,11 @@ pub(super) fn assemble(mesh: &Mesh, order: &[usize], material: [f64; 2]) -> Lowe
     let (lambda, mu) = element::lame(material[0], material[1]);
     // Element matrices in parallel, a batch at a time so that few are alive; scattering is serial.
     for batch in mesh.elements.chunks(256 * per_element) {
-        let matrices: Vec<Vec<f64>> = batch
+        let matrices: Vec<(Vec<usize>, Vec<f64>)> = batch
             .par_chunks(per_element)
             .map(|nodes| cylindrical_stiffness(mesh, nodes, lambda, mu))
             .collect();
-        for (nodes, k) in batch.chunks(per_element).zip(&matrices) {
+        for (nodes, k) in &matrices {
             for (a, column_node) in nodes.iter().enumerate() {
                 let column = first[*column_node];
                 if column == usize::MAX {
@@ -54,7 +54,7 @@ pub(super) fn assemble(mesh: &Mesh, order: &[usize], material: [f64; 2]) -> Lowe
                         // Column i of the diagonal block starts at its own diagonal.
                         let start = column_starts[column + i] + d * place - i;
                         for m in (if place == 0 { i } else { 0 })..d {
-                            values[start + m] += k[(d * a + i) * d * per_element + d * b + m];
+                            values[start + m] += k[(d * a + i) * d * nodes.len() + d * b + m];
                         }
                     }
                 }
@@ -75,7 +75,7 @@ type Pattern = (Vec<usize>, Vec<usize>, Vec<Vec<usize>>);
 fn pattern(mesh: &Mesh, order: &[usize], first: &[usize]) -> Pattern {
     let d = mesh.dimension;
     let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); order.len()];
-    for nodes in mesh.connectivity() {
+    for nodes in mesh.connectivity().map(|nodes| mesh.carrying(nodes)) {
         for a in nodes.iter().map(|n| first[*n]).filter(|p| *p != usize::MAX) {
             let list = &mut neighbours[a / d];
             list.extend(
@@ -105,12 +105,18 @@ fn pattern(mesh: &Mesh, order: &[usize], first: &[usize]) -> Pattern {
 pub(super) fn first_element(mesh: &Mesh, material: [f64; 2]) -> Vec<f64> {
     let (lambda, mu) = element::lame(material[0], material[1]);
     mesh.connectivity().next().map_or(Vec::new(), |nodes| {
-        cylindrical_stiffness(mesh, nodes, lambda, mu)
+        cylindrical_stiffness(mesh, nodes, lambda, mu).1
     })
 }
 
-/// Element stiffness with the displacements of each node in its own cylindrical axes.
-fn cylindrical_stiffness(mesh: &Mesh, nodes: &[usize], lambda: f64, mu: f64) -> Vec<f64> {
+/// Nodes whose unknowns an element knows ([`Mesh::carrying`]), and its stiffness with the displacements of each in its
+/// own cylindrical axes.
+fn cylindrical_stiffness(
+    mesh: &Mesh,
+    nodes: &[usize],
+    lambda: f64,
+    mu: f64,
+) -> (Vec<usize>, Vec<f64>) {
     let d = mesh.dimension;
     let x = mesh.coordinates(nodes);
     let mut k = element::stiffness(&x, lambda, mu);
@@ -118,8 +124,13 @@ fn cylindrical_stiffness(mesh: &Mesh, nodes: &[usize], lambda: f64, mu: f64) -> 
         let rests: Vec<bool> = nodes.iter().map(|node| foundation.nodes[*node]).collect();
         element::add_foundation(&x, &rests, foundation.stiffness, &mut k);
     }
-    let size = d * nodes.len();
-    let rotations: Vec<(f64, f64)> = nodes.iter().map(|n| mesh.angles[*n].sin_cos()).collect();
+    let carrying = mesh.carrying(nodes);
+    if carrying != nodes {
+        k = carried(mesh, nodes, &carrying, &k);
+    }
+    let size = d * carrying.len();
+    let rotations = carrying.iter().map(|n| mesh.angles[*n].sin_cos());
+    let rotations: Vec<(f64, f64)> = rotations.collect();
     // u_x = c u_r - s u_t, u_y = s u_r + c u_t, on rows and on columns.
     for (a, (s, c)) in rotations.iter().enumerate() {
         for row in 0..size {
@@ -137,5 +148,39 @@ fn cylindrical_stiffness(mesh: &Mesh, nodes: &[usize], lambda: f64, mu: f64) -> 
             k[at + size] = c * y - s * x;
         }
     }
-    k
+    (carrying, k)
+}
+
+/// The stiffness `k` of an element with `nodes`, some of them hanging, felt at those that carry it.
+fn carried(mesh: &Mesh, nodes: &[usize], carrying: &[usize], k: &[f64]) -> Vec<f64> {
+    let d = mesh.dimension;
+    let shares: Vec<Vec<(usize, f64)>> = nodes
+        .iter()
+        .map(|node| {
+            let own = vec![(*node, 1.0)];
+            let of = mesh.hanging.get(node).unwrap_or(&own);
+            let place = |node: usize| carrying.iter().position(|n| *n == node);
+            of.iter()
+                .filter_map(|(node, share)| Some((place(*node)?, *share)))
+                .collect()
+        })
+        .collect();
+    let (size, few) = (d * carrying.len(), d * nodes.len());
+    let mut out = vec![0.0; size * size];
+    for (a, rows) in shares.iter().enumerate() {
+        for (b, columns) in shares.iter().enumerate() {
+            for (row, row_share) in rows {
+                for (column, column_share) in columns {
+                    let share = row_share * column_share;
+                    for i in 0..d {
+                        for m in 0..d {
+                            out[(d * row + i) * size + d * column + m] +=
+                                share * k[(d * a + i) * few + d * b + m];
+                        }
+                    }
+                }
+            }
+        }
+    }
+    out
 }

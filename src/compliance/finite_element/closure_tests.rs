@@ -30,6 +30,7 @@ fn ring_sector(inner: f64, outer: f64, teeth: u32, rows: usize) -> Mesh {
         flank: Vec::new(),
         fillet: Vec::new(),
         foundation: None,
+        hanging: Default::default(),
     };
     for i in 0..=2 * columns {
         let angle = half_pitch * (i as f64 / columns as f64 - 1.0);
@@ -104,6 +105,7 @@ fn cantilever_of_solid_elements_bends_like_timoshenko() {
         flank: Vec::new(),
         fillet: Vec::new(),
         foundation: None,
+        hanging: Default::default(),
     };
     for i in 0..=2 * nx {
         for j in 0..=2 * ny {

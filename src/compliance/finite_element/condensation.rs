@@ -7,11 +7,9 @@
 
 use super::FiniteElementError;
 use super::assembly::LowerTriangle;
-use super::dense::add_gram;
+use super::dense::{add_gram, factor};
 use super::dissection::Part;
 use super::fronts::{Front, Fronts, positions};
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{self, LltRegularization};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, Mat, Par};
@@ -212,16 +210,7 @@ impl Condensation<'_> {
             mut forces,
             rest: mut left,
         } = from;
-        let scratch = factor::cholesky_in_place_scratch::<f64>(front.own, par, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| FiniteElementError::Memory)?;
-        factor::cholesky_in_place(
-            own.as_mut(),
-            LltRegularization::default(),
-            par,
-            MemStack::new(&mut memory),
-            Default::default(),
-        )
-        .map_err(|_| FiniteElementError::NotPositiveDefinite)?;
+        factor(own.as_mut(), par)?;
         solve_lower_triangular_in_place(own.as_ref(), below.as_mut().transpose_mut(), par);
         add_gram(left.stiffness.as_mut(), below.transpose(), -1.0, par);
         if !front.loads.is_empty() {

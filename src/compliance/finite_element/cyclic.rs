@@ -21,11 +21,12 @@
 
 use super::FiniteElementError;
 use super::condensation::CondensedSector;
-use super::dense::{add_gram, product};
+use super::dense::{add_gram, factor, product};
 use super::harmonics::{self, Solved};
 use super::side_modes::SideModes;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, Par, Side, c64};
+use faer::{Mat, Par, c64};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Influence of unit loads on sector 0 on the displacements of sectors 0 to `reach`, m/N: element k
@@ -49,11 +50,12 @@ fn influence_of(
 ) -> Result<Vec<Mat<f64>>, FiniteElementError> {
     let n = sector.side_loads.ncols();
     let SideModes { modes, shares } = SideModes::new(&sector.side_loads);
+    let all = Par::rayon(0);
     let ring = of_modes(sector, &modes, teeth, solved, progress)?;
     let mut influence: Vec<Mat<f64>> = (ring.iter())
         .map(|of_modes| {
-            let half = product(of_modes.as_ref(), shares.as_ref());
-            product(shares.transpose(), half.as_ref())
+            let half = product(of_modes.as_ref(), shares.as_ref(), all);
+            product(shares.transpose(), half.as_ref(), all)
         })
         .collect();
     for j in 0..n {
@@ -87,6 +89,7 @@ pub(super) fn ring_response(
     let SideModes { modes, shares } = SideModes::new(&alike);
     let (of_loads, of_functionals) = shares.as_ref().split_at_col(loads);
     let solved = harmonics::solved(teeth, reach);
+    let all = Par::rayon(0);
     let ring = of_modes(sector, &modes, teeth, &solved, progress)?;
     let mut response: Vec<Mat<f64>> = (0..=2 * reach)
         .map(|place| {
@@ -95,8 +98,8 @@ pub(super) fn ring_response(
                 Some(k) => ring[k].as_ref(),
                 None => ring[reach - place].transpose(),
             };
-            let half = product(of_modes, of_loads);
-            product(of_functionals.transpose(), half.as_ref()) * faer::Scale(unit)
+            let half = product(of_modes, of_loads, all);
+            product(of_functionals.transpose(), half.as_ref(), all) * faer::Scale(unit)
         })
         .collect();
     response[reach] += &sector.held_influence;
@@ -115,21 +118,41 @@ fn of_modes(
     let few = modes.ncols();
     let matrices = solved.first().map_or(0, |s| s.weights.len());
     let mut ring = vec![Mat::<f64>::zeros(few, few); matrices];
-    for (done, harmonic) in solved.iter().enumerate() {
-        let phi = 2.0 * PI * harmonic.harmonic as f64 / teeth as f64;
-        let [even, odd] = response(sector, modes, phi)?;
-        for (out, [even_weight, odd_weight]) in ring.iter_mut().zip(&harmonic.weights) {
-            for j in 0..few {
-                for i in 0..few {
-                    out[(i, j)] += even_weight * even[(i, j)] - odd_weight * odd[(i, j)];
+    let at_once = at_once(sector);
+    let par = match at_once {
+        1 => Par::rayon(0),
+        _ => Par::Seq,
+    };
+    let mut done = 0;
+    for batch in solved.chunks(at_once) {
+        let found: Result<Vec<_>, _> = (batch.par_iter())
+            .map(|s| 2.0 * PI * s.harmonic as f64 / teeth as f64)
+            .map(|phi| response(sector, modes, phi, par))
+            .collect();
+        for (harmonic, [even, odd]) in batch.iter().zip(found?) {
+            for (out, [even_weight, odd_weight]) in ring.iter_mut().zip(&harmonic.weights) {
+                for j in 0..few {
+                    for i in 0..few {
+                        out[(i, j)] += even_weight * even[(i, j)] - odd_weight * odd[(i, j)];
+                    }
                 }
             }
         }
-        if !progress((done + 1) as f64 / solved.len() as f64) {
+        done += batch.len();
+        if !progress(done as f64 / solved.len() as f64) {
             return Err(FiniteElementError::Cancelled);
         }
     }
     Ok(ring)
+}
+
+/// How many harmonics are solved at once, each on a thread of its own: which keeps all of them busy, as a single
+/// factorization does not. They take no more memory than the sector's elimination took.
+fn at_once(sector: &CondensedSector) -> usize {
+    let side = sector.sides.nrows() / 2;
+    // The matrix, its factor and the forces, complex.
+    let of_one = 3 * 2 * side * side;
+    rayon::current_num_threads().clamp(1, (sector.numbers / of_one.max(1)).max(1))
 }
 
 /// q^H K^-1 q of the forces `modes` on the sides in the harmonic of the phase `phi`: its symmetric real part and its
@@ -138,10 +161,10 @@ fn response(
     sector: &CondensedSector,
     modes: &Mat<f64>,
     phi: f64,
+    par: Par,
 ) -> Result<[Mat<f64>; 2], FiniteElementError> {
     let m = sector.sides.nrows() / 2;
     let few = modes.ncols();
-    let par = Par::rayon(0);
     let full = |i: usize, j: usize| sector.sides[(i.max(j), i.min(j))];
     let wave = c64::new(phi.cos(), phi.sin());
     // Only its lower triangle is read.
@@ -153,14 +176,12 @@ fn response(
                 c64::new(direct, 0.0) + wave * full(i, m + j) + wave.conj() * full(m + i, j);
         }
     }
-    let factor = stiffness
-        .llt(Side::Lower)
-        .map_err(|_| FiniteElementError::NotPositiveDefinite)?;
-    drop(stiffness);
+    factor(stiffness.as_mut(), par)?;
     let mut w = Mat::<c64>::from_fn(m, few, |i, j| {
         c64::new(modes[(i, j)], 0.0) + wave.conj() * modes[(m + i, j)]
     });
-    solve_lower_triangular_in_place(factor.L(), w.as_mut(), par);
+    solve_lower_triangular_in_place(stiffness.as_ref(), w.as_mut(), par);
+    drop(stiffness);
     let re = Mat::from_fn(m, few, |i, j| w[(i, j)].re);
     let im = Mat::from_fn(m, few, |i, j| w[(i, j)].im);
     drop(w);
@@ -168,7 +189,7 @@ fn response(
     for part in [&re, &im] {
         add_gram(even.as_mut(), part.as_ref(), 1.0, par);
     }
-    let cross = product(re.transpose(), im.as_ref());
+    let cross = product(re.transpose(), im.as_ref(), par);
     let mut odd = Mat::<f64>::zeros(few, few);
     for j in 0..few {
         for i in 0..few {

@@ -31,9 +31,12 @@ pub(super) struct Part {
 impl Elimination {
     /// Of the free nodes of `mesh`.
     pub fn new(mesh: &Mesh) -> Elimination {
+        let mut placed = mesh.held.clone();
+        mesh.hanging.keys().for_each(|node| placed[*node] = true);
         let mut dissection = Dissection {
             mesh,
-            placed: mesh.held.clone(),
+            carrying: mesh.connectivity().map(|n| mesh.carrying(n)).collect(),
+            placed,
             seen: vec![0; mesh.points.len()],
             stamp: 0,
             order: Vec::with_capacity(mesh.points.len()),
@@ -53,6 +56,8 @@ impl Elimination {
 
 struct Dissection<'a> {
     mesh: &'a Mesh,
+    /// Nodes whose unknowns each element knows.
+    carrying: Vec<Vec<usize>>,
     placed: Vec<bool>,
     /// Last stamp a node was seen with; saves clearing it.
     seen: Vec<u32>,
@@ -61,12 +66,7 @@ struct Dissection<'a> {
     parts: Vec<Part>,
 }
 
-impl<'a> Dissection<'a> {
-    fn nodes(&self, element: usize) -> &'a [usize] {
-        let n = self.mesh.nodes_per_element();
-        &self.mesh.elements[n * element..n * (element + 1)]
-    }
-
+impl Dissection<'_> {
     /// Places the nodes of `elements` that are not placed; the number of their last part.
     fn cut(&mut self, elements: Vec<usize>) -> usize {
         let best = if elements.len() > LEAF {
@@ -77,7 +77,7 @@ impl<'a> Dissection<'a> {
         let Some((axis, limit)) = best else {
             let begin = self.order.len();
             for element in elements {
-                for node in self.nodes(element) {
+                for node in &self.carrying[element] {
                     if !self.placed[*node] {
                         self.placed[*node] = true;
                         self.order.push(*node);
@@ -116,7 +116,7 @@ impl<'a> Dissection<'a> {
             .iter()
             .filter(|e| self.mesh.cells[**e][axis] < limit)
         {
-            for node in self.nodes(*element) {
+            for node in &self.carrying[*element] {
                 self.seen[*node] = below;
             }
         }
@@ -124,7 +124,7 @@ impl<'a> Dissection<'a> {
             .iter()
             .filter(|e| self.mesh.cells[**e][axis] >= limit)
         {
-            for node in self.nodes(*element) {
+            for node in &self.carrying[*element] {
                 if self.seen[*node] == below && !self.placed[*node] {
                     self.seen[*node] = taken;
                     shared.push(*node);

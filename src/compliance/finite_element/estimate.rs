@@ -46,7 +46,8 @@ impl Estimate {
         let model = Model::new(gear, settings)?;
         let mesh = &model.mesh;
         let held = mesh.held.iter().filter(|held| **held).count();
-        let unknowns = (mesh.dimension * (mesh.points.len() - held)) as f64;
+        let free = mesh.points.len() - held - mesh.hanging.len();
+        let unknowns = (mesh.dimension * free) as f64;
         let loads = mesh.flank.len() as f64;
         let side = (mesh.dimension * mesh.sides[0].len()) as f64;
         let matrices = settings.reach as f64 + 1.0;

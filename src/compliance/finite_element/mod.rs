@@ -26,6 +26,7 @@ mod dissection;
 mod element;
 mod error;
 mod estimate;
+mod extrusion;
 mod fillet;
 mod flank;
 mod fronts;

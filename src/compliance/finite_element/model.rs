@@ -122,6 +122,7 @@ impl Model {
             flank,
             fillet: _, // where stress may be observed
             foundation,
+            hanging,
         } = &self.mesh;
         let mut whole = |number: usize| take(&(number as u64).to_le_bytes());
         whole(*dimension);
@@ -134,10 +135,16 @@ impl Model {
         whole(flank.len());
         flank.iter().for_each(|f| whole(f.node));
         held.iter().for_each(|held| whole((*held).into()));
+        whole(hanging.len());
+        for (node, carriers) in hanging {
+            [*node, carriers.len()].into_iter().for_each(&mut whole);
+            carriers.iter().for_each(|(carrier, _)| whole(*carrier));
+        }
         let element = assembly::first_element(&self.mesh, self.material());
         let numbers = points.iter().flatten().chain(angles);
         let normals = flank.iter().flat_map(|f| &f.normal);
-        for number in numbers.chain(normals).chain(&element) {
+        let shares = hanging.values().flatten().map(|(_, share)| share);
+        for number in numbers.chain(normals).chain(&element).chain(shares) {
             take(&number.to_le_bytes());
         }
         if let Some(Foundation { nodes, stiffness }) = foundation {

@@ -62,6 +62,7 @@ impl Settings {
     pub fn for_root_stress(&self) -> Settings {
         let mut settings = *self;
         let sizes = &mut settings.discretization;
+        sizes.involute_element = None;
         sizes.fillet_element = Some(sizes.flank_element * FILLET_OVER_FLANK);
         sizes.flank_element *= FLANK_OVER_FLANK;
         sizes.kernel_half_width = KERNEL_OVER_ELEMENT * sizes.flank_element;

@@ -17,14 +17,16 @@
 use super::grading::{divide, graded, graded_from_both, halved};
 use super::outline::{Outline, Polar};
 
-/// How often the element at the tip edge is halved.
-const TIP_HALVINGS: usize = 2;
+/// Elements along the flank over the one at the tip edge, where the load kernel is narrower.
+const FLANK_OVER_TIP: f64 = 4.0;
 
 /// Element sizes in the section, m.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SectionSizes {
     /// Along the loaded flank, and of the first elements behind it.
     pub flank: f64,
+    /// Along the involute of the loaded flank where they may be longer.
+    pub involute: f64,
     /// Growth from one element to the next, away from the flank and towards the held surface.
     pub growth: f64,
     /// Largest element inside the tooth.
@@ -55,6 +57,8 @@ pub(super) struct Section {
     /// Rows below the root, from there on, that belong to rim and web; the others are the hub's. A full disc is
     /// all rim.
     pub rows_of_rim_and_web: [usize; 2],
+    /// Depth of the upper edge of each row below the root, m below where the blocks meet.
+    pub row_depths: Vec<f64>,
     /// Nodes on the sector's sides at -half pitch and +half pitch in the same order, rigidly held ones
     /// left out.
     pub sides: [Vec<usize>; 2],
@@ -110,9 +114,10 @@ impl<'a> Stations<'a> {
         // The form point, at arc length 0, is a node.
         let along_fillet = sizes.fillet.unwrap_or(sizes.flank);
         let mut arcs = halved(&divide(corner_arc, 0.0, along_fillet));
-        let mut involute = divide(0.0, outline.tip_arc, sizes.flank);
-        // Smaller elements at the tip edge, where the load kernel is narrower.
-        for _ in 0..TIP_HALVINGS {
+        let mut involute = divide(0.0, outline.tip_arc, sizes.involute);
+        // To a fifth of rounding in the number of steps.
+        let tip = 1.2 * sizes.flank / FLANK_OVER_TIP;
+        while involute[involute.len() - 1] - involute[involute.len() - 2] > tip {
             let last = involute.len() - 1;
             involute.insert(last, 0.5 * (involute[last - 1] + involute[last]));
         }
@@ -225,6 +230,9 @@ impl Section {
             .chain(above.take_while(|(_, arc)| *arc <= 0.0))
             .collect();
         section.rows_of_rim_and_web = stations.rows_of_rim_and_web;
+        let upper = stations.rows[..stations.rows.len() - 1].iter().step_by(2);
+        let depth = (stations.corner[0] - outline.held_radius).abs();
+        section.row_depths = upper.map(|row| row.share * depth).collect();
         let lowest = stations.rows.len() - 1;
         let free = if outline.rests { lowest + 1 } else { lowest };
         section.sides =
@@ -331,12 +339,17 @@ impl Section {
         grid
     }
 
+    /// The row below the root, from there on, of an element with the (column, row) `cell`; none for the tooth.
+    pub fn row_below_root(cell: [i32; 2]) -> Option<usize> {
+        usize::try_from(-1 - cell[1]).ok()
+    }
+
     /// The part of the body that an element with the (column, row) `cell` belongs to.
     pub fn part(&self, cell: [i32; 2]) -> Part {
         let [rim, web] = self.rows_of_rim_and_web;
-        match usize::try_from(-1 - cell[1]) {
-            Ok(row) if row >= rim && row - rim >= web => Part::Hub,
-            Ok(row) if row >= rim => Part::Web,
+        match Section::row_below_root(cell) {
+            Some(row) if row >= rim && row - rim >= web => Part::Hub,
+            Some(row) if row >= rim => Part::Web,
             _ => Part::Rim,
         }
     }

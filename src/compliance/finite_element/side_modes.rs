@@ -34,7 +34,7 @@ impl SideModes {
         while modes.ncols() < most {
             let block = BLOCK.min(most - modes.ncols());
             let trial = Mat::from_fn(loads, block, |_, _| random.within([-1.0, 1.0]));
-            let mut y = product(g.as_ref(), trial.as_ref());
+            let mut y = product(g.as_ref(), trial.as_ref(), Par::rayon(0));
             largest = longest(&y).max(largest);
             remove(&modes, &mut y);
             if longest(&y) <= LEFT_OUT * largest {
@@ -53,7 +53,7 @@ impl SideModes {
                 }
             });
         }
-        let shares = product(modes.transpose(), g.as_ref());
+        let shares = product(modes.transpose(), g.as_ref(), Par::rayon(0));
         SideModes { modes, shares }
     }
 }
@@ -63,7 +63,7 @@ fn remove(modes: &Mat<f64>, y: &mut Mat<f64>) {
     if modes.ncols() == 0 {
         return;
     }
-    let share = product(modes.transpose(), y.as_ref());
+    let share = product(modes.transpose(), y.as_ref(), Par::rayon(0));
     matmul(y.as_mut(), Accum::Add, modes, &share, -1.0, Par::rayon(0));
 }
 
@@ -87,13 +87,13 @@ mod tests {
         });
         let found = SideModes::new(&g);
         assert!(found.modes.ncols() < 100, "{}", found.modes.ncols());
-        let back = product(found.modes.as_ref(), found.shares.as_ref());
+        let back = product(found.modes.as_ref(), found.shares.as_ref(), Par::Seq);
         for j in 0..200 {
             for i in 0..300 {
                 assert!((back[(i, j)] - g[(i, j)]).abs() < 1e-7);
             }
         }
-        let unit = product(found.modes.transpose(), found.modes.as_ref());
+        let unit = product(found.modes.transpose(), found.modes.as_ref(), Par::Seq);
         for j in 0..unit.ncols() {
             for i in 0..unit.nrows() {
                 let expected = f64::from(u8::from(i == j));
@@ -106,7 +106,7 @@ mod tests {
     fn loads_that_are_all_different_keep_all_their_modes() {
         let g = Mat::from_fn(40, 30, |i, j| f64::from(u8::from(i == j)));
         let found = SideModes::new(&g);
-        let back = product(found.modes.as_ref(), found.shares.as_ref());
+        let back = product(found.modes.as_ref(), found.shares.as_ref(), Par::Seq);
         for j in 0..30 {
             for i in 0..40 {
                 assert!((back[(i, j)] - g[(i, j)]).abs() < 1e-12);

@@ -127,7 +127,7 @@ impl LocalContact {
             return self;
         }
         let [load, penetration] = match &self.edge {
-            Some(edge) if half_width > profile.to_edge() => edge.at_width(2.0 * half_width),
+            Some(edge) if half_width > profile.edge_distance() => edge.at_width(2.0 * half_width),
             _ if half_width == 0.0 => [0.0; 2],
             _ => {
                 let load = half_width * half_width / (2.0 * self.radius * self.c);
@@ -318,7 +318,7 @@ impl LocalContact {
         let w = f / self.length;
         match self.relief.as_deref() {
             // Past the start of the relief flanks close more slowly.
-            Some(relief) if relief.least[0] <= relief.profile.to_edge() => self
+            Some(relief) if relief.least[0] <= relief.profile.edge_distance() => self
                 .knee_under(w)
                 .is_some_and(|knee| w > knee.load_at_edge()),
             _ => self.edge.is_some_and(|edge| w > edge.least_line_load()),

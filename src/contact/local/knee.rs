@@ -78,7 +78,7 @@ impl Knee {
                 spread: a * a * (0.5 - second - first * first) / load,
                 energy: 0.0,
             };
-            if profile.to_edge() > 2.0 * a || at_edge < f64::INFINITY {
+            if profile.edge_distance() > 2.0 * a || at_edge < f64::INFINITY {
                 continue;
             }
             let cut = profile.cut(a);

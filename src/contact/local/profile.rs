@@ -115,7 +115,7 @@ impl GapProfile {
     }
 
     /// Distance from the closest point to the nearest tip edge, m.
-    pub(super) fn to_edge(&self) -> f64 {
+    pub(super) fn edge_distance(&self) -> f64 {
         self.edges[1].min(-self.edges[0])
     }
 
@@ -134,7 +134,7 @@ impl GapProfile {
     /// there.
     pub fn room(&self) -> f64 {
         let [low, high] = self.edges;
-        let to_edge = self.to_edge();
+        let to_edge = self.edge_distance();
         let of = |b: &Break| {
             if b.at.abs() <= to_edge {
                 b.at.abs()

@@ -219,10 +219,24 @@ fn loads(pair: &Pair, case: &Value) -> Vec<([f64; 2], Found)> {
 /// Positions from which on a case tells a peak-to-peak value.
 const CYCLE: usize = 5;
 
-/// Mean within 0.7 %, z_c within 0.05 mm, and peak-to-peak within 2 % or 0.05 um or, of a few positions, each within 0.7 %; the
-/// flank pressure of the positions that `smooth` names within 3 %, from the torque `pressed` on, under which contact is
-/// narrower than the data resolve.
-fn agrees_with_reference(name: &str, pressed: f64, smooth: impl Fn(f64) -> bool) {
+/// How near a case comes to the reference.
+struct Bounds<'a> {
+    /// Of the transmission error of each position, as a part of it.
+    each: f64,
+    /// Torque from which on pressures are compared, N m: under less contact is narrower than the data resolve.
+    pressed: f64,
+    /// Mesh positions at which the data resolve the pressure.
+    resolved: &'a dyn Fn(f64) -> bool,
+}
+
+/// Mean within 0.7 %, z_c within 0.05 mm, peak-to-peak within 2 % or 0.05 um, flank pressure within 3 %, and each position as
+/// `bounds` says.
+fn agrees_with_reference(name: &str, bounds: &Bounds) {
+    let Bounds {
+        each: largest,
+        pressed,
+        resolved,
+    } = *bounds;
     let (pair, case) = reference(name);
     let positions: Vec<f64> = case["positions"]
         .as_array()
@@ -235,14 +249,13 @@ fn agrees_with_reference(name: &str, pressed: f64, smooth: impl Fn(f64) -> bool)
         let [here, there] = &found.ste;
         let of_mean = mean(here) / mean(there) - 1.0;
         assert!(of_mean.abs() < 0.007, "{at}: mean {of_mean:+.4}");
-        if positions.len() < CYCLE {
-            let each = here.iter().zip(there).map(|(a, b)| (a / b - 1.0).abs());
-            let largest = each.fold(0.0, f64::max);
+        for (position, (a, b)) in positions.iter().zip(here.iter().zip(there)) {
             assert!(
-                largest < 0.007,
-                "{at}: {here:.3?} instead of {there:.3?} um"
+                (a / b - 1.0).abs() < largest,
+                "{at}, position {position}: {a:.3} instead of {b:.3} um"
             );
-        } else {
+        }
+        if positions.len() >= CYCLE {
             let [spread, expected] = [here, there].map(|v| peak_to_peak(v));
             assert!(
                 (spread - expected).abs() < (0.02 * expected).max(0.05),
@@ -257,52 +270,71 @@ fn agrees_with_reference(name: &str, pressed: f64, smooth: impl Fn(f64) -> bool)
             );
             let [here, there] = [0, 1].map(|k| found.pressure[k][i]);
             assert!(
-                torque < pressed || !smooth(position) || (here / there - 1.0).abs() < 0.03,
+                torque < pressed || !resolved(position) || (here / there - 1.0).abs() < 0.03,
                 "{at}, position {position}: {here:.0} instead of {there:.0} MPa"
             );
         }
     }
 }
 
-/// The solver takes Hertz pressure with the radii of the involutes. It is too low where contact straddles the knee at the
-/// start of a linear relief over a fifth of the path, and on a parabola as short.
-fn without_curvature_of_the_relief(name: &str, position: f64) -> bool {
-    match name {
-        "relief-30-parabolic" => position < 0.46,
-        _ => (position - 0.467).abs() > 0.02,
-    }
+/// Everywhere.
+fn all(_: f64) -> bool {
+    true
 }
 
 #[test]
-fn short_and_strong_relief_agrees_in_plane_strain() {
+fn short_and_strong_relief_agrees_in_plane_strain_also_at_its_knee() {
     for name in ["relief-8", "relief-25", "relief-30", "relief-30-parabolic"] {
-        agrees_with_reference(name, 50.0, |at| without_curvature_of_the_relief(name, at));
+        let bounds = Bounds {
+            each: 0.004,
+            pressed: 50.0,
+            resolved: &all,
+        };
+        agrees_with_reference(name, &bounds);
     }
 }
 
 #[test]
 fn centre_distance_and_high_contact_ratio_agree_in_plane_strain() {
-    for name in [
-        "centre-distance-100",
-        "centre-distance+100",
-        "high-contact-ratio",
+    for (name, each) in [
+        // One position just before a tip edge takes up load.
+        ("centre-distance-100", 0.013),
+        ("centre-distance+100", 0.004),
+        ("high-contact-ratio", 0.006),
     ] {
-        agrees_with_reference(name, 50.0, |_| true);
+        let bounds = Bounds {
+            each,
+            pressed: 50.0,
+            resolved: &all,
+        };
+        agrees_with_reference(name, &bounds);
     }
 }
 
 #[test]
 fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
-    agrees_with_reference("solid-relief-30", 100.0, |at| {
-        without_curvature_of_the_relief("solid-relief-30", at)
-    });
-    // 2 mrad tell the ends of a strip apart by 1.2 um, which is no reason for more pressure than the line bears.
-    agrees_with_reference("solid-crowned", 100.0, |_| true);
+    // 2 mrad tell the ends of a strip apart by 1.2 um, which is no reason for more pressure than the line bears; they leave
+    // transmission errors of less than a micrometre.
+    for (name, each) in [("solid-relief-30", 0.004), ("solid-crowned", 0.02)] {
+        let bounds = Bounds {
+            each,
+            pressed: 100.0,
+            resolved: &all,
+        };
+        agrees_with_reference(name, &bounds);
+    }
 }
 
 #[test]
 fn helix_of_30_degrees_and_an_internal_helical_pair_agree() {
-    agrees_with_reference("helix-30", 100.0, |_| true);
-    // Its contact line crosses the knee of a relief that begins at the pitch point.
-    agrees_with_reference("internal-helical", 100.0, |_| false);
+    // At position 0 a contact line crosses the pitch point, where the reliefs begin, within a millimetre or two: the layers of
+    // the data are up to 5 mm long.
+    for name in ["helix-30", "internal-helical"] {
+        let bounds = Bounds {
+            each: 0.005,
+            pressed: 100.0,
+            resolved: &|position| position > 0.25,
+        };
+        agrees_with_reference(name, &bounds);
+    }
 }

@@ -43,7 +43,14 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
          less than the base radius; the torque given is that on gear 1. Left out is that the tip is a wedge, not a half-plane, below the size of the elements at \
          the edge.\n\n\
          **Modified flanks** touch where they come closest, not on the nominal line: gap = min over s of (removal of both gears + \
-         s²/(2 R)), s along the flanks in the transverse section, the lengths of roll moved by s rb/rho.\n\n\
+         s²/(2 R)), s along the flanks in the transverse section, the lengths of roll moved by s rb/rho. The local contact there \
+         takes the gap as it is: 1/R is the curvature of the involutes plus that of what is removed, and where the contact \
+         reaches the start of a relief the law is that of half-planes on parabolas joined by a kink or by a jump of curvature. With G(m, a) the \
+         mean of the gap over a contact from m - a to m + a under the weight 1/sqrt(a² - (s - m)²), line load and penetration are \
+         c w = a dG/da and h = G + c w ln(2 L/a), m such that dG/dm = 0: of all contacts the one that carries most at the \
+         penetration h. It passes into Hertz, or into the law of the tip edge, where contact just reaches the \
+         start of the relief. Pressure at a sharp kink has no bound; given is that of the half-ellipse of the same \
+         line load and spread. A strip takes the gap at its middle. The curvature of a topography is its second difference over 0.02 R to both sides.\n\n\
          **Contact** is the frictionless complementarity problem over all strips of all tooth pairs in reach, solved by Newton's \
          method to a relative residual of 1e-10.\n",
         link("mesh", "Mesh of one sector"),

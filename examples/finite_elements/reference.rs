@@ -119,12 +119,12 @@ pub fn report(models: &Models, _: &Path) -> Outcome<String> {
         ],
         &rows,
     );
-    text += "\nFlank pressure: Hertz takes the radii of the involutes, without the curvature of the relief. Where contact \
-             straddles the knee at the start of a linear relief over a fifth of the path (one position of the cycle) the knee bears \
-             like a blunt edge: the pressure is 10 to 40 % too low, the STE 0.5 to 4 % too small. On the parabola of 30 um over a fifth \
-             of the path, whose own curvature is a tenth of that of the flanks, the pressure is 5 % too low. So it is by 12 to 15 % in \
-             the internal pair where its contact line crosses the pitch point, at which the relief begins. Elsewhere it is within \
-             3 % from 100 N m on; at less load contact is but two to four cells of the solid data wide.\n";
+    text += "\nFlank pressure is that of the half-ellipse of the same line load and spread, in the data and here. With the curvature radii \
+             of the involutes alone, without the curvature of the relief, the pressure was 10 to 39 % too low and the STE 0.5 to 4 % too \
+             small where contact straddles the knee at the start of a linear relief over a fifth of the path (one position of the \
+             cycle), and the pressure 3 to 5 % too low on the parabola. Where the contact line of a helical pair crosses \
+             the pitch point, at which both reliefs begin (position 0), the layers of the data are up to 5 mm long and the knee lies within one or \
+             two: their pressure is no measure there. At 25 N m contact is but two to four cells of the data wide.\n";
     Ok(text)
 }
 

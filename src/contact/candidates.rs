@@ -1,6 +1,7 @@
 //! The strips that may touch at one position of the mesh.
 
 use super::closest::{Flanks, LeastGap};
+use super::local::GapProfile;
 use super::transverse::TransverseSection;
 #[cfg(feature = "preprocess")]
 use crate::compliance::Strip;
@@ -26,13 +27,10 @@ pub struct Candidate {
     /// Gaps along the line of action before load and misalignment at the points of the strip, ascending in z,
     /// m: microgeometry of both flanks and the separation off the path of contact.
     pub gap: [f64; POINTS],
-    /// Relative radius of curvature in the normal section, m.
+    /// Relative radius of curvature of the involutes in the normal section, m.
     pub radius: f64,
-    /// Slope of the gap at the nearest tip edge, from the edge into the flank, in the normal section; negative
-    /// where contact lies inside the flank.
-    pub edge_slope: f64,
-    /// The gear, 0 or 1, that this edge belongs to.
-    pub edge_gear: usize,
+    /// The gap about the closest point of mid-strip.
+    pub(super) profile: GapProfile,
     /// Arm of the force about the axis of gear 1, in the transverse plane over its base radius; at
     /// mid-strip.
     pub arm: f64,
@@ -42,6 +40,12 @@ impl Candidate {
     /// What it is known by in all positions of the mesh.
     pub fn name(&self) -> (i32, usize) {
         (self.tooth_pair, self.station)
+    }
+
+    /// The gear, 0 or 1, whose tip edge is nearest.
+    pub fn edge_gear(&self) -> usize {
+        let [of_second, of_first] = self.profile.edges;
+        usize::from(-of_second < of_first)
     }
 
     /// Middle of the strip in gear 1's frame, m.
@@ -60,7 +64,7 @@ impl Candidate {
 pub struct StripRates {
     /// Rates of [`Candidate::gap`].
     pub gap: [f64; POINTS],
-    /// Rate of the logarithm of [`Candidate::radius`].
+    /// Rate of the logarithm of the radius of curvature where the flanks come closest, removals included.
     pub log_radius: f64,
 }
 
@@ -249,19 +253,20 @@ impl ContactLines<'_> {
         let numbers = self.section.numbers();
         let mut rates = [StripRates::default(); 2];
         for (q, (flanks, least)) in points.iter().enumerate() {
-            for (rates, (gap, _)) in rates.iter_mut().zip(flanks.rates(least, rolls)?) {
+            for (rates, (gap, ..)) in rates.iter_mut().zip(flanks.rates(least, rolls)?) {
                 rates.gap[q] = gap;
             }
         }
         let [_, rate] = self.closing(tau, candidate.tooth_pair);
         rates[0].gap.iter_mut().for_each(|gap| *gap -= rate);
         let (flanks, least) = middle;
-        for (rates, (_, moved)) in rates.iter_mut().zip(flanks.rates(least, rolls)?) {
-            rates.log_radius = (0..2)
+        let curvature = candidate.profile.curvature;
+        for (rates, (_, moved, bend)) in rates.iter_mut().zip(flanks.rates(least, rolls)?) {
+            let involutes = (0..2)
                 .map(|i| numbers.kappa[i] * moved[i] / (candidate.roll[i] * candidate.roll[i]))
                 .sum::<f64>()
-                * numbers.cos_beta_b
-                * candidate.radius;
+                * numbers.cos_beta_b;
+            rates.log_radius = (involutes - bend) / curvature;
         }
         Some(rates)
     }
@@ -376,10 +381,7 @@ impl ContactLines<'_> {
             roll: closest.roll,
             gap,
             radius: curvature.recip(),
-            // The transverse tangent is normal to the generator; the gap is cos beta_b of that along the
-            // line of action.
-            edge_slope: closest.edge_slope * cos_beta_b,
-            edge_gear: closest.edge_gear,
+            profile: closest.profile,
             arm: closest.arm,
         };
         let rates = rolls.and_then(|rolls| self.rates(tau, &candidate, (&places, middle), rolls));

@@ -13,6 +13,8 @@
 //!
 //! Reliefs, crowning and slopes are convex over the length of roll, hence so is g; a topography need not be.
 
+use super::local::constants::{LEAST_CURVATURE, TOPOGRAPHY_OVER_RADIUS};
+use super::local::{Break, GapProfile};
 use super::transverse::{TransversePoint, TransverseSection};
 use crate::gear::{Microgeometry, PairGeometry, ProfilePiece};
 
@@ -31,11 +33,8 @@ pub struct ClosestPoint {
     pub gap: f64,
     /// Distance from the nominal point along both flanks towards the tip of gear 1, m.
     pub s: f64,
-    /// Slope of the gap at the tip edge that is nearest in slope, from the edge into the flank; negative
-    /// where the flanks come closest inside.
-    pub edge_slope: f64,
-    /// The gear, 0 or 1, that this edge belongs to.
-    pub edge_gear: usize,
+    /// The gap about this point, normal to the flanks.
+    pub profile: GapProfile,
     /// Arm of the contact force about the axis of gear 1 over its base radius, that of unmodified flanks: by
     /// which relief turns the normal, less than a hundredth, is left out.
     pub arm: f64,
@@ -51,6 +50,9 @@ pub struct LeastGap {
     /// First and second derivatives of both removals over the length of roll there, along the line of action.
     removal: Option<[[f64; 2]; 2]>,
 }
+
+/// Rates of the least gap, of the lengths of roll of both gears there, and of the curvature of what is removed there, 1/m.
+pub type Rates = (f64, [f64; 2], f64);
 
 /// Both flanks about one point of the transverse section.
 #[derive(Clone, Copy)]
@@ -123,18 +125,18 @@ impl<'a> Flanks<'a> {
             + self.per_cos * (removal(0) + removal(1))
     }
 
-    /// Rates of the least gap, `least`, and of the lengths of roll there while those of the nominal point change at
-    /// each of the rates `rolls`, on the path of contact; `None` beyond it, where the closest point is at an end or at a
+    /// Rates of the least gap, `least`, of the lengths of roll there and of the curvature of both removals over s, normal to
+    /// the flanks, while the lengths of roll of the nominal point change at each of the rates `rolls`, on the path of contact; `None` beyond it, where the closest point is at an end or at a
     /// kink, and for a topography.
     ///
     /// The least gap changes as that at the present s, which is stationary.
-    pub fn rates(&self, least: &LeastGap, rolls: [[f64; 2]; 2]) -> Option<[(f64, [f64; 2]); 2]> {
+    pub fn rates(&self, least: &LeastGap, rolls: [[f64; 2]; 2]) -> Option<[Rates; 2]> {
         let at = &self.at;
         if !self.on_path() {
             return None;
         }
         if self.is_nominal() {
-            return Some(rolls.map(|rolls| (0.0, rolls)));
+            return Some(rolls.map(|rolls| (0.0, rolls, 0.0)));
         }
         if self.microgeometry.iter().any(|m| m.topography.is_some()) {
             return None;
@@ -161,6 +163,7 @@ impl<'a> Flanks<'a> {
             self.curvature + by_s[0] * by_s[0] * removal[0][1] + by_s[1] * by_s[1] * removal[1][1];
         let rates = |rolls: [f64; 2]| {
             let (mut curvature, mut gap, mut slope) = (0.0, 0.0, 0.0);
+            let mut bend = 0.0;
             // Of the lengths of roll at the present s.
             let mut held = [0.0; 2];
             for i in 0..2 {
@@ -171,13 +174,14 @@ impl<'a> Flanks<'a> {
                 let [first, second] = removal[i];
                 gap += first * held[i];
                 slope += by_s * first + self.roll_by_s[i] * second * held[i];
+                bend += 2.0 * self.roll_by_s[i] * by_s * second / self.per_cos;
             }
             let moved = -(s * curvature + slope) / stiffness;
             let rates = [
                 held[0] + self.roll_by_s[0] * moved,
                 held[1] + self.roll_by_s[1] * moved,
             ];
-            (gap + 0.5 * s * s * curvature, rates)
+            (gap + 0.5 * s * s * curvature, rates, bend)
         };
         Some([rates(rolls[0]), rates(rolls[1])])
     }
@@ -344,36 +348,63 @@ impl<'a> Flanks<'a> {
 
     /// The closest point whose gap is `least`.
     pub fn closest_point_at(&self, least: &LeastGap) -> ClosestPoint {
-        let at = &self.at;
         let s = least.s;
-        if self.is_nominal() {
-            return ClosestPoint {
-                roll: at.roll,
-                gap: least.gap,
-                s,
-                edge_slope: at.edge_slope,
-                edge_gear: at.edge_gear,
-                arm: at.arm,
-            };
-        }
-        let edges = [-self.edge_slope(0), self.edge_slope(1)];
-        let edge_gear = usize::from(edges[1] > edges[0]);
+        let roll = self.rolls(s);
         ClosestPoint {
-            roll: self.rolls(s),
+            roll,
             gap: least.gap,
             s,
-            edge_slope: edges[edge_gear],
-            edge_gear,
-            arm: at.arm,
+            profile: self.profile(s, roll),
+            arm: self.at.arm,
         }
     }
 
-    /// dg/ds at the tip edge of gear `i`, whose distance is that along the involute.
-    fn edge_slope(&self, i: usize) -> f64 {
-        let section = self.section;
-        let s = [1.0, -1.0][i] * section.distance_to_edge(i, self.at.roll[i]);
-        let mut rolls = self.rolls(s);
-        rolls[i] = section.flank_ends(i)[0];
-        self.at.slope + s * self.curvature + self.removal_slope(rolls)
+    /// The gap about `s`, where the lengths of roll are `rolls`.
+    ///
+    /// The tangent of the transverse section is normal to the generator, so the same distances count in the normal
+    /// section; the gap is cos beta_b of that along the line of action.
+    fn profile(&self, s: f64, rolls: [f64; 2]) -> GapProfile {
+        let numbers = self.section.numbers();
+        let cos = numbers.cos_beta_b;
+        let involutes: f64 = (0..2).map(|i| numbers.kappa[i] * cos / rolls[i]).sum();
+        let edge = |i: usize| self.section.distance_to_edge(i, rolls[i]);
+        let slope = cos * (self.at.slope + s * self.curvature);
+        let mut profile = GapProfile::parabola(slope, involutes, [-edge(1), edge(0)]);
+        if self.is_nominal() {
+            return profile;
+        }
+        let mut place = 0;
+        for (i, m) in self.microgeometry.iter().enumerate() {
+            let by_s = self.roll_by_s[i];
+            let by = by_s * TOPOGRAPHY_OVER_RADIUS / self.curvature;
+            profile.slope += by_s * m.smooth_slope(&self.geometry.gears[i], rolls[i], self.z[i]);
+            profile.curvature += by_s * by_s * m.smooth_curvature(rolls[i], self.z[i], by);
+            for relief in m.reliefs() {
+                let [slope, curvature] = relief.jumps();
+                let at = (relief.start_roll - rolls[i]) / by_s;
+                // A search that ends at a kink ends near it.
+                let is_here = at.abs() <= 10.0 * TOLERANCE / self.curvature;
+                let relief = Break {
+                    at: if is_here { 0.0 } else { at },
+                    side: relief.side() * by_s.signum(),
+                    slope: slope * by_s.abs(),
+                    curvature: curvature * by_s * by_s,
+                };
+                profile.add(place, relief);
+                place += 1;
+            }
+        }
+        // Only a topography can have less.
+        profile.curvature = profile.curvature.max(LEAST_CURVATURE * involutes);
+        // The flanks are parallel where they come closest, but at an edge; what the search leaves over is none of it, nor
+        // is what ends at the root.
+        let [before, behind] = profile.slopes_at_closest();
+        let at_edge = TOLERANCE / self.curvature;
+        if before > 0.0 && profile.edges[0] < -at_edge {
+            profile.slope -= before;
+        } else if behind < 0.0 && profile.edges[1] > at_edge {
+            profile.slope -= behind;
+        }
+        profile
     }
 }

@@ -57,7 +57,7 @@ impl PositionProblem {
                     reference_length: influence.lengths[i][strip],
                 });
                 let length = strip_lengths[strip] / POINTS as f64;
-                LocalContact::new(bodies, candidate.radius, length, candidate.edge_slope)
+                LocalContact::new(bodies, &candidate.profile, length)
             })
             .collect();
         let z_ref = numbers.z_ref;

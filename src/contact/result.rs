@@ -80,7 +80,8 @@ pub struct ContactResult {
     pub tangent: Tangent,
     /// Normal force on each strip, N, in the order of [`PositionProblem::candidates`].
     pub forces: Vec<f64>,
-    /// Hertz pressure of each strip inside the flanks, Pa: under the mean line load of its loaded part.
+    /// Pressure of each strip inside the flanks, Pa, under the mean line load of its loaded part: Hertz, and where the contact
+    /// straddles the start of a relief the half-ellipse of the same line load and spread.
     pub pressures: Vec<f64>,
     /// Largest line load at a tip edge on each strip.
     pub edge_loads: Vec<Option<EdgeLoad>>,
@@ -105,7 +106,7 @@ impl PositionProblem {
                 if force == 0.0 {
                     continue;
                 }
-                if self.local[i].pressure(force).is_some() {
+                if !self.local[i].reaches_edge(force) {
                     inside += force;
                     points += 1.0;
                     continue;
@@ -113,7 +114,7 @@ impl PositionProblem {
                 let here = EdgeLoad {
                     line_load: force / self.local[i].length(),
                     z: self.z_ref + lever,
-                    gear: self.candidates[i].edge_gear,
+                    gear: self.candidates[i].edge_gear(),
                 };
                 edge_loads[i] = larger(edge_loads[i], Some(here));
             }

@@ -12,11 +12,6 @@ pub struct TransversePoint {
     /// Slope of this gap over the distance along the flanks towards the tip of gear 1: zero on the path,
     /// beyond it the inclination of the flanks.
     pub slope: f64,
-    /// Slope of the gap along the line of action at the nearest tip edge, from the edge into the flank: beyond
-    /// the path the inclination of the flanks, on it minus distance to the edge over radius of curvature.
-    pub edge_slope: f64,
-    /// The gear, 0 or 1, that this edge belongs to.
-    pub edge_gear: usize,
     /// Arm of the contact force about the axis of gear 1 over its base radius: 1 on the path and where the tip
     /// edge of gear 2 bears on gear 1, whose normals touch its own base circle.
     pub arm: f64,
@@ -132,15 +127,10 @@ impl TransverseSection {
             self.tip_corner(1, xi)
         } else {
             let roll = [0, 1].map(|i| self.roll(i, xi));
-            let to_edge = [0, 1].map(|i| self.distance_to_edge(i, roll[i]));
-            let edge_gear = usize::from(to_edge[1] < to_edge[0]);
-            let curvature: f64 = (0..2).map(|i| self.sides[i].kappa / roll[i]).sum();
             TransversePoint {
                 roll,
                 separation: 0.0,
                 slope: 0.0,
-                edge_slope: -to_edge[edge_gear] * curvature,
-                edge_gear,
                 arm: 1.0,
             }
         }
@@ -195,14 +185,12 @@ impl TransverseSection {
             (from_tip[1] * turned.cos() + a.up * b.up * from_tip[0] * turned.sin()) / a.rb;
         // By how much the normals have turned out of the line of action: clockwise about a centre below it,
         // counter-clockwise about one above.
-        let edge_slope = (a.up * turn - b.up * turned).abs();
+        let inclined = (a.up * turn - b.up * turned).abs();
         TransversePoint {
             roll: rolls,
             // Gear 2's flank has to lie ahead, gear 1's behind.
             separation: if mate == 1 { behind } else { -behind },
-            slope: if tip == 0 { -edge_slope } else { edge_slope },
-            edge_slope,
-            edge_gear: tip,
+            slope: if tip == 0 { -inclined } else { inclined },
             arm: if tip == 0 { about_tip_gear } else { 1.0 },
         }
     }

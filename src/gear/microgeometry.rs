@@ -72,19 +72,38 @@ impl Microgeometry {
 
     /// d [`Microgeometry::removal`] / d roll at the length of roll `roll` and at `z`, m per m.
     pub fn slope(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
-        let t = along_face(gear, z);
-        self.tip_relief.map_or(0.0, |r| r.slope(roll))
-            + self.root_relief.map_or(0.0, |r| r.slope(roll))
-            + self.profile_crowning.map_or(0.0, |c| c.slope(roll))
-            + self.profile_slope.map_or(0.0, |p| p.slope(t))
-            + self.topography.as_ref().map_or(0.0, |f| f.slope(roll, z))
+        self.reliefs().map(|r| r.slope(roll)).sum::<f64>() + self.smooth_slope(gear, roll, z)
     }
 
     /// d [`Microgeometry::slope`] / d roll at the length of roll `roll`, m per m², without that of a topography.
     pub fn curvature(&self, roll: f64) -> f64 {
-        self.tip_relief.map_or(0.0, |r| r.curvature(roll))
-            + self.root_relief.map_or(0.0, |r| r.curvature(roll))
+        self.reliefs().map(|r| r.curvature(roll)).sum::<f64>()
             + self.profile_crowning.map_or(0.0, |c| c.curvature())
+    }
+
+    /// Tip relief and root relief, as far as there are.
+    pub fn reliefs(&self) -> impl Iterator<Item = &ProfileRelief> {
+        self.tip_relief.iter().chain(&self.root_relief)
+    }
+
+    /// [`Microgeometry::slope`] without the reliefs.
+    pub fn smooth_slope(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
+        self.profile_crowning.map_or(0.0, |c| c.slope(roll))
+            + self
+                .profile_slope
+                .map_or(0.0, |p| p.slope(along_face(gear, z)))
+            + self.topography.as_ref().map_or(0.0, |f| f.slope(roll, z))
+    }
+
+    /// Curvature over the length of roll without the reliefs, m per m²; that of a topography by its second difference over
+    /// +-`by` (m of roll).
+    pub fn smooth_curvature(&self, roll: f64, z: f64, by: f64) -> f64 {
+        let bend = |f: &Arc<Topography>| {
+            let at = |roll| f.removal(roll, z);
+            (at(roll + by) - 2.0 * at(roll) + at(roll - by)) / (by * by)
+        };
+        self.profile_crowning.map_or(0.0, |c| c.curvature())
+            + self.topography.as_ref().map_or(0.0, bend)
     }
 
     /// [`Microgeometry::removal`] and its derivatives at the length of roll `roll` and at `z`, but for a topography.

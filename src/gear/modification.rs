@@ -101,6 +101,21 @@ impl ProfileRelief {
         }
     }
 
+    /// Jumps of the slope, m/m, by size, and of the curvature, m/m², of the flank where the relief starts.
+    pub fn jumps(&self) -> [f64; 2] {
+        let length = self.end_roll - self.start_roll;
+        let slope = self.amount / length;
+        [
+            slope.abs() * self.shape.slope(0.0),
+            slope / length * self.shape.curvature(0.0),
+        ]
+    }
+
+    /// 1 where the relief lies at longer lengths of roll than its start, -1 at shorter ones.
+    pub fn side(&self) -> f64 {
+        (self.end_roll - self.start_roll).signum()
+    }
+
     /// d [`ProfileRelief::slope`] / d roll.
     pub fn curvature(&self, roll: f64) -> f64 {
         let length = self.end_roll - self.start_roll;

@@ -1,7 +1,11 @@
 //! Local contact of one strip: force over penetration in closed form.
 
+use std::sync::OnceLock;
+
 use super::constants::{LARGEST_HALF_WIDTH_OVER_RADIUS, WIDTH_OVER_REFERENCE};
+use super::knee::Knee;
 use super::lambert;
+use super::profile::GapProfile;
 use super::tip_edge::TipEdge;
 use wide::f64x4;
 
@@ -13,7 +17,7 @@ use wide::f64x4;
 /// kappa = 4 rho (1/E'_1 + 1/E'_2) / pi (Hertz). h rises from zero with an infinite slope, so that its
 /// inverse starts with slope zero: contact begins smoothly. With u = ln w - 2 B / c the inverse is the
 /// lower branch of Lambert's W, -u e^u = y.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LocalContact {
     /// Length of the strip along the contact line, m.
     length: f64,
@@ -23,12 +27,25 @@ pub struct LocalContact {
     log_scale: f64,
     /// kappa, m^2 per N/m.
     kappa: f64,
-    /// Relative radius of curvature, m.
+    /// Relative radius of curvature where the flanks come closest, m.
     radius: f64,
     /// Penetration from which on the law goes on along its tangent, m.
     wide: f64,
+    /// ln L, the mean of both gears weighted with c_g.
+    log_reference: f64,
     /// Takes over from the width of contact at which one side of it ends at a tip edge.
     edge: Option<TipEdge>,
+    /// Takes over from both at the width of contact at which it reaches the start of a relief.
+    relief: Option<Box<Relief>>,
+}
+
+/// The law where contact reaches the start of a relief, made when it is first asked for.
+#[derive(Debug, Clone, PartialEq)]
+struct Relief {
+    profile: GapProfile,
+    /// Half-width (m), line load (N/m) and penetration (m) from which on it holds.
+    least: [f64; 3],
+    law: OnceLock<Knee>,
 }
 
 /// Local contact at the four points of a strip.
@@ -71,11 +88,10 @@ pub struct LocalBody {
 }
 
 impl LocalContact {
-    /// Law of a strip of `length` (m, along the contact line) between two bodies of the relative
-    /// radius of curvature `radius` (m, normal section). `edge_slope` is the slope of the gap at the nearest
-    /// tip edge, away from it into the flank: negative where the flanks come closest inside the flank, at the
-    /// distance -`edge_slope` * `radius` from the edge.
-    pub fn new(bodies: [LocalBody; 2], radius: f64, length: f64, edge_slope: f64) -> LocalContact {
+    /// Law of a strip of `length` (m, along the contact line) between two bodies whose gap is `profile` in the normal
+    /// section.
+    pub fn new(bodies: [LocalBody; 2], profile: &GapProfile, length: f64) -> LocalContact {
+        let radius = profile.curvature.recip();
         let scale = 2.0 / std::f64::consts::PI;
         let kappa =
             2.0 * scale * radius * (bodies[0].plane_compliance + bodies[1].plane_compliance);
@@ -97,14 +113,74 @@ impl LocalContact {
             wide: wide_over_scale() * (-log_scale).exp(),
             kappa,
             radius,
-            edge: TipEdge::new(c, radius, log_reference, edge_slope),
+            log_reference,
+            edge: TipEdge::new(c, radius, log_reference, profile.edge_slope()),
+            relief: None,
         }
+        .with_relief(profile)
+    }
+
+    /// This law up to where contact reaches the start of a relief, if it does before it becomes too wide.
+    fn with_relief(mut self, profile: &GapProfile) -> LocalContact {
+        let half_width = profile.room();
+        if half_width >= WIDTH_OVER_REFERENCE * self.log_reference.exp() {
+            return self;
+        }
+        let [load, penetration] = match &self.edge {
+            Some(edge) if half_width > profile.edge_distance() => edge.at_width(2.0 * half_width),
+            _ if half_width == 0.0 => [0.0; 2],
+            _ => {
+                let load = half_width * half_width / (2.0 * self.radius * self.c);
+                let log = self.log_reference + std::f64::consts::LN_2 - half_width.ln();
+                [load, self.c * load * (log + 0.5)]
+            }
+        };
+        self.relief = Some(Box::new(Relief {
+            profile: *profile,
+            least: [half_width, load, penetration],
+            law: OnceLock::new(),
+        }));
+        self
+    }
+
+    /// The law where contact reaches the start of a relief.
+    fn knee<'a>(&self, relief: &'a Relief) -> &'a Knee {
+        relief.law.get_or_init(|| {
+            let [half_width, _, penetration] = relief.least;
+            Knee::new(
+                &relief.profile,
+                (self.c, self.log_reference),
+                (
+                    half_width,
+                    self.energy_before_relief(penetration) / self.length,
+                ),
+                WIDTH_OVER_REFERENCE * self.log_reference.exp(),
+            )
+        })
+    }
+
+    /// The law where contact reaches the start of a relief, if it does at the penetration `x`, m.
+    fn knee_at(&self, x: f64) -> Option<&Knee> {
+        let relief = self.relief.as_deref()?;
+        (x > relief.least[2]).then(|| self.knee(relief))
+    }
+
+    /// Penetration from which on contact is not that of a parabola, m.
+    fn least_beyond(&self) -> f64 {
+        let edge = self.edge.as_ref().map(TipEdge::least_penetration);
+        let relief = self.relief.as_deref().map(|relief| relief.least[2]);
+        let of = |least: Option<f64>| least.unwrap_or(f64::INFINITY);
+        of(edge).min(of(relief))
     }
 
     /// Force (N) and its derivative (N/m) at the penetration `x` (m); zero for x <= 0.
     pub fn force(&self, x: f64) -> (f64, f64) {
         if x <= 0.0 {
             return (0.0, 0.0);
+        }
+        if let Some(law) = self.knee_at(x) {
+            let [w, slope, _] = law.at(x);
+            return (self.length * w, self.length * slope);
         }
         if let Some(edge) = &self.edge
             && x > edge.least_penetration()
@@ -152,10 +228,7 @@ impl LocalContact {
     /// Forces at four points (N) and -u there, of any size where there is no force; `None` where contact at one of them
     /// reaches a tip edge, is too wide, or so slight that the tabulated root ends.
     fn within_flank(&self, x: [f64; 4]) -> Option<(f64x4, f64x4)> {
-        let limit = match &self.edge {
-            Some(edge) => edge.least_penetration().min(self.wide),
-            None => self.wide,
-        };
+        let limit = self.least_beyond().min(self.wide);
         if !x.iter().all(|x| *x < limit) {
             return None;
         }
@@ -194,6 +267,14 @@ impl LocalContact {
     ///
     /// Within Hertz, with the line load w: integral of h dw = w h / 2 + c w² / 8.
     pub fn energy(&self, x: f64) -> f64 {
+        if let Some(law) = self.knee_at(x) {
+            return self.length * law.at(x)[2];
+        }
+        self.energy_before_relief(x)
+    }
+
+    /// As [`LocalContact::energy`] up to where contact reaches the start of a relief.
+    fn energy_before_relief(&self, x: f64) -> f64 {
         if x <= 0.0 {
             return 0.0;
         }
@@ -226,16 +307,34 @@ impl LocalContact {
         (half_width > LARGEST_HALF_WIDTH_OVER_RADIUS * self.radius).then(|| self.hertz_pressure(f))
     }
 
-    /// Whether contact reaches a tip edge under the force `f`, N.
-    pub fn reaches_edge(&self, f: f64) -> bool {
-        self.edge
-            .is_some_and(|edge| f / self.length > edge.least_line_load())
+    /// Law of the start of a relief that the line load `w` (N/m) reaches.
+    fn knee_under(&self, w: f64) -> Option<&Knee> {
+        let relief = self.relief.as_deref()?;
+        (w > relief.least[1]).then(|| self.knee(relief))
     }
 
-    /// Largest Hertz pressure, Pa, under the force `f`, N: 2 w / (pi b). None where contact reaches a tip
-    /// edge: at a sharp edge pressure has no bound.
+    /// Whether contact reaches a tip edge under the force `f`, N.
+    pub fn reaches_edge(&self, f: f64) -> bool {
+        let w = f / self.length;
+        match self.relief.as_deref() {
+            // Past the start of the relief flanks close more slowly.
+            Some(relief) if relief.least[0] <= relief.profile.edge_distance() => self
+                .knee_under(w)
+                .is_some_and(|knee| w > knee.load_at_edge()),
+            _ => self.edge.is_some_and(|edge| w > edge.least_line_load()),
+        }
+    }
+
+    /// Largest pressure, Pa, under the force `f`, N: that of the half-ellipse 2 w / (pi b) with the spread of the pressure,
+    /// which is Hertz's inside one parabola; at a sharp kink itself pressure has no bound. None where
+    /// contact reaches a tip edge, where it has none either.
     pub fn pressure(&self, f: f64) -> Option<f64> {
-        (!self.reaches_edge(f)).then(|| self.hertz_pressure(f))
+        if self.reaches_edge(f) {
+            return None;
+        }
+        let w = f.max(0.0) / self.length;
+        let of = |knee: &Knee| 2.0 / std::f64::consts::PI * w / knee.half_width(w);
+        Some(self.knee_under(w).map_or(self.hertz_pressure(f), of))
     }
 
     /// 2 w / (pi b), with b = sqrt(kappa w).
@@ -263,22 +362,56 @@ fn u_wide() -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::profile::Break;
     use super::*;
     use approx::assert_relative_eq;
 
     const STEEL: f64 = (1.0 - 0.09) / 206e9;
+
+    /// Parabola of the radius 7 mm, far from edges.
+    fn far() -> GapProfile {
+        GapProfile::parabola(0.0, 1.0 / 7e-3, [-1.0, 1.0])
+    }
+
+    /// Far from everything, near a tip edge, at one, dug in by it, and with reliefs on both sides.
+    fn profiles() -> [GapProfile; 7] {
+        let edge = |slope: f64, low: f64| GapProfile::parabola(slope, 1.0 / 7e-3, [low, 1.0]);
+        let relieved = |slope: f64, at: f64| {
+            let mut profile = GapProfile::parabola(slope, 1.0 / 7e-3, [-1.0, 1.0]);
+            for (place, (at, side, slope, curvature)) in
+                [(at, 1.0, 0.015, 0.0), (-0.11e-3, -1.0, 0.0, 40.0)]
+                    .into_iter()
+                    .enumerate()
+            {
+                let relief = Break {
+                    at,
+                    side,
+                    slope,
+                    curvature,
+                };
+                profile.add(place, relief);
+            }
+            profile
+        };
+        let mut near_edge = relieved(0.0, 0.05e-3);
+        near_edge.edges[0] = -35e-6;
+        [
+            far(),
+            edge(0.0, -35e-6),
+            edge(0.0, 0.0),
+            edge(0.02, 0.0),
+            relieved(0.0, 0.05e-3),
+            relieved(-0.004, 0.0),
+            near_edge,
+        ]
+    }
 
     fn law() -> LocalContact {
         let body = |reference_length| LocalBody {
             plane_compliance: STEEL,
             reference_length,
         };
-        LocalContact::new(
-            [body(1.2e-3), body(2.0e-3)],
-            7e-3,
-            0.6e-3,
-            f64::NEG_INFINITY,
-        )
+        LocalContact::new([body(1.2e-3), body(2.0e-3)], &far(), 0.6e-3)
     }
 
     #[test]
@@ -300,8 +433,8 @@ mod tests {
             plane_compliance: STEEL,
             reference_length,
         });
-        for edge_slope in [f64::NEG_INFINITY, -5e-3, 0.0, 0.02] {
-            let law = LocalContact::new(bodies, 7e-3, 0.6e-3, edge_slope);
+        for profile in profiles() {
+            let law = LocalContact::new(bodies, &profile, 0.6e-3);
             for x in [1e-22, 1e-9, 2e-6, 1e-5, 1e-4, 1e-2] {
                 let points = [x, 0.3 * x, -x, 1.7 * x];
                 let each = points.map(|x| law.force(x));
@@ -322,7 +455,8 @@ mod tests {
                 plane_compliance: STEEL,
                 reference_length,
             });
-            LocalContact::new(bodies, radius, 0.6e-3, f64::NEG_INFINITY)
+            let profile = GapProfile::parabola(0.0, radius.recip(), [-1.0, 1.0]);
+            LocalContact::new(bodies, &profile, 0.6e-3)
         };
         let x = [3e-6, 5e-6, -1e-6, 2e-7];
         let energy = |law: LocalContact| -> f64 { x.iter().map(|x| law.energy(*x)).sum() };
@@ -364,14 +498,35 @@ mod tests {
             plane_compliance: STEEL,
             reference_length,
         });
-        for edge_slope in [f64::NEG_INFINITY, -5e-3, 0.0, 0.02] {
-            let law = LocalContact::new(bodies, 7e-3, 0.6e-3, edge_slope);
+        for profile in profiles() {
+            let law = LocalContact::new(bodies, &profile, 0.6e-3);
             for x in [1e-8, 1e-6, 5e-6, 2e-5, 1e-4, 1e-3] {
                 let d = 1e-4 * x;
                 let slope = (law.energy(x + d) - law.energy(x - d)) / (2.0 * d);
                 assert_relative_eq!(law.force(x).0, slope, max_relative = 1e-6);
             }
             assert_eq!(law.energy(-1e-6), 0.0);
+        }
+    }
+
+    #[test]
+    fn one_law_goes_over_into_the_next() {
+        let bodies = [0.3e-3, 0.4e-3].map(|reference_length| LocalBody {
+            plane_compliance: STEEL,
+            reference_length,
+        });
+        for profile in profiles() {
+            let law = LocalContact::new(bodies, &profile, 0.6e-3);
+            let relief = law.relief.as_deref().map(|relief| relief.least[2]);
+            let edge = law.edge.as_ref().map(TipEdge::least_penetration);
+            for at in [relief, edge].into_iter().flatten().filter(|x| *x > 0.0) {
+                let [below, above] = [1.0 - 1e-9, 1.0 + 1e-9].map(|near| near * at);
+                let ([f, slope], [g, other]) = (law.force(below).into(), law.force(above).into());
+                assert_relative_eq!(f, g, max_relative = 1e-7);
+                assert_relative_eq!(slope, other, max_relative = 1e-7);
+                let energies = [below, above].map(|x| law.energy(x));
+                assert_relative_eq!(energies[0], energies[1], max_relative = 1e-7);
+            }
         }
     }
 

@@ -7,6 +7,8 @@
 //!    └─> division: moves displacement from the bulk matrix to the law until L suits the width of contact
 //!           └─> hertz: line load over penetration, inside the flanks (inverted by lambert)
 //!                  └─> tip_edge: the same where contact reaches a tip edge
+//!                         └─> knee: the same where it reaches the start of a relief, by the
+//!                                   means of the gap over a contact (profile)
 //! ```
 //!
 //! `width` estimates how wide the contacts of a pair become, `constants` holds every threshold.
@@ -17,7 +19,9 @@ mod division;
 mod hertz;
 #[cfg(feature = "preprocess")]
 pub(crate) mod kernel;
+mod knee;
 mod lambert;
+mod profile;
 mod tip_edge;
 #[cfg(feature = "preprocess")]
 mod width;
@@ -25,5 +29,6 @@ mod width;
 #[cfg(feature = "preprocess")]
 pub(super) use division::{Piece, divide};
 pub(super) use hertz::{LocalBody, LocalContact, PointLoads};
+pub(super) use profile::{Break, GapProfile};
 #[cfg(feature = "preprocess")]
 pub(crate) use width::widest_contact;

@@ -69,6 +69,12 @@ impl TipEdge {
         self.least[1]
     }
 
+    /// Line load (N/m) and penetration (m) of a contact of the width `a`, m.
+    pub fn at_width(&self, a: f64) -> [f64; 2] {
+        let [_, load, penetration] = self.state(a);
+        [load, penetration]
+    }
+
     /// Width, line load and penetration at the width `a`.
     fn state(&self, a: f64) -> [f64; 3] {
         let of_slope = (self.slope + 0.5 * a / self.radius) * a / (2.0 * self.c);

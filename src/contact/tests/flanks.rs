@@ -5,6 +5,7 @@ use crate::contact::closest::Flanks;
 use crate::contact::numbers::PairNumbers;
 use crate::contact::transverse::TransverseSection;
 use crate::gear::{Flank, ProfileRelief, ReliefShape, ToothProfile};
+use approx::assert_abs_diff_eq;
 
 const PAPER: &str = include_str!("../../../resources/pairs/palermo2013.json");
 const UNMODIFIED: &str = include_str!("../../../resources/pairs/palermo2013-unmodified.json");
@@ -83,33 +84,49 @@ fn the_closest_point_is_the_least_gap_of_all() {
         let found =
             Flanks::new(g, &section, pair.microgeometry.drive.each_ref(), at, Z).closest_point();
         let curvature: f64 = at.roll.iter().map(|roll| roll.recip()).sum();
+        let at_distance = |s: f64| {
+            let rolls = [0, 1].map(|i| {
+                let sense = [1.0, -1.0][i];
+                at.roll[i] + sense * s * g.gears[i].base_radius() / at.roll[i]
+            });
+            let within = (0..2).all(|i| {
+                let [tip, form] = section.flank_ends(i);
+                rolls[i] <= tip + 1e-12 && rolls[i] >= form
+            });
+            let removal: f64 = (0..2)
+                .map(|i| pair.microgeometry.drive[i].removal(&g.gears[i], rolls[i], Z))
+                .sum();
+            within.then_some(
+                at.separation
+                    + at.slope * s
+                    + 0.5 * s * s * curvature
+                    + removal / g.base_helix_angle().cos(),
+            )
+        };
         let least = (-2000..=2000)
-            .map(|s| 1e-6 * f64::from(s))
-            .filter_map(|s| {
-                let rolls = [0, 1].map(|i| {
-                    let sense = [1.0, -1.0][i];
-                    at.roll[i] + sense * s * g.gears[i].base_radius() / at.roll[i]
-                });
-                let within = (0..2).all(|i| {
-                    let [tip, form] = section.flank_ends(i);
-                    rolls[i] <= tip + 1e-12 && rolls[i] >= form
-                });
-                let removal: f64 = (0..2)
-                    .map(|i| pair.microgeometry.drive[i].removal(&g.gears[i], rolls[i], Z))
-                    .sum();
-                within.then_some(
-                    at.separation
-                        + at.slope * s
-                        + 0.5 * s * s * curvature
-                        + removal / g.base_helix_angle().cos(),
-                )
-            })
+            .filter_map(|s| at_distance(1e-6 * f64::from(s)))
             .fold(f64::INFINITY, f64::min);
         assert!(
             found.gap <= least + 1e-13 && found.gap > least - 2e-8,
             "{step}: {} {least}",
             found.gap
         );
+        if at.separation > 0.0 {
+            continue;
+        }
+        // The profile is the gap about that point, but for its involutes' curvature, which is that of the closest point.
+        for t in [-0.2e-3, -0.05e-3, 0.05e-3, 0.2e-3] {
+            let Some(gap) = at_distance(found.s + t) else {
+                continue;
+            };
+            let along_action = found.profile.gap(t) / g.base_helix_angle().cos();
+            let involutes = 0.5 * t * t * found.profile.curvature;
+            assert_abs_diff_eq!(
+                along_action,
+                gap - found.gap,
+                epsilon = 0.2 * involutes + 1e-12
+            );
+        }
     }
 }
 
@@ -128,7 +145,7 @@ fn flanks_without_profile_modifications_touch_on_the_nominal_line() {
         )
         .closest_point();
         assert_eq!((found.roll, found.gap), (at.roll, at.separation));
-        assert_eq!((found.edge_slope, found.arm), (at.edge_slope, at.arm));
+        assert_eq!((found.profile.slope, found.arm), (0.0, at.arm));
     }
 }
 

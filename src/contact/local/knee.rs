@@ -1,0 +1,328 @@
+//! Contact that reaches the start of a relief: line load over penetration where the gap is no parabola.
+//!
+//! Two half-planes that touch from m - a to m + a, with G(m, a) the mean gap under the pressure of a flat punch of that
+//! width, give way by
+//!
+//! h = G + c w ln(2 L / a), c w = a dG/da, dG/dm = 0,
+//!
+//! c = sum of 2 (1 - nu²) / (pi E): of all contacts the one that carries most at the penetration h (Barber, Int. J.
+//! Solids Structures 10 (1974) 5-8). The parabola gives the law of Hertz. At a tip edge m - a stays there while a
+//! grows, and pressure has no bound (Johnson, Contact Mechanics, 1985, sections 2.7 and 5.1). Whatever the gap,
+//!
+//! dh/dw = c ln(2 L / a),
+//!
+//! since m and a are stationary. The law is followed through contacts of given width, exact there, between them the cubic
+//! through line loads and slopes; its energy is the integral of just that.
+
+use super::constants::KNEE_NODES;
+use super::profile::GapProfile;
+
+/// Line load over penetration from the width on at which contact reaches the start of a relief.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Knee {
+    nodes: [Node; KNEE_NODES + 1],
+    /// Line load from which on contact reaches a tip edge, N/m.
+    at_edge: f64,
+}
+
+/// One width of contact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Node {
+    /// Penetration, m.
+    penetration: f64,
+    /// Line load, N/m.
+    load: f64,
+    /// Its derivative by the penetration, Pa.
+    slope: f64,
+    /// Integral of the load over the penetration, J/m.
+    energy: f64,
+    /// Mean square distance of the pressure from its middle over the line load, m² per N/m; with Hertz constant.
+    spread: f64,
+}
+
+impl Knee {
+    /// Law of the gap `profile` from the half-width `least` (m), at which contact reaches the start of a relief and has the
+    /// energy `energy` (J/m), up to the half-width `widest` (m); `c` in 1/Pa.
+    pub fn new(
+        profile: &GapProfile,
+        (c, log_reference): (f64, f64),
+        (least, energy): (f64, f64),
+        widest: f64,
+    ) -> Knee {
+        let [low, high] = profile.edges;
+        let widest = widest.min(0.5 * (high - low));
+        let mut nodes = [Node::default(); KNEE_NODES + 1];
+        let mut m = 0.0f64;
+        // Load and how far the contact is cut off by an edge, of the width before.
+        let mut before = None;
+        let mut at_edge = f64::INFINITY;
+        for i in 0..=KNEE_NODES {
+            let share = i as f64 / KNEE_NODES as f64;
+            let a = least + (widest - least) * share * share.sqrt();
+            if a == 0.0 {
+                continue;
+            }
+            // Up to the first width contact is that of a parabola, about the closest point or from the edge.
+            m = match i {
+                0 => m.max(low + a).min(high - a),
+                _ => profile.middle(a, m),
+            };
+            let means = profile.means(m, a);
+            let load = means.by_log_width / c;
+            let compliance = c * (log_reference + std::f64::consts::LN_2 - a.ln());
+            let [first, second] = means.coefficients.map(|g| g / (2.0 * c * load));
+            nodes[i] = Node {
+                penetration: means.gap + load * compliance,
+                load,
+                slope: compliance.recip(),
+                spread: a * a * (0.5 - second - first * first) / load,
+                energy: 0.0,
+            };
+            if profile.edge_distance() > 2.0 * a || at_edge < f64::INFINITY {
+                continue;
+            }
+            let cut = profile.cut(a);
+            if cut > 0.0 {
+                at_edge = match before {
+                    Some((other_load, other)) => {
+                        other_load + (load - other_load) * other / (other - cut)
+                    }
+                    None => nodes[i.saturating_sub(1)].load,
+                };
+            }
+            before = Some((load, cut));
+        }
+        nodes[0].energy = energy;
+        for i in 1..nodes.len() {
+            let [a, b] = [nodes[i - 1], nodes[i]];
+            let step = b.penetration - a.penetration;
+            nodes[i].energy =
+                a.energy + step * (0.5 * (a.load + b.load) + step * (a.slope - b.slope) / 12.0);
+        }
+        Knee { nodes, at_edge }
+    }
+
+    /// Line load from which on contact reaches a tip edge, N/m.
+    pub fn load_at_edge(&self) -> f64 {
+        self.at_edge
+    }
+
+    /// The place of `value` of a node: the nodes about it, or the last one.
+    fn around(&self, value: f64, of: impl Fn(&Node) -> f64) -> Result<[&Node; 2], &Node> {
+        let last = &self.nodes[KNEE_NODES];
+        if value >= of(last) {
+            return Err(last);
+        }
+        let above = self.nodes[1..]
+            .iter()
+            .position(|node| value < of(node))
+            .unwrap_or(0);
+        Ok([&self.nodes[above], &self.nodes[above + 1]])
+    }
+
+    /// Line load (N/m), its derivative (Pa) and its integral (J/m) at the penetration `x` (m), not below that of the first
+    /// node.
+    pub fn at(&self, x: f64) -> [f64; 3] {
+        match self.around(x, |node| node.penetration) {
+            Err(last) => {
+                let beyond = x - last.penetration;
+                [
+                    last.load + last.slope * beyond,
+                    last.slope,
+                    last.energy + beyond * (last.load + 0.5 * last.slope * beyond),
+                ]
+            }
+            Ok([a, b]) => {
+                let step = b.penetration - a.penetration;
+                let t = (x - a.penetration) / step;
+                // w = w_a + s_a d + q d² + r d³, d = t step; q and r times step² and step³.
+                let rise = b.load - a.load;
+                let (s_a, s_b) = (step * a.slope, step * b.slope);
+                let (q, r) = (3.0 * rise - 2.0 * s_a - s_b, s_a + s_b - 2.0 * rise);
+                [
+                    a.load + t * (s_a + t * (q + t * r)),
+                    (s_a + t * (2.0 * q + 3.0 * t * r)) / step,
+                    a.energy + step * t * (a.load + t * (s_a / 2.0 + t * (q / 3.0 + t * r / 4.0))),
+                ]
+            }
+        }
+    }
+
+    /// Half-width of the half-ellipse that is spread as the pressure under the line load `w` (N/m) is, m.
+    pub fn half_width(&self, w: f64) -> f64 {
+        let spread = match self.around(w, |node| node.load) {
+            Err(last) => last.spread,
+            Ok([a, b]) => {
+                let t = (w - a.load) / (b.load - a.load);
+                a.spread + t * (b.spread - a.spread)
+            }
+        };
+        2.0 * (spread * w).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::profile::Break;
+    use super::super::tip_edge::TipEdge;
+    use super::*;
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
+    use std::f64::consts::PI;
+
+    const C: f64 = 4.0 * (1.0 - 0.09) / (PI * 206e9);
+    const RADIUS: f64 = 8e-3;
+    const REFERENCE: f64 = 0.3e-3;
+    const FAR: [f64; 2] = [-1.0, 1.0];
+
+    const WIDEST: f64 = 1.5 * REFERENCE;
+
+    /// The law from the width on at which contact leaves the parabola.
+    fn law(profile: &GapProfile) -> Knee {
+        let b = profile.room();
+        let w = 0.5 * b * b * profile.curvature / C;
+        let h = if b > 0.0 {
+            C * w * ((2.0 * REFERENCE / b).ln() + 0.5)
+        } else {
+            0.0
+        };
+        let energy = 0.5 * w * h - 0.125 * C * w * w;
+        Knee::new(profile, (C, f64::ln(REFERENCE)), (b, energy), WIDEST)
+    }
+
+    /// Kinks as those of short strong reliefs, parabolas as those of short ones.
+    fn relieved() -> [GapProfile; 4] {
+        let new = |slope: f64, breaks: [(f64, f64, f64, f64); 2]| {
+            let mut profile = GapProfile::parabola(slope, RADIUS.recip(), FAR);
+            for (place, (at, side, slope, curvature)) in breaks.into_iter().enumerate() {
+                let relief = Break {
+                    at,
+                    side,
+                    slope,
+                    curvature,
+                };
+                profile.add(place, relief);
+            }
+            profile
+        };
+        let none = (1.0, 1.0, 0.0, 0.0);
+        [
+            new(0.0, [(0.05e-3, 1.0, 0.012, 0.0), none]),
+            new(-0.006, [(0.0, 1.0, 0.012, 0.0), none]),
+            new(
+                0.0,
+                [(0.02e-3, 1.0, 0.006, 0.0), (-0.1e-3, -1.0, 0.01, 0.0)],
+            ),
+            new(
+                0.0,
+                [(0.06e-3, 1.0, 0.0, 60.0), (-0.08e-3, -1.0, 0.004, 30.0)],
+            ),
+        ]
+    }
+
+    /// Line load and root mean square spread of the pressure at the penetration `x` (m), by pressures that are constant on
+    /// `n` cells within `range` and fulfil the conditions of contact in their middles.
+    fn by_cells(profile: &GapProfile, x: f64, range: [f64; 2], n: usize) -> [f64; 2] {
+        let h = (range[1] - range[0]) / n as f64;
+        let at = |i: usize| range[0] + (i as f64 + 0.5) * h;
+        // Integral of ln(L / abs(t)) from -inf on, so that a cell is a difference.
+        let primitive = |t: f64| t * (REFERENCE.ln() - t.abs().ln() + 1.0);
+        let mut touches = vec![true; n];
+        loop {
+            let on: Vec<usize> = (0..n).filter(|&i| touches[i]).collect();
+            let matrix = nalgebra::DMatrix::from_fn(on.len(), on.len(), |r, s| {
+                let t = at(on[r]) - at(on[s]);
+                C * (primitive(t + 0.5 * h) - primitive(t - 0.5 * h))
+            });
+            let right = nalgebra::DVector::from_fn(on.len(), |r, _| x - profile.gap(at(on[r])));
+            let pressure = matrix.lu().solve(&right).unwrap();
+            let pulls: Vec<usize> = (0..on.len()).filter(|&r| pressure[r] < 0.0).collect();
+            if pulls.is_empty() {
+                let load: f64 = pressure.iter().sum::<f64>() * h;
+                let mean = |power: i32, from: f64| {
+                    let of = |(p, &i): (&f64, &usize)| p * h * (at(i) - from).powi(power);
+                    pressure.iter().zip(&on).map(of).sum::<f64>() / load
+                };
+                return [load, (mean(2, mean(1, 0.0)) + h * h / 12.0).sqrt()];
+            }
+            // Those that pull least may press once others are open.
+            let most = pulls.iter().map(|&r| pressure[r]).fold(0.0, f64::min);
+            let open = pulls.iter().filter(|&&r| pressure[r] <= 0.3 * most);
+            open.for_each(|&r| touches[on[r]] = false);
+        }
+    }
+
+    #[test]
+    fn load_and_spread_are_those_of_pressures_cell_by_cell() {
+        for profile in relieved() {
+            let law = law(&profile);
+            for x in [2e-6, 4e-6] {
+                let [low, high]: [f64; 2] = [-0.3e-3, 0.3e-3];
+                let range = [low.max(profile.edges[0]), high];
+                let [load, spread] = by_cells(&profile, x, range, 300);
+                assert_relative_eq!(law.at(x)[0], load, max_relative = 3e-3);
+                let half_width = law.half_width(law.at(x)[0]);
+                assert_relative_eq!(half_width, 2.0 * spread, max_relative = 1e-2);
+            }
+        }
+    }
+
+    #[test]
+    fn between_its_nodes_the_law_is_that_of_the_width_in_between() {
+        for profile in relieved() {
+            let law = law(&profile);
+            let mut m = 0.0f64;
+            for step in 1..200 {
+                let a = profile.room() + (WIDEST - profile.room()) * f64::from(step) / 200.0;
+                m = profile.middle(a, m);
+                let means = profile.means(m, a);
+                let load = means.by_log_width / C;
+                let x = means.gap + C * load * (2.0 * REFERENCE / a).ln();
+                let [found, slope, _] = law.at(x);
+                let largest = law.at(1.0)[1];
+                assert_abs_diff_eq!(found, load, epsilon = 1e-3 * law.nodes[KNEE_NODES].load);
+                let exact = (C * (2.0 * REFERENCE / a).ln()).recip();
+                assert_abs_diff_eq!(slope, exact, epsilon = 2e-2 * largest);
+            }
+        }
+    }
+
+    #[test]
+    fn a_kink_that_is_none_leaves_a_contact_at_an_edge_as_it_is() {
+        for slope in [0.02, 0.0] {
+            let mut profile = GapProfile::parabola(slope, RADIUS.recip(), [0.0, 1.0]);
+            let kink = Break {
+                at: 0.3e-3,
+                side: 1.0,
+                slope: 1e-12,
+                curvature: 0.0,
+            };
+            profile.add(0, kink);
+            let edge = TipEdge::new(C, RADIUS, REFERENCE.ln(), slope).unwrap();
+            let least = profile.room();
+            let [load, penetration] = edge.at_width(2.0 * least);
+            let energy = edge.energy(penetration);
+            let knee = Knee::new(&profile, (C, REFERENCE.ln()), (least, energy), WIDEST);
+            assert_relative_eq!(knee.nodes[0].load, load, max_relative = 1e-9);
+            for x in [1.0, 1.3, 2.0, 5.0].map(|times| times * penetration) {
+                let [found, _, energy] = knee.at(x);
+                assert_relative_eq!(found, edge.line_load(x).0, max_relative = 1e-3);
+                assert_relative_eq!(energy, edge.energy(x), max_relative = 1e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_behind_a_kink_is_reached_later() {
+        let mut profile = relieved()[0];
+        let [far, near] = [-1.0, -0.12e-3].map(|edge| {
+            profile.edges[0] = edge;
+            law(&profile)
+        });
+        assert_eq!(far.load_at_edge(), f64::INFINITY);
+        let w = near.load_at_edge();
+        // Little short of it both agree; the one without an edge goes on to carry more at the same penetration.
+        let reached = near.nodes.iter().find(|node| node.load > w).unwrap();
+        assert!(w > near.nodes[0].load && w < near.nodes[KNEE_NODES].load);
+        assert!(far.at(2.0 * reached.penetration)[0] > near.at(2.0 * reached.penetration)[0]);
+    }
+}

@@ -1,0 +1,256 @@
+//! The gap between two flanks about the point where they come closest, piece by piece a parabola.
+//!
+//! With t the distance along the flanks from there, in the normal section,
+//!
+//! gap(t) = slope t + curvature t² / 2 + sum of breaks (k u + kappa u² / 2), u = max(side (t - at), 0),
+//!
+//! one break for each relief: k its kink (linear), kappa its curvature (parabolic). None holds the closest point: a relief on
+//! which that lies is the parabola there, and its break the flank before it. All that removes material is convex, and so
+//! is the gap. Over a contact from m - a to m + a, t = m + a cos(theta), the law of a contact
+//! needs no more than the first coefficients of gap = g_0 + g_1 cos(theta) + g_2 cos(2 theta) + ...
+
+use std::f64::consts::{FRAC_1_PI, PI};
+
+/// Where a relief begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Break {
+    /// Distance from the closest point, m.
+    pub at: f64,
+    /// 1 where the relief lies at larger t, -1 at smaller.
+    pub side: f64,
+    /// Kink k of the gap, >= 0.
+    pub slope: f64,
+    /// Its jump of curvature kappa, 1/m.
+    pub curvature: f64,
+}
+
+impl Break {
+    /// None.
+    pub const NONE: Break = Break {
+        at: f64::INFINITY,
+        side: 1.0,
+        slope: 0.0,
+        curvature: 0.0,
+    };
+
+    fn is_none(&self) -> bool {
+        self.slope == 0.0 && self.curvature == 0.0
+    }
+}
+
+/// Tip and root reliefs of both gears.
+const BREAKS: usize = 4;
+
+/// The gap about the closest point, over that there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GapProfile {
+    /// Slope at the closest point, zero but at an edge and between the two sides of a kink.
+    pub slope: f64,
+    /// Curvature there, 1/m.
+    pub curvature: f64,
+    /// The breaks, any that are not there [`Break::NONE`].
+    breaks: [Break; BREAKS],
+    /// Tip edge of gear 2, <= 0, and of gear 1, >= 0, m.
+    pub edges: [f64; 2],
+}
+
+/// Means of the gap over a contact, all under the weight 1 / sqrt(a² - (t - m)²) of a flat punch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Means {
+    /// g_0: mean of the gap, m.
+    pub gap: f64,
+    /// a times its derivative by a, m.
+    pub by_log_width: f64,
+    /// g_1 and g_2, m.
+    pub coefficients: [f64; 2],
+}
+
+impl GapProfile {
+    /// Unmodified flanks of the curvature `curvature` (1/m) inclined by `slope`.
+    pub fn parabola(slope: f64, curvature: f64, edges: [f64; 2]) -> GapProfile {
+        GapProfile {
+            slope,
+            curvature,
+            breaks: [Break::NONE; BREAKS],
+            edges,
+        }
+    }
+
+    /// Gap at the distance `t` (m), m.
+    #[cfg(test)]
+    pub fn gap(&self, t: f64) -> f64 {
+        let of = |b: &Break| {
+            let u = (b.side * (t - b.at)).max(0.0);
+            u * (b.slope + 0.5 * u * b.curvature)
+        };
+        let breaks = self.present();
+        t * (self.slope + 0.5 * t * self.curvature) + breaks.map(of).sum::<f64>()
+    }
+
+    /// The breaks that are there.
+    fn present(&self) -> impl Iterator<Item = &Break> {
+        self.breaks.iter().filter(|b| !b.is_none())
+    }
+
+    /// Adds the break of a relief in place of the `place`-th of the breaks.
+    pub fn add(&mut self, place: usize, relief: Break) {
+        let mut other = relief;
+        if relief.side * relief.at < 0.0 {
+            // With v = -side (t - at): max(-v, 0) = -v + max(v, 0), and its square is v² less that of max(v, 0).
+            self.slope += relief.side * relief.slope - relief.at * relief.curvature;
+            self.curvature += relief.curvature;
+            other.side = -relief.side;
+            other.curvature = -relief.curvature;
+        }
+        self.breaks[place] = other;
+    }
+
+    /// Slopes of the gap before and behind the closest point.
+    pub fn slopes_at_closest(&self) -> [f64; 2] {
+        let kink = |side: f64| {
+            let here = self.breaks.iter().filter(|b| b.at == 0.0 && b.side == side);
+            here.map(|b| b.slope).sum::<f64>()
+        };
+        [self.slope - kink(-1.0), self.slope + kink(1.0)]
+    }
+
+    /// Distance from the closest point to the nearest tip edge, m.
+    pub(super) fn edge_distance(&self) -> f64 {
+        self.edges[1].min(-self.edges[0])
+    }
+
+    /// Slope of the gap at the nearest tip edge, away from it into the flank; negative where the closest point lies
+    /// inside the flank.
+    pub fn edge_slope(&self) -> f64 {
+        let [low, high] = self.edges;
+        if high < -low {
+            -(self.slope + self.curvature * high)
+        } else {
+            self.slope + self.curvature * low
+        }
+    }
+
+    /// Half-width of a contact that just reaches the start of a relief, m; one that reaches a tip edge before grows from
+    /// there.
+    pub fn room(&self) -> f64 {
+        let [low, high] = self.edges;
+        let to_edge = self.edge_distance();
+        let of = |b: &Break| {
+            if b.at.abs() <= to_edge {
+                b.at.abs()
+            } else if high < -low {
+                0.5 * (high - b.at)
+            } else {
+                0.5 * (b.at - low)
+            }
+        };
+        // Beyond the tip edge there is no flank.
+        let inside = self.present().filter(|b| low < b.at && b.at < high);
+        inside.map(of).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Mean of the slope over the contact and its derivative by `m`.
+    fn tilt(&self, m: f64, a: f64) -> (f64, f64) {
+        let (mut tilt, mut by_m) = (self.slope + self.curvature * m, self.curvature);
+        for b in &self.breaks {
+            let Some((tau, theta, sine)) = place(b, m, a) else {
+                continue;
+            };
+            tilt += b.side * FRAC_1_PI * (b.slope * theta + b.curvature * a * (sine - tau * theta));
+            by_m += FRAC_1_PI * b.curvature * theta;
+            if b.slope != 0.0 && sine > 0.0 {
+                by_m += FRAC_1_PI * b.slope / (a * sine);
+            }
+        }
+        (tilt, by_m)
+    }
+
+    /// Middle of a contact of the half-width `a`, m: that of the least mean gap, where the mean slope is zero, or at a tip
+    /// edge. The search begins at `start`.
+    pub(super) fn middle(&self, a: f64, start: f64) -> f64 {
+        let mut low = (-a).max(self.edges[0] + a);
+        let mut high = a.min(self.edges[1] - a);
+        if self.tilt(low, a).0 >= 0.0 {
+            return low;
+        }
+        if self.tilt(high, a).0 <= 0.0 {
+            return high;
+        }
+        let mut m = start.clamp(low, high);
+        for _ in 0..100 {
+            let (tilt, by_m) = self.tilt(m, a);
+            if tilt > 0.0 {
+                high = m;
+            } else {
+                low = m;
+            }
+            let newton = m - tilt / by_m;
+            let next = if low < newton && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            let step = (next - m).abs();
+            m = next;
+            if step <= 1e-13 * a {
+                break;
+            }
+        }
+        m
+    }
+
+    /// How far a contact of the half-width `a` is from tip edges, as a slope: zero where it just reaches one, positive
+    /// where one cuts it off.
+    pub(super) fn cut(&self, a: f64) -> f64 {
+        let [low, high] = self.edges;
+        let before = self.tilt(low + a, a).0;
+        let behind = -self.tilt(high - a, a).0;
+        before.max(behind)
+    }
+
+    /// Means over the contact from `m` - `a` to `m` + `a` (m), a half-width that grows from a tip edge moves its middle.
+    pub(super) fn means(&self, m: f64, a: f64) -> Means {
+        let mut all = Means {
+            gap: self.slope * m + 0.5 * self.curvature * (m * m + 0.5 * a * a),
+            by_log_width: 0.5 * self.curvature * a * a,
+            coefficients: [
+                a * (self.slope + self.curvature * m),
+                0.25 * self.curvature * a * a,
+            ],
+        };
+        for b in &self.breaks {
+            let Some((tau, theta, sine)) = place(b, m, a) else {
+                continue;
+            };
+            let cube = sine * sine * sine;
+            let kink = FRAC_1_PI * b.slope * a;
+            let bend = FRAC_1_PI * b.curvature * a * a;
+            all.gap += kink * (sine - tau * theta)
+                + 0.5 * bend * ((tau * tau + 0.5) * theta - 1.5 * tau * sine);
+            all.by_log_width += kink * sine + 0.5 * bend * (theta - tau * sine);
+            all.coefficients[0] +=
+                b.side * (kink * (theta - tau * sine) + bend * (sine - cube / 3.0 - tau * theta));
+            let second = 0.25 * theta + tau * sine * (tau * tau / 6.0 - 5.0 / 12.0);
+            all.coefficients[1] += 2.0 / 3.0 * kink * cube + bend * second;
+        }
+        // Zero but for a contact that ends at a tip edge.
+        if m == self.edges[0] + a || m == self.edges[1] - a {
+            all.by_log_width += a * self.tilt(m, a).0.abs();
+        }
+        all
+    }
+}
+
+/// Place tau of a break in a contact, seen from the side away from its relief, and the angle and sine of it: the relief
+/// takes part from theta = 0 to this angle; `None` where it takes no part.
+fn place(b: &Break, m: f64, a: f64) -> Option<(f64, f64, f64)> {
+    let tau = b.side * (b.at - m) / a;
+    if tau >= 1.0 {
+        return None;
+    }
+    if tau <= -1.0 {
+        return Some((tau, PI, 0.0));
+    }
+    let sine = (1.0 - tau * tau).sqrt();
+    Some((tau, tau.acos(), sine))
+}

@@ -4,7 +4,7 @@ use wide::f64x4;
 
 use super::closest::{Flanks, LeastGap};
 use super::four::Four;
-use super::transverse::TransverseSection;
+use super::transverse::{TransversePoint, TransverseSection};
 #[cfg(feature = "preprocess")]
 use crate::compliance::Strip;
 use crate::gear::teeth::{Counts, Passing};
@@ -341,21 +341,25 @@ impl ContactLines<'_> {
         (a < b).then(|| [z[0] + a * (z[1] - z[0]), z[0] + b * (z[1] - z[0])])
     }
 
-    /// Both flanks of tooth pair `k` in the plane `z`; `held`: where it lies beyond the reach of contact, at its end.
-    fn flanks(&self, tau: f64, k: i32, z: f64, held: bool) -> Flanks<'_> {
-        let g = self.geometry;
+    /// The point that may touch of tooth pair `k` in the plane `z`; `held`: where it lies beyond the reach of contact, that at
+    /// its end.
+    fn point(&self, tau: f64, k: i32, z: f64, held: bool) -> TransversePoint {
         let [first, last] = self.section.reach();
         let mut xi = self.contact_line(tau, k, z);
         if held {
             xi = xi.clamp(first, last);
         }
-        Flanks::new(
-            g,
-            self.section,
-            self.microgeometry_of(k),
-            self.section.point(xi),
-            z,
-        )
+        self.section.point(xi)
+    }
+
+    /// Both flanks of tooth pair `k` in the plane `z` about [`ContactLines::point`].
+    fn flanks(&self, tau: f64, k: i32, z: f64, held: bool) -> Flanks<'_> {
+        self.flanks_about(self.point(tau, k, z, held), k, z)
+    }
+
+    fn flanks_about(&self, point: TransversePoint, k: i32, z: f64) -> Flanks<'_> {
+        let microgeometry = self.microgeometry_of(k);
+        Flanks::new(self.geometry, self.section, microgeometry, point, z)
     }
 
     /// Modifications of the flanks of tooth pair `k`.
@@ -378,8 +382,7 @@ impl ContactLines<'_> {
 
     fn place(&self, tau: f64, k: i32, z: f64, held: bool) -> Place<'_> {
         let flanks = self.flanks(tau, k, z, held);
-        let least = flanks.least_gap();
-        (flanks, least)
+        (flanks, flanks.least_gap())
     }
 
     /// The strip of tooth pair `k` at `station` with the ends `z`, and how fast it changes with the
@@ -401,7 +404,9 @@ impl ContactLines<'_> {
             self.four(tau, k, f64x4::new(at))
         };
         let middle = 0.5 * (z[0] + z[1]);
-        let (flanks, least) = self.place(tau, k, middle, held);
+        let about = self.point(tau, k, middle, held);
+        let flanks = self.flanks_about(about, k, middle);
+        let least = flanks.least_gap();
         // Rates are those of the gaps with the lengths of roll.
         let (gaps, gap_rates) = match &four {
             Some(four) => {
@@ -409,7 +414,15 @@ impl ContactLines<'_> {
                 (four.gap.to_array(), rates)
             }
             None => {
-                let places = at.map(|z| self.place(tau, k, z, held));
+                // All points of a strip of a spur pair lie at one place of the path.
+                let is_one = numbers.tan_beta_b == 0.0;
+                let places = at.map(|z| match is_one {
+                    true => {
+                        let flanks = self.flanks_about(about, k, z);
+                        (flanks, flanks.least_gap())
+                    }
+                    false => self.place(tau, k, z, held),
+                });
                 let rates = rolls.and_then(|rolls| gap_rates_of(&places, rolls));
                 (places.map(|(_, least)| least.gap), rates)
             }

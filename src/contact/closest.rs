@@ -259,7 +259,7 @@ impl<'a> Flanks<'a> {
     #[inline]
     fn least_of_parabolas(&self, range: [f64; 2]) -> Option<LeastGap> {
         let (at, by_s) = (&self.at, self.roll_by_s);
-        let (mut s, mut sense) = (0.0f64.clamp(range[0], range[1]), 0.0);
+        let (mut s, mut sense) = (0.0f64, 0.0);
         for _ in 0..MOST_PIECES {
             // Just beyond a kink that was met.
             let from = s + sense * TOLERANCE / self.curvature;

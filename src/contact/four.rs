@@ -96,3 +96,59 @@ impl Four {
         gap + self.s * self.s * curvature * 0.5
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::closest::Flanks;
+    use crate::contact::numbers::PairNumbers;
+    use crate::pair::Pair;
+    use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn four_places_at_once_are_four_places() {
+        let mut held = 0;
+        for text in [
+            include_str!("../../resources/pairs/palermo2013.json"),
+            include_str!("../../resources/pairs/planet-ring-27-84.json"),
+        ] {
+            let pair = Pair::from_json(text).unwrap();
+            let geometry = &pair.geometry;
+            let numbers = PairNumbers::new(geometry);
+            let center_distance = geometry.center_distance + 1e-5;
+            let section =
+                TransverseSection::new(&numbers, center_distance, [0.0; 2], None).unwrap();
+            let microgeometry = pair.microgeometry.drive.each_ref();
+            let [first, last] = section.reach();
+            for step in 0..200 {
+                let xi = first + (last - first) * f64::from(step) / 200.0;
+                let places = [0.0, 0.3e-4, 0.6e-4, 0.9e-4].map(|by| xi + by);
+                let face = numbers.face;
+                let z = [0.0, 0.02, 0.5, 0.97].map(|share| face[0] + share * face[1]);
+                let four = Four::new(
+                    geometry,
+                    &section,
+                    microgeometry,
+                    f64x4::new(places),
+                    f64x4::new(z),
+                );
+                let Some(four) = four else { continue };
+                held += 1;
+                let rolls = section.roll_rates();
+                let rates = rolls.map(|rolls| four.rates(rolls).to_array());
+                for q in 0..4 {
+                    let point = section.point(places[q]);
+                    let flanks = Flanks::new(geometry, &section, microgeometry, point, z[q]);
+                    let least = flanks.least_gap();
+                    assert_abs_diff_eq!(four.gap.to_array()[q], least.gap, epsilon = 1e-18);
+                    let each = flanks.rates(&least, rolls).unwrap();
+                    for axis in 0..2 {
+                        let epsilon = 1e-12 * rolls[axis][0].abs();
+                        assert_abs_diff_eq!(rates[axis][q], each[axis].0, epsilon = epsilon);
+                    }
+                }
+            }
+        }
+        assert!(held > 100, "{held}");
+    }
+}

@@ -123,6 +123,7 @@ impl Cholesky {
     ///
     /// # Errors
     /// The index of the first pivot that is not positive.
+    #[cfg(any(test, feature = "preprocess"))]
     pub fn factor(&mut self, n: usize, entry: impl Fn(usize, usize) -> f64) -> Result<(), usize> {
         self.factor_rows(n, |i, row| {
             (i..n).zip(row).for_each(|(j, place)| *place = entry(j, i));
@@ -175,9 +176,7 @@ impl Cholesky {
                     return Err(first * LANES + p);
                 }
                 let reciprocal = pivot.sqrt().recip();
-                for q in p + 1..LANES {
-                    square[p][q] *= reciprocal;
-                }
+                square[p][p + 1..].iter_mut().for_each(|u| *u *= reciprocal);
                 for r in p + 1..LANES {
                     for q in r..LANES {
                         square[r][q] -= square[p][r] * square[p][q];

@@ -87,10 +87,10 @@ impl Four {
     #[inline]
     pub fn rates(&self, rolls: [f64; 2]) -> f64x4 {
         let (mut curvature, mut gap) = (f64x4::ZERO, f64x4::ZERO);
-        for i in 0..2 {
-            let relative = f64x4::splat(rolls[i]) / self.roll[i];
+        for (i, roll_rate) in rolls.into_iter().enumerate() {
+            let relative = f64x4::splat(roll_rate) / self.roll[i];
             curvature -= relative / self.roll[i] * self.kappa[i];
-            let held = -(self.s * self.roll_by_s[i] * relative) + rolls[i];
+            let held = -(self.s * self.roll_by_s[i] * relative) + roll_rate;
             gap += self.removal_slope[i] * held;
         }
         gap + self.s * self.s * curvature * 0.5

@@ -1,8 +1,11 @@
 //! The strips that may touch at one position of the mesh.
 
+use wide::f64x4;
+
 use super::closest::{Flanks, LeastGap};
+use super::four::Four;
 use super::local::GapProfile;
-use super::transverse::TransverseSection;
+use super::transverse::{TransversePoint, TransverseSection};
 #[cfg(feature = "preprocess")]
 use crate::compliance::Strip;
 use crate::gear::teeth::{Counts, Passing};
@@ -53,6 +56,11 @@ impl Candidate {
         0.5 * (self.z[0] + self.z[1])
     }
 
+    /// Length along the contact line, m, at the cosine of the base helix angle `cos_beta_b`.
+    pub fn length(&self, cos_beta_b: f64) -> f64 {
+        (self.z[1] - self.z[0]) / cos_beta_b
+    }
+
     /// Points at which [`Candidate::gap`] is given, in gear 1's frame, m.
     pub fn points(&self) -> [f64; POINTS] {
         points(self.z)
@@ -66,6 +74,17 @@ pub struct StripRates {
     pub gap: [f64; POINTS],
     /// Rate of the logarithm of the radius of curvature where the flanks come closest, removals included.
     pub log_radius: f64,
+}
+
+/// Rates of the least gaps at `places` while the lengths of roll change by each of `rolls`; `None` as in [`Flanks::rates`].
+fn gap_rates_of(places: &[Place<'_>; POINTS], rolls: [[f64; 2]; 2]) -> Option<[[f64; POINTS]; 2]> {
+    let mut gaps = [[0.0; POINTS]; 2];
+    for (q, (flanks, least)) in places.iter().enumerate() {
+        for (gaps, (gap, ..)) in gaps.iter_mut().zip(flanks.rates(least, rolls)?) {
+            gaps[q] = gap;
+        }
+    }
+    Some(gaps)
 }
 
 fn points(z: [f64; 2]) -> [f64; POINTS] {
@@ -151,7 +170,8 @@ impl ContactLines<'_> {
     }
 
     /// Those of [`ContactLines::candidates`] that lie within the conjugate positions `seen` (m) at least in part and that
-    /// may carry by `near`, and how fast they change where [`ContactLines::rates`] tells. Some that may not are among them.
+    /// may carry by `near`, and how fast they change where they touch inside their flanks, on the path of contact, by mesh position (per
+    /// cycle) and by centre distance (per m). Some that may not are among them.
     pub fn moving(
         &self,
         tau: f64,
@@ -159,11 +179,15 @@ impl ContactLines<'_> {
         near: &Near,
     ) -> Vec<(Candidate, Option<[StripRates; 2]>)> {
         let mut strips = Vec::with_capacity(4 * self.stations);
-        let mut middles = Vec::with_capacity(4 * self.stations);
         let mut most = 0.0f64;
         for k in self.pairs(tau, 0.0) {
             let closing = self.closing(tau, k)[0];
+            let mut four = None;
             for station in 0..self.stations {
+                if station % POINTS == 0 {
+                    let middles = std::array::from_fn(|q| self.middle(station + q));
+                    four = self.four(tau, k, f64x4::new(middles));
+                }
                 let whole = self.station(station);
                 let xi = whole.map(|z| self.contact_line(tau, k, z));
                 if xi[0].max(xi[1]) < seen[0] || xi[0].min(xi[1]) > seen[1] {
@@ -173,22 +197,27 @@ impl ContactLines<'_> {
                     continue;
                 };
                 let at = 0.5 * (z[0] + z[1]);
-                let middle = self.place(tau, k, at, false);
-                let overlap = near.overlap(at, middle.0.arm(), middle.1.gap - closing);
+                let (arm, gap, on_path) = match &four {
+                    Some(four) if z == whole => (1.0, four.gap.as_array()[station % POINTS], true),
+                    _ => {
+                        let (flanks, least) = self.place(tau, k, at, false);
+                        (flanks.arm(), least.gap, flanks.on_path())
+                    }
+                };
+                let overlap = near.overlap(at, arm, gap - closing);
                 most = most.max(overlap);
-                strips.push((k, station, z, z == whole, overlap));
-                middles.push(middle);
+                strips.push((k, station, z, z == whole, on_path, overlap));
             }
         }
         let rolls = self.section.roll_rates();
         let mut all = Vec::with_capacity(strips.len());
-        for (i, (k, station, z, whole, overlap)) in strips.iter().enumerate() {
+        for (i, (k, station, z, whole, _, overlap)) in strips.iter().enumerate() {
             // The overlap is concave along whole strips inside the flanks: it does not rise more from the middle of one to its
             // ends than from the middle of either neighbour.
             let beside = |other: Option<usize>| {
-                let (pair, at, _, whole, overlap) = strips.get(other?)?;
+                let (pair, at, _, whole, on_path, overlap) = strips.get(other?)?;
                 let next = *pair == *k && at.abs_diff(*station) == 1;
-                (next && *whole && middles[other?].0.on_path()).then_some(*overlap)
+                (next && *whole && *on_path).then_some(*overlap)
             };
             if near.convex
                 && *whole
@@ -199,9 +228,8 @@ impl ContactLines<'_> {
                     continue;
                 }
             }
-            let name = (*k, *station);
             let rolls = whole.then_some(rolls);
-            all.push(self.candidate(tau, name, *z, false, &middles[i], rolls));
+            all.push(self.candidate(tau, (*k, *station), *z, false, rolls));
         }
         all
     }
@@ -226,11 +254,27 @@ impl ContactLines<'_> {
         [0, 1].map(|end| low + step * (station + end) as f64)
     }
 
+    /// Middle of a station, m.
+    fn middle(&self, station: usize) -> f64 {
+        let [low, high] = self.station(station);
+        0.5 * (low + high)
+    }
+
+    /// Four places `z` (m) of tooth pair `k` at once, where [`Four`] holds them.
+    #[inline]
+    fn four(&self, tau: f64, k: i32, z: f64x4) -> Option<Four> {
+        let numbers = self.section.numbers();
+        let [at_middle, next] =
+            [0.0, 1.0].map(|z| numbers.contact_line(self.flank, tau, k, numbers.z_ref + z));
+        let xi = (z - numbers.z_ref) * (next - at_middle) + at_middle;
+        let microgeometry = self.microgeometry_of(k);
+        Four::new(self.geometry, self.section, microgeometry, xi, z)
+    }
+
     /// The strip of this name at the mesh position `tau`, if it lies within the reach of contact.
     pub fn strip(&self, tau: f64, (k, station): (i32, usize)) -> Option<Candidate> {
         let z = self.carrying(tau, k, self.station(station))?;
-        let middle = self.place(tau, k, 0.5 * (z[0] + z[1]), false);
-        Some(self.candidate(tau, (k, station), z, false, &middle, None).0)
+        Some(self.candidate(tau, (k, station), z, false, None).0)
     }
 
     /// The part of the station `whole` in which tooth pair `k` lies within the reach of contact, if it is long enough to
@@ -240,35 +284,23 @@ impl ContactLines<'_> {
         (z[1] - z[0] > SHORTEST * (whole[1] - whole[0])).then_some(z)
     }
 
-    /// Rates by mesh position and by centre distance of the gaps of `candidate` (m per cycle, m/m) and of the logarithm of
-    /// its radius of curvature while the lengths of roll change by `rolls`; `None` unless it is on the path of contact and
-    /// touches inside its flanks. `points` and `middle` are its places.
-    fn rates(
+    /// Rates of the logarithm of the radius of curvature of `candidate`, whose middle is `middle`, while the lengths of roll
+    /// change by each of `rolls`; `None` as in [`Flanks::rates`].
+    fn radius_rates(
         &self,
-        tau: f64,
         candidate: &Candidate,
-        (points, middle): (&[Place<'_>; POINTS], &Place<'_>),
+        (flanks, least): &Place<'_>,
         rolls: [[f64; 2]; 2],
-    ) -> Option<[StripRates; 2]> {
+    ) -> Option<[f64; 2]> {
         let numbers = self.section.numbers();
-        let mut rates = [StripRates::default(); 2];
-        for (q, (flanks, least)) in points.iter().enumerate() {
-            for (rates, (gap, ..)) in rates.iter_mut().zip(flanks.rates(least, rolls)?) {
-                rates.gap[q] = gap;
-            }
-        }
-        let [_, rate] = self.closing(tau, candidate.tooth_pair);
-        rates[0].gap.iter_mut().for_each(|gap| *gap -= rate);
-        let (flanks, least) = middle;
-        let curvature = candidate.profile.curvature;
-        for (rates, (_, moved, bend)) in rates.iter_mut().zip(flanks.rates(least, rolls)?) {
+        let rates = flanks.rates(least, rolls)?;
+        Some(rates.map(|(_, moved, bend)| {
             let involutes = (0..2)
                 .map(|i| numbers.kappa[i] * moved[i] / (candidate.roll[i] * candidate.roll[i]))
                 .sum::<f64>()
                 * numbers.cos_beta_b;
-            rates.log_radius = (involutes - bend) / curvature;
-        }
-        Some(rates)
+            (involutes - bend) / candidate.profile.curvature
+        }))
     }
 
     /// Whole strips, those up to `margin` (m, along the path) beyond the reach of contact, too, as if they lay at its end.
@@ -282,8 +314,7 @@ impl ContactLines<'_> {
                 let xi = z.map(|z| self.contact_line(tau, k, z));
                 let (low, high) = (xi[0].min(xi[1]), xi[0].max(xi[1]));
                 if high >= first - margin && low <= last + margin {
-                    let middle = self.place(tau, k, 0.5 * (z[0] + z[1]), true);
-                    all.push(self.candidate(tau, (k, station), z, true, &middle, None).0);
+                    all.push(self.candidate(tau, (k, station), z, true, None).0);
                 }
             }
         }
@@ -294,6 +325,9 @@ impl ContactLines<'_> {
     fn within_reach(&self, tau: f64, k: i32, z: [f64; 2]) -> Option<[f64; 2]> {
         let xi = z.map(|z| self.contact_line(tau, k, z));
         let [first, last] = self.section.reach();
+        if xi.iter().all(|xi| first <= *xi && *xi <= last) {
+            return Some(z);
+        }
         let slope = xi[1] - xi[0];
         if slope.abs() <= 1e-12 * (last - first) {
             // A spur pair: the whole strip or nothing.
@@ -311,21 +345,25 @@ impl ContactLines<'_> {
         (a < b).then(|| [z[0] + a * (z[1] - z[0]), z[0] + b * (z[1] - z[0])])
     }
 
-    /// Both flanks of tooth pair `k` in the plane `z`; `held`: where it lies beyond the reach of contact, at its end.
-    fn flanks(&self, tau: f64, k: i32, z: f64, held: bool) -> Flanks<'_> {
-        let g = self.geometry;
+    /// The point that may touch of tooth pair `k` in the plane `z`; `held`: where it lies beyond the reach of contact, that at
+    /// its end.
+    fn point(&self, tau: f64, k: i32, z: f64, held: bool) -> TransversePoint {
         let [first, last] = self.section.reach();
         let mut xi = self.contact_line(tau, k, z);
         if held {
             xi = xi.clamp(first, last);
         }
-        Flanks::new(
-            g,
-            self.section,
-            self.microgeometry_of(k),
-            self.section.point(xi),
-            z,
-        )
+        self.section.point(xi)
+    }
+
+    /// Both flanks of tooth pair `k` in the plane `z` about [`ContactLines::point`].
+    fn flanks(&self, tau: f64, k: i32, z: f64, held: bool) -> Flanks<'_> {
+        self.flanks_about(self.point(tau, k, z, held), k, z)
+    }
+
+    fn flanks_about(&self, point: TransversePoint, k: i32, z: f64) -> Flanks<'_> {
+        let microgeometry = self.microgeometry_of(k);
+        Flanks::new(self.geometry, self.section, microgeometry, point, z)
     }
 
     /// Modifications of the flanks of tooth pair `k`.
@@ -348,11 +386,10 @@ impl ContactLines<'_> {
 
     fn place(&self, tau: f64, k: i32, z: f64, held: bool) -> Place<'_> {
         let flanks = self.flanks(tau, k, z, held);
-        let least = flanks.least_gap();
-        (flanks, least)
+        (flanks, flanks.least_gap())
     }
 
-    /// The strip of tooth pair `k` at `station` with the ends `z`, whose middle is `middle`, and how fast it changes with the
+    /// The strip of tooth pair `k` at `station` with the ends `z`, and how fast it changes with the
     /// lengths of roll by `rolls`, if that is asked for.
     fn candidate(
         &self,
@@ -360,15 +397,42 @@ impl ContactLines<'_> {
         (k, station): (i32, usize),
         z: [f64; 2],
         held: bool,
-        middle: &Place<'_>,
         rolls: Option<[[f64; 2]; 2]>,
     ) -> (Candidate, Option<[StripRates; 2]>) {
         let numbers = self.section.numbers();
-        let places = points(z).map(|z| self.place(tau, k, z, held));
-        let (flanks, least) = middle;
-        let closest = flanks.closest_point_at(least);
-        let [closing, _] = self.closing(tau, k);
-        let gap = std::array::from_fn(|q| places[q].1.gap - closing);
+        let [closing, closing_rate] = self.closing(tau, k);
+        let at = points(z);
+        let four = if held {
+            None
+        } else {
+            self.four(tau, k, f64x4::new(at))
+        };
+        let middle = 0.5 * (z[0] + z[1]);
+        let about = self.point(tau, k, middle, held);
+        let flanks = self.flanks_about(about, k, middle);
+        let least = flanks.least_gap();
+        // Rates are those of the gaps with the lengths of roll.
+        let (gaps, gap_rates) = match &four {
+            Some(four) => {
+                let rates = rolls.map(|rolls| rolls.map(|rolls| four.rates(rolls).to_array()));
+                (four.gap.to_array(), rates)
+            }
+            None => {
+                // All points of a strip of a spur pair lie at one place of the path.
+                let is_one = numbers.tan_beta_b == 0.0;
+                let places = at.map(|z| match is_one {
+                    true => {
+                        let flanks = self.flanks_about(about, k, z);
+                        (flanks, flanks.least_gap())
+                    }
+                    false => self.place(tau, k, z, held),
+                });
+                let rates = rolls.and_then(|rolls| gap_rates_of(&places, rolls));
+                (places.map(|(_, least)| least.gap), rates)
+            }
+        };
+        let closest = flanks.closest_point_at(&least);
+        let gap = gaps.map(|gap| gap - closing);
         let cos_beta_b = numbers.cos_beta_b;
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
@@ -384,7 +448,16 @@ impl ContactLines<'_> {
             profile: closest.profile,
             arm: closest.arm,
         };
-        let rates = rolls.and_then(|rolls| self.rates(tau, &candidate, (&places, middle), rolls));
+        let rates = gap_rates
+            .zip(rolls)
+            .and_then(|([by_tau, by_center], rolls)| {
+                let gap = [by_tau.map(|rate| rate - closing_rate), by_center];
+                let log_radius = self.radius_rates(&candidate, &(flanks, least), rolls)?;
+                Some([0, 1].map(|axis| StripRates {
+                    gap: gap[axis],
+                    log_radius: log_radius[axis],
+                }))
+            });
         (candidate, rates)
     }
 

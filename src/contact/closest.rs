@@ -21,6 +21,9 @@ use crate::gear::{Microgeometry, PairGeometry, ProfilePiece};
 /// Relative distance at which the search for the closest point ends, over the relative radius of curvature.
 const TOLERANCE: f64 = 1e-10;
 
+/// Parabolas that a gap without a topography may pass: reliefs of both flanks begin at four places at most.
+const MOST_PIECES: usize = 6;
+
 /// Points at which a gap that need not be convex is looked at before the search.
 const SAMPLES: usize = 64;
 
@@ -209,34 +212,6 @@ impl<'a> Flanks<'a> {
         [at(k.saturating_sub(1)), at((k + 1).min(SAMPLES))]
     }
 
-    /// Zero of dg/ds within `range` by Newton's method, which ends after two or three steps where g is a parabola piece by
-    /// piece; `None` where it is at an end or at a kink.
-    fn zero_of_slope(&self, range: [f64; 2]) -> Option<f64> {
-        let tolerance = TOLERANCE / self.curvature;
-        let mut s = 0.0;
-        for _ in 0..4 {
-            let step = self.slope(s) / self.slope_by_s(s);
-            s -= step;
-            if !(range[0] < s && s < range[1]) {
-                return None;
-            }
-            if step.abs() <= tolerance {
-                return Some(s);
-            }
-        }
-        None
-    }
-
-    /// d²g/ds², without that of a topography.
-    fn slope_by_s(&self, s: f64) -> f64 {
-        let rolls = self.rolls(s);
-        let of = |i: usize| {
-            let by_s = self.roll_by_s[i];
-            by_s * by_s * self.microgeometry[i].curvature(rolls[i])
-        };
-        self.curvature + self.per_cos * (of(0) + of(1))
-    }
-
     /// Zero of dg/ds in `range`, or the end at which g is least.
     fn closest(&self, range: [f64; 2]) -> f64 {
         let [mut low, mut high] = range;
@@ -284,60 +259,81 @@ impl<'a> Flanks<'a> {
         [-room[1][0].min(room[0][1]), room[0][0].min(room[1][1])]
     }
 
-    /// Where both flanks come closest, if each is one parabola from the nominal point to there, inside the flanks.
+    /// Where both flanks come closest, from parabola to parabola of a convex gap without a topography; `None` if it has too many.
     #[inline]
-    fn least_of_parabolas(&self) -> Option<LeastGap> {
-        let at = &self.at;
-        let piece = |i: usize| {
-            let gear = &self.geometry.gears[i];
-            self.microgeometry[i].piece(gear, at.roll[i], self.z[i])
-        };
-        let (first, second) = (piece(0), piece(1));
-        let by_s = self.roll_by_s;
-        let slope = at.slope + self.per_cos * (by_s[0] * first.slope + by_s[1] * second.slope);
-        let bend = by_s[0] * by_s[0] * first.curvature + by_s[1] * by_s[1] * second.curvature;
-        let bend = self.curvature + self.per_cos * bend;
-        let s = -slope / bend;
-        let rolls = self.rolls(s);
-        let holds = |i: usize, piece: &ProfilePiece| {
-            let (roll, [tip, form]) = (rolls[i], self.section.flank_ends(i));
-            (roll - tip) * (roll - form) < 0.0 && piece.range[0] <= roll && roll <= piece.range[1]
-        };
-        if !(holds(0, &first) && holds(1, &second)) {
-            return None;
+    fn least_of_parabolas(&self, range: [f64; 2]) -> Option<LeastGap> {
+        let (at, by_s) = (&self.at, self.roll_by_s);
+        let (mut s, mut sense) = (0.0f64, 0.0);
+        for _ in 0..MOST_PIECES {
+            // Just beyond a kink that was met.
+            let from = s + sense * TOLERANCE / self.curvature;
+            let rolls = self.rolls(from);
+            let piece = |i: usize| {
+                let gear = &self.geometry.gears[i];
+                self.microgeometry[i].piece(gear, rolls[i], self.z[i])
+            };
+            let pieces = [piece(0), piece(1)];
+            let [first, second] = &pieces;
+            let slope = at.slope
+                + from * self.curvature
+                + self.per_cos * (by_s[0] * first.slope + by_s[1] * second.slope);
+            let bend = by_s[0] * by_s[0] * first.curvature + by_s[1] * by_s[1] * second.curvature;
+            let bend = self.curvature + self.per_cos * bend;
+            let downhill = -slope.signum();
+            if sense != 0.0 && downhill != sense {
+                return Some(self.gap_at(s));
+            }
+            sense = downhill;
+            // As far as both parabolas and the flanks go.
+            let limit = |i: usize| {
+                let upwards = usize::from(sense * by_s[i] > 0.0);
+                sense * (pieces[i].range[upwards] - at.roll[i]) / by_s[i]
+            };
+            let limit = limit(0).min(limit(1));
+            let end = sense * range[usize::from(sense > 0.0)];
+            let step = -slope / bend;
+            if sense * (from + step) <= limit.min(end) && bend > 0.0 {
+                let removal = |i: usize, piece: &ProfilePiece| {
+                    let slope = piece.slope + step * by_s[i] * piece.curvature;
+                    [self.per_cos * slope, self.per_cos * piece.curvature]
+                };
+                return Some(LeastGap {
+                    gap: at.separation
+                        + from * (at.slope + 0.5 * from * self.curvature)
+                        + self.per_cos * (first.removal + second.removal)
+                        + step * (slope + 0.5 * step * bend),
+                    s: from + step,
+                    removal: Some([removal(0, first), removal(1, second)]),
+                });
+            }
+            s = sense * limit.min(end);
+            if end <= limit {
+                return Some(self.gap_at(s));
+            }
         }
-        let removal = |i: usize, piece: &ProfilePiece| {
-            let slope = piece.slope + s * by_s[i] * piece.curvature;
-            [self.per_cos * slope, self.per_cos * piece.curvature]
-        };
-        Some(LeastGap {
-            gap: at.separation
-                + self.per_cos * (first.removal + second.removal)
-                + s * (slope + 0.5 * s * bend),
+        None
+    }
+
+    /// The gap at `s`.
+    fn gap_at(&self, s: f64) -> LeastGap {
+        LeastGap {
+            gap: self.gap(s),
             s,
-            removal: Some([removal(0, &first), removal(1, &second)]),
-        })
+            removal: None,
+        }
     }
 
     /// Where both flanks come closest.
     pub fn least_gap(&self) -> LeastGap {
-        let at = |s: f64| LeastGap {
-            gap: self.gap(s),
-            s,
-            removal: None,
-        };
         if self.is_nominal() {
-            return at(0.0);
+            return self.gap_at(0.0);
         }
+        let range = self.range();
         if self.microgeometry.iter().any(|m| m.topography.is_some()) {
-            return at(self.closest(self.least_of(self.range())));
+            return self.gap_at(self.closest(self.least_of(range)));
         }
-        self.least_of_parabolas().unwrap_or_else(|| {
-            let range = self.range();
-            at(self
-                .zero_of_slope(range)
-                .unwrap_or_else(|| self.closest(range)))
-        })
+        self.least_of_parabolas(range)
+            .unwrap_or_else(|| self.gap_at(self.closest(range)))
     }
 
     /// Where both flanks come closest.

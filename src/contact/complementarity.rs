@@ -79,9 +79,9 @@ pub enum Failure {
 pub const MAXIMUM_ITERATIONS: usize = 200;
 /// Relative residual at which the iteration ends.
 const TOLERANCE: f64 = 1e-12;
-/// A step that brings the residual below this part of what it was leaves so little that another one with the same
-/// factor costs less than a new factor.
-const KEEPS_FACTOR: f64 = 0.02;
+/// A step that lessens the residual as much as the last one did, with the same factor, would leave at most this many times the
+/// tolerance: then it costs less than a new factor.
+const KEEPS_FACTOR: f64 = 30.0;
 
 /// Relative error that a few roundings leave.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -193,7 +193,7 @@ impl Problem<'_> {
             cholesky::multiply(self.bulk, &work.dy, &mut work.q);
             let t = self.go(target, &mut at, &mut work, d_delta);
             let before = std::mem::replace(&mut residual, self.residual(&at) / at.largest());
-            keeps = t == 1.0 && residual <= KEEPS_FACTOR * before;
+            keeps = t == 1.0 && residual * residual <= KEEPS_FACTOR * TOLERANCE * before;
             if t == 1.0 && residual <= TOLERANCE {
                 solution.iterations = iteration + 1;
                 return self.finish(target, at, solution);
@@ -208,13 +208,16 @@ impl Problem<'_> {
     /// Largest difference between the force of a strip and what its law gives, N, beyond what rounding of the closing makes of it:
     /// flanks that just touch close by less than their gaps are known to.
     fn residual(&self, at: &Iterate) -> f64 {
-        let of = |i: usize| {
-            let (force, slope) = at.phi[i];
-            let gap = self.gap[i].iter().fold(0.0, |m: f64, g| m.max(g.abs()));
-            let sizes = (self.arm[i] * at.delta).abs() + at.ay[i].abs() + gap;
-            (at.y[i] - force).abs() - ROUNDING * slope * sizes
-        };
-        (0..self.len()).map(of).fold(0.0, f64::max)
+        let mut largest = 0.0;
+        for (i, (force, slope)) in at.phi.iter().enumerate() {
+            let error = (at.y[i] - force).abs();
+            if error > largest {
+                let gap = self.gap[i].iter().fold(0.0, |m: f64, g| m.max(g.abs()));
+                let sizes = (self.arm[i] * at.delta).abs() + at.ay[i].abs() + gap;
+                largest = f64::max(largest, error - ROUNDING * slope * sizes);
+            }
+        }
+        largest
     }
 
     fn start(&self, target: Target, start: Option<(&[f64], f64)>, foundation: f64) -> Iterate {
@@ -299,12 +302,8 @@ impl Problem<'_> {
     ) -> f64 {
         let active = &solution.active;
         // Strips out of contact give up what they still carry.
-        let mut is_active = vec![false; self.len()];
-        for &i in active {
-            is_active[i] = true;
-        }
         let released: Vec<usize> = (0..self.len())
-            .filter(|&i| !is_active[i] && at.y[i] != 0.0)
+            .filter(|&i| at.phi[i].1 <= 0.0 && at.y[i] != 0.0)
             .collect();
         dy.fill(0.0);
         for &i in &released {
@@ -347,14 +346,12 @@ impl Problem<'_> {
         let n = self.len();
         solution
             .factor
-            .factor(active.len(), |r, s| {
-                // Symmetric: by ascending r.
-                let bulk = self.bulk[active[s] * n + active[r]];
-                if r == s {
-                    bulk + solution.compliance[r]
-                } else {
-                    bulk
+            .factor_rows(active.len(), |r, row| {
+                let bulk = &self.bulk[active[r] * n..][..n];
+                for (place, &column) in row.iter_mut().zip(&active[r..]) {
+                    *place = bulk[column];
                 }
+                row[0] += solution.compliance[r];
             })
             .map_err(|pivot| Failure::NotPositiveDefinite { pivot })
     }

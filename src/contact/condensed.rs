@@ -9,6 +9,8 @@
 //! that whatever can carry load is there at all four neighbours of a position. Mesh position 1 is 0 with tooth pairs
 //! counted on by one.
 
+use std::hint::black_box;
+
 use serde::{Deserialize, Serialize};
 
 use super::influence::Influence;
@@ -148,48 +150,82 @@ impl CondensedFlank {
         scale: impl Fn(i32) -> f64,
         [tau, offset]: [f64; 2],
     ) -> Influence {
+        widest(
+            #[inline(always)]
+            || self.influence_in(strips, scale, [tau, offset]),
+        )
+    }
+
+    #[inline(always)]
+    fn influence_in(
+        &self,
+        strips: &[StripName],
+        scale: impl Fn(i32) -> f64,
+        [tau, offset]: [f64; 2],
+    ) -> Influence {
         let n = strips.len();
-        let mut influence = Influence {
-            bulk: vec![0.0; n * n],
-            lengths: [vec![0.0; n], vec![0.0; n]],
-        };
+        // What whole groups of lanes write beyond the diagonal is overwritten by what belongs there, and beyond the last
+        // row cut off.
+        let mut bulk = vec![0.0; n * n + LANES];
+        let mut lengths = [vec![0.0; n], vec![0.0; n]];
         let around = Neighbours::new(self, tau, offset);
         let rows = around.rows(strips);
         let runs = runs(strips);
-        let zeros = vec![0.0; self.stations];
+        let zeros = vec![[0.0; LANES]; self.stations.div_ceil(LANES)];
         for (i, row) in rows.iter().enumerate() {
-            for at in around.at_offsets() {
-                let weights = around.along.map(|w| w * at.across);
-                for run in runs.iter().take_while(|run| run.first <= i) {
-                    let count = run.count.min(i + 1 - run.first);
-                    let lines = at.lines(row, &rows[run.first], count, &zeros);
-                    add_lines(
-                        &mut influence.bulk[i * n + run.first..][..count],
-                        &weights,
-                        lines,
-                    );
+            for run in runs.iter().take_while(|run| run.first <= i) {
+                let count = run.count.min(i + 1 - run.first).div_ceil(LANES);
+                let entries = &mut bulk[i * n + run.first..].as_chunks_mut().0[..count];
+                let first = &rows[run.first];
+                let (middle, others) = around.at.split_first().expect("an offset");
+                combine::<false>(
+                    entries,
+                    &middle.weights,
+                    middle.lines(row, first, count, &zeros),
+                );
+                for at in others {
+                    combine::<true>(entries, &at.weights, at.lines(row, first, count, &zeros));
                 }
-                for (gear, known) in influence.lengths.iter_mut().enumerate() {
-                    known[i] += dot4(&weights, &around.lengths(at, row, gear));
+            }
+            for at in &around.at {
+                for (gear, known) in lengths.iter_mut().enumerate() {
+                    known[i] += dot4(&at.weights, &around.lengths(at, row, gear));
                 }
             }
         }
-        for i in 0..n {
-            let scale = scale(strips[i].0);
-            let (above, row) = influence.bulk.split_at_mut(i * n);
-            for (j, value) in row[..i].iter_mut().enumerate() {
-                if scale != 1.0 && strips[j].0 == strips[i].0 {
-                    *value *= scale;
-                }
-                above[j * n + i] = *value;
+        bulk.truncate(n * n);
+        for (i, &(pair, _)) in strips.iter().enumerate() {
+            let scale = scale(pair);
+            let (above, row) = bulk.split_at_mut(i * n);
+            if scale != 1.0 {
+                let own = strips[..=i].iter().zip(row.iter_mut());
+                own.filter(|(name, _)| name.0 == pair)
+                    .for_each(|(_, value)| *value *= scale);
             }
-            row[i] *= scale;
+            let column = above.iter_mut().skip(i).step_by(n.max(1));
+            column
+                .zip(&row[..i])
+                .for_each(|(there, value)| *there = *value);
         }
-        influence
+        Influence { bulk, lengths }
     }
 
     /// Slopes of [`CondensedFlank::influence`] by mesh position and by centre distance (1/m) with the forces `y` on the strips.
     pub(super) fn slopes(
+        &self,
+        strips: &[StripName],
+        scale: impl Fn(i32) -> f64,
+        y: &[f64],
+        [tau, offset]: [f64; 2],
+    ) -> Slopes {
+        widest(
+            #[inline(always)]
+            || self.slopes_in(strips, scale, y, [tau, offset]),
+        )
+    }
+
+    #[inline(always)]
+    fn slopes_in(
         &self,
         strips: &[StripName],
         scale: impl Fn(i32) -> f64,
@@ -203,38 +239,47 @@ impl CondensedFlank {
         let around = Neighbours::new(self, tau, offset);
         let rows = around.rows(strips);
         let runs = runs(strips);
-        let zeros = vec![0.0; self.stations];
+        let zeros = vec![[0.0; LANES]; self.stations.div_ceil(LANES)];
+        // By offset and node: y' A y, lane by lane.
+        let mut by_node = [[[0.0; LANES]; 4]; 3];
+        let mut products = vec![[0.0; LANES]; zeros.len()];
         for (i, row) in rows.iter().enumerate() {
             let scale = scale(strips[i].0);
-            for at in around.at_offsets() {
-                // By node: y' A y of this strip with those before it.
-                let mut by_node = [0.0; 4];
-                for run in runs.iter().take_while(|run| run.first <= i) {
-                    // The diagonal counts once, what lies beside it twice.
-                    let count = run.count.min(i - run.first);
+            for run in runs.iter().take_while(|run| run.first <= i) {
+                let last = run.count.min(i + 1 - run.first);
+                let count = last.div_ceil(LANES);
+                let own = if run.name.0 == strips[i].0 {
+                    scale
+                } else {
+                    1.0
+                };
+                // The diagonal counts once, what lies beside it twice.
+                let twice = 2.0 * own * y[i];
+                let places = products[..count].as_flattened_mut();
+                for (product, y) in places.iter_mut().zip(&y[run.first..][..last]) {
+                    *product = twice * y;
+                }
+                places[last..].fill(0.0);
+                if run.first + last == i + 1 {
+                    places[last - 1] *= 0.5;
+                }
+                for (sums, at) in by_node.iter_mut().zip(&around.at) {
                     let lines = at.lines(row, &rows[run.first], count, &zeros);
-                    let sums = line_sums(&y[run.first..][..count], lines);
-                    let own = if run.name.0 == strips[i].0 {
-                        scale
-                    } else {
-                        1.0
-                    };
-                    for (all, sum) in by_node.iter_mut().zip(sums) {
-                        *all += 2.0 * own * sum;
-                    }
+                    add_products(sums, &products[..count], lines);
                 }
-                let diagonal = at.lines(row, row, 1, &zeros);
-                for (all, line) in by_node.iter_mut().zip(diagonal) {
-                    *all = y[i] * (*all + scale * y[i] * f64::from(line[0]));
-                }
-                slopes.bulk[0] += at.across * dot4(&around.along_slopes, &by_node);
-                slopes.bulk[1] += at.slope * dot4(&around.along, &by_node);
+            }
+            for at in &around.at {
                 for gear in 0..2 {
                     let lengths = around.lengths(at, row, gear);
                     slopes.lengths[i][0][gear] += at.across * dot4(&around.along_slopes, &lengths);
                     slopes.lengths[i][1][gear] += at.slope * dot4(&around.along, &lengths);
                 }
             }
+        }
+        for (sums, at) in by_node.iter().zip(&around.at) {
+            let by_node = sums.map(|lanes| (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]));
+            slopes.bulk[0] += at.across * dot4(&around.along_slopes, &by_node);
+            slopes.bulk[1] += at.slope * dot4(&around.along, &by_node);
         }
         slopes
     }
@@ -312,25 +357,31 @@ struct AtOffset<'a> {
     /// Weight of this offset, and its slope, 1/m.
     across: f64,
     slope: f64,
+    /// Weights of the nodes.
+    weights: [f64; 4],
     /// Values of the nodes.
     values: [&'a [f32]; 4],
 }
 
 impl AtOffset<'_> {
-    /// Influence of the `count` strips from that at `first` on on the strip at `row`, none of which comes after it, in the four
-    /// nodes; `zeros` where one is not there.
+    /// Influence of the strips from that at `first` on, in `count` whole groups of lanes, on the strip at `row`, not before
+    /// them, in the four nodes; `zeros` where one is not there. What a group holds beyond the strip itself means nothing.
     #[inline(always)]
     fn lines<'b>(
         &'b self,
         row: &Row,
         first: &Row,
         count: usize,
-        zeros: &'b [f32],
-    ) -> [&'b [f32]; 4] {
-        std::array::from_fn(|step| match (row[step], first[step]) {
-            (Some(row), Some(first)) => &self.values[step][triangle(row, 0) + first..][..count],
+        zeros: &'b [Lanes],
+    ) -> [&'b [Lanes]; 4] {
+        let of = |step: usize| match (row[step], first[step]) {
+            (Some(row), Some(first)) => {
+                let line = &self.values[step][triangle(row, 0) + first..];
+                &line.as_chunks().0[..count]
+            }
             _ => &zeros[..count],
-        })
+        };
+        [of(0), of(1), of(2), of(3)]
     }
 }
 
@@ -339,8 +390,8 @@ struct Neighbours<'a> {
     flank: &'a CondensedFlank,
     along: [f64; 4],
     along_slopes: [f64; 4],
-    /// Offset by offset.
-    at: [AtOffset<'a>; 3],
+    /// Offset by offset: one or three.
+    at: Vec<AtOffset<'a>>,
     /// Whole cycles of each of the four.
     turns: [i32; 4],
     /// Where the reference lengths begin in a node.
@@ -360,15 +411,17 @@ impl<'a> Neighbours<'a> {
             flank,
             along,
             along_slopes: slopes.map(|slope| slope * flank.positions as f64),
-            at: std::array::from_fn(|k| AtOffset {
-                across: across[k],
-                slope: across_slopes[k],
-                values: nodes.map(|node| {
-                    let k = k.min(flank.offsets.len() - 1);
-                    let place = k * flank.positions + node.rem_euclid(positions) as usize;
-                    &flank.values[place * size..][..size]
-                }),
-            }),
+            at: (0..flank.offsets.len())
+                .map(|k| AtOffset {
+                    across: across[k],
+                    slope: across_slopes[k],
+                    weights: along.map(|w| w * across[k]),
+                    values: nodes.map(|node| {
+                        let place = k * flank.positions + node.rem_euclid(positions) as usize;
+                        &flank.values[place * size..][..size]
+                    }),
+                })
+                .collect(),
             turns: nodes.map(|node| node.div_euclid(positions) as i32),
             lengths: triangle(flank.strips(), 0),
         }
@@ -377,13 +430,6 @@ impl<'a> Neighbours<'a> {
     fn rows(&self, strips: &[StripName]) -> Vec<Row> {
         let row = |strip: &StripName| self.turns.map(|turns| self.flank.place(*strip, turns));
         strips.iter().map(row).collect()
-    }
-
-    /// The offsets that count.
-    fn at_offsets(&self) -> impl Iterator<Item = &AtOffset<'a>> {
-        self.at
-            .iter()
-            .filter(|at| at.across != 0.0 || at.slope != 0.0)
     }
 
     /// Reference lengths of one gear in the four nodes at one offset.
@@ -396,45 +442,46 @@ impl<'a> Neighbours<'a> {
     }
 }
 
-/// Adds the sum of `lines` times `weights` to `entries`.
-fn add_lines(entries: &mut [f64], weights: &[f64; 4], lines: [&[f32]; 4]) {
-    widest(
-        #[inline(always)]
-        || {
-            let [a, b, c, d] = lines;
-            let lines = a.iter().zip(b).zip(c.iter().zip(d));
-            for (entry, ((a, b), (c, d))) in entries.iter_mut().zip(lines) {
-                *entry += (weights[0] * f64::from(*a) + weights[1] * f64::from(*b))
-                    + (weights[2] * f64::from(*c) + weights[3] * f64::from(*d));
-            }
-        },
-    );
+/// Numbers that are combined at once.
+const LANES: usize = 4;
+type Lanes = [f32; LANES];
+
+/// Puts the sum of `lines`, weighted, into `entries`, or adds it to what is there.
+#[inline(always)]
+fn combine<const ADD: bool>(
+    entries: &mut [[f64; LANES]],
+    weights: &[f64; 4],
+    [a, b, c, d]: [&[Lanes]; 4],
+) {
+    let (w, count) = (*weights, entries.len());
+    let (a, b, c, d) = (&a[..count], &b[..count], &c[..count], &d[..count]);
+    for place in 0..count {
+        // Groups one by one: left to itself the compiler takes several at once, lane by lane, with more shuffles than sums.
+        let place = black_box(place).min(count - 1);
+        let (a, b, c, d) = (&a[place], &b[place], &c[place], &d[place]);
+        let mut sums = if ADD { entries[place] } else { [0.0; LANES] };
+        for lane in 0..LANES {
+            sums[lane] += (w[0] * f64::from(a[lane]) + w[1] * f64::from(b[lane]))
+                + (w[2] * f64::from(c[lane]) + w[3] * f64::from(d[lane]));
+        }
+        entries[place] = sums;
+    }
 }
 
-/// Dot products of `y` with each of `lines`.
-fn line_sums(y: &[f64], lines: [&[f32]; 4]) -> [f64; 4] {
-    widest(
-        #[inline(always)]
-        || {
-            let (y, y_rest) = y.as_chunks::<4>();
-            let mut all = [0.0; 4];
-            for (all, line) in all.iter_mut().zip(lines) {
-                let mut sums = [0.0; 4];
-                let (line, line_rest) = line.as_chunks::<4>();
-                for (y, line) in y.iter().zip(line) {
-                    for lane in 0..4 {
-                        sums[lane] += y[lane] * f64::from(line[lane]);
-                    }
-                }
-                let mut rest = 0.0;
-                for (y, value) in y_rest.iter().zip(line_rest) {
-                    rest += y * f64::from(*value);
-                }
-                *all = (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest;
+/// Adds the products of `y` and each of `lines` to `sums`, lane by lane.
+#[inline(always)]
+fn add_products(sums: &mut [[f64; LANES]; 4], y: &[[f64; LANES]], lines: [&[Lanes]; 4]) {
+    let [a, b, c, d] = lines;
+    let lines = a.iter().zip(b).zip(c.iter().zip(d));
+    let mut all = *sums;
+    for (y, ((a, b), (c, d))) in y.iter().zip(lines) {
+        for (sums, line) in all.iter_mut().zip([a, b, c, d]) {
+            for lane in 0..LANES {
+                sums[lane] += y[lane] * f64::from(line[lane]);
             }
-            all
-        },
-    )
+        }
+    }
+    *sums = all;
 }
 
 fn dot4(a: &[f64; 4], b: &[f64; 4]) -> f64 {

@@ -1,5 +1,6 @@
 //! How strips give way to each other's forces, divided between bulk and local contact.
 
+#[cfg(feature = "preprocess")]
 use super::candidates::Candidate;
 
 #[cfg(feature = "preprocess")]
@@ -20,14 +21,6 @@ pub struct Influence {
     pub bulk: Vec<f64>,
     /// Reference lengths of the local contact, per gear, m.
     pub lengths: [Vec<f64>; 2],
-}
-
-/// Lengths of strips along the contact line, m.
-pub fn strip_lengths(candidates: &[Candidate], cos_beta_b: f64) -> Vec<f64> {
-    candidates
-        .iter()
-        .map(|c| (c.z[1] - c.z[0]) / cos_beta_b)
-        .collect()
 }
 
 #[cfg(feature = "preprocess")]
@@ -55,11 +48,10 @@ impl Influence {
         let cos_beta_b = numbers.cos_beta_b;
         let pieces: Vec<Piece> = candidates
             .iter()
-            .zip(strip_lengths(candidates, cos_beta_b))
-            .map(|(c, length)| Piece {
+            .map(|c| Piece {
                 line: c.tooth_pair,
                 at: c.middle() / cos_beta_b,
-                length,
+                length: c.length(cos_beta_b),
             })
             .collect();
         let layer = compliance

@@ -30,6 +30,7 @@ mod cycle_data;
 mod deflection;
 mod error;
 mod file;
+mod four;
 mod influence;
 pub(crate) mod local;
 #[cfg(feature = "preprocess")]

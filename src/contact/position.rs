@@ -3,7 +3,7 @@
 use super::candidates::{Candidate, POINTS};
 use super::complementarity::{Failure, Problem, Solution, Target};
 use super::error::{ContactError, OperatingPoint, Prescribed};
-use super::influence::{Influence, strip_lengths};
+use super::influence::Influence;
 use super::local::{LocalBody, LocalContact};
 use super::numbers::PairNumbers;
 use super::result::ContactResult;
@@ -27,6 +27,16 @@ pub struct PositionProblem {
     limits: Limits,
 }
 
+/// Law of one point of `strip` with the reference lengths `lengths` (m) of both gears.
+pub(super) fn law(numbers: &PairNumbers, strip: &Candidate, lengths: [f64; 2]) -> LocalContact {
+    let bodies = [0, 1].map(|i| LocalBody {
+        plane_compliance: numbers.plane_compliance[i],
+        reference_length: lengths[i],
+    });
+    let length = strip.length(numbers.cos_beta_b) / POINTS as f64;
+    LocalContact::new(bodies, &strip.profile, length)
+}
+
 /// What holds for all loads at one position.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
@@ -47,17 +57,13 @@ impl PositionProblem {
         limits: Limits,
     ) -> PositionProblem {
         let cos_beta_b = numbers.cos_beta_b;
-        let strip_lengths = strip_lengths(&candidates, cos_beta_b);
-        let local = candidates
-            .iter()
-            .enumerate()
-            .map(|(strip, candidate)| {
-                let bodies = [0, 1].map(|i| LocalBody {
-                    plane_compliance: numbers.plane_compliance[i],
-                    reference_length: influence.lengths[i][strip],
-                });
-                let length = strip_lengths[strip] / POINTS as f64;
-                LocalContact::new(bodies, &candidate.profile, length)
+        let local = (candidates.iter().enumerate())
+            .map(|(i, strip)| {
+                law(
+                    numbers,
+                    strip,
+                    [0, 1].map(|gear| influence.lengths[gear][i]),
+                )
             })
             .collect();
         let z_ref = numbers.z_ref;
@@ -271,16 +277,6 @@ impl PositionProblem {
             gap,
             arm: &self.arm,
         }
-    }
-
-    /// Energy of the local contact of a single strip where the bulk gives way by `deflection`, J.
-    pub(super) fn energy(&self, approach: f64, misalignment: f64, deflection: f64) -> f64 {
-        let (c, arm, lever) = (&self.candidates[0], self.arm[0], &self.lever[0]);
-        let points = c.gap.iter().zip(lever).map(|(gap, lever)| {
-            let closing = arm * (approach + misalignment * lever) - deflection;
-            self.local[0].energy(closing - self.cos_beta_b * gap)
-        });
-        points.sum()
     }
 
     /// Reference lengths of gear 1 and gear 2 at strip `i`, m.

@@ -15,9 +15,8 @@ use super::cholesky::dot;
 use super::complementarity::{Solution, Target};
 use super::condensed::{CondensedFlank, StripName};
 use super::error::ContactError;
-use super::influence::Influence;
 use super::numbers::PairNumbers;
-use super::position::PositionProblem;
+use super::position::{PositionProblem, law};
 use super::result::Tangent;
 use super::setup::ContactSetup;
 use super::transverse::TransverseSection;
@@ -176,7 +175,7 @@ impl RuntimeContact {
         let deflection = |i: usize| problem.arm[i] * approach - closing[i];
         let mut energy: f64 = loaded.iter().map(|&i| 0.5 * force[i] * deflection(i)).sum();
         let [mut by_tau, mut by_offset] = slopes.bulk.map(|q| -0.5 * q);
-        let plane = self.numbers.plane_compliance;
+        let (plane, cos_beta_b) = (self.numbers.plane_compliance, self.numbers.cos_beta_b);
         let mut moved: Option<[TransverseSection; 2]> = None;
         for (place, &i) in loaded.iter().enumerate() {
             let penetration = load.gap[i].map(|gap| closing[i] - gap);
@@ -192,8 +191,7 @@ impl RuntimeContact {
                     let lengths: f64 = (0..2)
                         .map(|g| held.by_log_length[g] * by[axis][g] / lengths[g])
                         .sum();
-                    held.by_log_radius * rates[axis].log_radius + lengths
-                        - self.numbers.cos_beta_b * closing
+                    held.by_log_radius * rates[axis].log_radius + lengths - cos_beta_b * closing
                 };
                 by_tau += along(0);
                 by_offset += along(1);
@@ -213,9 +211,17 @@ impl RuntimeContact {
             };
             let of = |section: &TransverseSection, turn: f64, by: [f64; 2], step: f64| {
                 let lengths = [0, 1].map(|g| lengths[g] + by[g] * step);
-                let strip = self.strip(section, cycle.moved(turn), names[place], lengths);
+                let lines = self.lines(section, cycle);
+                let strip = lines.strip(cycle.tau + turn, names[place]);
                 strip.map_or(0.0, |strip| {
-                    strip.energy(approach, load.misalignment, deflection(i))
+                    let arm = strip.arm * cos_beta_b;
+                    let law = law(&self.numbers, &strip, lengths);
+                    let points = strip.points().into_iter().zip(strip.gap);
+                    let energy = |(z, gap): (f64, f64)| {
+                        let closing = approach + load.misalignment * (z - self.numbers.z_ref);
+                        law.energy(arm * closing - deflection(i) - cos_beta_b * gap)
+                    };
+                    points.map(energy).sum()
                 })
             };
             let [step, turn] = STEPS;
@@ -225,28 +231,6 @@ impl RuntimeContact {
                 (of(section, turn, by[0], turn) - of(section, -turn, by[0], -turn)) / (2.0 * turn);
         }
         Ok((energy, [by_offset, by_tau]))
-    }
-
-    /// The strip `name` alone in `section` at `cycle`, with the reference lengths `lengths`.
-    fn strip(
-        &self,
-        section: &TransverseSection,
-        cycle: Cycle,
-        name: StripName,
-        lengths: [f64; 2],
-    ) -> Option<PositionProblem> {
-        let strip = self.lines(section, cycle).strip(cycle.tau, name)?;
-        let influence = Influence {
-            bulk: vec![0.0],
-            lengths: lengths.map(|length| vec![length]),
-        };
-        let limits = self.setup.limits(0.0);
-        Some(PositionProblem::with(
-            &self.numbers,
-            vec![strip],
-            influence,
-            limits,
-        ))
     }
 
     /// The problem of the strips that may carry, and how fast they change; `None` if none touches.
@@ -326,20 +310,13 @@ impl RuntimeContact {
 /// A place in the mesh cycle.
 #[derive(Debug, Clone, Copy)]
 struct Cycle {
-    /// Mesh position; a little beyond [0, 1) for a difference.
+    /// Mesh position, in [0, 1).
     tau: f64,
     /// Which teeth are in mesh.
     counts: Counts,
 }
 
 impl Cycle {
-    fn moved(self, by: f64) -> Cycle {
-        Cycle {
-            tau: self.tau + by,
-            ..self
-        }
-    }
-
     /// The name by which a strip is known in other cycles.
     fn since_start(self, (pair, station): StripName) -> (i64, usize) {
         (i64::from(pair) - self.counts[0], station)

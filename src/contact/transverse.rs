@@ -1,5 +1,7 @@
 //! Where tooth pairs touch in the transverse section, on the path of contact and beyond its ends.
 
+use wide::f64x4;
+
 use super::numbers::PairNumbers;
 
 /// A point that may touch: lengths of roll on both gears and what separates the flanks there.
@@ -85,7 +87,7 @@ impl TransverseSection {
         };
         if let Some(limit) = separation_limit {
             for end in 0..2 {
-                section.reach[end] = section.reach_beyond(end, limit);
+                section.reach[end] = section.reach_beyond(end, limit, 1e-12);
             }
         }
         Some(section)
@@ -112,10 +114,10 @@ impl TransverseSection {
         self.reach
     }
 
-    /// Conjugate positions between which the flanks, unmodified, are not farther apart than `limit` (m), as far as
-    /// candidates go.
+    /// Conjugate positions between which the flanks, unmodified, are not farther apart than `limit` (m) and beyond which they
+    /// are by 98 % of it, as far as candidates go.
     pub fn within(&self, limit: f64) -> [f64; 2] {
-        let [first, last] = [0, 1].map(|end| self.reach_beyond(end, limit));
+        let [first, last] = [0, 1].map(|end| self.reach_beyond(end, limit, 0.01));
         [first.max(self.reach[0]), last.min(self.reach[1])]
     }
 
@@ -134,6 +136,14 @@ impl TransverseSection {
                 arm: 1.0,
             }
         }
+    }
+
+    /// Lengths of roll of both gears, m, at four conjugate positions `xi` (m), which lie on the path of contact; else `None`.
+    #[inline]
+    pub fn rolls_on_path(&self, xi: f64x4) -> Option<[f64x4; 2]> {
+        let [first, last] = self.path.map(f64x4::splat);
+        let on_path = (xi.simd_ge(first) & xi.simd_le(last)).all();
+        on_path.then(|| self.sides.map(|side| xi * side.q + side.rb * self.tan_phi))
     }
 
     /// Length of flank from the length of roll `roll` on gear `i` to its tip edge, m.
@@ -197,8 +207,8 @@ impl TransverseSection {
 
     /// Farthest conjugate position beyond the path's `end` whose separation stays below `limit` and
     /// whose tip edge still faces the mate's involute. Both rise monotonically, so Ridders' method finds where the first of
-    /// them ends (Ridders, IEEE Trans. Circuits and Systems 26 (1979) 979-980).
-    fn reach_beyond(&self, end: usize, limit: f64) -> f64 {
+    /// them ends (Ridders, IEEE Trans. Circuits and Systems 26 (1979) 979-980), short of it by `exactness` of the way at most.
+    fn reach_beyond(&self, end: usize, limit: f64, exactness: f64) -> f64 {
         let sign = if end == 0 { -1.0 } else { 1.0 };
         let mate = &self.sides[end];
         // > 0: too far. The separation grows with the square of the way.
@@ -237,7 +247,7 @@ impl TransverseSection {
                     high = point;
                 }
             }
-            if high.0 - low.0 <= tolerance || low.1 >= -1e-12 {
+            if high.0 - low.0 <= tolerance || low.1 >= -exactness {
                 break;
             }
         }

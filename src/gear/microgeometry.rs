@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+use wide::f64x4;
 
 use super::modification::{EndRelief, ProfileCrowning, ProfilePiece, ProfileRelief, ProfileSlope};
 use super::topography::Topography;
@@ -109,20 +110,34 @@ impl Microgeometry {
     /// [`Microgeometry::removal`] and its derivatives at the length of roll `roll` and at `z`, but for a topography.
     #[inline]
     pub fn piece(&self, gear: &Gear, roll: f64, z: f64) -> ProfilePiece {
-        let of = |relief: &Option<ProfileRelief>| {
-            relief.map_or(ProfilePiece::default(), |relief| relief.piece(roll))
-        };
-        let mut piece = of(&self.tip_relief).and(of(&self.root_relief));
+        let mut piece = self.profile_piece(roll);
         piece.removal += self.lead_removal(gear, z);
-        if let Some(crowning) = &self.profile_crowning {
-            piece.removal += crowning.removal(roll);
-            piece.slope += crowning.slope(roll);
-            piece.curvature += crowning.curvature();
-        }
         if let Some(slope) = &self.profile_slope {
             let t = along_face(gear, z);
             piece.removal += slope.removal(roll, t);
             piece.slope += slope.slope(t);
+        }
+        piece
+    }
+
+    /// What depends on the length of roll alone, about `roll` (m); `None` for flanks of which more than that and the lead
+    /// modifications is removed.
+    #[inline]
+    pub fn profile_parabola(&self, roll: f64) -> Option<ProfilePiece> {
+        let apart = self.profile_slope.is_none() && self.topography.is_none();
+        apart.then(|| self.profile_piece(roll))
+    }
+
+    #[inline]
+    fn profile_piece(&self, roll: f64) -> ProfilePiece {
+        let of = |relief: &Option<ProfileRelief>| {
+            relief.map_or(ProfilePiece::default(), |relief| relief.piece(roll))
+        };
+        let mut piece = of(&self.tip_relief).and(of(&self.root_relief));
+        if let Some(crowning) = &self.profile_crowning {
+            piece.removal += crowning.removal(roll);
+            piece.slope += crowning.slope(roll);
+            piece.curvature += crowning.curvature();
         }
         piece
     }
@@ -147,6 +162,19 @@ impl Microgeometry {
             .map(|(relief, from_end)| relief.map_or(0.0, |r| r.removal(from_end)))
             .sum();
         self.lead_crowning * t * t + 0.5 * self.lead_slope * t + end_relief
+    }
+
+    /// The part of [`Microgeometry::removal`] that depends on the place along the face alone at four places `z`, m.
+    #[inline]
+    pub fn lead_removals(&self, gear: &Gear, z: f64x4) -> f64x4 {
+        let t = z * (2.0 / gear.face_width) - 1.0;
+        let mut removal = t * (t * self.lead_crowning + 0.5 * self.lead_slope);
+        for (relief, from_end) in self.end_relief.iter().zip([z, -z + gear.face_width]) {
+            if let Some(relief) = relief {
+                removal += relief.removals(from_end);
+            }
+        }
+        removal
     }
 
     /// Whether anything depends on the length of roll, so that [`Microgeometry::slope`] is not zero throughout.

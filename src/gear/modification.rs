@@ -1,6 +1,7 @@
 //! The single modifications a flank may have.
 
 use serde::{Deserialize, Serialize};
+use wide::f64x4;
 
 /// How a relief grows from its start to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -241,6 +242,17 @@ impl EndRelief {
     /// Removal at the distance `from_end` from the end of the face, m.
     pub fn removal(&self, from_end: f64) -> f64 {
         self.amount * self.shape.fraction(1.0 - from_end / self.length)
+    }
+
+    /// As [`EndRelief::removal`] at four places.
+    #[inline]
+    pub(super) fn removals(&self, from_end: f64x4) -> f64x4 {
+        let way = (-from_end / self.length + 1.0).max(f64x4::ZERO);
+        let fraction = match self.shape {
+            ReliefShape::Linear => way,
+            ReliefShape::Parabolic | ReliefShape::Arc => way * way,
+        };
+        fraction * self.amount
     }
 }
 

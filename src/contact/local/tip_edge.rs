@@ -152,14 +152,13 @@ impl TipEdge {
             }
             let growth = (0.5 * self.slope + 0.75 * a / self.radius) / self.c;
             let newton = a - (h - x) / (growth * self.compliance(a));
-            let next = if low < newton && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
+            let inside = low < newton && newton < high;
+            let next = if inside { newton } else { 0.5 * (low + high) };
             let step = (next - a).abs();
             a = next;
-            if step <= 4.0 * f64::EPSILON * a {
+            // Quadratic: what a step of Newton's method leaves is the square of it.
+            let enough = if inside { 1e-9 } else { 4.0 * f64::EPSILON };
+            if step <= enough * a {
                 break;
             }
         }

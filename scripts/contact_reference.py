@@ -252,6 +252,10 @@ RING = dict(name="ring", meshing="internal", normal_module_mm=3.0, normal_pressu
             operating=dict(nominal_torque_nm=100.0, maximum_torque_nm=200.0, center_distance_offset_um=[0.0, 0.0], misalignment_mrad=[-1.0, 1.0]))
 LAYERS = [0, 0.5, 1.3, 2.5, 4, 5.5, 7, 8.5, 10, 11.5, 13, 14.5, 16, 17.5, 18.7, 19.5, 20]
 
+HELICAL = spur(b=20.0, helix=30.0, tip_relief=dict(amount_um=12.0, start="pitch_point", shape="linear"), gear1=dict(lead_crowning_um=5.0))
+# Contact lines of the helical pair cross mid-face within half a millimetre: for pressure there.
+THIN = [0, 0.5, 1.5, 3, 5, 7, 8.2, 9.0, 9.4, 9.7, 9.9]
+
 
 def torques(*values):
     return [(v, 0.0) for v in values]
@@ -280,10 +284,11 @@ FAMILIES = {
         [("wide", "spur 20/20, face 12 modules, 5 um of lead crowning, solid", spur(b=48.0, gear1=dict(lead_crowning_um=5.0), torque=400.0), TILTED)],
         [0.0, 0.5], layers=[0, 0.6, 1.6, 3.4, 6, 9.5, 13.5, 18.5, 24], mesh=SOLID),
     "helix-30": lambda: family(
-        [("helix-30", "helical 20/20, 30 degrees, tip relief and lead crowning, solid",
-          spur(b=20.0, helix=30.0, tip_relief=dict(amount_um=12.0, start="pitch_point", shape="linear"), gear1=dict(lead_crowning_um=5.0)),
-          torques(50.0, 100.0, 200.0) + [(100.0, -1.0), (100.0, 1.0)])],
+        [("helix-30", "helical 20/20, 30 degrees, tip relief and lead crowning, solid", HELICAL, torques(50.0, 100.0, 200.0) + [(100.0, -1.0), (100.0, 1.0)])],
         [0.5, 0.0], layers=LAYERS, mesh=OBLIQUE, limit=0.035),
+    "helix-30-knee": lambda: family(
+        [("helix-30-knee", "the same where a contact line crosses the start of the reliefs, in thin layers", HELICAL, torques(50.0, 100.0, 200.0))],
+        [0.0], layers=THIN + [20 - z for z in reversed(THIN)], mesh=OBLIQUE, parts=1, limit=0.035),
     "internal-helical": lambda: family(
         [("internal-helical", "internal helical 20/60, 15 degrees, tip relief and lead crowning, solid", RING, torques(50.0, 100.0, 200.0))],
         [0.0, 0.5], layers=[0.9 * z for z in LAYERS], mesh=OBLIQUE, parts=1, limit=0.035),

@@ -139,7 +139,8 @@ fn nearest(x: f64) -> f64 {
 #[inline(always)]
 pub(crate) fn angles<T: Scalar>(y: [T; 4], x: [T; 4]) -> [T; 4] {
     let re = |v: [T; 4]| f64x4::new([v[0].re(), v[1].re(), v[2].re(), v[3].re()]);
-    let values = re(y).atan2(re(x)).to_array();
+    // Zeros of either sign lie on the same side of the cut: -0 + 0 = 0.
+    let values = (re(y) + f64x4::splat(0.0)).atan2(re(x)).to_array();
     let mut out = [
         T::from(values[0]),
         T::from(values[1]),
@@ -199,6 +200,13 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn the_sign_of_a_zero_does_not_turn_an_angle() {
+        let found = angles::<f64>([0.0, -0.0, 0.0, -0.0], [-1.0, -1.0, 1.0, 1.0]);
+        assert_eq!(found[0], found[1]);
+        assert_eq!(found[2..], [0.0; 2]);
     }
 
     #[test]

@@ -223,17 +223,20 @@ const CYCLE: usize = 5;
 struct Bounds<'a> {
     /// Of the transmission error of each position, as a part of it.
     each: f64,
+    /// Of the flank pressure, as a part of it.
+    pressure: f64,
     /// Torque from which on pressures are compared, N m: under less contact is narrower than the data resolve.
     pressed: f64,
     /// Mesh positions at which the data resolve the pressure.
     resolved: &'a dyn Fn(f64) -> bool,
 }
 
-/// Mean within 0.7 %, z_c within 0.05 mm, peak-to-peak within 2 % or 0.05 um, flank pressure within 3 %, and each position as
-/// `bounds` says.
+/// Mean within 0.7 %, z_c within 0.05 mm, peak-to-peak within 2 % or 0.05 um, and each position and the flank
+/// pressure as `bounds` says.
 fn agrees_with_reference(name: &str, bounds: &Bounds) {
     let Bounds {
         each: largest,
+        pressure,
         pressed,
         resolved,
     } = *bounds;
@@ -270,7 +273,7 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
             );
             let [here, there] = [0, 1].map(|k| found.pressure[k][i]);
             assert!(
-                torque < pressed || !resolved(position) || (here / there - 1.0).abs() < 0.03,
+                torque < pressed || !resolved(position) || (here / there - 1.0).abs() < pressure,
                 "{at}, position {position}: {here:.0} instead of {there:.0} MPa"
             );
         }
@@ -287,6 +290,7 @@ fn short_and_strong_relief_agrees_in_plane_strain_also_at_its_knee() {
     for name in ["relief-8", "relief-25", "relief-30", "relief-30-parabolic"] {
         let bounds = Bounds {
             each: 0.004,
+            pressure: 0.03,
             pressed: 50.0,
             resolved: &all,
         };
@@ -304,6 +308,7 @@ fn centre_distance_and_high_contact_ratio_agree_in_plane_strain() {
     ] {
         let bounds = Bounds {
             each,
+            pressure: 0.03,
             pressed: 50.0,
             resolved: &all,
         };
@@ -318,6 +323,7 @@ fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
     for (name, each) in [("solid-relief-30", 0.004), ("solid-crowned", 0.02)] {
         let bounds = Bounds {
             each,
+            pressure: 0.03,
             pressed: 100.0,
             resolved: &all,
         };
@@ -327,14 +333,22 @@ fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
 
 #[test]
 fn helix_of_30_degrees_and_an_internal_helical_pair_agree() {
-    // At position 0 a contact line crosses the pitch point, where the reliefs begin, within a millimetre or two: the layers of
-    // the data are up to 5 mm long.
+    // At position 0 a contact line crosses the pitch point, where the reliefs begin, within a millimetre: less than a layer of
+    // the data. The pressure there was computed once more in layers of 0.2 mm; a strip is half a millimetre long.
     for name in ["helix-30", "internal-helical"] {
         let bounds = Bounds {
             each: 0.005,
+            pressure: 0.03,
             pressed: 100.0,
             resolved: &|position| position > 0.25,
         };
         agrees_with_reference(name, &bounds);
     }
+    let bounds = Bounds {
+        each: 0.005,
+        pressure: 0.06,
+        pressed: 50.0,
+        resolved: &all,
+    };
+    agrees_with_reference("helix-30-knee", &bounds);
 }

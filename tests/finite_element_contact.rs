@@ -280,21 +280,18 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
     }
 }
 
-/// Everywhere.
-fn all(_: f64) -> bool {
-    true
-}
+/// In plane strain; the other cases say what differs.
+const PLANE: Bounds<'static> = Bounds {
+    each: 0.004,
+    pressure: 0.03,
+    pressed: 50.0,
+    resolved: &|_| true,
+};
 
 #[test]
 fn short_and_strong_relief_agrees_in_plane_strain_also_at_its_knee() {
     for name in ["relief-8", "relief-25", "relief-30", "relief-30-parabolic"] {
-        let bounds = Bounds {
-            each: 0.004,
-            pressure: 0.03,
-            pressed: 50.0,
-            resolved: &all,
-        };
-        agrees_with_reference(name, &bounds);
+        agrees_with_reference(name, &PLANE);
     }
 }
 
@@ -306,12 +303,7 @@ fn centre_distance_and_high_contact_ratio_agree_in_plane_strain() {
         ("centre-distance+100", 0.004),
         ("high-contact-ratio", 0.006),
     ] {
-        let bounds = Bounds {
-            each,
-            pressure: 0.03,
-            pressed: 50.0,
-            resolved: &all,
-        };
+        let bounds = Bounds { each, ..PLANE };
         agrees_with_reference(name, &bounds);
     }
 }
@@ -323,9 +315,8 @@ fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
     for (name, each) in [("solid-relief-30", 0.004), ("solid-crowned", 0.02)] {
         let bounds = Bounds {
             each,
-            pressure: 0.03,
             pressed: 100.0,
-            resolved: &all,
+            ..PLANE
         };
         agrees_with_reference(name, &bounds);
     }
@@ -338,17 +329,16 @@ fn helix_of_30_degrees_and_an_internal_helical_pair_agree() {
     for name in ["helix-30", "internal-helical"] {
         let bounds = Bounds {
             each: 0.005,
-            pressure: 0.03,
             pressed: 100.0,
             resolved: &|position| position > 0.25,
+            ..PLANE
         };
         agrees_with_reference(name, &bounds);
     }
     let bounds = Bounds {
         each: 0.005,
         pressure: 0.06,
-        pressed: 50.0,
-        resolved: &all,
+        ..PLANE
     };
     agrees_with_reference("helix-30-knee", &bounds);
 }

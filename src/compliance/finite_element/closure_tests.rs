@@ -21,16 +21,7 @@ fn ring_sector(inner: f64, outer: f64, teeth: u32, rows: usize) -> Mesh {
     let id = |i: usize, j: usize| i * (2 * rows + 1) + j;
     let mut mesh = Mesh {
         dimension: 2,
-        points: Vec::new(),
-        angles: Vec::new(),
-        elements: Vec::new(),
-        cells: Vec::new(),
-        held: Vec::new(),
-        sides: [Vec::new(), Vec::new()],
-        flank: Vec::new(),
-        fillet: Vec::new(),
-        foundation: None,
-        hanging: Default::default(),
+        ..Mesh::default()
     };
     for i in 0..=2 * columns {
         let angle = half_pitch * (i as f64 / columns as f64 - 1.0);
@@ -96,16 +87,7 @@ fn cantilever_of_solid_elements_bends_like_timoshenko() {
     let id = |i: usize, j: usize, k: usize| (i * (2 * ny + 1) + j) * (2 * nz + 1) + k;
     let mut mesh = Mesh {
         dimension: 3,
-        points: Vec::new(),
-        angles: Vec::new(),
-        elements: Vec::new(),
-        cells: Vec::new(),
-        held: Vec::new(),
-        sides: [Vec::new(), Vec::new()],
-        flank: Vec::new(),
-        fillet: Vec::new(),
-        foundation: None,
-        hanging: Default::default(),
+        ..Mesh::default()
     };
     for i in 0..=2 * nx {
         for j in 0..=2 * ny {

@@ -10,7 +10,7 @@ use super::layers::Layers;
 use super::mesh::{FlankNode, Mesh};
 use super::outline::Outline;
 use super::section::Section;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// A plane across the axis: the end of a layer, `of` empty, or halfway between the ends of some layers.
@@ -57,16 +57,7 @@ impl Mesh {
             numbers: HashMap::new(),
             mesh: Mesh {
                 dimension: 3,
-                points: Vec::new(),
-                angles: Vec::new(),
-                elements: Vec::new(),
-                cells: Vec::new(),
-                held: Vec::new(),
-                sides: [Vec::new(), Vec::new()],
-                flank: Vec::new(),
-                fillet: Vec::new(),
-                foundation: None,
-                hanging: BTreeMap::new(),
+                ..Mesh::default()
             },
         };
         let rows = along.of_rows(&section.row_depths);
@@ -218,10 +209,8 @@ impl Extrusion<'_> {
     /// Nodes of the loaded flank and of the fillet beside it, in the layers `face`.
     fn find_surface(&mut self, outline: &Outline, face: &Range<usize>) {
         let section = self.section;
-        let ends = face.clone().flat_map(|layer| {
-            let both = [Plane::end(layer), Plane::middle(&(layer..layer + 1))];
-            both.into_iter()
-        });
+        let ends = (face.clone())
+            .flat_map(|layer| [Plane::end(layer), Plane::middle(&(layer..layer + 1))]);
         for plane in ends.chain([Plane::end(face.end)]) {
             let at = |node: usize| self.numbers.get(&(node, plane.clone())).copied();
             let fillet = section.fillet.iter().map(|(node, _)| *node);

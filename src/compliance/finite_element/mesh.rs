@@ -25,7 +25,7 @@ pub(super) struct Foundation {
 
 /// One sector of the gear; displacements are in each node's own cylindrical axes, so that both sides of
 /// the sector match without a rotation.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Mesh {
     /// 2: plane strain, per metre of depth; 3: solid.
     pub dimension: usize,
@@ -79,8 +79,7 @@ impl Mesh {
                 })
                 .collect(),
             fillet: section.fillet.iter().map(|(node, _)| *node).collect(),
-            foundation: None,
-            hanging: BTreeMap::new(),
+            ..Mesh::default()
         }
         .rested_on(foundation)
     }

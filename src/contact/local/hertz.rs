@@ -362,7 +362,6 @@ fn u_wide() -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::profile::Break;
     use super::*;
     use approx::assert_relative_eq;
 
@@ -377,21 +376,8 @@ mod tests {
     fn profiles() -> [GapProfile; 7] {
         let edge = |slope: f64, low: f64| GapProfile::parabola(slope, 1.0 / 7e-3, [low, 1.0]);
         let relieved = |slope: f64, at: f64| {
-            let mut profile = GapProfile::parabola(slope, 1.0 / 7e-3, [-1.0, 1.0]);
-            for (place, (at, side, slope, curvature)) in
-                [(at, 1.0, 0.015, 0.0), (-0.11e-3, -1.0, 0.0, 40.0)]
-                    .into_iter()
-                    .enumerate()
-            {
-                let relief = Break {
-                    at,
-                    side,
-                    slope,
-                    curvature,
-                };
-                profile.add(place, relief);
-            }
-            profile
+            let reliefs = [(at, 1.0, 0.015, 0.0), (-0.11e-3, -1.0, 0.0, 40.0)];
+            GapProfile::relieved(slope, 1.0 / 7e-3, reliefs)
         };
         let mut near_edge = relieved(0.0, 0.05e-3);
         near_edge.edges[0] = -35e-6;

@@ -172,8 +172,6 @@ mod tests {
     const C: f64 = 4.0 * (1.0 - 0.09) / (PI * 206e9);
     const RADIUS: f64 = 8e-3;
     const REFERENCE: f64 = 0.3e-3;
-    const FAR: [f64; 2] = [-1.0, 1.0];
-
     const WIDEST: f64 = 1.5 * REFERENCE;
 
     /// The law from the width on at which contact leaves the parabola.
@@ -191,19 +189,7 @@ mod tests {
 
     /// Kinks as those of short strong reliefs, parabolas as those of short ones.
     fn relieved() -> [GapProfile; 4] {
-        let new = |slope: f64, breaks: [(f64, f64, f64, f64); 2]| {
-            let mut profile = GapProfile::parabola(slope, RADIUS.recip(), FAR);
-            for (place, (at, side, slope, curvature)) in breaks.into_iter().enumerate() {
-                let relief = Break {
-                    at,
-                    side,
-                    slope,
-                    curvature,
-                };
-                profile.add(place, relief);
-            }
-            profile
-        };
+        let new = |slope: f64, reliefs| GapProfile::relieved(slope, RADIUS.recip(), reliefs);
         let none = (1.0, 1.0, 0.0, 0.0);
         [
             new(0.0, [(0.05e-3, 1.0, 0.012, 0.0), none]),

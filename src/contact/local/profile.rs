@@ -87,6 +87,22 @@ impl GapProfile {
         t * (self.slope + 0.5 * t * self.curvature) + breaks.map(of).sum::<f64>()
     }
 
+    /// [`GapProfile::parabola`] far from both edges, with reliefs: the fields of [`Break`] in their order.
+    #[cfg(test)]
+    pub fn relieved(slope: f64, curvature: f64, reliefs: [(f64, f64, f64, f64); 2]) -> GapProfile {
+        let mut profile = GapProfile::parabola(slope, curvature, [-1.0, 1.0]);
+        for (place, (at, side, slope, curvature)) in reliefs.into_iter().enumerate() {
+            let relief = Break {
+                at,
+                side,
+                slope,
+                curvature,
+            };
+            profile.add(place, relief);
+        }
+        profile
+    }
+
     /// The breaks that are there.
     fn present(&self) -> impl Iterator<Item = &Break> {
         self.breaks.iter().filter(|b| !b.is_none())

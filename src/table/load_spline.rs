@@ -199,10 +199,9 @@ impl LoadSpline {
     /// misalignment (rad) and mesh position, in place of the first ones of `out`. Beyond the ends they go on linearly and
     /// level out, over the load as [`PerLoad`] says.
     pub fn evaluate(&self, [force, c, m, p]: [f64; 4], out: &mut [LoadJet]) {
-        let (wc, _) = self.c.weights(Two, c, 1);
-        let (wm, _) = self.m.weights(Two, m, 1);
         let (wf, _) = self.force.weights(Two, force, 1);
-        let (wp, _) = self.p.weights(Two, p, 1);
+        let [wc, wm, wp] =
+            [(&self.c, c), (&self.m, m), (&self.p, p)].map(|(axis, x)| axis.weights(Two, x, 1).0);
         for (jet, quantity) in out.iter_mut().zip(&self.quantities) {
             let (shape, _) =
                 over_displacement::<4, 4, false, ANY>(Two, quantity, &wf, &wc, &wm, &wp);

@@ -180,6 +180,12 @@ impl<const N: usize> Basis<N> {
         !self.present() || (x >= self.low && x < self.high)
     }
 
+    /// Whether `x` lies beyond the ends of the range.
+    #[inline(always)]
+    pub fn is_outside(&self, x: f64) -> bool {
+        !self.holds(x) && x != self.high
+    }
+
     /// All cells.
     pub fn cells(&self) -> &[Cell<N>] {
         &self.cells
@@ -257,7 +263,7 @@ impl<const N: usize> Basis<N> {
         } else if self.ends == Ends::Periodic {
             (self.inside_of(registers, self.wrapped(x), order), false)
         } else {
-            (self.beyond(x), x != self.high)
+            (self.beyond(x), self.is_outside(x))
         }
     }
 

@@ -2,7 +2,7 @@
 //! the axes that a table has.
 
 use super::basis::{Basis, Weights};
-use super::lanes::{Four, Registers, Two};
+use super::lanes::{Four, Registers, Two, Within};
 use super::{Checks, Evaluate};
 use crate::table::{Potential, Query};
 
@@ -70,23 +70,15 @@ impl<const AXES: usize, T: Evaluate> Interpolant for For<AXES, T> {
             if const { AXES != 0 } {
                 return shared(&self.0, four, query, true);
             }
-            if const { T::WIDE }
-                && let Some(four) = four
-            {
-                return four.run(
-                    #[inline(always)]
-                    || self.0.at::<true, 0>(four, query),
-                );
-            }
-            return self.0.at::<true, 0>(Two, query);
+            return self.0.at::<true, 0>(Within(Two), query);
         }
         if const { !T::WIDE } {
-            return self.0.at::<false, AXES>(Two, query);
+            return self.0.at::<false, AXES>(Within(Two), query);
         }
         match four {
             Some(four) => four.run(
                 #[inline(always)]
-                || self.0.at::<false, AXES>(four, query),
+                || self.0.at::<false, AXES>(Within(four), query),
             ),
             None => shared(&self.0, None, query, false),
         }
@@ -113,15 +105,9 @@ fn shared<T: Evaluate>(
         && let Some(four) = four
     {
         return if want_hessian {
-            four.run(
-                #[inline(always)]
-                || table.at::<true, ANY>(four, query),
-            )
+            table.at::<true, ANY>(four, query)
         } else {
-            four.run(
-                #[inline(always)]
-                || table.at::<false, ANY>(four, query),
-            )
+            table.at::<false, ANY>(four, query)
         };
     }
     if want_hessian {

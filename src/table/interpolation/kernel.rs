@@ -201,21 +201,6 @@ pub fn field<const N: usize, const H: bool, const AXES: usize>(
     Plane::new::<H, AXES>(registers, lanes, [r * u, c, m], wc, wm).jet::<H, AXES>(wp)
 }
 
-/// The no-load approach (row 0) and the span up to the top load (row 1).
-#[inline(always)]
-pub fn fields<const N: usize, const H: bool, const AXES: usize>(
-    registers: impl Registers,
-    coefficients: &Coefficients<N>,
-    wc: &Weights<N>,
-    wm: &Weights<N>,
-    wp: &Weights<N>,
-) -> [Jet; 2] {
-    [
-        field::<N, H, AXES>(registers, coefficients, 0, wc, wm, wp),
-        field::<N, H, AXES>(registers, coefficients, 1, wc, wm, wp),
-    ]
-}
-
 /// Value, first and second derivative over the displacement, with what [`chain`](super::chain) needs of their
 /// derivatives by the other coordinates; and the third one, only with `H`, zero otherwise.
 #[inline(always)]

@@ -12,6 +12,10 @@ pub trait Registers: Copy {
 
     /// `factor` `row`.
     fn scaled<const N: usize>(self, factor: f64, row: &[f64; N]) -> [f64; N];
+
+    /// `work()`, compiled for these registers with all that is inlined into it, apart from the code around: what an
+    /// evaluation has many of is compiled once.
+    fn run<T>(self, work: impl FnOnce() -> T) -> T;
 }
 
 /// Two lanes, as every x86-64 has them; other processors in their own way.
@@ -29,6 +33,15 @@ impl Registers for Two {
         let mut out = [0.0; N];
         scale_pairs(&mut out, factor, row);
         out
+    }
+
+    #[inline(always)]
+    fn run<T>(self, work: impl FnOnce() -> T) -> T {
+        #[inline(never)]
+        fn compiled<T>(work: impl FnOnce() -> T) -> T {
+            work()
+        }
+        compiled(work)
     }
 }
 
@@ -55,6 +68,27 @@ fn add_pairs(sum: &mut [f64], factor: f64, row: &[f64]) {
     }
     for (s, r) in single.iter_mut().zip(row_single) {
         *s += factor * r;
+    }
+}
+
+/// Registers that the code around is compiled for already: nothing is apart from it.
+#[derive(Debug, Clone, Copy)]
+pub struct Within<R>(pub R);
+
+impl<R: Registers> Registers for Within<R> {
+    #[inline(always)]
+    fn add<const N: usize>(self, sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
+        self.0.add(sum, factor, row);
+    }
+
+    #[inline(always)]
+    fn scaled<const N: usize>(self, factor: f64, row: &[f64; N]) -> [f64; N] {
+        self.0.scaled(factor, row)
+    }
+
+    #[inline(always)]
+    fn run<T>(self, work: impl FnOnce() -> T) -> T {
+        work()
     }
 }
 
@@ -86,17 +120,6 @@ mod avx {
         pub fn detect() -> Option<Self> {
             std::arch::is_x86_feature_detected!("avx").then_some(Four { _detected: () })
         }
-
-        /// `work()`, compiled for these registers with all that is inlined into it.
-        #[inline(always)]
-        pub fn run<T>(self, work: impl FnOnce() -> T) -> T {
-            #[target_feature(enable = "avx")]
-            fn compiled<T>(work: impl FnOnce() -> T) -> T {
-                work()
-            }
-            // Safety: `self` comes from `detect`.
-            unsafe { compiled(work) }
-        }
     }
 
     impl Registers for Four {
@@ -122,6 +145,16 @@ mod avx {
             }
             scale_pairs(rest, factor, row_rest);
             out
+        }
+
+        #[inline(always)]
+        fn run<T>(self, work: impl FnOnce() -> T) -> T {
+            #[target_feature(enable = "avx")]
+            fn compiled<T>(work: impl FnOnce() -> T) -> T {
+                work()
+            }
+            // Safety: `self` comes from `detect`.
+            unsafe { compiled(work) }
         }
     }
 
@@ -155,11 +188,6 @@ mod avx {
         pub fn detect() -> Option<Self> {
             None
         }
-
-        /// `work()`.
-        pub fn run<T>(self, work: impl FnOnce() -> T) -> T {
-            work()
-        }
     }
 
     impl Registers for Four {
@@ -169,6 +197,10 @@ mod avx {
 
         fn scaled<const N: usize>(self, factor: f64, row: &[f64; N]) -> [f64; N] {
             Two.scaled(factor, row)
+        }
+
+        fn run<T>(self, work: impl FnOnce() -> T) -> T {
+            Two.run(work)
         }
     }
 }

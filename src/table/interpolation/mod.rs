@@ -9,6 +9,7 @@ mod chain;
 mod compiled;
 mod continuation;
 mod fit;
+mod frame;
 mod jet;
 mod kernel;
 mod lanes;

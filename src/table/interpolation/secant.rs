@@ -2,8 +2,9 @@
 
 use super::basis::{Basis, Ends};
 use super::fit::{Block, breaks, stored_from_values};
-use super::kernel::{Coefficients, Jet, field, fields};
-use super::lanes::Registers;
+use super::frame::Frame;
+use super::kernel::{Coefficients, Jet, field};
+use super::lanes::{Registers, Two};
 use super::tensor::axis_basis;
 use super::{Checks, Evaluate, chain, continuation};
 use crate::table::{FlankGrid, Potential, Query, TableError};
@@ -13,11 +14,8 @@ use crate::table::{FlankGrid, Potential, Query, TableError};
 /// W = F_n (delta - O)² / (2 (STE - O)), that is S w(u) with u = (delta - O)/S, S = STE - O, w = F_n u²/2.
 #[derive(Debug, Clone)]
 pub struct Secant<const N: usize> {
-    c: Basis<N>,
-    m: Basis<N>,
-    p: Basis<N>,
-    /// O and S over (c, m, row, mesh position).
-    fields: Coefficients<N>,
+    /// Of O and S.
+    frame: Frame<N>,
     /// z_c - z_ref likewise.
     lever: Option<Coefficients<N>>,
     loa_force: f64,
@@ -60,10 +58,7 @@ impl<const N: usize> Secant<N> {
         }
         continuation::limit(&mut c, &mut m, &continuation::spans(&stiffness), None)?;
         Ok(Secant {
-            c,
-            m,
-            p,
-            fields: Coefficients::new(&stiffness),
+            frame: Frame::new([c, m, p], &stiffness),
             lever: at.lever.map(|b| Coefficients::new(&fit(b))),
             loa_force,
         })
@@ -79,17 +74,8 @@ impl<const N: usize> Evaluate for Secant<N> {
         registers: impl Registers,
         q: &Query,
     ) -> Potential {
-        let order = if H { 2 } else { 1 };
-        let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
-        let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
-        let (wp, _) = self.p.weights(registers, q.mesh_position, order);
-        let [mut origin, span] = fields::<N, H, AXES>(registers, &self.fields, &wc, &wm, &wp);
-        let out_of_range = c_outside || m_outside;
-        if out_of_range {
-            let wc = self.c.linear(q.center_distance_offset);
-            let wm = self.m.linear(q.misalignment);
-            origin = field::<N, H, AXES>(registers, &self.fields, 0, &wc, &wm, &wp);
-        }
+        let at = self.frame.at::<H, AXES>(registers, q);
+        let (origin, span, out_of_range) = (&at.no_load, &at.span, at.outside);
         let u = (q.delta - origin.value) / span.value;
         if u <= 0.0 {
             return Potential {
@@ -102,17 +88,17 @@ impl<const N: usize> Evaluate for Secant<N> {
             ..Jet::default()
         };
         let f = self.loa_force;
-        let present = [&self.c, &self.m, &self.p].map(Basis::present);
+        let present = self.frame.present::<AXES>();
         let mut out = chain::potential::<H>(
             u,
             &[jet(0.5 * f * u * u), jet(f * u), jet(f)],
             0.0,
-            &origin,
-            &span,
+            origin,
+            span,
             present,
         );
         if let Some(lever) = &self.lever {
-            let z = field::<N, H, AXES>(registers, lever, 0, &wc, &wm, &wp);
+            let z = field::<N, H, AXES>(Two, lever, 0, &at.wc, &at.wm, &at.wp);
             let moment = Jet {
                 value: f * u * z.value,
                 gradient: z.gradient.map(|g| f * u * g),
@@ -122,8 +108,8 @@ impl<const N: usize> Evaluate for Secant<N> {
                 &mut out,
                 u,
                 &[Jet::default(), moment, jet(f * z.value)],
-                &origin,
-                &span,
+                origin,
+                span,
                 present,
             );
         }
@@ -141,7 +127,7 @@ impl<const N: usize> Evaluate for Secant<N> {
 
     fn bytes(&self) -> usize {
         let lever = self.lever.as_ref().map_or(0, Coefficients::bytes);
-        self.fields.bytes() + lever
+        self.frame.bytes() + lever
     }
 }
 

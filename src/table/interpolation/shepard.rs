@@ -8,8 +8,9 @@
 
 use super::basis::{Basis, Ends};
 use super::fit::{Block, breaks, integrated, make_monotone, stored_from_values};
+use super::frame::{Frame, Framed};
 use super::jet::{Jet4, PAIR};
-use super::kernel::{Coefficients, Jet, field, fields};
+use super::kernel::Jet;
 use super::lanes::{Registers, Two};
 use super::scatter::{Scatter, saturated};
 use super::tensor::Tensor;
@@ -25,11 +26,8 @@ const SCANNED: usize = 8_000;
 /// `K` = 2 with a moment of its own (where it is not dW/dM).
 #[derive(Debug)]
 pub struct Shepard<const K: usize> {
-    c: Basis<4>,
-    m: Basis<4>,
-    p: Basis<4>,
-    /// No-load approach and span: the coordinate, by the spline.
-    fields: Coefficients<4>,
+    /// The coordinate, by the spline.
+    frame: Frame<4>,
     u: Basis<5>,
     /// Coefficients of h.
     mean: Vec<f64>,
@@ -120,12 +118,8 @@ impl<const K: usize> Shepard<K> {
             ],
             std::array::from_fn(|k| if k == 0 { &shape } else { &lever }),
         );
-        let (c, m, p, fields) = tensor.into_frame();
         let mut shepard = Shepard {
-            c,
-            m,
-            p,
-            fields,
+            frame: tensor.into_frame(),
             u,
             mean,
             scatter,
@@ -169,7 +163,11 @@ impl<const K: usize> Shepard<K> {
     fn shape<const H: bool>(&self, u: f64, [c, m, p]: [f64; 3]) -> (Shape, Option<[Jet; 3]>) {
         let bounded = [c, m, u];
         let stops: [[f64; 4]; 3] = std::array::from_fn(|i| saturated(bounded[i], &self.nodes[i]));
-        let turn = if self.p.present() { p - p.floor() } else { 0.0 };
+        let turn = if self.frame.p.present() {
+            p - p.floor()
+        } else {
+            0.0
+        };
         let mut jets = self
             .scatter
             .at::<H>([stops[0][0], stops[1][0], stops[2][0], turn]);
@@ -214,31 +212,27 @@ impl<const K: usize> Evaluate for Shepard<K> {
         registers: impl Registers,
         q: &Query,
     ) -> Potential {
-        let order = if H { 2 } else { 1 };
-        let (wc, c_outside) = self.c.weights(registers, q.center_distance_offset, order);
-        let (wm, m_outside) = self.m.weights(registers, q.misalignment, order);
-        let (wp, _) = self.p.weights(registers, q.mesh_position, order);
-        let [mut no_load, span] = fields::<4, H, AXES>(registers, &self.fields, &wc, &wm, &wp);
-        if c_outside || m_outside {
-            let wc = self.c.linear(q.center_distance_offset);
-            let wm = self.m.linear(q.misalignment);
-            no_load = field::<4, H, AXES>(registers, &self.fields, 0, &wc, &wm, &wp);
-        }
+        let Framed {
+            no_load,
+            span,
+            outside,
+            ..
+        } = self.frame.at::<H, AXES>(registers, q);
         let u = (q.delta - no_load.value) / span.value;
         if u <= 0.0 || u.is_nan() {
             return Potential {
-                out_of_range: c_outside || m_outside,
+                out_of_range: outside,
                 ..Potential::default()
             };
         }
         let y = [q.center_distance_offset, q.misalignment, q.mesh_position];
         let (shape, moment) = self.shape::<H>(u, y);
-        let present = [&self.c, &self.m, &self.p].map(Basis::present);
+        let present = self.frame.present::<AXES>();
         let mut out = chain::potential::<H>(u, &shape.by_u, shape.third, &no_load, &span, present);
         if let Some(moment) = &moment {
             chain::set_moment::<H>(&mut out, u, moment, &no_load, &span, present);
         }
-        out.out_of_range = c_outside || m_outside || u > 1.0;
+        out.out_of_range = outside || u > 1.0;
         out
     }
 
@@ -247,7 +241,7 @@ impl<const K: usize> Evaluate for Shepard<K> {
     }
 
     fn bytes(&self) -> usize {
-        self.scatter.bytes() + self.fields.bytes() + 8 * self.mean.len()
+        self.scatter.bytes() + self.frame.bytes() + 8 * self.mean.len()
     }
 }
 

@@ -7,9 +7,9 @@
 //! and the other gradients are its derivatives.
 
 use super::basis::{Basis, Ends};
-use super::compiled::{present, weights};
 use super::fit::{Block, breaks, integrated, make_increasing, stored_from_values};
-use super::kernel::{Coefficients, field, fields, over_displacement};
+use super::frame::{Frame, Framed};
+use super::kernel::{Coefficients, Jet, over_displacement};
 use super::lanes::Registers;
 use super::line::Line;
 use super::{Checks, Evaluate, chain, continuation};
@@ -20,15 +20,11 @@ use crate::table::{FlankGrid, Potential, Query, TableError};
 #[derive(Debug, Clone)]
 pub struct Tensor<const NU: usize, const N: usize> {
     u: Basis<NU>,
-    c: Basis<N>,
-    m: Basis<N>,
-    p: Basis<N>,
+    frame: Frame<N>,
     /// w over (c, m, u, mesh position).
     shape: Coefficients<N>,
     /// Integral over u of the moment, likewise, where it is not dW/dM.
     moment: Option<Coefficients<N>>,
-    /// No-load approach and span.
-    fields: Coefficients<N>,
     /// Below it there is no contact anywhere inside the range: less than every coefficient of the no-load approach.
     no_contact: f64,
     /// Potential and moment without any other coordinate, for u up to 1.
@@ -110,20 +106,42 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         Ok(Tensor {
             lines: alone.then(|| [&shape].into_iter().chain(&moment).map(line).collect()),
             u,
-            c,
-            m,
-            p,
             shape: Coefficients::new(&shape),
             moment: moment.as_ref().map(Coefficients::new),
-            fields: Coefficients::new(&fields),
             no_contact: below_all(&fields),
+            frame: Frame::new([c, m, p], &fields),
             checks,
         })
     }
 
-    /// The coordinate alone: bases of C, M and PMC, and the coefficients of no-load approach and span.
-    pub fn into_frame(self) -> (Basis<N>, Basis<N>, Basis<N>, Coefficients<N>) {
-        (self.c, self.m, self.p, self.fields)
+    /// All but what depends on the displacement.
+    pub fn into_frame(self) -> Frame<N> {
+        self.frame
+    }
+
+    /// What `coefficients` have over the displacement at `u` and `at`.
+    #[inline(always)]
+    fn over<const H: bool, const AXES: usize>(
+        &self,
+        registers: impl Registers,
+        coefficients: &Coefficients<N>,
+        u: f64,
+        at: &Framed<N>,
+    ) -> ([Jet; 3], f64) {
+        registers.run(
+            #[inline(always)]
+            || {
+                let (wu, _) = self.u.weights(registers, u, if H { 3 } else { 2 });
+                over_displacement::<NU, N, H, AXES>(
+                    registers,
+                    coefficients,
+                    &wu,
+                    &at.wc,
+                    &at.wm,
+                    &at.wp,
+                )
+            },
+        )
     }
 }
 
@@ -138,32 +156,18 @@ impl<const NU: usize, const N: usize> Evaluate for Tensor<NU, N> {
     ) -> Potential {
         // The flank that does not carry, as a rule.
         if q.delta < self.no_contact
-            && self.c.holds(q.center_distance_offset)
-            && self.m.holds(q.misalignment)
+            && self.frame.c.holds(q.center_distance_offset)
+            && self.frame.m.holds(q.misalignment)
         {
             return Potential::default();
         }
-        let order = if H { 2 } else { 1 };
-        let present = [
-            present::<AXES, N>(0, &self.c),
-            present::<AXES, N>(1, &self.m),
-            present::<AXES, N>(2, &self.p),
-        ];
-        let (wc, c_outside) =
-            weights::<AXES, N>((0, &self.c), registers, q.center_distance_offset, order);
-        let (wm, m_outside) = weights::<AXES, N>((1, &self.m), registers, q.misalignment, order);
-        let (wp, _) = weights::<AXES, N>((2, &self.p), registers, q.mesh_position, order);
-        let [mut no_load, span] = fields::<N, H, AXES>(registers, &self.fields, &wc, &wm, &wp);
-        if c_outside || m_outside {
-            // The onset follows the coordinate however far it goes; only stiffness levels out.
-            let wc = self.c.linear(q.center_distance_offset);
-            let wm = self.m.linear(q.misalignment);
-            no_load = field::<N, H, AXES>(registers, &self.fields, 0, &wc, &wm, &wp);
-        }
+        let present = self.frame.present::<AXES>();
+        let at = self.frame.at::<H, AXES>(registers, q);
+        let (no_load, span, outside) = (&at.no_load, &at.span, at.outside);
         let u = (q.delta - no_load.value) / span.value;
         if u <= 0.0 {
             return Potential {
-                out_of_range: c_outside || m_outside,
+                out_of_range: outside,
                 ..Potential::default()
             };
         }
@@ -172,23 +176,20 @@ impl<const NU: usize, const N: usize> Evaluate for Tensor<NU, N> {
         {
             let (cell, t, scale) = self.u.local(u);
             let (shape, third) = lines[0].at(cell, t, scale);
-            let mut out = chain::potential::<H>(u, &shape, third, &no_load, &span, present);
+            let mut out = chain::potential::<H>(u, &shape, third, no_load, span, present);
             if let Some(moment) = lines.get(1) {
                 let (shape, _) = moment.at(cell, t, scale);
-                chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, present);
+                chain::set_moment::<H>(&mut out, u, &shape, no_load, span, present);
             }
             return out;
         }
-        let (wu, u_outside) = self.u.weights(registers, u, order + 1);
-        let (shape, third) =
-            over_displacement::<NU, N, H, AXES>(registers, &self.shape, &wu, &wc, &wm, &wp);
-        let mut out = chain::potential::<H>(u, &shape, third, &no_load, &span, present);
+        let (shape, third) = self.over::<H, AXES>(registers, &self.shape, u, &at);
+        let mut out = chain::potential::<H>(u, &shape, third, no_load, span, present);
         if let Some(moment) = &self.moment {
-            let (shape, _) =
-                over_displacement::<NU, N, H, AXES>(registers, moment, &wu, &wc, &wm, &wp);
-            chain::set_moment::<H>(&mut out, u, &shape, &no_load, &span, present);
+            let (shape, _) = self.over::<H, AXES>(registers, moment, u, &at);
+            chain::set_moment::<H>(&mut out, u, &shape, no_load, span, present);
         }
-        out.out_of_range = c_outside || m_outside || u_outside;
+        out.out_of_range = outside || self.u.is_outside(u);
         out
     }
 
@@ -199,7 +200,7 @@ impl<const NU: usize, const N: usize> Evaluate for Tensor<NU, N> {
     fn bytes(&self) -> usize {
         let moment = self.moment.as_ref().map_or(0, Coefficients::bytes);
         let lines = self.lines.iter().flatten().map(Line::bytes).sum::<usize>();
-        self.shape.bytes() + self.fields.bytes() + moment + lines
+        self.shape.bytes() + self.frame.bytes() + moment + lines
     }
 }
 

@@ -202,10 +202,9 @@ impl CondensedFlank {
                 own.filter(|(name, _)| name.0 == pair)
                     .for_each(|(_, value)| *value *= scale);
             }
-            let column = above.iter_mut().skip(i).step_by(n.max(1));
-            column
-                .zip(&row[..i])
-                .for_each(|(there, value)| *there = *value);
+            for (above, value) in above.chunks_exact_mut(n).zip(&row[..i]) {
+                above[i] = *value;
+            }
         }
         Influence { bulk, lengths }
     }

@@ -211,13 +211,17 @@ impl TransverseSection {
     fn reach_beyond(&self, end: usize, limit: f64, exactness: f64) -> f64 {
         let sign = if end == 0 { -1.0 } else { 1.0 };
         let mate = &self.sides[end];
-        // > 0: too far. The separation grows with the square of the way.
+        // > 0: too far; half the exactness short of the end it is zero. The separation grows with the square of the way.
         let excess = |beyond: f64| {
             let point = self.tip_corner(end, self.path[end] + sign * beyond);
             let behind = mate.kappa * (mate.form_roll / point.roll[end] - 1.0);
             let excess = ((point.separation.max(0.0) / limit).sqrt() - 1.0).max(behind);
             // Not a number where there is no mate to touch.
-            if excess.is_nan() { 1.0 } else { excess }
+            if excess.is_nan() {
+                1.0
+            } else {
+                excess + 0.5 * exactness
+            }
         };
         let half = 0.5 * (self.path[1] - self.path[0]);
         let mut low = (0.0, excess(0.0));
@@ -240,6 +244,9 @@ impl TransverseSection {
             };
             let next = (middle + way).clamp(low.0, high.0);
             let next = (next, excess(next));
+            if next.1.abs() <= 0.5 * exactness {
+                return self.path[end] + sign * next.0;
+            }
             for point in [between, next] {
                 if point.1 <= 0.0 && point.0 >= low.0 {
                     low = point;
@@ -247,7 +254,7 @@ impl TransverseSection {
                     high = point;
                 }
             }
-            if high.0 - low.0 <= tolerance || low.1 >= -exactness {
+            if high.0 - low.0 <= tolerance {
                 break;
             }
         }

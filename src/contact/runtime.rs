@@ -180,7 +180,7 @@ impl RuntimeContact {
         for (place, &i) in loaded.iter().enumerate() {
             let penetration = load.gap[i].map(|gap| closing[i] - gap);
             let lengths = problem.lengths(i);
-            let by = slopes.lengths[place];
+            let by = slopes.lengths.each_ref().map(|by| [by[0][place], by[1][place]]);
             let loads = &load.solution.loads[i];
             let inside = problem.local[i].held(loads, penetration, plane);
             if let (Some(held), Some(rates)) = (inside, load.rates[i]) {
@@ -257,11 +257,11 @@ impl RuntimeContact {
             margin: MARGIN,
             convex: self.only_removes,
         };
-        let mut strips = self.lines(section, cycle).moving(cycle.tau, seen, &near);
+        let (mut candidates, mut rates) = self.lines(section, cycle).moving(cycle.tau, seen, &near);
         // How far points overlap, along the line of action.
-        let overlaps: Vec<f64> = strips
+        let overlaps: Vec<f64> = candidates
             .iter()
-            .map(|(c, _)| {
+            .map(|c| {
                 let points = c.points().into_iter().zip(c.gap);
                 let overlap = points.map(|(z, gap)| near.overlap(z, c.arm, gap));
                 overlap.fold(f64::NEG_INFINITY, f64::max)
@@ -271,9 +271,10 @@ impl RuntimeContact {
         if most <= 0.0 {
             return None;
         }
-        let mut overlaps = overlaps.into_iter();
-        strips.retain(|_| overlaps.next().is_some_and(|o| o > -MARGIN * most));
-        let (candidates, rates) = strips.into_iter().unzip();
+        let mut carrying = overlaps.iter().map(|overlap| *overlap > -MARGIN * most);
+        candidates.retain(|_| carrying.next() == Some(true));
+        let mut carrying = overlaps.iter().map(|overlap| *overlap > -MARGIN * most);
+        rates.retain(|_| carrying.next() == Some(true));
         Some((self.problem(candidates, offset, cycle), rates))
     }
 

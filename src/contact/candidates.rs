@@ -76,17 +76,6 @@ pub struct StripRates {
     pub log_radius: f64,
 }
 
-/// Rates of the least gaps at `places` while the lengths of roll change by each of `rolls`; `None` as in [`Flanks::rates`].
-fn gap_rates_of(places: &[Place<'_>; POINTS], rolls: [[f64; 2]; 2]) -> Option<[[f64; POINTS]; 2]> {
-    let mut gaps = [[0.0; POINTS]; 2];
-    for (q, (flanks, least)) in places.iter().enumerate() {
-        for (gaps, (gap, ..)) in gaps.iter_mut().zip(flanks.rates(least, rolls)?) {
-            gaps[q] = gap;
-        }
-    }
-    Some(gaps)
-}
-
 fn points(z: [f64; 2]) -> [f64; POINTS] {
     std::array::from_fn(|q| z[0] + (z[1] - z[0]) * (q as f64 + 0.5) / POINTS as f64)
 }
@@ -293,6 +282,12 @@ impl ContactLines<'_> {
         Some(self.candidate(tau, (k, station), z, Middle::Sought, None).0)
     }
 
+    /// The gap about the closest point of tooth pair `k` at `z` (gear 1's frame, m) at the mesh position `tau`.
+    pub(super) fn profile(&self, tau: f64, k: i32, z: f64) -> GapProfile {
+        let (flanks, least) = self.place(tau, k, z, false);
+        flanks.closest_point_at(&least).profile
+    }
+
     /// The part of the station `whole` in which tooth pair `k` lies within the reach of contact, if it is long enough to
     /// carry.
     fn carrying(&self, tau: f64, k: i32, whole: [f64; 2]) -> Option<[f64; 2]> {
@@ -440,15 +435,24 @@ impl ContactLines<'_> {
             None => {
                 // All points of a strip of a spur pair lie at one place of the path.
                 let is_one = numbers.tan_beta_b == 0.0;
-                let places = at.map(|z| match is_one {
-                    true => {
-                        let flanks = self.flanks_about(about, k, z);
-                        (flanks, flanks.least_gap())
-                    }
-                    false => self.place(tau, k, z, held),
-                });
-                let rates = rolls.and_then(|rolls| gap_rates_of(&places, rolls));
-                (places.map(|(_, least)| least.gap), rates)
+                let mut gaps = [0.0; POINTS];
+                let mut rates = rolls.map(|_| [[0.0; POINTS]; 2]);
+                for (q, z) in at.into_iter().enumerate() {
+                    let flanks = match is_one {
+                        true => self.flanks_about(about, k, z),
+                        false => self.flanks(tau, k, z, held),
+                    };
+                    let least = flanks.least_gap();
+                    gaps[q] = least.gap;
+                    rates = rates
+                        .zip(rolls)
+                        .and_then(|([mut by_tau, mut by_center], rolls)| {
+                            let [tau, center] = flanks.rates(&least, rolls)?;
+                            (by_tau[q], by_center[q]) = (tau.0, center.0);
+                            Some([by_tau, by_center])
+                        });
+                }
+                (gaps, rates)
             }
         };
         let closest = flanks.closest_point_at(&least);

@@ -422,7 +422,9 @@ impl<'a> Neighbours<'a> {
                     name: (pair, station),
                     first: i,
                     count: 1,
-                    places: self.turns.map(|turns| self.flank.place((pair, station), turns)),
+                    places: self
+                        .turns
+                        .map(|turns| self.flank.place((pair, station), turns)),
                 }),
             }
         }

@@ -180,7 +180,10 @@ impl RuntimeContact {
         for (place, &i) in loaded.iter().enumerate() {
             let penetration = load.gap[i].map(|gap| closing[i] - gap);
             let lengths = problem.lengths(i);
-            let by = slopes.lengths.each_ref().map(|by| [by[0][place], by[1][place]]);
+            let by = slopes
+                .lengths
+                .each_ref()
+                .map(|by| [by[0][place], by[1][place]]);
             let loads = &load.solution.loads[i];
             let inside = problem.local[i].held(loads, penetration, plane);
             if let (Some(held), Some(rates)) = (inside, load.rates[i]) {
@@ -209,11 +212,23 @@ impl RuntimeContact {
                     moved.insert([side(1.0)?, side(-1.0)?])
                 }
             };
-            let of = |section: &TransverseSection, turn: f64, by: [f64; 2], step: f64| {
-                let lengths = [0, 1].map(|g| lengths[g] + by[g] * step);
+            let of = |section: &TransverseSection, turn: f64, axis: usize, step: f64| {
+                let lengths = [0, 1].map(|g| lengths[g] + by[axis][g] * step);
                 let lines = self.lines(section, cycle);
-                let strip = lines.strip(cycle.tau + turn, names[place]);
-                strip.map_or(0.0, |strip| {
+                let (tau, name) = (cycle.tau + turn, names[place]);
+                if let Some(rates) = load.rates[i] {
+                    // Only the law is asked for anew.
+                    let profile = lines.profile(tau, name.0, strips[i].middle());
+                    let strip = Candidate {
+                        profile,
+                        ..strips[i]
+                    };
+                    let law = law(&self.numbers, &strip, lengths);
+                    let points = penetration.iter().zip(rates[axis].gap);
+                    let opened = points.map(|(x, gap)| x - cos_beta_b * gap * step);
+                    return opened.map(|x| law.energy(x)).sum::<f64>();
+                }
+                lines.strip(tau, name).map_or(0.0, |strip| {
                     let arm = strip.arm * cos_beta_b;
                     let law = law(&self.numbers, &strip, lengths);
                     let points = strip.points().into_iter().zip(strip.gap);
@@ -226,9 +241,8 @@ impl RuntimeContact {
             };
             let [step, turn] = STEPS;
             by_offset +=
-                (of(&moved[0], 0.0, by[1], step) - of(&moved[1], 0.0, by[1], -step)) / (2.0 * step);
-            by_tau +=
-                (of(section, turn, by[0], turn) - of(section, -turn, by[0], -turn)) / (2.0 * turn);
+                (of(&moved[0], 0.0, 1, step) - of(&moved[1], 0.0, 1, -step)) / (2.0 * step);
+            by_tau += (of(section, turn, 0, turn) - of(section, -turn, 0, -turn)) / (2.0 * turn);
         }
         Ok((energy, [by_offset, by_tau]))
     }

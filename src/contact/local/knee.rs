@@ -349,7 +349,10 @@ mod tests {
         assert_eq!(far.load_at_edge(), f64::INFINITY);
         let w = near.load_at_edge();
         // Little short of it both agree; the one without an edge goes on to carry more at the same penetration.
-        let reached = (0..=KNEE_NODES).map(|i| near.node(i)).find(|node| node.load > w).unwrap();
+        let reached = (0..=KNEE_NODES)
+            .map(|i| near.node(i))
+            .find(|node| node.load > w)
+            .unwrap();
         assert!(w > near.node(0).load && w < near.node(KNEE_NODES).load);
         assert!(far.at(2.0 * reached.penetration)[0] > near.at(2.0 * reached.penetration)[0]);
     }

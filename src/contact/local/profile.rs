@@ -207,7 +207,7 @@ impl GapProfile {
             let step = (next - m).abs();
             m = next;
             // Quadratic: what a step of Newton's method leaves is the square of it.
-            let enough = if inside { 1e-9 } else { 1e-13 };
+            let enough = if inside { 1e-7 } else { 1e-13 };
             if step <= enough * a {
                 break;
             }

@@ -76,17 +76,6 @@ pub struct StripRates {
     pub log_radius: f64,
 }
 
-/// Rates of the least gaps at `places` while the lengths of roll change by each of `rolls`; `None` as in [`Flanks::rates`].
-fn gap_rates_of(places: &[Place<'_>; POINTS], rolls: [[f64; 2]; 2]) -> Option<[[f64; POINTS]; 2]> {
-    let mut gaps = [[0.0; POINTS]; 2];
-    for (q, (flanks, least)) in places.iter().enumerate() {
-        for (gaps, (gap, ..)) in gaps.iter_mut().zip(flanks.rates(least, rolls)?) {
-            gaps[q] = gap;
-        }
-    }
-    Some(gaps)
-}
-
 fn points(z: [f64; 2]) -> [f64; POINTS] {
     std::array::from_fn(|q| z[0] + (z[1] - z[0]) * (q as f64 + 0.5) / POINTS as f64)
 }
@@ -118,6 +107,21 @@ pub struct TeethAt<'a> {
 
 /// Flanks at one place of a contact line, and where they come closest.
 type Place<'a> = (Flanks<'a>, LeastGap);
+
+/// Strips, and how fast each changes by mesh position (per cycle) and by centre distance (per m), where that is known.
+pub type Moving = (Vec<Candidate>, Vec<Option<[StripRates; 2]>>);
+
+/// What is known of the middle of a strip.
+#[derive(Clone, Copy, PartialEq)]
+enum Middle {
+    /// Where the flanks come closest.
+    Known(LeastGap),
+    /// Nothing.
+    Sought,
+    /// That it may lie beyond the reach of contact, where it is taken as if it lay at its end.
+    #[cfg_attr(not(feature = "preprocess"), allow(dead_code))]
+    Held,
+}
 
 /// Which strips may carry.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,12 +176,7 @@ impl ContactLines<'_> {
     /// Those of [`ContactLines::candidates`] that lie within the conjugate positions `seen` (m) at least in part and that
     /// may carry by `near`, and how fast they change where they touch inside their flanks, on the path of contact, by mesh position (per
     /// cycle) and by centre distance (per m). Some that may not are among them.
-    pub fn moving(
-        &self,
-        tau: f64,
-        seen: [f64; 2],
-        near: &Near,
-    ) -> Vec<(Candidate, Option<[StripRates; 2]>)> {
+    pub fn moving(&self, tau: f64, seen: [f64; 2], near: &Near) -> Moving {
         let mut strips = Vec::with_capacity(4 * self.stations);
         let mut most = 0.0f64;
         for k in self.pairs(tau, 0.0) {
@@ -197,25 +196,28 @@ impl ContactLines<'_> {
                     continue;
                 };
                 let at = 0.5 * (z[0] + z[1]);
-                let (arm, gap, on_path) = match &four {
-                    Some(four) if z == whole => (1.0, four.gap.as_array()[station % POINTS], true),
+                let (arm, least, on_path) = match &four {
+                    Some(four) if z == whole => (1.0, four.least(station % POINTS), true),
                     _ => {
                         let (flanks, least) = self.place(tau, k, at, false);
-                        (flanks.arm(), least.gap, flanks.on_path())
+                        (flanks.arm(), least, flanks.on_path())
                     }
                 };
-                let overlap = near.overlap(at, arm, gap - closing);
+                let overlap = near.overlap(at, arm, least.gap - closing);
                 most = most.max(overlap);
-                strips.push((k, station, z, z == whole, on_path, overlap));
+                strips.push((k, station, z, z == whole, on_path, overlap, least));
             }
         }
         let rolls = self.section.roll_rates();
-        let mut all = Vec::with_capacity(strips.len());
-        for (i, (k, station, z, whole, _, overlap)) in strips.iter().enumerate() {
+        let mut all = (
+            Vec::with_capacity(strips.len()),
+            Vec::with_capacity(strips.len()),
+        );
+        for (i, (k, station, z, whole, _, overlap, least)) in strips.iter().enumerate() {
             // The overlap is concave along whole strips inside the flanks: it does not rise more from the middle of one to its
             // ends than from the middle of either neighbour.
             let beside = |other: Option<usize>| {
-                let (pair, at, _, whole, on_path, overlap) = strips.get(other?)?;
+                let (pair, at, _, whole, on_path, overlap, _) = strips.get(other?)?;
                 let next = *pair == *k && at.abs_diff(*station) == 1;
                 (next && *whole && *on_path).then_some(*overlap)
             };
@@ -229,7 +231,10 @@ impl ContactLines<'_> {
                 }
             }
             let rolls = whole.then_some(rolls);
-            all.push(self.candidate(tau, (*k, *station), *z, false, rolls));
+            let middle = Middle::Known(*least);
+            let (strip, rates) = self.candidate(tau, (*k, *station), *z, middle, rolls);
+            all.0.push(strip);
+            all.1.push(rates);
         }
         all
     }
@@ -274,7 +279,13 @@ impl ContactLines<'_> {
     /// The strip of this name at the mesh position `tau`, if it lies within the reach of contact.
     pub fn strip(&self, tau: f64, (k, station): (i32, usize)) -> Option<Candidate> {
         let z = self.carrying(tau, k, self.station(station))?;
-        Some(self.candidate(tau, (k, station), z, false, None).0)
+        Some(self.candidate(tau, (k, station), z, Middle::Sought, None).0)
+    }
+
+    /// The gap about the closest point of tooth pair `k` at `z` (gear 1's frame, m) at the mesh position `tau`.
+    pub(super) fn profile(&self, tau: f64, k: i32, z: f64) -> GapProfile {
+        let (flanks, least) = self.place(tau, k, z, false);
+        flanks.closest_point_at(&least).profile
     }
 
     /// The part of the station `whole` in which tooth pair `k` lies within the reach of contact, if it is long enough to
@@ -314,7 +325,7 @@ impl ContactLines<'_> {
                 let xi = z.map(|z| self.contact_line(tau, k, z));
                 let (low, high) = (xi[0].min(xi[1]), xi[0].max(xi[1]));
                 if high >= first - margin && low <= last + margin {
-                    all.push(self.candidate(tau, (k, station), z, true, None).0);
+                    all.push(self.candidate(tau, (k, station), z, Middle::Held, None).0);
                 }
             }
         }
@@ -389,17 +400,18 @@ impl ContactLines<'_> {
         (flanks, flanks.least_gap())
     }
 
-    /// The strip of tooth pair `k` at `station` with the ends `z`, and how fast it changes with the
-    /// lengths of roll by `rolls`, if that is asked for.
+    /// The strip of tooth pair `k` at `station` with the ends `z`, of whose middle `middle` is known, and how fast it changes
+    /// with the lengths of roll by `rolls`, if that is asked for.
     fn candidate(
         &self,
         tau: f64,
         (k, station): (i32, usize),
         z: [f64; 2],
-        held: bool,
+        middle: Middle,
         rolls: Option<[[f64; 2]; 2]>,
     ) -> (Candidate, Option<[StripRates; 2]>) {
         let numbers = self.section.numbers();
+        let held = middle == Middle::Held;
         let [closing, closing_rate] = self.closing(tau, k);
         let at = points(z);
         let four = if held {
@@ -407,10 +419,13 @@ impl ContactLines<'_> {
         } else {
             self.four(tau, k, f64x4::new(at))
         };
-        let middle = 0.5 * (z[0] + z[1]);
-        let about = self.point(tau, k, middle, held);
-        let flanks = self.flanks_about(about, k, middle);
-        let least = flanks.least_gap();
+        let at_middle = 0.5 * (z[0] + z[1]);
+        let about = self.point(tau, k, at_middle, held);
+        let flanks = self.flanks_about(about, k, at_middle);
+        let least = match middle {
+            Middle::Known(least) => least,
+            _ => flanks.least_gap(),
+        };
         // Rates are those of the gaps with the lengths of roll.
         let (gaps, gap_rates) = match &four {
             Some(four) => {
@@ -420,15 +435,24 @@ impl ContactLines<'_> {
             None => {
                 // All points of a strip of a spur pair lie at one place of the path.
                 let is_one = numbers.tan_beta_b == 0.0;
-                let places = at.map(|z| match is_one {
-                    true => {
-                        let flanks = self.flanks_about(about, k, z);
-                        (flanks, flanks.least_gap())
-                    }
-                    false => self.place(tau, k, z, held),
-                });
-                let rates = rolls.and_then(|rolls| gap_rates_of(&places, rolls));
-                (places.map(|(_, least)| least.gap), rates)
+                let mut gaps = [0.0; POINTS];
+                let mut rates = rolls.map(|_| [[0.0; POINTS]; 2]);
+                for (q, z) in at.into_iter().enumerate() {
+                    let flanks = match is_one {
+                        true => self.flanks_about(about, k, z),
+                        false => self.flanks(tau, k, z, held),
+                    };
+                    let least = flanks.least_gap();
+                    gaps[q] = least.gap;
+                    rates = rates
+                        .zip(rolls)
+                        .and_then(|([mut by_tau, mut by_center], rolls)| {
+                            let [tau, center] = flanks.rates(&least, rolls)?;
+                            (by_tau[q], by_center[q]) = (tau.0, center.0);
+                            Some([by_tau, by_center])
+                        });
+                }
+                (gaps, rates)
             }
         };
         let closest = flanks.closest_point_at(&least);

@@ -51,7 +51,7 @@ pub struct LeastGap {
     /// Distance from the nominal point, m.
     pub s: f64,
     /// First and second derivatives of both removals over the length of roll there, along the line of action.
-    removal: Option<[[f64; 2]; 2]>,
+    pub(super) removal: Option<[[f64; 2]; 2]>,
 }
 
 /// Rates of the least gap, of the lengths of roll of both gears there, and of the curvature of what is removed there, 1/m.

@@ -344,12 +344,22 @@ impl Problem<'_> {
         solution.compliance.clear();
         (solution.compliance).extend(active.iter().map(|&i| at.phi[i].1.recip()));
         let n = self.len();
+        // Strips in contact that follow each other: their places among those, and the first one.
+        let mut runs: Vec<(std::ops::Range<usize>, usize)> = Vec::with_capacity(8);
+        for (place, &i) in active.iter().enumerate() {
+            match runs.last_mut() {
+                Some((places, first)) if *first + places.len() == i => places.end += 1,
+                _ => runs.push((place..place + 1, i)),
+            }
+        }
         solution
             .factor
             .factor_rows(active.len(), |r, row| {
                 let bulk = &self.bulk[active[r] * n..][..n];
-                for (place, &column) in row.iter_mut().zip(&active[r..]) {
-                    *place = bulk[column];
+                for (places, first) in runs.iter().filter(|(places, _)| places.end > r) {
+                    let begin = places.start.max(r);
+                    let there = &bulk[first + begin - places.start..][..places.end - begin];
+                    row[begin - r..places.end - r].copy_from_slice(there);
                 }
                 row[0] += solution.compliance[r];
             })

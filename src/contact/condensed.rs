@@ -169,28 +169,24 @@ impl CondensedFlank {
         let mut bulk = vec![0.0; n * n + LANES];
         let mut lengths = [vec![0.0; n], vec![0.0; n]];
         let around = Neighbours::new(self, tau, offset);
-        let rows = around.rows(strips);
-        let runs = runs(strips);
+        let runs = around.runs(strips);
         let zeros = vec![[0.0; LANES]; self.stations.div_ceil(LANES)];
-        for (i, row) in rows.iter().enumerate() {
-            for run in runs.iter().take_while(|run| run.first <= i) {
-                let count = run.count.min(i + 1 - run.first).div_ceil(LANES);
-                let entries = &mut bulk[i * n + run.first..].as_chunks_mut().0[..count];
-                let first = &rows[run.first];
-                let (middle, others) = around.at.split_first().expect("an offset");
-                combine::<false>(
-                    entries,
-                    &middle.weights,
-                    middle.lines(row, first, count, &zeros),
-                );
-                for at in others {
-                    combine::<true>(entries, &at.weights, at.lines(row, first, count, &zeros));
+        let (middle, others) = around.at.split_first().expect("an offset");
+        for (known, run) in runs.iter().enumerate() {
+            for i in run.first..run.first + run.count {
+                for columns in &runs[..=known] {
+                    let count = columns.count.min(i + 1 - columns.first).div_ceil(LANES);
+                    let entries = &mut bulk[i * n + columns.first..].as_chunks_mut().0[..count];
+                    let starts = run.starts(i, columns);
+                    let lines = middle.lines(&starts, count, &zeros);
+                    combine::<false>(entries, &middle.weights, lines);
+                    for at in others {
+                        combine::<true>(entries, &at.weights, at.lines(&starts, count, &zeros));
+                    }
                 }
             }
-            for at in &around.at {
-                for (gear, known) in lengths.iter_mut().enumerate() {
-                    known[i] += dot4(&at.weights, &around.lengths(at, row, gear));
-                }
+            for (gear, known) in lengths.iter_mut().enumerate() {
+                around.add_lengths(run, gear, |at| at.weights, known);
             }
         }
         bulk.truncate(n * n);
@@ -202,10 +198,9 @@ impl CondensedFlank {
                 own.filter(|(name, _)| name.0 == pair)
                     .for_each(|(_, value)| *value *= scale);
             }
-            let column = above.iter_mut().skip(i).step_by(n.max(1));
-            column
-                .zip(&row[..i])
-                .for_each(|(there, value)| *there = *value);
+            for (above, value) in above.chunks_exact_mut(n).zip(&row[..i]) {
+                above[i] = *value;
+            }
         }
         Influence { bulk, lengths }
     }
@@ -233,47 +228,45 @@ impl CondensedFlank {
         [tau, offset]: [f64; 2],
     ) -> Slopes {
         let mut slopes = Slopes {
-            lengths: vec![[[0.0; 2]; 2]; strips.len()],
+            lengths: [(); 2].map(|()| [(); 2].map(|()| vec![0.0; strips.len()])),
             ..Slopes::default()
         };
         let around = Neighbours::new(self, tau, offset);
-        let rows = around.rows(strips);
-        let runs = runs(strips);
+        let runs = around.runs(strips);
         let zeros = vec![[0.0; LANES]; self.stations.div_ceil(LANES)];
         // By offset and node: y' A y, lane by lane.
         let mut by_node = [[[0.0; LANES]; 4]; 3];
         let mut products = vec![[0.0; LANES]; zeros.len()];
-        for (i, row) in rows.iter().enumerate() {
-            let scale = scale(strips[i].0);
-            for run in runs.iter().take_while(|run| run.first <= i) {
-                let last = run.count.min(i + 1 - run.first);
-                let count = last.div_ceil(LANES);
-                let own = if run.name.0 == strips[i].0 {
-                    scale
-                } else {
-                    1.0
-                };
-                // The diagonal counts once, what lies beside it twice.
-                let twice = 2.0 * own * y[i];
-                let places = products[..count].as_flattened_mut();
-                for (product, y) in places.iter_mut().zip(&y[run.first..][..last]) {
-                    *product = twice * y;
-                }
-                places[last..].fill(0.0);
-                if run.first + last == i + 1 {
-                    places[last - 1] *= 0.5;
-                }
-                for (sums, at) in by_node.iter_mut().zip(&around.at) {
-                    let lines = at.lines(row, &rows[run.first], count, &zeros);
-                    add_products(sums, &products[..count], lines);
+        for (known, run) in runs.iter().enumerate() {
+            let scale = scale(run.name.0);
+            for i in run.first..run.first + run.count {
+                for columns in &runs[..=known] {
+                    let last = columns.count.min(i + 1 - columns.first);
+                    let count = last.div_ceil(LANES);
+                    let is_own = columns.name.0 == run.name.0;
+                    // The diagonal counts once, what lies beside it twice.
+                    let twice = 2.0 * y[i] * if is_own { scale } else { 1.0 };
+                    let places = products[..count].as_flattened_mut();
+                    for (product, y) in places.iter_mut().zip(&y[columns.first..][..last]) {
+                        *product = twice * y;
+                    }
+                    places[last..].fill(0.0);
+                    if columns.first + last == i + 1 {
+                        places[last - 1] *= 0.5;
+                    }
+                    let starts = run.starts(i, columns);
+                    for (sums, at) in by_node.iter_mut().zip(&around.at) {
+                        let lines = at.lines(&starts, count, &zeros);
+                        add_products(sums, &products[..count], lines);
+                    }
                 }
             }
-            for at in &around.at {
-                for gear in 0..2 {
-                    let lengths = around.lengths(at, row, gear);
-                    slopes.lengths[i][0][gear] += at.across * dot4(&around.along_slopes, &lengths);
-                    slopes.lengths[i][1][gear] += at.slope * dot4(&around.along, &lengths);
-                }
+            let [by_tau, by_offset] = &mut slopes.lengths;
+            for gear in 0..2 {
+                let along = |at: &AtOffset<'_>| around.along_slopes.map(|slope| at.across * slope);
+                around.add_lengths(run, gear, along, &mut by_tau[gear]);
+                let across = |at: &AtOffset<'_>| around.along.map(|weight| at.slope * weight);
+                around.add_lengths(run, gear, across, &mut by_offset[gear]);
             }
         }
         for (sums, at) in by_node.iter().zip(&around.at) {
@@ -322,8 +315,8 @@ impl CondensedFlank {
 pub(super) struct Slopes {
     /// y' A y, J per cycle and J/m.
     pub bulk: [f64; 2],
-    /// Strip by strip, per gear: reference lengths, m per cycle and m/m.
-    pub lengths: Vec<[[f64; 2]; 2]>,
+    /// Per gear, strip by strip: reference lengths, m per cycle and m/m.
+    pub lengths: [[Vec<f64>; 2]; 2],
 }
 
 /// Strips of one tooth pair that follow each other without a gap.
@@ -332,25 +325,20 @@ struct Run {
     name: StripName,
     first: usize,
     count: usize,
+    /// Places of the first one in the four nodes along the cycle, as far as it is there.
+    places: [Option<usize>; 4],
 }
 
-fn runs(strips: &[StripName]) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::with_capacity(8);
-    for (i, &(pair, station)) in strips.iter().enumerate() {
-        match runs.last_mut() {
-            Some(run) if run.name.0 == pair && run.name.1 + run.count == station => run.count += 1,
-            _ => runs.push(Run {
-                name: (pair, station),
-                first: i,
-                count: 1,
-            }),
-        }
+impl Run {
+    /// Where in the four nodes the influence of the strips of `columns` on strip `i` of this run begins.
+    #[inline(always)]
+    fn starts(&self, i: usize, columns: &Run) -> [Option<usize>; 4] {
+        std::array::from_fn(|step| match (self.places[step], columns.places[step]) {
+            (Some(row), Some(first)) => Some(triangle(row + (i - self.first), first)),
+            _ => None,
+        })
     }
-    runs
 }
-
-/// Places of one strip in the four nodes along the cycle, as far as it is there.
-type Row = [Option<usize>; 4];
 
 /// The four nodes along the cycle at one offset.
 struct AtOffset<'a> {
@@ -364,22 +352,18 @@ struct AtOffset<'a> {
 }
 
 impl AtOffset<'_> {
-    /// Influence of the strips from that at `first` on, in `count` whole groups of lanes, on the strip at `row`, not before
-    /// them, in the four nodes; `zeros` where one is not there. What a group holds beyond the strip itself means nothing.
+    /// `count` whole groups of lanes of the four nodes from `starts` on; `zeros` where one is not there. What a group
+    /// holds beyond the diagonal means nothing.
     #[inline(always)]
     fn lines<'b>(
         &'b self,
-        row: &Row,
-        first: &Row,
+        starts: &[Option<usize>; 4],
         count: usize,
         zeros: &'b [Lanes],
     ) -> [&'b [Lanes]; 4] {
-        let of = |step: usize| match (row[step], first[step]) {
-            (Some(row), Some(first)) => {
-                let line = &self.values[step][triangle(row, 0) + first..];
-                &line.as_chunks().0[..count]
-            }
-            _ => &zeros[..count],
+        let of = |step: usize| match starts[step] {
+            Some(start) => &self.values[step][start..].as_chunks().0[..count],
+            None => &zeros[..count],
         };
         [of(0), of(1), of(2), of(3)]
     }
@@ -427,18 +411,45 @@ impl<'a> Neighbours<'a> {
         }
     }
 
-    fn rows(&self, strips: &[StripName]) -> Vec<Row> {
-        let row = |strip: &StripName| self.turns.map(|turns| self.flank.place(*strip, turns));
-        strips.iter().map(row).collect()
+    fn runs(&self, strips: &[StripName]) -> Vec<Run> {
+        let mut runs: Vec<Run> = Vec::with_capacity(8);
+        for (i, &(pair, station)) in strips.iter().enumerate() {
+            match runs.last_mut() {
+                Some(run) if run.name.0 == pair && run.name.1 + run.count == station => {
+                    run.count += 1;
+                }
+                _ => runs.push(Run {
+                    name: (pair, station),
+                    first: i,
+                    count: 1,
+                    places: self
+                        .turns
+                        .map(|turns| self.flank.place((pair, station), turns)),
+                }),
+            }
+        }
+        runs
     }
 
-    /// Reference lengths of one gear in the four nodes at one offset.
-    #[inline]
-    fn lengths(&self, at: &AtOffset<'_>, row: &Row, gear: usize) -> [f64; 4] {
+    /// Adds the reference lengths of one gear at the strips of `run`, the nodes weighted by `weights`, to `out`.
+    #[inline(always)]
+    fn add_lengths(
+        &self,
+        run: &Run,
+        gear: usize,
+        weights: impl Fn(&AtOffset<'a>) -> [f64; 4],
+        out: &mut [f64],
+    ) {
         let begin = self.lengths + gear * self.flank.strips();
-        std::array::from_fn(|step| {
-            row[step].map_or(0.0, |place| f64::from(at.values[step][begin + place]))
-        })
+        let out = &mut out[run.first..][..run.count];
+        for at in &self.at {
+            for ((weight, values), place) in weights(at).iter().zip(at.values).zip(run.places) {
+                let Some(place) = place else { continue };
+                for (sum, length) in out.iter_mut().zip(&values[begin + place..]) {
+                    *sum += weight * f64::from(*length);
+                }
+            }
+        }
     }
 }
 

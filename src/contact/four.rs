@@ -3,6 +3,7 @@
 
 use wide::f64x4;
 
+use super::closest::LeastGap;
 use super::transverse::TransverseSection;
 use crate::gear::{Microgeometry, PairGeometry};
 
@@ -17,6 +18,8 @@ pub struct Four {
     roll_by_s: [f64x4; 2],
     /// Slopes of both removals over the length of roll at the closest point, along the line of action.
     removal_slope: [f64x4; 2],
+    /// Their curvatures.
+    removal_curvature: [f64; 2],
     kappa: [f64; 2],
 }
 
@@ -78,8 +81,25 @@ impl Four {
             roll,
             roll_by_s,
             removal_slope,
+            removal_curvature: curvatures,
             kappa,
         })
+    }
+
+    /// Where the flanks come closest at place `q`.
+    #[inline]
+    pub fn least(&self, q: usize) -> LeastGap {
+        let removal = |i: usize| {
+            [
+                self.removal_slope[i].as_array()[q],
+                self.removal_curvature[i],
+            ]
+        };
+        LeastGap {
+            gap: self.gap.as_array()[q],
+            s: self.s.as_array()[q],
+            removal: Some([removal(0), removal(1)]),
+        }
     }
 
     /// Rates of the gaps while the lengths of roll of the nominal points change at the rates `rolls`: see

@@ -6,7 +6,8 @@
 //!
 //! stationary in y: F_bt = dW/d delta and the moment dW/dM come with the solution, and its slopes by centre distance and
 //! mesh position are those at fixed y, strip by strip: in closed form where a strip touches inside its flanks, else by
-//! central differences of a smooth function of the pose.
+//! central differences of a smooth function of the pose; where contact only reaches the start of a relief, of its law alone,
+//! with the rates of its gaps in closed form.
 
 use std::sync::Arc;
 
@@ -180,7 +181,10 @@ impl RuntimeContact {
         for (place, &i) in loaded.iter().enumerate() {
             let penetration = load.gap[i].map(|gap| closing[i] - gap);
             let lengths = problem.lengths(i);
-            let by = slopes.lengths[place];
+            let by = slopes
+                .lengths
+                .each_ref()
+                .map(|by| [by[0][place], by[1][place]]);
             let loads = &load.solution.loads[i];
             let inside = problem.local[i].held(loads, penetration, plane);
             if let (Some(held), Some(rates)) = (inside, load.rates[i]) {
@@ -209,11 +213,23 @@ impl RuntimeContact {
                     moved.insert([side(1.0)?, side(-1.0)?])
                 }
             };
-            let of = |section: &TransverseSection, turn: f64, by: [f64; 2], step: f64| {
-                let lengths = [0, 1].map(|g| lengths[g] + by[g] * step);
+            let of = |section: &TransverseSection, turn: f64, axis: usize, step: f64| {
+                let lengths = [0, 1].map(|g| lengths[g] + by[axis][g] * step);
                 let lines = self.lines(section, cycle);
-                let strip = lines.strip(cycle.tau + turn, names[place]);
-                strip.map_or(0.0, |strip| {
+                let (tau, name) = (cycle.tau + turn, names[place]);
+                if let Some(rates) = load.rates[i] {
+                    // Only the law is asked for anew.
+                    let profile = lines.profile(tau, name.0, strips[i].middle());
+                    let strip = Candidate {
+                        profile,
+                        ..strips[i]
+                    };
+                    let law = law(&self.numbers, &strip, lengths);
+                    let points = penetration.iter().zip(rates[axis].gap);
+                    let opened = points.map(|(x, gap)| x - cos_beta_b * gap * step);
+                    return opened.map(|x| law.energy(x)).sum::<f64>();
+                }
+                lines.strip(tau, name).map_or(0.0, |strip| {
                     let arm = strip.arm * cos_beta_b;
                     let law = law(&self.numbers, &strip, lengths);
                     let points = strip.points().into_iter().zip(strip.gap);
@@ -226,9 +242,8 @@ impl RuntimeContact {
             };
             let [step, turn] = STEPS;
             by_offset +=
-                (of(&moved[0], 0.0, by[1], step) - of(&moved[1], 0.0, by[1], -step)) / (2.0 * step);
-            by_tau +=
-                (of(section, turn, by[0], turn) - of(section, -turn, by[0], -turn)) / (2.0 * turn);
+                (of(&moved[0], 0.0, 1, step) - of(&moved[1], 0.0, 1, -step)) / (2.0 * step);
+            by_tau += (of(section, turn, 0, turn) - of(section, -turn, 0, -turn)) / (2.0 * turn);
         }
         Ok((energy, [by_offset, by_tau]))
     }
@@ -257,11 +272,11 @@ impl RuntimeContact {
             margin: MARGIN,
             convex: self.only_removes,
         };
-        let mut strips = self.lines(section, cycle).moving(cycle.tau, seen, &near);
+        let (mut candidates, mut rates) = self.lines(section, cycle).moving(cycle.tau, seen, &near);
         // How far points overlap, along the line of action.
-        let overlaps: Vec<f64> = strips
+        let overlaps: Vec<f64> = candidates
             .iter()
-            .map(|(c, _)| {
+            .map(|c| {
                 let points = c.points().into_iter().zip(c.gap);
                 let overlap = points.map(|(z, gap)| near.overlap(z, c.arm, gap));
                 overlap.fold(f64::NEG_INFINITY, f64::max)
@@ -271,9 +286,10 @@ impl RuntimeContact {
         if most <= 0.0 {
             return None;
         }
-        let mut overlaps = overlaps.into_iter();
-        strips.retain(|_| overlaps.next().is_some_and(|o| o > -MARGIN * most));
-        let (candidates, rates) = strips.into_iter().unzip();
+        let mut carrying = overlaps.iter().map(|overlap| *overlap > -MARGIN * most);
+        candidates.retain(|_| carrying.next() == Some(true));
+        let mut carrying = overlaps.iter().map(|overlap| *overlap > -MARGIN * most);
+        rates.retain(|_| carrying.next() == Some(true));
         Some((self.problem(candidates, offset, cycle), rates))
     }
 

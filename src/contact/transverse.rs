@@ -183,14 +183,14 @@ impl TransverseSection {
         let (normal, along) = (b.up * y + b.rb, x + b.q * b.rb * self.tan_phi);
         let radius = normal.hypot(along);
         let roll = ((radius - b.rb).max(0.0) * (radius + b.rb)).sqrt();
-        let involute_angle =
-            (xi - b.q * (roll - b.rb * self.tan_phi)) / b.rb + b.q * (roll / b.rb).atan();
-        let behind = b.rb * (involute_angle - along.atan2(normal));
+        let (seen, involute) = (along.atan2(normal), (roll / b.rb).atan());
+        let involute_angle = (xi - b.q * (roll - b.rb * self.tan_phi)) / b.rb + b.q * involute;
+        let behind = b.rb * (involute_angle - seen);
         let mut rolls = [0.0; 2];
         rolls[tip] = a.tip_roll;
         rolls[mate] = roll;
         // The force acts along the mate's normal, turned by this about the mate's centre.
-        let turned = along.atan2(normal) - b.q * (roll / b.rb).atan();
+        let turned = seen - b.q * involute;
         let about_tip_gear =
             (from_tip[1] * turned.cos() + a.up * b.up * from_tip[0] * turned.sin()) / a.rb;
         // By how much the normals have turned out of the line of action: clockwise about a centre below it,
@@ -211,22 +211,31 @@ impl TransverseSection {
     fn reach_beyond(&self, end: usize, limit: f64, exactness: f64) -> f64 {
         let sign = if end == 0 { -1.0 } else { 1.0 };
         let mate = &self.sides[end];
-        // > 0: too far. The separation grows with the square of the way.
+        // > 0: too far; half the exactness short of the end it is zero. The separation grows with the square of the way.
         let excess = |beyond: f64| {
             let point = self.tip_corner(end, self.path[end] + sign * beyond);
             let behind = mate.kappa * (mate.form_roll / point.roll[end] - 1.0);
             let excess = ((point.separation.max(0.0) / limit).sqrt() - 1.0).max(behind);
             // Not a number where there is no mate to touch.
-            if excess.is_nan() { 1.0 } else { excess }
+            if excess.is_nan() {
+                1.0
+            } else {
+                excess + 0.5 * exactness
+            }
         };
         let half = 0.5 * (self.path[1] - self.path[0]);
-        let mut low = (0.0, excess(0.0));
-        let mut high = (half, excess(half));
-        if high.1 <= 0.0 {
-            return self.path[end] + sign * half;
-        }
-        if low.1 > 0.0 {
-            return self.path[end];
+        let with = |beyond: f64| (beyond, excess(beyond));
+        // Where it ends if the separation does grow so.
+        let expected = 0.1 * half / (1.0 + excess(0.1 * half));
+        let [mut low, mut high] = [0.98, 1.02].map(|share| with(share * expected));
+        if !(low.1 <= 0.0 && high.1 > 0.0 && high.0 < half) {
+            (low, high) = (with(0.0), with(half));
+            if high.1 <= 0.0 {
+                return self.path[end] + sign * half;
+            }
+            if low.1 > 0.0 {
+                return self.path[end];
+            }
         }
         let tolerance = 1e-14 * half;
         for _ in 0..60 {
@@ -240,6 +249,9 @@ impl TransverseSection {
             };
             let next = (middle + way).clamp(low.0, high.0);
             let next = (next, excess(next));
+            if next.1.abs() <= 0.5 * exactness {
+                return self.path[end] + sign * next.0;
+            }
             for point in [between, next] {
                 if point.1 <= 0.0 && point.0 >= low.0 {
                     low = point;
@@ -247,7 +259,7 @@ impl TransverseSection {
                     high = point;
                 }
             }
-            if high.0 - low.0 <= tolerance || low.1 >= -exactness {
+            if high.0 - low.0 <= tolerance {
                 break;
             }
         }

@@ -14,20 +14,34 @@
 //! since m and a are stationary. The law is followed through contacts of given width, exact there, between them the cubic
 //! through line loads and slopes; its energy is the integral of just that.
 
+use std::sync::OnceLock;
+
 use super::constants::KNEE_NODES;
 use super::profile::GapProfile;
 
-/// Line load over penetration from the width on at which contact reaches the start of a relief.
+/// Line load over penetration from the width on at which contact reaches the start of a relief. Its nodes are found when
+/// they are first asked for: few loads reach the wide ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Knee {
-    nodes: [Node; KNEE_NODES + 1],
+    profile: GapProfile,
+    /// 1/Pa.
+    c: f64,
+    log_reference: f64,
+    /// First and last half-width, m.
+    widths: [f64; 2],
+    /// Energy at the first, J/m.
+    energy: f64,
+    nodes: [OnceLock<Node>; KNEE_NODES + 1],
     /// Line load from which on contact reaches a tip edge, N/m.
-    at_edge: f64,
+    at_edge: OnceLock<f64>,
 }
 
 /// One width of contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Node {
+    /// Half-width and middle of the contact, m.
+    half_width: f64,
+    middle: f64,
     /// Penetration, m.
     penetration: f64,
     /// Line load, N/m.
@@ -50,74 +64,102 @@ impl Knee {
         widest: f64,
     ) -> Knee {
         let [low, high] = profile.edges;
-        let widest = widest.min(0.5 * (high - low));
-        let mut nodes = [Node::default(); KNEE_NODES + 1];
-        let mut m = 0.0f64;
-        // Load and how far the contact is cut off by an edge, of the width before.
-        let mut before = None;
-        let mut at_edge = f64::INFINITY;
-        for i in 0..=KNEE_NODES {
-            let share = i as f64 / KNEE_NODES as f64;
-            let a = least + (widest - least) * share * share.sqrt();
-            if a == 0.0 {
-                continue;
-            }
-            // Up to the first width contact is that of a parabola, about the closest point or from the edge.
-            m = match i {
-                0 => m.max(low + a).min(high - a),
-                _ => profile.middle(a, m),
-            };
-            let means = profile.means(m, a);
-            let load = means.by_log_width / c;
-            let compliance = c * (log_reference + std::f64::consts::LN_2 - a.ln());
-            let [first, second] = means.coefficients.map(|g| g / (2.0 * c * load));
-            nodes[i] = Node {
-                penetration: means.gap + load * compliance,
-                load,
-                slope: compliance.recip(),
-                spread: a * a * (0.5 - second - first * first) / load,
-                energy: 0.0,
-            };
-            if profile.edge_distance() > 2.0 * a || at_edge < f64::INFINITY {
-                continue;
-            }
-            let cut = profile.cut(a);
-            if cut > 0.0 {
-                at_edge = match before {
-                    Some((other_load, other)) => {
-                        other_load + (load - other_load) * other / (other - cut)
-                    }
-                    None => nodes[i.saturating_sub(1)].load,
-                };
-            }
-            before = Some((load, cut));
+        Knee {
+            profile: *profile,
+            c,
+            log_reference,
+            widths: [least, widest.min(0.5 * (high - low))],
+            energy,
+            nodes: Default::default(),
+            at_edge: OnceLock::new(),
         }
-        nodes[0].energy = energy;
-        for i in 1..nodes.len() {
-            let [a, b] = [nodes[i - 1], nodes[i]];
-            let step = b.penetration - a.penetration;
-            nodes[i].energy =
-                a.energy + step * (0.5 * (a.load + b.load) + step * (a.slope - b.slope) / 12.0);
+    }
+
+    fn node(&self, i: usize) -> &Node {
+        self.nodes[i].get_or_init(|| self.found(i))
+    }
+
+    /// Node `i` from those before it.
+    fn found(&self, i: usize) -> Node {
+        let [least, widest] = self.widths;
+        let share = i as f64 / KNEE_NODES as f64;
+        let a = least + (widest - least) * share * share.sqrt();
+        if a == 0.0 {
+            return Node {
+                energy: self.energy,
+                ..Node::default()
+            };
         }
-        Knee { nodes, at_edge }
+        let [low, high] = self.profile.edges;
+        let before = i.checked_sub(1).map(|before| self.node(before));
+        // Up to the first width contact is that of a parabola, about the closest point or from the edge.
+        let middle = match before {
+            None => 0.0f64.max(low + a).min(high - a),
+            Some(before) => {
+                let other = i.checked_sub(2).map(|other| self.node(other));
+                let onwards = other.map_or(0.0, |other| {
+                    (before.middle - other.middle) / (before.half_width - other.half_width)
+                });
+                let start = before.middle + onwards * (a - before.half_width);
+                self.profile.middle(a, start)
+            }
+        };
+        let means = self.profile.means(middle, a);
+        let c = self.c;
+        let load = means.by_log_width / c;
+        let compliance = c * (self.log_reference + std::f64::consts::LN_2 - a.ln());
+        let [first, second] = means.coefficients.map(|g| g / (2.0 * c * load));
+        let mut node = Node {
+            half_width: a,
+            middle,
+            penetration: means.gap + load * compliance,
+            load,
+            slope: compliance.recip(),
+            spread: a * a * (0.5 - second - first * first) / load,
+            energy: self.energy,
+        };
+        if let Some(a) = before {
+            let step = node.penetration - a.penetration;
+            let curved = step * (a.slope - node.slope) / 12.0;
+            node.energy = a.energy + step * (0.5 * (a.load + node.load) + curved);
+        }
+        node
     }
 
     /// Line load from which on contact reaches a tip edge, N/m.
     pub fn load_at_edge(&self) -> f64 {
-        self.at_edge
+        *self.at_edge.get_or_init(|| {
+            // Load and how far the contact is cut off by an edge, of the width before.
+            let mut before: Option<(f64, f64)> = None;
+            for i in 0..=KNEE_NODES {
+                let Node {
+                    half_width, load, ..
+                } = *self.node(i);
+                if half_width == 0.0 || self.profile.edge_distance() > 2.0 * half_width {
+                    continue;
+                }
+                let cut = self.profile.cut(half_width);
+                if cut > 0.0 {
+                    return match before {
+                        Some((other_load, other)) => {
+                            other_load + (load - other_load) * other / (other - cut)
+                        }
+                        None => self.node(i.saturating_sub(1)).load,
+                    };
+                }
+                before = Some((load, cut));
+            }
+            f64::INFINITY
+        })
     }
 
     /// The place of `value` of a node: the nodes about it, or the last one.
     fn around(&self, value: f64, of: impl Fn(&Node) -> f64) -> Result<[&Node; 2], &Node> {
-        let last = &self.nodes[KNEE_NODES];
-        if value >= of(last) {
-            return Err(last);
+        let above = (1..=KNEE_NODES).find(|&i| value < of(self.node(i)));
+        match above {
+            Some(above) => Ok([self.node(above - 1), self.node(above)]),
+            None => Err(self.node(KNEE_NODES)),
         }
-        let above = self.nodes[1..]
-            .iter()
-            .position(|node| value < of(node))
-            .unwrap_or(0);
-        Ok([&self.nodes[above], &self.nodes[above + 1]])
     }
 
     /// Line load (N/m), its derivative (Pa) and its integral (J/m) at the penetration `x` (m), not below that of the first
@@ -265,7 +307,7 @@ mod tests {
                 let x = means.gap + C * load * (2.0 * REFERENCE / a).ln();
                 let [found, slope, _] = law.at(x);
                 let largest = law.at(1.0)[1];
-                assert_abs_diff_eq!(found, load, epsilon = 1e-3 * law.nodes[KNEE_NODES].load);
+                assert_abs_diff_eq!(found, load, epsilon = 1e-3 * law.node(KNEE_NODES).load);
                 let exact = (C * (2.0 * REFERENCE / a).ln()).recip();
                 assert_abs_diff_eq!(slope, exact, epsilon = 2e-2 * largest);
             }
@@ -288,7 +330,7 @@ mod tests {
             let [load, penetration] = edge.at_width(2.0 * least);
             let energy = edge.energy(penetration);
             let knee = Knee::new(&profile, (C, REFERENCE.ln()), (least, energy), WIDEST);
-            assert_relative_eq!(knee.nodes[0].load, load, max_relative = 1e-9);
+            assert_relative_eq!(knee.node(0).load, load, max_relative = 1e-9);
             for x in [1.0, 1.3, 2.0, 5.0].map(|times| times * penetration) {
                 let [found, _, energy] = knee.at(x);
                 assert_relative_eq!(found, edge.line_load(x).0, max_relative = 1e-3);
@@ -307,8 +349,11 @@ mod tests {
         assert_eq!(far.load_at_edge(), f64::INFINITY);
         let w = near.load_at_edge();
         // Little short of it both agree; the one without an edge goes on to carry more at the same penetration.
-        let reached = near.nodes.iter().find(|node| node.load > w).unwrap();
-        assert!(w > near.nodes[0].load && w < near.nodes[KNEE_NODES].load);
+        let reached = (0..=KNEE_NODES)
+            .map(|i| near.node(i))
+            .find(|node| node.load > w)
+            .unwrap();
+        assert!(w > near.node(0).load && w < near.node(KNEE_NODES).load);
         assert!(far.at(2.0 * reached.penetration)[0] > near.at(2.0 * reached.penetration)[0]);
     }
 }

@@ -91,9 +91,9 @@ pub fn roots_at(t: f64x4) -> f64x4 {
     let mut pieces = [[0.0; 4]; 6];
     let mut fractions = [0.0; 4];
     for lane in 0..4 {
-        let piece = (place[lane] as usize).min(PIECES - 1);
-        fractions[lane] = place[lane] - piece as f64;
-        for (all, coefficient) in pieces.iter_mut().zip(&table[piece]) {
+        let piece = (place[lane] as i32).clamp(0, PIECES as i32 - 1);
+        fractions[lane] = place[lane] - f64::from(piece);
+        for (all, coefficient) in pieces.iter_mut().zip(&table[piece as usize]) {
             all[lane] = *coefficient;
         }
     }

@@ -184,12 +184,13 @@ impl GapProfile {
     /// Middle of a contact of the half-width `a`, m: that of the least mean gap, where the mean slope is zero, or at a tip
     /// edge. The search begins at `start`.
     pub(super) fn middle(&self, a: f64, start: f64) -> f64 {
-        let mut low = (-a).max(self.edges[0] + a);
-        let mut high = a.min(self.edges[1] - a);
-        if self.tilt(low, a).0 >= 0.0 {
+        let edges = [self.edges[0] + a, self.edges[1] - a];
+        let (mut low, mut high) = (edges[0].max(-a), edges[1].min(a));
+        // A contact that ends at the closest point slopes towards it.
+        if edges[0] > -a && self.tilt(low, a).0 >= 0.0 {
             return low;
         }
-        if self.tilt(high, a).0 <= 0.0 {
+        if edges[1] < a && self.tilt(high, a).0 <= 0.0 {
             return high;
         }
         let mut m = start.clamp(low, high);
@@ -201,14 +202,13 @@ impl GapProfile {
                 low = m;
             }
             let newton = m - tilt / by_m;
-            let next = if low < newton && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
+            let inside = low < newton && newton < high;
+            let next = if inside { newton } else { 0.5 * (low + high) };
             let step = (next - m).abs();
             m = next;
-            if step <= 1e-13 * a {
+            // Quadratic: what a step of Newton's method leaves is the square of it.
+            let enough = if inside { 1e-7 } else { 1e-13 };
+            if step <= enough * a {
                 break;
             }
         }

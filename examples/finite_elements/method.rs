@@ -43,8 +43,12 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
          of Hertz. Inside the flank alpha = -(distance to the edge)/R, and the law passes into that of Hertz exactly where \
          contact just reaches the edge. The force acts along the normal of the flank that the edge bears on. Under the tip edge \
          of gear 1 this normal touches the base circle of gear 2, so that its arm about the axis of gear 1 is a few hundredths \
-         less than the base radius; the torque given is that on gear 1. Left out is that the tip is a wedge, not a half-plane, below the size of the elements at \
-         the edge.\n\n\
+         less than the base radius; the torque given is that on gear 1. The tooth whose tip it is gives way to it by about as much \
+         less as its arm about its own axis is shorter, and so the displacements of the elastic model, which knows normal forces \
+         alone, are taken times that arm for force and displacement. And the tip is a wedge: near a corner of the angle phi (flank \
+         to land) a tooth gives way by the logarithm of a half-plane times pi (phi + sin phi cos phi) / (phi² - sin² phi), 1.4 at 121 degrees. \
+         What is more than a half-plane's, r c_g, adds r c_g ln(d/m) to dh/dw of a contact whose middle lies m from the edge, d the \
+         distance of the contact line from it, no less than what the elements resolve.\n\n\
          **Modified flanks** touch where they come closest, not on the nominal line: gap = min over s of (removal of both gears + \
          s²/(2 R)), s along the flanks in the transverse section, the lengths of roll moved by s rb/rho. The local contact there \
          takes the gap as it is: 1/R is the curvature of the involutes plus that of what is removed, and where the contact \

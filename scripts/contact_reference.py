@@ -275,8 +275,10 @@ SPUR_RING = dict(name="spur ring", meshing="internal", normal_module_mm=3.0, nor
                  gear1=dict(teeth=20, face_width_mm=20.0, bore_diameter_mm=40.0),
                  gear2=dict(teeth=60, face_width_mm=20.0, tip_diameter_mm=174.8, rim_diameter_mm=200.0),
                  operating=dict(nominal_torque_nm=200.0, maximum_torque_nm=300.0, center_distance_offset_um=[-50.0, 50.0], misalignment_mrad=[-1.0, 1.0]))
-PAPER = spur(b=25.0, helix=13.0, torque=200.0, tip_diameter_mm=90.315)
+PAPER = spur(b=25.0, helix=13.0, tip_diameter_mm=90.315)
 PAPER["center_distance_mm"] = 82.104
+for of in (PAPER["gear1"], PAPER["gear2"]):
+    del of["addendum_coefficient"]
 
 
 def torques(*values):

@@ -94,15 +94,20 @@ struct Bounds<'a> {
     pressure: f64,
     /// Torque from which on pressures are compared, N m: under less contact is narrower than the data resolve.
     pressed: f64,
+    /// Of the mean transmission error, as a part of it.
+    mean: f64,
+    /// Of the peak-to-peak value as a part of the mean, where that is more than 2 % or 0.05 um.
+    spread: f64,
     /// Mesh positions at which the data resolve the pressure.
     resolved: &'a dyn Fn(f64) -> bool,
 }
 
-/// Mean within 0.7 %, z_c within 0.05 mm, peak-to-peak within 2 % or 0.05 um, and each position and the flank
-/// pressure as `bounds` says.
+/// z_c within 0.05 mm, peak-to-peak within 2 % or 0.05 um, and mean, each position and the flank pressure as `bounds` says.
 fn agrees_with_reference(name: &str, bounds: &Bounds) {
     let Bounds {
         each: largest,
+        mean: largest_mean,
+        spread: of_spread,
         pressure,
         pressed,
         resolved,
@@ -118,7 +123,7 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
         let at = format!("{name} at {torque} N m, {misalignment} mrad");
         let [here, there] = &found.ste;
         let of_mean = mean(here) / mean(there) - 1.0;
-        assert!(of_mean.abs() < 0.007, "{at}: mean {of_mean:+.4}");
+        assert!(of_mean.abs() < largest_mean, "{at}: mean {of_mean:+.4}");
         for (position, (a, b)) in positions.iter().zip(here.iter().zip(there)) {
             assert!(
                 (a / b - 1.0).abs() < largest,
@@ -128,7 +133,8 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
         if positions.len() >= CYCLE {
             let [spread, expected] = [here, there].map(|v| peak_to_peak(v));
             assert!(
-                (spread - expected).abs() < (0.02 * expected).max(0.05),
+                (spread - expected).abs()
+                    < (0.02 * expected).max(0.05).max(of_spread * mean(there)),
                 "{at}: peak to peak {spread:.3} instead of {expected:.3} um"
             );
         }
@@ -150,6 +156,8 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
 /// In plane strain; the other cases say what differs.
 const PLANE: Bounds<'static> = Bounds {
     each: 0.004,
+    mean: 0.007,
+    spread: 0.0,
     pressure: 0.03,
     pressed: 50.0,
     resolved: &|_| true,
@@ -167,7 +175,7 @@ fn centre_distance_and_high_contact_ratio_agree_in_plane_strain() {
     for (name, each) in [
         ("centre-distance-100", 0.004),
         ("centre-distance+100", 0.004),
-        ("high-contact-ratio", 0.006),
+        ("high-contact-ratio", 0.002),
     ] {
         let bounds = Bounds { each, ..PLANE };
         agrees_with_reference(name, &bounds);
@@ -196,13 +204,15 @@ fn tip_edges_agree_in_plane_strain_where_they_take_up_load_and_where_they_give_i
 fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
     // 2 mrad tell the ends of a strip apart by 1.2 um, which is no reason for more pressure than the line bears; they leave
     // transmission errors of less than a micrometre.
-    for (name, each) in [
-        ("solid-relief-30", 0.004),
-        ("solid-crowned", 0.02),
-        ("wide", 0.02),
+    // Of the wide face 1 mrad moves the ends by 24 um; what it leaves at mid-face under 200 N m comes within 0.05 um.
+    for (name, each, mean) in [
+        ("solid-relief-30", 0.004, 0.002),
+        ("solid-crowned", 0.02, 0.007),
+        ("wide", 0.05, 0.013),
     ] {
         let bounds = Bounds {
             each,
+            mean,
             pressed: 100.0,
             ..PLANE
         };
@@ -214,11 +224,19 @@ fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
 fn helical_pairs_agree() {
     // At position 0 a contact line crosses the pitch point, where the reliefs begin, within a millimetre: less than a layer of
     // the data. The pressure there was computed once more in layers of 0.2 mm; a strip is half a millimetre long.
-    for name in ["helix-13", "helix-25", "helix-30", "internal-helical"] {
+    // Unmodified, contact lines end at tip edges, next to which the layers of the data resolve no pressure.
+    // Relieved ones have a peak-to-peak value of a fortieth of their mean, of which the data are right to 0.4 %.
+    for (name, each, spread) in [
+        ("helix-13", 0.0065, 0.0),
+        ("helix-25", 0.0025, 0.002),
+        ("helix-30", 0.0025, 0.0035),
+        ("internal-helical", 0.005, 0.0),
+    ] {
         let bounds = Bounds {
-            each: 0.005,
+            each,
+            spread,
             pressed: 100.0,
-            resolved: &|position| position > 0.25,
+            resolved: &|position| position == 0.5 && name != "helix-13",
             ..PLANE
         };
         agrees_with_reference(name, &bounds);

@@ -125,7 +125,10 @@ pub fn report(models: &Models, _: &Path) -> Outcome<String> {
              cycle), and the pressure 3 to 5 % too low on the parabola. Where the contact line of a helical pair crosses \
              the pitch point, at which both reliefs begin (position 0), the layers of the data are 1.4 and 1.5 mm long and the knee lies within \
              one: their pressure is no measure there; the last case has it in layers of 0.2 mm, where strips of half a millimetre tell the mean of \
-             theirs. At 25 N m contact is but two to four cells of the data wide.\n";
+             theirs. At 25 N m contact is but two to four cells of the data wide. \
+             Next to a tip edge that bears load (13 degrees) the layers of the data tell no pressure either. The peak-to-peak of the pairs \
+             of 25 and 30 degrees is a fortieth of the mean, of which the data are right to 0.4 %; 1 mrad moves the ends of the wide \
+             face by 24 um, and the difference at mid-face is 0.05 um.\n";
     Ok(text)
 }
 

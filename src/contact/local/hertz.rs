@@ -148,7 +148,13 @@ impl LocalContact {
             return self;
         }
         let [load, penetration] = match &self.edge {
-            Some(edge) if half_width > profile.edge_distance() => edge.at_width(2.0 * half_width),
+            Some(edge) if half_width > profile.edge_distance() => {
+                // On its tangent the law of the edge knows no width.
+                if 2.0 * half_width >= edge.widest() {
+                    return self;
+                }
+                edge.at_width(2.0 * half_width)
+            }
             _ if half_width == 0.0 => [0.0; 2],
             _ => {
                 let load = half_width * half_width / (2.0 * self.radius * self.c);

@@ -82,13 +82,15 @@ impl Knee {
             let most = c * (2.0 / WIDTH_OVER_REFERENCE).ln() - compliance;
             let added = corner.compliance(line, from_edge).max(most.min(0.0));
             by_corner = match last {
+                Some([other, before]) if other == added => by_corner + added * (load - before),
                 None if i == 0 => reached - means.gap - load * compliance,
                 // From nothing on, at an edge w rises as a does.
                 None if line == 0.0 => (added + corner.softness) * load,
                 None => added * load,
                 // What is added changes with ln a, and between widths ln w does so, too.
                 Some([other, before]) => {
-                    let more = (load - before) / (load / before).ln();
+                    let rise = load - before;
+                    let more = rise / (rise / before).ln_1p();
                     by_corner + added * load - other * before - (added - other) * more
                 }
             };

@@ -87,7 +87,12 @@ impl TipEdge {
         self.least[1]
     }
 
-    /// Line load (N/m) and penetration (m) of a contact of the width `a`, m.
+    /// Width of contact from which on the law goes on along its tangent, m.
+    pub fn widest(&self) -> f64 {
+        self.wide[0]
+    }
+
+    /// Line load (N/m) and penetration (m) of a contact of the width `a` (m) up to [`TipEdge::widest`].
     pub fn at_width(&self, a: f64) -> [f64; 2] {
         let [_, load, penetration] = self.state(a);
         [load, penetration]

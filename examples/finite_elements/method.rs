@@ -43,9 +43,11 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
          of Hertz. Inside the flank alpha = -(distance to the edge)/R, and the law passes into that of Hertz exactly where \
          contact just reaches the edge. The force acts along the normal of the flank that the edge bears on. Under the tip edge \
          of gear 1 this normal touches the base circle of gear 2, so that its arm about the axis of gear 1 is a few hundredths \
-         less than the base radius; the torque given is that on gear 1. The tooth whose tip it is gives way to it by about as much \
-         less as its arm about its own axis is shorter, and so the displacements of the elastic model, which knows normal forces \
-         alone, are taken times that arm for force and displacement. And the tip is a wedge: near a corner of the angle phi (flank \
+         less than the base radius; the torque given is that on gear 1. What turns the body of the gear whose tip it is and bends its tooth is \
+         the component of the force along the circumference, which is that of a force along its own normal times its arm about \
+         its own axis over the base radius: by this its displacements in the elastic model, which knows normal forces alone, are \
+         taken, for the force and for the displacement. In the program of \
+         `scripts/contact_reference.py` the direction alone changes the STE by 0.6 to 1.4 % where an edge takes up load, and this rule by 0.65 to 1.5 %. And the tip is a wedge: near a corner of the angle phi (flank \
          to land) a tooth gives way by the logarithm of a half-plane times pi (phi + sin phi cos phi) / (phi² - sin² phi), 1.4 at 121 degrees. \
          What is more than a half-plane's, r c_g, adds r c_g ln(d/m) to dh/dw of a contact whose middle lies m from the edge, d the \
          distance of the contact line from it, no less than what the elements resolve.\n\n\

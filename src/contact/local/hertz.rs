@@ -174,6 +174,8 @@ impl LocalContact {
     fn knee<'a>(&self, relief: &'a Relief) -> &'a Knee {
         relief.law.get_or_init(|| {
             let [half_width, _, penetration] = relief.least;
+            let widest = WIDTH_OVER_REFERENCE * self.log_reference.exp();
+            let at_edge = self.edge.map_or(widest, |edge| 0.5 * edge.widest());
             Knee::new(
                 &relief.profile,
                 (self.c, self.log_reference, self.corner),
@@ -182,7 +184,7 @@ impl LocalContact {
                     penetration,
                     self.energy_before_relief(penetration) / self.length,
                 ],
-                WIDTH_OVER_REFERENCE * self.log_reference.exp(),
+                widest.min(at_edge.max(half_width)),
             )
         })
     }

@@ -77,7 +77,8 @@ impl Knee {
             let means = profile.means(m, a);
             let load = means.by_log_width / c;
             let compliance = c * (log_reference + std::f64::consts::LN_2 - a.ln());
-            let from_edge = if high < -low { high - m } else { m - low };
+            // From where on an edge cuts contact off, its middle; before, that of the line, so that far edges play no part.
+            let from_edge = a.max(line);
             // No softer than the tangent of the law of Hertz.
             let most = c * (2.0 / WIDTH_OVER_REFERENCE).ln() - compliance;
             let added = corner.compliance(line, from_edge).max(most.min(0.0));

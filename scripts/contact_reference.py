@@ -4,7 +4,8 @@
     python scripts/contact_reference.py [CASE ...]      # into the file, case by case; all of them take hours
 
 Both gears in 20-node hexahedra (8-node quadrilaterals in plane strain), the loaded teeth and their neighbours real, bore or rim
-held, rebuilt for each mesh position with a band of fine cells along every contact line: 0.012 mm in plane strain, 0.02 mm for solid
+held, rebuilt for each mesh position with a band of fine cells along every contact line: 0.012 mm in plane strain (0.003 to 0.004 mm, and 0.001 mm
+at tip edges, where an edge bears: the mean gap of a face there exceeds that at an inclined edge), 0.02 mm for solid
 spur gears (half of the face, even and odd loads), 0.03 mm for helical ones. A constant pressure on each face of the band; gap
 between the exact involutes, along the normal of the flank whose tip is further away, plus the removal of material there. Both
 gears are condensed onto these pressures; a linear complementarity problem gives them and the turn of gear 1 under its torque,
@@ -239,6 +240,9 @@ def write(found):
 
 
 FLAT = replace(Mesh(), cell=0.012, band=70, side=16, across=18, body=10)
+# Where a tip edge bears: the mean gap of a face of the length l at an edge inclined by alpha is alpha l / 2 more than at the edge.
+SHARP = replace(Mesh(), cell=0.003, band=150, side=24, across=20, body=10, edge=0.001)
+BROAD = replace(SHARP, cell=0.004, band=220)
 SOLID = Mesh(cell=0.02, band=24, side=9, across=11, body=6)
 CROSSED = [(torque, m) for torque in (100.0, 200.0) for m in (-2.0, -1.0, 0.0, 1.0, 2.0)]
 HALF = [0, 0.6, 1.6, 3.4, 6, 9.2, 12.5]
@@ -252,14 +256,36 @@ RING = dict(name="ring", meshing="internal", normal_module_mm=3.0, normal_pressu
             operating=dict(nominal_torque_nm=100.0, maximum_torque_nm=200.0, center_distance_offset_um=[0.0, 0.0], misalignment_mrad=[-1.0, 1.0]))
 LAYERS = [0, 0.5, 1.3, 2.5, 4, 5.5, 7, 8.5, 10, 11.5, 13, 14.5, 16, 17.5, 18.7, 19.5, 20]
 
-HELICAL = spur(b=20.0, helix=30.0, tip_relief=dict(amount_um=12.0, start="pitch_point", shape="linear"), gear1=dict(lead_crowning_um=5.0))
+
+
+def helical(helix):
+    return spur(b=20.0, helix=helix, tip_relief=dict(amount_um=12.0, start="pitch_point", shape="linear"), gear1=dict(lead_crowning_um=5.0))
+
+
+HELICAL = helical(30.0)
 # Contact lines of the helical pair cross mid-face within half a millimetre: for pressure there.
 THIN = [0, 0.5, 1.5, 3, 5, 7, 8.2, 9.0, 9.4, 9.7, 9.9]
+
+
+SHIFTED = dict(name="shifted", meshing="external", normal_module_mm=4.5, normal_pressure_angle_deg=20.0, center_distance_mm=91.5,
+               gear1=dict(teeth=16, profile_shift=0.1817, face_width_mm=14.0, tip_diameter_mm=82.45, bore_diameter_mm=30.0),
+               gear2=dict(teeth=24, profile_shift=0.1715, face_width_mm=14.0, tip_diameter_mm=118.35, bore_diameter_mm=50.0),
+               operating=dict(nominal_torque_nm=300.0, maximum_torque_nm=450.0, center_distance_offset_um=[-50.0, 50.0], misalignment_mrad=[-1.0, 1.0]))
+SPUR_RING = dict(name="spur ring", meshing="internal", normal_module_mm=3.0, normal_pressure_angle_deg=20.0,
+                 gear1=dict(teeth=20, face_width_mm=20.0, bore_diameter_mm=40.0),
+                 gear2=dict(teeth=60, face_width_mm=20.0, tip_diameter_mm=174.8, rim_diameter_mm=200.0),
+                 operating=dict(nominal_torque_nm=200.0, maximum_torque_nm=300.0, center_distance_offset_um=[-50.0, 50.0], misalignment_mrad=[-1.0, 1.0]))
+PAPER = spur(b=25.0, helix=13.0, tip_diameter_mm=90.315)
+PAPER["center_distance_mm"] = 82.104
+for of in (PAPER["gear1"], PAPER["gear2"]):
+    del of["addendum_coefficient"]
 
 
 def torques(*values):
     return [(v, 0.0) for v in values]
 
+
+CYCLE = torques(50.0, 100.0, 200.0) + [(100.0, -1.0), (100.0, 1.0)]
 
 # Equal gears without misalignment: the other half of the cycle mirrors this one.
 FAMILIES = {
@@ -269,9 +295,18 @@ FAMILIES = {
     "parabolic-relief": lambda: family(
         [("relief-30-parabolic", "spur 20/20, 30 um of parabolic tip relief over a fifth of the path, plane strain",
           spur(**late_relief(30, shape="parabolic")), torques(50.0, 100.0, 200.0))], [i / 16 for i in range(7)] + [i / 32 for i in (13, 14, 15, 16)], mesh=FLAT),
+    "tip-edge": lambda: family(
+        [("tip-edge", "spur 20/20, plane strain", spur(), torques(25.0, 50.0, 100.0, 200.0))],
+        [i / 16 for i in range(9)] + [i / 128 for i in (23, 25, 26, 27, 28, 29)], mesh=SHARP),
+    "shifted": lambda: family(
+        [("shifted", "spur 16/24 with profile shift, plane strain", SHIFTED, torques(75.0, 150.0, 300.0, 450.0))],
+        [i / 8 for i in range(8)] + [13 / 64, 49 / 64], mesh=BROAD, limit=0.08),
+    "internal": lambda: family(
+        [("internal", "internal 20/60, plane strain", SPUR_RING, torques(50.0, 100.0, 200.0, 300.0))],
+        [i / 8 for i in range(8)], mesh=BROAD),
     "centre-distance": lambda: [family(
         [(f"centre-distance{offset:+.0f}", f"spur 20/20, centre distance {offset:+.0f} um, plane strain", spur(), torques(50.0, 100.0, 200.0))],
-        [i / 16 for i in range(9)], mesh=FLAT, offset=offset) for offset in (-100.0, 100.0)],
+        [i / 16 for i in range(9)], mesh=SHARP, offset=offset) for offset in (-100.0, 100.0)],
     "high-contact-ratio": lambda: family(
         [("high-contact-ratio", "spur 40/40, contact ratio above 2, plane strain",
           spur(teeth=(40, 40), alpha=17.5, addendum=1.25, dedendum=1.5, tool=0.25, bores=(80.0, 80.0), torque=800.0), torques(200.0, 400.0, 800.0))],
@@ -283,15 +318,21 @@ FAMILIES = {
     "wide": lambda: family(
         [("wide", "spur 20/20, face 12 modules, 5 um of lead crowning, solid", spur(b=48.0, gear1=dict(lead_crowning_um=5.0), torque=400.0), TILTED)],
         [0.0, 0.5], layers=[0, 0.6, 1.6, 3.4, 6, 9.5, 13.5, 18.5, 24], mesh=SOLID),
+    "helix-13": lambda: family(
+        [("helix-13", "helical 20/20, 13 degrees, unmodified, solid", PAPER, torques(50.0, 100.0, 200.0))],
+        [0.5, 0.0, 0.25, 0.125, 0.375], layers=[1.25 * z for z in LAYERS], mesh=OBLIQUE, limit=0.035),
+    "helix-25": lambda: family(
+        [("helix-25", "helical 20/20, 25 degrees, tip relief and lead crowning, solid", helical(25.0), CYCLE)],
+        [0.5, 0.0, 0.25, 0.125, 0.375], layers=LAYERS, mesh=OBLIQUE, limit=0.035),
     "helix-30": lambda: family(
-        [("helix-30", "helical 20/20, 30 degrees, tip relief and lead crowning, solid", HELICAL, torques(50.0, 100.0, 200.0) + [(100.0, -1.0), (100.0, 1.0)])],
-        [0.5, 0.0], layers=LAYERS, mesh=OBLIQUE, limit=0.035),
+        [("helix-30", "helical 20/20, 30 degrees, tip relief and lead crowning, solid", HELICAL, CYCLE)],
+        [0.5, 0.0, 0.25, 0.125, 0.375], layers=LAYERS, mesh=OBLIQUE, limit=0.035),
     "helix-30-knee": lambda: family(
         [("helix-30-knee", "the same where a contact line crosses the start of the reliefs, in thin layers", HELICAL, torques(50.0, 100.0, 200.0))],
         [0.0], layers=THIN + [20 - z for z in reversed(THIN)], mesh=OBLIQUE, parts=1, limit=0.035),
     "internal-helical": lambda: family(
         [("internal-helical", "internal helical 20/60, 15 degrees, tip relief and lead crowning, solid", RING, torques(50.0, 100.0, 200.0))],
-        [0.0, 0.5], layers=[0.9 * z for z in LAYERS], mesh=OBLIQUE, parts=1, limit=0.035),
+        [0.0, 0.5, 0.25, 0.75, 0.125, 0.625], layers=[0.9 * z for z in LAYERS], mesh=OBLIQUE, parts=1, limit=0.035),
 }
 
 

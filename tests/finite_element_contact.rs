@@ -1,5 +1,5 @@
-//! Whole contact against an independent finite-element program without any Hertz formula
-//! (`tests/data/finite_element_contact.json` says how it works), tip edges that bear load included.
+//! Whole contact against an independent finite-element program without any Hertz formula, `scripts/contact_reference.py`
+//! (`tests/data/contact_reference.json` says how it works), tip edges that bear load included.
 #![cfg(feature = "preprocess")]
 
 use gearmesh::compliance::finite_element::{PairCompliance, Settings};
@@ -7,76 +7,9 @@ use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use serde_json::Value;
-use std::sync::LazyLock;
 
-/// Pair and reference data of a case.
-fn case(name: &str) -> (Pair, Value) {
-    let text = include_str!("data/finite_element_contact.json");
-    let all: Value = serde_json::from_str(text).unwrap();
-    let mut case = all["cases"][name].clone();
-    // The ring's tip is longer than pair files may have it: it all but touches the pinion's fillet.
-    let long_tip = case["pair"]["gear2"]["tip_diameter_mm"] == 175.2;
-    if long_tip {
-        case["pair"]["gear2"]["tip_diameter_mm"] = 174.8.into();
-    }
-    let mut pair = Pair::from_json(&case["pair"].to_string()).unwrap();
-    if long_tip {
-        pair.geometry.gears[1].tip_radius = 87.6e-3;
-    }
-    (pair, case)
-}
-
-/// Numbers of a JSON list.
-fn numbers(value: &Value) -> Vec<f64> {
-    let list = value.as_array().unwrap();
-    list.iter().map(|v| v.as_f64().unwrap()).collect()
-}
-
-/// Finite elements of both gears at the pair's refinement.
-fn compliance(name: &str) -> PairCompliance {
-    let (pair, case) = case(name);
-    let settings = Settings {
-        plane_strain: case["plane_strain"].as_bool().unwrap(),
-        ..Settings::for_pair(&pair)
-    };
-    PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true).unwrap()
-}
-
-static HELICAL: LazyLock<PairCompliance> = LazyLock::new(|| compliance("c"));
-
-fn solver(name: &str, compliance: &PairCompliance, tip_corner_contact: bool) -> ContactSolver {
-    let (pair, case) = case(name);
-    let mut contact = ContactSettings {
-        tip_corner_contact,
-        ..ContactSettings::default()
-    };
-    if case["plane_strain"] == true {
-        contact.stations = 1;
-    }
-    let [first, second] = compliance.gears.clone();
-    ContactSolver::new(&pair, [first, second], contact).unwrap()
-}
-
-/// Transmission errors of one torque at all positions, um: found and expected.
+/// Values of one load at all positions: found and expected.
 type Cycle = [Vec<f64>; 2];
-
-/// Every torque of `case` at every position against the results under `key`.
-fn cycles(solver: &ContactSolver, case: &Value, key: &str) -> Vec<(f64, Cycle)> {
-    let mut cycles: Vec<(f64, Cycle)> = numbers(&case["torque_nm"])
-        .into_iter()
-        .map(|torque| (torque, Cycle::default()))
-        .collect();
-    for at in case["positions"].as_array().unwrap() {
-        let mesh_position = at["mesh_position"].as_f64().unwrap();
-        let problem = solver.position(Flank::Drive, mesh_position, 0.0).unwrap();
-        for ((torque, [found, expected]), ste) in cycles.iter_mut().zip(numbers(&at[key])) {
-            let result = problem.solve_torque(*torque, 0.0, None).unwrap();
-            found.push(1e6 * result.approach);
-            expected.push(ste);
-        }
-    }
-    cycles
-}
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
@@ -85,72 +18,6 @@ fn mean(values: &[f64]) -> f64 {
 fn peak_to_peak(values: &[f64]) -> f64 {
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
-}
-
-/// Compares the transmission error at every position and torque, its mean and its peak-to-peak value.
-fn agrees(name: &str, compliance: &PairCompliance) {
-    let solver = solver(name, compliance, true);
-    for (torque, [found, expected]) in cycles(&solver, &case(name).1, "ste_um") {
-        let at = format!("{name} at {torque} N m: {found:.3?} instead of {expected:.3?} um");
-        for (found, expected) in found.iter().zip(&expected) {
-            assert!((found / expected - 1.0).abs() < 0.02, "{at}");
-        }
-        let of_mean = mean(&found) / mean(&expected) - 1.0;
-        assert!(of_mean.abs() < 0.01, "mean {of_mean:+.4}, {at}");
-        let of_spread = peak_to_peak(&found) / peak_to_peak(&expected) - 1.0;
-        assert!(of_spread.abs() < 0.04, "peak to peak {of_spread:+.4}, {at}");
-    }
-}
-
-#[test]
-fn spur_pair_in_plane_strain_agrees_at_every_position_and_load() {
-    agrees("a", &compliance("a"));
-}
-
-#[test]
-fn shifted_spur_pair_in_plane_strain_agrees_at_every_position_and_load() {
-    agrees("d2", &compliance("d2"));
-}
-
-#[test]
-fn internal_pair_in_plane_strain_agrees_at_every_position_and_load() {
-    agrees("e2", &compliance("e2"));
-}
-
-#[test]
-fn solid_spur_pair_agrees_at_every_position_and_load() {
-    agrees("b", &compliance("b"));
-}
-
-#[test]
-fn solid_shifted_spur_pair_agrees_at_every_position_and_load() {
-    agrees("d", &compliance("d"));
-}
-
-#[test]
-fn solid_internal_pair_agrees_at_every_position_and_load() {
-    agrees("e", &compliance("e"));
-}
-
-#[test]
-fn solid_helical_pair_agrees_at_every_position_and_load() {
-    agrees("c", &HELICAL);
-}
-
-#[test]
-fn tip_edges_take_as_much_off_the_peak_to_peak_as_in_the_independent_program() {
-    let (_, case) = case("c");
-    let on_path = cycles(&solver("c", &HELICAL, false), &case, "ste_um_path_only");
-    let all = cycles(&solver("c", &HELICAL, true), &case, "ste_um");
-    for ((torque, path), (_, all)) in on_path.iter().zip(&all) {
-        let [found, expected] = [0, 1].map(|i| peak_to_peak(&all[i]) / peak_to_peak(&path[i]));
-        // Half a per cent of the transmission error, the estimated error of the independent program at 25 N m,
-        // is two per cent of its peak-to-peak value.
-        assert!(
-            (found - expected).abs() < 0.02,
-            "{torque} N m: {found:.4} instead of {expected:.4}"
-        );
-    }
 }
 
 /// Pair and data of a case of `scripts/contact_reference.py`.
@@ -227,15 +94,20 @@ struct Bounds<'a> {
     pressure: f64,
     /// Torque from which on pressures are compared, N m: under less contact is narrower than the data resolve.
     pressed: f64,
+    /// Of the mean transmission error, as a part of it.
+    mean: f64,
+    /// Of the peak-to-peak value as a part of the mean, where that is more than 2 % or 0.05 um.
+    spread: f64,
     /// Mesh positions at which the data resolve the pressure.
     resolved: &'a dyn Fn(f64) -> bool,
 }
 
-/// Mean within 0.7 %, z_c within 0.05 mm, peak-to-peak within 2 % or 0.05 um, and each position and the flank
-/// pressure as `bounds` says.
+/// z_c within 0.05 mm, peak-to-peak within 2 % or 0.05 um, and mean, each position and the flank pressure as `bounds` says.
 fn agrees_with_reference(name: &str, bounds: &Bounds) {
     let Bounds {
         each: largest,
+        mean: largest_mean,
+        spread: of_spread,
         pressure,
         pressed,
         resolved,
@@ -251,7 +123,7 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
         let at = format!("{name} at {torque} N m, {misalignment} mrad");
         let [here, there] = &found.ste;
         let of_mean = mean(here) / mean(there) - 1.0;
-        assert!(of_mean.abs() < 0.007, "{at}: mean {of_mean:+.4}");
+        assert!(of_mean.abs() < largest_mean, "{at}: mean {of_mean:+.4}");
         for (position, (a, b)) in positions.iter().zip(here.iter().zip(there)) {
             assert!(
                 (a / b - 1.0).abs() < largest,
@@ -261,7 +133,8 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
         if positions.len() >= CYCLE {
             let [spread, expected] = [here, there].map(|v| peak_to_peak(v));
             assert!(
-                (spread - expected).abs() < (0.02 * expected).max(0.05),
+                (spread - expected).abs()
+                    < (0.02 * expected).max(0.05).max(of_spread * mean(there)),
                 "{at}: peak to peak {spread:.3} instead of {expected:.3} um"
             );
         }
@@ -283,6 +156,8 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
 /// In plane strain; the other cases say what differs.
 const PLANE: Bounds<'static> = Bounds {
     each: 0.004,
+    mean: 0.007,
+    spread: 0.0,
     pressure: 0.03,
     pressed: 50.0,
     resolved: &|_| true,
@@ -298,12 +173,29 @@ fn short_and_strong_relief_agrees_in_plane_strain_also_at_its_knee() {
 #[test]
 fn centre_distance_and_high_contact_ratio_agree_in_plane_strain() {
     for (name, each) in [
-        // One position just before a tip edge takes up load.
-        ("centre-distance-100", 0.013),
+        ("centre-distance-100", 0.004),
         ("centre-distance+100", 0.004),
-        ("high-contact-ratio", 0.006),
+        ("high-contact-ratio", 0.002),
     ] {
         let bounds = Bounds { each, ..PLANE };
+        agrees_with_reference(name, &bounds);
+    }
+}
+
+#[test]
+fn tip_edges_agree_in_plane_strain_where_they_take_up_load_and_where_they_give_it_up() {
+    for (name, each) in [
+        ("tip-edge", 0.004),
+        ("shifted", 0.004),
+        // The ring's corner of 105 degrees gives way by twice as much as a half-plane: no small addition to it.
+        ("internal", 0.009),
+    ] {
+        let bounds = Bounds {
+            each,
+            // No pressure where contact all but reaches an edge.
+            resolved: &|position| name != "tip-edge" || (position - 0.2265625).abs() > 1e-6,
+            ..PLANE
+        };
         agrees_with_reference(name, &bounds);
     }
 }
@@ -312,9 +204,15 @@ fn centre_distance_and_high_contact_ratio_agree_in_plane_strain() {
 fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
     // 2 mrad tell the ends of a strip apart by 1.2 um, which is no reason for more pressure than the line bears; they leave
     // transmission errors of less than a micrometre.
-    for (name, each) in [("solid-relief-30", 0.004), ("solid-crowned", 0.02)] {
+    // Of the wide face 1 mrad moves the ends by 24 um; what it leaves at mid-face under 200 N m comes within 0.05 um.
+    for (name, each, mean) in [
+        ("solid-relief-30", 0.004, 0.002),
+        ("solid-crowned", 0.02, 0.007),
+        ("wide", 0.05, 0.013),
+    ] {
         let bounds = Bounds {
             each,
+            mean,
             pressed: 100.0,
             ..PLANE
         };
@@ -323,14 +221,22 @@ fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
 }
 
 #[test]
-fn helix_of_30_degrees_and_an_internal_helical_pair_agree() {
+fn helical_pairs_agree() {
     // At position 0 a contact line crosses the pitch point, where the reliefs begin, within a millimetre: less than a layer of
     // the data. The pressure there was computed once more in layers of 0.2 mm; a strip is half a millimetre long.
-    for name in ["helix-30", "internal-helical"] {
+    // Unmodified, contact lines end at tip edges, next to which the layers of the data resolve no pressure.
+    // Relieved ones have a peak-to-peak value of a fortieth of their mean, of which the data are right to 0.4 %.
+    for (name, each, spread) in [
+        ("helix-13", 0.0065, 0.0),
+        ("helix-25", 0.0025, 0.002),
+        ("helix-30", 0.0025, 0.0035),
+        ("internal-helical", 0.005, 0.0),
+    ] {
         let bounds = Bounds {
-            each: 0.005,
+            each,
+            spread,
             pressed: 100.0,
-            resolved: &|position| position > 0.25,
+            resolved: &|position| position == 0.5 && name != "helix-13",
             ..PLANE
         };
         agrees_with_reference(name, &bounds);

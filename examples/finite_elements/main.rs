@@ -9,7 +9,6 @@ mod cases;
 mod convergence;
 mod cost;
 mod held;
-mod independent;
 mod levels;
 #[path = "../speed_accuracy/machine.rs"]
 mod machine;
@@ -33,13 +32,9 @@ use std::time::Instant;
 /// One chapter: the text from its measurements; plots go to the folder.
 type Chapter = fn(&Models, &Path) -> Outcome<String>;
 
-const CHAPTERS: [(&str, Chapter); 10] = [
+const CHAPTERS: [(&str, Chapter); 9] = [
     ("Model", method::report),
     ("Against plane-strain numbers from elsewhere", plane::report),
-    (
-        "Against an independent three-dimensional program",
-        independent::report,
-    ),
     ("Against scripts/contact_reference.py", reference::report),
     ("Convergence", convergence::report),
     ("Where the gear is held", held::report),

@@ -61,6 +61,12 @@ pub trait ToothCompliance: Send + Sync {
         None
     }
 
+    /// Distance from the tip edge, m, down to which the model holds how a tooth gives way to a load: a load closer to the edge
+    /// gives way in it as one at this distance. Zero for a model of half-planes, which knows no edge.
+    fn corner_resolution(&self) -> f64 {
+        0.0
+    }
+
     /// Length along z within which the model does not tell loads apart, m; zero for one that tells all.
     fn lengthwise_resolution(&self) -> f64 {
         0.0

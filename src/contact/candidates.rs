@@ -34,9 +34,9 @@ pub struct Candidate {
     pub radius: f64,
     /// The gap about the closest point of mid-strip.
     pub(super) profile: GapProfile,
-    /// Arm of the force about the axis of gear 1, in the transverse plane over its base radius; at
+    /// Arms of the force about the axes of gear 1 and gear 2, in the transverse plane over their base radii; at
     /// mid-strip.
-    pub arm: f64,
+    pub arms: [f64; 2],
 }
 
 impl Candidate {
@@ -470,7 +470,7 @@ impl ContactLines<'_> {
             gap,
             radius: curvature.recip(),
             profile: closest.profile,
-            arm: closest.arm,
+            arms: closest.arms,
         };
         let rates = gap_rates
             .zip(rolls)

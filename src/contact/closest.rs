@@ -38,9 +38,9 @@ pub struct ClosestPoint {
     pub s: f64,
     /// The gap about this point, normal to the flanks.
     pub profile: GapProfile,
-    /// Arm of the contact force about the axis of gear 1 over its base radius, that of unmodified flanks: by
+    /// Arms of the contact force about the axes of gear 1 and gear 2 over their base radii, those of unmodified flanks: by
     /// which relief turns the normal, less than a hundredth, is left out.
-    pub arm: f64,
+    pub arms: [f64; 2],
 }
 
 /// Where flanks come closest.
@@ -100,9 +100,9 @@ impl<'a> Flanks<'a> {
         }
     }
 
-    /// See [`ClosestPoint::arm`].
+    /// That of [`ClosestPoint::arms`] about the axis of gear 1.
     pub fn arm(&self) -> f64 {
-        self.at.arm
+        self.at.arms[0]
     }
 
     /// Whether the point lies on the path of contact.
@@ -351,7 +351,7 @@ impl<'a> Flanks<'a> {
             gap: least.gap,
             s,
             profile: self.profile(s, roll),
-            arm: self.at.arm,
+            arms: self.at.arms,
         }
     }
 

@@ -38,7 +38,15 @@ impl Influence {
         let mut lengths = [Vec::new(), Vec::new()];
         for (i, model) in compliance.iter().enumerate() {
             let strips: Vec<Strip> = seen.iter().map(|both| both[i]).collect();
-            bulk += model.bulk(&strips)?;
+            // The models know forces along the normal of their own flank. Where a tip edge bears, the force acts along that of
+            // its mate. What turns the body and bends the tooth is its component along the circumference, by the arm that of
+            // the force along the own normal; measured: within a tenth of what the direction does to the transmission error.
+            let mut own = model.bulk(&strips)?;
+            for (r, c) in candidates.iter().enumerate() {
+                own.row_mut(r).scale_mut(c.arms[i]);
+                own.column_mut(r).scale_mut(c.arms[i]);
+            }
+            bulk += own;
             lengths[i] = model.reference_lengths(&strips);
         }
         // Rounding must not break the symmetry that the energy rests on.

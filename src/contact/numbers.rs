@@ -1,6 +1,7 @@
 //! The numbers of a pair that contact asks for again and again, each made once: in [`PairGeometry`] they follow from
 //! the nominal data through several angles.
 
+use super::local::Corner;
 use crate::gear::{Flank, PairGeometry};
 
 /// Geometry of a pair, derived. Index 0 is gear 1.
@@ -32,6 +33,8 @@ pub struct PairNumbers {
     pub face_offset: [f64; 2],
     /// (1 - nu²) / E, 1/Pa.
     pub plane_compliance: [f64; 2],
+    /// How much more teeth give way at their tip edges than half-planes; none by [`PairNumbers::new`].
+    pub corners: [Corner; 2],
 }
 
 impl PairNumbers {
@@ -53,7 +56,19 @@ impl PairNumbers {
             tip_roll: of(|g| g.tip_form_roll()),
             face_offset: of(|g| g.face_offset),
             plane_compliance: of(|g| (1.0 - g.poisson_ratio.powi(2)) / g.youngs_modulus),
+            corners: [Corner::NONE; 2],
         }
+    }
+
+    /// The same with tip corners that elastic models hold down to the distances `resolved` (m) from the edge; zero: none.
+    pub fn with_corners(mut self, resolved: [f64; 2]) -> PairNumbers {
+        for (i, resolved) in resolved.into_iter().enumerate() {
+            // Between the flank and the tip land, for an external gear and a ring.
+            let angle =
+                0.5 * std::f64::consts::PI + (self.tip_roll[i] / self.base_radius[i]).atan();
+            self.corners[i] = Corner::new(angle, self.plane_compliance[i], resolved);
+        }
+        self
     }
 
     /// Tangent of the operating transverse pressure angle at `center_distance` (m); not a number where the base circles

@@ -32,6 +32,7 @@ pub(super) fn law(numbers: &PairNumbers, strip: &Candidate, lengths: [f64; 2]) -
     let bodies = [0, 1].map(|i| LocalBody {
         plane_compliance: numbers.plane_compliance[i],
         reference_length: lengths[i],
+        corner: numbers.corners[i],
     });
     let length = strip.length(numbers.cos_beta_b) / POINTS as f64;
     LocalContact::new(bodies, &strip.profile, length)
@@ -72,7 +73,7 @@ impl PositionProblem {
                 .iter()
                 .map(|c| c.points().map(|z| z - z_ref))
                 .collect(),
-            arm: candidates.iter().map(|c| c.arm * cos_beta_b).collect(),
+            arm: candidates.iter().map(|c| c.arms[0] * cos_beta_b).collect(),
             candidates,
             bulk: influence.bulk,
             lengths: influence.lengths,

@@ -71,7 +71,7 @@ impl RuntimeContact {
     /// The contact of `flank`, whose condensed model is `condensed`.
     pub fn new(setup: Arc<ContactSetup>, condensed: Arc<CondensedFlank>, flank: Flank) -> Self {
         RuntimeContact {
-            numbers: PairNumbers::new(&setup.geometry),
+            numbers: PairNumbers::new(&setup.geometry).with_corners(setup.corner_resolution),
             teeth: Passing::new(&setup.geometry, &setup.teeth, flank).map(Arc::new),
             only_removes: {
                 let own = setup.teeth.flank(flank).iter().flat_map(|t| &t.flanks);
@@ -230,7 +230,7 @@ impl RuntimeContact {
                     return opened.map(|x| law.energy(x)).sum::<f64>();
                 }
                 lines.strip(tau, name).map_or(0.0, |strip| {
-                    let arm = strip.arm * cos_beta_b;
+                    let arm = strip.arms[0] * cos_beta_b;
                     let law = law(&self.numbers, &strip, lengths);
                     let points = strip.points().into_iter().zip(strip.gap);
                     let energy = |(z, gap): (f64, f64)| {
@@ -278,7 +278,7 @@ impl RuntimeContact {
             .iter()
             .map(|c| {
                 let points = c.points().into_iter().zip(c.gap);
-                let overlap = points.map(|(z, gap)| near.overlap(z, c.arm, gap));
+                let overlap = points.map(|(z, gap)| near.overlap(z, c.arms[0], gap));
                 overlap.fold(f64::NEG_INFINITY, f64::max)
             })
             .collect();

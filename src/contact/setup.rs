@@ -48,6 +48,9 @@ pub struct ContactSetup {
     pub reach: f64,
     /// Reference length that the local contact asks for, m.
     pub reference_length: f64,
+    /// Distances from the tip edges down to which the elastic models hold how teeth give way, m.
+    #[serde(default)]
+    pub corner_resolution: [f64; 2],
     /// Lengths of roll at which the involutes end at the root, m.
     pub form_rolls: [f64; 2],
 }

@@ -90,8 +90,9 @@ impl ContactSolver {
                 remedy: "give a positive length in m",
             });
         }
+        let corner_resolution = compliance.each_ref().map(|gear| gear.corner_resolution());
         let solver = ContactSolver {
-            numbers: PairNumbers::new(&pair.geometry),
+            numbers: PairNumbers::new(&pair.geometry).with_corners(corner_resolution),
             setup: ContactSetup {
                 geometry: pair.geometry.clone(),
                 microgeometry: pair.microgeometry.clone(),
@@ -99,6 +100,7 @@ impl ContactSolver {
                 settings,
                 reach,
                 reference_length: REFERENCE_OVER_HERTZ * widest_contact(pair),
+                corner_resolution,
                 form_rolls,
             },
             compliance,

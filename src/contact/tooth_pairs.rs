@@ -54,7 +54,8 @@ impl ContactSolver {
         let lines = self.setup.lines(flank, &section);
         let touches = lines.of_pair(place, 0).flat_map(|strip| {
             let points = strip.points().into_iter().zip(strip.gap);
-            points.map(move |(z, gap)| gap / strip.arm - misalignment * (z - self.numbers.z_ref))
+            points
+                .map(move |(z, gap)| gap / strip.arms[0] - misalignment * (z - self.numbers.z_ref))
         });
         Ok(touches.fold(f64::INFINITY, f64::min))
     }

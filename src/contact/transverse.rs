@@ -14,9 +14,9 @@ pub struct TransversePoint {
     /// Slope of this gap over the distance along the flanks towards the tip of gear 1: zero on the path,
     /// beyond it the inclination of the flanks.
     pub slope: f64,
-    /// Arm of the contact force about the axis of gear 1 over its base radius: 1 on the path and where the tip
-    /// edge of gear 2 bears on gear 1, whose normals touch its own base circle.
-    pub arm: f64,
+    /// Arms of the contact force about the axes of gear 1 and gear 2 over their base radii: 1 on the path and on the
+    /// gear whose flank a tip edge bears on, whose normals touch its own base circle.
+    pub arms: [f64; 2],
 }
 
 /// The transverse section at one centre distance.
@@ -133,7 +133,7 @@ impl TransverseSection {
                 roll,
                 separation: 0.0,
                 slope: 0.0,
-                arm: 1.0,
+                arms: [1.0; 2],
             }
         }
     }
@@ -189,6 +189,7 @@ impl TransverseSection {
         let mut rolls = [0.0; 2];
         rolls[tip] = a.tip_roll;
         rolls[mate] = roll;
+        let mut arms = [1.0; 2];
         // The force acts along the mate's normal, turned by this about the mate's centre.
         let turned = seen - b.q * involute;
         let about_tip_gear =
@@ -196,12 +197,13 @@ impl TransverseSection {
         // By how much the normals have turned out of the line of action: clockwise about a centre below it,
         // counter-clockwise about one above.
         let inclined = (a.up * turn - b.up * turned).abs();
+        arms[tip] = about_tip_gear;
         TransversePoint {
             roll: rolls,
             // Gear 2's flank has to lie ahead, gear 1's behind.
             separation: if mate == 1 { behind } else { -behind },
             slope: if tip == 0 { -inclined } else { inclined },
-            arm: if tip == 0 { about_tip_gear } else { 1.0 },
+            arms,
         }
     }
 

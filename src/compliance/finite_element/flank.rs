@@ -3,7 +3,7 @@
 use super::element::{GAUSS3, QUAD8, shape};
 use super::outline::Outline;
 use crate::compliance::Strip;
-use crate::contact::local::constants::EDGE_KERNEL_OVER_ELEMENT;
+use crate::contact::local::constants::{EDGE_KERNEL_OVER_ELEMENT, HALF_KERNEL_FROM_EDGE};
 use crate::contact::local::kernel::{GAUSS5, Kernel};
 use std::collections::BTreeMap;
 
@@ -77,6 +77,11 @@ impl FlankGrid {
     fn edge_half_width(&self) -> f64 {
         let last = self.arcs.len() - 1;
         EDGE_KERNEL_OVER_ELEMENT * (self.arcs[last] - self.arcs[last - 1])
+    }
+
+    /// As [`crate::compliance::ToothCompliance::corner_resolution`].
+    pub fn edge_resolution(&self) -> f64 {
+        HALF_KERNEL_FROM_EDGE * self.edge_half_width().min(self.kernel_half_width)
     }
 
     /// Reference length of the kernel at the middle of `strip`, m.

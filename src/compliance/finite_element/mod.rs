@@ -214,6 +214,10 @@ impl ToothCompliance for FiniteElementCompliance {
         Some(turned)
     }
 
+    fn corner_resolution(&self) -> f64 {
+        self.grid.edge_resolution()
+    }
+
     fn lengthwise_resolution(&self) -> f64 {
         self.grid.thickest_layer()
     }

@@ -10,6 +10,7 @@
 //! | [`KERNEL_OVER_HERTZ`] | 4 | derived from the kernel's reference length, 0.29 of its half-width |
 //! | [`WIDEST_KERNEL`] | 0.35 m_n | measured: docs/finite-elements.md |
 //! | [`EDGE_KERNEL_OVER_ELEMENT`] | 1.5 | measured: five Gauss points on half a kernel |
+//! | [`HALF_KERNEL_FROM_EDGE`] | 0.269 | derived: the kernel's mean logarithm |
 //! | [`REFERENCE_OVER_HERTZ`] | 1 | line loads to 2.25 times the estimate stay within the law |
 //! | [`SMOOTHING_OVER_LAYER`] | 1.5 | measured: least at which the bulk stays positive definite at all levels |
 //! | [`SMOOTHING_OVER_REFERENCE`] | 3 | derived: half-space under a load that alternates along the line |
@@ -56,6 +57,10 @@ pub const WIDEST_KERNEL: f64 = 0.35;
 
 /// Half-width of the kernel at the tip edge over the element there: what the elements resolve.
 pub const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
+
+/// Distance from the edge at which a load gives way at a tip corner as one that half a kernel spreads from the edge on, over
+/// the half-width: half of exp of the mean of ln(x + y) over both.
+pub const HALF_KERNEL_FROM_EDGE: f64 = 0.269;
 
 /// Reference length aimed at over the half-width of the widest contact: with [`WIDTH_OVER_REFERENCE`] the law
 /// holds up to 2.25 times the line load that was estimated.

@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use super::constants::{LARGEST_HALF_WIDTH_OVER_RADIUS, WIDTH_OVER_REFERENCE};
+use super::corner::Corner;
 use super::knee::Knee;
 use super::lambert;
 use super::profile::GapProfile;
@@ -33,6 +34,10 @@ pub struct LocalContact {
     wide: f64,
     /// ln L, the mean of both gears weighted with c_g.
     log_reference: f64,
+    /// Corner of the nearest tip edge.
+    corner: Corner,
+    /// What it adds to dh/dw inside the flank, 1/Pa.
+    by_corner: f64,
     /// Takes over from the width of contact at which one side of it ends at a tip edge.
     edge: Option<TipEdge>,
     /// Takes over from both at the width of contact at which it reaches the start of a relief.
@@ -55,7 +60,7 @@ pub struct PointLoads {
     pub forces: [f64; 4],
     /// Their derivatives by the penetrations, N/m.
     pub slopes: [f64; 4],
-    /// Whether all of it is inside the flanks, in the range of the law of Hertz.
+    /// Whether all of it is inside the flanks, in the range of the law of Hertz, and away from tip corners.
     pub inside: bool,
 }
 
@@ -85,6 +90,8 @@ pub struct LocalBody {
     pub plane_compliance: f64,
     /// Reference length L of the local contact, m.
     pub reference_length: f64,
+    /// Its tip corner.
+    pub corner: Corner,
 }
 
 impl LocalContact {
@@ -104,7 +111,15 @@ impl LocalContact {
                     * ((2.0 * g.reference_length).ln() - 0.5 * kappa.ln() + 0.5)
             })
             .sum();
-        let log_scale = (2.0 / c).ln() - 2.0 * b / c;
+        let [of_second, of_first] = profile.edges;
+        let corner = bodies[usize::from(-of_second < of_first)].corner;
+        let line = profile.edge_distance();
+        // At the edge itself contact is never inside the flank.
+        let by_corner = match line > 0.0 {
+            true => corner.compliance(line, line),
+            false => 0.0,
+        };
+        let log_scale = (2.0 / c).ln() - 2.0 * (b + by_corner) / c;
         let log_reference = b / c - std::f64::consts::LN_2 + 0.5 * kappa.ln() - 0.5;
         LocalContact {
             length,
@@ -114,7 +129,13 @@ impl LocalContact {
             kappa,
             radius,
             log_reference,
-            edge: TipEdge::new(c, radius, log_reference, profile.edge_slope()),
+            corner,
+            by_corner,
+            edge: TipEdge::new(
+                [c, radius, log_reference, profile.edge_slope()],
+                corner,
+                line,
+            ),
             relief: None,
         }
         .with_relief(profile)
@@ -127,12 +148,18 @@ impl LocalContact {
             return self;
         }
         let [load, penetration] = match &self.edge {
-            Some(edge) if half_width > profile.edge_distance() => edge.at_width(2.0 * half_width),
+            Some(edge) if half_width > profile.edge_distance() => {
+                // On its tangent the law of the edge knows no width.
+                if 2.0 * half_width >= edge.widest() {
+                    return self;
+                }
+                edge.at_width(2.0 * half_width)
+            }
             _ if half_width == 0.0 => [0.0; 2],
             _ => {
                 let load = half_width * half_width / (2.0 * self.radius * self.c);
                 let log = self.log_reference + std::f64::consts::LN_2 - half_width.ln();
-                [load, self.c * load * (log + 0.5)]
+                [load, load * (self.c * (log + 0.5) + self.by_corner)]
             }
         };
         self.relief = Some(Box::new(Relief {
@@ -147,14 +174,17 @@ impl LocalContact {
     fn knee<'a>(&self, relief: &'a Relief) -> &'a Knee {
         relief.law.get_or_init(|| {
             let [half_width, _, penetration] = relief.least;
+            let widest = WIDTH_OVER_REFERENCE * self.log_reference.exp();
+            let at_edge = self.edge.map_or(widest, |edge| 0.5 * edge.widest());
             Knee::new(
                 &relief.profile,
-                (self.c, self.log_reference),
-                (
+                (self.c, self.log_reference, self.corner),
+                [
                     half_width,
+                    penetration,
                     self.energy_before_relief(penetration) / self.length,
-                ),
-                WIDTH_OVER_REFERENCE * self.log_reference.exp(),
+                ],
+                widest.min(at_edge.max(half_width)),
             )
         })
     }
@@ -214,7 +244,7 @@ impl LocalContact {
             return PointLoads {
                 forces: force.to_array(),
                 slopes: open.select(f64x4::ZERO, scale / (v - 1.0)).to_array(),
-                inside: true,
+                inside: self.by_corner == 0.0,
             };
         }
         let each = x.map(|x| self.force(x));
@@ -396,6 +426,7 @@ mod tests {
         let body = |reference_length| LocalBody {
             plane_compliance: STEEL,
             reference_length,
+            corner: Corner::NONE,
         };
         LocalContact::new([body(1.2e-3), body(2.0e-3)], &far(), 0.6e-3)
     }
@@ -418,6 +449,7 @@ mod tests {
         let bodies = [1.2e-3, 2.0e-3].map(|reference_length| LocalBody {
             plane_compliance: STEEL,
             reference_length,
+            corner: Corner::new(2.1, STEEL, 0.05e-3),
         });
         for profile in profiles() {
             let law = LocalContact::new(bodies, &profile, 0.6e-3);
@@ -440,6 +472,7 @@ mod tests {
             let bodies = lengths.map(|reference_length| LocalBody {
                 plane_compliance: STEEL,
                 reference_length,
+                corner: Corner::NONE,
             });
             let profile = GapProfile::parabola(0.0, radius.recip(), [-1.0, 1.0]);
             LocalContact::new(bodies, &profile, 0.6e-3)
@@ -483,6 +516,7 @@ mod tests {
         let bodies = [1.2e-3, 2.0e-3].map(|reference_length| LocalBody {
             plane_compliance: STEEL,
             reference_length,
+            corner: Corner::new(2.1, STEEL, 0.05e-3),
         });
         for profile in profiles() {
             let law = LocalContact::new(bodies, &profile, 0.6e-3);
@@ -500,6 +534,7 @@ mod tests {
         let bodies = [0.3e-3, 0.4e-3].map(|reference_length| LocalBody {
             plane_compliance: STEEL,
             reference_length,
+            corner: Corner::new(2.1, STEEL, 0.05e-3),
         });
         for profile in profiles() {
             let law = LocalContact::new(bodies, &profile, 0.6e-3);

@@ -7,6 +7,7 @@
 //!    └─> division: moves displacement from the bulk matrix to the law until L suits the width of contact
 //!           └─> hertz: line load over penetration, inside the flanks (inverted by lambert)
 //!                  └─> tip_edge: the same where contact reaches a tip edge
+//!                         │      (corner: how much more the tooth gives way there than a half-plane)
 //!                         └─> knee: the same where it reaches the start of a relief, by the
 //!                                   means of the gap over a contact (profile)
 //! ```
@@ -14,6 +15,7 @@
 //! `width` estimates how wide the contacts of a pair become, `constants` holds every threshold.
 
 pub mod constants;
+mod corner;
 #[cfg(feature = "preprocess")]
 mod division;
 mod hertz;
@@ -26,6 +28,7 @@ mod tip_edge;
 #[cfg(feature = "preprocess")]
 mod width;
 
+pub(super) use corner::Corner;
 #[cfg(feature = "preprocess")]
 pub(super) use division::{Piece, divide};
 pub(super) use hertz::{LocalBody, LocalContact, PointLoads};

@@ -11,11 +11,13 @@
 //!
 //! dh / dw = sum_g c_g ln(4 L_g / a),
 //!
-//! the flat punch of the present width, since a is stationary; h and w in closed form follow below.
+//! the flat punch of the present width, since a is stationary, and at the corner of a tooth what [`super::corner`] adds, to
+//! first order: the pressure is taken as it is between half-planes. h and w in closed form follow below.
 
 use std::f64::consts::LN_2;
 
 use super::constants::WIDTH_OVER_REFERENCE;
+use super::corner::Corner;
 
 /// Law of contact at a tip edge, per length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,8 +26,10 @@ pub struct TipEdge {
     c: f64,
     /// R, m.
     radius: f64,
-    /// ln L, the mean of both gears weighted with c_g.
-    log_reference: f64,
+    /// c and what the corner adds, 1/Pa.
+    with_corner: f64,
+    /// ln of the width at which dh/dw = `with_corner` (this - ln a) ends.
+    log_end: f64,
     /// alpha.
     slope: f64,
     /// Width, line load and penetration at which contact reaches the edge.
@@ -35,10 +39,23 @@ pub struct TipEdge {
 }
 
 impl TipEdge {
-    /// None where contact becomes too wide for the law before it reaches the edge.
-    pub fn new(c: f64, radius: f64, log_reference: f64, slope: f64) -> Option<TipEdge> {
-        // The whole width, where the law of Hertz counts by half of it.
-        let wide = 2.0 * WIDTH_OVER_REFERENCE * log_reference.exp();
+    /// Law with ln L = `log_reference` (L in m), the mean of both gears weighted with c_g, at the edge with the corner
+    /// `corner`, the contact line at the distance `line` (m) from it. None where contact becomes too wide for the law
+    /// before it reaches the edge.
+    pub fn new(
+        [c, radius, log_reference, slope]: [f64; 4],
+        corner: Corner,
+        line: f64,
+    ) -> Option<TipEdge> {
+        let with_corner = c + corner.softness;
+        let mut log_end = log_reference + 2.0 * LN_2;
+        if corner.softness > 0.0 {
+            let from_edge = LN_2 + corner.held(line).ln();
+            log_end = (c * log_end + corner.softness * from_edge) / with_corner;
+        }
+        // Where dh/dw is that of the law of Hertz at its tangent; without a corner the whole width, where that law counts by
+        // half of it.
+        let wide = (log_end - c / with_corner * (2.0 / WIDTH_OVER_REFERENCE).ln()).exp();
         let least = (-2.0 * slope * radius).max(0.0);
         // Not a number where the curvatures cancel: no law of an edge either.
         if !matches!(least.partial_cmp(&wide), Some(std::cmp::Ordering::Less)) {
@@ -47,7 +64,8 @@ impl TipEdge {
         let mut edge = TipEdge {
             c,
             radius,
-            log_reference,
+            with_corner,
+            log_end,
             slope,
             least: [0.0; 3],
             wide: [0.0; 3],
@@ -69,7 +87,12 @@ impl TipEdge {
         self.least[1]
     }
 
-    /// Line load (N/m) and penetration (m) of a contact of the width `a`, m.
+    /// Width of contact from which on the law goes on along its tangent, m.
+    pub fn widest(&self) -> f64 {
+        self.wide[0]
+    }
+
+    /// Line load (N/m) and penetration (m) of a contact of the width `a` (m) up to [`TipEdge::widest`].
     pub fn at_width(&self, a: f64) -> [f64; 2] {
         let [_, load, penetration] = self.state(a);
         [load, penetration]
@@ -80,19 +103,21 @@ impl TipEdge {
         let of_slope = (self.slope + 0.5 * a / self.radius) * a / (2.0 * self.c);
         let of_curvature = a * a / (8.0 * self.c * self.radius);
         // Minus the means of ln s under both parts of the pressure.
-        let log = self.log_reference - a.ln() + 2.0 * LN_2;
-        let at_edge = self.c * (of_slope * (log + 1.0) + of_curvature * (log - 0.5));
+        let log = self.log_end - a.ln();
+        let at_edge = self.with_corner * (of_slope * (log + 1.0) + of_curvature * (log - 0.5));
         let inside = self.slope.min(0.0);
+        // Of the law of Hertz where contact just reaches the edge.
+        let part = 0.25 * (1.0 + self.with_corner / self.c);
         [
             a,
             of_slope + of_curvature,
-            at_edge + 0.5 * inside * inside * self.radius,
+            at_edge + part * inside * inside * self.radius,
         ]
     }
 
     /// Compliance dh/dw at the width `a`, 1/Pa.
     fn compliance(&self, a: f64) -> f64 {
-        self.c * (self.log_reference - a.ln() + 2.0 * LN_2)
+        self.with_corner * (self.log_end - a.ln())
     }
 
     /// Integral of the line load from the penetration at which contact reaches the edge to `x` (m), J/m.
@@ -106,13 +131,13 @@ impl TipEdge {
         self.work(wide) - reached + beyond * (w_wide + 0.5 * beyond / self.compliance(wide))
     }
 
-    /// Integral of w dh over the width from 0 to `a`, J/m. With w and dw/da of [`TipEdge::state`] and dh/dw = c (l - ln a)
-    /// the integrand is (alpha²/4 a + 9 alpha/(16 R) a² + 9/(32 R²) a³) (l - ln a) / c.
+    /// Integral of w dh over the width from 0 to `a`, J/m. With w and dw/da of [`TipEdge::state`] and dh/dw = c' (l - ln a)
+    /// the integrand is (alpha²/4 a + 9 alpha/(16 R) a² + 9/(32 R²) a³) (l - ln a) c' / c².
     fn work(&self, a: f64) -> f64 {
         if a <= 0.0 {
             return 0.0;
         }
-        let log = self.log_reference + 2.0 * LN_2 - a.ln();
+        let log = self.log_end - a.ln();
         let (slope, curvature) = (self.slope, 1.0 / self.radius);
         let parts = [
             (2.0, 0.25 * slope * slope),
@@ -123,7 +148,7 @@ impl TipEdge {
             .iter()
             .map(|(n, part)| part / n * (log + 1.0 / n))
             .sum();
-        a * a * sum / self.c
+        a * a * sum * self.with_corner / (self.c * self.c)
     }
 
     /// Line load (N/m) and its derivative (Pa) at the penetration `x` (m) beyond the least one.
@@ -177,7 +202,7 @@ mod tests {
     const REFERENCE: f64 = 0.3e-3;
 
     fn law(slope: f64) -> TipEdge {
-        TipEdge::new(C, RADIUS, f64::ln(REFERENCE), slope).unwrap()
+        TipEdge::new([C, RADIUS, f64::ln(REFERENCE), slope], Corner::NONE, 0.0).unwrap()
     }
 
     /// Displacement of both surfaces at `x` under the stated pressure, by quadrature: s = a sin²(t) takes
@@ -249,7 +274,8 @@ mod tests {
 
     #[test]
     fn an_edge_far_away_plays_no_part() {
-        assert_eq!(TipEdge::new(C, RADIUS, f64::ln(REFERENCE), -1.0), None);
+        let far = [C, RADIUS, f64::ln(REFERENCE), -1.0];
+        assert_eq!(TipEdge::new(far, Corner::NONE, RADIUS), None);
         assert_abs_diff_eq!(law(0.01).line_load(1e-12).0, 0.0, epsilon = 1.0);
     }
 }

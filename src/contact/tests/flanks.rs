@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::contact::closest::Flanks;
+use crate::contact::local::constants::LEAST_CURVATURE;
 use crate::contact::numbers::PairNumbers;
 use crate::contact::transverse::TransverseSection;
-use crate::gear::{Flank, ProfileRelief, ReliefShape, ToothProfile};
+use crate::gear::{Flank, ProfileRelief, ReliefShape, ToothProfile, Topography};
 use approx::assert_abs_diff_eq;
 
 const PAPER: &str = include_str!("../../../resources/pairs/palermo2013.json");
@@ -145,7 +146,7 @@ fn flanks_without_profile_modifications_touch_on_the_nominal_line() {
         )
         .closest_point();
         assert_eq!((found.roll, found.gap), (at.roll, at.separation));
-        assert_eq!((found.profile.slope, found.arm), (0.0, at.arm));
+        assert_eq!((found.profile.slope, found.arms), (0.0, at.arms));
     }
 }
 
@@ -230,5 +231,37 @@ fn the_smallest_pair_file_is_solved_up_to_its_limits() {
         for torque in [10.0, 100.0, 200.0] {
             assert!(cycle(&pair, 40, torque).kkt_residual() < 1e-8, "{more}");
         }
+    }
+}
+
+#[test]
+fn a_hollow_that_fits_the_mate_leaves_a_tenth_of_the_curvature() {
+    let mut pair = Pair::from_json(UNMODIFIED).unwrap();
+    let section = section(&pair);
+    let at = section.point(0.0);
+    let curvature = |pair: &Pair| {
+        let drive = pair.microgeometry.drive.each_ref();
+        let found = Flanks::new(&pair.geometry, &section, drive, at, Z).closest_point();
+        assert!(found.s.abs() < 1e-8, "{}", found.s);
+        found.profile.curvature
+    };
+    let plain = curvature(&pair);
+    let by_s = pair.geometry.gears[0].base_radius() / at.roll[0];
+    for (part, left) in [(0.5, 0.5), (0.97, LEAST_CURVATURE)] {
+        let rolls: Vec<f64> = (-20..=20)
+            .map(|i| at.roll[0] + 0.03e-3 * f64::from(i))
+            .collect();
+        let removal = |roll: &f64| {
+            let s = (roll - at.roll[0]) / by_s;
+            vec![50e-6 - 0.5 * part * plain * s * s; 3]
+        };
+        let removals = rolls.iter().map(removal).collect();
+        let grid = Topography::new(rolls, vec![0.0, 10e-3, 25e-3], removals).unwrap();
+        pair.microgeometry.drive[0].topography = Some(std::sync::Arc::new(grid));
+        let found = curvature(&pair) / plain;
+        assert!(
+            (found / left - 1.0).abs() < 1e-3,
+            "{found} instead of {left}"
+        );
     }
 }

@@ -153,10 +153,11 @@ fn the_arm_of_a_tip_edge_is_the_work_that_gear_1_does_per_turn() {
             let turn = 1e-7;
             let closed = closest(p, tip_gear, xi, -turn).0 - closest(p, tip_gear, xi, turn).0;
             let by_work = closed / (2.0 * turn * p.gears[0].base_radius());
-            let arm = section.point(xi).arm;
-            assert!((arm - by_work).abs() < 1e-6, "{arm} against {by_work}");
-            assert!(tip_gear == 1 || (arm - 1.0).abs() > 1e-3, "{arm}");
+            let arms = section.point(xi).arms;
+            assert!((arms[0] - by_work).abs() < 1e-6, "{arms:?}, {by_work}");
+            assert_eq!(arms[1 - tip_gear], 1.0);
+            assert!((arms[tip_gear] - 1.0).abs() > 1e-3, "{arms:?}");
         }
-        assert_eq!(section.point(0.0).arm, 1.0);
+        assert_eq!(section.point(0.0).arms, [1.0; 2]);
     }
 }

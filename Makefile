@@ -17,7 +17,11 @@ all: build
 # Python packages, and libclang for bindgen, under .venv.
 setup: $(VENV)/.complete
 
-$(VENV)/.complete: requirements.txt scripts/setup.sh
+$(VENV)/.bindgen: requirements-bindgen.txt scripts/setup.sh
+	scripts/setup.sh --bindgen
+	touch $@
+
+$(VENV)/.complete: $(VENV)/.bindgen requirements.txt
 	scripts/setup.sh
 
 # Those that only tests use.
@@ -32,7 +36,7 @@ $(VENV)/.examples-complete: $(VENV)/.tests-complete requirements-examples.txt
 	touch $@
 
 # The command target/release/gearmesh and the FMU's library beside it.
-build: setup
+build: $(VENV)/.bindgen
 	$(CARGO) build --release
 
 # What the lints need beside what a build needs, said before any work.
@@ -59,7 +63,9 @@ test: lint build $(VENV)/.examples-complete
 	$(VENV)/bin/python -m pytest -q tests/python
 
 # The paper's simulations: target/demo/palermo2013.fmu, the plots and index.html.
-demo: build
+# Python packages come in while cargo compiles.
+demo:
+	@$(MAKE) --no-print-directory -j2 setup build
 	$(VENV)/bin/python -m demo --out target/demo
 
 # Every figure and table in docs/, and the contact of every shipped pair in target/report.

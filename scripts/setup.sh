@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# setup.sh [LIST...] makes .venv: the pinned Python packages of requirements.txt and of further LISTs, the
-# package in python/ and, for bindgen, two links that .cargo/config.toml names: .venv/libclang (the shared
-# library that comes with the Python package `libclang`) and .venv/c-include (the C compiler's own
-# headers). Safe to call again.
+# setup.sh [LIST...] makes .venv: for bindgen two links that .cargo/config.toml names, .venv/libclang (the shared
+# library that comes with the Python package `libclang`) and .venv/c-include (the C compiler's own headers), then
+# the pinned Python packages of requirements.txt and of further LISTs and the package in python/.
+# setup.sh --bindgen makes the former alone, which is all that cargo waits for. Safe to call again.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -41,11 +41,29 @@ if "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
 else
     pip=("$python" -m pip --python "$venv/bin/python")
 fi
-echo "setup: Python packages into $venv, half a minute at the first time"
-# The lists are complete, so that pip need not follow what a package says it may want.
+# The lists are complete, so that pip need not follow what a package says it may want. Python compiles what it
+# imports.
+install() {
+    "${pip[@]}" install --quiet --disable-pip-version-check --no-deps --no-compile --requirement "$1" ||
+        fail "the packages of $1 could not be installed: see pip's message above"
+}
+
+if [ ! -e "$venv/.bindgen" ] || [ requirements-bindgen.txt -nt "$venv/.bindgen" ]; then
+    echo "setup: libclang into $venv, a few seconds"
+    install requirements-bindgen.txt
+    native=$("$venv/bin/python" -c 'import pathlib, clang; print(pathlib.Path(clang.__file__).resolve().parent / "native")')
+    headers=$(gcc -print-file-name=include)
+    [ -d "$native" ] || fail "the Python package libclang brings no library for this platform: install libclang-dev and set LIBCLANG_PATH"
+    [ -f "$headers/stddef.h" ] || fail "gcc names no folder with its own headers (gcc -print-file-name=include gives $headers)"
+    ln -sfn "$native" "$venv/libclang"
+    ln -sfn "$headers" "$venv/c-include"
+    touch "$venv/.bindgen"
+fi
+[ "${1:-}" != --bindgen ] || exit 0
+
+echo "setup: Python packages into $venv, a quarter of a minute at the first time"
 for list in requirements.txt "$@"; do
-    "${pip[@]}" install --quiet --disable-pip-version-check --no-deps --requirement "$list" ||
-        fail "the packages of $list could not be installed: see pip's message above"
+    install "$list"
 done
 # `import gearmesh` finds the sources; the path is relative, so that the folder may be moved.
 "$venv/bin/python" - python <<'END'
@@ -55,10 +73,4 @@ site = sysconfig.get_path("purelib")
 pathlib.Path(site, "gearmesh.pth").write_text(os.path.relpath(os.path.abspath(sys.argv[1]), site) + "\n")
 END
 
-native=$("$venv/bin/python" -c 'import pathlib, clang; print(pathlib.Path(clang.__file__).resolve().parent / "native")')
-headers=$(gcc -print-file-name=include)
-[ -d "$native" ] || fail "the Python package libclang brings no library for this platform: install libclang-dev and set LIBCLANG_PATH"
-[ -f "$headers/stddef.h" ] || fail "gcc names no folder with its own headers (gcc -print-file-name=include gives $headers)"
-ln -sfn "$native" "$venv/libclang"
-ln -sfn "$headers" "$venv/c-include"
 touch "$venv/.complete"

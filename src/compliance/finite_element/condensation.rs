@@ -7,22 +7,20 @@
 
 use super::FiniteElementError;
 use super::assembly::LowerTriangle;
-use super::dense::{add_gram, factor};
+use super::dense::{add_gram, add_product, factor, solve};
 use super::dissection::Part;
 use super::fronts::{Front, Fronts, positions};
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, Mat, Par};
+use nalgebra::DMatrix;
 use std::sync::{Mutex, PoisonError};
 
 /// A sector seen from its sides and its loaded flank.
 pub(super) struct CondensedSector {
     /// Stiffness of both sides, side 0 first, N/m; lower triangle valid.
-    pub sides: Mat<f64>,
+    pub sides: DMatrix<f64>,
     /// Forces on the held sides from each unit load column; as many rows as `sides`.
-    pub side_loads: Mat<f64>,
+    pub side_loads: DMatrix<f64>,
     /// Displacements along the load columns with the sides held, m/N; lower triangle valid.
-    pub held_influence: Mat<f64>,
+    pub held_influence: DMatrix<f64>,
     /// Entries of the factor.
     pub factor_entries: usize,
     /// Numbers kept at most at a time.
@@ -85,21 +83,21 @@ struct Condensation<'a> {
 /// What a part leaves to those around it.
 struct Remainder {
     /// Stiffness of the unknowns around, lower triangle.
-    stiffness: Mat<f64>,
+    stiffness: DMatrix<f64>,
     /// Forces on them if they are held, by load.
-    forces: Mat<f64>,
+    forces: DMatrix<f64>,
     /// Displacement along the loads if they are held: lower triangle, or functionals by loads.
-    held: Mat<f64>,
+    held: DMatrix<f64>,
 }
 
 /// A front before its own unknowns are eliminated.
 struct Assembled {
     /// Stiffness of the own unknowns, lower triangle.
-    own: Mat<f64>,
+    own: DMatrix<f64>,
     /// Stiffness between those around (rows) and the own ones.
-    below: Mat<f64>,
-    /// Forces on the own unknowns by load.
-    forces: Mat<f64>,
+    below: DMatrix<f64>,
+    /// Forces on the own unknowns, a row for each load.
+    forces: DMatrix<f64>,
     /// The same of those around, without what the own ones will add.
     rest: Remainder,
 }
@@ -115,7 +113,7 @@ impl Condensation<'_> {
         let found = self.assembled(&sides)?;
         Ok(CondensedSector {
             sides: found.own,
-            side_loads: found.forces,
+            side_loads: found.forces.transpose(),
             held_influence: found.rest.held,
             factor_entries: self.fronts.factor_entries,
             numbers,
@@ -124,12 +122,8 @@ impl Condensation<'_> {
 
     /// Eliminates `front` and all that it encloses.
     fn eliminate(&self, front: &Front) -> Result<Remainder, FiniteElementError> {
-        let par = match self.is_small(front) {
-            true => Par::Seq,
-            false => Par::rayon(0),
-        };
         let assembled = self.assembled(front)?;
-        let left = self.reduced(front, assembled, par)?;
+        let left = self.reduced(front, assembled)?;
         self.told(front)?;
         Ok(left)
     }
@@ -156,13 +150,13 @@ impl Condensation<'_> {
         let loads = front.split(self.loads);
         let rows = if self.functionals { l - loads } else { loads };
         let mut found = Assembled {
-            own: Mat::zeros(p, p),
-            below: Mat::zeros(b, p),
-            forces: Mat::zeros(p, l),
+            own: DMatrix::zeros(p, p),
+            below: DMatrix::zeros(b, p),
+            forces: DMatrix::zeros(l, p),
             rest: Remainder {
-                stiffness: Mat::zeros(b, b),
-                forces: Mat::zeros(b, l),
-                held: Mat::zeros(rows, loads),
+                stiffness: DMatrix::zeros(b, b),
+                forces: DMatrix::zeros(b, l),
+                held: DMatrix::zeros(rows, loads),
             },
         };
         for (inner, left) in enclosed.into_iter().zip(left) {
@@ -192,42 +186,32 @@ impl Condensation<'_> {
         }
         for (unknown, column, value) in self.fronts.entries_of(front) {
             if let Ok(at) = front.loads.binary_search(column) {
-                to.forces[(unknown - front.start, at)] += value;
+                to.forces[(at, unknown - front.start)] += value;
             }
         }
     }
 
     /// Eliminates the own unknowns of `front`.
-    fn reduced(
-        &self,
-        front: &Front,
-        from: Assembled,
-        par: Par,
-    ) -> Result<Remainder, FiniteElementError> {
+    fn reduced(&self, front: &Front, from: Assembled) -> Result<Remainder, FiniteElementError> {
         let Assembled {
             mut own,
             mut below,
             mut forces,
             rest: mut left,
         } = from;
-        factor(own.as_mut(), par)?;
-        solve_lower_triangular_in_place(own.as_ref(), below.as_mut().transpose_mut(), par);
-        add_gram(left.stiffness.as_mut(), below.transpose(), -1.0, par);
+        factor([own.as_view_mut()])?;
+        solve([own.as_view()], [below.as_view_mut()]);
+        add_gram([left.stiffness.as_view_mut()], -1.0, [below.as_view()]);
         if !front.loads.is_empty() {
-            solve_lower_triangular_in_place(own.as_ref(), forces.as_mut(), par);
-            matmul(left.forces.as_mut(), Accum::Add, &below, &forces, -1.0, par);
-            let (loads, observed) = forces.as_ref().split_at_col(front.split(self.loads));
-            if !self.functionals {
-                add_gram(left.held.as_mut(), loads, 1.0, par);
-            } else {
-                matmul(
-                    left.held.as_mut(),
-                    Accum::Add,
-                    observed.transpose(),
-                    loads,
-                    1.0,
-                    par,
-                );
+            solve([own.as_view()], [forces.as_view_mut()]);
+            let (below, forces) = (below.as_view(), forces.as_view());
+            add_product([left.forces.as_view_mut()], -1.0, [below], [forces]);
+            let split = front.split(self.loads);
+            let (loads, observed) = (forces.rows_range(..split), forces.rows_range(split..));
+            let held = [left.held.as_view_mut()];
+            match self.functionals {
+                false => add_gram(held, 1.0, [loads]),
+                true => add_product(held, 1.0, [observed], [loads]),
             }
         }
         Ok(left)
@@ -259,7 +243,7 @@ impl Assembled {
         let places = front.places(inner);
         let (p, split) = (front.own, places.partition_point(|at| *at < front.own));
         for (j, column) in places.iter().enumerate() {
-            let from = left.stiffness.col(j);
+            let from = left.stiffness.column(j);
             if *column < p {
                 for i in j..split {
                     self.own[(places[i], *column)] += from[i];
@@ -275,9 +259,9 @@ impl Assembled {
         }
         let columns = positions(&front.loads, &inner.loads);
         for (j, column) in columns.iter().enumerate() {
-            let from = left.forces.col(j);
+            let from = left.forces.column(j);
             for i in 0..split {
-                self.forces[(places[i], *column)] += from[i];
+                self.forces[(*column, places[i])] += from[i];
             }
             for i in split..places.len() {
                 self.rest.forces[(places[i] - p, *column)] += from[i];
@@ -306,8 +290,6 @@ mod tests {
     use crate::compliance::finite_element::{Settings, assembly};
     use crate::gear::{GearKind, samples};
     use crate::pair::Refinement;
-    use faer::Side;
-    use faer::prelude::Solve;
 
     #[test]
     fn fronts_leave_the_schur_complement_of_the_whole_matrix() {
@@ -330,35 +312,39 @@ mod tests {
             vec![(inside - 2, 1.0)],
         ];
 
-        let mut whole = Mat::<f64>::zeros(n, n);
+        let mut whole = DMatrix::<f64>::zeros(n, n);
         for j in 0..n {
             for at in a.column_starts[j]..a.column_starts[j + 1] {
                 whole[(a.rows[at], j)] = a.values[at];
                 whole[(j, a.rows[at])] = a.values[at];
             }
         }
-        let mut loads = Mat::<f64>::zeros(n, columns.len());
+        let mut loads = DMatrix::<f64>::zeros(n, columns.len());
         for (j, column) in columns.iter().enumerate() {
             for (row, value) in column {
                 loads[(*row, j)] = *value;
             }
         }
         let factor = whole
-            .submatrix(0, 0, inside, inside)
-            .llt(Side::Lower)
+            .view((0, 0), (inside, inside))
+            .clone_owned()
+            .cholesky()
             .unwrap();
-        let across = whole.submatrix(inside, 0, n - inside, inside);
-        let (loads_inside, loads_sides) = loads.as_ref().split_at_row(inside);
-        let sides = whole.submatrix(inside, inside, n - inside, n - inside)
-            - across * factor.solve(across.transpose());
-        let side_loads = loads_sides - across * factor.solve(loads_inside);
-        let held = loads_inside.transpose() * factor.solve(loads_inside);
+        let across = whole.view((inside, 0), (n - inside, inside));
+        let (loads_inside, loads_sides) = (loads.rows(0, inside), loads.rows(inside, n - inside));
+        let sides = whole.view((inside, inside), (n - inside, n - inside))
+            - across * factor.solve(&across.transpose());
+        let side_loads = loads_sides - across * factor.solve(&loads_inside);
+        let held = loads_inside.transpose() * factor.solve(&loads_inside);
 
-        let near =
-            |found: &Mat<f64>, expected: &Mat<f64>, at: (usize, usize), i: usize, j: usize| {
-                let error = (found[(i, j)] - expected[at]).abs();
-                assert!(error < 1e-10 * expected.norm_max(), "{i} {j}");
-            };
+        let near = |found: &DMatrix<f64>,
+                    expected: &DMatrix<f64>,
+                    at: (usize, usize),
+                    i: usize,
+                    j: usize| {
+            let error = (found[(i, j)] - expected[at]).abs();
+            assert!(error < 1e-10 * expected.amax(), "{i} {j}");
+        };
         let all = condense(&a, &elimination.parts, &columns, &|_| true).unwrap();
         for j in 0..n - inside {
             (j..n - inside).for_each(|i| near(&all.sides, &sides, (i, j), i, j));

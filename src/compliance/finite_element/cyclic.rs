@@ -21,11 +21,10 @@
 
 use super::FiniteElementError;
 use super::condensation::CondensedSector;
-use super::dense::{add_gram, factor, product};
+use super::dense::{add_gram, factor, product, solve};
 use super::harmonics::{self, Solved};
 use super::side_modes::SideModes;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, Par, c64};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -36,7 +35,7 @@ pub(super) fn ring_influence(
     teeth: usize,
     reach: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Vec<Mat<f64>>, FiniteElementError> {
+) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
     let solved = harmonics::solved(teeth, reach);
     influence_of(sector, teeth, &solved, progress)
 }
@@ -47,15 +46,14 @@ fn influence_of(
     teeth: usize,
     solved: &[Solved],
     progress: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Vec<Mat<f64>>, FiniteElementError> {
+) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
     let n = sector.side_loads.ncols();
     let SideModes { modes, shares } = SideModes::new(&sector.side_loads);
-    let all = Par::rayon(0);
     let ring = of_modes(sector, &modes, teeth, solved, progress)?;
-    let mut influence: Vec<Mat<f64>> = (ring.iter())
+    let mut influence: Vec<DMatrix<f64>> = (ring.iter())
         .map(|of_modes| {
-            let half = product(of_modes.as_ref(), shares.as_ref(), all);
-            product(shares.transpose(), half.as_ref(), all)
+            let half = product(of_modes.as_view(), shares.as_view());
+            product(shares.transpose().as_view(), half.as_view())
         })
         .collect();
     for j in 0..n {
@@ -75,31 +73,30 @@ pub(super) fn ring_response(
     teeth: usize,
     reach: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Vec<Mat<f64>>, FiniteElementError> {
+) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
     let g = &sector.side_loads;
     let largest = |columns: std::ops::Range<usize>| {
         columns
-            .map(|j| g.col(j).norm_l2())
+            .map(|j| g.column(j).norm())
             .fold(f64::MIN_POSITIVE, f64::max)
     };
     // Modes leave out what is small: functionals are of another unit than loads.
     let unit = largest(loads..g.ncols()) / largest(0..loads);
     let scale = |j: usize| if j < loads { 1.0 } else { 1.0 / unit };
-    let alike = Mat::from_fn(g.nrows(), g.ncols(), |i, j| g[(i, j)] * scale(j));
+    let alike = DMatrix::from_fn(g.nrows(), g.ncols(), |i, j| g[(i, j)] * scale(j));
     let SideModes { modes, shares } = SideModes::new(&alike);
-    let (of_loads, of_functionals) = shares.as_ref().split_at_col(loads);
+    let of_loads = shares.columns_range(..loads);
+    let of_functionals = shares.columns_range(loads..).transpose();
     let solved = harmonics::solved(teeth, reach);
-    let all = Par::rayon(0);
     let ring = of_modes(sector, &modes, teeth, &solved, progress)?;
-    let mut response: Vec<Mat<f64>> = (0..=2 * reach)
+    let mut response: Vec<DMatrix<f64>> = (0..=2 * reach)
         .map(|place| {
             // C_-k is the transpose of C_k.
-            let of_modes = match place.checked_sub(reach) {
-                Some(k) => ring[k].as_ref(),
-                None => ring[reach - place].transpose(),
+            let half = match place.checked_sub(reach) {
+                Some(k) => product(ring[k].as_view(), of_loads),
+                None => product(ring[reach - place].transpose().as_view(), of_loads),
             };
-            let half = product(of_modes, of_loads, all);
-            product(of_functionals.transpose(), half.as_ref(), all) * faer::Scale(unit)
+            product(of_functionals.as_view(), half.as_view()) * unit
         })
         .collect();
     response[reach] += &sector.held_influence;
@@ -110,24 +107,19 @@ pub(super) fn ring_response(
 /// are the transpose.
 fn of_modes(
     sector: &CondensedSector,
-    modes: &Mat<f64>,
+    modes: &DMatrix<f64>,
     teeth: usize,
     solved: &[Solved],
     progress: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Vec<Mat<f64>>, FiniteElementError> {
+) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
     let few = modes.ncols();
     let matrices = solved.first().map_or(0, |s| s.weights.len());
-    let mut ring = vec![Mat::<f64>::zeros(few, few); matrices];
-    let at_once = at_once(sector);
-    let par = match at_once {
-        1 => Par::rayon(0),
-        _ => Par::Seq,
-    };
+    let mut ring = vec![DMatrix::<f64>::zeros(few, few); matrices];
     let mut done = 0;
-    for batch in solved.chunks(at_once) {
+    for batch in solved.chunks(at_once(sector)) {
         let found: Result<Vec<_>, _> = (batch.par_iter())
             .map(|s| 2.0 * PI * s.harmonic as f64 / teeth as f64)
-            .map(|phi| response(sector, modes, phi, par))
+            .map(|phi| response(sector, modes, phi))
             .collect();
         for (harmonic, [even, odd]) in batch.iter().zip(found?) {
             for (out, [even_weight, odd_weight]) in ring.iter_mut().zip(&harmonic.weights) {
@@ -159,47 +151,41 @@ fn at_once(sector: &CondensedSector) -> usize {
 /// skew imaginary part.
 fn response(
     sector: &CondensedSector,
-    modes: &Mat<f64>,
+    modes: &DMatrix<f64>,
     phi: f64,
-    par: Par,
-) -> Result<[Mat<f64>; 2], FiniteElementError> {
+) -> Result<[DMatrix<f64>; 2], FiniteElementError> {
     let m = sector.sides.nrows() / 2;
     let few = modes.ncols();
     let full = |i: usize, j: usize| sector.sides[(i.max(j), i.min(j))];
-    let wave = c64::new(phi.cos(), phi.sin());
-    // Only its lower triangle is read.
-    let mut stiffness = Mat::<c64>::zeros(m, m);
+    let (sin, cos) = phi.sin_cos();
+    // Only the lower triangle is read.
+    let mut stiffness = [(); 2].map(|()| DMatrix::zeros(m, m));
     for j in 0..m {
         for i in j..m {
+            let (ahead, behind) = (full(i, m + j), full(m + i, j));
             let direct = full(i, j) + full(m + i, m + j);
-            stiffness[(i, j)] =
-                c64::new(direct, 0.0) + wave * full(i, m + j) + wave.conj() * full(m + i, j);
+            stiffness[0][(i, j)] = direct + cos * (ahead + behind);
+            stiffness[1][(i, j)] = sin * (ahead - behind);
         }
     }
-    factor(stiffness.as_mut(), par)?;
-    let mut w = Mat::<c64>::from_fn(m, few, |i, j| {
-        c64::new(modes[(i, j)], 0.0) + wave.conj() * modes[(m + i, j)]
-    });
-    solve_lower_triangular_in_place(stiffness.as_ref(), w.as_mut(), par);
+    factor(stiffness.each_mut().map(|part| part.as_view_mut()))?;
+    // X = (L^-1 q)^H from X L^H = q^H, and X X^H.
+    let mut x = [
+        DMatrix::from_fn(few, m, |i, j| modes[(j, i)] + cos * modes[(m + j, i)]),
+        DMatrix::from_fn(few, m, |i, j| sin * modes[(m + j, i)]),
+    ];
+    let l = stiffness.each_ref().map(|part| part.as_view());
+    solve(l, x.each_mut().map(|part| part.as_view_mut()));
     drop(stiffness);
-    let re = Mat::from_fn(m, few, |i, j| w[(i, j)].re);
-    let im = Mat::from_fn(m, few, |i, j| w[(i, j)].im);
-    drop(w);
-    let mut even = Mat::<f64>::zeros(few, few);
-    for part in [&re, &im] {
-        add_gram(even.as_mut(), part.as_ref(), 1.0, par);
-    }
-    let cross = product(re.transpose(), im.as_ref(), par);
-    let mut odd = Mat::<f64>::zeros(few, few);
-    for j in 0..few {
-        for i in 0..few {
-            odd[(i, j)] = cross[(i, j)] - cross[(j, i)];
-            if i < j {
-                even[(i, j)] = even[(j, i)];
-            }
+    let mut found = [(); 2].map(|()| DMatrix::zeros(few, few));
+    let parts = found.each_mut().map(|part| part.as_view_mut());
+    add_gram(parts, 1.0, x.each_ref().map(|part| part.as_view()));
+    for (part, sign) in found.iter_mut().zip([1.0, -1.0]) {
+        for j in 0..few {
+            (0..j).for_each(|i| part[(i, j)] = sign * part[(j, i)]);
         }
     }
-    Ok([even, odd])
+    Ok(found)
 }
 
 #[cfg(test)]
@@ -257,8 +243,8 @@ mod tests {
             assert!(harmonics::solved(teeth, 3).len() < every.len() * 2 / 3);
             let all = influence_of(&sector, teeth, &every, &|_| true).unwrap();
             for (few, all) in few.iter().zip(&all) {
-                let largest = all.norm_max();
-                let error = (few - all).norm_max();
+                let largest = all.amax();
+                let error = (few - all).amax();
                 assert!(error < 1e-8 * largest, "{error:e} of {largest:e}");
             }
         }

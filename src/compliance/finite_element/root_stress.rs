@@ -14,6 +14,7 @@ use super::settings::Settings;
 use super::{FiniteElementError, Progress, Stage, assembly, cyclic};
 use crate::compliance::{BeyondModel, Strip};
 use crate::gear::{Gear, GearKind};
+use nalgebra::DMatrix;
 
 /// Stress in the tooth roots of one gear per load on its flanks.
 #[derive(Debug, Clone)]
@@ -315,7 +316,7 @@ impl Model {
         let mut out = RootStress::with(&self, fillet, reach);
         for column in response
             .iter()
-            .flat_map(|tooth| (0..loads).map(|load| tooth.col(load)))
+            .flat_map(|tooth| (0..loads).map(|load| tooth.column(load)))
         {
             let largest = column.iter().fold(0.0f64, |m, s| m.max(s.abs()));
             let scale = if largest > 0.0 {
@@ -346,7 +347,7 @@ impl Model {
         loads: usize,
         reach: usize,
         progress: &Progress<'_>,
-    ) -> Result<Vec<faer::Mat<f64>>, FiniteElementError> {
+    ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
         let stiffness = assembly::assemble(&self.mesh, &elimination.order, self.material());
         let told = |share| progress(Stage::Condensation, share);
         let parts = &elimination.parts;

@@ -4,6 +4,9 @@
 
 #[path = "common/runtime_contact.rs"]
 mod runtime_contact;
+#[allow(dead_code)]
+#[path = "common/teeth.rs"]
+mod teeth;
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -13,6 +16,7 @@ use std::sync::Arc;
 use gearmesh::contact::{ContactFile, ContactSetup, RuntimeContact, Warm};
 use gearmesh::gear::tolerance::{random_index_errors, total_pitch};
 use gearmesh::gear::{Flank, PairTeeth, Runout, ToothErrors, WeakTooth};
+use gearmesh::table::{Query, TeethFlank};
 use plotters::prelude::*;
 
 const PAIR: &str = "palermo2013";
@@ -22,27 +26,26 @@ const SEED: u32 = 1;
 /// Mesh positions of a cycle.
 const STEPS: usize = 32;
 
-/// Static transmission error (m) under the force `force` (N) over a turn of gear 1, `teeth` mesh cycles.
+/// Static transmission error (m) under the force `force` (N) over a turn of gear 1, `teeth` mesh cycles. `loads` gives force and
+/// stiffness (N, N/m) at the approach (m), the mesh position and the mesh cycle.
 fn transmission_error(
-    contact: &RuntimeContact,
+    mut loads: impl FnMut(f64, f64, i64) -> Result<[f64; 2], Box<dyn Error>>,
     force: f64,
     teeth: usize,
 ) -> Result<Vec<f64>, Box<dyn Error>> {
-    let mut warm = Warm::default();
     let mut approach = 1e-5;
     let mut all = Vec::with_capacity(teeth * STEPS);
     for i in 0..teeth * STEPS {
         let (cycle, tau) = ((i / STEPS) as i64, (i % STEPS) as f64 / STEPS as f64);
         let mut missing = f64::INFINITY;
         for _ in 0..50 {
-            let at = [approach, 0.0, 0.0, tau];
-            let found = contact.potential(at, [cycle; 2], &mut warm)?;
-            missing = force - found.gradient[0];
+            let [found, stiffness] = loads(approach, tau, cycle)?;
+            missing = force - found;
             if missing.abs() <= 1e-9 * force {
                 break;
             }
-            approach += if found.gradient[0] > 0.0 {
-                missing / found.tangent.force_by_approach
+            approach += if found > 0.0 {
+                missing / stiffness
             } else {
                 5e-6
             };
@@ -53,6 +56,35 @@ fn transmission_error(
         all.push(approach);
     }
     Ok(all)
+}
+
+/// That of contact at run time.
+fn by_contact(
+    contact: &RuntimeContact,
+    force: f64,
+    teeth: usize,
+) -> Result<Vec<f64>, Box<dyn Error>> {
+    let mut warm = Warm::default();
+    let loads = |approach, tau, cycle| {
+        let found = contact.potential([approach, 0.0, 0.0, tau], [cycle; 2], &mut warm)?;
+        Ok([found.gradient[0], found.tangent.force_by_approach])
+    };
+    transmission_error(loads, force, teeth)
+}
+
+/// That of the level `teeth`.
+fn by_teeth(level: &TeethFlank, force: f64, teeth: usize) -> Result<Vec<f64>, Box<dyn Error>> {
+    let loads = |delta, mesh_position, cycle| {
+        let query = Query {
+            delta,
+            center_distance_offset: 0.0,
+            misalignment: 0.0,
+            mesh_position,
+        };
+        let found = level.evaluate(&query, [cycle; 2], true);
+        Ok([found.gradient[0], found.hessian[0][0]])
+    };
+    transmission_error(loads, force, teeth)
 }
 
 /// Amplitude of each shaft order, m, up to `orders`.
@@ -117,9 +149,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             ..file.clone()
         };
         let contact = with.flank(Flank::Drive).ok_or("no drive flank")?;
-        let signal = transmission_error(&contact, force, z)?;
+        let signal = by_contact(&contact, force, z)?;
         spectra.push((name, spectrum(&signal, orders)));
     }
+
+    let (record, _) = teeth::record(&pair, &solver, &file, errors.clone())?;
+    let level = teeth::level(&record, &pair)?;
+    let of_level = spectrum(&by_teeth(&level, force, z)?, orders);
 
     // To first order a tooth that stands out by E takes its share of the load off the transmission error: the errors' own
     // orders, which repeat every z, times those of the share over the way of a tooth pair.
@@ -152,10 +188,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("Amplitudes, um, by shaft order of gear 1:\n");
     let names: Vec<&str> = spectra.iter().map(|(name, _)| *name).collect();
     println!(
-        "| order | {} | index errors by load share |",
+        "| order | {} | index errors by `teeth` | index errors by load share |",
         names.join(" | ")
     );
-    println!("|---|{}---|", "---|".repeat(names.len()));
+    println!("|---|{}---|---|", "---|".repeat(names.len()));
     let shown = [
         1,
         2,
@@ -180,7 +216,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         } else {
             format!("{:.3}", 1e6 * expected(order))
         };
-        println!("| {order} | {} | {by_share} |", row.join(" | "));
+        let of_level = 1e6 * of_level[order];
+        println!(
+            "| {order} | {} | {of_level:.3} | {by_share} |",
+            row.join(" | ")
+        );
     }
     draw(
         &Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/img/index-errors.svg"),

@@ -4,24 +4,21 @@
 
 #[path = "common/runtime_contact.rs"]
 mod runtime_contact;
+#[path = "common/teeth.rs"]
+mod teeth;
 
 use std::error::Error;
 use std::hint::black_box;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use gearmesh::contact::{ContactFile, ContactSetup, ContactSolver, Warm};
+use gearmesh::contact::Warm;
+use gearmesh::gear::Flank;
 use gearmesh::gear::tolerance::random_index_errors;
-use gearmesh::gear::{Flank, PairTeeth, ToothErrors};
-use gearmesh::pair::Pair;
 use gearmesh::random::Random;
-use gearmesh::table::plan::{Coverage, default_axes};
-use gearmesh::table::sweep::{Watch, sweep};
-use gearmesh::table::{
-    Effects, FlankTable, Interpolation, Load, Query, TeethFlank, TeethRecord, TeethSweep,
-    default_teeth_axes,
-};
+use gearmesh::table::plan::default_axes;
+use gearmesh::table::sweep::sweep;
+use gearmesh::table::{FlankTable, Interpolation, Query, TeethFlank, TeethRecord};
+use teeth::{coverage, level, quiet, record};
 
 type Failure = Box<dyn Error>;
 
@@ -31,79 +28,8 @@ const CLASS: u8 = 6;
 const SEED: u32 = 1;
 /// Random poses over a turn.
 const POSES: usize = 200;
-/// Random operating points at which the error of the record is measured.
-const POINTS: usize = 1000;
 /// Rounds that are timed.
 const ROUNDS: usize = 200;
-
-/// The record of the pair with the index errors `index` on gear 1, and its contact.
-fn record(
-    pair: &Pair,
-    solver: &ContactSolver,
-    file: &ContactFile,
-    index: Vec<f64>,
-) -> Result<(TeethRecord, ContactFile), Failure> {
-    let first = ToothErrors {
-        index,
-        ..ToothErrors::default()
-    };
-    let teeth = PairTeeth {
-        drive: [first, ToothErrors::default()],
-        ..PairTeeth::default()
-    };
-    let contact = ContactFile {
-        setup: Arc::new(ContactSetup {
-            teeth,
-            ..(*file.setup).clone()
-        }),
-        ..file.clone()
-    };
-    let sweep = TeethSweep {
-        solver,
-        contact: &contact,
-        coverage: &coverage(pair),
-        coast_mirrors_drive: true,
-    };
-    let record = sweep.record(&default_teeth_axes(&coverage(pair)), POINTS, &quiet())?;
-    Ok((record, contact))
-}
-
-fn coverage(pair: &Pair) -> Coverage {
-    let operating = &pair.operating;
-    Coverage {
-        center_distance_offset: Some(operating.center_distance_offset),
-        misalignment: Some(operating.misalignment),
-        nominal_torque: operating.nominal_torque,
-        maximum_torque: operating.maximum_torque,
-    }
-}
-
-fn quiet() -> Watch<'static> {
-    static GO_ON: AtomicBool = AtomicBool::new(false);
-    Watch {
-        progress: &|_, _| (),
-        cancel: &GO_ON,
-    }
-}
-
-fn level(record: &TeethRecord, pair: &Pair) -> Result<TeethFlank, Failure> {
-    let effects = Effects {
-        interpolation: Interpolation::Spline,
-        load: Load::Variable,
-        center_distance: true,
-        misalignment: true,
-        shuttling: true,
-        friction: false,
-        root_stress: false,
-        teeth: true,
-    };
-    Ok(TeethFlank::new(
-        record,
-        &pair.geometry,
-        Flank::Drive,
-        &effects,
-    )?)
-}
 
 fn main() -> Result<(), Failure> {
     let (pair, solver, file) = runtime_contact::ready(PAIR)?;

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -57,48 +59,57 @@ def files_of(command: Command, root: Path, out: Path) -> dict[str, Files]:
     return files
 
 
-def static_cycles(command: Command, root: Path) -> dict[str, dict[int, Cycle]]:
-    """Static transmission error of both pairs over the torque."""
-    say("static solves")
-    return {
-        kind: {
-            torque: command.solve(root / "resources" / "pairs" / f"{name}.json", torque)
-            for torque in TORQUES
-        }
-        for kind, name in PAIRS.items()
-    }
+def found(of: dict) -> dict:
+    """The dictionary `of` with the results of its futures."""
+    return {key: value.result() if isinstance(value, Future) else found(value) for key, value in of.items()}
 
 
 def compute(command: Command, root: Path, out: Path) -> Results:
-    """Makes the FMUs in `out` and runs all scenes."""
+    """Makes the FMUs in `out` and runs all scenes, as many at a time as there are cores."""
     began = time.perf_counter()
     files = files_of(command, root, out)
-    static = static_cycles(command, root)
+    with ProcessPoolExecutor() as pool:
+        try:
+            return scenes_of(pool.submit, command, root, files, began)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def scenes_of(
+    later: Callable[..., Future], command: Command, root: Path, files: dict[str, Files], began: float
+) -> Results:
+    """All scenes, each given to `later`, longest first within what is said."""
     modified, unmodified = files["modified"], files["unmodified"]
-    say("50 rpm: aligned, torque ramp, misalignment")
-    slow = {kind: scenes.slow_cycles(f, f.drawing.nominal_torque) for kind, f in files.items()}
-    loads = {
-        "variable": {t: scenes.slow_cycles(modified, t, True) for t in (70, 100, 130)},
-        "constant": {t: scenes.slow_cycles(modified, t, False) for t in (70, 100, 130)},
+    pairs = {kind: root / "resources" / "pairs" / f"{name}.json" for kind, name in PAIRS.items()}
+    static = {
+        kind: {torque: later(command.solve, pair, torque) for torque in TORQUES} for kind, pair in pairs.items()
     }
     torque_ramp = {
-        "variable": scenes.torque_ramp(modified, True),
-        "constant": scenes.torque_ramp(modified, False),
+        "variable": later(scenes.torque_ramp, modified, True),
+        "constant": later(scenes.torque_ramp, modified, False),
     }
     misalignment = {
-        "negative": scenes.misalignment_ramp(modified, -FULL_TILT),
-        "positive": scenes.misalignment_ramp(modified, FULL_TILT),
+        "negative": later(scenes.misalignment_ramp, modified, -FULL_TILT),
+        "positive": later(scenes.misalignment_ramp, modified, FULL_TILT),
     }
-    say("run-up from 0 to 3000 rpm")
-    sweep = scenes.speed_sweep(unmodified)
-    steady = {rpm: scenes.steady_cycles(unmodified, rpm) for rpm in SPEEDS}
-    say("frequency response")
+    slow = {kind: later(scenes.slow_cycles, f, f.drawing.nominal_torque) for kind, f in files.items()}
+    loads = {
+        kind: {t: later(scenes.slow_cycles, modified, t, kind == "variable") for t in (70, 100, 130)}
+        for kind in ("variable", "constant")
+    }
+    sweep = later(scenes.speed_sweep, unmodified)
     frequencies = np.unique(
-        np.concatenate(
-            [np.geomspace(40, 8000, 16), *map(np.array, scenes.PAPER_FREQUENCIES.values())]
-        )
+        np.concatenate([np.geomspace(40, 8000, 16), *map(np.array, scenes.PAPER_FREQUENCIES.values())])
     )
-    response = scenes.frequency_response(modified, frequencies)
+    response = later(scenes.frequency_response, modified, frequencies)
+    steady = {rpm: later(scenes.steady_cycles, unmodified, rpm) for rpm in SPEEDS}
+
+    say("static solves")
+    static = found(static)
+    say("50 rpm: aligned, torque ramp, misalignment")
+    torque_ramp, misalignment, slow, loads = map(found, (torque_ramp, misalignment, slow, loads))
+    say("run-up from 0 to 3000 rpm, frequency response")
     return Results(
         drawing=modified.drawing,
         static=static,
@@ -106,8 +117,8 @@ def compute(command: Command, root: Path, out: Path) -> Results:
         loads=loads,
         torque_ramp=torque_ramp,
         misalignment=misalignment,
-        sweep=sweep,
-        steady=steady,
-        response=response,
+        sweep=sweep.result(),
+        steady=found(steady),
+        response=response.result(),
         seconds=time.perf_counter() - began,
     )

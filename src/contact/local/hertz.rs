@@ -50,7 +50,7 @@ struct Relief {
     profile: GapProfile,
     /// Half-width (m), line load (N/m) and penetration (m) from which on it holds.
     least: [f64; 3],
-    law: OnceLock<Knee>,
+    law: OnceLock<Box<Knee>>,
 }
 
 /// Local contact at the four points of a strip.
@@ -176,7 +176,7 @@ impl LocalContact {
             let [half_width, _, penetration] = relief.least;
             let widest = WIDTH_OVER_REFERENCE * self.log_reference.exp();
             let at_edge = self.edge.map_or(widest, |edge| 0.5 * edge.widest());
-            Knee::new(
+            Box::new(Knee::new(
                 &relief.profile,
                 (self.c, self.log_reference, self.corner),
                 [
@@ -185,7 +185,7 @@ impl LocalContact {
                     self.energy_before_relief(penetration) / self.length,
                 ],
                 widest.min(at_edge.max(half_width)),
-            )
+            ))
         })
     }
 

@@ -181,16 +181,21 @@ impl ContactLines<'_> {
         let mut most = 0.0f64;
         for k in self.pairs(tau, 0.0) {
             let closing = self.closing(tau, k)[0];
-            let mut four = None;
+            let [low, width] = self.section.numbers().face;
+            if self.is_out_of(seen, tau, k, [low, low + width]) {
+                continue;
+            }
+            // Places of four middles at once, and which.
+            let (mut four, mut group) = (None, usize::MAX);
             for station in 0..self.stations {
-                if station % POINTS == 0 {
-                    let middles = std::array::from_fn(|q| self.middle(station + q));
-                    four = self.four(tau, k, f64x4::new(middles));
-                }
                 let whole = self.station(station);
-                let xi = whole.map(|z| self.contact_line(tau, k, z));
-                if xi[0].max(xi[1]) < seen[0] || xi[0].min(xi[1]) > seen[1] {
+                if self.is_out_of(seen, tau, k, whole) {
                     continue;
+                }
+                if station / POINTS != group {
+                    group = station / POINTS;
+                    let middles = std::array::from_fn(|q| self.middle(group * POINTS + q));
+                    four = self.four(tau, k, f64x4::new(middles));
                 }
                 let Some(z) = self.carrying(tau, k, whole) else {
                     continue;
@@ -237,6 +242,17 @@ impl ContactLines<'_> {
             all.1.push(rates);
         }
         all
+    }
+
+    /// Whether all of `z` of tooth pair `k` lies out of the conjugate positions `seen` (m), at one end of them.
+    fn is_out_of(&self, seen: [f64; 2], tau: f64, k: i32, z: [f64; 2]) -> bool {
+        let xi = z.map(|z| self.contact_line(tau, k, z));
+        xi[0].max(xi[1]) < seen[0] || xi[0].min(xi[1]) > seen[1]
+    }
+
+    /// Whether a strip is its whole station.
+    pub fn is_whole(&self, strip: &Candidate) -> bool {
+        strip.z == self.station(strip.station)
     }
 
     /// Tooth pairs that come within `margin` (m) of the reach of contact.

@@ -198,8 +198,16 @@ impl RuntimeContact {
             let moved = match &moved {
                 Some(moved) => moved,
                 None => {
-                    let side =
-                        |sign: f64| self.setup.section(&self.numbers, offset + sign * STEPS[0]);
+                    // Limits of the strips move only where they cut them.
+                    let lines = self.lines(section, cycle);
+                    let are_whole = loaded.iter().all(|&i| lines.is_whole(&strips[i]));
+                    let side = |sign: f64| {
+                        let offset = offset + sign * STEPS[0];
+                        match are_whole {
+                            true => self.setup.beside(section, offset),
+                            false => self.setup.section(&self.numbers, offset),
+                        }
+                    };
                     moved.insert([side(1.0)?, side(-1.0)?])
                 }
             };

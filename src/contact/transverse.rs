@@ -93,6 +93,16 @@ impl TransverseSection {
         Some(section)
     }
 
+    /// The section at the centre distance `center_distance` (m) next to this one, for strips which its limits, kept, do not cut; `None` as for [`TransverseSection::new`].
+    pub fn beside(&self, center_distance: f64) -> Option<TransverseSection> {
+        let form_rolls = self.sides.map(|side| side.form_roll);
+        let section = TransverseSection::new(&self.numbers, center_distance, form_rolls, None)?;
+        Some(TransverseSection {
+            reach: self.reach,
+            ..section
+        })
+    }
+
     /// The pair's numbers.
     pub fn numbers(&self) -> &PairNumbers {
         &self.numbers

@@ -10,6 +10,7 @@ use super::transverse::{TransversePoint, TransverseSection};
 use crate::compliance::Strip;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry, PairGeometry};
+use crate::table::widest;
 
 /// Points of a strip at which the local contact is evaluated apart, so that the edge of the contact crosses
 /// a strip in small steps: at the middles of equal parts.
@@ -289,7 +290,10 @@ impl ContactLines<'_> {
             [0.0, 1.0].map(|z| numbers.contact_line(self.flank, tau, k, numbers.z_ref + z));
         let xi = (z - numbers.z_ref) * (next - at_middle) + at_middle;
         let microgeometry = self.microgeometry_of(k);
-        Four::new(self.geometry, self.section, microgeometry, xi, z)
+        widest(
+            #[inline(always)]
+            || Four::new(self.geometry, self.section, microgeometry, xi, z),
+        )
     }
 
     /// The strip of this name at the mesh position `tau`, if it lies within the reach of contact.

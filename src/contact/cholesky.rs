@@ -139,6 +139,7 @@ impl Cholesky {
         let groups = n.div_ceil(LANES);
         self.groups = groups;
         self.u.clear();
+        self.u.reserve(groups * groups * LANES);
         let mut row = vec![[0.0; LANES]; groups];
         for i in 0..groups * LANES {
             let places = row.as_flattened_mut();

@@ -149,7 +149,7 @@ impl TransverseSection {
     }
 
     /// Lengths of roll of both gears, m, at four conjugate positions `xi` (m), which lie on the path of contact; else `None`.
-    #[inline]
+    #[inline(always)]
     pub fn rolls_on_path(&self, xi: f64x4) -> Option<[f64x4; 2]> {
         let [first, last] = self.path.map(f64x4::splat);
         let on_path = (xi.simd_ge(first) & xi.simd_le(last)).all();

@@ -165,7 +165,7 @@ impl Microgeometry {
     }
 
     /// The part of [`Microgeometry::removal`] that depends on the place along the face alone at four places `z`, m.
-    #[inline]
+    #[inline(always)]
     pub fn lead_removals(&self, gear: &Gear, z: f64x4) -> f64x4 {
         let t = z * (2.0 / gear.face_width) - 1.0;
         let mut removal = t * (t * self.lead_crowning + 0.5 * self.lead_slope);

@@ -1,6 +1,6 @@
 //! Influence between the nodes, and its slopes.
 
-use super::neighbours::{AtOffset, Neighbours};
+use super::neighbours::Neighbours;
 use super::rows::{LANES, Lanes, OFFSETS, add_products, combine};
 use super::{CondensedFlank, StripName};
 use crate::contact::influence::Influence;
@@ -68,7 +68,7 @@ impl CondensedFlank {
                 }
             }
             for (gear, known) in lengths.iter_mut().enumerate() {
-                around.add_lengths(run, gear, |at| at.weights, known);
+                around.lengths((run, gear), &weights, &zeros, known);
             }
         }
         Influence { bulk, lengths }
@@ -103,6 +103,12 @@ impl CondensedFlank {
         let around = Neighbours::new(self, tau, offset);
         let runs = around.runs(strips);
         let zeros = self.zeros();
+        // Of the reference lengths, along the cycle and across it.
+        let at = around.at.each_ref();
+        let weights = [
+            at.map(|at| around.along_slopes.map(|slope| at.across * slope)),
+            at.map(|at| around.along.map(|weight| at.slope * weight)),
+        ];
         // By offset and node: y' A y, lane by lane.
         let mut by_node = [[[0.0; LANES]; 4]; OFFSETS];
         let mut products = vec![[0.0; LANES]; zeros.len()];
@@ -128,12 +134,10 @@ impl CondensedFlank {
                     add_products(&mut by_node, &products[..count], &rows);
                 }
             }
-            let [by_tau, by_offset] = &mut slopes.lengths;
-            for gear in 0..2 {
-                let along = |at: &AtOffset<'_>| around.along_slopes.map(|slope| at.across * slope);
-                around.add_lengths(run, gear, along, &mut by_tau[gear]);
-                let across = |at: &AtOffset<'_>| around.along.map(|weight| at.slope * weight);
-                around.add_lengths(run, gear, across, &mut by_offset[gear]);
+            for (weights, lengths) in weights.iter().zip(&mut slopes.lengths) {
+                for (gear, lengths) in lengths.iter_mut().enumerate() {
+                    around.lengths((run, gear), weights, &zeros, lengths);
+                }
             }
         }
         for (sums, at) in by_node.iter().zip(&around.at) {

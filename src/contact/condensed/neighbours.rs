@@ -1,6 +1,6 @@
 //! The nodes about one point, and their weights.
 
-use super::rows::{Lanes, OFFSETS, Rows};
+use super::rows::{LANES, Lanes, OFFSETS, Rows, combine};
 use super::{CondensedFlank, StripName, triangle};
 
 /// Strips of one tooth pair that follow each other without a gap.
@@ -115,22 +115,28 @@ impl<'a> Neighbours<'a> {
         rows
     }
 
-    /// Adds the reference lengths of one gear at the strips of `run`, the nodes weighted by `weights`, to `out`.
+    /// Reference lengths of one gear at the strips of `run`, or their slopes, into `out`: the nodes weighted by `weights`. `zeros` as for
+    /// [`Neighbours::rows`].
     #[inline(always)]
-    pub fn add_lengths(
+    pub fn lengths(
         &self,
-        run: &Run,
-        gear: usize,
-        weights: impl Fn(&AtOffset<'a>) -> [f64; 4],
+        (run, gear): (&Run, usize),
+        weights: &[[f64; 4]; OFFSETS],
+        zeros: &[Lanes],
         out: &mut [f64],
     ) {
         let begin = self.lengths + gear * self.flank.strips();
-        let out = &mut out[run.first..][..run.count];
-        for at in &self.at {
-            for ((weight, values), place) in weights(at).iter().zip(at.values).zip(run.places) {
-                let Some(place) = place else { continue };
-                for (sum, length) in out.iter_mut().zip(&values[begin + place..]) {
-                    *sum += weight * f64::from(*length);
+        let (groups, rest) = out[run.first..][..run.count].as_chunks_mut();
+        let rows = self.rows(&[Some(begin); 4], run, groups.len(), zeros);
+        combine(groups, weights, &rows);
+        // A node may end within a group.
+        for (k, length) in rest.iter_mut().enumerate() {
+            let place = begin + groups.len() * LANES + k;
+            for (weights, at) in weights.iter().zip(&self.at) {
+                for step in 0..4 {
+                    if let Some(first) = run.places[step] {
+                        *length += weights[step] * f64::from(at.values[step][place + first]);
+                    }
                 }
             }
         }

@@ -67,6 +67,7 @@ pub struct PointLoads {
 
 impl PointLoads {
     /// Force of the strip, N, and its derivative by the penetration of all points, N/m.
+    #[inline(always)]
     pub fn sum(&self) -> (f64, f64) {
         let add = |p: [f64; 4]| (p[0] + p[1]) + (p[2] + p[3]);
         (add(self.forces), add(self.slopes))
@@ -233,6 +234,7 @@ impl LocalContact {
     }
 
     /// As [`LocalContact::force`] at four points at once.
+    #[inline(always)]
     pub fn loads(&self, x: [f64; 4]) -> PointLoads {
         if x.iter().all(|x| *x <= 0.0) {
             return PointLoads {
@@ -259,6 +261,7 @@ impl LocalContact {
 
     /// Forces at four points (N) and -u there, of any size where there is no force; `None` where contact at one of them
     /// reaches a tip edge, is too wide, or so slight that the tabulated root ends.
+    #[inline(always)]
     fn within_flank(&self, x: [f64; 4]) -> Option<(f64x4, f64x4)> {
         let limit = self.least_beyond().min(self.wide);
         if !x.iter().all(|x| *x < limit) {

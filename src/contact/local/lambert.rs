@@ -79,11 +79,13 @@ pub fn root_at(t: f64) -> f64 {
 }
 
 /// Whether [`roots_at`] holds `t`.
+#[inline(always)]
 pub fn is_held(t: f64x4) -> bool {
     (t.simd_ge(f64x4::splat(FIRST_T)) & t.simd_lt(f64x4::splat(LAST_T))).all()
 }
 
 /// The roots at `t`, which [`is_held`].
+#[inline(always)]
 pub fn roots_at(t: f64x4) -> f64x4 {
     let place = ((t - 1.0).sqrt() - FIRST) * (1.0 / STEP);
     let place = place.to_array();

@@ -35,6 +35,7 @@ mod influence;
 pub(crate) mod local;
 #[cfg(feature = "preprocess")]
 mod mesh_cycle;
+mod near;
 mod numbers;
 mod position;
 #[cfg(feature = "preprocess")]

@@ -11,11 +11,12 @@
 
 use std::sync::Arc;
 
-use super::candidates::{Candidate, ContactLines, Near, POINTS, StripRates, TeethAt};
+use super::candidates::{Candidate, ContactLines, POINTS, StripRates, TeethAt};
 use super::cholesky::dot;
 use super::complementarity::{Solution, Target};
 use super::condensed::{CondensedFlank, StripName};
 use super::error::ContactError;
+use super::near::Near;
 use super::numbers::PairNumbers;
 use super::position::{PositionProblem, law};
 use super::result::Tangent;

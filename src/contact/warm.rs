@@ -30,7 +30,7 @@ const TOO_NEAR: f64 = 1e-6;
 impl Warm {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
-        self.strips.clear();
+        *self = Warm::default();
     }
 
     /// Forces on the strips `names`, ascending, to start from at the approach, misalignment and mesh position `at`; `None` where nothing is

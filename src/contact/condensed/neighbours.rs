@@ -133,10 +133,10 @@ impl<'a> Neighbours<'a> {
         for (k, length) in rest.iter_mut().enumerate() {
             let place = begin + groups.len() * LANES + k;
             for (weights, at) in weights.iter().zip(&self.at) {
-                for step in 0..4 {
-                    if let Some(first) = run.places[step] {
-                        *length += weights[step] * f64::from(at.values[step][place + first]);
-                    }
+                let nodes = weights.iter().zip(at.values).zip(run.places);
+                for ((weight, values), first) in nodes {
+                    let Some(first) = first else { continue };
+                    *length += weight * f64::from(values[place + first]);
                 }
             }
         }

@@ -10,6 +10,7 @@ use super::transverse::{TransversePoint, TransverseSection};
 use crate::compliance::Strip;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry, PairGeometry};
+use crate::table::widest;
 
 /// Points of a strip at which the local contact is evaluated apart, so that the edge of the contact crosses
 /// a strip in small steps: at the middles of equal parts.
@@ -106,14 +107,11 @@ pub struct TeethAt<'a> {
 }
 
 /// Flanks at one place of a contact line, and where they come closest.
-type Place<'a> = (Flanks<'a>, LeastGap);
-
-/// Strips, and how fast each changes by mesh position (per cycle) and by centre distance (per m), where that is known.
-pub type Moving = (Vec<Candidate>, Vec<Option<[StripRates; 2]>>);
+pub(super) type Place<'a> = (Flanks<'a>, LeastGap);
 
 /// What is known of the middle of a strip.
 #[derive(Clone, Copy, PartialEq)]
-enum Middle {
+pub(super) enum Middle {
     /// Where the flanks come closest.
     Known(LeastGap),
     /// Nothing.
@@ -121,28 +119,6 @@ enum Middle {
     /// That it may lie beyond the reach of contact, where it is taken as if it lay at its end.
     #[cfg_attr(not(feature = "preprocess"), allow(dead_code))]
     Held,
-}
-
-/// Which strips may carry.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Near {
-    /// Approach, m.
-    pub approach: f64,
-    /// Misalignment, rad.
-    pub misalignment: f64,
-    /// Mid-face in gear 1's frame, m.
-    pub z_ref: f64,
-    /// Part of the largest overlap by which others may be open.
-    pub margin: f64,
-    /// Whether gaps are convex over the place on the flank.
-    pub convex: bool,
-}
-
-impl Near {
-    /// How far flanks overlap at `z` where their force has the arm `arm`, m along the line of action.
-    pub fn overlap(&self, z: f64, arm: f64, gap: f64) -> f64 {
-        arm * (self.approach + self.misalignment * (z - self.z_ref)) - gap
-    }
 }
 
 /// Pieces shorter than this fraction of a station are left out where a path end cuts it: what they could
@@ -173,74 +149,13 @@ impl ContactLines<'_> {
         [first - tilt, last + tilt].map(|end| end / numbers.base_pitch)
     }
 
-    /// Those of [`ContactLines::candidates`] that lie within the conjugate positions `seen` (m) at least in part and that
-    /// may carry by `near`, and how fast they change where they touch inside their flanks, on the path of contact, by mesh position (per
-    /// cycle) and by centre distance (per m). Some that may not are among them.
-    pub fn moving(&self, tau: f64, seen: [f64; 2], near: &Near) -> Moving {
-        let mut strips = Vec::with_capacity(4 * self.stations);
-        let mut most = 0.0f64;
-        for k in self.pairs(tau, 0.0) {
-            let closing = self.closing(tau, k)[0];
-            let mut four = None;
-            for station in 0..self.stations {
-                if station % POINTS == 0 {
-                    let middles = std::array::from_fn(|q| self.middle(station + q));
-                    four = self.four(tau, k, f64x4::new(middles));
-                }
-                let whole = self.station(station);
-                let xi = whole.map(|z| self.contact_line(tau, k, z));
-                if xi[0].max(xi[1]) < seen[0] || xi[0].min(xi[1]) > seen[1] {
-                    continue;
-                }
-                let Some(z) = self.carrying(tau, k, whole) else {
-                    continue;
-                };
-                let at = 0.5 * (z[0] + z[1]);
-                let (arm, least, on_path) = match &four {
-                    Some(four) if z == whole => (1.0, four.least(station % POINTS), true),
-                    _ => {
-                        let (flanks, least) = self.place(tau, k, at, false);
-                        (flanks.arm(), least, flanks.on_path())
-                    }
-                };
-                let overlap = near.overlap(at, arm, least.gap - closing);
-                most = most.max(overlap);
-                strips.push((k, station, z, z == whole, on_path, overlap, least));
-            }
-        }
-        let rolls = self.section.roll_rates();
-        let mut all = (
-            Vec::with_capacity(strips.len()),
-            Vec::with_capacity(strips.len()),
-        );
-        for (i, (k, station, z, whole, _, overlap, least)) in strips.iter().enumerate() {
-            // The overlap is concave along whole strips inside the flanks: it does not rise more from the middle of one to its
-            // ends than from the middle of either neighbour.
-            let beside = |other: Option<usize>| {
-                let (pair, at, _, whole, on_path, overlap, _) = strips.get(other?)?;
-                let next = *pair == *k && at.abs_diff(*station) == 1;
-                (next && *whole && *on_path).then_some(*overlap)
-            };
-            if near.convex
-                && *whole
-                && let (Some(before), Some(after)) = (beside(i.checked_sub(1)), beside(Some(i + 1)))
-            {
-                let most_beside = 0.5 * (overlap - before).max(overlap - after).max(0.0);
-                if overlap + most_beside < -near.margin * most {
-                    continue;
-                }
-            }
-            let rolls = whole.then_some(rolls);
-            let middle = Middle::Known(*least);
-            let (strip, rates) = self.candidate(tau, (*k, *station), *z, middle, rolls);
-            all.0.push(strip);
-            all.1.push(rates);
-        }
-        all
+    /// Whether a strip is its whole station.
+    pub fn is_whole(&self, strip: &Candidate) -> bool {
+        strip.z == self.station(strip.station)
     }
 
     /// Tooth pairs that come within `margin` (m) of the reach of contact.
-    fn pairs(&self, tau: f64, margin: f64) -> std::ops::RangeInclusive<i32> {
+    pub(super) fn pairs(&self, tau: f64, margin: f64) -> std::ops::RangeInclusive<i32> {
         let numbers = self.section.numbers();
         let pitch = numbers.base_pitch;
         let tilt = 0.5 * numbers.face[1] * numbers.tan_beta_b + margin;
@@ -248,32 +163,35 @@ impl ContactLines<'_> {
         ((first - tilt) / pitch - tau).floor() as i32..=((last + tilt) / pitch - tau).ceil() as i32
     }
 
-    fn contact_line(&self, tau: f64, k: i32, z: f64) -> f64 {
+    pub(super) fn contact_line(&self, tau: f64, k: i32, z: f64) -> f64 {
         self.section.numbers().contact_line(self.flank, tau, k, z)
     }
 
     /// Ends of a station, m.
-    fn station(&self, station: usize) -> [f64; 2] {
+    pub(super) fn station(&self, station: usize) -> [f64; 2] {
         let [low, width] = self.section.numbers().face;
         let step = width / self.stations as f64;
         [0, 1].map(|end| low + step * (station + end) as f64)
     }
 
     /// Middle of a station, m.
-    fn middle(&self, station: usize) -> f64 {
+    pub(super) fn middle(&self, station: usize) -> f64 {
         let [low, high] = self.station(station);
         0.5 * (low + high)
     }
 
     /// Four places `z` (m) of tooth pair `k` at once, where [`Four`] holds them.
     #[inline]
-    fn four(&self, tau: f64, k: i32, z: f64x4) -> Option<Four> {
+    pub(super) fn four(&self, tau: f64, k: i32, z: f64x4) -> Option<Four> {
         let numbers = self.section.numbers();
         let [at_middle, next] =
             [0.0, 1.0].map(|z| numbers.contact_line(self.flank, tau, k, numbers.z_ref + z));
         let xi = (z - numbers.z_ref) * (next - at_middle) + at_middle;
         let microgeometry = self.microgeometry_of(k);
-        Four::new(self.geometry, self.section, microgeometry, xi, z)
+        widest(
+            #[inline(always)]
+            || Four::new(self.geometry, self.section, microgeometry, xi, z),
+        )
     }
 
     /// The strip of this name at the mesh position `tau`, if it lies within the reach of contact.
@@ -290,7 +208,7 @@ impl ContactLines<'_> {
 
     /// The part of the station `whole` in which tooth pair `k` lies within the reach of contact, if it is long enough to
     /// carry.
-    fn carrying(&self, tau: f64, k: i32, whole: [f64; 2]) -> Option<[f64; 2]> {
+    pub(super) fn carrying(&self, tau: f64, k: i32, whole: [f64; 2]) -> Option<[f64; 2]> {
         let z = self.within_reach(tau, k, whole)?;
         (z[1] - z[0] > SHORTEST * (whole[1] - whole[0])).then_some(z)
     }
@@ -388,21 +306,21 @@ impl ContactLines<'_> {
     }
 
     /// What differing teeth close of the gaps of tooth pair `k`, m, and its rate, m per cycle.
-    fn closing(&self, tau: f64, k: i32) -> [f64; 2] {
+    pub(super) fn closing(&self, tau: f64, k: i32) -> [f64; 2] {
         match self.teeth {
             Some(teeth) => teeth.passing.closing(teeth.counts, k, tau),
             None => [0.0; 2],
         }
     }
 
-    fn place(&self, tau: f64, k: i32, z: f64, held: bool) -> Place<'_> {
+    pub(super) fn place(&self, tau: f64, k: i32, z: f64, held: bool) -> Place<'_> {
         let flanks = self.flanks(tau, k, z, held);
         (flanks, flanks.least_gap())
     }
 
     /// The strip of tooth pair `k` at `station` with the ends `z`, of whose middle `middle` is known, and how fast it changes
     /// with the lengths of roll by `rolls`, if that is asked for.
-    fn candidate(
+    pub(super) fn candidate(
         &self,
         tau: f64,
         (k, station): (i32, usize),

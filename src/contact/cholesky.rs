@@ -89,15 +89,16 @@ fn subtract_products(rows: &mut [Lanes], begin: usize, [a, b, c, d]: [&[Lanes]; 
 /// `out` = A `x`, A symmetric, row by row.
 pub fn multiply(a: &[f64], x: &[f64], out: &mut [f64]) {
     let n = x.len();
-    // Columns, which are rows: those that count.
-    let counting: Vec<usize> = (0..n).filter(|&j| x[j] != 0.0).collect();
     out.fill(0.0);
     widest(
         #[inline(always)]
         || {
-            for taken in counting.chunks(LANES) {
+            // Columns, which are rows: those that count.
+            let mut counting = (0..n).filter(|&j| x[j] != 0.0);
+            while let Some(first) = counting.next() {
                 let (mut rows, mut weights) = ([&a[..n]; LANES], [0.0; LANES]);
-                for (k, &j) in taken.iter().enumerate() {
+                let taken = std::iter::once(first).chain(counting.by_ref());
+                for (k, j) in taken.take(LANES).enumerate() {
                     rows[k] = &a[j * n..(j + 1) * n];
                     weights[k] = x[j];
                 }
@@ -137,16 +138,18 @@ impl Cholesky {
     pub fn factor_rows(&mut self, n: usize, fill: impl Fn(usize, &mut [f64])) -> Result<(), usize> {
         let groups = n.div_ceil(LANES);
         self.groups = groups;
-        self.u.resize(groups * groups * LANES, [0.0; LANES]);
-        for (i, row) in self.u.chunks_exact_mut(groups.max(1)).enumerate() {
-            let row = row.as_flattened_mut();
+        self.u.clear();
+        self.u.reserve(groups * groups * LANES);
+        let mut row = vec![[0.0; LANES]; groups];
+        for i in 0..groups * LANES {
+            let places = row.as_flattened_mut();
             if i < n {
-                fill(i, &mut row[i..n]);
-                row[n..].fill(0.0);
+                fill(i, &mut places[i..n]);
             } else {
-                row.fill(0.0);
-                row[i] = 1.0;
+                places.fill(0.0);
+                places[i] = 1.0;
             }
+            self.u.extend_from_slice(&row);
         }
         widest(
             #[inline(always)]

@@ -19,6 +19,7 @@
 use super::candidates::POINTS;
 use super::cholesky::{self, Cholesky, dot};
 use super::local::{LocalContact, PointLoads};
+use crate::table::widest;
 
 /// One frictionless contact problem.
 pub struct Problem<'a> {
@@ -279,16 +280,22 @@ impl Problem<'_> {
     }
 
     /// Local contact on strip `i` where it and gaps take up `x`.
+    #[inline(always)]
     fn law(&self, i: usize, x: f64) -> PointLoads {
         self.local[i].loads(self.gap[i].map(|gap| x - gap))
     }
 
     fn refresh(&self, at: &mut Iterate) {
-        for i in 0..self.len() {
-            at.x[i] = self.arm[i] * at.delta - at.ay[i];
-            at.loads[i] = self.law(i, at.x[i]);
-            at.phi[i] = at.loads[i].sum();
-        }
+        widest(
+            #[inline(always)]
+            || {
+                for i in 0..self.len() {
+                    at.x[i] = self.arm[i] * at.delta - at.ay[i];
+                    at.loads[i] = self.law(i, at.x[i]);
+                    at.phi[i] = at.loads[i].sum();
+                }
+            },
+        );
     }
 
     /// Newton step of the forces into `dy`, with the factor that there is; returns that of the approach. Whatever the D of

@@ -26,7 +26,7 @@ pub struct Four {
 impl Four {
     /// Those at the conjugate positions `xi` (m from the pitch point) and at `z` (gear 1's frame, m); `None` where one of them
     /// is not as said above, or a flank has a topography or a slope.
-    #[inline]
+    #[inline(always)]
     pub fn new(
         geometry: &PairGeometry,
         section: &TransverseSection,

@@ -35,6 +35,7 @@ mod influence;
 pub(crate) mod local;
 #[cfg(feature = "preprocess")]
 mod mesh_cycle;
+mod near;
 mod numbers;
 mod position;
 #[cfg(feature = "preprocess")]
@@ -51,6 +52,7 @@ mod solver;
 #[cfg(feature = "preprocess")]
 mod tooth_pairs;
 mod transverse;
+mod warm;
 
 pub use candidates::Candidate;
 pub use complementarity::MAXIMUM_ITERATIONS;
@@ -67,10 +69,11 @@ pub use position::PositionProblem;
 pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
 #[cfg(feature = "preprocess")]
 pub use root_stress::{GearRoots, PositionRoots, ToothRoot};
-pub use runtime::{ContactPotential, RuntimeContact, Warm};
+pub use runtime::{ContactPotential, RuntimeContact};
 pub use setup::{ContactSettings, ContactSetup};
 #[cfg(feature = "preprocess")]
 pub use solver::ContactSolver;
+pub use warm::Warm;
 
 #[cfg(all(test, feature = "preprocess"))]
 mod tests;

@@ -92,7 +92,7 @@ pub struct ContactResult {
 impl PositionProblem {
     pub(super) fn result(&self, solution: Solution, gap: &[[f64; POINTS]]) -> ContactResult {
         let loa_force = dot(&self.arm, &solution.force);
-        let (moment, tangent) = self.moment(&solution);
+        let (moment, tangent, _) = self.moment(&solution);
         let mut pressures = vec![0.0f64; solution.force.len()];
         let mut edge_loads = vec![None; solution.force.len()];
         for i in 0..solution.force.len() {
@@ -166,12 +166,16 @@ impl PositionProblem {
         }
     }
 
-    /// Moment of the forces about mid-face on the line of action, N m, and the derivatives at the solution.
+    /// Moment of the forces about mid-face on the line of action, N m, the derivatives at the solution, and those of the forces of the
+    /// strips in contact by approach and misalignment.
     ///
     /// With K the matrix over the strips in contact, c their arms, and s_n the sums of phi' times the
     /// n-th power of the lever over the points of a strip: dF = K^-1 c (d delta + s_1 / s_0 dM), and the
     /// moment changes by c (s_1 / s_0 dF + c (s_2 - s_1^2 / s_0) dM).
-    pub(super) fn moment(&self, solution: &Solution) -> (f64, Tangent) {
+    pub(super) fn moment(
+        &self,
+        solution: &Solution,
+    ) -> (f64, Tangent, impl Iterator<Item = [f64; 2]> + use<>) {
         let mut moment = 0.0;
         let of = |&i: &usize| {
             let (loads, levers) = (&solution.loads[i], &self.lever[i]);
@@ -199,7 +203,8 @@ impl PositionProblem {
             force_by_misalignment: dot(&by_misalignment, &arms),
             moment_by_misalignment: dot(&by_misalignment, &levers) + within,
         };
-        (moment, tangent)
+        let each = by_approach.into_iter().zip(by_misalignment);
+        (moment, tangent, each.map(|(a, m)| [a, m]))
     }
 
     /// Every strip with what it carries in `result`, for plots of the pressure.

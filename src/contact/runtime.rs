@@ -11,23 +11,20 @@
 
 use std::sync::Arc;
 
-use super::candidates::{Candidate, ContactLines, Near, POINTS, StripRates, TeethAt};
+use super::candidates::{Candidate, ContactLines, POINTS, StripRates, TeethAt};
 use super::cholesky::dot;
 use super::complementarity::{Solution, Target};
 use super::condensed::{CondensedFlank, StripName};
 use super::error::ContactError;
+use super::near::Near;
 use super::numbers::PairNumbers;
 use super::position::{PositionProblem, law};
 use super::result::Tangent;
 use super::setup::ContactSetup;
 use super::transverse::TransverseSection;
+use super::warm::{SinceStart, Warm};
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry};
-
-/// What a solve at run time knows of the one before: forces by tooth pair, counted from the start, and station. It saves steps of Newton's iteration and changes the
-/// solution by no more than rounding.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Warm(Vec<((i64, usize), f64)>);
 
 /// Potential of one flank.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -105,30 +102,18 @@ impl RuntimeContact {
         };
         let section = self.setup.section(&self.numbers, offset)?;
         let Some((problem, rates)) = self.near(&section, at, cycle) else {
-            warm.0.clear();
+            warm.clear();
             return Ok(ContactPotential::default());
         };
         let names: Vec<StripName> = problem.candidates().iter().map(Candidate::name).collect();
-        let start: Vec<f64> = names
-            .iter()
-            .map(|name| {
-                let name = &cycle.since_start(*name);
-                let known = warm.0.binary_search_by(|(other, _)| other.cmp(name));
-                known.map_or(0.0, |place| warm.0[place].1)
-            })
-            .collect();
-        let start = (!warm.0.is_empty()).then_some(start.as_slice());
+        let pose = [approach, misalignment, position];
+        let start = warm.forces(names.iter().map(|name| cycle.since_start(*name)), pose);
+        let start = start.as_deref();
         let start = start.map(|forces| (forces, approach));
         let found = problem.solution(Target::Approach(approach), misalignment, start)?;
         let solution = &found.solution;
-        warm.0.clear();
-        let forces = names.iter().zip(solution.force.iter().copied());
-        warm.0.extend(
-            forces
-                .filter(|(_, force)| *force > 0.0)
-                .map(|(name, force)| (cycle.since_start(*name), force)),
-        );
-        if warm.0.is_empty() {
+        if solution.force.iter().all(|force| *force == 0.0) {
+            warm.clear();
             return Ok(ContactPotential::default());
         }
         let load = Load {
@@ -139,7 +124,13 @@ impl RuntimeContact {
         };
         let (energy, [by_offset, by_tau]) =
             self.held(&problem, &section, (offset, cycle), &load)?;
-        let (moment, tangent) = problem.moment(solution);
+        let (moment, tangent, slopes) = problem.moment(solution);
+        let carrying = solution.active.iter().zip(slopes);
+        let carrying = carrying.map(|(&i, slopes)| {
+            let name = cycle.since_start(names[i]);
+            (name, solution.force[i], slopes)
+        });
+        warm.keep(pose, carrying);
         Ok(ContactPotential {
             energy,
             gradient: [
@@ -208,8 +199,16 @@ impl RuntimeContact {
             let moved = match &moved {
                 Some(moved) => moved,
                 None => {
-                    let side =
-                        |sign: f64| self.setup.section(&self.numbers, offset + sign * STEPS[0]);
+                    // Limits of the strips move only where they cut them.
+                    let lines = self.lines(section, cycle);
+                    let are_whole = loaded.iter().all(|&i| lines.is_whole(&strips[i]));
+                    let side = |sign: f64| {
+                        let offset = offset + sign * STEPS[0];
+                        match are_whole {
+                            true => self.setup.beside(section, offset),
+                            false => self.setup.section(&self.numbers, offset),
+                        }
+                    };
                     moved.insert([side(1.0)?, side(-1.0)?])
                 }
             };
@@ -334,7 +333,7 @@ struct Cycle {
 
 impl Cycle {
     /// The name by which a strip is known in other cycles.
-    fn since_start(self, (pair, station): StripName) -> (i64, usize) {
+    fn since_start(self, (pair, station): StripName) -> SinceStart {
         (i64::from(pair) - self.counts[0], station)
     }
 }

@@ -93,6 +93,16 @@ impl TransverseSection {
         Some(section)
     }
 
+    /// The section at the centre distance `center_distance` (m) next to this one, for strips which its limits, kept, do not cut; `None` as for [`TransverseSection::new`].
+    pub fn beside(&self, center_distance: f64) -> Option<TransverseSection> {
+        let form_rolls = self.sides.map(|side| side.form_roll);
+        let section = TransverseSection::new(&self.numbers, center_distance, form_rolls, None)?;
+        Some(TransverseSection {
+            reach: self.reach,
+            ..section
+        })
+    }
+
     /// The pair's numbers.
     pub fn numbers(&self) -> &PairNumbers {
         &self.numbers
@@ -139,7 +149,7 @@ impl TransverseSection {
     }
 
     /// Lengths of roll of both gears, m, at four conjugate positions `xi` (m), which lie on the path of contact; else `None`.
-    #[inline]
+    #[inline(always)]
     pub fn rolls_on_path(&self, xi: f64x4) -> Option<[f64x4; 2]> {
         let [first, last] = self.path.map(f64x4::splat);
         let on_path = (xi.simd_ge(first) & xi.simd_le(last)).all();

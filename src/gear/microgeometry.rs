@@ -122,13 +122,13 @@ impl Microgeometry {
 
     /// What depends on the length of roll alone, about `roll` (m); `None` for flanks of which more than that and the lead
     /// modifications is removed.
-    #[inline]
+    #[inline(always)]
     pub fn profile_parabola(&self, roll: f64) -> Option<ProfilePiece> {
         let apart = self.profile_slope.is_none() && self.topography.is_none();
         apart.then(|| self.profile_piece(roll))
     }
 
-    #[inline]
+    #[inline(always)]
     fn profile_piece(&self, roll: f64) -> ProfilePiece {
         let of = |relief: &Option<ProfileRelief>| {
             relief.map_or(ProfilePiece::default(), |relief| relief.piece(roll))
@@ -165,7 +165,7 @@ impl Microgeometry {
     }
 
     /// The part of [`Microgeometry::removal`] that depends on the place along the face alone at four places `z`, m.
-    #[inline]
+    #[inline(always)]
     pub fn lead_removals(&self, gear: &Gear, z: f64x4) -> f64x4 {
         let t = z * (2.0 / gear.face_width) - 1.0;
         let mut removal = t * (t * self.lead_crowning + 0.5 * self.lead_slope);

@@ -74,7 +74,7 @@ impl ProfileRelief {
     }
 
     /// Removal and its derivatives at the length of roll `roll`, valid up to where the relief starts.
-    #[inline]
+    #[inline(always)]
     pub(super) fn piece(&self, roll: f64) -> ProfilePiece {
         let (from_start, length) = (roll - self.start_roll, self.end_roll - self.start_roll);
         let begun = from_start * length >= 0.0;
@@ -151,7 +151,7 @@ impl Default for ProfilePiece {
 
 impl ProfilePiece {
     /// Both together.
-    #[inline]
+    #[inline(always)]
     pub(super) fn and(self, other: ProfilePiece) -> ProfilePiece {
         ProfilePiece {
             removal: self.removal + other.removal,
@@ -245,7 +245,7 @@ impl EndRelief {
     }
 
     /// As [`EndRelief::removal`] at four places.
-    #[inline]
+    #[inline(always)]
     pub(super) fn removals(&self, from_end: f64x4) -> f64x4 {
         let way = (-from_end / self.length + 1.0).max(f64x4::ZERO);
         let fraction = match self.shape {

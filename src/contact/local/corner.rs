@@ -58,10 +58,11 @@ impl Corner {
     /// dh/dw beyond that of half-planes, 1/Pa, of a contact whose middle is at the distance `middle` (m) from the edge, that of its
     /// line being `line` (m).
     pub fn compliance(&self, line: f64, middle: f64) -> f64 {
-        if self.softness == 0.0 {
+        let held = self.held(line);
+        if self.softness == 0.0 || held == middle {
             return 0.0;
         }
-        self.softness * (self.held(line) / middle).ln()
+        self.softness * (held / middle).ln()
     }
 }
 

@@ -32,7 +32,8 @@ pub struct LocalContact {
     radius: f64,
     /// Penetration from which on the law goes on along its tangent, m.
     wide: f64,
-    /// ln L, the mean of both gears weighted with c_g.
+    /// L (m), the logarithmic mean of both gears weighted with c_g, and its logarithm.
+    reference: f64,
     log_reference: f64,
     /// Corner of the nearest tip edge.
     corner: Corner,
@@ -50,7 +51,7 @@ struct Relief {
     profile: GapProfile,
     /// Half-width (m), line load (N/m) and penetration (m) from which on it holds.
     least: [f64; 3],
-    law: OnceLock<Knee>,
+    law: OnceLock<Box<Knee>>,
 }
 
 /// Local contact at the four points of a strip.
@@ -66,6 +67,7 @@ pub struct PointLoads {
 
 impl PointLoads {
     /// Force of the strip, N, and its derivative by the penetration of all points, N/m.
+    #[inline(always)]
     pub fn sum(&self) -> (f64, f64) {
         let add = |p: [f64; 4]| (p[0] + p[1]) + (p[2] + p[3]);
         (add(self.forces), add(self.slopes))
@@ -103,14 +105,9 @@ impl LocalContact {
         let kappa =
             2.0 * scale * radius * (bodies[0].plane_compliance + bodies[1].plane_compliance);
         let c: f64 = bodies.iter().map(|g| scale * g.plane_compliance).sum();
-        let b: f64 = bodies
-            .iter()
-            .map(|g| {
-                scale
-                    * g.plane_compliance
-                    * ((2.0 * g.reference_length).ln() - 0.5 * kappa.ln() + 0.5)
-            })
-            .sum();
+        let weighted = bodies.map(|g| scale * g.plane_compliance * g.reference_length.ln());
+        let log_reference = (weighted[0] + weighted[1]) / c;
+        let reference = log_reference.exp();
         let [of_second, of_first] = profile.edges;
         let corner = bodies[usize::from(-of_second < of_first)].corner;
         let line = profile.edge_distance();
@@ -119,23 +116,29 @@ impl LocalContact {
             true => corner.compliance(line, line),
             false => 0.0,
         };
-        let log_scale = (2.0 / c).ln() - 2.0 * (b + by_corner) / c;
-        let log_reference = b / c - std::f64::consts::LN_2 + 0.5 * kappa.ln() - 0.5;
+        let squeezed = 2.0 * by_corner / c;
+        // 2 B / c without the corner is ln(4 L² e / kappa).
+        let log_scale = (2.0 * kappa / c).ln()
+            - 2.0 * (log_reference + std::f64::consts::LN_2)
+            - 1.0
+            - squeezed;
+        let widest = WIDTH_OVER_REFERENCE * reference;
+        let mut wide = -u_wide() * 0.5 * c * widest * widest / kappa;
+        if squeezed != 0.0 {
+            wide *= squeezed.exp();
+        }
         LocalContact {
             length,
             c,
             log_scale,
-            wide: wide_over_scale() * (-log_scale).exp(),
+            wide,
             kappa,
             radius,
+            reference,
             log_reference,
             corner,
             by_corner,
-            edge: TipEdge::new(
-                [c, radius, log_reference, profile.edge_slope()],
-                corner,
-                line,
-            ),
+            edge: TipEdge::new([c, radius, reference, profile.edge_slope()], corner, line),
             relief: None,
         }
         .with_relief(profile)
@@ -144,7 +147,7 @@ impl LocalContact {
     /// This law up to where contact reaches the start of a relief, if it does before it becomes too wide.
     fn with_relief(mut self, profile: &GapProfile) -> LocalContact {
         let half_width = profile.room();
-        if half_width >= WIDTH_OVER_REFERENCE * self.log_reference.exp() {
+        if half_width >= WIDTH_OVER_REFERENCE * self.reference {
             return self;
         }
         let [load, penetration] = match &self.edge {
@@ -174,9 +177,9 @@ impl LocalContact {
     fn knee<'a>(&self, relief: &'a Relief) -> &'a Knee {
         relief.law.get_or_init(|| {
             let [half_width, _, penetration] = relief.least;
-            let widest = WIDTH_OVER_REFERENCE * self.log_reference.exp();
+            let widest = WIDTH_OVER_REFERENCE * self.reference;
             let at_edge = self.edge.map_or(widest, |edge| 0.5 * edge.widest());
-            Knee::new(
+            Box::new(Knee::new(
                 &relief.profile,
                 (self.c, self.log_reference, self.corner),
                 [
@@ -185,7 +188,7 @@ impl LocalContact {
                     self.energy_before_relief(penetration) / self.length,
                 ],
                 widest.min(at_edge.max(half_width)),
-            )
+            ))
         })
     }
 
@@ -231,6 +234,7 @@ impl LocalContact {
     }
 
     /// As [`LocalContact::force`] at four points at once.
+    #[inline(always)]
     pub fn loads(&self, x: [f64; 4]) -> PointLoads {
         if x.iter().all(|x| *x <= 0.0) {
             return PointLoads {
@@ -257,6 +261,7 @@ impl LocalContact {
 
     /// Forces at four points (N) and -u there, of any size where there is no force; `None` where contact at one of them
     /// reaches a tip edge, is too wide, or so slight that the tabulated root ends.
+    #[inline(always)]
     fn within_flank(&self, x: [f64; 4]) -> Option<(f64x4, f64x4)> {
         let limit = self.least_beyond().min(self.wide);
         if !x.iter().all(|x| *x < limit) {
@@ -376,12 +381,6 @@ impl LocalContact {
     pub fn length(&self) -> f64 {
         self.length
     }
-}
-
-/// y at that u.
-fn wide_over_scale() -> f64 {
-    // e^u = (b / 2 L)² / e.
-    -u_wide() * (0.5 * WIDTH_OVER_REFERENCE).powi(2) / std::f64::consts::E
 }
 
 /// u at the width at which the law goes over into its tangent, for the weighted mean of the reference lengths:

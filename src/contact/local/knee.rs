@@ -368,7 +368,7 @@ mod tests {
                 curvature: 0.0,
             };
             profile.add(0, kink);
-            let edge = TipEdge::new([C, RADIUS, REFERENCE.ln(), slope], corner, 0.0).unwrap();
+            let edge = TipEdge::new([C, RADIUS, REFERENCE, slope], corner, 0.0).unwrap();
             let least = profile.room();
             let [load, penetration] = edge.at_width(2.0 * least);
             let energy = edge.energy(penetration);

@@ -79,11 +79,13 @@ pub fn root_at(t: f64) -> f64 {
 }
 
 /// Whether [`roots_at`] holds `t`.
+#[inline(always)]
 pub fn is_held(t: f64x4) -> bool {
     (t.simd_ge(f64x4::splat(FIRST_T)) & t.simd_lt(f64x4::splat(LAST_T))).all()
 }
 
 /// The roots at `t`, which [`is_held`].
+#[inline(always)]
 pub fn roots_at(t: f64x4) -> f64x4 {
     let place = ((t - 1.0).sqrt() - FIRST) * (1.0 / STEP);
     let place = place.to_array();
@@ -98,8 +100,8 @@ pub fn roots_at(t: f64x4) -> f64x4 {
         }
     }
     let x = f64x4::new(fractions);
-    let [c0, c1, c2, c3, c4, c5] = pieces.map(f64x4::new);
-    c0 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
+    let c = |power: usize| f64x4::new(pieces[power]);
+    c(0) + x * (c(1) + x * (c(2) + x * (c(3) + x * (c(4) + x * c(5)))))
 }
 
 #[cfg(test)]

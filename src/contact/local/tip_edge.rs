@@ -39,16 +39,21 @@ pub struct TipEdge {
 }
 
 impl TipEdge {
-    /// Law with ln L = `log_reference` (L in m), the mean of both gears weighted with c_g, at the edge with the corner
+    /// Law with the reference length `reference` (m), the logarithmic mean of both gears weighted with c_g, at the edge with the corner
     /// `corner`, the contact line at the distance `line` (m) from it. None where contact becomes too wide for the law
     /// before it reaches the edge.
     pub fn new(
-        [c, radius, log_reference, slope]: [f64; 4],
+        [c, radius, reference, slope]: [f64; 4],
         corner: Corner,
         line: f64,
     ) -> Option<TipEdge> {
+        let least = (-2.0 * slope * radius).max(0.0);
+        // Far inside the flank, as most strips are: beyond any mean of 4 L and twice the distance from the edge.
+        if least > 2.0 * (2.0 * reference).max(corner.held(line)) {
+            return None;
+        }
         let with_corner = c + corner.softness;
-        let mut log_end = log_reference + 2.0 * LN_2;
+        let mut log_end = reference.ln() + 2.0 * LN_2;
         if corner.softness > 0.0 {
             let from_edge = LN_2 + corner.held(line).ln();
             log_end = (c * log_end + corner.softness * from_edge) / with_corner;
@@ -56,7 +61,6 @@ impl TipEdge {
         // Where dh/dw is that of the law of Hertz at its tangent; without a corner the whole width, where that law counts by
         // half of it.
         let wide = (log_end - c / with_corner * (2.0 / WIDTH_OVER_REFERENCE).ln()).exp();
-        let least = (-2.0 * slope * radius).max(0.0);
         // Not a number where the curvatures cancel: no law of an edge either.
         if !matches!(least.partial_cmp(&wide), Some(std::cmp::Ordering::Less)) {
             return None;
@@ -202,7 +206,7 @@ mod tests {
     const REFERENCE: f64 = 0.3e-3;
 
     fn law(slope: f64) -> TipEdge {
-        TipEdge::new([C, RADIUS, f64::ln(REFERENCE), slope], Corner::NONE, 0.0).unwrap()
+        TipEdge::new([C, RADIUS, REFERENCE, slope], Corner::NONE, 0.0).unwrap()
     }
 
     /// Displacement of both surfaces at `x` under the stated pressure, by quadrature: s = a sin²(t) takes
@@ -274,7 +278,7 @@ mod tests {
 
     #[test]
     fn an_edge_far_away_plays_no_part() {
-        let far = [C, RADIUS, f64::ln(REFERENCE), -1.0];
+        let far = [C, RADIUS, REFERENCE, -1.0];
         assert_eq!(TipEdge::new(far, Corner::NONE, RADIUS), None);
         assert_abs_diff_eq!(law(0.01).line_load(1e-12).0, 0.0, epsilon = 1.0);
     }

@@ -150,6 +150,17 @@ fn a_warm_start_changes_nothing_but_rounding_and_cycles_follow_on_each_other() {
             assert!((later.gradient[k] - cold.gradient[k]).abs() <= 1e-9 * scale);
         }
     }
+    // A path in steps as small as those of a simulation, along which forces are moved on from pose to pose.
+    let (mut at, _) = point(&pair, &solver, Flank::Drive, &mut random);
+    for _ in 0..40 {
+        at = [1.002 * at[0], at[1], 0.999 * at[2], at[3] + 2e-3];
+        let walked = contact.potential(at, [0; 2], &mut warm).unwrap();
+        let cold = contact.potential(at, [0; 2], &mut Warm::default()).unwrap();
+        for k in [0, 2] {
+            let scale = cold.gradient[0] * [1.0, 0.0, 1e-2, 0.0][k];
+            assert!((walked.gradient[k] - cold.gradient[k]).abs() <= 1e-11 * scale);
+        }
+    }
     // Out of contact there is nothing.
     let apart = contact
         .potential([-1e-4, 0.0, 0.0, 0.3], [0; 2], &mut warm)

@@ -18,7 +18,7 @@ const BLOCK: usize = 64;
 /// Columns of a triangle that are added to as a square.
 const SQUARE: usize = 192;
 /// Multiplications that are worth a thread of their own.
-const TASK: usize = 1 << 22;
+const TASK: usize = 1 << 25;
 
 /// a b.
 pub fn product(a: DMatrixView<'_, f64>, b: DMatrixView<'_, f64>) -> DMatrix<f64> {

@@ -177,6 +177,15 @@ impl ContactSolver {
                 });
             }
         }
+        let geometry = &self.setup.geometry;
+        let center_distance = geometry.center_distance + center_distance_offset;
+        if (0..2).any(|i| geometry.tip_clearance(i, center_distance) <= 0.0) {
+            return Err(ContactError::Input {
+                field: "center_distance_offset",
+                value: center_distance_offset,
+                remedy: "give one (m) at which no tip reaches the root of its mate",
+            });
+        }
         let section = self.section(center_distance_offset)?;
         let lines = self.setup.lines(flank, &section);
         // One base pitch later everything is the same again.

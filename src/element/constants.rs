@@ -48,6 +48,8 @@ pub(crate) struct Constants {
     pub face_offset: f64,
     /// One over half the width of the nominal face overlap, 1/m.
     pub per_half_overlap: f64,
+    /// Ends of the common face at the nominal pose, in gear 1's frame, m.
+    pub common_face: [f64; 2],
     /// Where the teeth come out of mesh.
     pub reach: Reach,
     /// Face widths, m.
@@ -98,6 +100,14 @@ impl Constants {
         let backlash = parameters
             .backlash
             .map_or(nominal_backlash, |j| j * phi.cos());
+        let half_pitch = 0.5 * pair.base_pitch();
+        if backlash >= half_pitch {
+            return Err(ElementError::Parameter {
+                name: "backlash",
+                value: format!("{} m", backlash / phi.cos()),
+                remedy: "give a backlash in metres, well below half a pitch",
+            });
+        }
         // H = sum kappa rb (inv - psi) is half the backlash up to whole half pitches: at zero angles a tooth
         // may face a tooth. Those go into the tooth angle, so that the gap is centred on it.
         let turn_to_gap: f64 = -g
@@ -110,7 +120,6 @@ impl Constants {
                 g[i].kappa() * g[i].base_radius() * involute((1.0 / ratio).acos())
             })
             .sum();
-        let half_pitch = 0.5 * pair.base_pitch();
         let half_pitches =
             ((turn_to_gap + involutes - 0.5 * nominal_backlash) / half_pitch).round();
         let half_gap =
@@ -148,6 +157,10 @@ impl Constants {
             z_ref,
             face_offset: g[1].face_offset,
             per_half_overlap: 2.0 / pair.face_overlap().1,
+            common_face: {
+                let (low, width) = pair.face_overlap();
+                [low, low + width]
+            },
             reach: Reach::new(pair),
             face_width: [g[0].face_width, g[1].face_width],
             pitch_angle,

@@ -19,7 +19,7 @@ pub(crate) struct Engagement<T> {
     pub by_center_distance: T,
     /// Its derivative by the axial position lambda of c2 in gear 2's frame, 1/m.
     pub by_axial_position: T,
-    /// The factor is below one.
+    /// The factor is below one, or the gears share another part of their faces than the stiffness is for.
     pub leaving: bool,
 }
 
@@ -76,13 +76,25 @@ pub(crate) fn engagement<T: Scalar>(k: &Constants, c: T, lambda: T) -> Engagemen
     let [(low, low_slope), (high, high_slope)] = face_overlap(k, lambda);
     let per_half = k.per_half_overlap;
     let (axial, axial_slope) = step((high - low) * per_half);
-    let leaving = radial < one || axial < one;
+    let shifted = is_shifted(k, [low.re(), high.re()]);
+    let leaving = radial < one || axial < one || shifted;
     Engagement {
         factor: radial * axial,
         by_center_distance: radial_slope * axial * k.reach.per_span,
         by_axial_position: radial * axial_slope * ((high_slope - low_slope) * per_half),
         leaving,
     }
+}
+
+/// Part of the common face by which its ends may move before its stiffness and its middle are another pair's.
+const SHIFT: f64 = 0.05;
+
+/// Whether the common face `ends` (gear 1's frame, m) is not that of the nominal pose, which tables and contact are for: they
+/// have no axis along the gears' axes.
+pub(crate) fn is_shifted(k: &Constants, ends: [f64; 2]) -> bool {
+    let [low, high] = k.common_face;
+    let most = SHIFT * (high - low);
+    (ends[0] - low).abs() > most || (ends[1] - high).abs() > most
 }
 
 /// Share of the engagement that the centre distance `c` leaves, and its slope by c `per_span`.

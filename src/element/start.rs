@@ -2,7 +2,7 @@
 //! later.
 
 use super::constants::Constants;
-use super::engagement::{face_overlap, radial_share};
+use super::engagement::{face_overlap, is_shifted, radial_share};
 use super::error::ElementError;
 use super::evaluate::{evaluate, pose};
 use super::motion::{Inputs, Latch, Outputs};
@@ -107,11 +107,13 @@ impl Element {
                     ));
                 }
                 let (low, high) = faces(k, q.axial);
-                if (high - low) * k.per_half_overlap < 1.0 {
+                if is_shifted(k, [low, high]) {
+                    let [right_low, right_high] = k.common_face;
+                    let [low, high, right_low, right_high] =
+                        [low, high, right_low, right_high].map(|z| fixed(1e3 * z, 3));
                     reasons.push(format!(
-                        "faces that share {} mm of {} mm",
-                        fixed(1e3 * (high - low), 3),
-                        fixed(2e3 / k.per_half_overlap, 3)
+                        "common face from z = {low} to {high} mm of gear 1, where the stiffness is that from {right_low} to \
+                         {right_high} mm"
                     ));
                 }
             }

@@ -194,3 +194,41 @@ fn the_reference_flank_is_the_loaded_one() {
         }
     }
 }
+
+#[test]
+fn a_gear_that_takes_the_common_face_along_is_out_of_range() {
+    for pair in three_pairs(1.0) {
+        let element = constant(&pair, Formulation::Conjugate, LoadedFlank::Both);
+        let latch = element.latch(&element.nominal_inputs()).unwrap();
+        let (_, width) = pair.face_overlap();
+        for sign in [-1.0, 1.0] {
+            let moved = |part: f64| {
+                let mut inputs = compressed(&element, 1.0, 5e-6);
+                inputs.gears[1].p.z += sign * part * width;
+                element.evaluate(&latch, &inputs).unwrap().out_of_range
+            };
+            assert!(!moved(0.04));
+            // A narrower face within the other one keeps its width, not its place.
+            let widest = pair.gears.each_ref().map(|gear| gear.face_width);
+            assert!(moved(0.06 + (widest[0] - widest[1]).abs() / width));
+        }
+    }
+}
+
+#[test]
+fn a_backlash_of_half_a_pitch_is_refused_by_name() {
+    let pair = paper_pair(1.0);
+    let with = |backlash: f64| {
+        let parameters = Parameters {
+            backlash: Some(backlash),
+            stiffness_model: StiffnessModel::Constant,
+            ..Parameters::default()
+        };
+        Element::new(&pair, &parameters, None)
+    };
+    assert!(with(0.4 * pair.base_pitch()).is_ok());
+    for backlash in [0.6 * pair.base_pitch(), 110.0] {
+        let message = with(backlash).err().map(|error| error.to_string()).unwrap();
+        assert!(message.contains("backlash"), "{message}");
+    }
+}

@@ -51,7 +51,7 @@ impl Loss {
         let mu = law.coefficient(pair).at(force, rolling);
         let lost = mu * loss_factor_of(pair, mean.distance);
         Loss {
-            coefficient: mu * mean.weight,
+            coefficient: mu * if law.is_local() { mean.weight } else { 1.0 },
             power: lost * torque * spin.abs(),
             efficiency: 1.0 - lost,
         }

@@ -166,6 +166,22 @@ impl PairGeometry {
         self.path_of_contact(center_distance).length() / self.base_pitch()
     }
 
+    /// Clearance between the tip of gear `i` and the root of its mate at `center_distance`, m; at or below zero they meet.
+    pub fn tip_clearance(&self, i: usize, center_distance: f64) -> f64 {
+        let (gear, mate) = (&self.gears[i], &self.gears[1 - i]);
+        // Distance of the axes from which the tip reaches the root: external C - ra - rf, pinion in ring
+        // rf - C - ra, ring on pinion ra - C - rf.
+        match (gear.kind, mate.kind) {
+            (GearKind::External, GearKind::External) => {
+                center_distance - gear.tip_radius - mate.root_radius()
+            }
+            (GearKind::External, GearKind::Ring) => {
+                mate.root_radius() - center_distance - gear.tip_radius
+            }
+            (GearKind::Ring, _) => gear.tip_radius - center_distance - mate.root_radius(),
+        }
+    }
+
     /// Overlap of both faces as (z of its lower end, width), m, in gear 1's frame.
     pub fn face_overlap(&self) -> (f64, f64) {
         let g = &self.gears;

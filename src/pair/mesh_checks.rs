@@ -202,20 +202,9 @@ pub(super) fn check_clearance(
     geometry: &PairGeometry,
     place: &Place,
 ) -> Result<(), Refusal> {
-    let center_distance = place.center_distance;
     for i in 0..2 {
-        let (gear, mate) = (&geometry.gears[i], &geometry.gears[1 - i]);
-        // Distance of the axes from which the tip reaches the root: external C - ra - rf, pinion in ring
-        // rf - C - ra, ring on pinion ra - C - rf.
-        let clearance = match (gear.kind, mate.kind) {
-            (GearKind::External, GearKind::External) => {
-                center_distance - gear.tip_radius - mate.root_radius()
-            }
-            (GearKind::External, GearKind::Ring) => {
-                mate.root_radius() - center_distance - gear.tip_radius
-            }
-            (GearKind::Ring, _) => gear.tip_radius - center_distance - mate.root_radius(),
-        };
+        let clearance = geometry.tip_clearance(i, place.center_distance);
+        let gear = &geometry.gears[i];
         let (tip, value) = tip_field(file, gear, i);
         require(
             clearance > 0.0,

@@ -38,9 +38,9 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     assert!((number("transverse_contact_ratio") - 1.540).abs() < 1e-3);
     assert!((number("overlap_ratio") - 0.448).abs() < 1e-3);
     assert!(number("solve_seconds") > 0.0);
-    // The constant coefficient that the pair file has by default; arms of tip edges differ from the base radius.
+    // The constant coefficient that the pair file has by default.
     for coefficient in numbers(&json["friction_coefficient"]) {
-        assert!((coefficient / 0.05 - 1.0).abs() < 1e-4);
+        assert!((coefficient - 0.05).abs() < 1e-15);
     }
     let lost = 0.05 * number("loss_factor");
     for (speed, (loss, efficiency)) in [500.0, 1500.0].into_iter().zip(
@@ -266,4 +266,47 @@ fn a_torque_that_cannot_be_is_refused_by_name() {
         assert!(stderr(&output).contains("torque"), "{}", stderr(&output));
         assert_eq!(stderr(&output).lines().count(), 1);
     }
+}
+
+#[test]
+fn a_centre_distance_at_which_tips_meet_roots_is_refused() {
+    let refused = gearmesh(
+        &[
+            &["solve", &paper(), "--center-distance-offset-um", "-2500"],
+            &QUICK[..],
+        ]
+        .concat(),
+    );
+    assert!(!refused.status.success());
+    let message = stderr(&refused);
+    assert!(message.contains("center_distance_offset"), "{message}");
+    assert!(message.contains("root of its mate"), "{message}");
+}
+
+#[test]
+fn a_negative_value_is_refused_by_its_option_not_taken_for_one() {
+    let refused = gearmesh(&["solve", &paper(), "--torque-nm", "-10"]);
+    assert!(!refused.status.success());
+    let message = stderr(&refused);
+    assert!(message.contains("--torque-nm = -10"), "{message}");
+}
+
+#[test]
+fn no_model_is_kept_where_none_shall_be_whatever_the_environment_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_gearmesh"))
+        .args([
+            "solve",
+            &paper(),
+            "--refinement",
+            "coarse",
+            "--positions",
+            "1",
+        ])
+        .arg("--no-cache")
+        .env("GEARMESH_CACHE_DIR", folder.path())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(folder.path().read_dir().unwrap().count(), 0);
 }

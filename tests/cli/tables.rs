@@ -228,3 +228,30 @@ fn tooth_pairs_one_by_one_are_packed_and_inspected_and_refuse_teeth_of_their_own
         "{shown}"
     );
 }
+
+#[test]
+fn what_is_read_is_not_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let pair = folder.path().join("pair.json");
+    std::fs::copy(paper(), &pair).unwrap();
+    let before = std::fs::read(&pair).unwrap();
+    let pair = pair.to_str().unwrap();
+    // By another name, too.
+    let link = folder.path().join("link.json");
+    std::os::unix::fs::symlink(pair, &link).unwrap();
+    for output in [pair, link.to_str().unwrap()] {
+        for command in [
+            &["pack", "--pair", pair][..],
+            &["tables", pair],
+            &["build", pair],
+            &["report", pair],
+            &["import", "none.csv", "--pair", pair],
+        ] {
+            let refused = gearmesh(&[command, &["-o", output]].concat());
+            assert!(!refused.status.success(), "{command:?}");
+            let message = stderr(&refused);
+            assert!(message.contains("which is read"), "{command:?}: {message}");
+            assert_eq!(std::fs::read(pair).unwrap(), before);
+        }
+    }
+}

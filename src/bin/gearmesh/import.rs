@@ -1,6 +1,6 @@
 //! `gearmesh import SAMPLES.csv --pair PAIR.json -o TABLES.json`: tables from another contact program.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use gearmesh::pair::Pair;
@@ -34,6 +34,9 @@ pub struct Import {
 impl Import {
     /// Inverts the samples, writes and says what was made.
     pub fn run(self) -> Result<(), crate::Error> {
+        let read = [Some(&self.pair), Some(&self.samples), self.coast.as_ref()];
+        let read: Vec<&Path> = read.into_iter().flatten().map(PathBuf::as_path).collect();
+        output::check_writable(&self.output, &read)?;
         let pair = Pair::read(&self.pair)?;
         let read = |path: &PathBuf| -> Result<_, crate::Error> {
             let place = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());

@@ -27,7 +27,7 @@ mod tables;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 /// Gear contact for multibody and system simulation: static tooth contact, tables, FMI 2.0 units.
 #[derive(Debug, Parser)]
@@ -55,7 +55,12 @@ enum Command {
 type Error = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    let command = Cli::parse().command;
+    // A value such as -10 is no option: it is for the option's own limits to refuse it.
+    let cli = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
+    let command = match Cli::from_arg_matches(&cli.get_matches()) {
+        Ok(cli) => cli.command,
+        Err(error) => error.exit(),
+    };
     let result = interrupt::handle().and_then(|()| match command {
         Command::New(command) => command.run(),
         Command::Solve(command) => command.run(),

@@ -58,8 +58,8 @@ pub struct ModelArgs {
     #[arg(long)]
     stations: Option<usize>,
 
-    /// Compute finite-element models anew and keep none
-    #[arg(long, conflicts_with = "cache_dir")]
+    /// Compute finite-element models anew and keep none, wherever GEARMESH_CACHE_DIR or --cache-dir would keep them
+    #[arg(long)]
     no_cache: bool,
 
     /// Threads to use [default: one per core]

@@ -22,10 +22,20 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         .map_err(|source| WriteError::new(path, source))
 }
 
-/// Refuses `path` before the work whose result it shall take.
-pub fn check_writable(path: &Path) -> Result<(), WriteError> {
+/// Refuses `path` before the work whose result it shall take: where it cannot be written, and where it is one of the
+/// files `read`.
+pub fn check_writable(path: &Path, read: &[&Path]) -> Result<(), crate::Error> {
+    let known = |path: &Path| path.canonicalize().ok();
+    if let Some(here) = known(path)
+        && let Some(input) = read
+            .iter()
+            .find(|input| known(input).as_ref() == Some(&here))
+    {
+        let (path, input) = (path.display(), input.display());
+        return Err(format!("--output {path} is {input}, which is read: give another file").into());
+    }
     interrupt::uninterrupted(|| storage::check_writable(path))
-        .map_err(|source| WriteError::new(path, source))
+        .map_err(|source| WriteError::new(path, source).into())
 }
 
 impl WriteError {

@@ -34,6 +34,9 @@ pub struct Pack {
 impl Pack {
     /// Packs and prints name, GUID and size.
     pub fn run(self) -> Result<(), crate::Error> {
+        let read = self.tables.iter().chain(&self.pair);
+        let read: Vec<&Path> = read.map(PathBuf::as_path).collect();
+        output::check_writable(&self.output, &read)?;
         let libraries = libraries(&self.library)?;
         let packed = if let Some(path) = &self.tables {
             let text = output::read_text(path)?;

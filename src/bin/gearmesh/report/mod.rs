@@ -89,7 +89,7 @@ impl Report {
             let largest = &mut pair.operating.maximum_torque;
             *largest = largest.max(torque);
         }
-        output::check_writable(&self.output)?;
+        output::check_writable(&self.output, &[&self.pair])?;
         self.model.use_threads()?;
         let job = self.model.job(&pair, "static contact")?;
         let model = self.model.solver(&pair, &job)?;

@@ -33,7 +33,7 @@ pub fn check(folder: &Path, root_stress: bool) -> Result<(), Error> {
         .map_err(|error| format!("--output = {}: {error}; name a folder", folder.display()))?;
     let count = if root_stress { NAMES.len() } else { ALWAYS };
     for name in &NAMES[..count] {
-        output::check_writable(&folder.join(name))?;
+        output::check_writable(&folder.join(name), &[])?;
     }
     Ok(())
 }

@@ -137,7 +137,7 @@ impl Study {
         let [table, summary, page] =
             ["samples.csv", "study.json", "study.html"].map(|name| folder.join(name));
         for path in [&table, &summary, &page] {
-            output::check_writable(path)?;
+            output::check_writable(path, &[])?;
         }
         let identity = self.identity(&pair, &variations, torque);
         let names = samples::names(self.root_stress);

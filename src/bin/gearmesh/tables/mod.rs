@@ -127,7 +127,7 @@ pub fn compute(
     if grid.teeth {
         TeethRecord::takes(&pair.teeth)?;
     }
-    crate::output::check_writable(output)?;
+    crate::output::check_writable(output, &[path])?;
     args.use_threads()?;
     let coverage = coverage(&pair, grid);
     let load = load(&pair, &coverage, grid);

@@ -74,8 +74,11 @@ def standard_library_for_windows() -> bool:
 
 def build_linux() -> None:
     """By cargo-zigbuild: zig links against the symbols of any glibc."""
+    # zig names its headers relative to the folder it is called in, if it lies below; build scripts run elsewhere.
+    beside = ROOT / "target"
+    beside.mkdir(exist_ok=True)
     for part in PARTS:
-        run("cargo", "zigbuild", *STRIPPED, *part, *_place(LINUX))
+        run("cargo", "zigbuild", *STRIPPED, *part, *_place(LINUX), folder=beside)
 
 
 def build_windows() -> None:

@@ -14,11 +14,11 @@ def _environment(more: dict[str, str] | None) -> dict[str, str]:
     return os.environ | {"PATH": path} | (more or {})
 
 
-def run(*command: object, environment: dict[str, str] | None = None) -> None:
-    """Runs the command in the project's folder; a failure ends the release."""
+def run(*command: object, environment: dict[str, str] | None = None, folder: Path = ROOT) -> None:
+    """Runs the command in the project's folder or in `folder`; a failure ends the release."""
     line = [str(word) for word in command]
     print("release:", " ".join(line), flush=True)
-    subprocess.run(line, cwd=ROOT, check=True, env=_environment(environment))
+    subprocess.run(line, cwd=folder, check=True, env=_environment(environment))
 
 
 def output(*command: object) -> str:

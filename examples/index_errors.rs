@@ -4,18 +4,16 @@
 
 #[path = "common/runtime_contact.rs"]
 mod runtime_contact;
-#[allow(dead_code)]
 #[path = "common/teeth.rs"]
 mod teeth;
 
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
-use std::sync::Arc;
 
-use gearmesh::contact::{ContactFile, ContactSetup, RuntimeContact, Warm};
+use gearmesh::contact::{RuntimeContact, Warm};
 use gearmesh::gear::tolerance::{random_index_errors, total_pitch};
-use gearmesh::gear::{Flank, PairTeeth, Runout, ToothErrors, WeakTooth};
+use gearmesh::gear::{Flank, Runout, ToothErrors, WeakTooth};
 use gearmesh::table::{Query, TeethFlank};
 use plotters::prelude::*;
 
@@ -137,17 +135,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let orders = 3 * z + 4;
     let mut spectra = vec![];
     for (name, first) in cases {
-        let teeth = PairTeeth {
-            drive: [first, ToothErrors::default()],
-            ..PairTeeth::default()
-        };
-        let with = ContactFile {
-            setup: Arc::new(ContactSetup {
-                teeth,
-                ..(*file.setup).clone()
-            }),
-            ..file.clone()
-        };
+        let with = teeth::with_errors(&file, first);
         let contact = with.flank(Flank::Drive).ok_or("no drive flank")?;
         let signal = by_contact(&contact, force, z)?;
         spectra.push((name, spectrum(&signal, orders)));

@@ -29,17 +29,7 @@ pub fn record(
         index,
         ..ToothErrors::default()
     };
-    let teeth = PairTeeth {
-        drive: [first, ToothErrors::default()],
-        ..PairTeeth::default()
-    };
-    let contact = ContactFile {
-        setup: Arc::new(ContactSetup {
-            teeth,
-            ..(*file.setup).clone()
-        }),
-        ..file.clone()
-    };
+    let contact = with_errors(file, first);
     let sweep = TeethSweep {
         solver,
         contact: &contact,
@@ -48,6 +38,21 @@ pub fn record(
     };
     let record = sweep.record(&default_teeth_axes(&coverage(pair)), POINTS, &quiet())?;
     Ok((record, contact))
+}
+
+/// The contact of `file` with the errors `first` of gear 1's teeth on the drive flank.
+pub fn with_errors(file: &ContactFile, first: ToothErrors) -> ContactFile {
+    let teeth = PairTeeth {
+        drive: [first, ToothErrors::default()],
+        ..PairTeeth::default()
+    };
+    ContactFile {
+        setup: Arc::new(ContactSetup {
+            teeth,
+            ..(*file.setup).clone()
+        }),
+        ..file.clone()
+    }
 }
 
 /// The operating range of the pair file.

@@ -85,7 +85,7 @@ def build_windows() -> None:
     """By mingw, which is needed for linking alone: the library asks for Windows' own DLLs only."""
     headers = Path(output("x86_64-w64-mingw32-gcc", "-print-file-name=include"))
     environment = {
-        "CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER": "x86_64-w64-mingw32-gcc",
+        "CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER": str(ROOT / "scripts/release/link_for_windows.sh"),
         "BINDGEN_EXTRA_CLANG_ARGS_x86_64_pc_windows_gnu": f"-I{headers}",
     }
     build = ["cargo", "build"]

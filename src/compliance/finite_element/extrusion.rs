@@ -237,7 +237,7 @@ mod tests {
     use super::*;
     use crate::compliance::finite_element::dissection::Elimination;
     use crate::compliance::finite_element::model::Model;
-    use crate::compliance::finite_element::{Settings, assembly, element};
+    use crate::compliance::finite_element::{Discretization, Settings, assembly, element};
     use crate::gear::{Body, Gear, GearKind, ToothProfile, samples};
     use crate::pair::Refinement;
     use approx::assert_relative_eq;
@@ -259,10 +259,16 @@ mod tests {
         })
     }
 
-    /// Few nodes on the flank are enough here.
+    /// Few nodes on the flank are enough here, in layers thin enough to be merged.
     fn settings() -> Settings {
         let mut settings = Settings::new(Refinement::Coarse, 1);
-        settings.discretization.flank_element = 0.5;
+        let normal = Discretization::of(Refinement::Normal);
+        settings.discretization = Discretization {
+            flank_element: 0.5,
+            layer: normal.layer,
+            end_layer: normal.end_layer,
+            ..settings.discretization
+        };
         settings
     }
 

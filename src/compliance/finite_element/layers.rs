@@ -60,7 +60,7 @@ impl Layers {
             };
         };
         let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
-        let [layer, end] = [sizes.layer, sizes.end_layer].map(|size| size * m);
+        let [layer, end] = [sizes.middle_layer(face, m), sizes.end_layer].map(|size| size * m);
         let at_web = layer.min(0.5 * (body.web[1] - body.web[0]));
         let mut stops = vec![(0.0, end), (face, end)];
         for z in body.web {
@@ -205,6 +205,21 @@ mod tests {
         assert_eq!(narrow.of_rows(&[1.0]), [narrow.single()]);
         let body = Layers::new(&self::gear([4e-3, 9e-3], [0.0, 25e-3]), &sizes);
         assert_eq!(body.of_rows(&[1.0]), [body.single()]);
+    }
+
+    #[test]
+    fn wide_faces_have_thicker_layers_instead_of_more_but_for_the_thin_ones_at_the_ends() {
+        let layers = |modules: f64| {
+            let sizes = Discretization::of(Refinement::Normal);
+            sizes.stations(4e-3 * modules, 4e-3)
+        };
+        let [narrow, wide, wider] = [15.0, 30.0, 60.0].map(layers);
+        assert!(wide.len() <= narrow.len() + 4);
+        assert!(wider.len() <= wide.len() + 4);
+        let end = |stations: &[f64]| stations[1] / 4e-3;
+        for stations in [&narrow, &wide, &wider] {
+            assert!((0.24..0.36).contains(&end(stations)), "{}", end(stations));
+        }
     }
 
     #[test]

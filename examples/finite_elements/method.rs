@@ -19,7 +19,7 @@ pub fn report(_: &Models, plots: &Path) -> Outcome<String> {
          outer rim, which may rest on a foundation): a full disc, or rim, web and hub where the pair file has them. Its outline is the generated one: involute, trochoid of the tool's rounded tip, undercut and profile \
          shift included. The section is meshed with 8-node quadrilaterals, graded towards the loaded flank, the fillet and \
          the tip edge, where the elements are a quarter as long, and swept along the helix in layers that are thinner \
-         towards both ends of the face: 20-node hexahedra. Deeper below the root than a layer pair is thick, layers of full discs and \
+         towards both ends of the face and grow with a face of more than 15 modules: 20-node hexahedra. Deeper below the root than a layer pair is thick, layers of full discs and \
          rings merge two by two where the face is at least eight of them wide, but for two at each end; thin layers \
          above move as the side of the thick one does (the mean influence changes by 2e-4 or less). Where a wide contact asks for a \
          wide kernel, elements along the flank grow with it.\n\n{}\

@@ -29,8 +29,12 @@ $(VENV)/.tests-complete: $(VENV)/.complete requirements-test.txt
 	scripts/setup.sh requirements-test.txt
 	touch $@
 
+# fmi-sim, the one simulator among them that comes as Rust.
+$(VENV)/bin/fmi-sim: $(VENV)/.bindgen
+	$(CARGO) install --quiet --locked --debug --root $(VENV) fmi-sim@0.7.0
+
 # Other simulators, for examples/drivelines and examples/hosts.
-$(VENV)/.examples-complete: $(VENV)/.tests-complete requirements-examples.txt
+$(VENV)/.examples-complete: $(VENV)/.tests-complete $(VENV)/bin/fmi-sim requirements-examples.txt
 	scripts/setup.sh requirements-test.txt requirements-examples.txt
 	$(VENV)/bin/python scripts/without_display.py
 	touch $@

@@ -4,12 +4,14 @@ import csv
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
-PROGRAM = shutil.which("fmi-sim")
+# `make` puts it beside this Python.
+PROGRAM = shutil.which("fmi-sim", path=Path(sys.executable).parent) or shutil.which("fmi-sim")
 if PROGRAM is None:
     raise ImportError("fmi-sim is not on the path: cargo install fmi-sim@0.7.0")
 # The program ends with status 1 after it has told its version, on the other channel.

@@ -214,12 +214,27 @@ def late_relief(amount, share=0.2, shape="linear"):
     return dict(tip_relief=dict(amount_um=amount, start=dict(diameter_mm=round(2 * float(np.hypot(g.rb, begin)), 6)), shape=shape))
 
 
+def graded(pair, position, least=0.45, growth=0.35, most=1.5):
+    """Ends of layers along the face of a helical pair, mm: of the length `least` at the landmarks, growing away from them by `growth`
+    for each mm up to `most`; alike from both ends where the landmarks are."""
+    z = np.linspace(0.0, pair.b, 4001)
+    size = np.minimum(most, least + growth * np.abs(z[:, None] - pair.landmarks(position)).min(1))
+    count = np.r_[0.0, np.cumsum(0.5 * (1 / size[1:] + 1 / size[:-1]) * np.diff(z))]
+    ends = np.round(np.interp(np.linspace(0.0, count[-1], int(np.ceil(count[-1])) + 1), count, z), 3)
+    if np.allclose(ends, pair.b - ends[::-1], atol=2e-3):
+        ends = np.round(0.5 * (ends + pair.b - ends[::-1]), 4)
+    return ends
+
+
 def family(cases, positions, layers=None, mesh=Mesh(), offset=0.0, parts=2, limit=0.04):
-    """Cases on the same elastic models: name, title, pair, loads (N m, mrad). Each position goes into the file as it is found."""
+    """Cases on the same elastic models: name, title, pair, loads (N m, mrad). Each position goes into the file as it is found.
+    `layers`: ends along the face, or `graded`."""
     out = {name: dict(title=title, pair=pair, plane_strain=layers is None, center_distance_offset_um=offset, loads=loads, positions=[])
            for name, title, pair, loads in cases}
     for position in positions:
-        contact = Contact(Pair(cases[0][2], offset), position, layers, parts, mesh, limit)
+        first = Pair(cases[0][2], offset)
+        ends = layers(first, position) if callable(layers) else layers
+        contact = Contact(first, position, ends, parts, mesh, limit)
         for name, title, pair, loads in cases:
             found = [contact.solve(*load, pair=Pair(pair, offset)) for load in loads]
             row = dict(mesh_position=position)

@@ -90,7 +90,7 @@ fn loads(pair: &Pair, case: &Value) -> Vec<([f64; 2], Found)> {
 }
 
 /// Positions from which on a case tells a peak-to-peak value.
-const CYCLE: usize = 5;
+const CYCLE: usize = 2;
 
 /// How near a case comes to the reference.
 struct Bounds<'a> {
@@ -212,11 +212,11 @@ fn tip_edges_agree_in_plane_strain_where_they_take_up_load_and_where_they_give_i
 fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
     // 2 mrad tell the ends of a strip apart by 1.2 um, which is no reason for more pressure than the line bears; they leave
     // transmission errors of less than a micrometre.
-    // Of the wide face 1 mrad moves the ends by 24 um; what it leaves at mid-face under 200 N m comes within 0.05 um.
+    // 1 mrad moves the ends of the wide face by 24 um and leaves 0.7 um at mid-face under 200 N m, told to 0.013 um.
     for (name, each, mean) in [
         ("solid-relief-30", 0.004, 0.002),
         ("solid-crowned", 0.02, 0.007),
-        ("wide", 0.05, 0.013),
+        ("wide", 0.02, 0.007),
     ] {
         let bounds = Bounds {
             each,
@@ -241,10 +241,11 @@ fn unmodified_solid_spur_pairs_agree_with_a_second_program() {
 
 #[test]
 fn helical_pairs_agree() {
-    // At position 0 a contact line crosses the pitch point, where the reliefs begin, within a millimetre: less than a layer of
-    // the data. The pressure there was computed once more in layers of 0.2 mm; a strip is half a millimetre long.
+    // Where a contact line crosses the pitch point, at which the reliefs begin, pressure changes within a millimetre: less than a
+    // layer of these data. At position 0 it was computed once more in layers of 0.2 mm; a strip is half a millimetre long.
     // Unmodified, contact lines end at tip edges, next to which the layers of the data resolve no pressure.
-    // Relieved ones have a peak-to-peak value of a fortieth of their mean, of which the data are right to 0.4 %.
+    // Relieved ones have a peak-to-peak value of a fortieth of their mean. Under 200 N m it is 0.06 um too large: layers of the
+    // product are 3 mm long where contact lines run over tip edges; in layers of 2 mm it is within 0.05 um.
     for (name, each, spread) in [
         ("helix-13", 0.0065, 0.0),
         ("helix-25", 0.0025, 0.002),
@@ -260,6 +261,15 @@ fn helical_pairs_agree() {
         };
         agrees_with_reference(name, &bounds);
     }
+    // In layers graded towards knee and tip edges every position tells the pressure.
+    let bounds = Bounds {
+        each: 0.002,
+        mean: 0.001,
+        spread: 0.002,
+        pressed: 100.0,
+        ..PLANE
+    };
+    agrees_with_reference("helix-30-graded", &bounds);
     let bounds = Bounds {
         each: 0.005,
         pressure: 0.06,

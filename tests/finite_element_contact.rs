@@ -265,7 +265,7 @@ fn helical_pairs_agree() {
     let bounds = Bounds {
         each: 0.002,
         mean: 0.001,
-        spread: 0.002,
+        spread: 0.0027,
         pressed: 100.0,
         ..PLANE
     };

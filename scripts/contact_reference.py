@@ -347,9 +347,6 @@ FAMILIES = {
         [0.5, 0.0, 0.25, 0.125, 0.375], layers=LAYERS, mesh=OBLIQUE, limit=0.035),
     "helix-30": lambda: family(
         [("helix-30", "helical 20/20, 30 degrees, tip relief and lead crowning, solid", HELICAL, CYCLE)],
-        [0.5, 0.0, 0.25, 0.125, 0.375], layers=LAYERS, mesh=OBLIQUE, limit=0.035),
-    "helix-30-graded": lambda: family(
-        [("helix-30-graded", "the same in layers graded towards where contact lines cross the start of the reliefs or a tip edge", HELICAL, CYCLE)],
         [0.0, 0.25, 0.375, 0.5], layers=graded, mesh=OBLIQUE, limit=0.035),
     "helix-30-knee": lambda: family(
         [("helix-30-knee", "the same where a contact line crosses the start of the reliefs, in thin layers", HELICAL, torques(50.0, 100.0, 200.0))],

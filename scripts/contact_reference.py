@@ -13,8 +13,12 @@ each with its own arm. No Hertz formula. Positions, signs and units as in the pr
 point at mid-face, ste_um is on the transverse line of action, loads are torque (N m) and misalignment (mrad); edge_share is the
 share of the load within three cells of a tip edge. flank_pressure_mpa is that of the half-ellipse with the force and spread of the
 faces across the contact line, away from tip edges; where contact straddles the knee of a linear relief the pressure is no
-half-ellipse, and it is not resolved where contact is less than four cells wide. Where both gears are alike, the other half of
-the mesh cycle mirrors that of the data.
+half-ellipse, and it is not resolved where contact is less than four cells wide. Rows of faces follow
+the contact line, whose obliqueness is no part of the spread; but in a layer in which it crosses the knee or runs over a tip edge, load
+and place change along the layer: without layers graded towards there such positions tell no pressure. Faces of twice the
+length raised the transmission error of the 30 degree pair by 0.08 um at 200 N m, layers of half the length by 0.01 um, cells of
+0.02 for 0.03 mm by 0.02 um. A position of a graded helical pair takes two to three minutes and 8 GB, one of the wide spur pair
+three to four minutes. Where both gears are alike, the other half of the mesh cycle mirrors that of the data.
 """
 
 import json
@@ -214,12 +218,27 @@ def late_relief(amount, share=0.2, shape="linear"):
     return dict(tip_relief=dict(amount_um=amount, start=dict(diameter_mm=round(2 * float(np.hypot(g.rb, begin)), 6)), shape=shape))
 
 
+def graded(pair, position, least=0.45, growth=0.35, most=1.5):
+    """Ends of layers along the face of a helical pair, mm: of the length `least` at the landmarks, growing away from them by `growth`
+    for each mm up to `most`; alike from both ends where the landmarks are."""
+    z = np.linspace(0.0, pair.b, 4001)
+    size = np.minimum(most, least + growth * np.abs(z[:, None] - pair.landmarks(position)).min(1))
+    count = np.r_[0.0, np.cumsum(0.5 * (1 / size[1:] + 1 / size[:-1]) * np.diff(z))]
+    ends = np.round(np.interp(np.linspace(0.0, count[-1], int(np.ceil(count[-1])) + 1), count, z), 3)
+    if np.allclose(ends, pair.b - ends[::-1], atol=2e-3):
+        ends = np.round(0.5 * (ends + pair.b - ends[::-1]), 4)
+    return ends
+
+
 def family(cases, positions, layers=None, mesh=Mesh(), offset=0.0, parts=2, limit=0.04):
-    """Cases on the same elastic models: name, title, pair, loads (N m, mrad). Each position goes into the file as it is found."""
+    """Cases on the same elastic models: name, title, pair, loads (N m, mrad). Each position goes into the file as it is found.
+    `layers`: ends along the face, or `graded`."""
     out = {name: dict(title=title, pair=pair, plane_strain=layers is None, center_distance_offset_um=offset, loads=loads, positions=[])
            for name, title, pair, loads in cases}
     for position in positions:
-        contact = Contact(Pair(cases[0][2], offset), position, layers, parts, mesh, limit)
+        first = Pair(cases[0][2], offset)
+        ends = layers(first, position) if callable(layers) else layers
+        contact = Contact(first, position, ends, parts, mesh, limit)
         for name, title, pair, loads in cases:
             found = [contact.solve(*load, pair=Pair(pair, offset)) for load in loads]
             row = dict(mesh_position=position)
@@ -248,6 +267,8 @@ CROSSED = [(torque, m) for torque in (100.0, 200.0) for m in (-2.0, -1.0, 0.0, 1
 HALF = [0, 0.6, 1.6, 3.4, 6, 9.2, 12.5]
 
 
+# A tilt of 1 mrad lets contact end within the face: in layers twice as long the transmission error at position 0.5 is 0.022 um more.
+FINE_HALF = [0, 0.3, 0.6, 1.1, 1.6, 2.4, 3.4, 4.6, 6, 7.6, 9.5, 11.4, 13.5, 16, 18.5, 21.2, 24]
 TILTED = [(torque, m) for torque in (200.0, 400.0) for m in (-1.0, 0.0, 1.0)]
 OBLIQUE = Mesh(cell=0.03, band=12, side=8, across=9, body=5)
 RING = dict(name="ring", meshing="internal", normal_module_mm=3.0, normal_pressure_angle_deg=20.0, helix_angle_deg=15.0,
@@ -317,7 +338,7 @@ FAMILIES = {
         [0.0, 0.5, 0.25, 0.125, 0.375, 0.4375, 0.1875, 0.3125], layers=HALF, mesh=SOLID),
     "wide": lambda: family(
         [("wide", "spur 20/20, face 12 modules, 5 um of lead crowning, solid", spur(b=48.0, gear1=dict(lead_crowning_um=5.0), torque=400.0), TILTED)],
-        [0.0, 0.5], layers=[0, 0.6, 1.6, 3.4, 6, 9.5, 13.5, 18.5, 24], mesh=SOLID),
+        [0.0, 0.5], layers=FINE_HALF, mesh=SOLID),
     "helix-13": lambda: family(
         [("helix-13", "helical 20/20, 13 degrees, unmodified, solid", PAPER, torques(50.0, 100.0, 200.0))],
         [0.5, 0.0, 0.25, 0.125, 0.375], layers=[1.25 * z for z in LAYERS], mesh=OBLIQUE, limit=0.035),
@@ -326,7 +347,7 @@ FAMILIES = {
         [0.5, 0.0, 0.25, 0.125, 0.375], layers=LAYERS, mesh=OBLIQUE, limit=0.035),
     "helix-30": lambda: family(
         [("helix-30", "helical 20/20, 30 degrees, tip relief and lead crowning, solid", HELICAL, CYCLE)],
-        [0.5, 0.0, 0.25, 0.125, 0.375], layers=LAYERS, mesh=OBLIQUE, limit=0.035),
+        [0.0, 0.25, 0.375, 0.5], layers=graded, mesh=OBLIQUE, limit=0.035),
     "helix-30-knee": lambda: family(
         [("helix-30-knee", "the same where a contact line crosses the start of the reliefs, in thin layers", HELICAL, torques(50.0, 100.0, 200.0))],
         [0.0], layers=THIN + [20 - z for z in reversed(THIN)], mesh=OBLIQUE, parts=1, limit=0.035),

@@ -90,7 +90,7 @@ fn loads(pair: &Pair, case: &Value) -> Vec<([f64; 2], Found)> {
 }
 
 /// Positions from which on a case tells a peak-to-peak value.
-const CYCLE: usize = 5;
+const CYCLE: usize = 2;
 
 /// How near a case comes to the reference.
 struct Bounds<'a> {
@@ -102,8 +102,6 @@ struct Bounds<'a> {
     pressed: f64,
     /// Of the mean transmission error, as a part of it.
     mean: f64,
-    /// Of the peak-to-peak value as a part of the mean, where that is more than 2 % or 0.05 um.
-    spread: f64,
     /// Mesh positions at which the data resolve the pressure.
     resolved: &'a dyn Fn(f64) -> bool,
 }
@@ -113,7 +111,6 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
     let Bounds {
         each: largest,
         mean: largest_mean,
-        spread: of_spread,
         pressure,
         pressed,
         resolved,
@@ -139,8 +136,7 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
         if positions.len() >= CYCLE {
             let [spread, expected] = [here, there].map(|v| peak_to_peak(v));
             assert!(
-                (spread - expected).abs()
-                    < (0.02 * expected).max(0.05).max(of_spread * mean(there)),
+                (spread - expected).abs() < (0.02 * expected).max(0.05),
                 "{at}: peak to peak {spread:.3} instead of {expected:.3} um"
             );
         }
@@ -165,7 +161,6 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
 const PLANE: Bounds<'static> = Bounds {
     each: 0.004,
     mean: 0.007,
-    spread: 0.0,
     pressure: 0.03,
     pressed: 50.0,
     resolved: &|_| true,
@@ -212,11 +207,11 @@ fn tip_edges_agree_in_plane_strain_where_they_take_up_load_and_where_they_give_i
 fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
     // 2 mrad tell the ends of a strip apart by 1.2 um, which is no reason for more pressure than the line bears; they leave
     // transmission errors of less than a micrometre.
-    // Of the wide face 1 mrad moves the ends by 24 um; what it leaves at mid-face under 200 N m comes within 0.05 um.
+    // 1 mrad moves the ends of the wide face by 24 um and leaves 0.7 um at mid-face under 200 N m, told to 0.013 um.
     for (name, each, mean) in [
         ("solid-relief-30", 0.004, 0.002),
         ("solid-crowned", 0.02, 0.007),
-        ("wide", 0.05, 0.013),
+        ("wide", 0.02, 0.007),
     ] {
         let bounds = Bounds {
             each,
@@ -241,25 +236,30 @@ fn unmodified_solid_spur_pairs_agree_with_a_second_program() {
 
 #[test]
 fn helical_pairs_agree() {
-    // At position 0 a contact line crosses the pitch point, where the reliefs begin, within a millimetre: less than a layer of
-    // the data. The pressure there was computed once more in layers of 0.2 mm; a strip is half a millimetre long.
+    // Where a contact line crosses the pitch point, at which the reliefs begin, pressure changes within a millimetre: less than a
+    // layer of these data. At position 0 it was computed once more in layers of 0.2 mm; a strip is half a millimetre long.
     // Unmodified, contact lines end at tip edges, next to which the layers of the data resolve no pressure.
-    // Relieved ones have a peak-to-peak value of a fortieth of their mean, of which the data are right to 0.4 %.
-    for (name, each, spread) in [
-        ("helix-13", 0.0065, 0.0),
-        ("helix-25", 0.0025, 0.002),
-        ("helix-30", 0.0025, 0.0035),
-        ("internal-helical", 0.005, 0.0),
+    for (name, each) in [
+        ("helix-13", 0.006),
+        ("helix-25", 0.002),
+        ("internal-helical", 0.004),
     ] {
         let bounds = Bounds {
             each,
-            spread,
             pressed: 100.0,
             resolved: &|position| position == 0.5 && name != "helix-13",
             ..PLANE
         };
         agrees_with_reference(name, &bounds);
     }
+    // In layers graded towards knee and tip edges all positions tell the pressure.
+    let bounds = Bounds {
+        each: 0.002,
+        mean: 0.001,
+        pressed: 100.0,
+        ..PLANE
+    };
+    agrees_with_reference("helix-30", &bounds);
     let bounds = Bounds {
         each: 0.005,
         pressure: 0.06,

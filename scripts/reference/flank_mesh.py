@@ -202,12 +202,14 @@ class FlankMesh:
         return 0.5 * np.block([[even + odd, even - odd], [even - odd, even + odd]])
 
 
-def schur(matrix, b, chunk=400):
+def schur(matrix, b, chunk=100):
     """B' K^-1 B by sparse factors of K; `matrix`: its upper triangle."""
     solver = PyPardisoSolver(mtype=2)
     solver.factorize(matrix)
     # K = L L': L^-1 B is enough, the compliance is its product with itself.
     solver.set_phase(331)
-    half = np.hstack([solver._call_pardiso(matrix, np.asfortranarray(b[:, i : i + chunk].toarray())) for i in range(0, b.shape[1], chunk)])
+    half = np.empty(b.shape, order="F")
+    for i in range(0, b.shape[1], chunk):
+        half[:, i : i + chunk] = solver._call_pardiso(matrix, np.asfortranarray(b[:, i : i + chunk].toarray()))
     solver.free_memory(everything=True)
     return half.T @ half

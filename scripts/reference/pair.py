@@ -64,6 +64,16 @@ class Pair:
         """Distance of the contact of tooth pair k from the pitch point, towards the tip of gear 1."""
         return (position + k) * self.pitch + self.lean * (z - 0.5 * self.b)
 
+    def landmarks(self, position):
+        """Where along the face (helical pairs) loads change within less than a millimetre: its ends, where contact lines cross
+        the pitch point, at which reliefs may begin, and where they run over tip edges; mm, ascending."""
+        path = [0.0]
+        for gear, sign in ((0, 1), (1, 1 if self.ring else -1)):
+            path.append(sign * (sqrt(self.gears[gear].tip ** 2 - self.base[gear] ** 2) - self.roll[gear]))
+        middle = [s - (position + k) * self.pitch for s in path for k in range(-9, 10)]
+        z = 0.5 * self.b + np.array(middle) / self.lean
+        return np.sort(np.r_[0.0, z[(z > 0) & (z < self.b)], self.b])
+
     def tooth_angle(self, gear, position, k, z):
         """Angle of the middle of pair k's tooth at z."""
         turn = (position + k) * self.pitch / self.base[gear] * (1 if gear == 0 else -1)

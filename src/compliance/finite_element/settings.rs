@@ -115,6 +115,12 @@ const KERNEL_OVER_INVOLUTE_ELEMENT: f64 = 1.75;
 /// the face width.
 const WIDE_FACE: f64 = 15.0;
 
+/// Outermost layers of helical pairs over those in the middle of the face. Their contact lines run over tip edges away from the
+/// ends, too, where load changes within a layer: as many layers, more alike, are shorter there. Measured on pairs 20/20 of 25 and
+/// 30 degrees with faces of 5 modules, whose tips bear, against four times as many layers: the peak-to-peak transmission
+/// error is too large by 0.016 and 0.027 um instead of 0.032 and 0.044 um; the mean stays within 1e-3.
+const HELICAL_END_LAYER: f64 = 0.8;
+
 /// How a compliance is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -143,6 +149,9 @@ impl Settings {
         sizes.kernel_half_width = sizes.kernel_half_width.max(wide);
         let involute = sizes.kernel_half_width / KERNEL_OVER_INVOLUTE_ELEMENT;
         sizes.involute_element = (involute > sizes.flank_element).then_some(involute);
+        if geometry.gears[0].helix_angle != 0.0 {
+            sizes.end_layer = HELICAL_END_LAYER * sizes.layer;
+        }
         settings
     }
 

@@ -55,6 +55,7 @@
 pub mod compliance;
 pub mod contact;
 pub mod element;
+mod f64x4;
 pub mod fmi;
 pub mod friction;
 pub mod gear;

@@ -1,13 +1,12 @@
 //! The strips that may touch at one position of the mesh.
 
-use wide::f64x4;
-
 use super::closest::{Flanks, LeastGap};
 use super::four::Four;
 use super::local::GapProfile;
 use super::transverse::{TransversePoint, TransverseSection};
 #[cfg(feature = "preprocess")]
 use crate::compliance::Strip;
+use crate::f64x4::F64x4;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry, PairGeometry};
 use crate::table::widest;
@@ -182,7 +181,7 @@ impl ContactLines<'_> {
 
     /// Four places `z` (m) of tooth pair `k` at once, where [`Four`] holds them.
     #[inline]
-    pub(super) fn four(&self, tau: f64, k: i32, z: f64x4) -> Option<Four> {
+    pub(super) fn four(&self, tau: f64, k: i32, z: F64x4) -> Option<Four> {
         let numbers = self.section.numbers();
         let [at_middle, next] =
             [0.0, 1.0].map(|z| numbers.contact_line(self.flank, tau, k, numbers.z_ref + z));
@@ -335,7 +334,7 @@ impl ContactLines<'_> {
         let four = if held {
             None
         } else {
-            self.four(tau, k, f64x4::new(at))
+            self.four(tau, k, F64x4(at))
         };
         let at_middle = 0.5 * (z[0] + z[1]);
         let about = self.point(tau, k, at_middle, held);
@@ -346,10 +345,7 @@ impl ContactLines<'_> {
         };
         // Rates are those of the gaps with the lengths of roll.
         let (gaps, gap_rates) = match &four {
-            Some(four) => {
-                let rates = rolls.map(|rolls| rolls.map(|rolls| four.rates(rolls).to_array()));
-                (four.gap.to_array(), rates)
-            }
+            Some(four) => (four.gap.0, rolls.map(|rolls| four.rates(rolls))),
             None => {
                 // All points of a strip of a spur pair lie at one place of the path.
                 let is_one = numbers.tan_beta_b == 0.0;

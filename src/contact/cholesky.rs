@@ -138,18 +138,15 @@ impl Cholesky {
     pub fn factor_rows(&mut self, n: usize, fill: impl Fn(usize, &mut [f64])) -> Result<(), usize> {
         let groups = n.div_ceil(LANES);
         self.groups = groups;
-        self.u.clear();
-        self.u.reserve(groups * groups * LANES);
-        let mut row = vec![[0.0; LANES]; groups];
-        for i in 0..groups * LANES {
+        self.u.resize(groups * groups * LANES, [0.0; LANES]);
+        for (i, row) in self.u.chunks_exact_mut(groups.max(1)).enumerate() {
             let places = row.as_flattened_mut();
+            places[n..].fill(0.0);
             if i < n {
                 fill(i, &mut places[i..n]);
             } else {
-                places.fill(0.0);
                 places[i] = 1.0;
             }
-            self.u.extend_from_slice(&row);
         }
         widest(
             #[inline(always)]

@@ -291,6 +291,14 @@ impl<'a> Flanks<'a> {
             };
             let limit = limit(0).min(limit(1));
             let end = sense * range[usize::from(sense > 0.0)];
+            if end <= 0.0 && from == 0.0 {
+                // At an end already, as tip edges are.
+                return Some(LeastGap {
+                    gap: at.separation + self.per_cos * (first.removal + second.removal),
+                    s: 0.0,
+                    removal: None,
+                });
+            }
             let step = -slope / bend;
             if sense * (from + step) <= limit.min(end) && bend > 0.0 {
                 let removal = |i: usize, piece: &ProfilePiece| {
@@ -343,6 +351,7 @@ impl<'a> Flanks<'a> {
     }
 
     /// The closest point whose gap is `least`.
+    #[inline]
     pub fn closest_point_at(&self, least: &LeastGap) -> ClosestPoint {
         let s = least.s;
         let roll = self.rolls(s);
@@ -359,6 +368,7 @@ impl<'a> Flanks<'a> {
     ///
     /// The tangent of the transverse section is normal to the generator, so the same distances count in the normal
     /// section; the gap is cos beta_b of that along the line of action.
+    #[inline]
     fn profile(&self, s: f64, rolls: [f64; 2]) -> GapProfile {
         let numbers = self.section.numbers();
         let cos = numbers.cos_beta_b;

@@ -363,10 +363,13 @@ impl Problem<'_> {
             .factor
             .factor_rows(active.len(), |r, row| {
                 let bulk = &self.bulk[active[r] * n..][..n];
-                for (places, first) in runs.iter().filter(|(places, _)| places.end > r) {
+                for (places, first) in &runs {
                     let begin = places.start.max(r);
-                    let there = &bulk[first + begin - places.start..][..places.end - begin];
-                    row[begin - r..places.end - r].copy_from_slice(there);
+                    if begin < places.end {
+                        let there = &bulk[first + begin - places.start..];
+                        let columns = &mut row[begin - r..places.end - r];
+                        columns.copy_from_slice(&there[..columns.len()]);
+                    }
                 }
                 row[0] += solution.compliance[r];
             })

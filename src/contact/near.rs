@@ -1,8 +1,7 @@
 //! Which strips of a pose may carry, and how fast they change.
 
-use wide::f64x4;
-
 use super::candidates::{Candidate, ContactLines, Middle, POINTS, StripRates};
+use crate::f64x4::F64x4;
 
 /// Strips, and how fast each changes by mesh position (per cycle) and by centre distance (per m), where that is known.
 pub type Moving = (Vec<Candidate>, Vec<Option<[StripRates; 2]>>);
@@ -52,7 +51,7 @@ impl ContactLines<'_> {
                 if station / POINTS != group {
                     group = station / POINTS;
                     let middles = std::array::from_fn(|q| self.middle(group * POINTS + q));
-                    four = self.four(tau, k, f64x4::new(middles));
+                    four = self.four(tau, k, F64x4(middles));
                 }
                 let Some(z) = self.carrying(tau, k, whole) else {
                     continue;

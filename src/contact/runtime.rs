@@ -178,7 +178,7 @@ impl RuntimeContact {
                 .map(|by| [by[0][place], by[1][place]]);
             let loads = &load.solution.loads[i];
             let inside = problem.local[i].held(loads, penetration, plane);
-            if let (Some(held), Some(rates)) = (inside, load.rates[i]) {
+            if let (Some(held), Some(rates)) = (inside, &load.rates[i]) {
                 energy += held.energy;
                 let along = |axis: usize| {
                     let opened = rates[axis].gap.iter().zip(loads.forces);
@@ -216,7 +216,7 @@ impl RuntimeContact {
                 let lengths = [0, 1].map(|g| lengths[g] + by[axis][g] * step);
                 let lines = self.lines(section, cycle);
                 let (tau, name) = (cycle.tau + turn, names[place]);
-                if let Some(rates) = load.rates[i] {
+                if let Some(rates) = &load.rates[i] {
                     // Only the law is asked for anew.
                     let profile = lines.profile(tau, name.0, strips[i].middle());
                     let strip = Candidate {

@@ -1,8 +1,7 @@
 //! Where tooth pairs touch in the transverse section, on the path of contact and beyond its ends.
 
-use wide::f64x4;
-
 use super::numbers::PairNumbers;
+use crate::f64x4::F64x4;
 
 /// A point that may touch: lengths of roll on both gears and what separates the flanks there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -148,12 +147,20 @@ impl TransverseSection {
         }
     }
 
-    /// Lengths of roll of both gears, m, at four conjugate positions `xi` (m), which lie on the path of contact; else `None`.
+    /// Lengths of roll of both gears, m, at four conjugate positions `xi` (m), which lie between the ends of the path of contact;
+    /// else `None`.
     #[inline(always)]
-    pub fn rolls_on_path(&self, xi: f64x4) -> Option<[f64x4; 2]> {
-        let [first, last] = self.path.map(f64x4::splat);
-        let on_path = (xi.simd_ge(first) & xi.simd_le(last)).all();
-        on_path.then(|| self.sides.map(|side| xi * side.q + side.rb * self.tan_phi))
+    pub fn rolls_on_path(&self, xi: F64x4) -> Option<[F64x4; 2]> {
+        let [first, last] = self.path;
+        let on_path = (xi - first).min(-xi + last).are_positive();
+        // One by one: mapped, they would be compiled apart from the code around.
+        let [a, b] = &self.sides;
+        on_path.then(|| {
+            [
+                xi * a.q + a.rb * self.tan_phi,
+                xi * b.q + b.rb * self.tan_phi,
+            ]
+        })
     }
 
     /// Length of flank from the length of roll `roll` on gear `i` to its tip edge, m.

@@ -7,12 +7,11 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-use wide::f64x4;
-
 use super::modification::{EndRelief, ProfileCrowning, ProfilePiece, ProfileRelief, ProfileSlope};
 use super::topography::Topography;
 use super::{Flank, Gear};
+use crate::f64x4::F64x4;
+use serde::{Deserialize, Serialize};
 
 /// All modifications of one flank of one gear, SI. The default is the unmodified involute helicoid.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -166,7 +165,7 @@ impl Microgeometry {
 
     /// The part of [`Microgeometry::removal`] that depends on the place along the face alone at four places `z`, m.
     #[inline(always)]
-    pub fn lead_removals(&self, gear: &Gear, z: f64x4) -> f64x4 {
+    pub(crate) fn lead_removals(&self, gear: &Gear, z: F64x4) -> F64x4 {
         let t = z * (2.0 / gear.face_width) - 1.0;
         let mut removal = t * (t * self.lead_crowning + 0.5 * self.lead_slope);
         for (relief, from_end) in self.end_relief.iter().zip([z, -z + gear.face_width]) {

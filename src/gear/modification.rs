@@ -1,8 +1,8 @@
 //! The single modifications a flank may have.
 
 use serde::{Deserialize, Serialize};
-use wide::f64x4;
 
+use crate::f64x4::F64x4;
 /// How a relief grows from its start to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ReliefShape {
@@ -246,8 +246,8 @@ impl EndRelief {
 
     /// As [`EndRelief::removal`] at four places.
     #[inline(always)]
-    pub(super) fn removals(&self, from_end: f64x4) -> f64x4 {
-        let way = (-from_end / self.length + 1.0).max(f64x4::ZERO);
+    pub(super) fn removals(&self, from_end: F64x4) -> F64x4 {
+        let way = (-from_end / self.length + 1.0).at_least(0.0);
         let fraction = match self.shape {
             ReliefShape::Linear => way,
             ReliefShape::Parabolic | ReliefShape::Arc => way * way,

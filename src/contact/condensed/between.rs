@@ -1,7 +1,7 @@
 //! Influence between the nodes, and its slopes.
 
 use super::neighbours::Neighbours;
-use super::rows::{LANES, Lanes, OFFSETS, add_products, combine};
+use super::rows::{LANES, OFFSETS, add_products, combine};
 use super::{CondensedFlank, StripName};
 use crate::contact::influence::Influence;
 use crate::table::widest;
@@ -46,31 +46,37 @@ impl CondensedFlank {
         let weights = around.at.each_ref().map(|at| at.weights);
         // What whole groups of lanes write beyond the diagonal is overwritten by what belongs there.
         let mut row = vec![0.0; n + LANES];
+        let mut blocks = Vec::with_capacity(runs.len());
         for (known, run) in runs.iter().enumerate() {
             let scale = scale(run.name.0);
+            blocks.clear();
+            blocks
+                .extend((runs[..=known].iter()).map(|columns| around.block(run, columns, &zeros)));
             for i in run.first..run.first + run.count {
-                let begins = run.row_begins(i);
-                for columns in &runs[..=known] {
+                for (columns, block) in runs.iter().zip(&mut blocks) {
                     let places = columns.count.min(i + 1 - columns.first);
                     let count = places.div_ceil(LANES);
                     let entries = &mut row[columns.first..].as_chunks_mut().0[..count];
-                    let rows = around.rows(&begins, columns, count, &zeros);
-                    combine(entries, &weights, &rows);
+                    entries.fill([0.0; LANES]);
+                    // At an offset of the nodes the others count nothing.
+                    for (offset, at) in around.at.iter().enumerate() {
+                        if at.across != 0.0 {
+                            combine(entries, &at.weights, block.rows(offset, count));
+                        }
+                    }
                     if scale != 1.0 && columns.name.0 == run.name.0 {
                         let own = &mut row[columns.first..][..places];
                         own.iter_mut().for_each(|value| *value *= scale);
                     }
+                    block.advance();
                 }
                 bulk.extend_from_slice(&row[..n]);
-                let (above, own) = bulk.split_at_mut(i * n);
-                for (above, value) in above.chunks_exact_mut(n).zip(&own[..i]) {
-                    above[i] = *value;
-                }
             }
             for (gear, known) in lengths.iter_mut().enumerate() {
                 around.lengths((run, gear), &weights, &zeros, known);
             }
         }
+        mirror(&mut bulk, n);
         Influence { bulk, lengths }
     }
 
@@ -111,12 +117,15 @@ impl CondensedFlank {
         ];
         // By offset and node: y' A y, lane by lane.
         let mut by_node = [[[0.0; LANES]; 4]; OFFSETS];
-        let mut products = vec![[0.0; LANES]; zeros.len()];
+        let mut products = vec![[0.0; LANES]; zeros.len() / LANES];
+        let mut blocks = Vec::with_capacity(runs.len());
         for (known, run) in runs.iter().enumerate() {
             let scale = scale(run.name.0);
+            blocks.clear();
+            blocks
+                .extend((runs[..=known].iter()).map(|columns| around.block(run, columns, &zeros)));
             for i in run.first..run.first + run.count {
-                let begins = run.row_begins(i);
-                for columns in &runs[..=known] {
+                for (columns, block) in runs.iter().zip(&mut blocks) {
                     let last = columns.count.min(i + 1 - columns.first);
                     let count = last.div_ceil(LANES);
                     let is_own = columns.name.0 == run.name.0;
@@ -130,8 +139,11 @@ impl CondensedFlank {
                     if columns.first + last == i + 1 {
                         places[last - 1] *= 0.5;
                     }
-                    let rows = around.rows(&begins, columns, count, &zeros);
-                    add_products(&mut by_node, &products[..count], &rows);
+                    for (offset, by_node) in by_node.iter_mut().enumerate() {
+                        let rows = block.rows(offset, count);
+                        add_products(by_node, &products[..count], rows);
+                    }
+                    block.advance();
                 }
             }
             for (weights, lengths) in weights.iter().zip(&mut slopes.lengths) {
@@ -149,8 +161,37 @@ impl CondensedFlank {
     }
 
     /// A row of strips that are not there.
-    fn zeros(&self) -> Vec<Lanes> {
-        vec![[0.0; LANES]; self.stations.div_ceil(LANES)]
+    fn zeros(&self) -> Vec<f32> {
+        vec![0.0; self.stations.next_multiple_of(LANES)]
+    }
+}
+
+/// Fills the upper triangle of the `n` x `n` matrix `a`, row by row, from the lower one: four columns at once.
+#[inline(always)]
+fn mirror(a: &mut [f64], n: usize) {
+    for first in (0..n).step_by(LANES) {
+        let (above, rows) = a.split_at_mut(first * n);
+        let count = LANES.min(n - first);
+        if count == LANES {
+            let (p, rest) = rows.split_at(n);
+            let (q, rest) = rest.split_at(n);
+            let (r, s) = rest.split_at(n);
+            let own = p.iter().zip(q).zip(r.iter().zip(s));
+            for (above, ((p, q), (r, s))) in above.chunks_exact_mut(n).zip(own) {
+                above[first..first + LANES].copy_from_slice(&[*p, *q, *r, *s]);
+            }
+        } else {
+            for (j, above) in above.chunks_exact_mut(n).enumerate() {
+                for i in 0..count {
+                    above[first + i] = rows[i * n + j];
+                }
+            }
+        }
+        for i in 1..count {
+            for j in 0..i {
+                rows[j * n + first + i] = rows[i * n + first + j];
+            }
+        }
     }
 }
 

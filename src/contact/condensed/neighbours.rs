@@ -13,11 +13,40 @@ pub struct Run {
     places: [Option<usize>; 4],
 }
 
-impl Run {
-    /// Where in the four nodes the influence of all strips on strip `i` of this run begins.
+/// Rows of the nodes that follow each other: the influence of some strips on those of one run.
+pub struct Block<'a> {
+    /// Values of the nodes by offset and along the cycle, zeros for one in which the strips are not there.
+    values: [[&'a [f32]; 4]; OFFSETS],
+    /// Where the present row begins in each of the four along the cycle, the way to the next one, and by how much that is longer.
+    begins: [usize; 4],
+    ways: [usize; 4],
+    growth: [usize; 4],
+}
+
+impl<'a> Block<'a> {
+    /// Goes on to the next row.
     #[inline(always)]
-    pub fn row_begins(&self, i: usize) -> [Option<usize>; 4] {
-        (self.places).map(|place| Some(triangle(place? + (i - self.first), 0)))
+    pub fn advance(&mut self) {
+        for step in 0..4 {
+            self.begins[step] += self.ways[step];
+            self.ways[step] += self.growth[step];
+        }
+    }
+
+    /// `count` whole groups of lanes of the present row at one offset. What a group holds beyond the diagonal means nothing.
+    #[inline(always)]
+    pub fn rows(&self, offset: usize, count: usize) -> Rows<'a> {
+        let ([a, b, c, d], begins) = (self.values[offset], &self.begins);
+        let row = |values: &'a [f32], begin: usize| {
+            let groups: &'a [Lanes] = values[begin..][..count * LANES].as_chunks().0;
+            groups
+        };
+        [
+            row(a, begins[0]),
+            row(b, begins[1]),
+            row(c, begins[2]),
+            row(d, begins[3]),
+        ]
     }
 }
 
@@ -93,42 +122,61 @@ impl<'a> Neighbours<'a> {
         runs
     }
 
-    /// `count` whole groups of lanes of all nodes, from the first of `columns` on, of the rows that begin at `begins`; `zeros` where
-    /// one is not there. What a group holds beyond the diagonal means nothing.
+    /// The influence of the strips of `columns` on those of `run`; `zeros`, as long as a row of a tooth pair, for nodes in which
+    /// one of them is not there.
     #[inline(always)]
-    pub fn rows<'b>(
-        &'b self,
-        begins: &[Option<usize>; 4],
-        columns: &Run,
-        count: usize,
-        zeros: &'b [Lanes],
-    ) -> Rows<'b> {
-        let mut rows = [[&zeros[..count]; 4]; OFFSETS];
+    pub fn block<'b>(&'b self, run: &Run, columns: &Run, zeros: &'b [f32]) -> Block<'b> {
+        let mut first = [None; 4];
+        let (mut ways, mut growth) = ([0; 4], [0; 4]);
         for step in 0..4 {
-            if let (Some(begin), Some(column)) = (begins[step], columns.places[step]) {
-                for (rows, at) in rows.iter_mut().zip(&self.at) {
-                    let values = &at.values[step][begin + column..];
-                    rows[step] = &values.as_chunks().0[..count];
+            if let (Some(row), Some(column)) = (run.places[step], columns.places[step]) {
+                first[step] = Some(triangle(row, column));
+                (ways[step], growth[step]) = (row + 1, 1);
+            }
+        }
+        Block {
+            ways,
+            growth,
+            ..self.row_from(first, zeros)
+        }
+    }
+
+    /// One row that begins at `first`.
+    #[inline(always)]
+    fn row_from<'b>(&'b self, first: [Option<usize>; 4], zeros: &'b [f32]) -> Block<'b> {
+        let mut values = [[zeros; 4]; OFFSETS];
+        for (values, at) in values.iter_mut().zip(&self.at) {
+            for step in 0..4 {
+                if first[step].is_some() {
+                    values[step] = at.values[step];
                 }
             }
         }
-        rows
+        Block {
+            values,
+            begins: first.map(|first| first.unwrap_or(0)),
+            ways: [0; 4],
+            growth: [0; 4],
+        }
     }
 
-    /// Reference lengths of one gear at the strips of `run`, or their slopes, into `out`: the nodes weighted by `weights`. `zeros` as for
-    /// [`Neighbours::rows`].
+    /// Adds reference lengths of one gear at the strips of `run`, or their slopes, to `out`: the nodes weighted by `weights`. `zeros` as for
+    /// [`Neighbours::block`].
     #[inline(always)]
     pub fn lengths(
         &self,
         (run, gear): (&Run, usize),
         weights: &[[f64; 4]; OFFSETS],
-        zeros: &[Lanes],
+        zeros: &[f32],
         out: &mut [f64],
     ) {
         let begin = self.lengths + gear * self.flank.strips();
         let (groups, rest) = out[run.first..][..run.count].as_chunks_mut();
-        let rows = self.rows(&[Some(begin); 4], run, groups.len(), zeros);
-        combine(groups, weights, &rows);
+        let first = run.places.map(|place| Some(begin + place?));
+        let block = self.row_from(first, zeros);
+        for (offset, weights) in weights.iter().enumerate() {
+            combine(groups, weights, block.rows(offset, groups.len()));
+        }
         // A node may end within a group.
         for (k, length) in rest.iter_mut().enumerate() {
             let place = begin + groups.len() * LANES + k;

@@ -8,24 +8,21 @@ pub const LANES: usize = 4;
 pub type Lanes = [f32; LANES];
 /// Offsets of the centre distance that are combined.
 pub const OFFSETS: usize = 3;
-/// Rows of the four nodes along the cycle at each offset, all as long.
-pub type Rows<'a> = [[&'a [Lanes]; 4]; OFFSETS];
+/// Rows of the four nodes along the cycle at one offset, all as long.
+pub type Rows<'a> = [&'a [Lanes]; 4];
 
-/// Puts the sum of `rows`, weighted, into `entries`.
+/// Adds the sum of `rows`, weighted, to `entries`.
 #[inline(always)]
-pub fn combine(entries: &mut [[f64; LANES]], weights: &[[f64; 4]; OFFSETS], rows: &Rows<'_>) {
+pub fn combine(entries: &mut [[f64; LANES]], weights: &[f64; 4], [a, b, c, d]: Rows<'_>) {
     // Zipped, so that one end is looked for, not that of every row.
-    let [x, y, z] = rows.map(|[a, b, c, d]| a.iter().zip(b).zip(c.iter().zip(d)));
-    let rows = x.zip(y).zip(z);
-    for (entry, ((x, y), z)) in entries.iter_mut().zip(rows) {
+    let rows = a.iter().zip(b).zip(c.iter().zip(d));
+    for (entry, ((a, b), (c, d))) in entries.iter_mut().zip(rows) {
         // Groups one by one: left to itself the compiler takes several at once, lane by lane, with more shuffles than sums.
         black_box(());
-        let mut sums = [0.0; LANES];
-        for (weights, ((a, b), (c, d))) in weights.iter().zip([x, y, z]) {
-            for (weight, row) in weights.iter().zip([a, b, c, d]) {
-                for lane in 0..LANES {
-                    sums[lane] += weight * f64::from(row[lane]);
-                }
+        let mut sums = *entry;
+        for (weight, row) in weights.iter().zip([a, b, c, d]) {
+            for lane in 0..LANES {
+                sums[lane] += weight * f64::from(row[lane]);
             }
         }
         *entry = sums;
@@ -34,17 +31,15 @@ pub fn combine(entries: &mut [[f64; LANES]], weights: &[[f64; 4]; OFFSETS], rows
 
 /// Adds the products of `y` and each of `rows` to `sums`, lane by lane.
 #[inline(always)]
-pub fn add_products(sums: &mut [[[f64; LANES]; 4]; OFFSETS], y: &[[f64; LANES]], rows: &Rows<'_>) {
-    for (sums, [a, b, c, d]) in sums.iter_mut().zip(rows) {
-        let rows = a.iter().zip(*b).zip(c.iter().zip(*d));
-        let mut all = *sums;
-        for (y, ((a, b), (c, d))) in y.iter().zip(rows) {
-            for (sums, row) in all.iter_mut().zip([a, b, c, d]) {
-                for lane in 0..LANES {
-                    sums[lane] += y[lane] * f64::from(row[lane]);
-                }
+pub fn add_products(sums: &mut [[f64; LANES]; 4], y: &[[f64; LANES]], [a, b, c, d]: Rows<'_>) {
+    let rows = a.iter().zip(b).zip(c.iter().zip(d));
+    let mut all = *sums;
+    for (y, ((a, b), (c, d))) in y.iter().zip(rows) {
+        for (sums, row) in all.iter_mut().zip([a, b, c, d]) {
+            for lane in 0..LANES {
+                sums[lane] += y[lane] * f64::from(row[lane]);
             }
         }
-        *sums = all;
     }
+    *sums = all;
 }

@@ -8,8 +8,7 @@ use super::knee::Knee;
 use super::lambert;
 use super::profile::GapProfile;
 use super::tip_edge::TipEdge;
-use wide::f64x4;
-
+use crate::f64x4::F64x4;
 /// Force of one strip over the approach of its two flanks that the local contact takes up.
 ///
 /// The penetration under the force per length w is, summed over both gears (see
@@ -127,7 +126,7 @@ impl LocalContact {
         if squeezed != 0.0 {
             wide *= squeezed.exp();
         }
-        LocalContact {
+        let mut law = LocalContact {
             length,
             c,
             log_scale,
@@ -140,21 +139,29 @@ impl LocalContact {
             by_corner,
             edge: TipEdge::new([c, radius, reference, profile.edge_slope()], corner, line),
             relief: None,
-        }
-        .with_relief(profile)
+        };
+        law.relief = law.least_at_relief(profile).map(|least| {
+            Box::new(Relief {
+                profile: *profile,
+                least,
+                law: OnceLock::new(),
+            })
+        });
+        law
     }
 
-    /// This law up to where contact reaches the start of a relief, if it does before it becomes too wide.
-    fn with_relief(mut self, profile: &GapProfile) -> LocalContact {
+    /// Half-width, line load and penetration at which contact reaches the start of a relief, if it does before it becomes too
+    /// wide.
+    fn least_at_relief(&self, profile: &GapProfile) -> Option<[f64; 3]> {
         let half_width = profile.room();
         if half_width >= WIDTH_OVER_REFERENCE * self.reference {
-            return self;
+            return None;
         }
         let [load, penetration] = match &self.edge {
             Some(edge) if half_width > profile.edge_distance() => {
                 // On its tangent the law of the edge knows no width.
                 if 2.0 * half_width >= edge.widest() {
-                    return self;
+                    return None;
                 }
                 edge.at_width(2.0 * half_width)
             }
@@ -165,12 +172,7 @@ impl LocalContact {
                 [load, load * (self.c * (log + 0.5) + self.by_corner)]
             }
         };
-        self.relief = Some(Box::new(Relief {
-            profile: *profile,
-            least: [half_width, load, penetration],
-            law: OnceLock::new(),
-        }));
-        self
+        Some([half_width, load, penetration])
     }
 
     /// The law where contact reaches the start of a relief.
@@ -243,11 +245,11 @@ impl LocalContact {
             };
         }
         if let Some((force, v)) = self.within_flank(x) {
-            let scale = f64x4::splat(2.0 * self.length / self.c);
-            let open = force.simd_eq(f64x4::ZERO);
+            let scale = F64x4::splat(2.0 * self.length / self.c);
+            let touches = force.is(|force| force != 0.0);
             return PointLoads {
-                forces: force.to_array(),
-                slopes: open.select(f64x4::ZERO, scale / (v - 1.0)).to_array(),
+                forces: force.0,
+                slopes: touches.select(scale / (v - 1.0), F64x4::ZERO).0,
                 inside: self.by_corner == 0.0,
             };
         }
@@ -262,21 +264,21 @@ impl LocalContact {
     /// Forces at four points (N) and -u there, of any size where there is no force; `None` where contact at one of them
     /// reaches a tip edge, is too wide, or so slight that the tabulated root ends.
     #[inline(always)]
-    fn within_flank(&self, x: [f64; 4]) -> Option<(f64x4, f64x4)> {
+    fn within_flank(&self, x: [f64; 4]) -> Option<(F64x4, F64x4)> {
         let limit = self.least_beyond().min(self.wide);
         if !x.iter().all(|x| *x < limit) {
             return None;
         }
-        let x = f64x4::new(x);
-        let touches = x.simd_gt(f64x4::ZERO);
+        let x = F64x4(x);
+        let touches = x.is(|x| x > 0.0);
         // Points that are open take any argument of the logarithm.
-        let t = -(touches.select(x, f64x4::splat(0.5 * self.wide)).ln() + self.log_scale);
+        let t = -(touches.select(x, F64x4::splat(0.5 * self.wide)).ln() + self.log_scale);
         if !lambert::is_held(t) {
             return None;
         }
         let v = lambert::roots_at(t);
         let scale = 2.0 * self.length / self.c;
-        Some((touches.select(x / v, f64x4::ZERO) * scale, v))
+        Some((touches.select(x / v, F64x4::ZERO) * scale, v))
     }
 
     /// What the forces of `loads`, at the penetrations `x`, do while the law changes and they are held; `None` unless all

@@ -6,7 +6,7 @@
 
 use std::sync::LazyLock;
 
-use wide::f64x4;
+use crate::f64x4::F64x4;
 
 /// Range of sigma in pieces.
 const FIRST: f64 = 0.3125;
@@ -72,7 +72,7 @@ fn start(t: f64) -> f64 {
 /// The root v at `t` > 1.
 pub fn root_at(t: f64) -> f64 {
     if (FIRST_T..LAST_T).contains(&t) {
-        roots_at(f64x4::splat(t)).to_array()[0]
+        roots_at(F64x4::splat(t)).0[0]
     } else {
         root(t)
     }
@@ -80,27 +80,24 @@ pub fn root_at(t: f64) -> f64 {
 
 /// Whether [`roots_at`] holds `t`.
 #[inline(always)]
-pub fn is_held(t: f64x4) -> bool {
-    (t.simd_ge(f64x4::splat(FIRST_T)) & t.simd_lt(f64x4::splat(LAST_T))).all()
+pub fn is_held(t: F64x4) -> bool {
+    (t - FIRST_T).min(-t + LAST_T).are_positive()
 }
 
 /// The roots at `t`, which [`is_held`].
 #[inline(always)]
-pub fn roots_at(t: f64x4) -> f64x4 {
+pub fn roots_at(t: F64x4) -> F64x4 {
+    // Added to a number of this size, another one is rounded to a whole number, which the last digits hold.
+    const LARGE: f64 = 6_755_399_441_055_744.0;
     let place = ((t - 1.0).sqrt() - FIRST) * (1.0 / STEP);
-    let place = place.to_array();
+    let rounded = (place - 0.5) + LARGE;
+    let x = place - (rounded - LARGE);
     let table: &[[f64; 6]] = &TABLE;
-    let mut pieces = [[0.0; 4]; 6];
-    let mut fractions = [0.0; 4];
-    for lane in 0..4 {
-        let piece = (place[lane] as i32).clamp(0, PIECES as i32 - 1);
-        fractions[lane] = place[lane] - f64::from(piece);
-        for (all, coefficient) in pieces.iter_mut().zip(&table[piece as usize]) {
-            all[lane] = *coefficient;
-        }
-    }
-    let x = f64x4::new(fractions);
-    let c = |power: usize| f64x4::new(pieces[power]);
+    let pieces = rounded.0.map(|r| {
+        let piece = (r.to_bits() & 0xffff) as usize;
+        &table[piece.min(PIECES - 1)]
+    });
+    let c = |power: usize| F64x4(pieces.map(|piece| piece[power]));
     c(0) + x * (c(1) + x * (c(2) + x * (c(3) + x * (c(4) + x * c(5)))))
 }
 

@@ -48,8 +48,9 @@ impl TipEdge {
         line: f64,
     ) -> Option<TipEdge> {
         let least = (-2.0 * slope * radius).max(0.0);
-        // Far inside the flank, as most strips are: beyond any mean of 4 L and twice the distance from the edge.
-        if least > 2.0 * (2.0 * reference).max(corner.held(line)) {
+        // Far inside the flank, as most strips are: the width of the tangent is a mean of 3 L and twice the distance from the
+        // edge, which is the least width up to rounding.
+        if least > (1.0 - 1e-9) * 2.0 * (2.0 * reference).max(corner.held(line)) {
             return None;
         }
         let with_corner = c + corner.softness;

@@ -6,7 +6,8 @@
 //!
 //! External gears: the standard's equations for a rack of dedendum h_fP and tip radius rho_fP; backlash is left
 //! out as there. Rings: the standard's own definition, the chord between the 60 degree tangents, its lever arm and the radius of the
-//! fillet, taken from the outline with the fillet's arc as it is; without helix only.
+//! fillet, taken from the outline with the fillet's arc as it is: that of the virtual spur ring, its teeth rounded to a whole
+//! number.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, FRAC_PI_4, FRAC_PI_6, PI};
 
@@ -49,7 +50,7 @@ struct Section {
 
 impl NominalRootStress {
     /// Of gear `i` (0 or 1) of `pair` under `torque` on gear 1, N m. None where the standard does not go: rims
-    /// thinner than half the tooth height (ring: 1.75 modules), notches beyond 1 <= q_s < 8, rings with a helix.
+    /// thinner than half the tooth height (ring: 1.75 modules), notches beyond 1 <= q_s < 8.
     pub fn new(pair: &PairGeometry, i: usize, torque: f64) -> Option<NominalRootStress> {
         let gear = &pair.gears[i];
         let ratio = pair.transverse_contact_ratio(pair.center_distance);
@@ -59,8 +60,7 @@ impl NominalRootStress {
         let virtual_contact_ratio = ratio / squared;
         let section = match gear.kind {
             GearKind::External => external(gear, virtual_teeth, virtual_contact_ratio),
-            GearKind::Ring if gear.helix_angle == 0.0 => drawn(gear, ratio)?,
-            GearKind::Ring => return None,
+            GearKind::Ring => drawn(&virtual_spur(gear, virtual_teeth), virtual_contact_ratio)?,
         };
         let Section {
             chord,
@@ -171,6 +171,20 @@ fn external(gear: &Gear, z_n: f64, contact_ratio: f64) -> Section {
     }
 }
 
+/// The spur gear of about `teeth` teeth with the tooth of `gear` in its normal section.
+fn virtual_spur(gear: &Gear, teeth: f64) -> Gear {
+    let mut spur = Gear {
+        teeth: teeth.round() as u32,
+        helix_angle: 0.0,
+        ..gear.clone()
+    };
+    let outwards = spur.reference_radius() - gear.reference_radius();
+    spur.tip_radius += outwards;
+    spur.held_radius += outwards;
+    spur.tooth_thinning *= gear.base_helix_angle().cos();
+    spur
+}
+
 /// The same terms from the outline as it is, in the transverse section: tangents at 30 degrees (ring: 60). None for a fillet
 /// without such a tangent.
 fn drawn(gear: &Gear, contact_ratio: f64) -> Option<Section> {
@@ -257,6 +271,25 @@ mod tests {
     }
 
     #[test]
+    fn the_virtual_spur_gear_has_the_tooth_that_the_standard_gives_helical_gears() {
+        for (teeth, shift, helix) in [([20, 20], [0.0, 0.0], 13.0), ([25, 80], [0.5, 0.3], 30.0)] {
+            let pair = pair(teeth, shift, helix);
+            for gear in &pair.gears {
+                let beta_b = gear.base_helix_angle();
+                let whole = (gear.z() / (beta_b.cos().powi(2) * gear.helix_angle.cos())).round();
+                let ratio =
+                    pair.transverse_contact_ratio(pair.center_distance) / beta_b.cos().powi(2);
+                let own = external(gear, whole, ratio);
+                let seen = drawn(&virtual_spur(gear, whole), ratio).unwrap();
+                assert_relative_eq!(own.chord, seen.chord, max_relative = 1e-9);
+                assert_relative_eq!(own.fillet_radius, seen.fillet_radius, max_relative = 1e-4);
+                assert_relative_eq!(own.load_angle, seen.load_angle, max_relative = 1e-9);
+                assert_relative_eq!(own.lever_arm, seen.lever_arm, max_relative = 1e-9);
+            }
+        }
+    }
+
+    #[test]
     fn a_helix_moves_to_the_virtual_gear_and_lowers_the_stress() {
         let [spur, helical] = [0.0, 20.0].map(|helix| {
             NominalRootStress::new(&pair([20, 20], [0.0, 0.0], helix), 0, 100.0).unwrap()
@@ -289,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_has_its_own_fillet_and_no_helix() {
+    fn a_ring_has_its_own_fillet_and_that_of_its_virtual_gear() {
         let ring = |helix: f64| {
             let gears = [
                 samples::gear(GearKind::External, 20, 1.0, helix, 0.0),
@@ -303,7 +336,11 @@ mod tests {
         };
         let of_ring = NominalRootStress::new(&ring(0.0), 1, 100.0).unwrap();
         assert_relative_eq!(of_ring.fillet_radius, 0.38, max_relative = 1e-4);
-        assert_eq!(NominalRootStress::new(&ring(10.0), 1, 100.0), None);
-        assert!(NominalRootStress::new(&ring(10.0), 0, 100.0).is_some());
+        let helical = NominalRootStress::new(&ring(10.0), 1, 100.0).unwrap();
+        assert_relative_eq!(helical.fillet_radius, 0.38, max_relative = 1e-4);
+        // Teeth of a ring are the thicker at the root the fewer there are: 63 of them instead of 60.
+        let thinner = helical.chord / of_ring.chord;
+        assert!((0.98..1.0).contains(&thinner), "{thinner}");
+        assert!(helical.stress < of_ring.stress);
     }
 }

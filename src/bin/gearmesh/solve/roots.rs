@@ -121,10 +121,9 @@ impl Roots {
         for (i, (largest, nominal)) in self.largest.iter().zip(&self.iso_6336_3).enumerate() {
             let words = largest.as_ref().map_or("none".into(), Place::words);
             rows.row(format!("root stress of gear {}", i + 1), words);
-            let words = nominal.as_ref().map_or(
-                "beyond the standard (rim, notch or helical ring)".into(),
-                Nominal::words,
-            );
+            let words = nominal
+                .as_ref()
+                .map_or("beyond the standard (rim or notch)".into(), Nominal::words);
             rows.row("  ISO 6336-3 sigma_F0", words);
         }
     }

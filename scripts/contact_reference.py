@@ -344,7 +344,7 @@ FAMILIES = {
         [0.5, 0.0, 0.25, 0.125, 0.375], layers=[1.25 * z for z in LAYERS], mesh=OBLIQUE, limit=0.035),
     "helix-25": lambda: family(
         [("helix-25", "helical 20/20, 25 degrees, tip relief and lead crowning, solid", helical(25.0), CYCLE)],
-        [0.5, 0.0, 0.25, 0.125, 0.375], layers=LAYERS, mesh=OBLIQUE, limit=0.035),
+        [0.0, 0.25, 0.375, 0.125, 0.5], layers=graded, mesh=OBLIQUE, limit=0.035),
     "helix-30": lambda: family(
         [("helix-30", "helical 20/20, 30 degrees, tip relief and lead crowning, solid", HELICAL, CYCLE)],
         [0.0, 0.25, 0.375, 0.5], layers=graded, mesh=OBLIQUE, limit=0.035),
@@ -353,7 +353,7 @@ FAMILIES = {
         [0.0], layers=THIN + [20 - z for z in reversed(THIN)], mesh=OBLIQUE, parts=1, limit=0.035),
     "internal-helical": lambda: family(
         [("internal-helical", "internal helical 20/60, 15 degrees, tip relief and lead crowning, solid", RING, torques(50.0, 100.0, 200.0))],
-        [0.0, 0.5, 0.25, 0.75, 0.125, 0.625], layers=[0.9 * z for z in LAYERS], mesh=OBLIQUE, parts=1, limit=0.035),
+        [0.0, 0.25, 0.125, 0.5, 0.75, 0.625], layers=graded, mesh=OBLIQUE, parts=1, limit=0.035),
 }
 
 

@@ -31,7 +31,7 @@ $(VENV)/.tests-complete: $(VENV)/.complete requirements-test.txt
 
 # fmi-sim, the one simulator among them that comes as Rust; it needs bindgen, too, but cargo looks into no configuration of ours
 # to install.
-$(VENV)/bin/fmi-sim: $(VENV)/.bindgen
+$(VENV)/bin/fmi-sim: | $(VENV)/.bindgen
 	LIBCLANG_PATH=$(CURDIR)/$(VENV)/libclang C_INCLUDE_PATH=$(CURDIR)/$(VENV)/c-include \
 	$(CARGO) install --quiet --locked --debug --root $(VENV) fmi-sim@0.7.0
 

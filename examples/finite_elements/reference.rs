@@ -18,7 +18,7 @@ struct Compared {
 }
 
 /// Positions from which on a case tells a peak-to-peak value.
-const CYCLE: usize = 2;
+const CYCLE: usize = 4;
 
 fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().map(Vec::as_slice).unwrap_or_default();

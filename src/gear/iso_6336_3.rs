@@ -249,6 +249,13 @@ mod tests {
         }
     }
 
+    fn assert_same(own: &Section, seen: &Section) {
+        assert_relative_eq!(own.chord, seen.chord, max_relative = 1e-9);
+        assert_relative_eq!(own.fillet_radius, seen.fillet_radius, max_relative = 1e-4);
+        assert_relative_eq!(own.load_angle, seen.load_angle, max_relative = 1e-9);
+        assert_relative_eq!(own.lever_arm, seen.lever_arm, max_relative = 1e-9);
+    }
+
     #[test]
     fn equations_of_the_standard_are_the_generated_tooth() {
         // The outline by the law of gearing against the standard's closed forms: chord, radius and lever arm at the
@@ -262,10 +269,7 @@ mod tests {
             let ratio = pair.transverse_contact_ratio(pair.center_distance);
             for gear in &pair.gears {
                 let [own, seen] = [external(gear, gear.z(), ratio), drawn(gear, ratio).unwrap()];
-                assert_relative_eq!(own.chord, seen.chord, max_relative = 1e-9);
-                assert_relative_eq!(own.fillet_radius, seen.fillet_radius, max_relative = 1e-4);
-                assert_relative_eq!(own.load_angle, seen.load_angle, max_relative = 1e-9);
-                assert_relative_eq!(own.lever_arm, seen.lever_arm, max_relative = 1e-9);
+                assert_same(&own, &seen);
             }
         }
     }
@@ -281,10 +285,7 @@ mod tests {
                     pair.transverse_contact_ratio(pair.center_distance) / beta_b.cos().powi(2);
                 let own = external(gear, whole, ratio);
                 let seen = drawn(&virtual_spur(gear, whole), ratio).unwrap();
-                assert_relative_eq!(own.chord, seen.chord, max_relative = 1e-9);
-                assert_relative_eq!(own.fillet_radius, seen.fillet_radius, max_relative = 1e-4);
-                assert_relative_eq!(own.load_angle, seen.load_angle, max_relative = 1e-9);
-                assert_relative_eq!(own.lever_arm, seen.lever_arm, max_relative = 1e-9);
+                assert_same(&own, &seen);
             }
         }
     }

@@ -1,8 +1,8 @@
 //! The single modifications a flank may have.
 
+use crate::f64x4::F64x4;
 use serde::{Deserialize, Serialize};
 
-use crate::f64x4::F64x4;
 /// How a relief grows from its start to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ReliefShape {

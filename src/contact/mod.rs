@@ -38,6 +38,7 @@ mod mesh_cycle;
 mod near;
 mod numbers;
 mod position;
+mod pressure;
 #[cfg(feature = "preprocess")]
 mod reach;
 mod result;

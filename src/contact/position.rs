@@ -6,6 +6,7 @@ use super::error::{ContactError, OperatingPoint, Prescribed};
 use super::influence::Influence;
 use super::local::{LocalBody, LocalContact};
 use super::numbers::PairNumbers;
+use super::pressure::Beside;
 use super::result::ContactResult;
 
 /// The contact problem at one position and centre distance: influence matrix and gaps.
@@ -15,6 +16,8 @@ pub struct PositionProblem {
     bulk: Vec<f64>,
     /// Law of one point of each strip.
     pub(super) local: Vec<LocalContact>,
+    /// Laws at other places of each strip, for pressure; none where that is not asked for.
+    pub(super) beside: Vec<Beside>,
     /// Reference lengths of both gears at each strip, m.
     lengths: [Vec<f64>; 2],
     /// Points of each strip from mid-face, m.
@@ -78,6 +81,7 @@ impl PositionProblem {
             bulk: influence.bulk,
             lengths: influence.lengths,
             local,
+            beside: vec![],
             cos_beta_b,
             base_radius: numbers.base_radius[0],
             z_ref,

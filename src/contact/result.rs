@@ -81,7 +81,7 @@ pub struct ContactResult {
     /// Normal force on each strip, N, in the order of [`PositionProblem::candidates`].
     pub forces: Vec<f64>,
     /// Pressure of each strip inside the flanks, Pa, under the mean line load of its loaded part: Hertz, and where the contact
-    /// straddles the start of a relief the half-ellipse of the same line load and spread.
+    /// straddles the start of a relief the half-ellipse of the same line load and spread, the largest along the strip.
     pub pressures: Vec<f64>,
     /// Largest line load at a tip edge on each strip.
     pub edge_loads: Vec<Option<EdgeLoad>>,
@@ -93,37 +93,7 @@ impl PositionProblem {
     pub(super) fn result(&self, solution: Solution, gap: &[[f64; POINTS]]) -> ContactResult {
         let loa_force = dot(&self.arm, &solution.force);
         let (moment, tangent, _) = self.moment(&solution);
-        let mut pressures = vec![0.0f64; solution.force.len()];
-        let mut edge_loads = vec![None; solution.force.len()];
-        for i in 0..solution.force.len() {
-            if solution.force[i] == 0.0 {
-                continue;
-            }
-            // Only the local law tells the points of a strip apart: where the gap changes along it, a point bears more than
-            // the line does there. Their mean is what the line bears.
-            let (mut inside, mut points) = (0.0, 0.0);
-            for (&force, lever) in solution.loads[i].forces.iter().zip(&self.lever[i]) {
-                if force == 0.0 {
-                    continue;
-                }
-                if !self.local[i].reaches_edge(force) {
-                    inside += force;
-                    points += 1.0;
-                    continue;
-                }
-                let here = EdgeLoad {
-                    line_load: force / self.local[i].length(),
-                    z: self.z_ref + lever,
-                    gear: self.candidates[i].edge_gear(),
-                };
-                edge_loads[i] = larger(edge_loads[i], Some(here));
-            }
-            if points > 0.0
-                && let Some(pressure) = self.local[i].pressure(inside / points)
-            {
-                pressures[i] = pressure;
-            }
-        }
+        let (pressures, edge_loads) = self.pressures(&solution.loads);
         let mut load_share: Vec<(i32, f64)> = Vec::new();
         let carried = self.arm.iter().zip(&solution.force).map(|(c, f)| c * f);
         for (candidate, force) in self.candidates.iter().zip(carried) {

@@ -217,12 +217,9 @@ impl ContactSolver {
         // Compared with approach and misalignment alone.
         let [_, largest] = self.deflection.range(self.face());
         limits.reach = limits.reach.map(|reach| reach - largest.max(0.0));
-        Ok(PositionProblem::with(
-            &self.numbers,
-            candidates,
-            influence,
-            limits,
-        ))
+        let mut problem = PositionProblem::with(&self.numbers, candidates, influence, limits);
+        problem.look_beside(&self.numbers, lines, tau);
+        Ok(problem)
     }
 
     /// What the contact knows without the elastic models.

@@ -369,9 +369,21 @@ impl LocalContact {
         if self.reaches_edge(f) {
             return None;
         }
-        let w = f.max(0.0) / self.length;
-        let of = |knee: &Knee| 2.0 / std::f64::consts::PI * w / knee.half_width(w);
-        Some(self.knee_under(w).map_or(self.hertz_pressure(f), of))
+        let at_relief = self.pressure_at_relief(f.max(0.0) / self.length);
+        Some(at_relief.unwrap_or(self.hertz_pressure(f)))
+    }
+
+    /// As [`LocalContact::pressure`] under the line load `w` (N/m), where contact reaches the start of a relief and no tip edge.
+    pub fn pressure_at_relief(&self, w: f64) -> Option<f64> {
+        let knee = self.knee_under(w)?;
+        let bounded = !self.reaches_edge(w * self.length);
+        bounded.then(|| 2.0 / std::f64::consts::PI * w / knee.half_width(w))
+    }
+
+    /// Whether contact may reach the start of a relief.
+    #[cfg(feature = "preprocess")]
+    pub fn has_relief(&self) -> bool {
+        self.relief.is_some()
     }
 
     /// 2 w / (pi b), with b = sqrt(kappa w).

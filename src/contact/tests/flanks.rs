@@ -6,7 +6,7 @@ use crate::contact::local::constants::LEAST_CURVATURE;
 use crate::contact::numbers::PairNumbers;
 use crate::contact::transverse::TransverseSection;
 use crate::gear::{Flank, ProfileRelief, ReliefShape, ToothProfile, Topography};
-use approx::assert_abs_diff_eq;
+use approx::{assert_abs_diff_eq, assert_relative_eq};
 
 const PAPER: &str = include_str!("../../../resources/pairs/palermo2013.json");
 const UNMODIFIED: &str = include_str!("../../../resources/pairs/palermo2013-unmodified.json");
@@ -182,6 +182,18 @@ fn flank_pressure_does_not_grow_with_the_number_of_stations_nor_at_tip_edges() {
             pair.name
         );
         assert!(cycles[1].edge_load().is_some(), "{}", pair.name);
+    }
+}
+
+#[test]
+fn the_largest_pressure_where_a_contact_line_crosses_the_start_of_a_relief_is_found_between_stations()
+ {
+    // Both reliefs start at the pitch point, which the contact line crosses at mid-face at position 0: an end of two strips, in whose
+    // middles the pressure is 11 % lower.
+    let pair = relieved(12e-6, 0.5);
+    let [few, many] = [20, 120].map(|stations| cycle(&pair, stations, 30.0).results);
+    for (a, b) in few.iter().zip(&many) {
+        assert_relative_eq!(a.max_pressure, b.max_pressure, max_relative = 0.02);
     }
 }
 

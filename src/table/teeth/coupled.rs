@@ -6,7 +6,7 @@
 //! W = sum of W1(a_k) + sum over neighbours of c F_j F_k
 //!
 //! stationary, so that slopes of W are those at fixed loads: those of the W1 at fixed a_k and, by M, -c' F_j F_k of every two
-//! neighbours, half of which the second sum gives back of what c' takes of the a_k. With c below half of what any tooth pair gives way
+//! neighbours: -2 c' F_j F_k of what both are left, c' F_j F_k of the second sum. With c below half of what any tooth pair gives way
 //! ([`TeethRecord::check_gain`](super::TeethRecord)) a <- b - c F is a contraction, and there is one solution. Newton's iteration finds
 //! it; a step whose shorter parts do not lessen the residual, either, is replaced by one of that contraction.
 

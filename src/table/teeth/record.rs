@@ -223,7 +223,7 @@ impl TeethRecord {
         let (name, values) = self.coupling(flank);
         Err(TableError::field(
             format!("teeth.{name}"),
-            format!("{values:?}"),
+            values.into_iter().fold(0.0, f64::max),
             format!(
                 "neighbours would take {gain:.2} times what a tooth pair gives way, and only below {LARGEST_GAIN} loads settle"
             ),

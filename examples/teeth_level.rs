@@ -17,7 +17,7 @@ use gearmesh::gear::tolerance::random_index_errors;
 use gearmesh::random::Random;
 use gearmesh::table::plan::default_axes;
 use gearmesh::table::sweep::sweep;
-use gearmesh::table::{FlankTable, Interpolation, Query, TeethFlank, TeethRecord};
+use gearmesh::table::{CouplingRecord, FlankTable, Interpolation, Query, TeethFlank, TeethRecord};
 use teeth::{coverage, level, quiet, record};
 
 type Failure = Box<dyn Error>;
@@ -57,13 +57,13 @@ fn main() -> Result<(), Failure> {
     }
 
     println!(
-        "\n| teeth | misalignment, mrad | approach, um | force without coupling | force | moment |"
+        "\n| teeth | misalignment, mrad | approach, um | load | force without coupling | force | moment |"
     );
-    println!("|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|");
     for (name, record, contact) in &levels {
         let contact = contact.flank(Flank::Drive).ok_or("no drive flank")?;
         let without = TeethRecord {
-            coupling_m_per_n: 0.0,
+            coupling_m_per_n: CouplingRecord::Same(0.0),
             ..record.clone()
         };
         let without = level(&without, &pair)?;
@@ -73,7 +73,7 @@ fn main() -> Result<(), Failure> {
             .flat_map(|m| [0.7, 1.0, 1.3].map(|s| (m, s)))
         {
             let mut random = Random::new(1);
-            let mut squares = [0.0; 3];
+            let (mut squares, mut load) = ([0.0; 3], 0.0);
             for _ in 0..POSES {
                 let query = Query {
                     delta: share * delta,
@@ -85,6 +85,7 @@ fn main() -> Result<(), Failure> {
                 let exact = contact
                     .potential(at, [0; 2], &mut Warm::default())?
                     .gradient;
+                load += exact[0] / nominal / POSES as f64;
                 let of = |level: &TeethFlank| level.evaluate(&query, [0; 2], false).gradient;
                 let found = of(&whole);
                 let errors = [
@@ -99,7 +100,7 @@ fn main() -> Result<(), Failure> {
             let [without, force, moment] =
                 squares.map(|square| format!("{:.2}", 100.0 * (square / POSES as f64).sqrt()));
             println!(
-                "| {name} | {:.1} | {:.2} | {without} | {force} | {moment} |",
+                "| {name} | {:.1} | {:.2} | {load:.2} | {without} | {force} | {moment} |",
                 1e3 * misalignment,
                 1e6 * share * delta
             );

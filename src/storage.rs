@@ -70,8 +70,13 @@ fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let made = builder.prefix(".gearmesh-").tempfile_in(folder(path));
-    // Without the temporary name, which means nothing to the user.
-    made.map_err(|error| error.kind().into())
+    made.map_err(|error| {
+        // What the system says, without the temporary name, which means nothing to the user.
+        let said = error.get_ref().and_then(std::error::Error::source);
+        let said = said.map_or_else(|| error.kind().to_string(), ToString::to_string);
+        let tried = format!("making a file in the folder {}", folder(path).display());
+        io::Error::new(error.kind(), format!("{tried} failed: {said}"))
+    })
 }
 
 #[cfg(test)]
@@ -104,6 +109,12 @@ mod tests {
             let error = write_whole(path, b"x").unwrap_err().to_string();
             assert!(!error.contains(".gearmesh-"), "{error}");
         }
+        let lost = folder.path().join("missing");
+        let error = check_writable(&lost.join("out.json")).unwrap_err();
+        let tried = format!("making a file in the folder {} failed: ", lost.display());
+        assert_eq!(error.kind(), io::ErrorKind::NotFound);
+        assert!(error.to_string().starts_with(&tried), "{error}");
+        assert!(error.to_string().len() > tried.len(), "{error}");
         assert_eq!(entries(folder.path()), 1);
     }
 

@@ -50,6 +50,11 @@ pub fn shown(text: &str) -> String {
     out
 }
 
+/// `value` with an exponent where it had many digits without.
+pub fn number(value: f64) -> String {
+    shown(&value.to_string())
+}
+
 /// `bytes` in hexadecimal digits.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
@@ -83,12 +88,9 @@ mod tests {
 
     #[test]
     fn a_number_does_not_fill_the_line() {
-        assert_eq!(shown(&1e300.to_string()), "1e300");
-        assert_eq!(shown(&(-2.5e-300).to_string()), "-2.5e-300");
-        assert_eq!(
-            shown(&0.08210400000000001.to_string()),
-            "0.08210400000000001"
-        );
+        assert_eq!(number(1e300), "1e300");
+        assert_eq!(number(-2.5e-300), "-2.5e-300");
+        assert_eq!(number(0.08210400000000001), "0.08210400000000001");
     }
 
     #[test]

@@ -6,11 +6,12 @@ use gearmesh::gear::tolerance::random_index_errors;
 use gearmesh::gear::{Flank, OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
+use gearmesh::table::CouplingRecord::{self, Each, Same};
 use gearmesh::table::plan::{Coverage, displacement_nodes, measure, mesh_positions};
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{
     Axes, COORDINATES, Effects, FlankTable, Interpolation, Load, Potential, Query, TableFile,
-    TeethFlank, TeethRecord, TeethSweep,
+    TeethFlank, TeethRecord, TeethSweep, default_teeth_axes,
 };
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
@@ -22,7 +23,8 @@ const QUIET: Watch = Watch {
     cancel: &GO_ON,
 };
 
-const MISALIGNMENT: [f64; 2] = [-5e-4, 5e-4];
+/// That of the pair file.
+const MISALIGNMENT: [f64; 2] = [-3e-3, 3e-3];
 
 /// The paper's pair with class 6 errors on gear 1 and run-out of gear 2, on coarse finite elements.
 struct Ready {
@@ -59,7 +61,7 @@ static READY: LazyLock<Ready> = LazyLock::new(|| {
         coverage: &coverage,
         coast_mirrors_drive: true,
     }
-    .record(&axes(), 400, &QUIET)
+    .record(&axes(&coverage), 400, &QUIET)
     .unwrap();
     Ready {
         pair,
@@ -91,14 +93,10 @@ fn teeth(pair: &Pair) -> PairTeeth {
     }
 }
 
-fn axes() -> Axes {
+fn axes(coverage: &Coverage) -> Axes {
     Axes {
         displacement_fraction: displacement_nodes(10, 1.6),
-        center_distance_offset: vec![0.0],
-        misalignment: (-3..=3)
-            .map(|i| f64::from(i) / 3.0 * MISALIGNMENT[1])
-            .collect(),
-        mesh_position: vec![0.0],
+        ..default_teeth_axes(coverage)
     }
 }
 
@@ -125,12 +123,16 @@ fn alike() -> TeethRecord {
     }
 }
 
-/// Approaches up to nearly that of the largest load.
+/// Approaches from before the first touch up to nearly that of the largest load.
 fn query(random: &mut Random) -> Query {
+    let share = random.next();
+    let misalignment = random.within(MISALIGNMENT);
+    let tilt = misalignment.abs();
+    let [low, high] = [-5e-6 - 1e-2 * tilt, 20e-6 - 3e-3 * tilt];
     Query {
-        delta: random.within([-5e-6, 20e-6]),
+        delta: low + share * (high - low),
         center_distance_offset: 0.0,
-        misalignment: random.within(MISALIGNMENT),
+        misalignment,
         mesh_position: random.within([-200.0, 200.0]),
     }
 }
@@ -163,7 +165,7 @@ fn nominal() -> [f64; 2] {
 #[test]
 fn the_force_with_class_6_errors_is_that_of_contact_at_run_time() {
     let error = READY.record.error;
-    println!("{:.3e} m/N {error:?}", READY.record.coupling_m_per_n);
+    println!("{:?} {error:?}", READY.record.coupling_m_per_n);
     assert_eq!(error.points, 400);
     // What the record says is what is found at other points.
     let level = level(&READY.record);
@@ -184,7 +186,7 @@ fn the_force_with_class_6_errors_is_that_of_contact_at_run_time() {
     println!("force {force:.2e}, moment {moment:.2e}");
     assert!(force < 1e-2 && error.force_rms < 1e-2, "{force} {error:?}");
     assert!(
-        moment < 2e-2 && error.moment_rms < 2e-2,
+        moment < 1e-2 && error.moment_rms < 1e-2,
         "{moment} {error:?}"
     );
     assert!(force < 1.5 * error.force_rms, "{force} {error:?}");
@@ -195,7 +197,7 @@ fn equal_teeth_carry_what_the_table_of_all_teeth_says() {
     let level = level(&alike());
     let axes = Axes {
         mesh_position: mesh_positions(32),
-        ..axes()
+        ..axes(&READY.coverage)
     };
     let torque = READY.coverage.maximum_torque;
     let grid = sweep(&READY.solver, Flank::Drive, &axes, torque, &QUIET).unwrap();
@@ -357,8 +359,21 @@ fn a_record_that_makes_no_sense_is_refused_by_field() {
     };
     refused(&|r| r.last_place = r.first_place, "teeth.first_place");
     refused(&|r| r.last_place = f64::NAN, "teeth.first_place");
-    refused(&|r| r.coupling_m_per_n = f64::NAN, "teeth.coupling_m_per_n");
-    refused(&|r| r.coupling_m_per_n = -1e-9, "teeth.coupling_m_per_n");
+    for wrong in [f64::NAN, -1e-9] {
+        refused(
+            &|r| r.coupling_m_per_n = Same(wrong),
+            "teeth.coupling_m_per_n",
+        );
+        let field = "teeth.coast_coupling_m_per_n";
+        refused(
+            &|r| r.coast_coupling_m_per_n = Some(Each(vec![wrong; 17])),
+            field,
+        );
+    }
+    refused(
+        &|r| r.coupling_m_per_n = Each(vec![1e-9; 6]),
+        "there are 17 misalignments",
+    );
     refused(
         &|r| r.drive_errors[0].index_m.truncate(3),
         "teeth.drive_errors[0].index_m",
@@ -373,7 +388,7 @@ fn a_record_that_makes_no_sense_is_refused_by_field() {
     );
     // A coupling beyond what tooth pairs give way has no single solution.
     let mut record = good.clone();
-    record.coupling_m_per_n *= 10.0;
+    record.coupling_m_per_n = Same(1e-8);
     record.check(geometry).unwrap();
     let error = TeethFlank::new(&record, geometry, Flank::Drive, &EFFECTS).unwrap_err();
     assert!(error.to_string().contains("teeth.coupling"), "{error}");
@@ -413,7 +428,7 @@ fn teeth_that_are_not_told_apart_are_refused_by_field() {
 fn a_file_with_tooth_pairs_is_read_as_it_was_written() {
     let axes = Axes {
         mesh_position: mesh_positions(8),
-        ..axes()
+        ..axes(&READY.coverage)
     };
     let torque = READY.coverage.maximum_torque;
     let grid = sweep(&READY.solver, Flank::Drive, &axes, torque, &QUIET).unwrap();
@@ -428,4 +443,57 @@ fn a_file_with_tooth_pairs_is_read_as_it_was_written() {
     let [drive, coast] =
         TeethFlank::both(again.teeth.as_ref().unwrap(), geometry, &EFFECTS).unwrap();
     assert!(drive.tells_teeth_apart() && coast.tells_teeth_apart());
+    // Files from before the coupling followed the misalignment hold one number.
+    let one = 9e-10;
+    let with = |coupling: CouplingRecord| {
+        let mut file = file.clone();
+        file.teeth.as_mut().unwrap().coupling_m_per_n = coupling;
+        file.seal();
+        file
+    };
+    let text = with(Same(one)).to_json();
+    assert!(text.contains("\"coupling_m_per_n\":9e-10,"));
+    let read = TableFile::from_json(&text).unwrap().teeth.unwrap();
+    assert!(read.in_words().contains("a neighbour takes 0.90 um/kN"));
+    let everywhere = Each(vec![one; read.axes.misalignment_rad.len()]);
+    let everywhere = with(everywhere).teeth.unwrap();
+    let [one, everywhere] = [&read, &everywhere].map(level);
+    let mut random = Random::new(9);
+    for _ in 0..100 {
+        let q = query(&mut random);
+        let [a, b] = [&one, &everywhere].map(|level| level.evaluate(&q, [2, 3], true));
+        for (a, b) in a.gradient.iter().zip(b.gradient) {
+            assert!((a - b).abs() <= 1e-9 * b.abs(), "{q:?} {a} {b}");
+        }
+    }
+    let wrong = text.replace(
+        "\"coupling_m_per_n\":9e-10",
+        "\"coupling_m_per_n\":\"some\"",
+    );
+    let error = TableFile::from_json(&wrong).unwrap_err().to_string();
+    assert!(error.contains("coupling_m_per_n: one number"), "{error}");
+}
+
+#[test]
+fn a_flank_of_its_own_has_a_coupling_of_its_own() {
+    let drive = alike();
+    let coast = TeethRecord {
+        coast: Some(drive.drive.clone()),
+        ..drive.clone()
+    };
+    let apart = TeethRecord {
+        coast_coupling_m_per_n: Some(Same(0.0)),
+        ..coast.clone()
+    };
+    let q = at([13e-6, 0.0, 0.0, 0.5]);
+    let geometry = &READY.pair.geometry;
+    let force = |record: &TeethRecord, flank| {
+        let level = TeethFlank::new(record, geometry, flank, &EFFECTS).unwrap();
+        level.evaluate(&q, [0; 2], false).gradient[0]
+    };
+    for flank in [Flank::Drive, Flank::Coast] {
+        assert_eq!(force(&coast, flank), force(&drive, flank));
+    }
+    assert_eq!(force(&apart, Flank::Drive), force(&drive, Flank::Drive));
+    assert!(force(&apart, Flank::Coast) > 1.05 * force(&coast, Flank::Coast));
 }

@@ -83,6 +83,7 @@ mod tests_teeth;
 
 use crate::gear::PairGeometry;
 use crate::table::Table;
+use crate::words::number;
 use constants::{Constants, FLANKS};
 use flank::Damper;
 use friction::Friction;
@@ -147,6 +148,16 @@ impl Element {
                 let wanted = parameters.table_effects(pair);
                 if *table.effects() != wanted {
                     table = Arc::new(table.sliced(&wanted)?);
+                }
+                // Else the damping would never act in full, without a word.
+                let full = parameters.damping_onset * parameters.nominal_torque;
+                if full > table.file().maximum_torque_nm {
+                    return Err(ElementError::Parameter {
+                        name: "nominalTorque",
+                        value: format!("{} N m", number(parameters.nominal_torque)),
+                        remedy: "dampingOnset times it lies beyond the largest torque of the table, so that damping would never act \
+                                 in full; give a torque of the table",
+                    });
                 }
                 let laws = if wanted.teeth {
                     let [drive, coast] = FLANKS.map(|flank| Law::of_teeth(&table, flank));

@@ -3,6 +3,7 @@
 use super::error::ElementError;
 use crate::gear::PairGeometry;
 use crate::table::{Effects, Interpolation, Load};
+use crate::words::number;
 
 /// Where the stiffness comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,7 +77,7 @@ pub struct Parameters {
     /// the reduced mass m on the pitch circle. See [`Parameters::damping_onset`].
     pub damping: f64,
     /// Conjugate formulation: elastic force, as a fraction of the nominal one, from which on damping
-    /// acts in full, > 0. Below it the coefficient rises from zero with a cubic step, so that meeting
+    /// acts in full, above 0 and up to 1. Below it the coefficient rises from zero with a cubic step, so that meeting
     /// teeth feel no jump; the total force never pulls. This is the law of Adams' IMPACT function with
     /// force in place of penetration. The paper's formulation takes the constant c at once.
     pub damping_onset: f64,
@@ -163,7 +164,7 @@ impl Parameters {
         let refuse = |name, value: f64, unit: &str, remedy| {
             Err(ElementError::Parameter {
                 name,
-                value: format!("{value} {unit}"),
+                value: format!("{} {unit}", number(value)),
                 remedy,
             })
         };
@@ -183,8 +184,9 @@ impl Parameters {
         if !at_least_zero(self.damping) {
             return refuse("damping", self.damping, "N s/m", not_negative);
         }
-        if !above_zero(self.damping_onset) {
-            return refuse("dampingOnset", self.damping_onset, "", positive);
+        if !(self.damping_onset > 0.0 && self.damping_onset <= 1.0) {
+            let remedy = "give a share of the nominal force, above 0 and up to 1; damping = 0 switches damping off";
+            return refuse("dampingOnset", self.damping_onset, "", remedy);
         }
         if let Some(j) = self.backlash
             && !at_least_zero(j)

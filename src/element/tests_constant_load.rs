@@ -157,3 +157,31 @@ fn a_nominal_torque_beyond_the_table_is_refused_by_name() {
         "{text}"
     );
 }
+
+#[test]
+fn a_nominal_torque_that_leaves_the_damping_beyond_all_loads_is_refused_by_name() {
+    let pair = paper_pair(1.0);
+    let torques = [nominal_torque(), 2.0 * nominal_torque()];
+    let mut file = TableFile::new(
+        "spring",
+        "a formula",
+        &pair,
+        torques,
+        &Spring::grid(GRID),
+        None,
+    );
+    file.seal();
+    let table = Arc::new(Table::from_file(file).unwrap());
+    for (nominal_torque, taken) in [(2.0 * nominal_torque(), true), (1e300, false)] {
+        let parameters = Parameters {
+            stiffness_model: StiffnessModel::Table,
+            nominal_torque,
+            damping_onset: 1.0,
+            ..Parameters::default()
+        };
+        let made = Element::new(&pair, &parameters, Some(table.clone()));
+        let said = made.err().map(|error| error.to_string());
+        assert_eq!(said.is_none(), taken, "{said:?}");
+        assert!(said.is_none_or(|said| said.starts_with("nominalTorque = 1e300 N m: ")));
+    }
+}

@@ -9,6 +9,7 @@ use super::report::Refusal;
 use super::settings::Orientation;
 use super::variables::VARIABLES;
 use crate::element::Motion;
+use crate::words::number;
 
 /// Departure of a quaternion's length from 1 above which it is refused. Integrators and linear
 /// interpolation between orientations 10 degrees apart stay below.
@@ -217,9 +218,10 @@ impl InputValues {
                 let is_unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE; // never for NaN
                 if !is_unit {
                     return Err(Refusal::error(format!(
-                        "{}.quaternion has the length {length}; it must be 1 within \
+                        "{}.quaternion has the length {}; it must be 1 within \
                          {QUATERNION_TOLERANCE}: normalise it, or set orientationInput = angles",
-                        BODIES[body].name
+                        BODIES[body].name,
+                        number(length)
                     )));
                 }
                 let q = UnitQuaternion::new_unchecked(q / length);
@@ -245,7 +247,7 @@ impl InputValues {
             "{} = {} {unit}: above {largest:.1e} {unit} its own rounding moves the teeth by more \
              than the table resolves; {remedy}",
             VARIABLES[i + k].name,
-            v[k]
+            number(v[k])
         )))
     }
 

@@ -299,6 +299,7 @@ mod tests {
             ("stiffnessModel=table", "table"),
             ("gear2.position[1]=0.05", "centre distance"),
             ("dampingOnset=0", "dampingOnset"),
+            ("dampingOnset=1e9", "dampingOnset = 1000000000"),
         ] {
             let starts = Starts::constant_stiffness(&geometry, 100.0);
             let contents = Contents {

@@ -48,7 +48,7 @@ pub use runtime::{Effects, Load, Table};
 pub use sliding::{FrictionRecord, SlidingSamples, SlidingTable};
 #[cfg(feature = "preprocess")]
 pub use sliding::{default_sliding_axes, sweep_sliding};
-pub use teeth::{Closing, GearTeethRecord, TeethFlank, TeethRecord, TeethTable};
+pub use teeth::{Closing, CouplingRecord, GearTeethRecord, TeethFlank, TeethRecord, TeethTable};
 #[cfg(feature = "preprocess")]
 pub use teeth::{TeethSweep, default_teeth_axes};
 

@@ -1,7 +1,10 @@
 //! What a tables file covers and how far it can be trusted, in words for `gearmesh inspect` and the FMU's page.
 
-use super::{InterpolationError, LoadAxes, RootStressError, TableFile, TeethRecord};
+use super::{
+    CouplingRecord, InterpolationError, LoadAxes, RootStressError, TableFile, TeethRecord,
+};
 use crate::words::{count, fixed, rounded};
+use std::slice::from_ref;
 
 impl TableFile {
     /// Rows of name and value: origin, size and error, ranges, settings of the solver.
@@ -120,16 +123,38 @@ impl TeethRecord {
     pub fn in_words(&self) -> String {
         let axes = &self.axes;
         format!(
-            "{} x {} x {} x {} from {:.2} to {:.2} base pitches; a neighbour takes {:.2} um/kN; {} against contact at run time",
+            "{} x {} x {} x {} from {:.2} to {:.2} base pitches; a neighbour takes {} um/kN; {} against contact at run time",
             count(axes.displacement_fraction.len(), "displacement"),
             count(axes.center_distance_offset_m.len(), "centre distance"),
             count(axes.misalignment_rad.len(), "misalignment"),
             count(axes.mesh_position.len(), "place"),
             self.first_place,
             self.last_place,
-            1e9 * self.coupling_m_per_n,
+            self.coupling_m_per_n.in_words(),
             self.error
         )
+    }
+}
+
+impl CouplingRecord {
+    /// Least and largest, um/kN.
+    fn in_words(&self) -> String {
+        let values = match self {
+            CouplingRecord::Same(value) => from_ref(value),
+            CouplingRecord::Each(values) => values,
+        };
+        let um_per_kn = |of: fn(f64, f64) -> f64| {
+            let value = values
+                .iter()
+                .copied()
+                .reduce(of)
+                .map_or(f64::NAN, |c| 1e9 * c);
+            format!("{value:.2}")
+        };
+        match [f64::min, f64::max].map(um_per_kn) {
+            [least, largest] if least == largest => least,
+            [least, largest] => format!("{least} to {largest}"),
+        }
     }
 }
 

@@ -93,6 +93,74 @@ fn losses_up_to_a_speed_of_nothing_are_refused_by_name() {
 }
 
 #[test]
+fn a_torque_is_refused_by_the_option_that_gave_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out").to_str().unwrap().to_owned();
+    let pair = paper();
+    for (asked, said) in [
+        (
+            &["report", &pair, "-o", &out, "--torques-nm=50,-5"][..],
+            "--torques-nm = -5: give",
+        ),
+        (
+            &["study", &pair, "-o", &out, "--torque-nm=-5"],
+            "--torque-nm = -5: give",
+        ),
+        (
+            &["study", &pair, "-o", &out, "--vary", "torque_nm=-5..5"],
+            "--vary torque_nm = -5: give",
+        ),
+        (
+            &[
+                "study",
+                &pair,
+                "-o",
+                &out,
+                "--vary",
+                "misalignment_mrad=0..1e300",
+            ],
+            "--vary misalignment_mrad = 1e300: give",
+        ),
+    ] {
+        let output = gearmesh(asked);
+        assert_eq!(output.status.code(), Some(1));
+        let message = stderr(&output);
+        assert!(
+            message.contains(said) && !message.contains("--flank"),
+            "{message}"
+        );
+    }
+    assert!(!Path::new(&out).exists());
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_named_with_what_was_tried() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let below = file.join("below").to_str().unwrap().to_owned();
+    let page = folder.path().join("page.html").to_str().unwrap().to_owned();
+    let pair = paper();
+    for (asked, option) in [
+        (&["solve", &pair, "-o", &below][..], "--output"),
+        (
+            &["study", &pair, "-o", &below, "--vary", "torque_nm=1..5"],
+            "--output",
+        ),
+        (
+            &["report", &pair, "-o", &page, "--figures", &below],
+            "--figures",
+        ),
+    ] {
+        let output = gearmesh(asked);
+        assert_eq!(output.status.code(), Some(1));
+        let said = format!("{option} = {below}: making this folder failed: ");
+        assert!(stderr(&output).contains(&said), "{}", stderr(&output));
+    }
+    assert!(!Path::new(&page).exists());
+}
+
+#[test]
 fn a_report_that_cannot_be_written_is_a_failure_that_names_the_file() {
     let page = "/no/such/folder/report.html";
     let pair = paper();

@@ -289,6 +289,7 @@ fn a_negative_value_is_refused_by_its_option_not_taken_for_one() {
     assert!(!refused.status.success());
     let message = stderr(&refused);
     assert!(message.contains("--torque-nm = -10"), "{message}");
+    assert!(message.contains("--flank coast"), "{message}");
 }
 
 #[test]

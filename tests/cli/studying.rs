@@ -94,7 +94,7 @@ fn a_study_refuses_what_it_cannot_vary_before_it_computes() {
         ("gear1.lead_slop_um=0..1", "lead_slop_um"),
         ("gear1.bore_diameter_mm=28..30", "teeth"),
         ("gear1.lead_crowning_um=-5..5", "lead_crowning_um"),
-        ("misalignment_mrad=0..90", "misalignment-mrad"),
+        ("misalignment_mrad=0..90", "--vary misalignment_mrad = 90:"),
     ] {
         let output = gearmesh(&[
             "study",

@@ -192,6 +192,13 @@ def test_an_angle_too_large_to_be_resolved_is_refused_by_name(mesh):
     assert "take off whole turns" in instance.log()
 
 
+def test_a_number_beyond_all_sense_does_not_fill_the_log(mesh):
+    instance = mesh().initialize(CONSTANT)
+    instance.set({"gear1.angles[3]": 1e300})
+    assert instance.step(0.0, STEP) == ERROR
+    assert "gear1.angles[3] = 1e300 rad" in instance.log()
+
+
 def test_input_derivatives_that_overflow_are_refused_and_leave_the_inputs(mesh):
     for order, rate in ((1, 1e308), (3, 1.7e308)):
         instance = mesh().initialize()

@@ -45,7 +45,7 @@ impl CacheArgs {
 /// Show or empty the folder that keeps elastic models of teeth.
 #[derive(Debug, Args)]
 pub struct Cache {
-    /// Remove all models
+    /// Remove all models; other files stay
     #[arg(long)]
     clear: bool,
 
@@ -66,7 +66,11 @@ impl Cache {
         let total = megabytes(models.iter().map(|model| model.bytes).sum());
         if self.clear {
             let removed = count(cache.clear().map_err(failed)?, "model");
-            output::print(&format!("{folder}: removed {removed}, {total}\n"))?;
+            let mut text = format!("{folder}: removed {removed}, {total}\n");
+            for path in cache.others().map_err(failed)? {
+                text += &format!("left {}, which is no model of this cache\n", path.display());
+            }
+            output::print(&text)?;
             return Ok(());
         }
         let mut rows = Listing::default();

@@ -5,6 +5,8 @@
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
+use gearmesh::words::shown;
+
 use crate::Error;
 
 /// Positions over a mesh cycle where none are asked for: the same for numbers and for pictures, so that both show the same
@@ -31,19 +33,19 @@ pub fn stations(count: usize) -> Result<(), Error> {
     within("stations", count, 1..=1000)
 }
 
-/// Refuses a torque, centre distance or misalignment that no pair file may cover.
-pub fn operating_point(
-    torque_nm: f64,
-    center_distance_offset_um: f64,
-    misalignment_mrad: f64,
-) -> Result<(), Error> {
-    within("torque-nm", torque_nm, 0.0..=1e9)?;
-    within(
-        "center-distance-offset-um",
-        center_distance_offset_um,
-        -1e4..=1e4,
-    )?;
-    within("misalignment-mrad", misalignment_mrad, -20.0..=20.0)
+/// Refuses a torque, N m, that no pair file may cover; `option` gives it, as below.
+pub fn torque(option: &str, nm: f64) -> Result<(), Error> {
+    within(option, nm, 0.0..=1e9)
+}
+
+/// Refuses a centre distance, um, that no pair file may cover.
+pub fn center_distance_offset(option: &str, um: f64) -> Result<(), Error> {
+    within(option, um, -1e4..=1e4)
+}
+
+/// Refuses a misalignment, mrad, that no pair file may cover.
+pub fn misalignment(option: &str, mrad: f64) -> Result<(), Error> {
+    within(option, mrad, -20.0..=20.0)
 }
 
 /// Refuses a speed of gear 1, rpm, that no gear has.
@@ -66,11 +68,8 @@ fn within<T: PartialOrd + Display>(
         return Ok(());
     }
     let (low, high) = range.into_inner();
-    let hint = match option {
-        "torque-nm" => "; for the other flank say `--flank coast`",
-        _ => "",
-    };
-    Err(format!("--{option} = {value}: give a value from {low} to {high}{hint}").into())
+    let value = shown(&value.to_string());
+    Err(format!("--{option} = {value}: give a value from {low} to {high}").into())
 }
 
 #[cfg(test)]
@@ -83,30 +82,19 @@ mod tests {
         assert!(message.contains("--positions = 100000000000"), "{message}");
         let message = stations(1_000_000_000).unwrap_err().to_string();
         assert!(message.contains("--stations = 1000000000"), "{message}");
-        let message = operating_point(0.0, -1e9, 0.0).unwrap_err().to_string();
-        assert!(
-            message.contains("--center-distance-offset-um = -1000000000"),
-            "{message}"
-        );
         assert!(positions(0).is_err() && stations(0).is_err());
     }
 
     #[test]
     fn the_edges_of_the_range_are_allowed_and_nan_is_not() {
         assert!(positions(1).is_ok() && stations(1000).is_ok());
-        assert!(operating_point(0.0, -1e4, 20.0).is_ok());
-        for point in [
-            (f64::NAN, 0.0, 0.0),
-            (0.0, f64::NAN, 0.0),
-            (0.0, 0.0, f64::NAN),
-        ] {
-            assert!(operating_point(point.0, point.1, point.2).is_err());
+        assert!(torque("a", 0.0).is_ok() && center_distance_offset("a", -1e4).is_ok());
+        assert!(misalignment("a", 20.0).is_ok());
+        for refused in [torque, center_distance_offset, misalignment] {
+            let message = refused("the-option", f64::NAN).unwrap_err().to_string();
+            assert!(message.contains("--the-option = NaN"), "{message}");
+            let message = refused("the-option", 1e300).unwrap_err().to_string();
+            assert!(message.contains("--the-option = 1e300:"), "{message}");
         }
-    }
-
-    #[test]
-    fn a_negative_torque_is_told_of_the_other_flank() {
-        let message = operating_point(-5.0, 0.0, 0.0).unwrap_err();
-        assert!(message.to_string().contains("--flank coast"), "{message}");
     }
 }

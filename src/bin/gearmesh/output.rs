@@ -38,6 +38,16 @@ pub fn check_writable(path: &Path, read: &[&Path]) -> Result<(), crate::Error> {
         .map_err(|source| WriteError::new(path, source).into())
 }
 
+/// Makes the folder `path`, which `option` gives, if it is not there.
+pub fn make_folder(option: &str, path: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(path).map_err(|error| {
+        format!(
+            "{option} = {}: making this folder failed: {error}; name one that is there or can be made",
+            path.display()
+        )
+    })
+}
+
 impl WriteError {
     fn new(path: &Path, source: io::Error) -> Self {
         WriteError {

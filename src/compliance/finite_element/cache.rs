@@ -24,6 +24,9 @@ use std::time::SystemTime;
 /// Changes with the layout of the file and with what is computed from the mesh.
 const MAGIC: &[u8; 32] = b"gearmesh finite elements v0004\r\n";
 
+/// How many bytes of it all versions share: these tell a file of this cache from others.
+const COMMON: usize = MAGIC.len() - b"0004\r\n".len();
+
 /// Ending of the files.
 const ENDING: &str = "compliance";
 
@@ -84,21 +87,16 @@ impl ModelCache {
         self.limit
     }
 
-    /// All models, the least recently used first; none if there is no folder.
+    /// All models, the least recently used first; none if there is no folder. A file that does not begin as one is none.
     ///
     /// # Errors
     /// What the system says of a folder that cannot be read.
     pub fn models(&self) -> io::Result<Vec<CachedModel>> {
-        let entries = match fs::read_dir(&self.directory) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-            entries => entries?,
-        };
         let mut models = Vec::new();
-        for entry in entries {
-            let path = entry?.path();
-            if path.extension().is_none_or(|ending| ending != ENDING) {
+        for path in self.paths()? {
+            let Some(head) = head(&path) else {
                 continue;
-            }
+            };
             // Another run may have removed it meanwhile.
             let Ok(found) = fs::metadata(&path) else {
                 continue;
@@ -106,12 +104,36 @@ impl ModelCache {
             models.push(CachedModel {
                 bytes: found.len(),
                 used: found.modified()?,
-                gear: label(&path),
+                gear: label(&head),
                 path,
             });
         }
         models.sort_by_key(|model| model.used);
         Ok(models)
+    }
+
+    /// Files that end as models do and begin otherwise: not of this cache, which leaves them alone.
+    ///
+    /// # Errors
+    /// What the system says of a folder that cannot be read.
+    pub fn others(&self) -> io::Result<Vec<PathBuf>> {
+        let mut paths = self.paths()?;
+        paths.retain(|path| head(path).is_none());
+        paths.sort();
+        Ok(paths)
+    }
+
+    /// All files that end as models do.
+    fn paths(&self) -> io::Result<Vec<PathBuf>> {
+        let entries = match fs::read_dir(&self.directory) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            entries => entries?,
+        };
+        let paths = entries.map(|entry| Ok(entry?.path()));
+        let ends = |path: &PathBuf| path.extension().is_some_and(|ending| ending == ENDING);
+        paths
+            .filter(|path| path.as_ref().map_or(true, ends))
+            .collect()
     }
 
     /// Removes all models; returns how many.
@@ -392,13 +414,18 @@ fn decode(mut rest: &[u8]) -> Result<(Influence, Cost), &'static str> {
     Ok((influence, cost))
 }
 
-/// The gear of a file in words; None for a file of another version.
-fn label(path: &Path) -> Option<String> {
+/// The beginning of a file, up to the end of its label; None for a file that no version of this cache wrote.
+fn head(path: &Path) -> Option<Vec<u8>> {
     use std::io::Read;
     let mut head = Vec::new();
     let longest = MAGIC.len() + 32 + 8 + 32 + 1 + usize::from(u8::MAX);
     let file = File::open(path).ok()?;
     file.take(longest as u64).read_to_end(&mut head).ok()?;
+    head.starts_with(&MAGIC[..COMMON]).then_some(head)
+}
+
+/// The gear in the `head` of a file in words; None for a file of another version.
+fn label(head: &[u8]) -> Option<String> {
     let mut rest = head.strip_prefix(MAGIC)?.get(72..)?;
     let length = take(&mut rest, 1).ok()?[0];
     String::from_utf8(take(&mut rest, length.into()).ok()?.to_vec()).ok()

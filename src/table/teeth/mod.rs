@@ -10,17 +10,19 @@
 
 #[cfg(feature = "preprocess")]
 mod alone;
+mod compliance;
 mod coupled;
 #[cfg(feature = "preprocess")]
 mod coupling;
 mod linear;
+mod pairs;
 mod record;
 mod runtime;
 #[cfg(feature = "preprocess")]
 mod sweep;
 
 pub use coupled::{Closing, TeethTable};
-pub use record::{GearTeethRecord, TeethRecord};
+pub use record::{CouplingRecord, GearTeethRecord, TeethRecord};
 pub use runtime::TeethFlank;
 #[cfg(feature = "preprocess")]
 pub use sweep::{TeethSweep, default_teeth_axes};

@@ -6,7 +6,7 @@ use crate::gear::{Flank, PairGeometry, PairTeeth, Runout, ToothErrors};
 use crate::table::file::grid_on;
 use crate::table::{AxesRecord, FlankGrid, FlankRecord, InterpolationError, TableError};
 
-use super::coupled::MOST;
+use super::pairs::MOST;
 
 /// Largest gain that is taken: nearer to 1 loads settle slowly and mean little.
 const LARGEST_GAIN: f64 = 0.95;
@@ -22,17 +22,33 @@ pub struct TeethRecord {
     /// Where it ends; nothing touches there.
     pub last_place: f64,
     /// What a force on a tooth pair takes of the approach of each of its neighbours.
-    pub coupling_m_per_n: f64,
+    pub coupling_m_per_n: CouplingRecord,
     /// One tooth pair alone on the drive flank.
     pub drive: FlankRecord,
     /// On the coast flank, if it is not the drive flank mirrored.
     pub coast: Option<FlankRecord>,
+    /// What neighbours take there; absent: the same.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coast_coupling_m_per_n: Option<CouplingRecord>,
     /// How the drive flanks of gear 1 and gear 2 differ.
     pub drive_errors: [GearTeethRecord; 2],
     /// How their coast flanks do.
     pub coast_errors: [GearTeethRecord; 2],
     /// Error against contact at run time, interpolation included.
     pub error: InterpolationError,
+}
+
+/// What neighbours take of each other, m/N.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "coupling_m_per_n: one number, or one at each misalignment"
+)]
+pub enum CouplingRecord {
+    /// The same at all misalignments.
+    Same(f64),
+    /// At each node of the misalignment.
+    Each(Vec<f64>),
 }
 
 /// What distinguishes the teeth of one gear on one flank, see [`ToothErrors`].
@@ -158,10 +174,18 @@ impl TeethRecord {
         }
         self.grid(Flank::Drive).check("teeth.drive")?;
         self.grid(Flank::Coast).check("teeth.coast")?;
-        if !(0.0..1.0).contains(&self.coupling_m_per_n) {
-            let value = self.coupling_m_per_n.to_string();
-            let reason = "a force on one tooth pair takes of the approach of the next";
-            return refuse("coupling_m_per_n", value, reason);
+        for flank in [Flank::Drive, Flank::Coast] {
+            let (name, values) = self.coupling(flank);
+            let nodes = self.axes.misalignment_rad.len();
+            if values.len() != nodes {
+                let count = format!("{} numbers", values.len());
+                let reason = format!("there are {nodes} misalignments");
+                return refuse(name, count, &reason);
+            }
+            if let Some(value) = values.iter().find(|c| !(0.0..1.0).contains(*c)) {
+                let reason = "a force on one tooth pair takes of the approach of the next";
+                return refuse(name, value.to_string(), reason);
+            }
         }
         for (name, gears) in [
             ("drive_errors", &self.drive_errors),
@@ -174,19 +198,32 @@ impl TeethRecord {
         Ok(())
     }
 
-    /// Refuses a coupling that is too large for tooth pairs up to the `stiffness` (N/m): a neighbour on either side must take
-    /// less of the approach than the pair gives way.
+    /// What neighbours take of each other on `flank` at each misalignment, m/N, and the name of the field that says so.
+    pub(super) fn coupling(&self, flank: Flank) -> (&'static str, Vec<f64>) {
+        let (name, coupling) = match (flank, &self.coast_coupling_m_per_n) {
+            (Flank::Coast, Some(own)) => ("coast_coupling_m_per_n", own),
+            _ => ("coupling_m_per_n", &self.coupling_m_per_n),
+        };
+        let values = match coupling {
+            CouplingRecord::Same(value) => vec![*value; self.axes.misalignment_rad.len()],
+            CouplingRecord::Each(values) => values.clone(),
+        };
+        (name, values)
+    }
+
+    /// Refuses a coupling on `flank` that is too large: neighbours on either side must take less of the approach than a tooth
+    /// pair gives way. `gain`: the largest ratio of the two.
     ///
     /// # Errors
     /// It is.
-    pub(super) fn check_gain(&self, stiffness: f64) -> Result<(), TableError> {
-        let gain = 2.0 * self.coupling_m_per_n * stiffness;
+    pub(super) fn check_gain(&self, flank: Flank, gain: f64) -> Result<(), TableError> {
         if gain <= LARGEST_GAIN {
             return Ok(());
         }
+        let (name, values) = self.coupling(flank);
         Err(TableError::field(
-            "teeth.coupling_m_per_n",
-            self.coupling_m_per_n,
+            format!("teeth.{name}"),
+            values.into_iter().fold(0.0, f64::max),
             format!(
                 "neighbours would take {gain:.2} times what a tooth pair gives way, and only below {LARGEST_GAIN} loads settle"
             ),

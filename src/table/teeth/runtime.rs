@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::compliance::Coupling;
 use super::coupled::{Closing, TeethTable};
 use super::record::TeethRecord;
 use crate::gear::teeth::{Counts, Passing};
@@ -31,7 +32,7 @@ impl TeethFlank {
         effects: &Effects,
     ) -> Result<Self, TableError> {
         Ok(TeethFlank {
-            table: Arc::new(table(record, record.grid(flank), effects)?),
+            table: Arc::new(table(record, flank, effects)?),
             passing: Passing::new(geometry, &record.teeth(), flank),
         })
     }
@@ -90,28 +91,31 @@ impl TeethFlank {
     }
 }
 
-fn table(
-    record: &TeethRecord,
-    grid: FlankGrid,
-    effects: &Effects,
-) -> Result<TeethTable, TableError> {
+fn table(record: &TeethRecord, flank: Flank, effects: &Effects) -> Result<TeethTable, TableError> {
     let effects = Effects {
         interpolation: Interpolation::Spline,
         load: Load::Variable,
         ..*effects
     };
+    let grid = record.grid(flank);
     let spans = grid.top_load_approach.iter().zip(&grid.no_load_approach);
     let span = spans
         .map(|(top, low)| top - low)
         .fold(f64::INFINITY, f64::min);
+    let (_, values) = record.coupling(flank);
+    let mut coupling = Coupling::new(&grid.axes.misalignment, &values)?;
     let (grid, pair) = flank_table(grid, &effects)?;
-    record.check_gain(largest_stiffness(&grid, &pair))?;
+    if !effects.misalignment {
+        coupling = coupling.aligned();
+    }
+    record.check_gain(flank, largest_gain(&grid, &pair, &coupling))?;
     let places = [record.first_place, record.last_place - record.first_place];
-    Ok(TeethTable::new(pair, places, record.coupling_m_per_n, span))
+    Ok(TeethTable::new(pair, places, coupling, span))
 }
 
-/// Largest stiffness of `pair` at the nodes of `grid`, N/m; not a number if one is not.
-fn largest_stiffness(grid: &FlankGrid, pair: &FlankTable) -> f64 {
+/// Largest part of the approach of a tooth pair that neighbours on both sides take at the nodes of `grid`; not a number if one
+/// is not.
+fn largest_gain(grid: &FlankGrid, pair: &FlankTable, coupling: &Coupling) -> f64 {
     let axes = &grid.axes;
     let columns = axes
         .center_distance_offset
@@ -119,7 +123,8 @@ fn largest_stiffness(grid: &FlankGrid, pair: &FlankTable) -> f64 {
         .flat_map(|&c| axes.misalignment.iter().map(move |&m| (c, m)))
         .flat_map(|(c, m)| axes.mesh_position.iter().map(move |&p| (c, m, p)));
     let approaches = grid.no_load_approach.iter().zip(&grid.top_load_approach);
-    let stiffnesses = columns.zip(approaches).flat_map(|((c, m, p), (low, top))| {
+    let gains = columns.zip(approaches).flat_map(|((c, m, p), (low, top))| {
+        let [taken, ..] = coupling.at(m);
         axes.displacement_fraction.iter().map(move |u| {
             let query = Query {
                 delta: low + u * (top - low),
@@ -127,8 +132,8 @@ fn largest_stiffness(grid: &FlankGrid, pair: &FlankTable) -> f64 {
                 misalignment: m,
                 mesh_position: p,
             };
-            pair.evaluate(&query, false).hessian[0][0]
+            2.0 * taken * pair.evaluate(&query, false).hessian[0][0]
         })
     });
-    stiffnesses.fold(0.0, |a: f64, b| if b <= a { a } else { b })
+    gains.fold(0.0, |a: f64, b| if b <= a { a } else { b })
 }

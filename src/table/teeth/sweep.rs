@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use super::alone::Alone;
 use super::coupling::coupling;
-use super::record::{GearTeethRecord, TeethRecord};
+use super::record::{CouplingRecord, GearTeethRecord, TeethRecord};
 use super::runtime::TeethFlank;
 use crate::contact::{ContactFile, ContactSolver, Warm};
 use crate::gear::Flank;
@@ -72,7 +72,7 @@ impl TeethSweep<'_> {
         } else {
             &[Flank::Drive, Flank::Coast]
         };
-        // Both flanks share places and coupling: those that hold for either.
+        // Both flanks share places: those that hold for either.
         let sources = flanks
             .iter()
             .map(|&flank| Alone::new(self.solver, flank, self.coverage, axes, teeth.spread()))
@@ -88,22 +88,25 @@ impl TeethSweep<'_> {
             ..axes.clone()
         };
         let torque = self.coverage.maximum_torque;
-        let mut grids = vec![];
+        let (mut grids, mut couplings) = (vec![], vec![]);
         for (source, &flank) in sources.iter().zip(flanks) {
             let source = source.over([first, last - first]);
             grids.push(FlankRecord::new(&sweep(
                 &source, flank, &axes, torque, watch,
             )?));
+            let told = coupling(self.solver, self.coverage, flank, &axes.misalignment)?;
+            couplings.push(CouplingRecord::Each(told));
         }
-        let mut grids = grids.into_iter();
+        let (mut grids, mut couplings) = (grids.into_iter(), couplings.into_iter());
         let errors = |gears: &[_; 2]| gears.each_ref().map(GearTeethRecord::from);
         let mut record = TeethRecord {
             axes: AxesRecord::from(&axes),
             first_place: first,
             last_place: last,
-            coupling_m_per_n: coupling(self.solver, self.coverage)?,
+            coupling_m_per_n: couplings.next().expect("there is always a drive flank"),
             drive: grids.next().expect("there is always a drive flank"),
             coast: grids.next(),
+            coast_coupling_m_per_n: couplings.next(),
             drive_errors: errors(&teeth.drive),
             coast_errors: errors(&teeth.coast),
             error: InterpolationError::default(),

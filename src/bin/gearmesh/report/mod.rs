@@ -84,12 +84,15 @@ impl Report {
         limits::largest_speed(self.largest_speed_rpm)?;
         let mut pair = self.model.applied_to(Pair::read(&self.pair)?);
         for &torque in &self.torques_nm {
-            limits::operating_point(torque, 0.0, 0.0)?;
+            limits::torque("torques-nm", torque)?;
             // The largest torque decides how wide a contact the elastic model resolves.
             let largest = &mut pair.operating.maximum_torque;
             *largest = largest.max(torque);
         }
         output::check_writable(&self.output, &[&self.pair])?;
+        if let Some(folder) = &self.figures {
+            output::make_folder("--figures", folder)?;
+        }
         self.model.use_threads()?;
         let job = self.model.job(&pair, "static contact")?;
         let model = self.model.solver(&pair, &job)?;
@@ -121,8 +124,6 @@ impl Report {
             roots::roots(&mut page, &pair, &model.solver, &models, &cycles)?;
         }
         if let Some(folder) = &self.figures {
-            std::fs::create_dir_all(folder)
-                .map_err(|error| format!("--figures = {}: {error}", folder.display()))?;
             for figure in page.figures() {
                 output::write_whole(&folder.join(&figure.file), figure.svg.as_bytes())?;
             }

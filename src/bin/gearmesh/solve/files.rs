@@ -29,8 +29,7 @@ const ALWAYS: usize = 5;
 
 /// Refuses a folder that cannot take the files, those of root stress if it is asked for, and makes it if it is not there.
 pub fn check(folder: &Path, root_stress: bool) -> Result<(), Error> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| format!("--output = {}: {error}; name a folder", folder.display()))?;
+    output::make_folder("--output", folder)?;
     let count = if root_stress { NAMES.len() } else { ALWAYS };
     for name in &NAMES[..count] {
         output::check_writable(&folder.join(name), &[])?;

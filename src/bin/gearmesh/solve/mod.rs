@@ -167,10 +167,16 @@ impl Solve {
             [] => &nominal[..],
             given => given,
         };
+        limits::center_distance_offset(
+            "center-distance-offset-um",
+            self.center_distance_offset_um,
+        )?;
         let mut cases = Vec::new();
         for &torque in torques {
+            limits::torque("torque-nm", torque)
+                .map_err(|error| format!("{error}; for the other flank say `--flank coast`"))?;
             for &misalignment in &self.misalignment_mrad {
-                limits::operating_point(torque, self.center_distance_offset_um, misalignment)?;
+                limits::misalignment("misalignment-mrad", misalignment)?;
                 cases.push(LoadCase {
                     torque,
                     misalignment: misalignment * 1e-3,

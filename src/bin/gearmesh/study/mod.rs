@@ -27,7 +27,7 @@ use crate::output;
 use crate::progress::CONTACT;
 use samples::Sample;
 use statistics::Statistics;
-use variation::{Asked, LOAD, Variation};
+use variation::{Asked, Variation};
 
 /// The flank that is loaded.
 const FLANK: Flank = Flank::Drive;
@@ -126,14 +126,13 @@ impl Study {
         let draft = PairDraft::read(&self.pair)?;
         let mut pair = self.model.applied_to(draft.pair()?);
         let torque = self.torque_nm.unwrap_or(pair.operating.nominal_torque);
-        limits::operating_point(torque, 0.0, 0.0)?;
+        limits::torque("torque-nm", torque)?;
         let variations = Variation::all(&self.vary, self.iso_1328_class, &draft, &pair, torque)?;
-        check(&variations, &draft, &pair, torque)?;
+        check(&variations, &draft, &pair)?;
         widen(&mut pair, &variations, torque);
 
         let folder = &self.output;
-        std::fs::create_dir_all(folder)
-            .map_err(|error| format!("--output = {}: {error}", folder.display()))?;
+        output::make_folder("--output", folder)?;
         let [table, summary, page] =
             ["samples.csv", "study.json", "study.html"].map(|name| folder.join(name));
         for path in [&table, &summary, &page] {
@@ -265,22 +264,18 @@ fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
 
 /// Refuses fields that there are not, values that the pair file may not have, and what changes the teeth
 /// themselves, before anything is computed.
-fn check(
-    variations: &[Variation],
-    draft: &PairDraft,
-    pair: &Pair,
-    torque: f64,
-) -> Result<(), Error> {
+fn check(variations: &[Variation], draft: &PairDraft, pair: &Pair) -> Result<(), Error> {
     for v in variations {
+        let option = format!("vary {}", v.field);
         for value in [v.low, v.high] {
-            if LOAD.contains(&v.field.as_str()) {
-                let of =
-                    |name: &str, otherwise: f64| if v.field == name { value } else { otherwise };
-                limits::operating_point(
-                    of("torque_nm", torque),
-                    of("center_distance_offset_um", 0.0),
-                    of("misalignment_mrad", 0.0),
-                )?;
+            let limit = match v.field.as_str() {
+                "torque_nm" => Some(limits::torque(&option, value)),
+                "misalignment_mrad" => Some(limits::misalignment(&option, value)),
+                "center_distance_offset_um" => Some(limits::center_distance_offset(&option, value)),
+                _ => None,
+            };
+            if let Some(limit) = limit {
+                limit?;
                 continue;
             }
             let mut changed = draft.clone();

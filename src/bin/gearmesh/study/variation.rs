@@ -10,13 +10,6 @@ use serde::Serialize;
 
 use crate::Error;
 
-/// Names that are no fields of the pair file: where the contact is solved.
-pub const LOAD: [&str; 3] = [
-    "torque_nm",
-    "misalignment_mrad",
-    "center_distance_offset_um",
-];
-
 /// `FIELD=LOW..HIGH` or `FIELD=+-TOLERANCE` of the command line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Asked {
@@ -65,7 +58,7 @@ impl FromStr for Asked {
 /// One varied field and the interval in which its value is drawn, evenly.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Variation {
-    /// Path in the pair file, or one of [`LOAD`].
+    /// Path in the pair file, or where the contact is solved: torque_nm, misalignment_mrad or center_distance_offset_um.
     pub field: String,
     /// Lowest value, in the unit of the name.
     pub low: f64,

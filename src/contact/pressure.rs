@@ -3,16 +3,15 @@
 //! An oblique contact line crosses the start of a relief within a fraction of a millimetre, and there pressure is largest. A strip whose
 //! contact may reach one is looked at between its middle and its ends, too, under the line load in between those of neighbouring strips.
 
-use super::candidates::Candidate;
-#[cfg(feature = "preprocess")]
-use super::candidates::ContactLines;
 use super::local::{LocalContact, PointLoads};
-#[cfg(feature = "preprocess")]
-use super::numbers::PairNumbers;
 use super::position::PositionProblem;
-#[cfg(feature = "preprocess")]
-use super::position::law;
 use super::result::{EdgeLoad, larger};
+#[cfg(feature = "preprocess")]
+use super::{
+    candidates::{Candidate, ContactLines},
+    numbers::PairNumbers,
+    position::law,
+};
 
 /// Places of a strip, parts of its length from its middle.
 const PLACES: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];

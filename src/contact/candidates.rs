@@ -3,6 +3,7 @@
 use super::closest::{Flanks, LeastGap};
 use super::four::Four;
 use super::local::GapProfile;
+use super::local::constants::OWN_SHARE_ALONG_STRIP;
 use super::transverse::{TransversePoint, TransverseSection};
 #[cfg(feature = "preprocess")]
 use crate::compliance::Strip;
@@ -28,7 +29,8 @@ pub struct Candidate {
     /// Length of roll on gear 1 and gear 2 at mid-strip, where the flanks come closest, m.
     pub roll: [f64; 2],
     /// Gaps along the line of action before load and misalignment at the points of the strip, ascending in z,
-    /// m: microgeometry of both flanks and the separation off the path of contact.
+    /// m: microgeometry of both flanks and the separation off the path of contact; as local contact sees them, see
+    /// [`along_strip`].
     pub gap: [f64; POINTS],
     /// Relative radius of curvature of the involutes in the normal section, m.
     pub radius: f64,
@@ -61,9 +63,15 @@ impl Candidate {
         (self.z[1] - self.z[0]) / cos_beta_b
     }
 
-    /// Points at which [`Candidate::gap`] is given, in gear 1's frame, m.
+    /// Points in gear 1's frame, m, ascending.
     pub fn points(&self) -> [f64; POINTS] {
         points(self.z)
+    }
+
+    /// The same as local contact sees them, see [`along_strip`]: by what misalignment closes [`Candidate::gap`] there, by these
+    /// levers the forces act on it.
+    pub fn levers(&self) -> [f64; POINTS] {
+        along_strip(self.points())
     }
 }
 
@@ -74,6 +82,14 @@ pub struct StripRates {
     pub gap: [f64; POINTS],
     /// Rate of the logarithm of the radius of curvature where the flanks come closest, removals included.
     pub log_radius: f64,
+}
+
+/// What changes along a strip by `values` at its points, as local contact sees it. The bulk displacement of a strip is one number, its
+/// mean; that of the teeth follows a load that changes along the line. So local contact takes up only a part of the change, and the
+/// rest is taken off here: with all of it left to local contact, forces come out too high by the square of the strips' length.
+pub(super) fn along_strip(values: [f64; POINTS]) -> [f64; POINTS] {
+    let mean = (values[0] + values[1] + values[2] + values[3]) * (1.0 / POINTS as f64);
+    values.map(|value| mean + OWN_SHARE_ALONG_STRIP * (value - mean))
 }
 
 fn points(z: [f64; 2]) -> [f64; POINTS] {
@@ -370,7 +386,7 @@ impl ContactLines<'_> {
             }
         };
         let closest = flanks.closest_point_at(&least);
-        let gap = gaps.map(|gap| gap - closing);
+        let gap = along_strip(gaps).map(|gap| gap - closing);
         let cos_beta_b = numbers.cos_beta_b;
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
@@ -389,7 +405,8 @@ impl ContactLines<'_> {
         let rates = gap_rates
             .zip(rolls)
             .and_then(|([by_tau, by_center], rolls)| {
-                let gap = [by_tau.map(|rate| rate - closing_rate), by_center];
+                let by_tau = along_strip(by_tau).map(|rate| rate - closing_rate);
+                let gap = [by_tau, along_strip(by_center)];
                 let log_radius = self.radius_rates(&candidate, &(flanks, least), rolls)?;
                 Some([0, 1].map(|axis| StripRates {
                     gap: gap[axis],

@@ -102,7 +102,8 @@ impl PositionProblem {
             // Only the local law tells the points of a strip apart: where the gap changes along it, a point bears more than
             // the line does there. Their mean is what the line bears.
             let (mut inside, mut points) = (0.0, 0.0);
-            for (&force, lever) in solution.loads[i].forces.iter().zip(&self.lever[i]) {
+            let candidate = &self.candidates[i];
+            for (&force, z) in solution.loads[i].forces.iter().zip(candidate.points()) {
                 if force == 0.0 {
                     continue;
                 }
@@ -113,8 +114,8 @@ impl PositionProblem {
                 }
                 let here = EdgeLoad {
                     line_load: force / self.local[i].length(),
-                    z: self.z_ref + lever,
-                    gear: self.candidates[i].edge_gear(),
+                    z,
+                    gear: candidate.edge_gear(),
                 };
                 edge_loads[i] = larger(edge_loads[i], Some(here));
             }

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use super::candidates::{Candidate, ContactLines};
+use super::candidates::{Candidate, ContactLines, along_strip};
 use super::condensed::StripName;
 use super::deflection::Deflection;
 use super::error::ContactError;
 use super::influence::Influence;
 use super::local::constants::{
-    FEWEST_STATIONS, MOST_STATIONS, REFERENCE_OVER_HERTZ, STRIP_OVER_WIDTH,
+    FEWEST_STATIONS, MOST_STATIONS, REFERENCE_OVER_HERTZ, RUN_TIME_STATIONS, STRIP_OVER_WIDTH,
 };
 use super::local::widest_contact;
 use super::numbers::PairNumbers;
@@ -120,6 +120,14 @@ impl ContactSolver {
         self
     }
 
+    /// The same pair on as few stations as contact at run time needs.
+    #[must_use]
+    pub fn at_run_time(mut self) -> ContactSolver {
+        let stations = &mut self.setup.settings.stations;
+        *stations = RUN_TIME_STATIONS.min(*stations);
+        self
+    }
+
     /// The same pair with its flanks deflected along the face.
     #[must_use]
     pub fn with_deflection(mut self, deflection: Deflection) -> ContactSolver {
@@ -202,9 +210,9 @@ impl ContactSolver {
         center_distance_offset: f64,
     ) -> Result<PositionProblem, ContactError> {
         for candidate in &mut candidates {
-            let places = candidate.points();
-            for (gap, z) in candidate.gap.iter_mut().zip(places) {
-                *gap -= self.deflection.closing(z);
+            let closed = candidate.points().map(|z| self.deflection.closing(z));
+            for (gap, closed) in candidate.gap.iter_mut().zip(along_strip(closed)) {
+                *gap -= closed;
             }
         }
         if candidates.is_empty() {

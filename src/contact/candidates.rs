@@ -29,8 +29,8 @@ pub struct Candidate {
     /// Length of roll on gear 1 and gear 2 at mid-strip, where the flanks come closest, m.
     pub roll: [f64; 2],
     /// Gaps along the line of action before load and misalignment at the points of the strip, ascending in z,
-    /// m: microgeometry of both flanks and the separation off the path of contact; as local contact sees them, see
-    /// [`along_strip`].
+    /// m: microgeometry of both flanks and the separation off the path of contact; as local contact sees them, which
+    /// takes up half of what changes along a strip.
     pub gap: [f64; POINTS],
     /// Relative radius of curvature of the involutes in the normal section, m.
     pub radius: f64,
@@ -68,8 +68,8 @@ impl Candidate {
         points(self.z)
     }
 
-    /// The same as local contact sees them, see [`along_strip`]: by what misalignment closes [`Candidate::gap`] there, by these
-    /// levers the forces act on it.
+    /// The same as local contact sees them: misalignment closes [`Candidate::gap`] by these levers, and by them the forces act on
+    /// it.
     pub fn levers(&self) -> [f64; POINTS] {
         along_strip(self.points())
     }

@@ -6,7 +6,7 @@
 //!
 //! stationary in y: F_bt = dW/d delta and the moment dW/dM come with the solution, and its slopes by centre distance and
 //! mesh position are those at fixed y, strip by strip: in closed form where a strip touches inside its flanks, else by
-//! central differences of a smooth function of the pose; where contact only reaches the start of a relief, of its law alone,
+//! differences of a smooth function of the pose; where contact only reaches the start of a relief, of its law alone,
 //! with the rates of its gaps in closed form.
 
 use std::sync::Arc;

@@ -71,7 +71,7 @@ impl PositionProblem {
         PositionProblem {
             lever: candidates
                 .iter()
-                .map(|c| c.levers().map(|z| z - z_ref))
+                .map(|c| c.levers.map(|z| z - z_ref))
                 .collect(),
             arm: candidates.iter().map(|c| c.arms[0] * cos_beta_b).collect(),
             candidates,

@@ -227,7 +227,7 @@ impl RuntimeContact {
                 lines.strip(tau, name).map_or(0.0, |strip| {
                     let arm = strip.arms[0] * cos_beta_b;
                     let law = law(&self.numbers, &strip, lengths);
-                    let points = strip.levers().into_iter().zip(strip.gap);
+                    let points = strip.levers.into_iter().zip(strip.gap);
                     let energy = |(z, gap): (f64, f64)| {
                         let closing = approach + load.misalignment * (z - self.numbers.z_ref);
                         law.energy(arm * closing - deflection(i) - cos_beta_b * gap)
@@ -271,7 +271,7 @@ impl RuntimeContact {
         let overlaps: Vec<f64> = candidates
             .iter()
             .map(|c| {
-                let points = c.levers().into_iter().zip(c.gap);
+                let points = c.levers.into_iter().zip(c.gap);
                 let overlap = points.map(|(z, gap)| near.overlap(z, c.arms[0], gap));
                 overlap.fold(f64::NEG_INFINITY, f64::max)
             })

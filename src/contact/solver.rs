@@ -8,7 +8,8 @@ use super::deflection::Deflection;
 use super::error::ContactError;
 use super::influence::Influence;
 use super::local::constants::{
-    FEWEST_STATIONS, MOST_STATIONS, REFERENCE_OVER_HERTZ, RUN_TIME_STATIONS, STRIP_OVER_WIDTH,
+    FEWEST_STATIONS, MOST_STATIONS, OWN_SHARE_ALONG_STRIP, REFERENCE_OVER_HERTZ, RUN_TIME_STATIONS,
+    STRIP_OVER_WIDTH,
 };
 use super::local::widest_contact;
 use super::numbers::PairNumbers;
@@ -120,11 +121,12 @@ impl ContactSolver {
         self
     }
 
-    /// The same pair on as few stations as contact at run time needs.
+    /// The same pair on as few stations as contact at run time needs, with the share along a strip that makes them enough.
     #[must_use]
     pub fn at_run_time(mut self) -> ContactSolver {
-        let stations = &mut self.setup.settings.stations;
-        *stations = RUN_TIME_STATIONS.min(*stations);
+        let settings = &mut self.setup.settings;
+        settings.stations = RUN_TIME_STATIONS.min(settings.stations);
+        settings.own_share = OWN_SHARE_ALONG_STRIP;
         self
     }
 
@@ -209,9 +211,10 @@ impl ContactSolver {
         mut candidates: Vec<Candidate>,
         center_distance_offset: f64,
     ) -> Result<PositionProblem, ContactError> {
+        let own_share = self.setup.settings.own_share;
         for candidate in &mut candidates {
             let closed = candidate.points().map(|z| self.deflection.closing(z));
-            for (gap, closed) in candidate.gap.iter_mut().zip(along_strip(closed)) {
+            for (gap, closed) in candidate.gap.iter_mut().zip(along_strip(closed, own_share)) {
                 *gap -= closed;
             }
         }

@@ -85,8 +85,8 @@ pub const SHARE_OF_A_LINE: f64 = 0.5;
 /// much shorter than the elements indefinite by itself.
 pub const INDEFINITE: f64 = 2e-5;
 
-/// Part of the change of a gap along a strip that local contact takes up. The bulk displacement follows the rest: between 0.35
-/// and 0.45 make force and moment most exact, more the stiffness, whose error is the steps in which strips meet.
+/// Part of the change of a gap along a strip that local contact takes up at run time; the bulk displacement follows the rest. 0.35 to
+/// 0.45 make force and moment most exact, more the stiffness, whose error is the steps in which strips meet.
 pub const OWN_SHARE_ALONG_STRIP: f64 = 0.5;
 
 /// Stiffness of a tooth pair per length of contact line over Young's modulus: for starting values, for how

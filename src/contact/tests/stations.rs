@@ -5,7 +5,7 @@ use crate::gear::Flank;
 use crate::random::Random;
 
 #[test]
-fn twenty_four_stations_say_what_eighty_do() {
+fn twenty_four_stations_say_what_many_do() {
     let pairs = [
         (
             include_str!("../../../resources/pairs/palermo2013.json"),
@@ -18,13 +18,15 @@ fn twenty_four_stations_say_what_eighty_do() {
     ];
     for (text, bound) in pairs {
         let pair = Pair::from_json(text).unwrap();
-        let [few, many] = [24, 80].map(|stations| {
+        let solver = |stations| {
             let settings = ContactSettings {
                 stations,
                 ..ContactSettings::default()
             };
             coarse_solver(&pair, settings)
-        });
+        };
+        let (few, many) = (solver(40).at_run_time(), solver(160));
+        assert_eq!(few.settings().stations, 24);
         let operating = &pair.operating;
         let nominal = operating.nominal_torque / pair.geometry.gears[0].base_radius();
         let half_face = 0.5 * pair.geometry.face_overlap().1;

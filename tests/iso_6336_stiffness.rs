@@ -49,7 +49,7 @@ fn pair_stiffness(dedendum: f64, bore_over_root: f64) -> f64 {
     let contact = ContactSettings {
         stations: 1,
         tip_corner_contact: false,
-        reach: None,
+        ..ContactSettings::default()
     };
     let solver = ContactSolver::new(&pair, [first, second], contact).unwrap();
     let at = solver.position(Flank::Drive, 0.0, 0.0).unwrap();

@@ -18,6 +18,6 @@ pub fn ready(name: &str) -> Result<(Pair, ContactSolver, ContactFile), Box<dyn E
     let [first, second] = models.gears;
     let contact = ContactSettings::for_pair(&pair);
     let solver = ContactSolver::new(&pair, [first, second], contact)?;
-    let file = ContactFile::new(&pair, &solver)?;
+    let file = ContactFile::new(&pair, &solver.clone().at_run_time())?;
     Ok((pair, solver, file))
 }

@@ -20,7 +20,7 @@ fn plane_solver(models: &Models, pair: &Pair) -> Outcome<ContactSolver> {
     let contact = ContactSettings {
         stations: 1,
         tip_corner_contact: false,
-        reach: None,
+        ..ContactSettings::default()
     };
     solver(pair, &models.get(pair, &settings)?, contact)
 }

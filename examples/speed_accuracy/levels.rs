@@ -155,7 +155,7 @@ fn contact(path: &str, refinement: Refinement) -> Result<(Setting, ContactFile),
     };
     let contact = ContactSettings::for_pair(&pair);
     let setting = Setting::of(pair, contact)?;
-    let file = ContactFile::new(&setting.pair, &setting.solver)?;
+    let file = ContactFile::new(&setting.pair, &setting.solver.clone().at_run_time())?;
     Ok((setting, file))
 }
 

@@ -28,8 +28,12 @@ pub struct Candidate {
     /// Length of roll on gear 1 and gear 2 at mid-strip, where the flanks come closest, m.
     pub roll: [f64; 2],
     /// Gaps along the line of action before load and misalignment at the points of the strip, ascending in z,
-    /// m: microgeometry of both flanks and the separation off the path of contact.
+    /// m: microgeometry of both flanks and the separation off the path of contact; as local contact sees them, see
+    /// [`super::ContactSettings::own_share`].
     pub gap: [f64; POINTS],
+    /// The points in gear 1's frame, m, ascending, as local contact sees them: misalignment closes [`Candidate::gap`] by these levers,
+    /// and by them the forces act on it.
+    pub levers: [f64; POINTS],
     /// Relative radius of curvature of the involutes in the normal section, m.
     pub radius: f64,
     /// The gap about the closest point of mid-strip.
@@ -61,7 +65,7 @@ impl Candidate {
         (self.z[1] - self.z[0]) / cos_beta_b
     }
 
-    /// Points at which [`Candidate::gap`] is given, in gear 1's frame, m.
+    /// Points in gear 1's frame, m, ascending.
     pub fn points(&self) -> [f64; POINTS] {
         points(self.z)
     }
@@ -74,6 +78,15 @@ pub struct StripRates {
     pub gap: [f64; POINTS],
     /// Rate of the logarithm of the radius of curvature where the flanks come closest, removals included.
     pub log_radius: f64,
+}
+
+/// What changes along a strip by `values` at its points, as local contact sees it, which takes up `own_share` of the change.
+pub(super) fn along_strip(values: [f64; POINTS], own_share: f64) -> [f64; POINTS] {
+    if own_share == 1.0 {
+        return values;
+    }
+    let mean = (values[0] + values[1] + values[2] + values[3]) * (1.0 / POINTS as f64);
+    values.map(|value| mean + own_share * (value - mean))
 }
 
 fn points(z: [f64; 2]) -> [f64; POINTS] {
@@ -92,6 +105,8 @@ pub struct ContactLines<'a> {
     pub flank: Flank,
     /// Number of equal stations over the overlap of both faces.
     pub stations: usize,
+    /// See [`super::ContactSettings::own_share`].
+    pub own_share: f64,
     /// Teeth that differ; `None`: all are alike.
     pub teeth: Option<TeethAt<'a>>,
 }
@@ -370,7 +385,8 @@ impl ContactLines<'_> {
             }
         };
         let closest = flanks.closest_point_at(&least);
-        let gap = gaps.map(|gap| gap - closing);
+        let along = |values| along_strip(values, self.own_share);
+        let gap = along(gaps).map(|gap| gap - closing);
         let cos_beta_b = numbers.cos_beta_b;
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
         let curvature: f64 = (0..2)
@@ -382,6 +398,7 @@ impl ContactLines<'_> {
             z,
             roll: closest.roll,
             gap,
+            levers: along(at),
             radius: curvature.recip(),
             profile: closest.profile,
             arms: closest.arms,
@@ -389,7 +406,8 @@ impl ContactLines<'_> {
         let rates = gap_rates
             .zip(rolls)
             .and_then(|([by_tau, by_center], rolls)| {
-                let gap = [by_tau.map(|rate| rate - closing_rate), by_center];
+                let by_tau = along(by_tau).map(|rate| rate - closing_rate);
+                let gap = [by_tau, along(by_center)];
                 let log_radius = self.radius_rates(&candidate, &(flanks, least), rolls)?;
                 Some([0, 1].map(|axis| StripRates {
                     gap: gap[axis],

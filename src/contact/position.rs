@@ -20,7 +20,7 @@ pub struct PositionProblem {
     pub(super) beside: Vec<Beside>,
     /// Reference lengths of both gears at each strip, m.
     lengths: [Vec<f64>; 2],
-    /// Points of each strip from mid-face, m.
+    /// [`Candidate::levers`] from mid-face, m.
     pub(super) lever: Vec<[f64; POINTS]>,
     /// Arm of the normal force on each strip about the axis of gear 1, over its base radius.
     pub(super) arm: Vec<f64>,
@@ -74,7 +74,7 @@ impl PositionProblem {
         PositionProblem {
             lever: candidates
                 .iter()
-                .map(|c| c.points().map(|z| z - z_ref))
+                .map(|c| c.levers.map(|z| z - z_ref))
                 .collect(),
             arm: candidates.iter().map(|c| c.arms[0] * cos_beta_b).collect(),
             candidates,

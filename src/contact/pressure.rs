@@ -69,7 +69,8 @@ impl PositionProblem {
     fn inside_and_at_edge(&self, i: usize, loads: &PointLoads) -> (Option<f64>, Option<EdgeLoad>) {
         let (mut inside, mut points) = (0.0, 0.0);
         let mut edge = None;
-        for (&force, lever) in loads.forces.iter().zip(&self.lever[i]) {
+        let candidate = &self.candidates[i];
+        for (&force, z) in loads.forces.iter().zip(candidate.points()) {
             if force == 0.0 {
                 continue;
             }
@@ -80,8 +81,8 @@ impl PositionProblem {
             }
             let here = EdgeLoad {
                 line_load: force / self.local[i].length(),
-                z: self.z_ref + lever,
-                gear: self.candidates[i].edge_gear(),
+                z,
+                gear: candidate.edge_gear(),
             };
             edge = larger(edge, Some(here));
         }

@@ -6,7 +6,7 @@
 //!
 //! stationary in y: F_bt = dW/d delta and the moment dW/dM come with the solution, and its slopes by centre distance and
 //! mesh position are those at fixed y, strip by strip: in closed form where a strip touches inside its flanks, else by
-//! central differences of a smooth function of the pose; where contact only reaches the start of a relief, of its law alone,
+//! differences of a smooth function of the pose; where contact only reaches the start of a relief, of its law alone,
 //! with the rates of its gaps in closed form.
 
 use std::sync::Arc;
@@ -53,8 +53,9 @@ pub struct RuntimeContact {
     only_removes: bool,
 }
 
-/// Steps of the central differences by centre distance, m, and by mesh position.
-const STEPS: [f64; 2] = [1e-8, 1e-5];
+/// Steps of the differences by centre distance, m, and by mesh position: what the energy of a strip curves over them is a millionth of
+/// its slope, and so is what rounding leaves.
+const STEPS: [f64; 2] = [1e-10, 1e-8];
 
 /// Strips whose gap exceeds their closing by more than this part of the largest closing take no part: the others'
 /// forces push flanks apart nearly everywhere, and where they do not, by far less.
@@ -168,7 +169,7 @@ impl RuntimeContact {
         let mut energy: f64 = loaded.iter().map(|&i| 0.5 * force[i] * deflection(i)).sum();
         let [mut by_tau, mut by_offset] = slopes.bulk.map(|q| -0.5 * q);
         let (plane, cos_beta_b) = (self.numbers.plane_compliance, self.numbers.cos_beta_b);
-        let mut moved: Option<[TransverseSection; 2]> = None;
+        let mut moved: Option<TransverseSection> = None;
         for (place, &i) in loaded.iter().enumerate() {
             let penetration = load.gap[i].map(|gap| closing[i] - gap);
             let lengths = problem.lengths(i);
@@ -192,24 +193,19 @@ impl RuntimeContact {
                 by_offset += along(1);
                 continue;
             }
-            energy += penetration
-                .iter()
-                .map(|x| problem.local[i].energy(*x))
-                .sum::<f64>();
+            let here: f64 = penetration.map(|x| problem.local[i].energy(x)).iter().sum();
+            energy += here;
             let moved = match &moved {
                 Some(moved) => moved,
                 None => {
                     // Limits of the strips move only where they cut them.
                     let lines = self.lines(section, cycle);
                     let are_whole = loaded.iter().all(|&i| lines.is_whole(&strips[i]));
-                    let side = |sign: f64| {
-                        let offset = offset + sign * STEPS[0];
-                        match are_whole {
-                            true => self.setup.beside(section, offset),
-                            false => self.setup.section(&self.numbers, offset),
-                        }
-                    };
-                    moved.insert([side(1.0)?, side(-1.0)?])
+                    let offset = offset + STEPS[0];
+                    moved.insert(match are_whole {
+                        true => self.setup.beside(section, offset),
+                        false => self.setup.section(&self.numbers, offset),
+                    }?)
                 }
             };
             let of = |section: &TransverseSection, turn: f64, axis: usize, step: f64| {
@@ -231,7 +227,7 @@ impl RuntimeContact {
                 lines.strip(tau, name).map_or(0.0, |strip| {
                     let arm = strip.arms[0] * cos_beta_b;
                     let law = law(&self.numbers, &strip, lengths);
-                    let points = strip.points().into_iter().zip(strip.gap);
+                    let points = strip.levers.into_iter().zip(strip.gap);
                     let energy = |(z, gap): (f64, f64)| {
                         let closing = approach + load.misalignment * (z - self.numbers.z_ref);
                         law.energy(arm * closing - deflection(i) - cos_beta_b * gap)
@@ -240,9 +236,8 @@ impl RuntimeContact {
                 })
             };
             let [step, turn] = STEPS;
-            by_offset +=
-                (of(&moved[0], 0.0, 1, step) - of(&moved[1], 0.0, 1, -step)) / (2.0 * step);
-            by_tau += (of(section, turn, 0, turn) - of(section, -turn, 0, -turn)) / (2.0 * turn);
+            by_offset += (of(moved, 0.0, 1, step) - here) / step;
+            by_tau += (of(section, turn, 0, turn) - here) / turn;
         }
         Ok((energy, [by_offset, by_tau]))
     }
@@ -276,7 +271,7 @@ impl RuntimeContact {
         let overlaps: Vec<f64> = candidates
             .iter()
             .map(|c| {
-                let points = c.points().into_iter().zip(c.gap);
+                let points = c.levers.into_iter().zip(c.gap);
                 let overlap = points.map(|(z, gap)| near.overlap(z, c.arms[0], gap));
                 overlap.fold(f64::NEG_INFINITY, f64::max)
             })

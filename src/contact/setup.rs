@@ -15,6 +15,11 @@ use crate::gear::{Flank, PairGeometry, PairMicrogeometry, PairTeeth};
 pub struct ContactSettings {
     /// Number of equal stations over the overlap of both faces.
     pub stations: usize,
+    /// Part of what a gap changes by along a strip that local contact takes up. The bulk displacement of a strip is one number, its
+    /// mean; that of the teeth follows a load that changes along the line. With 1, all of the change, forces come out too high by the square of the
+    /// strips' length.
+    #[serde(default = "all")]
+    pub own_share: f64,
     /// Whether tip corners outside the path of contact may touch.
     pub tip_corner_contact: bool,
     /// Largest approach on the line of action for which tip corners are followed, m. None: from
@@ -22,10 +27,16 @@ pub struct ContactSettings {
     pub reach: Option<f64>,
 }
 
+/// Of units that know of no share.
+fn all() -> f64 {
+    1.0
+}
+
 impl Default for ContactSettings {
     fn default() -> Self {
         ContactSettings {
             stations: MOST_STATIONS,
+            own_share: all(),
             tip_corner_contact: true,
             reach: None,
         }
@@ -108,6 +119,7 @@ impl ContactSetup {
             section,
             flank,
             stations: self.settings.stations,
+            own_share: self.settings.own_share,
             teeth: None,
         }
     }

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use super::candidates::{Candidate, ContactLines};
+use super::candidates::{Candidate, ContactLines, along_strip};
 use super::condensed::StripName;
 use super::deflection::Deflection;
 use super::error::ContactError;
 use super::influence::Influence;
 use super::local::constants::{
-    FEWEST_STATIONS, MOST_STATIONS, REFERENCE_OVER_HERTZ, STRIP_OVER_WIDTH,
+    FEWEST_STATIONS, MOST_STATIONS, OWN_SHARE_ALONG_STRIP, REFERENCE_OVER_HERTZ, RUN_TIME_STATIONS,
+    STRIP_OVER_WIDTH,
 };
 use super::local::widest_contact;
 use super::numbers::PairNumbers;
@@ -120,6 +121,15 @@ impl ContactSolver {
         self
     }
 
+    /// The same pair on as few stations as contact at run time needs, with the share along a strip that makes them enough.
+    #[must_use]
+    pub fn at_run_time(mut self) -> ContactSolver {
+        let settings = &mut self.setup.settings;
+        settings.stations = RUN_TIME_STATIONS.min(settings.stations);
+        settings.own_share = OWN_SHARE_ALONG_STRIP;
+        self
+    }
+
     /// The same pair with its flanks deflected along the face.
     #[must_use]
     pub fn with_deflection(mut self, deflection: Deflection) -> ContactSolver {
@@ -201,10 +211,11 @@ impl ContactSolver {
         mut candidates: Vec<Candidate>,
         center_distance_offset: f64,
     ) -> Result<PositionProblem, ContactError> {
+        let own_share = self.setup.settings.own_share;
         for candidate in &mut candidates {
-            let places = candidate.points();
-            for (gap, z) in candidate.gap.iter_mut().zip(places) {
-                *gap -= self.deflection.closing(z);
+            let closed = candidate.points().map(|z| self.deflection.closing(z));
+            for (gap, closed) in candidate.gap.iter_mut().zip(along_strip(closed, own_share)) {
+                *gap -= closed;
             }
         }
         if candidates.is_empty() {

@@ -53,7 +53,7 @@ impl ContactSolver {
         let section = self.section(center_distance_offset)?;
         let lines = self.setup.lines(flank, &section);
         let touches = lines.of_pair(place, 0).flat_map(|strip| {
-            let points = strip.points().into_iter().zip(strip.gap);
+            let points = strip.levers.into_iter().zip(strip.gap);
             points
                 .map(move |(z, gap)| gap / strip.arms[0] - misalignment * (z - self.numbers.z_ref))
         });

@@ -54,7 +54,7 @@ pub struct ModelArgs {
     #[arg(long)]
     plane_strain: bool,
 
-    /// Stations along the face [default: 40, fewer where a station would be shorter than the widest contact]
+    /// Stations along the face [default: 40, for contact at run time 22, fewer where one would be shorter than the widest contact]
     #[arg(long)]
     stations: Option<usize>,
 
@@ -165,6 +165,14 @@ impl ModelArgs {
         ContactSettings {
             stations: self.stations.unwrap_or(settings.stations),
             ..settings
+        }
+    }
+
+    /// The solver whose contact a unit solves at run time: on fewer stations than `solver`, but for a number that was asked for.
+    pub fn at_run_time(&self, solver: ContactSolver) -> ContactSolver {
+        match self.stations {
+            Some(_) => solver,
+            None => solver.at_run_time(),
         }
     }
 

@@ -44,7 +44,7 @@ fn solver(pair: &Pair, plane_strain: bool, stations: usize) -> ContactSolver {
     let contact = ContactSettings {
         stations,
         tip_corner_contact: false,
-        reach: None,
+        ..ContactSettings::default()
     };
     ContactSolver::new(pair, [first, second], contact).unwrap()
 }

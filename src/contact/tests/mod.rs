@@ -11,5 +11,6 @@ mod root_stress;
 mod runtime;
 mod separation;
 mod sliding;
+mod stations;
 mod symmetry;
 mod teeth;

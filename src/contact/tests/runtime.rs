@@ -18,7 +18,7 @@ fn ready(text: &str, flank: Flank) -> (Pair, ContactSolver, RuntimeContact) {
         stations: 16,
         ..ContactSettings::default()
     };
-    let solver = coarse_solver(&pair, settings);
+    let solver = coarse_solver(&pair, settings).at_run_time();
     let [low, high] = pair.operating.center_distance_offset;
     let condensed = CondensedFlank::new(&solver, flank, &[low, 0.5 * (low + high), high]).unwrap();
     let setup = Arc::new(solver.setup().clone());

@@ -179,7 +179,8 @@ pub fn compute(
     };
     let root_stress_seconds = begin.elapsed().as_secs_f64();
     let contact = if contact || grid.teeth {
-        Some((contact, ContactFile::new(&pair, &model.solver)?))
+        let solver = args.at_run_time(model.solver.clone());
+        Some((contact, ContactFile::new(&pair, &solver)?))
     } else {
         None
     };

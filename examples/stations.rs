@@ -14,9 +14,9 @@ use gearmesh::random::Random;
 
 const PAIRS: [&str; 4] = ["palermo2013", "fzg-c", "helical-25-47", "planet-ring-27-84"];
 /// Stations, and the share of a strip's own contact in what changes along it.
-const CASES: [(usize, f64); 5] = [(20, 1.0), (40, 1.0), (20, 0.5), (22, 0.5), (40, 0.5)];
+const CASES: [(usize, f64); 5] = [(20, 1.0), (40, 1.0), (20, 0.45), (22, 0.45), (40, 0.45)];
 const MOST: usize = 160;
-const POSES: usize = 100;
+const POSES: usize = 400;
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!(
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             };
             ContactSolver::new(&pair, gears.clone(), settings)
         };
-        let most = solver(MOST, 0.5)?;
+        let most = solver(MOST, 0.45)?;
         let coarser = CASES.map(|(stations, own_share)| solver(stations, own_share));
         let coarser = coarser.into_iter().collect::<Result<Vec<_>, _>>()?;
         // Sums of squares and the largest.

@@ -13,7 +13,7 @@
 //! The gap of a strip is that of the modified flanks where they come closest (`closest.rs`), minus
 //! M (z - z_ref). It is taken at several points of each strip, so that the edge of the
 //! contact moves in small steps; forces and bulk displacements are those of whole strips. At run time
-//! local contact takes up half of what gaps change by along a strip ([`ContactSettings::own_share`]).
+//! local contact takes up less than half of what gaps change by along a strip ([`ContactSettings::own_share`]).
 //!
 //! The torque on gear 1 is F_bt rb1, F_bt = cos beta_b sum a_i F_i with a_i the arm of the transverse force
 //! about the axis of gear 1 over rb1: 1, but for a tip edge of gear 1 on the flank of gear 2, whose normals

@@ -16,7 +16,7 @@
 //! | [`SMOOTHING_OVER_REFERENCE`] | 3 | derived: half-space under a load that alternates along the line |
 //! | [`SHARE_OF_A_LINE`] | 0.5 | half of what a contact line has to give |
 //! | [`INDEFINITE`] | 2e-5 | rounding; far below the least slope of the law, 0.29, that it is added to |
-//! | [`OWN_SHARE_ALONG_STRIP`] | 0.5 | measured: docs/contact-at-run-time.md |
+//! | [`OWN_SHARE_ALONG_STRIP`] | 0.45 | measured: docs/contact-at-run-time.md |
 //! | [`STIFFNESS_OVER_MODULUS`] | 0.07 | ISO 6336-1: 14 N/(mm um) for steel |
 //! | [`MOST_STATIONS`], [`FEWEST_STATIONS`] | 40, 10 | measured: docs/finite-elements.md |
 //! | [`RUN_TIME_STATIONS`] | 22 | measured: docs/contact-at-run-time.md |
@@ -85,9 +85,9 @@ pub const SHARE_OF_A_LINE: f64 = 0.5;
 /// much shorter than the elements indefinite by itself.
 pub const INDEFINITE: f64 = 2e-5;
 
-/// Part of the change of a gap along a strip that local contact takes up at run time; the bulk displacement follows the rest. 0.35 to
-/// 0.45 make force and moment most exact, more the stiffness, whose error is the steps in which strips meet.
-pub const OWN_SHARE_ALONG_STRIP: f64 = 0.5;
+/// Part of the change of a gap along a strip that local contact takes up at run time; the bulk displacement follows the rest. Less
+/// makes force and moment more exact, more the stiffness, whose error is the steps in which strips meet.
+pub const OWN_SHARE_ALONG_STRIP: f64 = 0.45;
 
 /// Stiffness of a tooth pair per length of contact line over Young's modulus: for starting values, for how
 /// far tip edges are followed and for how wide contacts become.

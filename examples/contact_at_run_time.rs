@@ -1,4 +1,4 @@
-//! What contact at run time costs, and how far it is from the full solve: `cargo run --release --example
+//! What contact at run time costs, and how far it is from the full solve on that solve's stations: `cargo run --release --example
 //! contact_at_run_time`. Elastic models are kept in target/finite-elements.
 
 #[path = "common/runtime_contact.rs"]
@@ -65,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let each = begin.elapsed().as_secs_f64() / STEPS as f64;
         println!(
             "| {name} | {} | {:.1} | {:.3} | {:.2} | {:.0} | {:.0} |",
-            solver.settings().stations,
+            file.setup.settings.stations,
             file.to_bytes().len() as f64 / 1e6,
             100.0 * (square / POINTS as f64).sqrt(),
             100.0 * largest,

@@ -69,7 +69,7 @@ class FlankMesh:
         self.profile = Profile(gear)
         first, last = min(lines) - 1, max(lines) + 1
         self.depth = halves(growing(abs(gear.held - gear.root), 0.3 * gear.m, mesh.body)) / abs(gear.held - gear.root)
-        self.cells, self.tooth = [], {}
+        self.cells, self.tooth, self.follows = [], {}, {}
         for sector in range(first, last + 1):
             self.add_tooth(sector)
         angle = 2 * pi / gear.z * (halves(np.arange(gear.z - (last - first))) + last + 0.5)
@@ -101,13 +101,15 @@ class FlankMesh:
         if sector not in self.lines:
             ends = np.linspace(p.split, p.tip, 5)
             return np.repeat(halves(ends)[:, None], self.zs.size, 1), np.zeros((9, self.zs.size)), 4
-        arcs, half = [], 0.5 * s.band * s.cell
+        arcs, half, follows = [], 0.5 * s.band * s.cell, []
         for z in self.zs:
-            centre = np.clip(p.of_radius(self.lines[sector](z)), p.split + half + s.side * s.cell, p.tip - half - s.side * s.edge)
+            line = p.of_radius(self.lines[sector](z))
+            centre = np.clip(line, p.split + half + s.side * s.cell, p.tip - half - s.side * s.edge)
+            follows.append(centre == line)
             below = centre - half - growing(centre - half - p.split, s.cell, s.side)[::-1]
             above = centre + half + growing(p.tip - centre - half, s.cell, s.side)
             arcs.append(halves(np.r_[below, np.linspace(centre - half, centre + half, s.band + 1)[1:-1], above]))
-        arcs = np.array(arcs).T
+        arcs, self.follows[sector] = np.array(arcs).T, np.array(follows)
         start = arcs[2 * s.side]
         return arcs, np.clip((arcs - p.split) / (0.6 * (start - p.split)), 0.0, 1.0), s.across
 

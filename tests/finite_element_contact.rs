@@ -222,9 +222,9 @@ fn unmodified_solid_spur_pairs_agree_with_a_second_program() {
 fn helical_pairs_agree() {
     for (name, each) in [
         ("helix-13", 0.0035),
-        ("helix-25", 0.003),
+        ("helix-25", 0.0035),
         ("helix-30", 0.003),
-        ("internal-helical", 0.004),
+        ("internal-helical", 0.0035),
     ] {
         agrees_with_reference(name, &Bounds { each, ..PLANE });
     }

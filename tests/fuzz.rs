@@ -65,3 +65,13 @@ fn changed_samples_are_refused_by_line_or_become_tables() {
 fn changed_states_are_refused_or_the_unit_goes_on_with_numbers() {
     run(TARGETS[3]);
 }
+
+#[test]
+fn changed_units_are_refused_by_field_or_go_with_numbers() {
+    run(TARGETS[4]);
+}
+
+#[test]
+fn changed_contacts_are_refused_or_give_numbers() {
+    run(TARGETS[5]);
+}

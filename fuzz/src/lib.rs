@@ -1,14 +1,16 @@
-//! What comes from outside and is read: pair files, tables, samples for `import`, stored states. Each has inputs to
+//! What comes from outside and is read: pair files, tables, samples for `import`, the other files of a unit, stored states. Each has inputs to
 //! start from, a way to change them that keeps their form more often than changed bytes do, and a check: the input is
 //! refused with a message or gives something that works; a panic, or a result that is no number, is a finding.
 //!
 //! libFuzzer drives this from fuzz/fuzz_targets, `make test` in a short form from tests/fuzz.rs.
 
 pub mod change;
+pub mod contact_file;
 pub mod pair_file;
 pub mod samples;
 pub mod stored_state;
 pub mod tables;
+pub mod unit_file;
 
 use gearmesh::random::Random;
 
@@ -25,11 +27,13 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [&Target; 4] = [
+pub const TARGETS: [&Target; 6] = [
     &pair_file::TARGET,
     &tables::TARGET,
     &samples::TARGET,
     &stored_state::TARGET,
+    &unit_file::TARGET,
+    &contact_file::TARGET,
 ];
 
 /// `data` changed as the target has it, or one of its seeds in place of nothing, if that is no longer than `longest` and

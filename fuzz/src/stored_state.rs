@@ -7,10 +7,11 @@ use std::sync::{Arc, LazyLock};
 
 use gearmesh::fmi::instance::Instance;
 use gearmesh::fmi::lifecycle::{Function, Interface};
-use gearmesh::fmi::resources::{Resources, UNIT_VERSION, UnitFile};
-use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index};
+use gearmesh::fmi::resources::Resources;
+use gearmesh::fmi::variables::{VARIABLES, index};
 use sha2::{Digest, Sha256};
 
+use super::unit_file::{INTERFACES, outputs, unit};
 use super::{Target, change, tables};
 
 /// States in the middle of a simulation through both interfaces are where it starts.
@@ -25,7 +26,6 @@ pub const TARGET: Target = Target {
     check,
 };
 
-const INTERFACES: [Interface; 2] = [Interface::CoSimulation, Interface::ModelExchange];
 /// Bytes before the JSON, magic and version, and after it, the checksum.
 const AROUND: [usize; 2] = [12, 32];
 
@@ -37,18 +37,11 @@ static RESOURCES: LazyLock<Arc<Resources>> = LazyLock::new(|| {
         .pair_geometry()
         .expect("a pair that is shipped");
     let starts = [
-        ("gear2.position[1]", geometry.center_distance),
         ("stiffnessModel", 2.0),
         ("friction", 1.0),
         ("rootStress", 1.0),
     ];
-    let unit = UnitFile {
-        version: UNIT_VERSION,
-        guid: "{00000000-0000-0000-0000-000000000001}".into(),
-        name: "spring".into(),
-        starts: starts.map(|(name, value)| (name.to_owned(), value)).into(),
-        geometry,
-    };
+    let unit = unit("spring", geometry, &starts);
     Arc::new(Resources::new(unit, Some(file), None).expect("a unit by hand"))
 });
 
@@ -135,21 +128,4 @@ fn go_on(mut instance: Instance, bytes: &[u8]) -> bool {
         outputs(&mut instance);
     }
     true
-}
-
-/// Every output is a number, or refused.
-fn outputs(instance: &mut Instance) {
-    if instance.admit(Function::Get, "fmi2GetReal").is_err() {
-        return;
-    }
-    let outputs = VARIABLES
-        .iter()
-        .filter(|v| v.causality == Causality::Output && v.kind == Kind::Real);
-    for variable in outputs {
-        let reference = std::iter::once(variable.value_reference);
-        let finite = |value: f64| assert!(value.is_finite(), "{} = {value}", variable.name);
-        if let Err(refusal) = instance.get_real(reference, finite) {
-            assert!(!refusal.message.is_empty());
-        }
-    }
 }

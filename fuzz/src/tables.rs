@@ -6,8 +6,9 @@ use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{Flank, samples};
 use gearmesh::table::samples::Spring;
 use gearmesh::table::{
-    Effects, FrictionRecord, Interpolation, Load, LoadAxes, LoadJet, Query, RootStressError,
-    RootStressRecord, RootStressSamples, SlidingSamples, Table, TableError, TableFile,
+    CouplingRecord, Effects, FrictionRecord, GearTeethRecord, Interpolation, InterpolationError,
+    Load, LoadAxes, LoadJet, Potential, Query, RootStressError, RootStressRecord,
+    RootStressSamples, SlidingSamples, Table, TableError, TableFile, TeethRecord,
 };
 
 use super::{Target, change};
@@ -26,7 +27,7 @@ pub const TARGET: Target = Target {
     check,
 };
 
-/// A spring by formula with friction and root stress beside it.
+/// A spring by formula with friction, root stress and tooth pairs one by one beside it.
 pub fn formula(counts: [usize; 4]) -> TableFile {
     let grid = Spring::grid(counts);
     let pair = samples::paper_pair(1.0);
@@ -67,6 +68,22 @@ pub fn formula(counts: [usize; 4]) -> TableFile {
             rms: 0.01,
             maximum: 0.02,
         },
+    });
+    file.teeth = Some(TeethRecord {
+        axes: file.axes.clone(),
+        first_place: -1.0,
+        last_place: 1.2,
+        coupling_m_per_n: CouplingRecord::Same(1e-10),
+        drive: file.drive.clone(),
+        coast: None,
+        coast_coupling_m_per_n: None,
+        drive_errors: [1.0, 0.0].map(|share| GearTeethRecord {
+            index_m: (0..20).map(|i| 1e-6 * share * f64::from(i % 7)).collect(),
+            runout_m: 10e-6 * (1.0 - share),
+            runout_angle_rad: 0.3,
+        }),
+        coast_errors: Default::default(),
+        error: InterpolationError::default(),
     });
     file.solver = BTreeMap::new();
     file.seal();
@@ -128,6 +145,7 @@ fn evaluate(table: &Table) {
             load,
             friction: file.friction.is_some(),
             root_stress: file.root_stress.is_some(),
+            teeth: file.teeth.is_some(),
             ..*table.effects()
         };
         let Some(table) = told(table.sliced(&effects)) else {
@@ -153,17 +171,14 @@ fn evaluate(table: &Table) {
 }
 
 fn evaluate_at(table: &Table, flank: Flank, query: &Query) {
+    let teeth = table
+        .teeth(flank)
+        .map(|(teeth, _)| teeth.evaluate(query, [3, -5], true));
+    if let Some(potential) = teeth {
+        finite_potential(query, &potential);
+    }
     let potential = table.flank(flank).0.evaluate(query, true);
-    let hessian = potential.hessian.iter().flatten();
-    let numbers = potential
-        .gradient
-        .iter()
-        .chain(hessian)
-        .chain([&potential.value]);
-    assert!(
-        numbers.into_iter().all(|v| v.is_finite()),
-        "{query:?} {potential:?}"
-    );
+    finite_potential(query, &potential);
     let load = [
         potential.gradient[0].max(0.0),
         query.center_distance_offset,
@@ -185,4 +200,17 @@ fn evaluate_at(table: &Table, flank: Flank, query: &Query) {
     if let Some((stress, _)) = table.root_stress(flank) {
         finite(&stress.evaluate(load));
     }
+}
+
+fn finite_potential(query: &Query, potential: &Potential) {
+    let hessian = potential.hessian.iter().flatten();
+    let numbers = potential
+        .gradient
+        .iter()
+        .chain(hessian)
+        .chain([&potential.value]);
+    assert!(
+        numbers.into_iter().all(|v| v.is_finite()),
+        "{query:?} {potential:?}"
+    );
 }

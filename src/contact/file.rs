@@ -95,6 +95,7 @@ impl ContactFile {
             .filter(|end| *end <= bytes.len())
             .ok_or("the head is longer than the file")?;
         let head: Head = serde_json::from_slice(&bytes[HEAD..end]).map_err(|e| e.to_string())?;
+        head.setup.check()?;
         let mut rest = bytes[end..].chunks_exact(4);
         let mut filled = |mut flank: CondensedFlank| -> Result<Arc<CondensedFlank>, String> {
             let count = flank.value_count().ok_or("a grid without nodes")?;

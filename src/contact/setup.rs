@@ -9,6 +9,7 @@ use super::numbers::PairNumbers;
 use super::position::Limits;
 use super::transverse::TransverseSection;
 use crate::gear::{Flank, PairGeometry, PairMicrogeometry, PairTeeth};
+use crate::table::GeometryRecord;
 
 /// How the contact is discretised.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -66,7 +67,41 @@ pub struct ContactSetup {
     pub form_rolls: [f64; 2],
 }
 
+/// Strips of one position, more than which are no contact of a pair: ten times those of the widest face.
+const MOST_STRIPS: usize = 4000;
+
 impl ContactSetup {
+    /// Refuses what a file may hold and no solver writes.
+    ///
+    /// # Errors
+    /// The first such field, as text.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let record = GeometryRecord::from(&self.geometry);
+        record.pair_geometry().map_err(|error| error.to_string())?;
+        let numbers = PairNumbers::new(&self.geometry);
+        let section = (self.section(&numbers, 0.0)).map_err(|error| error.to_string())?;
+        let pairs = self.lines(Flank::Drive, &section).pairs(0.0, 0.0);
+        let pairs = i64::from(*pairs.end()) - i64::from(*pairs.start());
+        let stations = self.settings.stations;
+        let strips = usize::try_from(pairs)
+            .ok()
+            .and_then(|n| n.checked_mul(stations));
+        if !strips.is_some_and(|strips| (1..MOST_STRIPS).contains(&strips)) {
+            return Err(format!(
+                "{stations} stations of {pairs} tooth pairs: together 1 to {MOST_STRIPS} make sense"
+            ));
+        }
+        for errors in [&self.teeth.drive, &self.teeth.coast] {
+            for (gear, errors) in self.geometry.gears.iter().zip(errors) {
+                let count = errors.index.len();
+                if count != 0 && count != gear.teeth as usize {
+                    return Err(format!("{count} index errors of {} teeth", gear.teeth));
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// The transverse section at the deviation `center_distance_offset` (m) from the nominal centre distance; `numbers` are the
     /// pair's.
     ///

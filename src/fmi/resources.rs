@@ -19,7 +19,7 @@ use super::variables::{index_by_name, template_starts};
 use crate::contact::ContactFile;
 use crate::element::{Element, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
-use crate::table::{Effects, Table, TableError, TableFile};
+use crate::table::{Effects, GeometryRecord, Table, TableError, TableFile};
 
 /// File with the pair and the GUID.
 pub const UNIT_FILE: &str = "unit.json";
@@ -291,6 +291,8 @@ pub fn parse_unit(text: &str) -> Result<UnitFile, String> {
             "version {found}, this library reads {UNIT_VERSION}"
         ));
     }
+    let record = GeometryRecord::from(&unit.geometry);
+    record.pair_geometry().map_err(|error| error.to_string())?;
     Starts::new(&unit)?;
     Ok(unit)
 }
@@ -318,6 +320,22 @@ pub(super) mod tests {
             error.contains("'http://host/a'") && error.contains("pass the file URI"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn a_pair_that_no_pair_file_gives_is_refused_by_field() {
+        let unit = on_table([8, 1, 1, 6], &[]).resources().unit.clone();
+        let text = serde_json::to_string(&unit).unwrap();
+        assert_eq!(parse_unit(&text).unwrap(), unit);
+        let teeth = text.replace("\"teeth\":20", "\"teeth\":0");
+        let distance = text.replace("\"center_distance\":0.082", "\"center_distance\":0.002");
+        for (text, field) in [
+            (teeth, "gear1.teeth = 0"),
+            (distance, "center_distance_m = 0.002"),
+        ] {
+            let error = parse_unit(&text).unwrap_err();
+            assert!(error.contains(field), "{error}");
+        }
     }
 
     /// An instance on a table of a spring with a known potential; `counts` as in [`Spring::grid`].

@@ -8,8 +8,10 @@ pub enum TopographyError {
     /// Fewer than three lines along one of the axes.
     #[error("fewer than 3 lines along an axis of the grid")]
     TooFew,
-    /// Lines that do not ascend, or numbers that are none.
-    #[error("lines of the grid that do not ascend, or a number that is not finite")]
+    /// Lines that do not ascend, values that are missing, or numbers that are none.
+    #[error(
+        "lines of the grid that do not ascend, a value that is missing, or a number that is not finite"
+    )]
     NotAscending,
 }
 
@@ -22,12 +24,56 @@ type Node = [f64; 4];
 /// Removal on a full grid of lengths of roll and places along the face, between the nodes bicubic: the value and both
 /// first derivatives are continuous, parabolas come out exact. Beyond the grid it goes on along its tangents.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Stored")]
 pub struct Topography {
     rolls: Vec<f64>,
     zs: Vec<f64>,
     /// Row by row over z.
     nodes: Vec<Node>,
     largest: f64,
+}
+
+/// A [`Topography`] as it is read from the file of a unit.
+#[derive(Deserialize)]
+struct Stored {
+    rolls: Vec<f64>,
+    zs: Vec<f64>,
+    nodes: Vec<Node>,
+    largest: f64,
+}
+
+impl TryFrom<Stored> for Topography {
+    type Error = TopographyError;
+
+    fn try_from(stored: Stored) -> Result<Topography, TopographyError> {
+        let Stored {
+            rolls,
+            zs,
+            nodes,
+            largest,
+        } = stored;
+        check_axes(&rolls, &zs)?;
+        if nodes.len() != rolls.len() * zs.len() {
+            return Err(TopographyError::NotAscending);
+        }
+        Ok(Topography {
+            rolls,
+            zs,
+            nodes,
+            largest,
+        })
+    }
+}
+
+fn check_axes(rolls: &[f64], zs: &[f64]) -> Result<(), TopographyError> {
+    if rolls.len() < 3 || zs.len() < 3 {
+        return Err(TopographyError::TooFew);
+    }
+    let ascends = |x: &[f64]| x.windows(2).all(|w| w[0] < w[1]) && x.iter().all(|v| v.is_finite());
+    if !ascends(rolls) || !ascends(zs) {
+        return Err(TopographyError::NotAscending);
+    }
+    Ok(())
 }
 
 impl Topography {
@@ -41,16 +87,12 @@ impl Topography {
         zs: Vec<f64>,
         removal: Vec<Vec<f64>>,
     ) -> Result<Topography, TopographyError> {
-        if rolls.len() < 3 || zs.len() < 3 {
-            return Err(TopographyError::TooFew);
-        }
-        let ascends =
-            |x: &[f64]| x.windows(2).all(|w| w[0] < w[1]) && x.iter().all(|v| v.is_finite());
+        check_axes(&rolls, &zs)?;
         let is_full = removal.len() == rolls.len()
             && removal
                 .iter()
                 .all(|row| row.len() == zs.len() && row.iter().all(|v| v.is_finite()));
-        if !ascends(&rolls) || !ascends(&zs) || !is_full {
+        if !is_full {
             return Err(TopographyError::NotAscending);
         }
         let column =
@@ -167,6 +209,21 @@ mod tests {
 
     const ROLLS: [f64; 5] = [6e-3, 7e-3, 9e-3, 12e-3, 14e-3];
     const ZS: [f64; 4] = [0.0, 5e-3, 15e-3, 24e-3];
+
+    #[test]
+    fn what_is_read_is_checked_as_what_is_made() {
+        let text = serde_json::to_string(&sampled(|roll, z| roll * z)).unwrap();
+        let read = |text: &str| serde_json::from_str::<Topography>(text);
+        assert_eq!(read(&text).unwrap(), sampled(|roll, z| roll * z));
+        for spoilt in [
+            text.replacen("0.007", "0.017", 1),
+            text.replacen("0.024]", "0.024,0.03]", 1),
+        ] {
+            assert_ne!(spoilt, text);
+            let refused = read(&spoilt).unwrap_err().to_string();
+            assert!(refused.contains("do not ascend"), "{refused}");
+        }
+    }
 
     fn sampled(f: impl Fn(f64, f64) -> f64) -> Topography {
         let rows = ROLLS.map(|roll| ZS.map(|z| f(roll, z)).to_vec());

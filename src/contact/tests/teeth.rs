@@ -380,10 +380,25 @@ fn a_file_keeps_the_teeth_and_a_coast_flank_of_its_own_for_them() {
     assert_eq!(file.setup.teeth, pair.teeth);
     let read = ContactFile::from_bytes(&file.to_bytes()).unwrap();
     assert_eq!(read, file);
-    let mut other = file.clone();
-    Arc::make_mut(&mut other.setup).settings.stations -= 1;
-    let refused = ContactFile::from_bytes(&other.to_bytes()).unwrap_err();
-    assert!(refused.contains("stations of a flank"), "{refused}");
+    type Spoil = fn(&mut ContactSetup);
+    let spoilt: [(Spoil, &str); 4] = [
+        (|setup| setup.settings.stations -= 1, "stations of a flank"),
+        (|setup| setup.settings.stations = 0, "0 stations of"),
+        (
+            |setup| setup.teeth.drive[0].index = vec![1e-6; 3],
+            "3 index errors of",
+        ),
+        (
+            |setup| setup.geometry.gears[1].tip_radius = 1e6,
+            "stations of",
+        ),
+    ];
+    for (spoil, reason) in spoilt {
+        let mut other = file.clone();
+        spoil(Arc::make_mut(&mut other.setup));
+        let refused = ContactFile::from_bytes(&other.to_bytes()).unwrap_err();
+        assert!(refused.contains(reason), "{refused}");
+    }
     // The drive flank's teeth are alike, those of the coast flank are not.
     let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| {
         let contact = read.flank(flank).unwrap();

@@ -1,0 +1,110 @@
+//! The file of a unit with its pair and start values: refused, or a unit that goes with numbers, or refuses to.
+
+use std::sync::Arc;
+
+use gearmesh::fmi::instance::Instance;
+use gearmesh::fmi::lifecycle::{Function, Interface};
+use gearmesh::fmi::resources::{Resources, UNIT_VERSION, UnitFile, parse_unit};
+use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index};
+use gearmesh::gear::PairGeometry;
+use gearmesh::pair::Pair;
+
+use super::{Target, change};
+
+/// Units of constant stiffness, external and internal.
+pub const TARGET: Target = Target {
+    name: "unit_file",
+    seeds: || {
+        let pairs = [
+            include_str!("../../resources/pairs/helical-25-47.json"),
+            include_str!("../../resources/pairs/planet-ring-27-84.json"),
+        ];
+        let geometry = |text| Pair::from_json(text).expect("a shipped pair").geometry;
+        let units = pairs.map(|text| unit("constant", geometry(text), &[]));
+        units
+            .map(|unit| serde_json::to_vec(&unit).expect("JSON"))
+            .to_vec()
+    },
+    change: change::json,
+    check,
+};
+
+/// Both.
+pub const INTERFACES: [Interface; 2] = [Interface::CoSimulation, Interface::ModelExchange];
+
+/// A unit of `geometry`, whose gears start in contact, with `starts` beside that.
+pub fn unit(name: &str, geometry: PairGeometry, starts: &[(&str, f64)]) -> UnitFile {
+    let touching = [("gear2.position[1]", geometry.center_distance)];
+    let starts = starts.iter().chain(&touching);
+    UnitFile {
+        version: UNIT_VERSION,
+        guid: "{00000000-0000-0000-0000-000000000001}".into(),
+        name: name.into(),
+        starts: starts
+            .map(|(name, value)| ((*name).to_owned(), *value))
+            .collect(),
+        geometry,
+    }
+}
+
+/// See [`Target::check`].
+pub fn check(data: &[u8]) -> bool {
+    let Ok(text) = str::from_utf8(data) else {
+        return false;
+    };
+    let made = parse_unit(text).and_then(|unit| Resources::new(unit, None, None));
+    match made {
+        Ok(resources) => {
+            run(&Arc::new(resources));
+            true
+        }
+        Err(reason) => {
+            assert!(!reason.is_empty() && reason.len() < 500, "{reason}");
+            false
+        }
+    }
+}
+
+/// A start, turned a little, and two steps through both interfaces: numbers, or refusals.
+pub fn run(resources: &Arc<Resources>) {
+    for interface in INTERFACES {
+        let mut instance = Instance::new(Arc::clone(resources), interface);
+        if instance.setup(0.0, None).is_err() || instance.exit_initialization().is_err() {
+            continue;
+        }
+        let turned = [VARIABLES[index::GEAR1_ANGLES_3].value_reference];
+        for step in 0..3 {
+            outputs(&mut instance);
+            if instance
+                .set_real(&turned, &[2e-4 * f64::from(step)])
+                .is_err()
+            {
+                break;
+            }
+            outputs(&mut instance);
+            let time = instance.time();
+            if instance.admit(Function::DoStep, "fmi2DoStep").is_ok()
+                && instance.do_step(time, 1e-5).is_err()
+            {
+                break;
+            }
+        }
+    }
+}
+
+/// Every output is a number, or refused.
+pub fn outputs(instance: &mut Instance) {
+    if instance.admit(Function::Get, "fmi2GetReal").is_err() {
+        return;
+    }
+    let outputs = VARIABLES
+        .iter()
+        .filter(|v| v.causality == Causality::Output && v.kind == Kind::Real);
+    for variable in outputs {
+        let reference = std::iter::once(variable.value_reference);
+        let finite = |value: f64| assert!(value.is_finite(), "{} = {value}", variable.name);
+        if let Err(refusal) = instance.get_real(reference, finite) {
+            assert!(!refusal.message.is_empty());
+        }
+    }
+}

@@ -6,7 +6,7 @@ use gearmesh::gear::tolerance::random_index_errors;
 use gearmesh::gear::{Flank, OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
-use gearmesh::table::CouplingRecord::{self, Each, Same};
+use gearmesh::table::CouplingRecord::{self, Apart, Each, Same};
 use gearmesh::table::plan::{Coverage, displacement_nodes, measure, mesh_positions};
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{
@@ -192,6 +192,70 @@ fn the_force_with_class_6_errors_is_that_of_contact_at_run_time() {
     assert!(force < 1.5 * error.force_rms, "{force} {error:?}");
 }
 
+/// The record of a pair file and its error of the force, on coarse finite elements with few nodes.
+fn stated_error(text: &str) -> (TeethRecord, f64) {
+    let mut pair = Pair::from_json(text).unwrap();
+    pair.refinement = Refinement::Coarse;
+    let elements = Settings::for_pair(&pair);
+    let models = PairCompliance::new(&pair.geometry, &elements, None, &|_, _, _| true);
+    let [first, second] = models.unwrap().gears;
+    let settings = ContactSettings {
+        stations: 16,
+        ..ContactSettings::default()
+    };
+    let solver = ContactSolver::new(&pair, [first, second], settings).unwrap();
+    let coverage = Coverage {
+        center_distance_offset: None,
+        misalignment: Some([-5e-4, 5e-4]),
+        nominal_torque: pair.operating.nominal_torque,
+        maximum_torque: pair.operating.maximum_torque,
+    };
+    let axes = Axes {
+        misalignment: vec![-5e-4, -2e-4, 0.0, 2e-4, 5e-4],
+        ..axes(&coverage)
+    };
+    let record = TeethSweep {
+        solver: &solver,
+        contact: &ContactFile::new(&pair, &solver).unwrap(),
+        coverage: &coverage,
+        coast_mirrors_drive: true,
+    }
+    .record(&axes, 200, &QUIET)
+    .unwrap();
+    let error = record.error.force_rms;
+    println!("{:?} {:?}", record.coupling_m_per_n, record.error);
+    (record, error)
+}
+
+#[test]
+fn spur_teeth_of_a_short_path_of_contact_are_told_one_by_one() {
+    // Approach and recess are shorter than a base pitch each.
+    let text = include_str!("../resources/pairs/fzg-c.json");
+    let (record, error) = stated_error(text);
+    assert!(matches!(&record.coupling_m_per_n, Apart(rows) if rows.len() == 1));
+    assert!(error < 5e-3, "{error}");
+}
+
+#[test]
+fn tooth_pairs_on_a_soft_body_share_it_however_far_they_are_apart() {
+    // Of a narrow reduction gear with a long path of contact on a small bore.
+    let text = r#"{ "name": "soft", "meshing": "external", "normal_module_mm": 1.75, "normal_pressure_angle_deg": 17.5,
+        "helix_angle_deg": 29.5, "backlash_um": 90.0, "face_offset_mm": 0.5,
+        "gear1": { "teeth": 23, "profile_shift": 0.3, "face_width_mm": 14.0, "addendum_coefficient": 1.2,
+            "dedendum_coefficient": 1.5, "tool_tip_radius_coefficient": 0.3, "bore_diameter_mm": 28.0,
+            "lead_crowning_um": 4.0 },
+        "gear2": { "teeth": 81, "face_width_mm": 13.0, "addendum_coefficient": 1.2, "dedendum_coefficient": 1.5,
+            "tool_tip_radius_coefficient": 0.3, "bore_diameter_mm": 60.0 },
+        "operating": { "nominal_torque_nm": 75.0, "maximum_torque_nm": 150.0,
+            "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [-0.5, 0.5] } }"#;
+    let (record, error) = stated_error(text);
+    let Apart(rows) = &record.coupling_m_per_n else {
+        panic!("{record:?}")
+    };
+    assert!(rows[1][2] > 0.9 * rows[0][2], "{rows:?}");
+    assert!(error < 1e-2, "{error}");
+}
+
 #[test]
 fn equal_teeth_carry_what_the_table_of_all_teeth_says() {
     let level = level(&alike());
@@ -228,9 +292,28 @@ fn equal_teeth_carry_what_the_table_of_all_teeth_says() {
     assert!(rms < stated, "{rms} {stated}");
 }
 
+/// With bodies that give way: tooth pairs two and three base pitches apart take of each other, too, by the misalignment.
+fn on_soft_bodies() -> TeethRecord {
+    let mut record = READY.record.clone();
+    let misalignments = &record.axes.misalignment_rad;
+    let row = |c: f64| {
+        misalignments
+            .iter()
+            .map(|m| c * (1.0 + 1e4 * m * m))
+            .collect()
+    };
+    record.coupling_m_per_n = Apart([1.1e-9, 0.9e-9, 0.8e-9].map(row).to_vec());
+    record
+}
+
 #[test]
 fn loads_and_their_slopes_are_those_of_one_potential() {
-    let level = level(&READY.record);
+    for record in [&READY.record, &on_soft_bodies()] {
+        assert_loads_are_slopes(&level(record));
+    }
+}
+
+fn assert_loads_are_slopes(level: &TeethFlank) {
     let mut random = Random::new(7);
     let (mut loaded, mut shared) = (0, 0);
     while loaded < 200 {
@@ -365,9 +448,17 @@ fn a_record_that_makes_no_sense_is_refused_by_field() {
             "teeth.coupling_m_per_n",
         );
         let field = "teeth.coast_coupling_m_per_n";
+        for rows in [
+            Each(vec![wrong; 17]),
+            Apart(vec![vec![1e-10; 17], vec![wrong; 17]]),
+        ] {
+            refused(&|r| r.coast_coupling_m_per_n = Some(rows.clone()), field);
+        }
+    }
+    for count in [0, 8] {
         refused(
-            &|r| r.coast_coupling_m_per_n = Some(Each(vec![wrong; 17])),
-            field,
+            &|r| r.coupling_m_per_n = Apart(vec![vec![1e-10; 17]; count]),
+            "1 to 7 base pitches",
         );
     }
     refused(
@@ -454,7 +545,7 @@ fn a_file_with_tooth_pairs_is_read_as_it_was_written() {
     let text = with(Same(one)).to_json();
     assert!(text.contains("\"coupling_m_per_n\":9e-10,"));
     let read = TableFile::from_json(&text).unwrap().teeth.unwrap();
-    assert!(read.in_words().contains("a neighbour takes 0.90 um/kN"));
+    assert!(read.in_words().contains("others take 0.90 um/kN"));
     let everywhere = Each(vec![one; read.axes.misalignment_rad.len()]);
     let everywhere = with(everywhere).teeth.unwrap();
     let [one, everywhere] = [&read, &everywhere].map(level);

@@ -123,7 +123,7 @@ impl TeethRecord {
     pub fn in_words(&self) -> String {
         let axes = &self.axes;
         format!(
-            "{} x {} x {} x {} from {:.2} to {:.2} base pitches; a neighbour takes {} um/kN; {} against contact at run time",
+            "{} x {} x {} x {} from {:.2} to {:.2} base pitches; of the approach others take {} um/kN; {} against contact at run time",
             count(axes.displacement_fraction.len(), "displacement"),
             count(axes.center_distance_offset_m.len(), "centre distance"),
             count(axes.misalignment_rad.len(), "misalignment"),
@@ -137,24 +137,24 @@ impl TeethRecord {
 }
 
 impl CouplingRecord {
-    /// Least and largest, um/kN.
+    /// Least and largest at each distance, um/kN.
     fn in_words(&self) -> String {
-        let values = match self {
-            CouplingRecord::Same(value) => from_ref(value),
-            CouplingRecord::Each(values) => values,
+        let at_distance = |values: &[f64]| {
+            let um_per_kn = |of: fn(f64, f64) -> f64| {
+                let value = values.iter().copied().reduce(of);
+                format!("{:.2}", value.map_or(f64::NAN, |c| 1e9 * c))
+            };
+            match [f64::min, f64::max].map(um_per_kn) {
+                [least, largest] if least == largest => least,
+                [least, largest] => format!("{least} to {largest}"),
+            }
         };
-        let um_per_kn = |of: fn(f64, f64) -> f64| {
-            let value = values
-                .iter()
-                .copied()
-                .reduce(of)
-                .map_or(f64::NAN, |c| 1e9 * c);
-            format!("{value:.2}")
+        let distances: Vec<String> = match self {
+            CouplingRecord::Same(value) => vec![at_distance(from_ref(value))],
+            CouplingRecord::Each(values) => vec![at_distance(values)],
+            CouplingRecord::Apart(rows) => rows.iter().map(|row| at_distance(row)).collect(),
         };
-        match [f64::min, f64::max].map(um_per_kn) {
-            [least, largest] if least == largest => least,
-            [least, largest] => format!("{least} to {largest}"),
-        }
+        distances.join(", ")
     }
 }
 

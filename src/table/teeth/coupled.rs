@@ -1,14 +1,17 @@
 //! The loads of all tooth pairs in mesh, from the table of one alone.
 //!
-//! Tooth pair k closes by b_k = delta + e_k. What its neighbours carry takes c F of that: it is left
-//! a_k = b_k - c (F_(k-1) + F_(k+1)), and carries F_k = dW1/da there. The compliance c depends on the misalignment M. The loads make
+//! Tooth pair k closes by b_k = delta + e_k. What the others carry takes of that: it is left a_k = b_k - sum of c_|j-k| F_j, and
+//! carries F_k = dW1/da there. The compliances c depend on the misalignment M. The loads make
 //!
-//! W = sum of W1(a_k) + sum over neighbours of c F_j F_k
+//! W = sum of W1(a_k) + sum over every two of c_|j-k| F_j F_k
 //!
-//! stationary, so that slopes of W are those at fixed loads: those of the W1 at fixed a_k and, by M, -c' F_j F_k of every two
-//! neighbours: -2 c' F_j F_k of what both are left, c' F_j F_k of the second sum. With c below half of what any tooth pair gives way
-//! ([`TeethRecord::check_gain`](super::TeethRecord)) a <- b - c F is a contraction, and there is one solution. Newton's iteration finds
-//! it; a step whose shorter parts do not lessen the residual, either, is replaced by one of that contraction.
+//! stationary, so that slopes of W are those at fixed loads: those of the W1 at fixed a_k and, by M, -c' F_j F_k of every two: twice
+//! that of what both are left, less once that of the second sum. The loads are also where the complementary energy
+//!
+//! sum of (a_k - b_k) F_k - W1(a_k) + sum over every two of c_|j-k| F_j F_k
+//!
+//! is least, which is convex in F while what a tooth pair gives way exceeds the least eigenvalue of the c, negative
+//! ([`TeethRecord::check_gain`](super::TeethRecord)). Newton's iteration finds it, its steps shortened until this energy falls.
 
 use super::compliance::Coupling;
 use super::pairs::{MOST, Pair, Pairs};
@@ -17,10 +20,11 @@ use crate::table::{COORDINATES, FlankTable, Potential, Query};
 /// Steps at most; nearly all points take three or four.
 const MOST_STEPS: usize = 200;
 
-/// Part of what a step of Newton's iteration promises of the residual that it must keep, and the least part of such a step
-/// that is tried before one of the contraction.
-const LEAST_GAIN: f64 = 0.25;
-const LEAST_PART: f64 = 0.1;
+/// Part of what the slope of the complementary energy promises that a step must keep, the least part of Newton's step that is
+/// tried, and the part of the energies that rounding may take.
+const LEAST_GAIN: f64 = 0.1;
+const LEAST_PART: f64 = 1e-6;
+const ROUNDING: f64 = 1e-13;
 
 /// A step of this part of the span of the table is the last: what it leaves of the energy is of third order in it.
 const LAST_STEP: f64 = 1e-6;
@@ -143,9 +147,9 @@ impl TeethTable {
 
     /// Finds what is left to each of `pairs`; false if it does not.
     fn settle(&self, pairs: &mut Pairs) -> bool {
-        let (mut left, mut residual) = pairs.left();
+        let (mut left, mut energy) = pairs.left();
         for _ in 0..MOST_STEPS {
-            let (step, largest) = pairs.newton(&left);
+            let (step, largest, slope) = pairs.newton(&left);
             if largest <= self.last_step {
                 pairs.correct(&step);
                 return true;
@@ -155,17 +159,18 @@ impl TeethTable {
             loop {
                 let next = std::array::from_fn(|n| here[n] + part * step[n]);
                 self.go_to(pairs, &next);
-                let (left_there, residual_there) = pairs.left();
-                if residual_there <= (1.0 - LEAST_GAIN * part) * residual {
-                    (left, residual) = (left_there, residual_there);
+                let (left_there, energy_there) = pairs.left();
+                if energy_there.is_nan() {
+                    return false;
+                }
+                let rounding = ROUNDING * (energy.abs() + energy_there.abs());
+                if energy_there <= energy + LEAST_GAIN * part * slope + rounding
+                    || part < LEAST_PART
+                {
+                    (left, energy) = (left_there, energy_there);
                     break;
                 }
                 part *= 0.5;
-                if part < LEAST_PART || residual_there.is_nan() {
-                    self.go_to(pairs, &left);
-                    (left, residual) = pairs.left();
-                    break;
-                }
             }
         }
         false

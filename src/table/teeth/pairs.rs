@@ -1,5 +1,6 @@
 //! Tooth pairs under load beside each other: what is left to each of its approach, and their sum.
 
+use super::compliance::Taken;
 use super::coupled::Closing;
 use super::linear::{SIZE, solve};
 use crate::table::{COORDINATES, Potential};
@@ -14,7 +15,7 @@ pub struct Pair {
     pub k: i32,
     /// What errors of its teeth close.
     pub closing: Closing,
-    /// Approach, centre distance offset, misalignment, place, before neighbours take of it.
+    /// Approach, centre distance offset, misalignment, place, before others take of it.
     pub free: [f64; COORDINATES],
     /// Likewise, after.
     pub at: [f64; COORDINATES],
@@ -28,8 +29,8 @@ pub struct Pairs {
     pub all: [Pair; MOST],
     /// How many there are.
     pub count: usize,
-    /// What the force on a neighbour takes of the approach, m/N, its slope and second derivative by the misalignment.
-    pub coupling: [f64; 3],
+    /// What the forces on others take of the approach.
+    pub coupling: Taken,
 }
 
 impl Pairs {
@@ -43,7 +44,7 @@ impl Pairs {
         &mut self.all[..self.count]
     }
 
-    /// Without those that carry nothing: neighbours take of their approach, so that they carry nothing with them, either.
+    /// Without those that carry nothing: others take of their approach, so that they carry nothing with them, either.
     pub fn drop_idle(&mut self) {
         let mut kept = 0;
         for n in 0..self.count {
@@ -55,61 +56,70 @@ impl Pairs {
         self.count = kept;
     }
 
-    /// Places of the neighbours of the pair at place `n`.
-    fn beside(&self, n: usize) -> impl Iterator<Item = usize> {
-        let k = self.all[n].k;
-        let before = n.checked_sub(1).filter(|&m| self.all[m].k == k - 1);
-        let after = Some(n + 1).filter(|&m| m < self.count && self.all[m].k == k + 1);
-        before.into_iter().chain(after)
+    /// What the force of the pair at place `other` takes of the approach of that at place `n`, m/N, and its first and second
+    /// derivative by the misalignment.
+    fn between(&self, n: usize, other: usize) -> [f64; 3] {
+        self.coupling[self.all[n].k.abs_diff(self.all[other].k) as usize]
     }
 
-    /// Force on the neighbours of the pair at place `n`, N.
-    fn force_beside(&self, n: usize) -> f64 {
-        let forces = self
-            .beside(n)
-            .map(|other| self.all[other].found.gradient[0]);
-        forces.sum()
-    }
-
-    /// b - c F of each, m, and the largest distance to what they have.
-    pub fn left(&self) -> ([f64; MOST], f64) {
-        let mut left = [0.0; MOST];
-        let mut largest = 0.0f64;
-        for (n, pair) in self.all().iter().enumerate() {
-            left[n] = pair.free[0] - self.coupling[0] * self.force_beside(n);
-            let distance = (left[n] - pair.at[0]).abs();
-            // A number that is none must not get lost.
-            if distance > largest || distance.is_nan() {
-                largest = distance;
+    /// What all others take of the approach of the pair at place `n`, m, and its first and second derivative by the misalignment, at
+    /// their forces as they are.
+    fn taken(&self, n: usize) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (other, pair) in self.all().iter().enumerate() {
+            let by = self.between(n, other);
+            for d in 0..3 {
+                sum[d] += by[d] * pair.found.gradient[0];
             }
         }
-        (left, largest)
+        sum
     }
 
-    /// 1 + c K, K the stiffnesses of neighbours.
+    /// b - C F of each, m, and the complementary energy, J, least where that is what they have.
+    pub fn left(&self) -> ([f64; MOST], f64) {
+        let mut left = [0.0; MOST];
+        let mut energy = 0.0;
+        for (n, pair) in self.all().iter().enumerate() {
+            let [taken, ..] = self.taken(n);
+            left[n] = pair.free[0] - taken;
+            let force = pair.found.gradient[0];
+            energy += (pair.at[0] + 0.5 * taken - pair.free[0]) * force - pair.found.value;
+        }
+        (left, energy)
+    }
+
+    /// 1 + C K, K the stiffnesses of all.
     fn matrix(&self) -> [[f64; SIZE]; SIZE] {
         let mut matrix = [[0.0; SIZE]; SIZE];
         for n in 0..self.count {
-            matrix[n][n] = 1.0;
-            for other in self.beside(n) {
-                matrix[n][other] = self.coupling[0] * self.all[other].found.hessian[0][0];
+            for other in 0..self.count {
+                matrix[n][other] = self.between(n, other)[0] * self.all[other].found.hessian[0][0];
             }
+            matrix[n][n] = 1.0;
         }
         matrix
     }
 
-    /// Newton's step towards a = b - c F, which is `left` now, and its largest part, m.
-    pub fn newton(&self, left: &[f64; MOST]) -> ([f64; MOST], f64) {
+    /// Newton's step towards a = b - C F, which is `left` now, its largest part, m, and the slope of the complementary energy
+    /// along it, J.
+    pub fn newton(&self, left: &[f64; MOST]) -> ([f64; MOST], f64, f64) {
         let mut right = [[0.0; 1]; SIZE];
         for (n, pair) in self.all().iter().enumerate() {
             right[n] = [left[n] - pair.at[0]];
         }
+        let distance = right;
         solve(&mut self.matrix(), &mut right, self.count);
         let step: [f64; MOST] = std::array::from_fn(|n| right[n][0]);
-        (
-            step,
-            step.iter().fold(0.0, |largest, s| s.abs().max(largest)),
-        )
+        let mut largest = 0.0f64;
+        let mut slope = 0.0;
+        for (n, pair) in self.all().iter().enumerate() {
+            // A number that is none must not get lost.
+            if step[n].abs() > largest || step[n].is_nan() {
+                largest = step[n].abs();
+            }
+            slope -= distance[n][0] * pair.found.hessian[0][0] * step[n];
+        }
+        (step, largest, slope)
     }
 
     /// The last `step`: energy to second order in it, loads to first, by what is known of W1.
@@ -130,7 +140,7 @@ impl Pairs {
 
     /// Their sum once they have settled, added to `sum`.
     pub fn total(&self, sum: &mut Potential, want_hessian: bool) {
-        let mut products = 0.0;
+        let mut products = [0.0; 3];
         for (n, pair) in self.all().iter().enumerate() {
             let w = &pair.found;
             sum.value += w.value;
@@ -138,14 +148,16 @@ impl Pairs {
                 *total += own;
             }
             sum.gradient[3] += w.gradient[0] * pair.closing.rate;
-            products += 0.5 * w.gradient[0] * self.force_beside(n);
+            for (product, taken) in products.iter_mut().zip(self.taken(n)) {
+                *product += 0.5 * w.gradient[0] * taken;
+            }
         }
-        let [c, slope, curvature] = self.coupling;
-        sum.value += c * products;
-        sum.gradient[2] -= slope * products;
+        let [energy, slope, curvature] = products;
+        sum.value += energy;
+        sum.gradient[2] -= slope;
         if want_hessian {
             self.curvatures::<COORDINATES>(&mut sum.hessian);
-            sum.hessian[2][2] -= curvature * products;
+            sum.hessian[2][2] -= curvature;
             for pair in self.all() {
                 sum.hessian[3][3] += pair.found.gradient[0] * pair.closing.curvature;
             }
@@ -156,14 +168,14 @@ impl Pairs {
 
     /// Second derivatives of the sum by the first `R` coordinates, at fixed rates of closings and a fixed slope of the coupling.
     fn curvatures<const R: usize>(&self, hessian: &mut [[f64; COORDINATES]; COORDINATES]) {
-        // Slopes of the coordinates of each pair, that of the approach at fixed loads of its neighbours.
+        // Slopes of the coordinates of each pair, that of the approach at fixed loads of the others.
         let mut slopes = [[[0.0; R]; COORDINATES]; MOST];
         for (n, (pair, slopes)) in self.all().iter().zip(&mut slopes).enumerate() {
             for (i, row) in slopes.iter_mut().enumerate().take(R) {
                 row[i] = 1.0;
             }
             if R == COORDINATES {
-                slopes[0][2] = -self.coupling[1] * self.force_beside(n);
+                slopes[0][2] = -self.taken(n)[1];
                 slopes[0][3] = pair.closing.rate;
             }
         }
@@ -172,12 +184,13 @@ impl Pairs {
             let mut right = [[0.0; R]; SIZE];
             for n in 0..self.count {
                 right[n] = free[n][0];
-                // What the other coordinates of neighbours change in their loads.
-                for other in self.beside(n) {
+                // What the other coordinates of others change in their loads.
+                for other in 0..self.count {
                     let force = &self.all[other].found.hessian[0];
+                    let [by, ..] = self.between(n, other);
                     for j in 1..COORDINATES {
                         for x in 0..R {
-                            right[n][x] -= self.coupling[0] * force[j] * free[other][j][x];
+                            right[n][x] -= by * force[j] * free[other][j][x];
                         }
                     }
                 }

@@ -8,7 +8,7 @@ use crate::table::{AxesRecord, FlankGrid, FlankRecord, InterpolationError, Table
 
 use super::pairs::MOST;
 
-/// Largest gain that is taken: nearer to 1 loads settle slowly and mean little.
+/// Largest gain that is taken: at 1 loads are no longer told apart.
 const LARGEST_GAIN: f64 = 0.95;
 
 /// Tooth pairs one by one, as the tables file holds them.
@@ -21,13 +21,13 @@ pub struct TeethRecord {
     pub first_place: f64,
     /// Where it ends; nothing touches there.
     pub last_place: f64,
-    /// What a force on a tooth pair takes of the approach of each of its neighbours.
+    /// What a force on a tooth pair takes of the approach of the others.
     pub coupling_m_per_n: CouplingRecord,
     /// One tooth pair alone on the drive flank.
     pub drive: FlankRecord,
     /// On the coast flank, if it is not the drive flank mirrored.
     pub coast: Option<FlankRecord>,
-    /// What neighbours take there; absent: the same.
+    /// What others take there; absent: the same.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coast_coupling_m_per_n: Option<CouplingRecord>,
     /// How the drive flanks of gear 1 and gear 2 differ.
@@ -38,17 +38,19 @@ pub struct TeethRecord {
     pub error: InterpolationError,
 }
 
-/// What neighbours take of each other, m/N.
+/// What tooth pairs take of each other, m/N.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
-    expecting = "coupling_m_per_n: one number, or one at each misalignment"
+    expecting = "coupling_m_per_n: one number, one at each misalignment, or a list of these for each distance"
 )]
 pub enum CouplingRecord {
-    /// The same at all misalignments.
+    /// Neighbours, the same at all misalignments.
     Same(f64),
-    /// At each node of the misalignment.
+    /// Neighbours, at each node of the misalignment.
     Each(Vec<f64>),
+    /// Neighbours, those two base pitches apart, and so on, each at each node of the misalignment.
+    Apart(Vec<Vec<f64>>),
 }
 
 /// What distinguishes the teeth of one gear on one flank, see [`ToothErrors`].
@@ -175,16 +177,23 @@ impl TeethRecord {
         self.grid(Flank::Drive).check("teeth.drive")?;
         self.grid(Flank::Coast).check("teeth.coast")?;
         for flank in [Flank::Drive, Flank::Coast] {
-            let (name, values) = self.coupling(flank);
+            let (name, rows) = self.coupling(flank);
             let nodes = self.axes.misalignment_rad.len();
-            if values.len() != nodes {
-                let count = format!("{} numbers", values.len());
-                let reason = format!("there are {nodes} misalignments");
+            if rows.is_empty() || rows.len() >= MOST {
+                let count = format!("{} lists", rows.len());
+                let reason = format!("tooth pairs are 1 to {} base pitches apart", MOST - 1);
                 return refuse(name, count, &reason);
             }
-            if let Some(value) = values.iter().find(|c| !(0.0..1.0).contains(*c)) {
-                let reason = "a force on one tooth pair takes of the approach of the next";
-                return refuse(name, value.to_string(), reason);
+            for values in rows {
+                if values.len() != nodes {
+                    let count = format!("{} numbers", values.len());
+                    let reason = format!("there are {nodes} misalignments");
+                    return refuse(name, count, &reason);
+                }
+                if let Some(value) = values.iter().find(|c| !(0.0..1.0).contains(*c)) {
+                    let reason = "a force on one tooth pair takes of the approach of the others";
+                    return refuse(name, value.to_string(), reason);
+                }
             }
         }
         for (name, gears) in [
@@ -198,21 +207,23 @@ impl TeethRecord {
         Ok(())
     }
 
-    /// What neighbours take of each other on `flank` at each misalignment, m/N, and the name of the field that says so.
-    pub(super) fn coupling(&self, flank: Flank) -> (&'static str, Vec<f64>) {
+    /// What tooth pairs take of each other on `flank`, from neighbours on, at each misalignment, m/N, and the name of the field
+    /// that says so.
+    pub(super) fn coupling(&self, flank: Flank) -> (&'static str, Vec<Vec<f64>>) {
         let (name, coupling) = match (flank, &self.coast_coupling_m_per_n) {
             (Flank::Coast, Some(own)) => ("coast_coupling_m_per_n", own),
             _ => ("coupling_m_per_n", &self.coupling_m_per_n),
         };
-        let values = match coupling {
-            CouplingRecord::Same(value) => vec![*value; self.axes.misalignment_rad.len()],
-            CouplingRecord::Each(values) => values.clone(),
+        let rows = match coupling {
+            CouplingRecord::Same(value) => vec![vec![*value; self.axes.misalignment_rad.len()]],
+            CouplingRecord::Each(values) => vec![values.clone()],
+            CouplingRecord::Apart(rows) => rows.clone(),
         };
-        (name, values)
+        (name, rows)
     }
 
-    /// Refuses a coupling on `flank` that is too large: neighbours on either side must take less of the approach than a tooth
-    /// pair gives way. `gain`: the largest ratio of the two.
+    /// Refuses a coupling on `flank` that is too large: of loads that cancel, the others must take less than a tooth pair gives way.
+    /// `gain`: the largest ratio of the two.
     ///
     /// # Errors
     /// It is.
@@ -220,14 +231,14 @@ impl TeethRecord {
         if gain <= LARGEST_GAIN {
             return Ok(());
         }
-        let (name, values) = self.coupling(flank);
+        let (name, rows) = self.coupling(flank);
         Err(TableError::field(
             format!("teeth.{name}"),
-            values.into_iter().fold(0.0, f64::max),
+            format!("{:.3e}", rows.concat().into_iter().fold(0.0, f64::max)),
             format!(
-                "neighbours would take {gain:.2} times what a tooth pair gives way, and only below {LARGEST_GAIN} loads settle"
+                "other tooth pairs would take {gain:.2} times what one gives way, and only below {LARGEST_GAIN} loads are told apart"
             ),
-            "set stiffnessModel = contact for this pair",
+            "for this pair build without --teeth, with --contact, and set stiffnessModel = contact",
         ))
     }
 

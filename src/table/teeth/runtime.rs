@@ -2,8 +2,11 @@
 
 use std::sync::Arc;
 
+use nalgebra::SMatrix;
+
 use super::compliance::Coupling;
 use super::coupled::{Closing, TeethTable};
+use super::pairs::MOST;
 use super::record::TeethRecord;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, PairGeometry};
@@ -102,38 +105,64 @@ fn table(record: &TeethRecord, flank: Flank, effects: &Effects) -> Result<TeethT
     let span = spans
         .map(|(top, low)| top - low)
         .fold(f64::INFINITY, f64::min);
-    let (_, values) = record.coupling(flank);
-    let mut coupling = Coupling::new(&grid.axes.misalignment, &values)?;
+    let (_, rows) = record.coupling(flank);
+    let mut coupling = Coupling::new(&grid.axes.misalignment, &rows)?;
     let (grid, pair) = flank_table(grid, &effects)?;
     if !effects.misalignment {
         coupling = coupling.aligned();
     }
-    record.check_gain(flank, largest_gain(&grid, &pair, &coupling))?;
     let places = [record.first_place, record.last_place - record.first_place];
+    record.check_gain(flank, largest_gain(&grid, &pair, &coupling, places[1]))?;
     Ok(TeethTable::new(pair, places, coupling, span))
 }
 
-/// Largest part of the approach of a tooth pair that neighbours on both sides take at the nodes of `grid`; not a number if one
-/// is not.
-fn largest_gain(grid: &FlankGrid, pair: &FlankTable, coupling: &Coupling) -> f64 {
+/// Largest part of what tooth pairs give way that others take, at the nodes of `grid`, whose places are `length` base pitches
+/// long: minus the least eigenvalue of the compliances between all in mesh, each over what both give way at least. Not a number
+/// if one is not.
+fn largest_gain(grid: &FlankGrid, pair: &FlankTable, coupling: &Coupling, length: f64) -> f64 {
     let axes = &grid.axes;
-    let columns = axes
-        .center_distance_offset
-        .iter()
-        .flat_map(|&c| axes.misalignment.iter().map(move |&m| (c, m)))
-        .flat_map(|(c, m)| axes.mesh_position.iter().map(move |&p| (c, m, p)));
-    let approaches = grid.no_load_approach.iter().zip(&grid.top_load_approach);
-    let gains = columns.zip(approaches).flat_map(|((c, m, p), (low, top))| {
-        let [taken, ..] = coupling.at(m);
-        axes.displacement_fraction.iter().map(move |u| {
-            let query = Query {
+    let places = &axes.mesh_position;
+    let columns = places.len();
+    let offsets = axes.center_distance_offset.iter();
+    let nodes = offsets.flat_map(|&c| axes.misalignment.iter().map(move |&m| (c, m)));
+    let gains = nodes.enumerate().map(|(node, (c, m))| {
+        let ends = grid.no_load_approach.iter().zip(&grid.top_load_approach);
+        let ends = ends.skip(node * columns).zip(places);
+        let stiffness = |((low, top), &p): ((&f64, &f64), &f64)| {
+            let at = |u: &f64| Query {
                 delta: low + u * (top - low),
                 center_distance_offset: c,
                 misalignment: m,
                 mesh_position: p,
             };
-            2.0 * taken * pair.evaluate(&query, false).hessian[0][0]
-        })
+            let found = axes.displacement_fraction.iter().map(at);
+            largest(found.map(|at| pair.evaluate(&at, false).hessian[0][0]))
+        };
+        let stiffness: Vec<f64> = ends.map(stiffness).collect();
+        let taken = coupling.at(m);
+        let first = places.iter().take_while(|p| **p * length < 1.0);
+        largest(first.map(|p| {
+            // Of the nodes on either side, and where they end.
+            let roots: [f64; MOST] = std::array::from_fn(|n| {
+                let after = places.partition_point(|q| *q < p + n as f64 / length - 1e-9);
+                let beside = [after.checked_sub(1), Some(after)].into_iter().flatten();
+                let beside = beside.filter_map(|i| stiffness.get(i)).copied();
+                if after < columns {
+                    largest(beside).sqrt()
+                } else {
+                    0.0
+                }
+            });
+            let between = SMatrix::<f64, MOST, MOST>::from_fn(|i, j| {
+                taken[i.abs_diff(j)][0] * roots[i] * roots[j]
+            });
+            -between.symmetric_eigenvalues().min()
+        }))
     });
-    gains.fold(0.0, |a: f64, b| if b <= a { a } else { b })
+    largest(gains)
+}
+
+/// The largest of `values` and 0; not a number if one is not.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |a: f64, b| if b <= a { a } else { b })
 }

@@ -95,7 +95,7 @@ impl TeethSweep<'_> {
                 &source, flank, &axes, torque, watch,
             )?));
             let told = coupling(self.solver, self.coverage, flank, &axes.misalignment)?;
-            couplings.push(CouplingRecord::Each(told));
+            couplings.push(CouplingRecord::Apart(told));
         }
         let (mut grids, mut couplings) = (grids.into_iter(), couplings.into_iter());
         let errors = |gears: &[_; 2]| gears.each_ref().map(GearTeethRecord::from);

@@ -10,6 +10,10 @@ use crate::flank_summary::modifications;
 use crate::model::{Model, ModelArgs};
 use crate::output::Listing;
 
+/// Error of the force, rms over the nominal one, from which on tooth pairs one by one are warned of: several times that of
+/// the shipped pairs.
+const LARGE_ERROR: f64 = 0.03;
+
 impl std::fmt::Display for Made {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
@@ -34,6 +38,14 @@ impl std::fmt::Display for Made {
                 self.teeth_seconds,
                 teeth.in_words()
             )?;
+            if teeth.error.force_rms > LARGE_ERROR {
+                write!(
+                    f,
+                    "\n  warning: tooth pairs one by one carry {:.1} % rms of the nominal force more or less than they \
+                     should; for this pair build with --contact and set stiffnessModel = contact",
+                    100.0 * teeth.error.force_rms
+                )?;
+            }
         }
         if self.teeth_differ {
             let takes = match (&self.file.teeth, &self.contact) {

@@ -56,6 +56,63 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
 }
 
 #[test]
+fn results_that_leave_tooth_errors_out_say_so_and_stay_those_of_equal_teeth() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (pair, page, study) = (path("pair.json"), path("page.html"), path("study"));
+    let text = std::fs::read_to_string(paper()).unwrap();
+    let errors = r#""teeth": 20, "tooth_errors": { "runout_um": 5.0 },"#;
+    std::fs::write(&pair, text.replacen("\"teeth\": 20,", errors, 1)).unwrap();
+
+    let said = "solve, report, study and tables take them as all alike";
+    let solve = |more: &[&str]| {
+        let asked = ["solve", &pair, "--positions", "4"];
+        succeed(&[&asked[..], &QUICK[..], more].concat())
+    };
+    for loads in [&[][..], &["--torque-nm", "50,100"]] {
+        let text = solve(loads);
+        assert_eq!(stdout(&text).matches(said).count(), 1, "{}", stdout(&text));
+    }
+    let json: serde_json::Value = serde_json::from_str(stdout(&solve(&["--json"]))).unwrap();
+    assert!(json["notes"][0].as_str().unwrap().contains(said));
+    let alike = solve_json(&["--positions", "4"]);
+    assert_eq!(alike["notes"], serde_json::json!([]));
+    assert_eq!(json["ste_loa_um"], alike["ste_loa_um"]);
+
+    let asked = ["report", &pair, "--positions", "4", "-o", &page];
+    succeed(&[&asked[..], &QUICK[..]].concat());
+    assert!(std::fs::read_to_string(&page).unwrap().contains(said));
+
+    let study = |vary: &str| {
+        let asked = [
+            "study",
+            &pair,
+            "--positions",
+            "4",
+            "--samples",
+            "2",
+            "-o",
+            &study,
+        ];
+        gearmesh(&[&asked[..], &["--vary", vary], &QUICK[..]].concat())
+    };
+    let output = study("torque_nm=90..110");
+    assert!(stdout(&output).contains(said), "{}", stderr(&output));
+    for file in ["study/study.json", "study/study.html"] {
+        let text = std::fs::read_to_string(folder.path().join(file)).unwrap();
+        assert!(text.contains(said), "{file}");
+    }
+    let refused = study("gear1.tooth_errors.runout_um=0..10");
+    assert_eq!(refused.status.code(), Some(1));
+    let message = stderr(&refused);
+    assert!(
+        message.contains("--vary gear1.tooth_errors.runout_um")
+            && message.contains("all teeth as alike"),
+        "{message}"
+    );
+}
+
+#[test]
 fn root_stress_is_told_where_asked_for_and_agrees_in_json_and_csv() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("results");

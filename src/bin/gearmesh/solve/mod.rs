@@ -139,7 +139,7 @@ impl Solve {
                 let losses = Losses::new(&pair, &input, cycle, &self.speeds)?;
                 Ok(Report {
                     roots: roots.transpose()?,
-                    ..Report::new(&pair.geometry, &input, stations, cycle, losses)
+                    ..Report::new(&pair, &input, stations, cycle, losses)
                 })
             })
             .collect::<Result<_, crate::Error>>()?;

@@ -124,7 +124,13 @@ pub fn one(
         format!("{:.3} s", report.solve_seconds),
     );
     let _ = write!(text, "\n{rows}");
-    text
+    text + &notes(pair)
+}
+
+/// What is to be known of the results.
+fn notes(pair: &Pair) -> String {
+    let note = pair.note_on_teeth();
+    note.map_or(String::new(), |note| format!("\nnote: {note}\n"))
 }
 
 /// Flank and centre distance, which all loads of a run share.
@@ -206,5 +212,5 @@ pub fn many(
         )
         .row("time for the contact", format!("{seconds:.3} s"));
     let _ = write!(text, "\n{rows}");
-    text
+    text + &notes(pair)
 }

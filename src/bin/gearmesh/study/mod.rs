@@ -97,6 +97,8 @@ struct Summary<'a> {
     samples: usize,
     refused: usize,
     statistics: &'a [Statistics],
+    /// What is to be known of the results, one sentence each; empty where there is nothing.
+    notes: Vec<&'static str>,
 }
 
 /// Everything that solving a sample takes.
@@ -158,6 +160,7 @@ impl Study {
             samples: self.samples,
             refused: 0,
             statistics: &[],
+            notes: pair.note_on_teeth().into_iter().collect(),
         };
         write_json(&summary, &all)?;
 
@@ -283,6 +286,14 @@ fn check(variations: &[Variation], draft: &PairDraft, pair: &Pair) -> Result<(),
             let found = changed
                 .pair()
                 .map_err(|error| format!("--vary {}: {error}", v.field))?;
+            if found.teeth != pair.teeth {
+                return Err(format!(
+                    "--vary {}: a study takes all teeth as alike, so that it would change nothing; vary what all teeth have, \
+                     torque_nm, misalignment_mrad or center_distance_offset_um",
+                    v.field
+                )
+                .into());
+            }
             if found.geometry != pair.geometry {
                 return Err(format!(
                     "--vary {}: it changes the teeth or where they stand, so that every sample needed an elastic model of \

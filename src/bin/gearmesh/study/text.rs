@@ -77,3 +77,6 @@ pub fn text(bench: &Bench, seed: u64, done: &[Sample], statistics: &[Statistics]
     }
     text
 }
+    if let Some(note) = bench.pair.note_on_teeth() {
+        let _ = write!(text, "\nnote: {note}\n");
+    }

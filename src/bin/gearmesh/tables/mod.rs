@@ -102,8 +102,8 @@ pub struct Made {
     root_stress_seconds: f64,
     /// Likewise of tooth pairs one by one.
     teeth_seconds: f64,
-    /// The teeth of the pair differ, which tables do not hold.
-    teeth_differ: bool,
+    /// What is to be known where the teeth of the pair differ, which tables do not hold.
+    note_on_teeth: Option<&'static str>,
 }
 
 /// The tables of the pair file `path`, on their way to `output`, and with `contact` what its contact at run time needs.
@@ -212,7 +212,7 @@ pub fn compute(
             "{}, {:.1} s, {}",
             model.description, model.compliance_seconds, model.origin
         ),
-        teeth_differ: !pair.teeth.are_alike(),
+        note_on_teeth: pair.note_on_teeth(),
         contact_seconds,
         root_stress_seconds,
         teeth_seconds,

@@ -56,6 +56,36 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
 }
 
 #[test]
+fn coefficient_times_loss_factor_times_power_is_the_loss_with_every_law() {
+    let folder = tempfile::tempdir().unwrap();
+    let pair = folder.path().join("pair.json");
+    let text = std::fs::read_to_string(paper()).unwrap();
+    let oil = r#""dynamic_viscosity_mpa_s": 20, "roughness_ra_um": [0.4, 0.4]"#;
+    for law in ["constant", "schlenk", "xu_kahraman"] {
+        let friction = format!(r#"{{ "friction": {{ "law": "{law}", {oil} }},"#);
+        std::fs::write(&pair, text.replacen('{', &friction, 1)).unwrap();
+        let asked = [
+            "solve",
+            pair.to_str().unwrap(),
+            "--positions",
+            "8",
+            "--json",
+        ];
+        let at = ["--torque-nm", "100", "--speed-rpm", "1000"];
+        let output = succeed(&[&asked[..], &at, &QUICK[..]].concat());
+        let json: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
+        let of = |key: &str| numbers(&json[key])[0];
+        let transmitted = 100.0 * 1000.0 * std::f64::consts::TAU / 60.0;
+        let factor = json["loss_factor"].as_f64().unwrap();
+        let product = of("friction_coefficient") * factor * transmitted;
+        assert!(
+            (of("loss_w") / product - 1.0).abs() < 1e-9,
+            "{law}: {product}"
+        );
+    }
+}
+
+#[test]
 fn results_that_leave_tooth_errors_out_say_so_and_stay_those_of_equal_teeth() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();

@@ -383,9 +383,10 @@ impl Bench<'_> {
 
 /// Statistics of every result over the samples that were solved.
 fn spread(done: &[Sample], names: &[&'static str]) -> Result<Vec<Statistics>, Error> {
-    let nominal = match done.iter().find(|s| s.number == 0).map(|s| &s.outcome) {
-        Some(Ok(results)) => results,
-        Some(Err(error)) => return Err(format!("the pair as drawn: {error}").into()),
+    let as_drawn = done.iter().find(|s| s.number == 0);
+    let (nominal, drawn) = match as_drawn.map(|s| (&s.outcome, &s.fields)) {
+        Some((Ok(results), fields)) => (results, fields),
+        Some((Err(error), _)) => return Err(format!("the pair as drawn: {error}").into()),
         None => return Err("the pair as drawn was not solved; begin anew with --restart".into()),
     };
     let solved = || {
@@ -401,7 +402,7 @@ fn spread(done: &[Sample], names: &[&'static str]) -> Result<Vec<Statistics>, Er
         .enumerate()
         .map(|(k, name)| {
             let values: Vec<f64> = solved().map(|(_, results)| results[k]).collect();
-            Statistics::new(name, nominal[k], &values, &fields)
+            Statistics::new(name, (nominal[k], drawn), &values, &fields)
         })
         .collect())
 }

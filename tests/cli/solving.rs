@@ -285,9 +285,19 @@ fn a_bow_of_the_shafts_acts_as_crowning_and_a_slope_as_misalignment() {
 
 #[test]
 fn the_error_is_estimated_from_another_refinement() {
-    let output = succeed(&[&["solve", &paper(), "--estimate-error"], &QUICK[..]].concat());
+    let pair = paper();
+    let asked = ["solve", &pair, "--estimate-error", "--root-stress"];
+    let output = succeed(&[&asked[..], &QUICK[..]].concat());
     let text = stdout(&output);
-    let estimate = text.split("estimated error").nth(1).expect(text);
+    let (solved, estimate) = text.split_once("estimated error").expect(text);
+    assert!(
+        solved.contains("time for the model of the fillets"),
+        "{solved}"
+    );
+    assert!(
+        estimate.contains("time for its model of the fillets"),
+        "{estimate}"
+    );
     assert!(estimate.contains("finite elements, normal"), "{estimate}");
     let percent = |name: &str| -> f64 {
         let line = estimate.lines().find(|line| line.contains(name));
@@ -298,6 +308,11 @@ fn the_error_is_estimated_from_another_refinement() {
     let (mean, swing) = (percent("mean STE"), percent("peak-to-peak STE"));
     assert!(mean != 0.0 && mean.abs() < 1.0, "{mean}");
     assert!(swing != 0.0 && swing.abs() < 10.0, "{swing}");
+    // docs/root-stress.md: coarse is within some percent.
+    for gear in ["root stress of gear 1", "root stress of gear 2"] {
+        let stress = percent(gear);
+        assert!(stress != 0.0 && stress.abs() < 5.0, "{gear}: {stress}");
+    }
 }
 
 #[test]

@@ -24,7 +24,6 @@ use crate::Error;
 use crate::limits;
 use crate::model::{Model, ModelArgs};
 use crate::output;
-use crate::progress::CONTACT;
 use samples::Sample;
 use statistics::Statistics;
 use variation::{Asked, Variation};
@@ -165,10 +164,14 @@ impl Study {
         write_json(&summary, &all)?;
 
         self.model.use_threads()?;
-        let job = self.model.job(&pair, "static contact of the samples")?;
+        let mut plan = self.model.plan(&pair, "static contact of the samples")?;
+        if self.root_stress {
+            plan = plan.with_fillets(self.model.fillet_seconds(&pair)?);
+        }
+        let job = self.model.progress().job(plan);
         let model = self.model.solver(&pair, &job)?;
         let roots = match self.root_stress {
-            true => Some(self.model.root_stress(&pair, FLANK)?),
+            true => Some(self.model.fillets(&pair, FLANK, &job)?.maps),
             false => None,
         };
         let bench = Bench {
@@ -189,7 +192,7 @@ impl Study {
                     let sample = bench.sample(number, self.seed);
                     let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
                     let told = format!("{done} of {} samples", wanted.len());
-                    job.set(CONTACT, done as f64 / wanted.len() as f64, &told);
+                    job.contact(done as f64 / wanted.len() as f64, &told);
                     sample
                 })
                 .collect();

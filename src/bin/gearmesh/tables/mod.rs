@@ -20,7 +20,6 @@ use crate::Error;
 use crate::model::ModelArgs;
 use crate::output;
 use crate::preflight::{self, Load, preflight};
-use crate::progress::CONTACT;
 use records::{default_grid, drive_flank, root_stress, sliding, teeth, within};
 use words::settings;
 
@@ -146,7 +145,7 @@ pub fn compute(
         }
         let likely = load.solves.max(all);
         let share = all as f64 / likely as f64;
-        job.set(CONTACT, share, &format!("{all} of about {likely} solves"));
+        job.contact(share, &format!("{all} of about {likely} solves"));
     };
     let watch = Watch {
         progress: &told,

@@ -24,12 +24,24 @@ pub fn count(number: usize, of: &str) -> String {
 /// Longest name or value that is repeated, in characters.
 const LONGEST: usize = 300;
 
+/// Longest row of a listing, in characters: sentences with their numbers, but no file's worth of them.
+const LONGEST_ROW: usize = 3000;
+
 /// Most digits in which a number is written out: a double needs 17, sign, point and leading zeros come to it.
 const DIGITS: usize = 24;
 
 /// Text from a file: control characters escaped, cut where it is too long for a line; a number of many digits with
 /// an exponent.
 pub fn shown(text: &str) -> String {
+    cut(text, LONGEST)
+}
+
+/// The same for a row of a listing, which may hold whole sentences.
+pub fn shown_in_full(text: &str) -> String {
+    cut(text, LONGEST_ROW)
+}
+
+fn cut(text: &str, longest: usize) -> String {
     if text.len() > DIGITS
         && let Ok(number) = text.parse::<f64>()
     {
@@ -37,7 +49,7 @@ pub fn shown(text: &str) -> String {
     }
     let mut out = String::new();
     for (i, c) in text.chars().enumerate() {
-        if i == LONGEST {
+        if i == longest {
             out.push_str("...");
             break;
         }
@@ -98,5 +110,7 @@ mod tests {
         assert_eq!(shown("齿轮\n\u{1b}[2J"), "齿轮\\n\\u{1b}[2J");
         assert_eq!(shown(&"齿".repeat(1000)).chars().count(), LONGEST + 3);
         assert_eq!(shown(&"齿".repeat(LONGEST)).chars().count(), LONGEST);
+        assert_eq!(shown_in_full(&"a".repeat(1000)).len(), 1000);
+        assert_eq!(shown_in_full(&"a".repeat(9000)).len(), LONGEST_ROW + 3);
     }
 }

@@ -29,7 +29,8 @@ pub enum FrictionLaw {
         dynamic_viscosity_pa_s: f64,
         /// Ra, mean of both gears, m.
         roughness_ra_m: f64,
-        /// X_L: mineral oil 0.846, PAO and ester 0.65, polyglycol 0.585.
+        /// X_L. Values of particular gear oils, not those of the standard: in the library of the program GEARpie (C. Fernandes) a
+        /// mineral oil has 0.846, PAO and ester 0.65, polyglycol 0.585.
         lubricant_factor: f64,
     },
     /// Local coefficient of every strip by Xu and Kahraman, Journal of Mechanical Design 129 (2007), 58-68:

@@ -27,7 +27,8 @@ pub fn loss_factor_of(pair: &PairGeometry, distance: f64) -> f64 {
 /// Friction of a mesh cycle at one load and speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Loss {
-    /// Coefficient of friction, the mean over the cycle weighted with the load.
+    /// Coefficient of friction, the mean over the cycle weighted with load times sliding, as the loss is: times the loss factor by
+    /// the share of the load and the transmitted power it is the power lost.
     pub coefficient: f64,
     /// Mean power lost, W.
     pub power: f64,
@@ -36,22 +37,22 @@ pub struct Loss {
 }
 
 impl Loss {
-    /// Of the mesh cycle `sliding` (weighted by `law`) under `torque` (N m, > 0) on gear 1, which turns with
-    /// `spin` (rad/s) against the line of centres.
+    /// Of a mesh cycle under `torque` (N m, > 0) on gear 1, which turns with `spin` (rad/s) against the line of
+    /// centres: how it slides with every strip counted alike, and weighted by `law`.
     pub fn new(
         pair: &PairGeometry,
         law: &FrictionLaw,
-        sliding: &[Sliding],
+        [even, weighted]: [&[Sliding]; 2],
         torque: f64,
         spin: f64,
     ) -> Loss {
-        let mean = Sliding::mean(sliding);
+        let [even, weighted] = [even, weighted].map(|all| Sliding::mean(all).distance);
         let rolling = spin.abs() * pair.rolling_speed_per_spin(pair.center_distance);
         let force = torque / pair.gears[0].base_radius();
         let mu = law.coefficient(pair).at(force, rolling);
-        let lost = mu * loss_factor_of(pair, mean.distance);
+        let lost = mu * loss_factor_of(pair, weighted);
         Loss {
-            coefficient: mu * if law.is_local() { mean.weight } else { 1.0 },
+            coefficient: mu * if law.is_local() { weighted / even } else { 1.0 },
             power: lost * torque * spin.abs(),
             efficiency: 1.0 - lost,
         }

@@ -21,7 +21,8 @@ pub struct Sliding {
     pub share: f64,
     /// Sum of m f sign(s) (z - z_ref), m.
     pub share_z: f64,
-    /// Sum of m f |s|, m: mean absolute sliding distance per relative rotation.
+    /// Sum of m f |s|, m: over the same sum with m = 1 it is the coefficient of the loss, over `weight` the mean distance
+    /// as friction weighs it.
     pub distance: f64,
 }
 

@@ -273,9 +273,17 @@ fn variables(causality: Causality, starts: &[f64]) -> String {
     out + "</table>"
 }
 
-/// Start value of the variable `name` as a person writes it: an item's name, true or false, a number.
+/// Start value of the variable `name` as a person writes it: an item's name, true or false, a number with its unit as in
+/// modelDescription.xml.
 pub fn start_in_words(name: &str, start: f64) -> String {
-    index_by_name(name).map_or_else(|| start.to_string(), |i| value(&VARIABLES[i], start))
+    let Some(i) = index_by_name(name) else {
+        return start.to_string();
+    };
+    let (value, unit) = (value(&VARIABLES[i], start), VARIABLES[i].unit);
+    match unit {
+        "" | "1" => value,
+        unit => format!("{value} {unit}"),
+    }
 }
 
 fn value(variable: &Variable, value: f64) -> String {

@@ -326,7 +326,7 @@ pub struct FrictionFile {
     /// Dynamic viscosity at the oil's temperature; required by `schlenk` and `xu_kahraman`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_viscosity_mpa_s: Option<f64>,
-    /// `schlenk`: X_L, mineral oil 0.846, PAO and ester 0.65, polyglycol 0.585. Default 0.846.
+    /// `schlenk`: X_L of a gear oil: a mineral one 0.846, PAO and ester 0.65, polyglycol 0.585. Default 0.846.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lubricant_factor: Option<f64>,
     /// Arithmetic mean roughness Ra of gear 1 and gear 2; required by `schlenk` and `xu_kahraman`.

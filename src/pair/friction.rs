@@ -68,7 +68,7 @@ pub(super) fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refus
     })
 }
 
-/// X_L of mineral oil.
+/// X_L of a mineral gear oil: see [`FrictionLaw::Schlenk`].
 const MINERAL_OIL: f64 = 0.846;
 
 #[cfg(test)]

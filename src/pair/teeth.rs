@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::Pair;
 use super::checks::{require, within};
 use super::error::Refusal;
 use super::file::PairFile;
@@ -91,6 +92,22 @@ fn one() -> f64 {
 /// Largest compliance factor: a tooth that is all but gone.
 const LARGEST_FACTOR: f64 = 100.0;
 
+/// What is to be known of results that leave the differences between `teeth` out: the one text for all commands.
+fn note(teeth: &PairTeeth) -> Option<&'static str> {
+    let text = "the teeth differ (`tooth_errors`): solve, report, study and tables take them as all alike, with the nominal flanks; \
+                `stiffnessModel = teeth` of a unit built with --teeth takes index errors and run-out, `contact` of one built with \
+                --contact all of them";
+    (!teeth.are_alike()).then_some(text)
+}
+
+impl Pair {
+    /// What is to be known of results that take all teeth as alike; `None` where they are. It is one of the
+    /// [`Pair::warnings`], too.
+    pub fn note_on_teeth(&self) -> Option<&'static str> {
+        note(&self.teeth)
+    }
+}
+
 /// Tooth errors of both gears, and what is to be known of them.
 pub(super) fn teeth(
     file: &PairFile,
@@ -118,11 +135,8 @@ pub(super) fn teeth(
             }
         }
     }
-    let note = "the teeth differ (`tooth_errors`): tables hold teeth that are all alike and take the nominal flanks; \
-                `stiffnessModel = teeth` of a unit built with --teeth takes index errors and run-out, `contact` of one built with \
-                --contact all of them";
-    let notes = (!all.are_alike()).then(|| note.to_owned());
-    Ok((all, notes.into_iter().collect()))
+    let notes = note(&all).into_iter().map(str::to_owned).collect();
+    Ok((all, notes))
 }
 
 /// One flank of one gear.

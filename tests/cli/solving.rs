@@ -56,6 +56,93 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
 }
 
 #[test]
+fn coefficient_times_loss_factor_times_power_is_the_loss_with_every_law() {
+    let folder = tempfile::tempdir().unwrap();
+    let pair = folder.path().join("pair.json");
+    let text = std::fs::read_to_string(paper()).unwrap();
+    let oil = r#""dynamic_viscosity_mpa_s": 20, "roughness_ra_um": [0.4, 0.4]"#;
+    for law in ["constant", "schlenk", "xu_kahraman"] {
+        let friction = format!(r#"{{ "friction": {{ "law": "{law}", {oil} }},"#);
+        std::fs::write(&pair, text.replacen('{', &friction, 1)).unwrap();
+        let asked = [
+            "solve",
+            pair.to_str().unwrap(),
+            "--positions",
+            "8",
+            "--json",
+        ];
+        let at = ["--torque-nm", "100", "--speed-rpm", "1000"];
+        let output = succeed(&[&asked[..], &at, &QUICK[..]].concat());
+        let json: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
+        let of = |key: &str| numbers(&json[key])[0];
+        let transmitted = 100.0 * 1000.0 * std::f64::consts::TAU / 60.0;
+        let factor = json["loss_factor"].as_f64().unwrap();
+        let product = of("friction_coefficient") * factor * transmitted;
+        assert!(
+            (of("loss_w") / product - 1.0).abs() < 1e-9,
+            "{law}: {product}"
+        );
+    }
+}
+
+#[test]
+fn results_that_leave_tooth_errors_out_say_so_and_stay_those_of_equal_teeth() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (pair, page, study) = (path("pair.json"), path("page.html"), path("study"));
+    let text = std::fs::read_to_string(paper()).unwrap();
+    let errors = r#""teeth": 20, "tooth_errors": { "runout_um": 5.0 },"#;
+    std::fs::write(&pair, text.replacen("\"teeth\": 20,", errors, 1)).unwrap();
+
+    let said = "solve, report, study and tables take them as all alike";
+    let solve = |more: &[&str]| {
+        let asked = ["solve", &pair, "--positions", "4"];
+        succeed(&[&asked[..], &QUICK[..], more].concat())
+    };
+    for loads in [&[][..], &["--torque-nm", "50,100"]] {
+        let text = solve(loads);
+        assert_eq!(stdout(&text).matches(said).count(), 1, "{}", stdout(&text));
+    }
+    let json: serde_json::Value = serde_json::from_str(stdout(&solve(&["--json"]))).unwrap();
+    assert!(json["notes"][0].as_str().unwrap().contains(said));
+    let alike = solve_json(&["--positions", "4"]);
+    assert_eq!(alike["notes"], serde_json::json!([]));
+    assert_eq!(json["ste_loa_um"], alike["ste_loa_um"]);
+
+    let asked = ["report", &pair, "--positions", "4", "-o", &page];
+    succeed(&[&asked[..], &QUICK[..]].concat());
+    assert!(std::fs::read_to_string(&page).unwrap().contains(said));
+
+    let study = |vary: &str| {
+        let asked = [
+            "study",
+            &pair,
+            "--positions",
+            "4",
+            "--samples",
+            "2",
+            "-o",
+            &study,
+        ];
+        gearmesh(&[&asked[..], &["--vary", vary], &QUICK[..]].concat())
+    };
+    let output = study("torque_nm=90..110");
+    assert!(stdout(&output).contains(said), "{}", stderr(&output));
+    for file in ["study/study.json", "study/study.html"] {
+        let text = std::fs::read_to_string(folder.path().join(file)).unwrap();
+        assert!(text.contains(said), "{file}");
+    }
+    let refused = study("gear1.tooth_errors.runout_um=0..10");
+    assert_eq!(refused.status.code(), Some(1));
+    let message = stderr(&refused);
+    assert!(
+        message.contains("--vary gear1.tooth_errors.runout_um")
+            && message.contains("all teeth as alike"),
+        "{message}"
+    );
+}
+
+#[test]
 fn root_stress_is_told_where_asked_for_and_agrees_in_json_and_csv() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("results");
@@ -198,9 +285,19 @@ fn a_bow_of_the_shafts_acts_as_crowning_and_a_slope_as_misalignment() {
 
 #[test]
 fn the_error_is_estimated_from_another_refinement() {
-    let output = succeed(&[&["solve", &paper(), "--estimate-error"], &QUICK[..]].concat());
+    let pair = paper();
+    let asked = ["solve", &pair, "--estimate-error", "--root-stress"];
+    let output = succeed(&[&asked[..], &QUICK[..]].concat());
     let text = stdout(&output);
-    let estimate = text.split("estimated error").nth(1).expect(text);
+    let (solved, estimate) = text.split_once("estimated error").expect(text);
+    assert!(
+        solved.contains("time for the model of the fillets"),
+        "{solved}"
+    );
+    assert!(
+        estimate.contains("time for its model of the fillets"),
+        "{estimate}"
+    );
     assert!(estimate.contains("finite elements, normal"), "{estimate}");
     let percent = |name: &str| -> f64 {
         let line = estimate.lines().find(|line| line.contains(name));
@@ -211,6 +308,11 @@ fn the_error_is_estimated_from_another_refinement() {
     let (mean, swing) = (percent("mean STE"), percent("peak-to-peak STE"));
     assert!(mean != 0.0 && mean.abs() < 1.0, "{mean}");
     assert!(swing != 0.0 && swing.abs() < 10.0, "{swing}");
+    // docs/root-stress.md: coarse is within some percent.
+    for gear in ["root stress of gear 1", "root stress of gear 2"] {
+        let stress = percent(gear);
+        assert!(stress != 0.0 && stress.abs() < 5.0, "{gear}: {stress}");
+    }
 }
 
 #[test]

@@ -45,6 +45,19 @@ fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
     assert!(factors.fold(0.0, f64::max) > 1.03 * samples[0]["face_load_factor"]);
     let summary = std::fs::read_to_string(Path::new(&whole).join("study.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let shown = stdout(&output);
+    let heads = "p-p STE  pressure   K_Hbeta\n";
+    for head in ["correlation with", "of the distance from drawn"] {
+        assert!(
+            shown.contains(&format!("\n{head:<26}   {heads}")),
+            "{shown}"
+        );
+    }
+    // Slope and misalignment gather the load to either side.
+    let factor = &summary["statistics"][5];
+    assert_eq!(factor["result"], "face_load_factor");
+    let distance = numbers(&factor["correlation_of_distance"]);
+    assert!(distance.iter().any(|c| *c > 0.5), "{distance:?}");
     let of = |name: &str| summary["statistics"][0][name].as_f64().unwrap();
     assert!(of("least") <= of("median") && of("median") <= of("percentile_95"));
     let page = std::fs::read_to_string(Path::new(&whole).join("study.html")).unwrap();

@@ -288,7 +288,7 @@ def test_start_values_set_when_packing_are_those_of_the_unit(tmp_path):
     options = [x for s in settings for x in ("--set", s)]
     gearmesh("pack", "--tables", ROOT / "resources/tables/helical-25-47.json", "-o", fmu, *options)
     shown = gearmesh("inspect", fmu)
-    for line in ("interpolation +shepard", "phaseReference +absolute", "damping +500", "loadedFlank +both"):
+    for line in ("interpolation +shepard", "phaseReference +absolute", r"damping +500 N\.s/m", "loadedFlank +both"):
         assert re.search(rf"start: {line}\n", shown), line
     unit = Unit(fmu)
     try:

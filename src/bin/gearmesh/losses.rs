@@ -26,7 +26,7 @@ pub struct Losses {
     /// The same for tooth pairs that share the load evenly (Ohlendorf).
     loss_factor_ohlendorf: f64,
     speed_rpm: Vec<f64>,
-    /// Mean over the cycle, weighted with the load.
+    /// Mean over the cycle, weighted with load times sliding: times `loss_factor` and the transmitted power it is `loss_w`.
     friction_coefficient: Vec<f64>,
     loss_w: Vec<f64>,
     efficiency: Vec<f64>,
@@ -55,7 +55,8 @@ impl Losses {
         for &speed in &speeds.speed_rpm {
             limits::speed(speed)?;
             let spin = speed * std::f64::consts::TAU / 60.0;
-            let loss = Loss::new(g, &pair.friction, &cycle.friction, input.torque, spin);
+            let sliding = [&cycle.sliding[..], &cycle.friction];
+            let loss = Loss::new(g, &pair.friction, sliding, input.torque, spin);
             losses.friction_coefficient.push(loss.coefficient);
             losses.loss_w.push(loss.power);
             losses.efficiency.push(loss.efficiency);

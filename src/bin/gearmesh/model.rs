@@ -16,7 +16,7 @@ use gearmesh::pair::{Pair, Refinement};
 use crate::Error;
 use crate::cache::CacheArgs;
 use crate::limits;
-use crate::progress::{Job, Progress, phases};
+use crate::progress::{Job, Plan, Progress};
 
 /// `on` or `off`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -89,6 +89,19 @@ pub struct Model {
     /// What computing them took, s, even if that was in another run.
     pub computing_seconds: f64,
 }
+
+/// The models of the fillets of both gears and what it took to make them.
+pub struct Fillets {
+    /// Maps from loads to the stress in the roots of gear 1 and gear 2.
+    pub maps: [Arc<RootStress>; 2],
+    /// Seconds for both.
+    pub seconds: f64,
+    /// Where they came from and are kept, in words.
+    pub origin: String,
+}
+
+/// Time of the models of the fillets over that of the elastic models.
+pub const FILLETS: f64 = 2.5;
 
 /// Elastic models of gear 1 and gear 2.
 pub type Compliance = [Arc<dyn ToothCompliance>; 2];
@@ -187,12 +200,18 @@ impl ModelArgs {
         )?)
     }
 
-    /// The work of a command that solves the contact of `pair`; `contact` says what is solved.
-    pub fn job(&self, pair: &Pair, contact: &str) -> Result<Job, Error> {
+    /// The plan of a command that solves the contact of `pair`; `contact` says what is solved.
+    pub fn plan(&self, pair: &Pair, contact: &str) -> Result<Plan, Error> {
         let elastic = self.estimates(pair)?.map(|e| e.total_seconds());
         // How long the contact takes is not known here: as long as the models.
         let likely = (elastic[0] + elastic[1]).max(1.0);
-        Ok(self.progress().job(phases(elastic, (contact, likely))))
+        Ok(Plan::new(elastic, (contact, likely)))
+    }
+
+    /// What the models of the fillets of `pair` will take, s, unless they are kept, which is not known here.
+    pub fn fillet_seconds(&self, pair: &Pair) -> Result<[f64; 2], Error> {
+        let seconds = |e: Estimate| FILLETS * e.seconds.iter().sum::<f64>();
+        Ok(self.estimates(pair)?.map(seconds))
     }
 
     fn settings(&self, pair: &Pair) -> Settings {
@@ -202,16 +221,26 @@ impl ModelArgs {
         }
     }
 
-    /// Maps from the loads of `pair` on `flank` to the stress in the roots of gear 1 and gear 2.
-    pub fn root_stress(&self, pair: &Pair, flank: Flank) -> Result<[Arc<RootStress>; 2], Error> {
+    /// The models of the fillets of `pair` loaded on `flank`, as phases of `job`, whose plan has them.
+    pub fn fillets(&self, pair: &Pair, flank: Flank, job: &Job) -> Result<Fillets, Error> {
         let settings = self.settings(pair);
         let cache = self.kept();
-        let elastic = self.estimates(pair)?.map(|e| e.seconds.iter().sum());
-        let job = self.progress().job(phases(elastic, ("root stress", 0.0)));
-        let told = |gear, stage, share| tell(&job, gear, stage, share);
+        let told = |gear, stage, share| {
+            let (done, words) = so_far(stage, share);
+            job.fillets(gear, done, words);
+            true
+        };
+        let begin = Instant::now();
         let found = pair_root_stress(&pair.geometry, flank, &settings, cache.as_ref(), &told)?;
-        note([&found[0].1, &found[1].1]);
-        Ok(found.map(|(model, _)| model))
+        let seconds = begin.elapsed().as_secs_f64();
+        let [(first, a), (second, b)] = found;
+        let origins = [a, b];
+        note([&origins[0], &origins[1]]);
+        Ok(Fillets {
+            maps: [first, second],
+            seconds,
+            origin: origin_in_words(&origins, cache.as_ref()),
+        })
     }
 
     fn kept(&self) -> Option<ModelCache> {
@@ -250,7 +279,11 @@ impl ModelArgs {
     fn finite_element(&self, pair: &Pair, job: &Job) -> Result<(Models, String), Error> {
         let settings = self.settings(pair);
         let cache = self.kept();
-        let told = |gear, stage, share| tell(job, gear, stage, share);
+        let told = |gear, stage, share| {
+            let (done, words) = so_far(stage, share);
+            job.elastic(gear, done, words);
+            true
+        };
         let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &told)?;
         note([&models.origins[0], &models.origins[1]]);
         let origin = origin_in_words(&models.origins, cache.as_ref());
@@ -258,8 +291,8 @@ impl ModelArgs {
     }
 }
 
-/// Tells `job` how far the model of `gear` is; never stops it.
-fn tell(job: &Job, gear: usize, stage: Stage, share: f64) -> bool {
+/// How far the model of a gear is with `share` of `stage` done, and what is being done.
+fn so_far(stage: Stage, share: f64) -> (f64, &'static str) {
     // Shares of the time of a model that is wide enough to be waited for.
     let (before, part, words) = match stage {
         Stage::Assembly => (
@@ -270,8 +303,7 @@ fn tell(job: &Job, gear: usize, stage: Stage, share: f64) -> bool {
         Stage::Condensation => (0.05, 0.6, "reducing it to its loaded flank"),
         Stage::Ring => (0.65, 0.35, "joining all teeth to the whole gear"),
     };
-    job.set(gear, before + part * share, words);
-    true
+    (before + part * share, words)
 }
 
 /// Says where the cache did not help: a result is right without it, but it should not be slow in silence. Equal gears

@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use gearmesh::storage;
-use gearmesh::words::shown;
+use gearmesh::words::{shown, shown_in_full};
 
 use crate::interrupt;
 
@@ -131,7 +131,8 @@ impl Listing {
     /// Adds one row.
     pub fn row(&mut self, name: impl Into<String>, value: impl Into<String>) -> &mut Self {
         // Either may come from a file that somebody else wrote.
-        self.rows.push((shown(&name.into()), shown(&value.into())));
+        self.rows
+            .push((shown(&name.into()), shown_in_full(&value.into())));
         self
     }
 
@@ -168,6 +169,14 @@ mod tests {
     fn a_file_in_a_missing_folder_is_refused_by_name() {
         let error = write_whole(Path::new("/no/such/folder/out.json"), b"x").unwrap_err();
         assert!(error.to_string().contains("/no/such/folder/out.json"));
+    }
+
+    #[test]
+    fn a_row_is_a_whole_sentence() {
+        let sentence = format!("{} against contact at run time", "more, ".repeat(60));
+        let mut rows = Listing::default();
+        rows.row("tooth pairs one by one", &sentence);
+        assert!(rows.to_string().contains(&sentence), "{rows}");
     }
 
     #[test]

@@ -13,8 +13,8 @@ use gearmesh::table::plan::{Coverage, mesh_positions};
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::model::ModelArgs;
-use crate::progress::{Job, Progress, clock, phases};
+use crate::model::{FILLETS, ModelArgs};
+use crate::progress::{Job, Plan, Progress, clock};
 
 /// Positions of the mesh cycle at which every corner is solved.
 const POSITIONS: usize = 16;
@@ -41,9 +41,6 @@ pub struct Load {
 /// Strips of one tooth pair over those of all in reach.
 const STRIPS_ALONE: f64 = 0.4;
 
-/// Time of the maps to the stress in the tooth roots over that of the elastic models.
-const ROOT_MODELS: f64 = 2.5;
-
 /// Refuses what cannot be solved at a corner of `coverage`, tells what the rest will take, and returns the job
 /// of the whole command.
 pub fn preflight(
@@ -66,7 +63,7 @@ pub fn preflight(
             .iter()
             .map(|e| e.seconds.iter().sum::<f64>())
             .sum();
-        let model = args.solver(&coarse, &Progress::new(true).job(vec![]))?;
+        let model = args.solver(&coarse, &Progress::new(true).job(Plan::default()))?;
         let times = corners(&model.solver, pair, coverage)?;
         let speed = model.computing_seconds / expected;
         seconds = seconds.map(|s| s * speed);
@@ -81,7 +78,7 @@ pub fn preflight(
         // Solves cost what the square of the strips does.
         let alone = |load| STRIPS_ALONE * STRIPS_ALONE * cost(load);
         contact += load.teeth.map_or(0.0, alone);
-        let models = ROOT_MODELS * seconds.iter().sum::<f64>();
+        let models = FILLETS * seconds.iter().sum::<f64>();
         roots = load.root_stress.map_or(0.0, |load| models + cost(load));
     }
     let total = Duration::from_secs_f64(seconds.iter().sum::<f64>() + contact + roots);
@@ -107,7 +104,7 @@ pub fn preflight(
     }
     Ok(args
         .progress()
-        .job(phases(seconds, ("static contact", contact))))
+        .job(Plan::new(seconds, ("static contact", contact))))
 }
 
 /// Wall-clock time on all threads, s.

@@ -20,10 +20,20 @@ pub struct Phase {
     pub seconds: f64,
 }
 
+/// The work of a command in its order.
+#[derive(Debug, Default)]
+pub struct Plan {
+    phases: Vec<Phase>,
+    /// The phase in which contact is solved.
+    contact: usize,
+    /// The model of the fillets of gear 1, that of gear 2 behind it.
+    fillets: usize,
+}
+
 /// The work of a command; its bar disappears when it is dropped.
 pub struct Job {
     bar: Option<ProgressBar>,
-    phases: Vec<Phase>,
+    plan: Plan,
     begin: Instant,
     state: Mutex<State>,
 }
@@ -34,29 +44,52 @@ struct State {
     last_line: Instant,
 }
 
-/// The phase in which contact is solved, behind the elastic models of gear 1 and gear 2.
-pub const CONTACT: usize = 2;
-
 /// Resolution of the bar.
 const FULL: u64 = 1000;
 
 /// Time between two lines where there is no terminal; short work says nothing.
 const EVERY: Duration = Duration::from_secs(10);
 
-/// The phases of a command that solves contact: the elastic models of both gears, which take `elastic` s each, and
-/// `contact` by its name and its time, s.
-pub fn phases(elastic: [f64; 2], contact: (&str, f64)) -> Vec<Phase> {
-    let [first, second] = elastic;
-    [
-        ("elastic model of gear 1", first),
-        ("elastic model of gear 2", second),
-        contact,
-    ]
-    .map(|(name, seconds)| Phase {
-        name: name.into(),
-        seconds,
-    })
-    .to_vec()
+impl Plan {
+    /// The elastic models of both gears, which take `elastic` s each, and `contact` by its name and its time, s.
+    pub fn new(elastic: [f64; 2], (name, seconds): (&str, f64)) -> Plan {
+        let mut phases = of_gears("elastic model", elastic);
+        phases.push(Phase {
+            name: name.into(),
+            seconds,
+        });
+        Plan {
+            phases,
+            contact: 2,
+            fillets: 0,
+        }
+    }
+
+    /// The same, and behind it the models of the fillets for the stress in the tooth roots, which take `seconds` s each.
+    pub fn then_fillets(mut self, seconds: [f64; 2]) -> Plan {
+        self.fillets = self.phases.len();
+        self.phases
+            .extend(of_gears("model of the fillets", seconds));
+        self
+    }
+
+    /// The same with the models of the fillets between elastic models and contact.
+    pub fn with_fillets(mut self, seconds: [f64; 2]) -> Plan {
+        self.fillets = self.contact;
+        let models = of_gears("model of the fillets", seconds);
+        self.phases.splice(self.contact..self.contact, models);
+        self.contact += 2;
+        self
+    }
+}
+
+/// A phase for each gear.
+fn of_gears(what: &str, seconds: [f64; 2]) -> Vec<Phase> {
+    let phase = |i: usize| Phase {
+        name: format!("{what} of gear {}", i + 1),
+        seconds: seconds[i],
+    };
+    vec![phase(0), phase(1)]
 }
 
 impl Progress {
@@ -65,8 +98,8 @@ impl Progress {
         Progress { quiet }
     }
 
-    /// The work of `phases`.
-    pub fn job(self, phases: Vec<Phase>) -> Job {
+    /// The work of `plan`.
+    pub fn job(self, plan: Plan) -> Job {
         let bar = (!self.quiet).then(|| {
             let style = ProgressStyle::with_template("[{bar:30}] {msg}")
                 .unwrap_or_else(|_| ProgressStyle::default_bar())
@@ -80,31 +113,46 @@ impl Progress {
             bar,
             begin: now,
             state: Mutex::new(State {
-                done: vec![0.0; phases.len()],
+                done: vec![0.0; plan.phases.len()],
                 last_line: now,
             }),
-            phases,
+            plan,
         }
     }
 }
 
 impl Job {
-    /// `share` (0 to 1) of phase `phase` is done; `message` is what is being done.
-    pub fn set(&self, phase: usize, share: f64, message: &str) {
+    /// `share` (0 to 1) of the elastic model of gear `gear` (0 or 1) is done; `message` is what is being done.
+    pub fn elastic(&self, gear: usize, share: f64, message: &str) {
+        self.set(gear, share, message);
+    }
+
+    /// Likewise for the model of its fillets.
+    pub fn fillets(&self, gear: usize, share: f64, message: &str) {
+        self.set(self.plan.fillets + gear, share, message);
+    }
+
+    /// Likewise for the contact.
+    pub fn contact(&self, share: f64, message: &str) {
+        self.set(self.plan.contact, share, message);
+    }
+
+    /// Likewise for phase `phase`.
+    fn set(&self, phase: usize, share: f64, message: &str) {
         let Some(bar) = &self.bar else { return };
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         // A phase that has begun ends those before it.
         state.done[..phase].fill(1.0);
         // Threads report out of order.
         state.done[phase] = state.done[phase].max(share.clamp(0.0, 1.0));
-        let whole = whole(&self.phases, &state.done);
+        let whole = whole(&self.plan.phases, &state.done);
         let elapsed = self.begin.elapsed();
         let text = format!(
             "{:.0} % after {}{}: {}, {message}",
             100.0 * whole,
             clock(elapsed),
             left(elapsed, whole),
-            self.phases[phase].name,
+            self.plan.phases[phase].name,
         );
         if bar.is_hidden() && state.last_line.elapsed() >= EVERY {
             state.last_line = Instant::now();
@@ -169,11 +217,42 @@ mod tests {
 
     #[test]
     fn a_phase_that_begins_ends_those_before_it_and_none_goes_back() {
-        let job = Progress::new(false).job(two());
+        let job = Progress::new(false).job(Plan {
+            phases: two(),
+            ..Plan::default()
+        });
         job.set(0, 0.2, "");
         job.set(1, 0.5, "");
         job.set(1, 0.4, "");
         assert_eq!(job.state.lock().unwrap().done, [1.0, 0.5]);
+    }
+
+    #[test]
+    fn fillets_have_phases_of_their_own_before_or_behind_the_contact() {
+        let plan = || Plan::new([1.0, 2.0], ("contact", 4.0));
+        let names = |plan: &Plan| -> Vec<String> {
+            let own = plan.phases.iter().skip(2);
+            own.map(|phase| phase.name.clone()).collect()
+        };
+        let fillets = [
+            "model of the fillets of gear 1",
+            "model of the fillets of gear 2",
+        ];
+        let (behind, between) = (
+            plan().then_fillets([8.0, 9.0]),
+            plan().with_fillets([8.0, 9.0]),
+        );
+        assert_eq!(names(&behind), ["contact", fillets[0], fillets[1]]);
+        assert_eq!(names(&between), [fillets[0], fillets[1], "contact"]);
+        for (plan, done) in [
+            (behind, [1.0, 1.0, 1.0, 1.0, 0.5]),
+            (between, [1.0, 1.0, 1.0, 1.0, 0.25]),
+        ] {
+            let job = Progress::new(false).job(plan);
+            job.contact(0.25, "");
+            job.fillets(1, 0.5, "");
+            assert_eq!(job.state.lock().unwrap().done, done);
+        }
     }
 
     #[test]

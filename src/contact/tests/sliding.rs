@@ -78,7 +78,7 @@ fn the_fzg_pair_loses_what_schlenks_coefficient_says() {
     let sliding = even_line_load(&pair_of(geometry.clone()));
     let law = FrictionLaw::schlenk(13.28e-3, [0.4e-6, 0.31e-6], 0.846);
     let spin = 1500.0 * std::f64::consts::TAU / 60.0;
-    let loss = Loss::new(&geometry, &law, &sliding, 200.0, spin);
+    let loss = Loss::new(&geometry, &law, [&sliding, &sliding], 200.0, spin);
     assert!((loss.coefficient - 0.0449).abs() < 0.5e-4, "{loss:?}");
     assert!((loss.power - 274.0).abs() < 1.0, "{loss:?}");
     assert!(

@@ -42,7 +42,7 @@ pub fn losses(
                 Loss::new(
                     g,
                     &pair.friction,
-                    &cycle.friction,
+                    [&cycle.sliding, &cycle.friction],
                     *torque,
                     speed * TAU / 60.0,
                 )

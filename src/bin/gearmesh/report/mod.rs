@@ -94,7 +94,11 @@ impl Report {
             output::make_folder("--figures", folder)?;
         }
         self.model.use_threads()?;
-        let job = self.model.job(&pair, "static contact")?;
+        let mut plan = self.model.plan(&pair, "static contact")?;
+        if self.root_stress {
+            plan = plan.then_fillets(self.model.fillet_seconds(&pair)?);
+        }
+        let job = self.model.progress().job(plan);
         let model = self.model.solver(&pair, &job)?;
         let cycles = self.cycles(&pair, &model)?;
 
@@ -120,7 +124,7 @@ impl Report {
         losses::losses(&mut page, &pair, &aligned, self.largest_speed_rpm)?;
         self.patterns(&mut page, &pair, &model)?;
         if self.root_stress {
-            let models = self.model.root_stress(&pair, Flank::Drive)?;
+            let models = self.model.fillets(&pair, Flank::Drive, &job)?.maps;
             roots::roots(&mut page, &pair, &model.solver, &models, &cycles)?;
         }
         if let Some(folder) = &self.figures {

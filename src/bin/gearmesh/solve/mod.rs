@@ -9,16 +9,15 @@ mod text;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use gearmesh::contact::{CycleInput, Deflection, LoadCase, MeshCycle};
+use gearmesh::contact::{CycleInput, Deflection, GearRoots, LoadCase, MeshCycle};
 use gearmesh::gear;
 use gearmesh::pair::Pair;
 use serde::Serialize;
 
 use crate::limits;
 use crate::losses::{Losses, SpeedArgs};
-use crate::model::{Model, ModelArgs};
+use crate::model::{Fillets, Model, ModelArgs};
 use crate::output::{self, Listing};
-use crate::progress::CONTACT;
 use deflection::DeflectionArgs;
 use report::Report;
 use roots::Roots;
@@ -95,6 +94,17 @@ pub struct Solve {
     model: ModelArgs,
 }
 
+/// Cycles and what it took to solve them.
+struct Solved {
+    model: Model,
+    /// One for each load.
+    cycles: Vec<MeshCycle>,
+    /// For the stress in the roots, where it is asked for.
+    fillets: Option<Fillets>,
+    /// The stress of both gears for each load, likewise.
+    roots: Vec<Option<[GearRoots; 2]>>,
+}
+
 /// What `--json` prints of more than one load.
 #[derive(Serialize)]
 struct Matrix<'a> {
@@ -121,25 +131,24 @@ impl Solve {
         self.widen(&mut pair, &cases, deflection.as_ref());
         self.model.use_threads()?;
         let solved = |pair: &Pair| self.solve(pair, &input, &cases, deflection.as_ref());
-        let (model, cycles) = solved(&pair)?;
-        let models = match self.root_stress {
-            true => Some(self.model.root_stress(&pair, input.flank)?),
-            false => None,
-        };
+        let Solved {
+            model,
+            cycles,
+            fillets,
+            roots,
+        } = solved(&pair)?;
+        let stresses = largest_stresses(&roots);
         let reports: Vec<Report> = cases
             .iter()
-            .zip(&cycles)
-            .map(|(case, cycle)| {
+            .zip(cycles.iter().zip(roots))
+            .map(|(case, (cycle, gears))| {
                 let input = of_case(&input, case);
-                let roots = models.as_ref().map(|models| {
-                    let gears = cycle.root_stress(&model.solver, &input, models)?;
-                    Ok::<_, crate::Error>(Roots::new(&pair.geometry, &input, cycle, gears))
-                });
+                let roots = gears.map(|gears| Roots::new(&pair.geometry, &input, cycle, gears));
                 let stations = model.solver.settings().stations;
                 let losses = Losses::new(&pair, &input, cycle, &self.speeds)?;
                 Ok(Report {
-                    roots: roots.transpose()?,
-                    ..Report::new(&pair.geometry, &input, stations, cycle, losses)
+                    roots,
+                    ..Report::new(&pair, &input, stations, cycle, losses)
                 })
             })
             .collect::<Result<_, crate::Error>>()?;
@@ -149,12 +158,12 @@ impl Solve {
         let mut text = match (&cycles[..], &reports[..]) {
             (_, [report]) if self.json => serde_json::to_string_pretty(report)? + "\n",
             _ if self.json => serde_json::to_string_pretty(&Matrix { cases: &reports })? + "\n",
-            ([cycle], [report]) => text::one(&pair, &model, &input, cycle, report),
-            _ => text::many(&pair, &model, &input, &cycles, &reports),
+            ([cycle], [report]) => text::one(&pair, (&model, &fillets), &input, cycle, report),
+            _ => text::many(&pair, (&model, &fillets), &input, &cycles, &reports),
         };
         if self.estimate_error {
-            let (other, others) = solved(&ModelArgs::reference(&pair))?;
-            text += &difference(&other, &cycles, &others);
+            let other = solved(&ModelArgs::reference(&pair))?;
+            text += &difference(&other, &cycles, &stresses);
         }
         output::print(&text)?;
         Ok(())
@@ -187,15 +196,19 @@ impl Solve {
         Ok(cases)
     }
 
-    /// The solver of `pair`, and a cycle for each of `cases`.
+    /// The solver of `pair`, and a cycle for each of `cases`, with the stress in the roots where it is asked for.
     fn solve(
         &self,
         pair: &Pair,
         input: &CycleInput,
         cases: &[LoadCase],
         deflection: Option<&Deflection>,
-    ) -> Result<(Model, Vec<MeshCycle>), crate::Error> {
-        let job = self.model.job(pair, "static contact")?;
+    ) -> Result<Solved, crate::Error> {
+        let mut plan = self.model.plan(pair, "static contact")?;
+        if self.root_stress {
+            plan = plan.then_fillets(self.model.fillet_seconds(pair)?);
+        }
+        let job = self.model.progress().job(plan);
         let mut model = self.model.solver(pair, &job)?;
         if let Some(deflection) = deflection {
             model.solver = model.solver.with_deflection(deflection.clone());
@@ -203,10 +216,28 @@ impl Solve {
         let total = self.positions * cases.len();
         let told = |share: f64| {
             let done = (share * total as f64).round();
-            job.set(CONTACT, share, &format!("{done} of {total} solves"));
+            job.contact(share, &format!("{done} of {total} solves"));
         };
         let cycles = MeshCycle::solve_all(&model.solver, input, cases, &told)?;
-        Ok((model, cycles))
+        let fillets = match self.root_stress {
+            true => Some(self.model.fillets(pair, input.flank, &job)?),
+            false => None,
+        };
+        let roots = cases
+            .iter()
+            .zip(&cycles)
+            .map(|(case, cycle)| {
+                let input = of_case(input, case);
+                let stress = |of: &Fillets| cycle.root_stress(&model.solver, &input, &of.maps);
+                fillets.as_ref().map(stress).transpose()
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Solved {
+            model,
+            cycles,
+            fillets,
+            roots,
+        })
     }
 
     /// Widens the ranges of the pair file to what is asked here: they decide how wide a contact the elastic
@@ -243,20 +274,49 @@ fn of_case(input: &CycleInput, case: &LoadCase) -> CycleInput {
     }
 }
 
-/// How far the elastic model of another refinement is from this one, at the load where it differs most.
-fn difference(model: &Model, cycles: &[MeshCycle], others: &[MeshCycle]) -> String {
+/// The largest stress in the roots of gear 1 and gear 2, Pa, for each load; nothing where it is not asked for.
+fn largest_stresses(roots: &[Option<[GearRoots; 2]>]) -> Vec<[f64; 2]> {
+    let largest = |gear: &GearRoots| gear.largest().map_or(0.0, |tooth| tooth.largest.stress);
+    let of = |gears: &[GearRoots; 2]| gears.each_ref().map(largest);
+    roots.iter().flatten().map(of).collect()
+}
+
+/// The largest of `ratios` less 1, in words.
+fn worst(ratios: impl Iterator<Item = f64>) -> String {
+    let worst = ratios
+        .map(|ratio| ratio - 1.0)
+        .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    format!("{:+.2} %", 100.0 * worst.unwrap_or(f64::NAN))
+}
+
+/// How far `cycles` and `stresses` of the roots are from those of `other` refinement, at the load where they differ most.
+fn difference(other: &Solved, cycles: &[MeshCycle], stresses: &[[f64; 2]]) -> String {
     let largest = |of: fn(&MeshCycle) -> f64| {
-        let ratios = cycles.iter().zip(others).map(|(a, b)| of(a) / of(b) - 1.0);
-        let worst = ratios.max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        format!("{:+.2} %", 100.0 * worst.unwrap_or(f64::NAN))
+        let both = cycles.iter().zip(&other.cycles);
+        worst(both.map(|(a, b)| of(a) / of(b)))
     };
+    let model = &other.model;
     let mut rows = Listing::default();
     rows.row("compared with", &model.description)
         .row("mean STE", largest(MeshCycle::mean_ste))
-        .row("peak-to-peak STE", largest(MeshCycle::peak_to_peak_ste))
-        .row(
-            "time for its elastic model",
-            format!("{:.3} s, {}", model.compliance_seconds, model.origin),
+        .row("peak-to-peak STE", largest(MeshCycle::peak_to_peak_ste));
+    if other.fillets.is_some() {
+        let others = largest_stresses(&other.roots);
+        for i in 0..2 {
+            let both = stresses.iter().zip(&others);
+            let ratios = worst(both.map(|(a, b)| a[i] / b[i]));
+            rows.row(format!("root stress of gear {}", i + 1), ratios);
+        }
+    }
+    rows.row(
+        "time for its elastic model",
+        format!("{:.3} s, {}", model.compliance_seconds, model.origin),
+    );
+    if let Some(fillets) = &other.fillets {
+        rows.row(
+            "time for its model of the fillets",
+            format!("{:.3} s, {}", fillets.seconds, fillets.origin),
         );
+    }
     format!("\nestimated error, from the difference to another refinement\n{rows}")
 }

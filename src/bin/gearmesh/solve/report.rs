@@ -1,7 +1,7 @@
 //! One mesh cycle as `--json` prints it and as the other outputs take it.
 
 use gearmesh::contact::{ContactResult, CycleInput, Harmonic, MeshCycle, harmonics};
-use gearmesh::gear::PairGeometry;
+use gearmesh::pair::Pair;
 use gearmesh::words::rounded;
 use serde::Serialize;
 
@@ -60,17 +60,20 @@ pub struct Report {
     pub roots: Option<Roots>,
     /// Wall clock of the contact solves.
     pub solve_seconds: f64,
+    /// What is to be known of the results, one sentence each; empty where there is nothing.
+    pub notes: Vec<&'static str>,
 }
 
 impl Report {
     /// The report on `cycle`, solved on `stations` stations.
     pub fn new(
-        geometry: &PairGeometry,
+        pair: &Pair,
         input: &CycleInput,
         stations: usize,
         cycle: &MeshCycle,
         losses: Losses,
     ) -> Report {
+        let geometry = &pair.geometry;
         let tooth_pairs = cycle.tooth_pairs();
         let edges = || cycle.results.iter().map(|r| r.edge_load);
         let over = |value: fn(&ContactResult) -> f64| cycle.results.iter().map(value).collect();
@@ -118,6 +121,7 @@ impl Report {
             losses,
             roots: None,
             solve_seconds: cycle.solve_seconds,
+            notes: pair.note_on_teeth().into_iter().collect(),
         }
     }
 }

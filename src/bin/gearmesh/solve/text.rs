@@ -7,13 +7,13 @@ use gearmesh::pair::Pair;
 use gearmesh::words::{count, fixed, rounded};
 
 use super::report::Report;
-use crate::model::Model;
+use crate::model::{Fillets, Model};
 use crate::output::Listing;
 
 /// One cycle, position by position.
 pub fn one(
     pair: &Pair,
-    model: &Model,
+    models: (&Model, &Option<Fillets>),
     input: &CycleInput,
     cycle: &MeshCycle,
     report: &Report,
@@ -113,18 +113,31 @@ pub fn one(
     rows.row(
         "largest KKT residual",
         format!("{:.1e}", cycle.kkt_residual()),
-    )
-    .row("elastic model", &model.description)
-    .row(
+    );
+    times(&mut rows, models, report.solve_seconds);
+    let _ = write!(text, "\n{rows}");
+    text + &notes(pair)
+}
+
+/// What was used, and what it took; `contact` the time of the contact, s.
+fn times(rows: &mut Listing, (model, fillets): (&Model, &Option<Fillets>), contact: f64) {
+    rows.row("elastic model", &model.description).row(
         "time for the elastic model",
         format!("{:.3} s, {}", model.compliance_seconds, model.origin),
-    )
-    .row(
-        "time for the contact",
-        format!("{:.3} s", report.solve_seconds),
     );
-    let _ = write!(text, "\n{rows}");
-    text
+    if let Some(fillets) = fillets {
+        rows.row(
+            "time for the model of the fillets",
+            format!("{:.3} s, {}", fillets.seconds, fillets.origin),
+        );
+    }
+    rows.row("time for the contact", format!("{contact:.3} s"));
+}
+
+/// What is to be known of the results.
+fn notes(pair: &Pair) -> String {
+    let note = pair.note_on_teeth();
+    note.map_or(String::new(), |note| format!("\nnote: {note}\n"))
 }
 
 /// Flank and centre distance, which all loads of a run share.
@@ -141,7 +154,7 @@ fn state(input: &CycleInput) -> String {
 /// Many cycles, a line for each.
 pub fn many(
     pair: &Pair,
-    model: &Model,
+    models: (&Model, &Option<Fillets>),
     input: &CycleInput,
     cycles: &[MeshCycle],
     reports: &[Report],
@@ -199,12 +212,7 @@ pub fn many(
     }
     let seconds: f64 = reports.iter().map(|report| report.solve_seconds).sum();
     let mut rows = Listing::default();
-    rows.row("elastic model", &model.description)
-        .row(
-            "time for the elastic model",
-            format!("{:.3} s, {}", model.compliance_seconds, model.origin),
-        )
-        .row("time for the contact", format!("{seconds:.3} s"));
+    times(&mut rows, models, seconds);
     let _ = write!(text, "\n{rows}");
-    text
+    text + &notes(pair)
 }

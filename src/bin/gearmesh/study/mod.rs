@@ -24,7 +24,6 @@ use crate::Error;
 use crate::limits;
 use crate::model::{Model, ModelArgs};
 use crate::output;
-use crate::progress::CONTACT;
 use samples::Sample;
 use statistics::Statistics;
 use variation::{Asked, Variation};
@@ -97,6 +96,8 @@ struct Summary<'a> {
     samples: usize,
     refused: usize,
     statistics: &'a [Statistics],
+    /// What is to be known of the results, one sentence each; empty where there is nothing.
+    notes: Vec<&'static str>,
 }
 
 /// Everything that solving a sample takes.
@@ -158,14 +159,19 @@ impl Study {
             samples: self.samples,
             refused: 0,
             statistics: &[],
+            notes: pair.note_on_teeth().into_iter().collect(),
         };
         write_json(&summary, &all)?;
 
         self.model.use_threads()?;
-        let job = self.model.job(&pair, "static contact of the samples")?;
+        let mut plan = self.model.plan(&pair, "static contact of the samples")?;
+        if self.root_stress {
+            plan = plan.with_fillets(self.model.fillet_seconds(&pair)?);
+        }
+        let job = self.model.progress().job(plan);
         let model = self.model.solver(&pair, &job)?;
         let roots = match self.root_stress {
-            true => Some(self.model.root_stress(&pair, FLANK)?),
+            true => Some(self.model.fillets(&pair, FLANK, &job)?.maps),
             false => None,
         };
         let bench = Bench {
@@ -186,7 +192,7 @@ impl Study {
                     let sample = bench.sample(number, self.seed);
                     let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
                     let told = format!("{done} of {} samples", wanted.len());
-                    job.set(CONTACT, done as f64 / wanted.len() as f64, &told);
+                    job.contact(done as f64 / wanted.len() as f64, &told);
                     sample
                 })
                 .collect();
@@ -283,6 +289,14 @@ fn check(variations: &[Variation], draft: &PairDraft, pair: &Pair) -> Result<(),
             let found = changed
                 .pair()
                 .map_err(|error| format!("--vary {}: {error}", v.field))?;
+            if found.teeth != pair.teeth {
+                return Err(format!(
+                    "--vary {}: a study takes all teeth as alike, so that it would change nothing; vary what all teeth have, \
+                     torque_nm, misalignment_mrad or center_distance_offset_um",
+                    v.field
+                )
+                .into());
+            }
             if found.geometry != pair.geometry {
                 return Err(format!(
                     "--vary {}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
@@ -372,9 +386,10 @@ impl Bench<'_> {
 
 /// Statistics of every result over the samples that were solved.
 fn spread(done: &[Sample], names: &[&'static str]) -> Result<Vec<Statistics>, Error> {
-    let nominal = match done.iter().find(|s| s.number == 0).map(|s| &s.outcome) {
-        Some(Ok(results)) => results,
-        Some(Err(error)) => return Err(format!("the pair as drawn: {error}").into()),
+    let as_drawn = done.iter().find(|s| s.number == 0);
+    let (nominal, drawn) = match as_drawn.map(|s| (&s.outcome, &s.fields)) {
+        Some((Ok(results), fields)) => (results, fields),
+        Some((Err(error), _)) => return Err(format!("the pair as drawn: {error}").into()),
         None => return Err("the pair as drawn was not solved; begin anew with --restart".into()),
     };
     let solved = || {
@@ -390,7 +405,7 @@ fn spread(done: &[Sample], names: &[&'static str]) -> Result<Vec<Statistics>, Er
         .enumerate()
         .map(|(k, name)| {
             let values: Vec<f64> = solved().map(|(_, results)| results[k]).collect();
-            Statistics::new(name, nominal[k], &values, &fields)
+            Statistics::new(name, (nominal[k], drawn), &values, &fields)
         })
         .collect())
 }

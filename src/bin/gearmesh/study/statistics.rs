@@ -19,13 +19,16 @@ pub struct Statistics {
     pub largest: f64,
     /// Correlation of each varied field with the result, in their order: -1 to 1; 0 where either is constant.
     pub correlation: Vec<f64>,
+    /// The same of how far each field is from its value as drawn: what acts alike in both directions shows here alone.
+    pub correlation_of_distance: Vec<f64>,
 }
 
 impl Statistics {
-    /// Of `values`, one per sample (at least one), with the varied `fields` of each sample.
+    /// Of `values`, one per sample (at least one), with the varied `fields` of each sample; `nominal` and `drawn` are value and
+    /// fields of the pair as drawn.
     pub fn new(
         result: &'static str,
-        nominal: f64,
+        (nominal, drawn): (f64, &[f64]),
         values: &[f64],
         fields: &[&[f64]],
     ) -> Statistics {
@@ -36,7 +39,13 @@ impl Statistics {
             let above = (below + 1).min(sorted.len() - 1);
             sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
         };
-        let count = fields.first().map_or(0, |f| f.len());
+        let with = |of: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
+            let fields = |k: usize| fields.iter().map(move |f| of(f[k], drawn[k]));
+            let correlations = (0..drawn.len()).map(|k| fields(k).collect::<Vec<_>>());
+            correlations
+                .map(|field| correlation(&field, values))
+                .collect()
+        };
         Statistics {
             result,
             nominal,
@@ -46,12 +55,8 @@ impl Statistics {
             median: share(0.5),
             percentile_95: share(0.95),
             largest: share(1.0),
-            correlation: (0..count)
-                .map(|k| {
-                    let field: Vec<f64> = fields.iter().map(|f| f[k]).collect();
-                    correlation(&field, values)
-                })
-                .collect(),
+            correlation: with(&|field, _| field),
+            correlation_of_distance: with(&|field, drawn| (field - drawn).abs()),
         }
     }
 }
@@ -93,7 +98,7 @@ mod tests {
         let values: Vec<f64> = (0..=100).map(f64::from).collect();
         let fields: Vec<[f64; 3]> = values.iter().map(|v| [2.0 * v, -v, 5.0]).collect();
         let fields: Vec<&[f64]> = fields.iter().map(|f| &f[..]).collect();
-        let found = Statistics::new("x", 40.0, &values, &fields);
+        let found = Statistics::new("x", (40.0, &[0.0; 3]), &values, &fields);
         assert_eq!(
             (found.least, found.median, found.largest),
             (0.0, 50.0, 100.0)
@@ -102,5 +107,19 @@ mod tests {
         assert!((found.correlation[0] - 1.0).abs() < 1e-12);
         assert!((found.correlation[1] + 1.0).abs() < 1e-12);
         assert_eq!(found.correlation[2], 0.0);
+    }
+
+    #[test]
+    fn a_cause_that_acts_alike_in_both_directions_shows_in_its_distance_from_the_drawing() {
+        let fields: Vec<[f64; 2]> = (-50..=50)
+            .map(|v| [f64::from(v), 7.0 + 0.1 * f64::from(v)])
+            .collect();
+        let values: Vec<f64> = fields.iter().map(|f| f[0] * f[0]).collect();
+        let fields: Vec<&[f64]> = fields.iter().map(|f| &f[..]).collect();
+        let found = Statistics::new("x", (0.0, &[0.0, 7.0]), &values, &fields);
+        for k in 0..2 {
+            assert!(found.correlation[k].abs() < 1e-12);
+            assert!(found.correlation_of_distance[k] > 0.9);
+        }
     }
 }

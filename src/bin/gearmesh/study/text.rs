@@ -10,9 +10,10 @@ use super::statistics::Statistics;
 use crate::output::Listing;
 
 /// Results whose correlation is printed, with what stands above it.
-const CORRELATED: [(&str, &str); 4] = [
+const CORRELATED: [(&str, &str); 5] = [
     ("peak_to_peak_ste_loa_um", "p-p STE"),
     ("maximum_pressure_mpa", "pressure"),
+    ("face_load_factor", "K_Hbeta"),
     ("root_stress_1_mpa", "root 1"),
     ("root_stress_2_mpa", "root 2"),
 ];
@@ -51,29 +52,40 @@ pub fn text(bench: &Bench, seed: u64, done: &[Sample], statistics: &[Statistics]
         }
         text.push('\n');
     }
-    text.push_str("\ncorrelation with          ");
     let correlated: Vec<(&Statistics, &str)> = (statistics.iter())
         .filter_map(|s| {
             let known = CORRELATED.iter().find(|(result, _)| *result == s.result);
             Some((s, known?.1))
         })
         .collect();
-    for (_, result) in &correlated {
-        let _ = write!(text, " {result:>9}");
-    }
-    text.push('\n');
-    for (k, v) in bench.variations.iter().enumerate() {
-        let _ = write!(text, "{:<26}", v.field);
-        for (of, _) in &correlated {
-            let _ = write!(text, " {:>9}", fixed(of.correlation[k], 2));
+    let mut correlations = |head: &str, of: fn(&Statistics) -> &[f64]| {
+        let _ = write!(text, "\n{head:<26}");
+        for (_, result) in &correlated {
+            let _ = write!(text, " {result:>9}");
         }
         text.push('\n');
-    }
+        for (k, v) in bench.variations.iter().enumerate() {
+            let _ = write!(text, "{:<26}", v.field);
+            for (s, _) in &correlated {
+                let _ = write!(text, " {:>9}", fixed(of(s)[k], 2));
+            }
+            text.push('\n');
+        }
+    };
+    correlations("correlation with", |s| &s.correlation);
+    correlations("of the distance from drawn", |s| &s.correlation_of_distance);
+    text.push_str(
+        "\nThe first correlation is near zero for a field that acts alike in both directions; the second one, of how far the field\n\
+         is from its value as drawn, shows it. What fields do together (slopes of both gears that cancel) shows in neither.\n",
+    );
     let first = done
         .iter()
         .find_map(|s| Some((s.number, s.outcome.as_ref().err()?)));
     if let Some((number, error)) = first {
         let _ = write!(text, "\nfirst that was refused: sample {number}: {error}\n");
+    }
+    if let Some(note) = bench.pair.note_on_teeth() {
+        let _ = write!(text, "\nnote: {note}\n");
     }
     text
 }

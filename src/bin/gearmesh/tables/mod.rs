@@ -20,7 +20,6 @@ use crate::Error;
 use crate::model::ModelArgs;
 use crate::output;
 use crate::preflight::{self, Load, preflight};
-use crate::progress::CONTACT;
 use records::{default_grid, drive_flank, root_stress, sliding, teeth, within};
 use words::settings;
 
@@ -102,8 +101,8 @@ pub struct Made {
     root_stress_seconds: f64,
     /// Likewise of tooth pairs one by one.
     teeth_seconds: f64,
-    /// The teeth of the pair differ, which tables do not hold.
-    teeth_differ: bool,
+    /// What is to be known where the teeth of the pair differ, which tables do not hold.
+    note_on_teeth: Option<&'static str>,
 }
 
 /// The tables of the pair file `path`, on their way to `output`, and with `contact` what its contact at run time needs.
@@ -146,7 +145,7 @@ pub fn compute(
         }
         let likely = load.solves.max(all);
         let share = all as f64 / likely as f64;
-        job.set(CONTACT, share, &format!("{all} of about {likely} solves"));
+        job.contact(share, &format!("{all} of about {likely} solves"));
     };
     let watch = Watch {
         progress: &told,
@@ -212,7 +211,7 @@ pub fn compute(
             "{}, {:.1} s, {}",
             model.description, model.compliance_seconds, model.origin
         ),
-        teeth_differ: !pair.teeth.are_alike(),
+        note_on_teeth: pair.note_on_teeth(),
         contact_seconds,
         root_stress_seconds,
         teeth_seconds,

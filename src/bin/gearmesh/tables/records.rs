@@ -17,7 +17,7 @@ use gearmesh::table::{
 use super::HELD_OUT_POINTS;
 use crate::Error;
 use crate::model::{Model, ModelArgs};
-use crate::progress::{CONTACT, phases};
+use crate::progress::Plan;
 
 /// Of the drive flank: the default grid, or one whose error stays below `max_error`, with its error.
 pub(super) fn drive_flank(
@@ -101,7 +101,11 @@ pub(super) fn root_stress(
     let rb = pair.geometry.gears[0].base_radius();
     let axes = default_root_stress_axes(coverage, rb);
     let of = |flank| {
-        let models = &args.root_stress(pair, flank)?;
+        let job = args.progress().job(
+            Plan::new([0.0; 2], ("root stress", 0.0)).with_fillets(args.fillet_seconds(pair)?),
+        );
+        let models = &args.fillets(pair, flank, &job)?.maps;
+        drop(job);
         let sweep = RootStressSweep {
             solver: &model.solver,
             models,
@@ -152,11 +156,11 @@ fn watched<R>(
     what: &'static str,
     work: impl FnOnce(&Watch) -> Result<R, Error>,
 ) -> Result<R, Error> {
-    let job = args.progress().job(phases([0.0; 2], (what, 1.0)));
+    let job = args.progress().job(Plan::new([0.0; 2], (what, 1.0)));
     work(&Watch {
         progress: &|done, total| {
             let told = format!("{done} of {total} solves");
-            job.set(CONTACT, done as f64 / total as f64, &told);
+            job.contact(done as f64 / total as f64, &told);
         },
         cancel: &AtomicBool::new(false),
     })

@@ -47,20 +47,16 @@ impl std::fmt::Display for Made {
                 )?;
             }
         }
-        if self.teeth_differ {
+        if let Some(note) = self.note_on_teeth {
             let takes = match (&self.file.teeth, &self.contact) {
-                (Some(_), Some(_)) => {
-                    "`stiffnessModel = teeth` and `contact` take the tooth errors"
-                }
-                (Some(_), None) => "`stiffnessModel = teeth` takes the tooth errors",
-                (None, Some(_)) => "`stiffnessModel = contact` takes the tooth errors",
-                (None, None) => {
-                    "only `stiffnessModel = teeth` (build with --teeth) and `contact` (--contact) take the tooth errors"
-                }
+                (Some(_), Some(_)) => "teeth` and `contact` take",
+                (Some(_), None) => "teeth` takes",
+                (None, Some(_)) => "contact` takes",
+                (None, None) => return write!(f, "\n  note: {note}"),
             };
             write!(
                 f,
-                "\n  note: `stiffnessModel = table` takes all teeth as alike; {takes}"
+                "\n  note: `stiffnessModel = table` takes all teeth as alike; `stiffnessModel = {takes} the tooth errors"
             )?;
         }
         Ok(())

@@ -20,6 +20,7 @@
 //! touch the base circle of gear 2. There the torques are not in the ratio of the base radii, and mesh position
 //! and approach are those of a pair whose gear 2 is held and whose gear 1 is turned.
 
+mod at_edges;
 mod candidates;
 mod cholesky;
 mod closest;

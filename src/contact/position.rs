@@ -1,5 +1,6 @@
 //! Contact at one position of the mesh, for any load and misalignment.
 
+use super::at_edges::NearEdge;
 use super::candidates::{Candidate, POINTS};
 use super::complementarity::{Failure, Problem, Solution, Target};
 use super::error::{ContactError, OperatingPoint, Prescribed};
@@ -18,6 +19,8 @@ pub struct PositionProblem {
     pub(super) local: Vec<LocalContact>,
     /// Laws at other places of each strip, for pressure; none where that is not asked for.
     pub(super) beside: Vec<Beside>,
+    /// Places of each strip near a tip edge, ascending in z; none at all where that is not asked for.
+    pub(super) near_edges: Vec<Vec<NearEdge>>,
     /// Reference lengths of both gears at each strip, m.
     lengths: [Vec<f64>; 2],
     /// [`Candidate::levers`] from mid-face, m.
@@ -82,6 +85,7 @@ impl PositionProblem {
             lengths: influence.lengths,
             local,
             beside: vec![],
+            near_edges: vec![],
             cos_beta_b,
             base_radius: numbers.base_radius[0],
             z_ref,

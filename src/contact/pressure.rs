@@ -1,11 +1,12 @@
-//! Flank pressure and line load at tip edges, strip by strip.
+//! Flank pressure, strip by strip.
 //!
 //! An oblique contact line crosses the start of a relief within a fraction of a millimetre, and there pressure is largest. A strip whose
 //! contact may reach one is looked at between its middle and its ends, too, under the line load in between those of neighbouring strips.
 
+use super::candidates::POINTS;
 use super::local::{LocalContact, PointLoads};
 use super::position::PositionProblem;
-use super::result::{EdgeLoad, larger};
+use super::result::EdgeLoad;
 #[cfg(feature = "preprocess")]
 use super::{
     candidates::{Candidate, ContactLines},
@@ -43,13 +44,19 @@ impl PositionProblem {
         self.beside = self.candidates.iter().enumerate().map(of).collect();
     }
 
-    /// Largest pressure (Pa) inside the flanks and largest line load at a tip edge of each strip under `loads`.
-    pub(super) fn pressures(&self, loads: &[PointLoads]) -> (Vec<f64>, Vec<Option<EdgeLoad>>) {
-        let (inside, edges): (Vec<_>, Vec<_>) = (0..loads.len())
-            .map(|i| self.inside_and_at_edge(i, &loads[i]))
-            .unzip();
+    /// Largest pressure (Pa) inside the flanks of each strip under `loads`; `edges` are the loads at their tip edges.
+    pub(super) fn pressures(&self, loads: &[PointLoads], edges: &[Option<EdgeLoad>]) -> Vec<f64> {
+        let inside: Vec<_> = (0..loads.len())
+            .map(|i| self.inside(i, &loads[i]))
+            .collect();
         let of = |(i, force): (usize, &Option<f64>)| {
-            let Some(force) = *force else { return 0.0 };
+            let Some(force) = *force else {
+                // At its middle the line lies nearer to the edge than where it bears.
+                return match edges[i] {
+                    Some(_) => 0.0,
+                    None => self.local[i].hertz_pressure(loads[i].sum().0 / POINTS as f64),
+                };
+            };
             let middle = self.local[i].pressure(force).unwrap_or(0.0);
             let Some(Some(laws)) = self.beside.get(i) else {
                 return middle;
@@ -59,34 +66,22 @@ impl PositionProblem {
             };
             (PLACES.into_iter().zip(laws.iter()).filter_map(at)).fold(middle, f64::max)
         };
-        (inside.iter().enumerate().map(of).collect(), edges)
+        inside.iter().enumerate().map(of).collect()
     }
 
-    /// Mean force (N) of the loaded points of strip `i` that stay inside the flanks, and the largest line load at a tip edge.
+    /// Mean force (N) of the loaded points of strip `i` that stay inside the flanks by the law of its middle.
     ///
     /// Only the local law tells the points of a strip apart: where the gap changes along it, a point bears more than the line does
     /// there. Their mean is what the line bears.
-    fn inside_and_at_edge(&self, i: usize, loads: &PointLoads) -> (Option<f64>, Option<EdgeLoad>) {
+    fn inside(&self, i: usize, loads: &PointLoads) -> Option<f64> {
         let (mut inside, mut points) = (0.0, 0.0);
-        let mut edge = None;
-        let candidate = &self.candidates[i];
-        for (&force, z) in loads.forces.iter().zip(candidate.points()) {
-            if force == 0.0 {
-                continue;
-            }
-            if !self.local[i].reaches_edge(force) {
+        for force in loads.forces {
+            if force != 0.0 && !self.local[i].reaches_edge(force) {
                 inside += force;
                 points += 1.0;
-                continue;
             }
-            let here = EdgeLoad {
-                line_load: force / self.local[i].length(),
-                z,
-                gear: candidate.edge_gear(),
-            };
-            edge = larger(edge, Some(here));
         }
-        ((points > 0.0).then(|| inside / points), edge)
+        (points > 0.0).then(|| inside / points)
     }
 
     /// Line load (N/m) at `place` of strip `i`, linear towards its neighbour on that side, if that bears inside the flanks; `forces` are
@@ -101,7 +96,7 @@ impl PositionProblem {
         let strip = &self.candidates[i];
         let rise = beside.and_then(|other| {
             let next = self.candidates.get(other)?;
-            if next.tooth_pair != strip.tooth_pair || next.station.abs_diff(strip.station) != 1 {
+            if !self.are_neighbours(i, other) {
                 return None;
             }
             Some((of(other)? - here) / (next.middle() - strip.middle()))

@@ -30,7 +30,7 @@ pub struct StripLoad {
     pub force: f64,
     /// Largest Hertz pressure of the part on which contact stays inside the flanks, Pa.
     pub pressure: f64,
-    /// The part on which contact reaches a tip edge, where pressure has no bound.
+    /// Where contact reaches a tip edge, and pressure has no bound, and bears most.
     pub edge: Option<EdgeLoad>,
     /// What stays open between the flanks where they are closest, along the normal, m; zero in contact.
     pub gap: f64,
@@ -46,7 +46,7 @@ impl StripLoad {
 /// Contact at a tip edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeLoad {
-    /// Normal force per length of contact line, N/m.
+    /// Normal force per length of contact line, N/m, at this place, not the mean of a strip.
     pub line_load: f64,
     /// Where along the face, in gear 1's frame, m.
     pub z: f64,
@@ -83,7 +83,7 @@ pub struct ContactResult {
     /// Pressure of each strip inside the flanks, Pa, under the mean line load of its loaded part: Hertz, and where the contact
     /// straddles the start of a relief the half-ellipse of the same line load and spread, the largest along the strip.
     pub pressures: Vec<f64>,
-    /// Largest line load at a tip edge on each strip.
+    /// Largest line load on each strip where its contact reaches a tip edge.
     pub edge_loads: Vec<Option<EdgeLoad>>,
     /// What stays open on each strip where the flanks are closest, along the normal, m; zero in contact.
     pub gaps: Vec<f64>,
@@ -93,7 +93,8 @@ impl PositionProblem {
     pub(super) fn result(&self, solution: Solution, gap: &[[f64; POINTS]]) -> ContactResult {
         let loa_force = dot(&self.arm, &solution.force);
         let (moment, tangent, _) = self.moment(&solution);
-        let (pressures, edge_loads) = self.pressures(&solution.loads);
+        let edge_loads = self.edge_loads(&solution, gap);
+        let pressures = self.pressures(&solution.loads, &edge_loads);
         let mut load_share: Vec<(i32, f64)> = Vec::new();
         let carried = self.arm.iter().zip(&solution.force).map(|(c, f)| c * f);
         for (candidate, force) in self.candidates.iter().zip(carried) {

@@ -230,6 +230,7 @@ impl ContactSolver {
         limits.reach = limits.reach.map(|reach| reach - largest.max(0.0));
         let mut problem = PositionProblem::with(&self.numbers, candidates, influence, limits);
         problem.look_beside(&self.numbers, lines, tau);
+        problem.look_at_edges(&self.numbers, lines, tau);
         Ok(problem)
     }
 

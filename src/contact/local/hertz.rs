@@ -362,6 +362,22 @@ impl LocalContact {
         }
     }
 
+    /// Line load above which contact reaches a tip edge, N/m; infinite where it becomes too wide for the law before.
+    pub fn load_at_edge(&self) -> f64 {
+        match self.relief.as_deref() {
+            Some(relief) if relief.least[0] <= relief.profile.edge_distance() => {
+                relief.least[1].max(self.knee(relief).load_at_edge())
+            }
+            _ => (self.edge).map_or(f64::INFINITY, |edge| edge.least_line_load()),
+        }
+    }
+
+    /// What this law takes up under the line load `w` (N/m) more than `other` does since the displacement of the bodies is
+    /// divided otherwise between it and the elastic model, m.
+    pub fn takes_up_more_than(&self, other: &LocalContact, w: f64) -> f64 {
+        self.c * w * (self.log_reference - other.log_reference)
+    }
+
     /// Largest pressure, Pa, under the force `f`, N: that of the half-ellipse 2 w / (pi b) with the spread of the pressure,
     /// which is Hertz's inside one parabola; at a sharp kink itself pressure has no bound. None where
     /// contact reaches a tip edge, where it has none either.
@@ -386,8 +402,14 @@ impl LocalContact {
         self.relief.is_some()
     }
 
-    /// 2 w / (pi b), with b = sqrt(kappa w).
-    fn hertz_pressure(&self, f: f64) -> f64 {
+    /// Whether contact may reach a tip edge.
+    #[cfg(feature = "preprocess")]
+    pub fn has_edge(&self) -> bool {
+        self.edge.is_some()
+    }
+
+    /// 2 w / (pi b), with b = sqrt(kappa w), of the force `f`, N: Hertz pressure inside one parabola, Pa.
+    pub fn hertz_pressure(&self, f: f64) -> f64 {
         2.0 / std::f64::consts::PI * (f.max(0.0) / self.length / self.kappa).sqrt()
     }
 

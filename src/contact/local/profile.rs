@@ -131,7 +131,7 @@ impl GapProfile {
     }
 
     /// Distance from the closest point to the nearest tip edge, m.
-    pub(super) fn edge_distance(&self) -> f64 {
+    pub fn edge_distance(&self) -> f64 {
         self.edges[1].min(-self.edges[0])
     }
 

@@ -163,6 +163,10 @@ impl Problem<'_> {
         };
         let mut residual = self.residual(&at) / at.largest();
         let mut keeps = false;
+        // The forces balance the one that is asked for after a whole step, and from there on whatever part of one is gone: where
+        // they start as they should be, rounding may leave no whole step that lessens anything.
+        let free = matches!(target, Target::Approach(_));
+        let mut balanced = free;
         for iteration in 0..MAXIMUM_ITERATIONS {
             solution.active.clear();
             solution
@@ -175,6 +179,7 @@ impl Problem<'_> {
                     at.y.fill(0.0);
                     at.ay.fill(0.0);
                     self.refresh(&mut at);
+                    balanced = free;
                     continue;
                 }
                 if at.y.iter().all(|y| *y == 0.0) {
@@ -195,7 +200,8 @@ impl Problem<'_> {
             let t = self.go(target, &mut at, &mut work, d_delta);
             let before = std::mem::replace(&mut residual, self.residual(&at) / at.largest());
             keeps = t == 1.0 && residual * residual <= KEEPS_FACTOR * TOLERANCE * before;
-            if t == 1.0 && residual <= TOLERANCE {
+            balanced |= t == 1.0;
+            if balanced && residual <= TOLERANCE {
                 solution.iterations = iteration + 1;
                 return self.finish(target, at, solution);
             }

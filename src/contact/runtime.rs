@@ -111,7 +111,12 @@ impl RuntimeContact {
         let start = warm.forces(names.iter().map(|name| cycle.since_start(*name)), pose);
         let start = start.as_deref();
         let start = start.map(|forces| (forces, approach));
-        let found = problem.solution(Target::Approach(approach), misalignment, start)?;
+        let target = Target::Approach(approach);
+        let found = match problem.solution(target, misalignment, start) {
+            // A start that leads nowhere must not decide.
+            Err(_) if start.is_some() => problem.solution(target, misalignment, None),
+            found => found,
+        }?;
         let solution = &found.solution;
         if solution.force.iter().all(|force| *force == 0.0) {
             warm.clear();

@@ -27,6 +27,11 @@ pub trait Elasticity: Send + Sync {
     fn with_teeth(&self, query: &Query, _counts: Counts, want_hessian: bool) -> Potential {
         self.evaluate(query, want_hessian)
     }
+
+    /// Why the last evaluation gave what is not a number, if it did and there is more to say.
+    fn refusal(&self) -> Option<String> {
+        None
+    }
 }
 
 /// The elastic laws of the drive flank and the coast flank.
@@ -128,6 +133,11 @@ pub(crate) struct Response<T> {
 }
 
 impl Law {
+    /// [`Elasticity::refusal`].
+    pub(crate) fn refusal(&self) -> Option<String> {
+        self.surface.refusal()
+    }
+
     /// Linear spring of `stiffness` N/m on the line of action.
     pub(crate) fn linear(stiffness: f64, effects: Effects) -> Self {
         Self::new(Arc::new(Linear { stiffness }), false, effects)

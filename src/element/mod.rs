@@ -231,6 +231,11 @@ impl Element {
         &self.parameters
     }
 
+    /// Why the last evaluation gave what is not a number, if a law has more to say of it ([`Elasticity::refusal`]).
+    pub fn refusal(&self) -> Option<String> {
+        self.laws.iter().flatten().find_map(Law::refusal)
+    }
+
     /// Line-of-action length per tangential length at `center_distance` (m): cos phi.
     pub fn line_of_action(&self, center_distance: f64) -> f64 {
         self.constants.base_sum / center_distance

@@ -16,6 +16,8 @@ const STEPS: [(usize, f64); 2] = [(1, 1e-7), (3, 1e-4)];
 struct ContactLaw {
     contact: RuntimeContact,
     warm: Mutex<Warm>,
+    /// What the last solve failed of.
+    failure: Mutex<Option<String>>,
 }
 
 /// The laws of both flanks of `file`.
@@ -23,7 +25,11 @@ pub fn laws(file: &ContactFile) -> FlankLaws {
     let of = |flank| -> Option<Arc<dyn Elasticity>> {
         let contact = file.flank(flank)?;
         let warm = Mutex::default();
-        Some(Arc::new(ContactLaw { contact, warm }))
+        Some(Arc::new(ContactLaw {
+            contact,
+            warm,
+            failure: Mutex::default(),
+        }))
     };
     let drive = of(Flank::Drive).expect("there is always a drive flank");
     FlankLaws {
@@ -33,15 +39,19 @@ pub fn laws(file: &ContactFile) -> FlankLaws {
 }
 
 impl ContactLaw {
-    /// The potential at `at`; not a number where no solve succeeds, which the unit refuses with what it asked for.
+    /// The potential at `at`; not a number where no solve succeeds, which the unit refuses with what the solve said.
     fn at(&self, at: [f64; COORDINATES], counts: Counts) -> ContactPotential {
         // The forces are whole even if a thread panicked while it held the lock.
         let mut warm = self.warm.lock().unwrap_or_else(PoisonError::into_inner);
         let found = self.contact.potential(at, counts, &mut warm);
-        found.unwrap_or_else(|_| ContactPotential {
-            energy: f64::NAN,
-            gradient: [f64::NAN; COORDINATES],
-            ..ContactPotential::default()
+        found.unwrap_or_else(|error| {
+            let said = format!("stiffnessModel = contact finds no loads: {error}");
+            *self.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(said);
+            ContactPotential {
+                energy: f64::NAN,
+                gradient: [f64::NAN; COORDINATES],
+                ..ContactPotential::default()
+            }
         })
     }
 }
@@ -55,6 +65,11 @@ impl Elasticity for ContactLaw {
         true
     }
 
+    fn refusal(&self) -> Option<String> {
+        let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        failure.take()
+    }
+
     fn with_teeth(&self, query: &Query, counts: Counts, want_hessian: bool) -> Potential {
         let at = [
             query.delta,
@@ -62,6 +77,8 @@ impl Elasticity for ContactLaw {
             query.misalignment,
             query.mesh_position,
         ];
+        // What an earlier pose failed of is of no interest.
+        drop(self.refusal());
         let here = self.at(at, counts);
         let mut out = Potential {
             value: here.energy,

@@ -199,7 +199,7 @@ impl Mesh {
             let (element, latch, motions) = self.ready(resources, inputs)?;
             let all = element.evaluate(&latch, motions).map_err(refuse)?;
             let continuous = all.to_array();
-            finite(&continuous)?;
+            finite(&continuous).map_err(|failure| explained(element, failure))?;
             self.outputs = Some(Evaluated { all, continuous });
         }
         Ok(self.outputs.as_ref().expect("evaluated above"))
@@ -233,7 +233,10 @@ impl Mesh {
         let by_freedoms: &Jacobian = &slopes;
         let all: [f64; CONTINUOUS_OUTPUTS] = (by_freedoms * direction).into();
         self.slopes = Some(slopes);
-        finite(&all)?;
+        finite(&all).map_err(|failure| match &self.element {
+            Some(element) => explained(element, failure),
+            None => failure,
+        })?;
         Ok(all)
     }
 
@@ -330,6 +333,12 @@ impl From<Refusal> for Failure {
     fn from(refusal: Refusal) -> Self {
         Failure::Refused(refusal)
     }
+}
+
+/// `failure`, or what a law of `element` says of it.
+fn explained(element: &Element, failure: Failure) -> Failure {
+    let said = element.refusal().map(Refusal::error);
+    said.map_or(failure, Failure::Refused)
 }
 
 fn finite(all: &[f64; CONTINUOUS_OUTPUTS]) -> Result<(), Failure> {

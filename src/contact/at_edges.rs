@@ -9,13 +9,17 @@
 //! place is what a straight line between the middles of neighbouring strips closes there, less the gap at the place. It shares out what
 //! the strip bears.
 
-use super::candidates::{Candidate, POINTS};
+use super::candidates::POINTS;
 use super::complementarity::Solution;
 use super::local::LocalContact;
 use super::position::PositionProblem;
 use super::result::{EdgeLoad, larger};
 #[cfg(feature = "preprocess")]
-use super::{candidates::ContactLines, numbers::PairNumbers, position::law};
+use super::{
+    candidates::{Candidate, ContactLines},
+    numbers::PairNumbers,
+    position::law,
+};
 
 /// The points of a strip, parts of its length from its middle.
 const PLACES: [f64; POINTS] = [-0.375, -0.125, 0.125, 0.375];

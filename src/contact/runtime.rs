@@ -289,7 +289,20 @@ impl RuntimeContact {
         candidates.retain(|_| carrying.next() == Some(true));
         let mut carrying = overlaps.iter().map(|overlap| *overlap > -MARGIN * most);
         rates.retain(|_| carrying.next() == Some(true));
-        Some((self.problem(candidates, offset, cycle), rates))
+        let problem = self.problem(candidates, offset, cycle);
+        // Far beyond their centre distances strips come into reach that the nodes do not hold. They bear nothing.
+        let strips = problem.candidates();
+        let held = |i: usize| problem.lengths(i).iter().all(|length| *length > 0.0);
+        if (0..strips.len()).all(held) {
+            return Some((problem, rates));
+        }
+        let held = || (0..strips.len()).map(held);
+        let candidates: Vec<Candidate> = (strips.iter().zip(held()))
+            .filter_map(|(strip, held)| held.then_some(*strip))
+            .collect();
+        let mut kept = held();
+        rates.retain(|_| kept.next() == Some(true));
+        (!candidates.is_empty()).then(|| (self.problem(candidates, offset, cycle), rates))
     }
 
     /// The contact lines in `section`.

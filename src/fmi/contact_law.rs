@@ -77,8 +77,6 @@ impl Elasticity for ContactLaw {
             query.misalignment,
             query.mesh_position,
         ];
-        // What an earlier pose failed of is of no interest.
-        drop(self.refusal());
         let here = self.at(at, counts);
         let mut out = Potential {
             value: here.energy,

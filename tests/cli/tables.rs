@@ -255,3 +255,44 @@ fn what_is_read_is_not_written_over() {
         }
     }
 }
+
+#[test]
+fn an_internal_pair_with_few_teeth_between_becomes_an_fmu() {
+    let folder = tempfile::tempdir().unwrap();
+    for (k, teeth) in [["30", "50"], ["40", "52"], ["60", "68"]]
+        .iter()
+        .enumerate()
+    {
+        let path = |name: &str| {
+            folder
+                .path()
+                .join(format!("{k}{name}"))
+                .to_str()
+                .unwrap()
+                .to_owned()
+        };
+        let (pair, fmu) = (path("pair.json"), path("unit.fmu"));
+        let numbers = [
+            "--module-mm",
+            "2",
+            "--face-width-mm",
+            "20",
+            "20",
+            "--torque-nm",
+            "50",
+        ];
+        let new = [
+            "new",
+            "--internal",
+            "-o",
+            &pair,
+            "--teeth",
+            teeth[0],
+            teeth[1],
+        ];
+        let output = gearmesh(&[&new[..], &numbers].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let output = gearmesh(&["pack", "--pair", &pair, "-o", &fmu]);
+        assert!(output.status.success(), "{teeth:?}: {}", stderr(&output));
+    }
+}

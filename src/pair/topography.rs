@@ -124,6 +124,12 @@ fn parse(text: &str, gear: &Gear) -> Result<Topography, Fault> {
             ));
         }
     }
+    if rows.is_empty() {
+        return Err((
+            "has a header and no points".into(),
+            format!("give at least 3 x 3 points; {columns}"),
+        ));
+    }
     let axis = |k: usize| {
         let mut values: Vec<u64> = rows.keys().map(|key| key[k]).collect();
         values.sort_unstable();

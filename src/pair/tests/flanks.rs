@@ -147,6 +147,10 @@ fn a_topography_that_is_none_is_refused_by_line_or_size() {
             "has the columns roll_mm,z_mm,deviation",
         ),
         (
+            "roll_mm,z_mm,removal_um\n".into(),
+            "has a header and no points",
+        ),
+        (
             good.replacen("5.5,0,", "5.5,zero,", 1),
             "line 3: z_mm = zero: not a finite number",
         ),

@@ -257,6 +257,34 @@ fn what_is_read_is_not_written_over() {
 }
 
 #[test]
+fn a_tilt_far_beyond_what_the_teeth_give_way_has_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (file, tables) = (path("pair.json"), path("tables.json"));
+    let gear = |teeth: u32| serde_json::json!({ "teeth": teeth, "face_width_mm": 20.0 });
+    let pair = serde_json::json!({
+        "name": "wide tilt", "meshing": "external", "normal_module_mm": 2.0,
+        "normal_pressure_angle_deg": 20.0, "helix_angle_deg": 12.0,
+        "gear1": gear(20), "gear2": gear(30),
+        "operating": {
+            "nominal_torque_nm": 20.0, "maximum_torque_nm": 40.0,
+            "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [-20.0, 20.0],
+        },
+    });
+    std::fs::write(&file, pair.to_string()).unwrap();
+    let output = gearmesh(&[&["tables", &file, "-o", &tables, "-q"], &QUICK[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = std::fs::read_to_string(tables).unwrap();
+    let made: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        made["axes"]["misalignment_rad"].as_array().unwrap().len(),
+        33
+    );
+    let rms = made["interpolation_error"]["force_rms"].as_f64().unwrap();
+    assert!(rms < 5e-3, "{rms}");
+}
+
+#[test]
 fn an_internal_pair_with_few_teeth_between_becomes_an_fmu() {
     let folder = tempfile::tempdir().unwrap();
     for (k, teeth) in [["30", "50"], ["40", "52"], ["60", "68"]]

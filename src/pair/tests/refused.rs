@@ -84,6 +84,11 @@ const CASES: &[[&str; 5]] = &[
         "gear2.tool_tip_radius_coefficient", "0.6", "round"],
     [PAPER, r#"{"gear2": {"bore_diameter_mm": 80}}"#,
         "gear2.bore_diameter_mm", "80", "root diameter"],
+    // Root diameter 72.104 mm, module 4 mm; of the ring 174 mm.
+    [PAPER, r#"{"gear2": {"bore_diameter_mm": 1e-9}}"#,
+        "gear2.bore_diameter_mm", "0.000000001", "thousandth of the root diameter"],
+    [PAPER, r#"{"gear2": {"bore_diameter_mm": 70.2}}"#,
+        "gear2.bore_diameter_mm", "70.2", "half a normal module below"],
     [PAPER, r#"{"gear2": {"bore_diameter_mm": null, "rim_diameter_mm": 120}}"#,
         "gear2.rim_diameter_mm", "120", "bore"],
     [PAPER, r#"{"gear2": {"rim_diameter_mm": 120}}"#,

@@ -324,3 +324,35 @@ fn an_internal_pair_with_few_teeth_between_becomes_an_fmu() {
         assert!(output.status.success(), "{teeth:?}: {}", stderr(&output));
     }
 }
+
+#[test]
+fn a_disk_that_fills_is_told_without_the_temporary_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("pair.json");
+    // No file may grow, as on a full disk; the signal that tells so is ignored.
+    let output = Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$@\"", "sh"])
+        .arg(env!("CARGO_BIN_EXE_gearmesh"))
+        .args([
+            "new",
+            "--teeth",
+            "20",
+            "30",
+            "--module-mm",
+            "2",
+            "--face-width-mm",
+            "20",
+            "20",
+        ])
+        .args(["--torque-nm", "50", "-o"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let error = stderr(&output);
+    assert!(
+        error.contains("pair.json") && !error.contains(".gearmesh-"),
+        "{error}"
+    );
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}

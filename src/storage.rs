@@ -17,8 +17,9 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if is_special(&path) {
         return OpenOptions::new().write(true).open(&path)?.write_all(bytes);
     }
-    let mut file = beside(&path)?;
-    file.write_all(bytes)?;
+    let file = beside(&path)?;
+    // To the file itself: what fails through its handle names the temporary name.
+    file.as_file().write_all(bytes)?;
     file.as_file().sync_all()?;
     file.persist(&path)?;
     Ok(())

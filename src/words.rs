@@ -62,8 +62,11 @@ fn cut(text: &str, longest: usize) -> String {
     out
 }
 
-/// `value` with an exponent where it had many digits without.
+/// `value` with an exponent where it had many digits or zeros without.
 pub fn number(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-9 {
+        return format!("{value:e}");
+    }
     shown(&value.to_string())
 }
 
@@ -102,6 +105,8 @@ mod tests {
     fn a_number_does_not_fill_the_line() {
         assert_eq!(number(1e300), "1e300");
         assert_eq!(number(-2.5e-300), "-2.5e-300");
+        assert_eq!(number(1e-20), "1e-20");
+        assert_eq!(number(0.0), "0");
         assert_eq!(number(0.08210400000000001), "0.08210400000000001");
     }
 

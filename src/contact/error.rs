@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::compliance::BeyondModel;
 use crate::gear::ProfileError;
-use crate::words::rounded;
+use crate::words::{number, rounded};
 
 /// What is prescribed at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,7 @@ pub struct OperatingPoint {
 impl fmt::Display for OperatingPoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.prescribed {
-            Prescribed::Torque(torque) => write!(f, "torque = {} N m", rounded(torque))?,
+            Prescribed::Torque(torque) => write!(f, "torque = {} N m", number(rounded(torque)))?,
             Prescribed::Approach(approach) => {
                 write!(f, "approach = {} um", rounded(1e6 * approach))?
             }

@@ -26,7 +26,8 @@ pub(crate) struct Engagement<T> {
 /// Centre distances between which the teeth come out of mesh, m.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reach {
-    /// Where the factor is zero: farther out for external pairs, nearer for internal ones.
+    /// Where the factor is zero: farther out for external pairs, nearer for internal ones. Below the distance at
+    /// which the base circles touch: it never gets there.
     pub none: f64,
     /// 1 / (where the factor starts to fall - `none`), 1/m.
     pub per_span: f64,
@@ -43,8 +44,23 @@ impl Reach {
         } else {
             pair.base_radius_sum() * (1.0 + 1e-9)
         };
+        // Share of half the path that is left at the end; of many internal pairs some, of those with few teeth
+        // between them all of it.
+        let left = (pair.transverse_contact_ratio(end) / half).max(0.0);
+        if left >= 1.0 {
+            // No centre distance lies below that of the base circles.
+            return Self {
+                none: 0.0,
+                per_span: 1.0 / pair.base_radius_sum(),
+            };
+        }
         let full = crossing(pair, half, nominal, end);
-        let none = crossing(pair, 0.0, nominal, end);
+        // Where some is left the factor is to be as much at the end, so that no pair falls steeply there.
+        let none = if left > 0.0 {
+            (end - left * full) / (1.0 - left)
+        } else {
+            crossing(pair, 0.0, nominal, end)
+        };
         Self {
             none,
             per_span: 1.0 / (full - none),
@@ -52,11 +68,8 @@ impl Reach {
     }
 }
 
-/// Where the transverse contact ratio falls to `ratio` between `near` and `far`; `far` if it does not.
+/// Where the transverse contact ratio falls to `ratio` between `near`, where it is above that, and `far`.
 fn crossing(pair: &PairGeometry, ratio: f64, near: f64, far: f64) -> f64 {
-    if pair.transverse_contact_ratio(far) > ratio {
-        return far;
-    }
     let (mut inside, mut outside) = (near, far);
     for _ in 0..60 {
         let middle = 0.5 * (inside + outside);

@@ -1,11 +1,13 @@
 //! Claims about damping, a turning carrier, and poses at and beyond the limits.
 
 use super::constants::FLANKS;
+use super::engagement::radial_share;
 use super::testing::{
     FORMULATIONS, Noise, at, compressed, constant, random_pose, spun, three_pairs, undamped,
 };
 use super::*;
-use crate::gear::samples::paper_pair;
+use crate::gear::samples::{gear, paper_pair, thinned};
+use crate::gear::{GearKind, PairGeometry};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::Rotation3;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -172,6 +174,91 @@ fn gears_out_of_reach_feel_nothing_and_get_there_along_a_gradient() {
         let slope = (energy(1e-7) - energy(-1e-7)) / 2e-7;
         assert_relative_eq!(out.force[1].z, -slope, max_relative = 1e-6);
     }
+}
+
+/// Gear 1 of `z1` teeth in a ring of `z2`, module 4 mm.
+fn internal_pair(z1: u32, z2: u32) -> PairGeometry {
+    let pair = PairGeometry {
+        gears: [
+            gear(GearKind::External, z1, 1.0, 0.0, 0.0),
+            gear(GearKind::Ring, z2, 1.0, 0.0, 0.0),
+        ],
+        center_distance: 2e-3 * f64::from(z2 - z1),
+    };
+    thinned(pair, 60e-6)
+}
+
+#[test]
+fn an_internal_pair_with_few_teeth_between_stays_in_mesh_until_the_base_circles_touch() {
+    // Between them half of the path lasts to the end, part of it, and nothing.
+    let mut shares = vec![];
+    for (z1, z2) in [
+        (60, 68),
+        (40, 52),
+        (30, 50),
+        (30, 56),
+        (20, 50),
+        (30, 60),
+        (20, 61),
+    ] {
+        let pair = internal_pair(z1, z2);
+        let element = constant(&pair, Formulation::Conjugate, LoadedFlank::Both);
+        let k = &element.constants;
+        let latch = element.latch(&element.nominal_inputs()).unwrap();
+        let energy = |x: &Inputs| element.evaluate(&latch, x).unwrap().energy;
+        let inputs = compressed(&element, 1.0, 5e-6);
+        let nominal = element.evaluate(&latch, &inputs).unwrap();
+        assert_relative_eq!(
+            nominal.tangential_force * k.cos_phi,
+            4.35e8 * 5e-6,
+            max_relative = 1e-6
+        );
+        assert!(!nominal.out_of_range);
+        // Down to the base circles, closest near them, and as far the other way.
+        let room = pair.center_distance - k.base_sum;
+        let steps = (1..400).map(|i| room * (1.0 - f64::from(i) / 400.0).powi(3));
+        let mut least = 1.0_f64;
+        for c in steps
+            .map(|left| k.base_sum + left)
+            .chain([pair.center_distance + room])
+        {
+            let (share, by_c) = radial_share(k, c);
+            least = least.min(share);
+            // Never steeper than over a fiftieth of the way.
+            assert!(
+                (0.0..=1.0).contains(&share) && by_c * k.reach.per_span * room < 94.0,
+                "{z1}/{z2} {c}: {by_c}"
+            );
+            let mut x = inputs;
+            x.gears[1].p.x = x.gears[0].p.x + (x.gears[1].p.x - x.gears[0].p.x).signum() * c;
+            // Nearer the axes the flanks part; gear 1 follows until they press again.
+            let gap = element.evaluate(&latch, &x).unwrap().transmission_error;
+            let x = spun(&x, 0, (5e-6 - gap.min(0.0)) / k.rb[0]);
+            let out = element.evaluate(&latch, &x).unwrap();
+            assert!(share == 0.0 || out.flank == 1, "{z1}/{z2} {c}: {gap}");
+            let mut loads = out.force.iter().chain(&out.moment);
+            assert!(loads.all(|load| load.iter().all(|f| f.is_finite())));
+            let moved = |dx: f64| {
+                let mut x = x;
+                x.gears[1].p.x += dx;
+                energy(&x)
+            };
+            let h = 1e-4 * (c - k.base_sum);
+            // Nearer to the base circles the difference is rounding.
+            if c - k.base_sum > 1e-3 * room {
+                let slope = (moved(h) - moved(-h)) / (2.0 * h);
+                let epsilon = 1e-5 * (nominal.tangential_force + out.tangential_force);
+                assert_abs_diff_eq!(out.force[1].x, -slope, epsilon = epsilon);
+            }
+            assert_abs_diff_eq!((out.force[0] + out.force[1]).norm(), 0.0, epsilon = 1e-9);
+        }
+        shares.push(least);
+    }
+    assert!(shares[..4].iter().all(|&share| share == 1.0), "{shares:?}");
+    assert!(
+        shares[3..].windows(2).all(|w| w[1] < w[0]) && shares[6] == 0.0,
+        "{shares:?}"
+    );
 }
 
 #[test]

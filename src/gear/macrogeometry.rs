@@ -66,6 +66,10 @@ pub struct Gear {
     pub poisson_ratio: f64,
 }
 
+/// Least wall between the root circle and the surface that is held, normal modules: with less the elastic model has no
+/// room for its elements.
+pub const LEAST_WALL: f64 = 0.25;
+
 /// Left out of files, so that those without chamfers stay what they were.
 fn is_zero(value: &f64) -> bool {
     *value == 0.0

@@ -22,7 +22,7 @@ mod trochoid;
 pub use body::{Annulus, Body};
 #[cfg(feature = "preprocess")]
 pub use iso_6336_3::NominalRootStress;
-pub use macrogeometry::{Gear, GearKind};
+pub use macrogeometry::{Gear, GearKind, LEAST_WALL};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};
 pub use modification::{
     EndRelief, ProfileCrowning, ProfilePiece, ProfileRelief, ProfileSlope, ReliefShape,

@@ -18,6 +18,9 @@ pub enum TopographyError {
 /// How far a cubic may rise above the highest of its nodes, over the range of all of them.
 const OVERSHOOT: f64 = 0.25;
 
+/// Equal parts of every cell at whose ends [`Topography::extreme`] looks.
+const PARTS: usize = 5;
+
 /// Values and derivatives at a node of the grid: f, df/d roll, df/dz, d²f/d roll dz.
 type Node = [f64; 4];
 
@@ -131,6 +134,24 @@ impl Topography {
         self.largest
     }
 
+    /// The removal largest by amount between the lengths of roll `rolls` and the places `zs` (m, each ascending), and
+    /// where it is: length of roll, z and removal, m. Between lines that lie close a cubic can rise far above its nodes,
+    /// and beyond the grid its tangents can.
+    pub fn extreme(&self, rolls: [f64; 2], zs: [f64; 2]) -> [f64; 3] {
+        let zs = places(&self.zs, zs);
+        let mut found = [rolls[0], zs[0], 0.0];
+        for roll in places(&self.rolls, rolls) {
+            for &z in &zs {
+                let removal = self.removal(roll, z);
+                // Not a number stands out, too.
+                if removal.is_nan() || removal.abs() > found[2].abs() {
+                    found = [roll, z, removal];
+                }
+            }
+        }
+        found
+    }
+
     /// Removal at the length of roll `roll` and at `z`, m.
     pub fn removal(&self, roll: f64, z: f64) -> f64 {
         self.evaluate(roll, z)[0]
@@ -158,6 +179,16 @@ impl Topography {
         }
         sum
     }
+}
+
+/// Ends of the [`PARTS`] between `low` and `high` and the lines between them.
+fn places(lines: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
+    let inside = lines.iter().copied().filter(|&x| low < x && x < high);
+    let ends: Vec<f64> = std::iter::once(low).chain(inside).chain([high]).collect();
+    let parts = ends
+        .windows(2)
+        .flat_map(|w| (0..PARTS).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / PARTS as f64));
+    parts.chain([high]).collect()
 }
 
 /// Weights of one node, each with its derivative.
@@ -268,6 +299,29 @@ mod tests {
             assert_abs_diff_eq!(flank.removal(17e-3, z), end + 3e-3 * slope, epsilon = 1e-18);
             assert_abs_diff_eq!(flank.slope(17e-3, z), slope, epsilon = 1e-15);
         }
+    }
+
+    #[test]
+    fn the_extreme_is_found_between_lines_and_beyond_them() {
+        let flank = sampled(|r, _| if r == 9e-3 { -4e-6 } else { 0.0 });
+        let [roll, _, removal] = flank.extreme([6e-3, 14e-3], [0.0, 24e-3]);
+        assert_eq!(roll, 9e-3);
+        assert_abs_diff_eq!(removal, -4e-6, epsilon = 1e-15);
+        let slanted = sampled(|r, z| 1e-3 * (r - 6e-3) + 1e-4 * z);
+        let [roll, z, removal] = slanted.extreme([5e-3, 20e-3], [-1e-3, 30e-3]);
+        assert_eq!([roll, z], [20e-3, 30e-3]);
+        assert_abs_diff_eq!(removal, 17e-6, epsilon = 1e-15);
+        // A step between two lines a micrometre apart goes on with its slope.
+        let step = |rolls: [f64; 5]| {
+            let rows = [0.0, 20e-6, 0.0, 0.0, 0.0].map(|um| vec![um; 4]);
+            Topography::new(rolls.to_vec(), ZS.to_vec(), rows.to_vec()).unwrap()
+        };
+        let [roll, _, removal] =
+            step([3e-3, 3.001e-3, 6e-3, 9e-3, 13e-3]).extreme([3e-3, 13e-3], [0.0, 24e-3]);
+        assert!(
+            3.001e-3 < roll && roll < 6e-3 && removal > 1e-3,
+            "{roll} {removal}"
+        );
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::error::Refusal;
 use super::file::{EndReliefFile, FlankFile, GearFile, Meshing, PairFile};
 use super::slips;
-use crate::words::rounded;
+use crate::words::{number, rounded};
 
 /// Refuses unless `ok`; a comparison with NaN is not ok.
 pub(super) fn require(
@@ -66,6 +66,9 @@ const MODULES: [f64; 2] = [0.02, 1000.0];
 
 /// Face widths over the normal module. Beyond the upper one the elastic model outgrows memory.
 const FACE_OVER_MODULE: [f64; 2] = [0.05, 100.0];
+
+/// Torques on gear 1 other than 0, N m. Below, the rounding of lengths outweighs what the teeth give way.
+pub const TORQUES: [f64; 2] = [1e-9, 1e9];
 
 /// Checks every field of the file by itself.
 pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
@@ -305,14 +308,16 @@ fn rim_of_external(name: &str, rim: f64) -> Refusal {
 
 fn check_operating(file: &PairFile) -> Result<(), Refusal> {
     let o = &file.operating;
-    positive(
+    let [least, most] = TORQUES;
+    require(
+        (least..=most).contains(&o.nominal_torque_nm),
         "operating.nominal_torque_nm",
-        o.nominal_torque_nm,
-        1e9,
-        None,
+        number(o.nominal_torque_nm),
+        format!("lies outside {least:e} to {most:e}"),
+        "give the torque on gear 1 in N m, above 0",
     )?;
     require(
-        o.maximum_torque_nm >= o.nominal_torque_nm && o.maximum_torque_nm <= 1e9,
+        o.maximum_torque_nm >= o.nominal_torque_nm && o.maximum_torque_nm <= most,
         "operating.maximum_torque_nm",
         o.maximum_torque_nm,
         format!(

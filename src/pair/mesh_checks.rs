@@ -6,7 +6,10 @@ use super::file::PairFile;
 use super::interference::{assembles_radially, tip_corner_clearance};
 use super::resolve::{MM, gear_file};
 use super::slips;
-use crate::gear::{Gear, GearKind, PairGeometry, ProfileError, ToothProfile, inverse_involute};
+use crate::gear::{
+    Gear, GearKind, LEAST_WALL, PairGeometry, ProfileError, ToothProfile, inverse_involute,
+};
+use crate::words::{number, rounded};
 
 /// "gear1.<field>" or "gear2.<field>".
 pub(super) fn field(i: usize, name: &str) -> String {
@@ -41,27 +44,45 @@ pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<Tooth
         ),
         "give the diameter at which the chamfer begins, at most half a module of height from the tip diameter",
     )?;
+    check_held_surface(gear, i)?;
+    Ok(profile)
+}
+
+/// Smallest bore over the root diameter. About a bore held rigidly the body turns the farther the smaller it is, here
+/// thousands of times as far as teeth bend; of less rounding leaves nothing.
+const LEAST_BORE: f64 = 1e-3;
+
+/// The held surface leaves a wall to the root circle, and is no point.
+fn check_held_surface(gear: &Gear, i: usize) -> Result<(), Refusal> {
     let (root, held) = (2.0 * gear.root_radius() / MM, 2.0 * gear.held_radius / MM);
+    let wall = 2.0 * LEAST_WALL * gear.normal_module / MM;
     match gear.kind {
         GearKind::External => require(
-            held < root,
+            (LEAST_BORE * root..=root - wall).contains(&held),
             field(i, "bore_diameter_mm"),
-            held,
-            format!("is no smaller than the root diameter, {root:.3} mm"),
-            "give the diameter of the hub or shaft at which the gear is held",
-        )?,
+            number(rounded(held)),
+            format!(
+                "lies outside a thousandth of the root diameter, {root:.3} mm, to half a normal module below it"
+            ),
+            match slips::diameter(held, 0.5 * root) {
+                Some(other) => format!("give the bore in millimetres: {other}"),
+                None => "give the diameter of the hub or shaft at which the gear is held".into(),
+            },
+        ),
         GearKind::Ring => require(
-            held > root,
+            held >= root + wall,
             field(i, "rim_diameter_mm"),
             held,
-            format!("is no larger than the root diameter of the ring, {root:.3} mm"),
+            format!(
+                "is less than {:.3} mm, half a normal module above the root diameter of the ring",
+                root + wall
+            ),
             match slips::diameter(held, 1.1 * root) {
                 Some(other) => format!("give the outer diameter in millimetres: {other}"),
                 None => "give the outer diameter at which the ring is held".into(),
             },
-        )?,
+        ),
     }
-    Ok(profile)
 }
 
 fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) -> Refusal {

@@ -21,6 +21,7 @@ mod topography;
 
 use std::path::Path;
 
+pub use checks::TORQUES;
 pub use draft::PairDraft;
 pub use error::{PairError, Refusal};
 pub use file::Refinement;

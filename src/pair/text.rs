@@ -317,6 +317,7 @@ fn mistyped(given: &str, expected: &str) -> String {
     }
     let expected = match expected {
         "f64" => "a number",
+        "u32" if is_above(given, u32::MAX.into()) => "a whole number, at most 4294967295",
         "u32" => "a whole number, at least 0",
         "a string" | "string" => "a text in double quotes",
         "a boolean" => "true or false",
@@ -325,6 +326,12 @@ fn mistyped(given: &str, expected: &str) -> String {
         other => other,
     };
     format!("{}; {expected} is expected", kind(given))
+}
+
+/// Whether the deserialiser's words `given` hold a number above `most`.
+fn is_above(given: &str, most: f64) -> bool {
+    let number = given.split('`').nth(1);
+    number.is_some_and(|number| number.parse().is_ok_and(|number: f64| number > most))
 }
 
 /// The deserialiser's words for a value.

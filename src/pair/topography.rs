@@ -51,15 +51,40 @@ pub(super) fn read(
         )?;
     }
     let most = 0.05 * gear.normal_module;
+    let limit = format!(
+        "more than a twentieth of the normal module, {} um",
+        rounded(most / UM)
+    );
     require(
         grid.largest_removal() <= 1.5 * most,
         field,
         path.display(),
-        format!(
-            "takes off more than a twentieth of the normal module, {} um",
-            rounded(most / UM)
-        ),
+        format!("takes off {limit}"),
         "give removal_um normal to the flank in micrometres",
+    )?;
+    let [roll, z, removal] = grid.extreme([low, high], [0.0, gear.face_width]);
+    let is_within = rolls[0] <= roll && roll <= rolls[1] && zs[0] <= z && z <= zs[1];
+    require(
+        removal.abs() <= 1.5 * most,
+        field,
+        path.display(),
+        format!(
+            "{} {:.4e} um at roll_mm = {:.3}, z_mm = {:.3}, {limit}: {}",
+            if removal < 0.0 { "adds" } else { "takes off" },
+            removal.abs() / UM,
+            roll / MM,
+            z / MM,
+            if is_within {
+                "its bicubic does, where two lines lie close or values jump"
+            } else {
+                "its tangents do, beyond the grid"
+            },
+        ),
+        if is_within {
+            "give lines at about equal distances, and smooth values that jump from one to the next"
+        } else {
+            "give a grid that covers the whole active profile and the whole face, at about equal distances"
+        },
     )?;
     Ok(grid)
 }
@@ -123,6 +148,12 @@ fn parse(text: &str, gear: &Gear) -> Result<Topography, Fault> {
                 "leave one of them out".into(),
             ));
         }
+    }
+    if rows.is_empty() {
+        return Err((
+            "has a header and no points".into(),
+            format!("give at least 3 x 3 points; {columns}"),
+        ));
     }
     let axis = |k: usize| {
         let mut values: Vec<u64> = rows.keys().map(|key| key[k]).collect();

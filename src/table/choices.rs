@@ -7,7 +7,7 @@
 //! [`MOMENT_TO_FORCE`] if that is larger.
 
 use super::interpolation::Interpolation;
-use super::plan::{Coverage, MOMENT_TO_FORCE, drawn};
+use super::plan::{Coverage, MOMENT_TO_FORCE, closest, drawn, graded_to};
 use super::source::StaticSource;
 use super::sweep::{Watch, sweep};
 use super::{Axes, Axis, FlankGrid, FlankTable, Query, TableError};
@@ -48,7 +48,8 @@ struct Choice {
 pub struct Choices([Vec<Choice>; 4]);
 
 impl Choices {
-    /// Asks `source` along all axes of `coverage`; errors are relative to `nominal`.
+    /// Asks `source` along all axes of `coverage`, along the misalignment more closely where `tilt` (rad, see
+    /// [`super::plan::tilt`]) is small; errors are relative to `nominal`.
     ///
     /// # Errors
     /// A solve that fails; cancellation.
@@ -56,10 +57,11 @@ impl Choices {
         source: &dyn StaticSource,
         coverage: &Coverage,
         nominal: Nominal,
+        tilt: f64,
         watch: &Watch,
     ) -> Result<Self, TableError> {
         let along = |axis| -> Result<Vec<Choice>, TableError> {
-            match fine_nodes(axis, coverage) {
+            match fine_nodes(axis, coverage, tilt) {
                 None => Ok(vec![Choice {
                     nodes: vec![0.0],
                     square: 0.0,
@@ -112,26 +114,44 @@ impl Choices {
     }
 }
 
+/// How far apart even fine misalignments may lie in units of the tilt, and how far graded ones do at parallel axes.
+const FARTHEST_APART: f64 = 0.25;
+const APART: f64 = 0.15;
+
 /// Fine nodes along `axis`, which all others are chosen from; `None`: no such axis.
-fn fine_nodes(axis: Axis, coverage: &Coverage) -> Option<Vec<f64>> {
-    let even = |[low, high]: [f64; 2], n: usize| {
+fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
+    let even = |[low, high]: [f64; 2], n: usize| -> Vec<f64> {
         let mut nodes: Vec<f64> = (0..n)
             .map(|i| low + (high - low) * i as f64 / (n - 1) as f64)
             .collect();
         nodes[n - 1] = high;
-        // The nominal value is a node, so that tables cut there are the solver's own values.
-        let nearest = (0..n).min_by(|&a, &b| nodes[a].abs().total_cmp(&nodes[b].abs()));
-        if let Some(k) = nearest.filter(|&k| k > 0 && k + 1 < n) {
-            nodes[k] = 0.0;
-        }
         nodes
     };
     match axis {
-        Axis::CenterDistance => coverage.center_distance_offset.map(|r| even(r, 25)),
-        Axis::Misalignment => coverage.misalignment.map(|r| even(r, 65)),
+        Axis::CenterDistance => coverage
+            .center_distance_offset
+            .map(|r| nominal_at(even(r, 25))),
+        Axis::Misalignment => coverage.misalignment.map(|range| {
+            let nodes = even(range, 65);
+            nominal_at(if closest(&nodes) <= FARTHEST_APART * tilt {
+                nodes
+            } else {
+                graded_to(range, 65, APART * tilt)
+            })
+        }),
         Axis::Displacement => Some(super::plan::displacement_nodes(48, 1.8)),
         Axis::MeshPosition => Some(super::plan::mesh_positions(128)),
     }
+}
+
+/// The nominal value is a node, so that tables cut there are the solver's own values.
+fn nominal_at(mut nodes: Vec<f64>) -> Vec<f64> {
+    let n = nodes.len();
+    let nearest = (0..n).min_by(|&a, &b| nodes[a].abs().total_cmp(&nodes[b].abs()));
+    if let Some(k) = nearest.filter(|&k| k > 0 && k + 1 < n) {
+        nodes[k] = 0.0;
+    }
+    nodes
 }
 
 /// Indices to begin with among `n` fine nodes, and the most to be chosen.

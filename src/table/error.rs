@@ -31,7 +31,8 @@ pub enum TableError {
     /// Axes so coarse that the interpolant of the top-load minus the no-load approach may not be positive.
     #[error(
         "top_load_approach_m: the spline through top-load minus no-load approach may fall to {least_m:.2e} m \
-         between the nodes; space the axes closer, with `gearmesh tables --max-error 0.002` or more samples"
+         between the nodes; space misalignments closer about 0, or the axes closer with `gearmesh tables --max-error 0.002`, or \
+         narrow operating.misalignment_mrad or raise operating.maximum_torque_nm in the pair file"
     )]
     TooCoarse {
         /// Least coefficient of that spline, m.

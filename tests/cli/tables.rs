@@ -255,3 +255,104 @@ fn what_is_read_is_not_written_over() {
         }
     }
 }
+
+#[test]
+fn a_tilt_far_beyond_what_the_teeth_give_way_has_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (file, tables) = (path("pair.json"), path("tables.json"));
+    let gear = |teeth: u32| serde_json::json!({ "teeth": teeth, "face_width_mm": 20.0 });
+    let pair = serde_json::json!({
+        "name": "wide tilt", "meshing": "external", "normal_module_mm": 2.0,
+        "normal_pressure_angle_deg": 20.0, "helix_angle_deg": 12.0,
+        "gear1": gear(20), "gear2": gear(30),
+        "operating": {
+            "nominal_torque_nm": 20.0, "maximum_torque_nm": 40.0,
+            "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [-20.0, 20.0],
+        },
+    });
+    std::fs::write(&file, pair.to_string()).unwrap();
+    let output = gearmesh(&[&["tables", &file, "-o", &tables, "-q"], &QUICK[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = std::fs::read_to_string(tables).unwrap();
+    let made: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        made["axes"]["misalignment_rad"].as_array().unwrap().len(),
+        33
+    );
+    let rms = made["interpolation_error"]["force_rms"].as_f64().unwrap();
+    assert!(rms < 5e-3, "{rms}");
+}
+
+#[test]
+fn an_internal_pair_with_few_teeth_between_becomes_an_fmu() {
+    let folder = tempfile::tempdir().unwrap();
+    for (k, teeth) in [["30", "50"], ["40", "52"], ["60", "68"]]
+        .iter()
+        .enumerate()
+    {
+        let path = |name: &str| {
+            folder
+                .path()
+                .join(format!("{k}{name}"))
+                .to_str()
+                .unwrap()
+                .to_owned()
+        };
+        let (pair, fmu) = (path("pair.json"), path("unit.fmu"));
+        let numbers = [
+            "--module-mm",
+            "2",
+            "--face-width-mm",
+            "20",
+            "20",
+            "--torque-nm",
+            "50",
+        ];
+        let new = [
+            "new",
+            "--internal",
+            "-o",
+            &pair,
+            "--teeth",
+            teeth[0],
+            teeth[1],
+        ];
+        let output = gearmesh(&[&new[..], &numbers].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let output = gearmesh(&["pack", "--pair", &pair, "-o", &fmu]);
+        assert!(output.status.success(), "{teeth:?}: {}", stderr(&output));
+    }
+}
+
+#[test]
+fn a_disk_that_fills_is_told_without_the_temporary_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("pair.json");
+    // No file may grow, as on a full disk; the signal that tells so is ignored.
+    let output = Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$@\"", "sh"])
+        .arg(env!("CARGO_BIN_EXE_gearmesh"))
+        .args([
+            "new",
+            "--teeth",
+            "20",
+            "30",
+            "--module-mm",
+            "2",
+            "--face-width-mm",
+            "20",
+            "20",
+        ])
+        .args(["--torque-nm", "50", "-o"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let error = stderr(&output);
+    assert!(
+        error.contains("pair.json") && !error.contains(".gearmesh-"),
+        "{error}"
+    );
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}

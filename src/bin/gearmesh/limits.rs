@@ -5,7 +5,8 @@
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use gearmesh::words::shown;
+use gearmesh::pair::TORQUES;
+use gearmesh::words::{number, shown};
 
 use crate::Error;
 
@@ -33,9 +34,19 @@ pub fn stations(count: usize) -> Result<(), Error> {
     within("stations", count, 1..=1000)
 }
 
+/// Refuses more threads than the largest machines have cores: each takes memory and time to start.
+pub fn threads(count: usize) -> Result<(), Error> {
+    within("threads", count, 1..=1024)
+}
+
 /// Refuses a torque, N m, that no pair file may cover; `option` gives it, as below.
 pub fn torque(option: &str, nm: f64) -> Result<(), Error> {
-    within(option, nm, 0.0..=1e9)
+    let [least, most] = TORQUES;
+    if nm == 0.0 || (least..=most).contains(&nm) {
+        return Ok(());
+    }
+    let nm = number(nm);
+    Err(format!("--{option} = {nm}: give 0 or a value from {least:e} to {most:e}").into())
 }
 
 /// Refuses a centre distance, um, that no pair file may cover.
@@ -82,7 +93,19 @@ mod tests {
         assert!(message.contains("--positions = 100000000000"), "{message}");
         let message = stations(1_000_000_000).unwrap_err().to_string();
         assert!(message.contains("--stations = 1000000000"), "{message}");
-        assert!(positions(0).is_err() && stations(0).is_err());
+        let message = threads(10_000).unwrap_err().to_string();
+        assert!(message.contains("--threads = 10000"), "{message}");
+        assert!(positions(0).is_err() && stations(0).is_err() && threads(0).is_err());
+    }
+
+    #[test]
+    fn a_torque_that_rounding_outweighs_is_refused_in_few_digits() {
+        let message = torque("torque-nm", 1e-20).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "--torque-nm = 1e-20: give 0 or a value from 1e-9 to 1e9"
+        );
+        assert!(torque("torque-nm", 1e-9).is_ok() && torque("torque-nm", -1e-9).is_err());
     }
 
     #[test]

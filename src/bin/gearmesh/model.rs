@@ -62,7 +62,7 @@ pub struct ModelArgs {
     #[arg(long)]
     no_cache: bool,
 
-    /// Threads to use [default: one per core]
+    /// Threads to use, at most 1024 [default: one per core]
     #[arg(long)]
     threads: Option<usize>,
 
@@ -132,6 +132,7 @@ impl ModelArgs {
     /// Sets the number of threads. Once per run.
     pub fn use_threads(&self) -> Result<(), Error> {
         if let Some(threads) = self.threads {
+            limits::threads(threads)?;
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build_global()?;

@@ -10,7 +10,7 @@ use super::mesh::{Foundation, Mesh};
 use super::outline::Outline;
 use super::section::Section;
 use super::{FiniteElementError, Progress, Settings};
-use crate::gear::{Gear, ToothProfile};
+use crate::gear::{Gear, LEAST_WALL, ToothProfile};
 use nalgebra::DMatrix;
 use std::time::Instant;
 
@@ -57,7 +57,7 @@ impl Model {
         let profile = ToothProfile::new(gear)?;
         let outline = Outline::new(&profile);
         let m = gear.normal_module;
-        let least = 0.25 * m;
+        let least = LEAST_WALL * m;
         let rim = gear.kappa() * (gear.root_radius() - gear.held_radius);
         if rim.is_nan() || rim < least {
             return Err(FiniteElementError::Rim {

@@ -147,6 +147,10 @@ fn a_topography_that_is_none_is_refused_by_line_or_size() {
             "has the columns roll_mm,z_mm,deviation",
         ),
         (
+            "roll_mm,z_mm,removal_um\n".into(),
+            "has a header and no points",
+        ),
+        (
             good.replacen("5.5,0,", "5.5,zero,", 1),
             "line 3: z_mm = zero: not a finite number",
         ),
@@ -184,6 +188,54 @@ fn a_topography_that_is_none_is_refused_by_line_or_size() {
             other => panic!("{told}: {other:?}"),
         }
     }
+}
+
+/// A topography with `um` on the lines `rolls`, mm.
+fn lines(rolls: [f64; 5], um: [f64; 5]) -> String {
+    let mut text = "roll_mm,z_mm,removal_um\n".to_owned();
+    for (roll, um) in rolls.into_iter().zip(um) {
+        for z in [0.0, 12.5, 25.0] {
+            text += &format!("{roll},{z},{um}\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn a_topography_that_swings_out_between_its_lines_or_beyond_them_is_refused_by_place() {
+    let problem = |csv: &str| match with_topography(csv) {
+        Err(PairError::Refused(refusal)) => {
+            assert_eq!(refusal.field, "gear1.topography_file");
+            refusal.to_string()
+        }
+        other => panic!("{csv}: {other:?}"),
+    };
+    // Active from 5.06 to 23.67 mm.
+    let step = [0.0, 20.0, 0.0, 0.0, 0.0];
+    assert!(with_topography(&lines([5.0, 9.0, 14.0, 19.0, 24.0], step)).is_ok());
+    for close in [1e-3, 1e-6] {
+        let told = problem(&lines([6.0, 6.0 + close, 14.0, 19.0, 24.0], step));
+        assert!(told.contains("lines at about equal distances"), "{told}");
+        // 4/27 of the slope of 20 um over the distance of the lines, times 8 mm.
+        assert!(
+            told.contains("takes off 2.3") && told.contains("roll_mm = 9.2"),
+            "{told}"
+        );
+    }
+    let told = problem(&lines(
+        [5.0, 8.0, 13.0, 18.0, 19.2],
+        [0.0, 0.0, 0.0, 0.0, 60.0],
+    ));
+    assert!(
+        told.contains("roll_mm = 23") && told.contains("covers the whole active profile"),
+        "{told}"
+    );
+    // The limit holds for what is added, too.
+    let told = problem(&lines(
+        [5.0, 9.0, 14.0, 19.0, 24.0],
+        step.map(|um| -20.0 * um),
+    ));
+    assert!(told.contains("adds "), "{told}");
 }
 
 #[test]

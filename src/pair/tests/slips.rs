@@ -64,6 +64,13 @@ fn a_ring_whose_rim_is_a_radius_is_told_so() {
     );
 }
 
+#[test]
+fn a_bore_in_metres_is_told_so() {
+    let refusal = refusal(PAPER, r#"{"gear1": {"bore_diameter_mm": 0.03}}"#);
+    assert_eq!(refusal.field, "gear1.bore_diameter_mm");
+    assert!(refusal.remedy.contains("0.03 m is 30 mm"), "{refusal}");
+}
+
 /// What is put over the paper's pair, and the words of the note on it.
 #[rustfmt::skip]
 const ODD: &[[&str; 3]] = &[
@@ -74,7 +81,7 @@ const ODD: &[[&str; 3]] = &[
     [r#"{"operating": {"nominal_torque_nm": 0.12}}"#, "operating.nominal_torque_nm", "0.12 kN m is 120 N m"],
     [r#"{"operating": {"misalignment_mrad": [-0.001, 0.001]}}"#, "operating.misalignment_mrad", "0.001 rad is 1 mrad"],
     [r#"{"operating": {"center_distance_offset_um": [0, 0.05]}}"#, "operating.center_distance_offset_um", "0.05 mm is 50 um"],
-    [r#"{"gear1": {"bore_diameter_mm": 0.03}}"#, "gear1.bore_diameter_mm", "0.03 m is 30 mm"],
+    [r#"{"gear1": {"bore_diameter_mm": 1.2}}"#, "gear1.bore_diameter_mm", "1.2 inch is 30.48 mm"],
 ];
 
 #[test]

@@ -11,7 +11,7 @@ use clap::Args;
 use gearmesh::contact::ContactFile;
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
-use gearmesh::table::plan::{Coverage, default_axes};
+use gearmesh::table::plan::{Coverage, default_axes, tilt};
 use gearmesh::table::source::WatchedSolver;
 use gearmesh::table::sweep::Watch;
 use gearmesh::table::{TableFile, TeethRecord, default_root_stress_axes, default_teeth_axes};
@@ -152,11 +152,16 @@ pub fn compute(
         cancel: &cancel,
     };
     let source = WatchedSolver::new(&model.solver);
-    let (drive, mut error) = drive_flank(&source, &pair, &coverage, grid.max_error, &watch)?;
+    // Solves that no table holds are not counted with it.
+    let tilt = match coverage.misalignment {
+        Some(_) => tilt(&model.solver, &pair.geometry, &coverage)?,
+        None => f64::INFINITY,
+    };
+    let (drive, mut error) = drive_flank(&source, &pair, &coverage, tilt, grid.max_error, &watch)?;
     let coast = if pair.coast_mirrors_drive() {
         None
     } else {
-        let (coast, found) = default_grid(&source, &pair, Flank::Coast, &coverage, &watch)?;
+        let (coast, found) = default_grid(&source, &pair, Flank::Coast, &coverage, tilt, &watch)?;
         error = error.with(found);
         within(grid.max_error, &error)?;
         Some(coast)
@@ -185,7 +190,9 @@ pub fn compute(
     };
     let begin = Instant::now();
     let teeth = match &contact {
-        Some((_, contact)) if grid.teeth => Some(teeth(&pair, &model, &coverage, contact, args)?),
+        Some((_, contact)) if grid.teeth => {
+            Some(teeth(&pair, &model, &coverage, tilt, contact, args)?)
+        }
         _ => None,
     };
     let teeth_seconds = begin.elapsed().as_secs_f64();

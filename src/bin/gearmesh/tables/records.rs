@@ -5,13 +5,13 @@ use std::sync::atomic::AtomicBool;
 use gearmesh::contact::ContactFile;
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
-use gearmesh::table::plan::{Coverage, default_axes, measure, table_within};
+use gearmesh::table::plan::{Coverage, default_axes, measure, misalignments, table_within};
 use gearmesh::table::source::WatchedSolver;
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{
-    FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, RootStressRecord,
-    RootStressSweep, RootStressTable, TeethRecord, TeethSweep, default_root_stress_axes,
-    default_sliding_axes, default_teeth_axes, sweep_sliding,
+    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError,
+    RootStressRecord, RootStressSweep, RootStressTable, TeethRecord, TeethSweep,
+    default_root_stress_axes, default_sliding_axes, default_teeth_axes, sweep_sliding,
 };
 
 use super::HELD_OUT_POINTS;
@@ -24,15 +24,16 @@ pub(super) fn drive_flank(
     solver: &WatchedSolver<'_>,
     pair: &Pair,
     coverage: &Coverage,
+    tilt: f64,
     max_error: Option<f64>,
     watch: &Watch,
 ) -> Result<(FlankGrid, InterpolationError), Error> {
     if let Some(error) = max_error {
-        let (grid, found) = table_within(solver, &pair.geometry, coverage, error, watch)?;
+        let (grid, found) = table_within(solver, &pair.geometry, coverage, tilt, error, watch)?;
         within(max_error, &found)?;
         return Ok((grid, found));
     }
-    default_grid(solver, pair, Flank::Drive, coverage, watch)
+    default_grid(solver, pair, Flank::Drive, coverage, tilt, watch)
 }
 
 /// The default grid of `flank`, and its error at random operating points.
@@ -41,9 +42,13 @@ pub(super) fn default_grid(
     pair: &Pair,
     flank: Flank,
     coverage: &Coverage,
+    tilt: f64,
     watch: &Watch,
 ) -> Result<(FlankGrid, InterpolationError), Error> {
-    let axes = default_axes(coverage);
+    let axes = Axes {
+        misalignment: misalignments(coverage, tilt),
+        ..default_axes(coverage)
+    };
     let grid = sweep(solver, flank, &axes, coverage.maximum_torque, watch)?;
     let table = FlankTable::new(&grid, Interpolation::Spline)?;
     let points = HELD_OUT_POINTS;
@@ -136,6 +141,7 @@ pub(super) fn teeth(
     pair: &Pair,
     model: &Model,
     coverage: &Coverage,
+    tilt: f64,
     contact: &ContactFile,
     args: &ModelArgs,
 ) -> Result<TeethRecord, Error> {
@@ -146,7 +152,11 @@ pub(super) fn teeth(
         coast_mirrors_drive: pair.coast_mirrors_drive(),
     };
     watched(args, "tooth pairs", |watch| {
-        Ok(sweep.record(&default_teeth_axes(coverage), HELD_OUT_POINTS, watch)?)
+        let axes = Axes {
+            misalignment: misalignments(coverage, tilt),
+            ..default_teeth_axes(coverage)
+        };
+        Ok(sweep.record(&axes, HELD_OUT_POINTS, watch)?)
     })
 }
 

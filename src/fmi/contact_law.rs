@@ -108,3 +108,36 @@ impl Elasticity for ContactLaw {
         out
     }
 }
+
+#[cfg(all(test, feature = "preprocess"))]
+mod tests {
+    use super::*;
+    use crate::contact::ContactSettings;
+    use crate::pair::Pair;
+    use crate::testing::coarse_solver;
+
+    #[test]
+    fn a_pose_that_no_solve_finds_says_why_once() {
+        let text = include_str!("../../resources/pairs/palermo2013.json");
+        let pair = Pair::from_json(text).unwrap();
+        let settings = ContactSettings {
+            stations: 4,
+            ..ContactSettings::default()
+        };
+        let file = ContactFile::new(&pair, &coarse_solver(&pair, settings)).unwrap();
+        let drive = laws(&file).drive;
+        let query = |center_distance_offset| Query {
+            delta: 1e-5,
+            center_distance_offset,
+            misalignment: 0.0,
+            mesh_position: 0.2,
+        };
+        assert!(drive.evaluate(&query(0.0), true).gradient[0] > 0.0);
+        assert_eq!(drive.refusal(), None);
+        // Nearer than the base circles allow.
+        assert!(drive.evaluate(&query(-0.02), false).value.is_nan());
+        let said = drive.refusal().unwrap();
+        assert!(said.contains("no path of contact"), "{said}");
+        assert_eq!(drive.refusal(), None);
+    }
+}

@@ -172,6 +172,23 @@ fn a_warm_start_changes_nothing_but_rounding_and_cycles_follow_on_each_other() {
 }
 
 #[test]
+fn far_beyond_the_centre_distances_of_the_nodes_loads_are_still_numbers() {
+    for text in PAIRS {
+        let (_, _, contact) = ready(text, Flank::Drive);
+        for i in 0..40 {
+            let nearer = 5e-5 * f64::from(i);
+            // As at turned gears that are held: what is nearer closes the gap.
+            let at = [0.34 * nearer, -nearer, 1e-4, 0.07 * f64::from(i)];
+            let Ok(found) = contact.potential(at, [0; 2], &mut Warm::default()) else {
+                panic!("{at:?}");
+            };
+            let numbers = found.gradient.iter().chain([&found.energy]);
+            assert!(numbers.into_iter().all(|v| v.is_finite()), "{found:?}");
+        }
+    }
+}
+
+#[test]
 fn a_pose_that_is_solved_is_solved_again_from_its_own_forces() {
     // At some poses rounding leaves no whole step that lessens anything.
     let text = r#"{ "name": "again", "meshing": "external", "normal_module_mm": 2.0, "normal_pressure_angle_deg": 20.0,

@@ -35,8 +35,8 @@ pub struct ContactPotential {
     pub gradient: [f64; 4],
     /// Second derivatives by approach and misalignment.
     pub tangent: Tangent,
-    /// Approach beyond that for which tip edges are followed, centre distance beyond the nodes, or a pressure that
-    /// no flank carries.
+    /// Approach beyond that for which tip edges are followed, centre distance beyond the nodes, strips in reach that they do not
+    /// hold, or a pressure that no flank carries.
     pub out_of_range: bool,
 }
 
@@ -102,9 +102,13 @@ impl RuntimeContact {
             counts: counts.map(|count| count + turns as i64),
         };
         let section = self.setup.section(&self.numbers, offset)?;
-        let Some((problem, rates)) = self.near(&section, at, cycle) else {
+        let (near, all_held) = self.near(&section, at, cycle);
+        let Some((problem, rates)) = near else {
             warm.clear();
-            return Ok(ContactPotential::default());
+            return Ok(ContactPotential {
+                out_of_range: !all_held,
+                ..ContactPotential::default()
+            });
         };
         let names: Vec<StripName> = problem.candidates().iter().map(Candidate::name).collect();
         let pose = [approach, misalignment, position];
@@ -146,7 +150,7 @@ impl RuntimeContact {
                 by_tau,
             ],
             tangent,
-            out_of_range: found.excess.is_some() || !self.condensed.holds(offset),
+            out_of_range: found.excess.is_some() || !self.condensed.holds(offset) || !all_held,
         })
     }
 
@@ -247,13 +251,14 @@ impl RuntimeContact {
         Ok((energy, [by_offset, by_tau]))
     }
 
-    /// The problem of the strips that may carry, and how fast they change; `None` if none touches.
+    /// The problem of the strips that may carry, and how fast they change; `None` if none touches. And whether the nodes hold all
+    /// that do: far beyond their centre distances others come into reach, which bear nothing.
     fn near(
         &self,
         section: &TransverseSection,
         [approach, offset, misalignment, _]: [f64; 4],
         cycle: Cycle,
-    ) -> Option<(PositionProblem, Vec<Option<[StripRates; 2]>>)> {
+    ) -> (Option<Carrying>, bool) {
         let z_ref = self.numbers.z_ref;
         let [low, width] = self.numbers.face;
         let lever = (low - z_ref).abs().max((low + width - z_ref).abs());
@@ -283,18 +288,17 @@ impl RuntimeContact {
             .collect();
         let most = overlaps.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if most <= 0.0 {
-            return None;
+            return (None, true);
         }
         let mut carrying = overlaps.iter().map(|overlap| *overlap > -MARGIN * most);
         candidates.retain(|_| carrying.next() == Some(true));
         let mut carrying = overlaps.iter().map(|overlap| *overlap > -MARGIN * most);
         rates.retain(|_| carrying.next() == Some(true));
         let problem = self.problem(candidates, offset, cycle);
-        // Far beyond their centre distances strips come into reach that the nodes do not hold. They bear nothing.
         let strips = problem.candidates();
         let held = |i: usize| problem.lengths(i).iter().all(|length| *length > 0.0);
         if (0..strips.len()).all(held) {
-            return Some((problem, rates));
+            return (Some((problem, rates)), true);
         }
         let held = || (0..strips.len()).map(held);
         let candidates: Vec<Candidate> = (strips.iter().zip(held()))
@@ -302,7 +306,8 @@ impl RuntimeContact {
             .collect();
         let mut kept = held();
         rates.retain(|_| kept.next() == Some(true));
-        (!candidates.is_empty()).then(|| (self.problem(candidates, offset, cycle), rates))
+        let near = (!candidates.is_empty()).then(|| self.problem(candidates, offset, cycle));
+        (near.map(|problem| (problem, rates)), false)
     }
 
     /// The contact lines in `section`.
@@ -334,6 +339,9 @@ impl RuntimeContact {
         PositionProblem::with(&self.numbers, candidates, influence, limits)
     }
 }
+
+/// The problem of the strips that may carry, and how fast each changes by mesh position and by centre distance, where that is known.
+type Carrying = (PositionProblem, Vec<Option<[StripRates; 2]>>);
 
 /// A place in the mesh cycle.
 #[derive(Debug, Clone, Copy)]

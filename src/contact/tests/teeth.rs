@@ -399,6 +399,19 @@ fn a_file_keeps_the_teeth_and_a_coast_flank_of_its_own_for_them() {
         let refused = ContactFile::from_bytes(&other.to_bytes()).unwrap_err();
         assert!(refused.contains(reason), "{refused}");
     }
+    // Nodes that do not hold the strips of a pose say so.
+    let mut few = file.clone();
+    let drive = Arc::make_mut(&mut few.drive);
+    drive.first_pair += 50;
+    let few = ContactFile::from_bytes(&few.to_bytes()).unwrap();
+    assert!(
+        ask(
+            &few.flank(Flank::Drive).unwrap(),
+            [2e-5, 0.0, 0.0, 0.3],
+            [0; 2]
+        )
+        .out_of_range
+    );
     // The drive flank's teeth are alike, those of the coast flank are not.
     let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| {
         let contact = read.flank(flank).unwrap();

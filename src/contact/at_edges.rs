@@ -84,11 +84,8 @@ impl PositionProblem {
             if !self.local[i].has_edge() {
                 return vec![];
             }
-            let profile = |at: f64| {
-                let z = strip.middle() + at * (strip.z[1] - strip.z[0]);
-                lines.profile(tau, strip.tooth_pair, z)
-            };
-            let is_off = |at: f64| profile(at).edge_distance() > 0.0;
+            let there = |at: f64| lines.along(tau, strip, at);
+            let is_off = |at: f64| there(at).profile.edge_distance() > 0.0;
             let mut places = PLACES.to_vec();
             let (mut at_edge, mut off) = (-0.5, 0.5);
             let ends = [is_off(at_edge), is_off(off)];
@@ -106,11 +103,7 @@ impl PositionProblem {
                 let next = places.partition_point(|place| *place < at_edge);
                 places.insert(next, at_edge);
             }
-            let with_law = |at: f64| {
-                let profile = profile(at);
-                let here = Candidate { profile, ..*strip };
-                (at, law(numbers, &here, self.lengths(i)))
-            };
+            let with_law = |at: f64| (at, law(numbers, &there(at), self.lengths(i)));
             places.into_iter().map(with_law).collect()
         };
         self.near_edges = self.candidates.iter().enumerate().map(of).collect();

@@ -214,10 +214,12 @@ impl ContactLines<'_> {
         Some(self.candidate(tau, (k, station), z, Middle::Sought, None).0)
     }
 
-    /// The gap about the closest point of tooth pair `k` at `z` (gear 1's frame, m) at the mesh position `tau`.
-    pub(super) fn profile(&self, tau: f64, k: i32, z: f64) -> GapProfile {
-        let (flanks, least) = self.place(tau, k, z, false);
-        flanks.closest_point_at(&least).profile
+    /// `strip` with the gap about the closest point at the part `at` of its length from its middle, at the mesh position `tau`.
+    pub(super) fn along(&self, tau: f64, strip: &Candidate, at: f64) -> Candidate {
+        let z = strip.middle() + at * (strip.z[1] - strip.z[0]);
+        let (flanks, least) = self.place(tau, strip.tooth_pair, z, false);
+        let profile = flanks.closest_point_at(&least).profile;
+        Candidate { profile, ..*strip }
     }
 
     /// The part of the station `whole` in which tooth pair `k` lies within the reach of contact, if it is long enough to

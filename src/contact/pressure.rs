@@ -34,11 +34,7 @@ impl PositionProblem {
             return;
         }
         let of = |(i, strip): (usize, &Candidate)| {
-            let at = |place: f64| {
-                let z = strip.middle() + place * (strip.z[1] - strip.z[0]);
-                let profile = lines.profile(tau, strip.tooth_pair, z);
-                law(numbers, &Candidate { profile, ..*strip }, self.lengths(i))
-            };
+            let at = |place: f64| law(numbers, &lines.along(tau, strip, place), self.lengths(i));
             (self.local[i].has_relief()).then(|| Box::new(PLACES.map(at)))
         };
         self.beside = self.candidates.iter().enumerate().map(of).collect();

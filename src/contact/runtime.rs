@@ -223,11 +223,7 @@ impl RuntimeContact {
                 let (tau, name) = (cycle.tau + turn, names[place]);
                 if let Some(rates) = &load.rates[i] {
                     // Only the law is asked for anew.
-                    let profile = lines.profile(tau, name.0, strips[i].middle());
-                    let strip = Candidate {
-                        profile,
-                        ..strips[i]
-                    };
+                    let strip = lines.along(tau, &strips[i], 0.0);
                     let law = law(&self.numbers, &strip, lengths);
                     let points = penetration.iter().zip(rates[axis].gap);
                     let opened = points.map(|(x, gap)| x - cos_beta_b * gap * step);

@@ -76,8 +76,7 @@ impl ContactSetup {
     /// # Errors
     /// The first such field, as text.
     pub(super) fn check(&self) -> Result<(), String> {
-        let record = GeometryRecord::from(&self.geometry);
-        record.pair_geometry().map_err(|error| error.to_string())?;
+        GeometryRecord::check(&self.geometry).map_err(|error| error.to_string())?;
         let numbers = PairNumbers::new(&self.geometry);
         let section = (self.section(&numbers, 0.0)).map_err(|error| error.to_string())?;
         let pairs = self.lines(Flank::Drive, &section).pairs(0.0, 0.0);

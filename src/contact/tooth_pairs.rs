@@ -1,4 +1,4 @@
-//! Contact of chosen tooth pairs, all other teeth out of the way.
+//! Contact of one tooth pair, all other teeth out of the way.
 
 use super::error::ContactError;
 use super::position::PositionProblem;
@@ -20,21 +20,19 @@ impl ContactSolver {
         Ok(self.setup.lines(flank, &section).passage())
     }
 
-    /// As [`ContactSolver::position`] of tooth pairs 0 to `last` alone, with pair 0 at `place` and each other one a base pitch
-    /// ahead of the one before.
+    /// As [`ContactSolver::position`] of tooth pair 0 alone, at `place`.
     ///
     /// # Errors
-    /// As there; [`ContactError::OutOfMesh`] where none of them is within reach.
-    pub(crate) fn tooth_pairs(
+    /// As there; [`ContactError::OutOfMesh`] where it is not within reach.
+    pub(crate) fn tooth_pair(
         &self,
         flank: Flank,
         place: f64,
         center_distance_offset: f64,
-        last: i32,
     ) -> Result<PositionProblem, ContactError> {
         let section = self.section(center_distance_offset)?;
         let lines = self.setup.lines(flank, &section);
-        let candidates = (0..=last).flat_map(|k| lines.of_pair(place, k)).collect();
+        let candidates = lines.of_pair(place, 0).collect();
         self.problem(&lines, place, candidates, center_distance_offset)
     }
 

@@ -291,8 +291,7 @@ pub fn parse_unit(text: &str) -> Result<UnitFile, String> {
             "version {found}, this library reads {UNIT_VERSION}"
         ));
     }
-    let record = GeometryRecord::from(&unit.geometry);
-    record.pair_geometry().map_err(|error| error.to_string())?;
+    GeometryRecord::check(&unit.geometry).map_err(|error| error.to_string())?;
     Starts::new(&unit)?;
     Ok(unit)
 }

@@ -102,6 +102,14 @@ impl From<&PairGeometry> for GeometryRecord {
 }
 
 impl GeometryRecord {
+    /// Refuses a `pair` that no checked pair file gives.
+    ///
+    /// # Errors
+    /// As [`GeometryRecord::pair_geometry`].
+    pub fn check(pair: &PairGeometry) -> Result<(), TableError> {
+        GeometryRecord::from(pair).pair_geometry().map(drop)
+    }
+
     /// The checked geometry.
     ///
     /// # Errors

@@ -65,8 +65,7 @@ impl Alone {
         let rows = nodes[0]
             .par_iter()
             .map(|&c| {
-                let problem =
-                    (solver.tooth_pairs(flank, 0.0, c, 0)).map_err(|e| failed(c, 0.0, e))?;
+                let problem = (solver.tooth_pair(flank, 0.0, c)).map_err(|e| failed(c, 0.0, e))?;
                 let level = |&m: &f64| {
                     let low = problem.no_load_approach(m);
                     let top = problem.solve_beyond(torque, m, None);
@@ -143,7 +142,7 @@ impl StaticSource for AloneOver<'_> {
         let (alone, c) = (self.alone, center_distance_offset);
         let [first, last] = alone.solver.passage(flank, c).map_err(|e| e.to_string())?;
         let held = place.clamp(first + STEP, last - STEP);
-        let problem = (alone.solver.tooth_pairs(flank, held, c, 0)).map_err(|e| e.to_string())?;
+        let problem = (alone.solver.tooth_pair(flank, held, c)).map_err(|e| e.to_string())?;
         Ok(Box::new(AlonePosition {
             alone,
             problem,

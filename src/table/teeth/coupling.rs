@@ -143,7 +143,7 @@ impl Beside {
         let mut pairs: Vec<i32> = whole.candidates().iter().map(|c| c.tooth_pair).collect();
         pairs.dedup();
         let alone = |k| -> Result<_, ContactError> {
-            let problem = solver.tooth_pairs(flank, tau + f64::from(k), 0.0, 0)?;
+            let problem = solver.tooth_pair(flank, tau + f64::from(k), 0.0)?;
             Ok((k, problem))
         };
         Ok(Beside {

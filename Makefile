@@ -53,10 +53,10 @@ tools:
 
 # Cheapest first. The lints share their compiled dependencies, and so do build and tests.
 lint: tools setup
-	$(CARGO) fmt --check
-	$(CARGO) clippy --release --all-targets -- -D warnings
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --release --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --release --lib --no-default-features -- -D warnings
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --workspace --no-deps
 	$(VENV)/bin/python scripts/licenses.py --check
 
 # The licence texts that every FMU carries, after a change of the dependencies; `make lint` compares them.
@@ -65,7 +65,7 @@ licenses: setup
 
 # The build comes first: the tests of the command line pack the library that lies beside it.
 test: lint build $(VENV)/.examples-complete
-	$(CARGO) test --release
+	$(CARGO) test --release --workspace
 	$(VENV)/bin/python -m pytest -q tests/python
 
 # The paper's simulations: target/demo/palermo2013.fmu, the plots and index.html.
@@ -75,10 +75,8 @@ demo:
 	$(VENV)/bin/python -m demo --out target/demo
 
 # Every figure and table in docs/, and the contact of every shipped pair in target/report.
-report: build $(VENV)/.examples-complete
-	$(CARGO) run --release --example stability
-	$(CARGO) run --release --example finite_elements
-	$(CARGO) run --release --example speed_accuracy -- docs $(VENV)/bin/python
+report: examples
+	$(CARGO) run --release --package gearmesh-validation -- --python $(VENV)/bin/python
 	$(VENV)/bin/python -m demo.frames docs/frames.svg
 	$(GEARMESH) pack --tables resources/tables/palermo2013.json -o target/hosts.fmu
 	$(VENV)/bin/python -m examples.hosts target/hosts.fmu --docs docs/hosts.md
@@ -91,23 +89,28 @@ report: build $(VENV)/.examples-complete
 	    $(GEARMESH) report $$pair -o $$page.html --figures $$page || exit 1; \
 	done
 	cp target/report/palermo2013/contact-pattern-on-gear-1-2.svg docs/contact-pattern.svg
+	cp target/drivelines/*.png docs/drivelines/
+	$(VENV)/bin/python -m examples.drivelines.tutorial --docs docs
 
-# The driveline examples; their plots go to target/drivelines and docs/drivelines.
+# The driveline examples; their plots go to target/drivelines, none into docs.
 examples: build $(VENV)/.examples-complete
 	for example in $(DRIVELINES); do $(VENV)/bin/python -m examples.drivelines.$$example || exit 1; done
-	cp target/drivelines/*.png docs/drivelines/
 
 bench: setup
 	$(CARGO) bench
 
 # Instructions per evaluation against those recorded in benches/instructions.json.
 callgrind: setup
-	$(CARGO) build --release --example instructions
+	$(CARGO) build --release --package gearmesh-validation --bin instructions
 	$(VENV)/bin/python scripts/callgrind.py
 
 # Everything a user downloads, in target/dist: command, library and FMUs for linux64 and win64, wheels. Needs a linker
 # and a Rust for Windows beside the rest; it names what is missing.
-release: $(VENV)/.release-complete
+.PHONY: release-tools
+release-tools:
+	@$(PYTHON) -m scripts.release.platforms
+
+release: release-tools $(VENV)/.release-complete
 	$(VENV)/bin/python -m scripts.release
 	$(VENV)/bin/python -m pytest -q tests/release
 

@@ -15,7 +15,7 @@ pub fn check_role(
     let (expected, start) = match (causality, variability) {
         ("input", "continuous") => (None, true),
         ("parameter", "fixed" | "tunable") => (Some("exact"), true),
-        ("output", "continuous" | "discrete") => (Some("calculated"), false),
+        ("output", "continuous") => (Some("calculated"), false),
         _ => return Err(format!("causality {causality} with variability {variability}").into()),
     };
     if initial != expected {

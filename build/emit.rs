@@ -82,7 +82,7 @@ pub fn emit(root: Node, variables: &[Variable], enumerations: &Enumerations) -> 
             code,
             "    Variable {{ name: {:?}, value_reference: {}, kind: Kind::{}, \
              causality: Causality::{}, variability: Variability::{}, start: {:?}, min: {:?}, \
-             max: {:?}, unit: {:?}, items: &{items:?}, description: {:?}, start_range: {:?} }},",
+             max: {:?}, nominal: {:?}, unit: {:?}, items: &{items:?}, description: {:?}, start_range: {:?} }},",
             v.name,
             v.reference,
             v.kind,
@@ -91,6 +91,7 @@ pub fn emit(root: Node, variables: &[Variable], enumerations: &Enumerations) -> 
             v.start,
             v.min,
             v.max,
+            v.nominal,
             v.unit,
             v.description,
             v.start_range

@@ -2,7 +2,7 @@
 
     python scripts/callgrind.py [--record]
 
-Counts each case of `target/release/examples/instructions` twice, with N and 2 N evaluations; the
+Counts each case of `target/release/instructions` twice, with N and 2 N evaluations; the
 difference over N is free of start-up. Compares with benches/instructions.json and fails if a case got more
 than 3 % worse; `--record` writes that file. Counts belong to a compiler version: under another one than the
 recorded one they are printed but not judged. The recorded ones are those of a processor with AVX.
@@ -15,7 +15,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-PROGRAM = Path("target/release/examples/instructions")
+PROGRAM = Path("target/release/instructions")
 RECORD = Path("benches/instructions.json")
 EVALUATIONS = 2048
 TOLERANCE = 0.03

@@ -9,7 +9,9 @@ at tip edges, where an edge bears: the mean gap of a face there exceeds that at 
 spur gears (half of the face, even and odd loads), 0.024 mm for helical ones, 0.03 mm for the helical ring. A constant pressure on each face of the band; gap
 between the exact involutes, along the normal of the flank whose tip is further away, plus the removal of material there. Both
 gears are condensed onto these pressures; a linear complementarity problem gives them and the turn of gear 1 under its torque,
-each with its own arm. No Hertz formula. Positions, signs and units as in the product: mesh position 0 touches at the pitch
+each with its own arm. No Hertz formula. A misalignment turns gear 2 about the normal of the plane of action through the pitch point
+at mid-face and closes each gap by the rigid displacement of the face along its normal. contact_z_mm is where the resultant crosses
+the pitch plane, from the moment of the forces about that normal, centroid_z_mm the centroid of the load. Positions, signs and units as in the product: mesh position 0 touches at the pitch
 point at mid-face, ste_um is on the transverse line of action, loads are torque (N m) and misalignment (mrad); edge_share is the
 share of the load within three cells of a tip edge. flank_pressure_mpa is that of the half-ellipse with the force and spread of the
 faces across the contact line, away from tip edges. It is null where contact there is too narrow to be resolved, or where it would be that of
@@ -57,8 +59,8 @@ class Contact:
         self.faces(meshes, layers, 1 if self.plane else parts, mesh, limit)
         self.points = [tuple(np.concatenate(v) for v in zip(*of)) for of in self.points]
         if half:
-            self.each += [dict(f, z=pair.b - f["z"], zs=pair.b - f["zs"], layer=2 * len(layers) - 3 - f["layer"]) for f in self.each]
-        for name in ("gap", "arm", "area", "length", "width", "arc", "z", "tooth", "row", "layer", "edge", "end", "follows"):
+            self.each += [dict(f, z=pair.b - f["z"], zs=pair.b - f["zs"], lever=-f["lever"], layer=2 * len(layers) - 3 - f["layer"]) for f in self.each]
+        for name in ("gap", "arm", "area", "lever", "length", "width", "arc", "z", "tooth", "row", "layer", "edge", "end", "follows"):
             setattr(self, name, np.array([f[name] for f in self.each]))
         first = meshes[0].condensed(self.points[0])
         swap = self.reflection(layers if not half else np.r_[layers, pair.b - layers[-2::-1]])
@@ -142,7 +144,8 @@ class Contact:
         beside = [other for other in (row - 1, row + 1) if 0 <= other < len(meshes[e].tooth[sector[e]][1])]
         self.each.append(dict(
             tooth=k, row=row, gear=e, layer=layer, z=middle, zs=z, rolls=(own, roll) if e == 0 else (roll, own), length=length, width=width,
-            gap=self.weight @ gap * p.cos_base, arm=self.weight @ arm * p.cos_base, area=length * width / p.cos_base,
+            gap=self.weight @ gap * p.cos_base, arm=self.weight @ arm * p.cos_base,
+            lever=self.weight @ p.lever(e, self.position, k, r, z, p.cos_base * normal, p.cos_base * axial), area=length * width / p.cos_base,
             arc=(rolls**2).mean() / (2 * g.rb), edge=abs(edges[1] - g.tip) < 3 * mesh.cell,
             end=any(along(other)[2] > 1.5 * mesh.cell for other in beside),
             follows=p.lean == 0.0 or meshes[e].follows[sector[e]][2 * layer : 2 * layer + 3].all()))
@@ -151,11 +154,12 @@ class Contact:
         """Torque N m on gear 1, misalignment mrad. `pair`: the same gears with other modifications."""
         pair, w = pair or self.pair, self.weight
         removal = np.array([w @ sum(pair.removal(e, f["rolls"][e], f["zs"]) for e in (0, 1)) for f in self.each])
-        gap = self.gap + removal - 1e-3 * misalignment * (self.z - 0.5 * pair.b) * pair.cos_base
+        gap = self.gap + removal - 1e-3 * misalignment * self.lever
         force, turn = complementarity(self.compliance, gap, self.arm, 1e3 * torque)
         if force[self.end].any():
             raise RuntimeError(f"{self.pair} at {self.position}, {torque} N m: contact leaves the band of fine cells")
-        return dict(ste_um=1e3 * turn * pair.gears[0].rb, contact_z_mm=force @ self.z / force.sum(),
+        return dict(ste_um=1e3 * turn * pair.gears[0].rb, centroid_z_mm=force @ self.z / force.sum(),
+                    contact_z_mm=0.5 * pair.b + force @ self.lever / (1e3 * torque / pair.gears[0].rb),
                     flank_pressure_mpa=self.peak(force), edge_share=force[self.edge].sum() / force.sum())
 
     def peak(self, force):
@@ -264,7 +268,7 @@ def family(cases, positions, layers=None, mesh=Mesh(), offset=0.0, parts=2, limi
         for name, title, pair, loads in cases:
             found = [contact.solve(*load, pair=Pair(pair, offset)) for load in loads]
             row = dict(mesh_position=position)
-            for key, digits in (("ste_um", 4), ("contact_z_mm", 4), ("flank_pressure_mpa", 1), ("edge_share", 3)):
+            for key, digits in (("ste_um", 4), ("contact_z_mm", 4), ("centroid_z_mm", 4), ("flank_pressure_mpa", 1), ("edge_share", 3)):
                 row[key] = [None if f[key] is None else round(float(f[key]), digits) for f in found]
             out[name]["positions"].append(row)
             print(name, position, contact.unknowns, len(contact.gap), row["ste_um"], row["flank_pressure_mpa"], file=sys.stderr, flush=True)
@@ -357,7 +361,7 @@ FAMILIES = {
         [("wide", "spur 20/20, face 12 modules, 5 um of lead crowning, solid", spur(b=48.0, gear1=dict(lead_crowning_um=5.0), torque=400.0), TILTED)],
         [0.0, 0.5], layers=FINE_HALF, mesh=SOLID),
     "helix-13": lambda: family(
-        [("helix-13", "helical 20/20, 13 degrees, unmodified, solid", PAPER, torques(50.0, 100.0, 200.0))],
+        [("helix-13", "helical 20/20, 13 degrees, unmodified, solid", PAPER, CYCLE)],
         [0.5, 0.0, 0.25, 0.125, 0.375], layers=graded, mesh=OBLIQUE, parts=1, limit=0.035),
     "helix-25": lambda: family(
         [("helix-25", "helical 20/20, 25 degrees, tip relief and lead crowning, solid", helical(25.0), CYCLE)],

@@ -48,7 +48,9 @@
 //! | M | `misalignment` | rad | in the plane of action, > 0: more penetration at larger z, (18) |
 //! | F_tt | `tangential_force` | N | transverse tangential force at the pitch circle, (8) |
 //! | F_bt | `loa_force` | N | transverse force on the line of action, F_tt / cos phi |
-//! | z_c | `contact_z` | m | axial position of the resultant, (26) |
+//! | y | | m | along the path of contact from the pitch point, in the sense of the force on gear 2 |
+//! | sigma | `lean` | 1 | dy/dz of the contact lines in the plane of action, s h tan beta_b |
+//! | z_c | `contact_z` | m | axial position where the resultant crosses the pitch plane y = 0, (26) |
 //! | z_ref | `z_ref()` | m | mid-face of the overlap, reference of delta, M and z_c |
 //! | W | `potential` | J | potential of one flank: F_bt = dW/d delta, F_bt (z_c - z_ref) = dW/dM |
 
@@ -67,6 +69,10 @@ pub mod random;
 #[cfg(feature = "preprocess")]
 pub mod storage;
 pub mod table;
+// Test code that is shared with tests/ names the library.
+#[cfg(test)]
+extern crate self as gearmesh;
+
 #[cfg(all(test, feature = "preprocess"))]
 mod testing;
 pub mod words;

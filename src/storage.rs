@@ -1,11 +1,23 @@
-//! How files are written: whole or not at all.
+//! How files are written: whole or not at all, whatever stops the program.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// Links that are followed at most, as the system does.
 const LINKS: usize = 40;
+
+/// Held while there is a file or folder under a temporary name.
+static TEMPORARY: Mutex<()> = Mutex::new(());
+
+/// Runs `work`, which makes temporary files and removes or renames them before it returns, after any other such work. A
+/// signal handler that ends the program in here leaves none behind. Not to be nested; [`write_whole`] is such work.
+pub fn uninterrupted<T>(work: impl FnOnce() -> T) -> T {
+    // Work that panicked has left nothing to protect.
+    let _held = TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner);
+    work()
+}
 
 /// Writes `bytes` to `path`, whole or not at all: to a temporary file in the same folder, which then takes the
 /// name. A link is followed; what is no regular file (a device, a pipe) is written through.
@@ -17,12 +29,14 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if is_special(&path) {
         return OpenOptions::new().write(true).open(&path)?.write_all(bytes);
     }
-    let file = beside(&path)?;
-    // To the file itself: what fails through its handle names the temporary name.
-    file.as_file().write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(&path)?;
-    Ok(())
+    uninterrupted(|| {
+        let file = beside(&path)?;
+        // To the file itself: what fails through its handle names the temporary name.
+        file.as_file().write_all(bytes)?;
+        file.as_file().sync_all()?;
+        file.persist(&path)?;
+        Ok(())
+    })
 }
 
 /// Whether [`write_whole`] could write `path` now, so that this is known before the work whose result it shall
@@ -38,7 +52,7 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
     if path.is_dir() {
         return Err(io::ErrorKind::IsADirectory.into());
     }
-    beside(&path).map(drop)
+    uninterrupted(|| beside(&path).map(drop))
 }
 
 /// Where the links at `path` lead.
@@ -86,6 +100,24 @@ mod tests {
 
     fn entries(folder: &Path) -> usize {
         fs::read_dir(folder).unwrap().count()
+    }
+
+    #[test]
+    fn what_ends_the_program_waits_for_the_file_that_is_being_written() {
+        use std::sync::atomic::{AtomicBool, Ordering};
+        let whole = AtomicBool::new(false);
+        let (begun, wait) = std::sync::mpsc::channel();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                uninterrupted(|| {
+                    begun.send(()).unwrap();
+                    std::thread::sleep(std::time::Duration::from_millis(50));
+                    whole.store(true, Ordering::SeqCst);
+                });
+            });
+            wait.recv().unwrap();
+            assert!(uninterrupted(|| whole.load(Ordering::SeqCst)));
+        });
     }
 
     #[test]

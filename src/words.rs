@@ -6,8 +6,11 @@ pub fn rounded(value: f64) -> f64 {
     format!("{value:.9e}").parse().unwrap_or(value) + 0.0
 }
 
-/// `value` with `digits` decimals, a zero without a sign.
+/// `value` with `digits` decimals, a zero without a sign; with an exponent where a double has no such digits.
 pub fn fixed(value: f64, digits: usize) -> String {
+    if value.abs() >= 1e15 {
+        return format!("{value:.digits$e}");
+    }
     let text = format!("{value:.digits$}");
     match text.strip_prefix('-') {
         Some(zero) if zero.chars().all(|c| c == '0' || c == '.') => zero.to_owned(),
@@ -86,6 +89,8 @@ mod tests {
         assert_eq!(rounded(-0.0).to_string(), "0");
         assert_eq!(rounded(82.104).to_string(), "82.104");
         assert!(rounded(f64::NAN).is_nan());
+        assert_eq!(fixed(3.3357e305, 2), "3.34e305");
+        assert_eq!(fixed(-1e-9, 2), "0.00");
     }
 
     #[test]

@@ -120,11 +120,16 @@ fn an_instance_lives_from_instantiation_to_freeing() {
             fmi2Status_fmi2OK
         );
         assert_eq!(fmi2DoStep(c, 0.0, 1e-5, 1), fmi2Status_fmi2OK);
-        let outputs: Vec<u32> = (100..124).collect();
-        let mut results = vec![0.0; 24];
+        let outputs: Vec<u32> = (100..131).collect();
+        let mut results = vec![0.0; 31];
         assert_eq!(
-            fmi2GetReal(c, outputs.as_ptr(), 24, results.as_mut_ptr()),
+            fmi2GetReal(c, outputs.as_ptr(), 31, results.as_mut_ptr()),
             fmi2Status_fmi2OK
+        );
+        assert_eq!(
+            results[24..26],
+            [1.0, 0.0],
+            "mesh.flank and mesh.outOfRange"
         );
         // 1 mrad on a pitch radius of 40 mm.
         assert!((results[15] - 40e-6).abs() < 1e-15, "{}", results[15]);

@@ -36,6 +36,7 @@ fn reference(name: &str) -> (Pair, Value) {
 struct Found {
     ste: Cycle,
     contact_z: Cycle,
+    centroid: Cycle,
     /// Mesh position, found and expected.
     pressure: Vec<[f64; 3]>,
 }
@@ -70,9 +71,11 @@ fn loads(pair: &Pair, case: &Value) -> Vec<([f64; 2], Found)> {
             let result = problem
                 .solve_torque(*torque, 1e-3 * *misalignment, None)
                 .unwrap();
+            let centroid = problem.load_centroid(&result);
             for ([here, there], value, key) in [
                 (&mut found.ste, 1e6 * result.approach, "ste_um"),
                 (&mut found.contact_z, 1e3 * result.contact_z, "contact_z_mm"),
+                (&mut found.centroid, 1e3 * centroid, "centroid_z_mm"),
             ] {
                 let Some(values) = at[key].as_array() else {
                     continue;
@@ -102,7 +105,7 @@ struct Bounds {
     mean: f64,
 }
 
-/// z_c within 0.05 mm, peak-to-peak within 2 % or 0.05 um, and mean, each position and the flank pressure as `bounds` says.
+/// z_c within 0.05 mm, peak-to-peak within 2 % or 0.05 um beside the error of the reference that it shows itself, and mean, each position and the flank pressure as `bounds` says.
 fn agrees_with_reference(name: &str, bounds: &Bounds) {
     let Bounds {
         each: largest,
@@ -116,7 +119,19 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
         .iter()
         .map(|at| at["mesh_position"].as_f64().unwrap())
         .collect();
-    for ([torque, misalignment], found) in loads(&pair, &case) {
+    let all = loads(&pair, &case);
+    // Tilts to both sides are mirror images where a cycle of equal gears begins: what the reference tells them apart by is its error.
+    let apart = |[torque, misalignment]: [f64; 2]| {
+        let first = |m: f64| {
+            let found = all.iter().find(|(load, _)| *load == [torque, m])?;
+            found.1.ste[1].first().copied()
+        };
+        match (first(misalignment), first(-misalignment)) {
+            (Some(a), Some(b)) if positions[0] == 0.0 => (a - b).abs(),
+            _ => 0.0,
+        }
+    };
+    for ([torque, misalignment], found) in &all {
         let at = format!("{name} at {torque} N m, {misalignment} mrad");
         let [here, there] = &found.ste;
         let of_mean = mean(here) / mean(there) - 1.0;
@@ -130,16 +145,18 @@ fn agrees_with_reference(name: &str, bounds: &Bounds) {
         if positions.len() >= CYCLE {
             let [spread, expected] = [here, there].map(|v| peak_to_peak(v));
             assert!(
-                (spread - expected).abs() < (0.02 * expected).max(0.05),
-                "{at}: peak to peak {spread:.3} instead of {expected:.3} um"
+                (spread - expected).abs()
+                    < (0.02 * expected).max(0.05) + apart([*torque, *misalignment]),
+                "{at}: peak to peak {spread:.5} instead of {expected:.5} um"
             );
         }
-        let [here, there] = &found.contact_z;
-        for (position, (here, there)) in positions.iter().zip(here.iter().zip(there)) {
-            assert!(
-                (here - there).abs() < 0.05,
-                "{at}, position {position}: z_c {here:.3} instead of {there:.3} mm"
-            );
+        for (what, [here, there]) in [("z_c", &found.contact_z), ("centroid", &found.centroid)] {
+            for (position, (here, there)) in positions.iter().zip(here.iter().zip(there)) {
+                assert!(
+                    (here - there).abs() < 0.05,
+                    "{at}, position {position}: {what} {here:.3} instead of {there:.3} mm"
+                );
+            }
         }
         for [position, here, there] in &found.pressure {
             assert!(

@@ -2,10 +2,10 @@
 
 #![cfg(unix)]
 
+use std::io::Write;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
 /// What lies in `folder`.
 fn names(folder: &Path) -> Vec<String> {
@@ -35,17 +35,18 @@ fn an_interrupt_ends_long_work_and_leaves_no_file() {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let kept = |name: &String| name.ends_with(".compliance");
-        while !cache.exists() || !names(&cache).iter().any(kept) {
-            assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
-            std::thread::sleep(Duration::from_millis(20));
-        }
         // The shell's own `kill`: the program of this name is not everywhere.
-        let kill = Command::new("sh")
-            .args(["-c", &format!("kill -{signal} {}", child.id())])
-            .status()
+        let mut kill = Command::new("sh")
+            .args(["-c", &format!("read line; kill -{signal} {}", child.id())])
+            .stdin(Stdio::piped())
+            .spawn()
             .unwrap();
-        assert!(kill.success());
+        // In the middle of the model's file as a rule, without which this would prove little.
+        while !cache.exists() || names(&cache).is_empty() {
+            assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        }
+        kill.stdin.take().unwrap().write_all(b"now\n").unwrap();
+        assert!(kill.wait().unwrap().success());
         let ended = child.wait_with_output().unwrap();
         assert_eq!(
             ended.status.code(),
@@ -56,5 +57,7 @@ fn an_interrupt_ends_long_work_and_leaves_no_file() {
         let text = String::from_utf8(ended.stderr).unwrap();
         assert!(text.contains("stopped"), "{text}");
         assert_eq!(names(&out), Vec::<String>::new());
+        let kept = |name: &String| name.ends_with(".compliance");
+        assert!(names(&cache).iter().all(kept), "{:?}", names(&cache));
     }
 }

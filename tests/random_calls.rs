@@ -10,6 +10,7 @@ use std::ptr;
 
 use ::fmi::fmi2::binding::*;
 use gearmesh::fmi::c_interface::*;
+use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index};
 use gearmesh::random::Random;
 
 #[path = "units/mod.rs"]
@@ -35,11 +36,10 @@ const REALS: [f64; 16] = [
     f64::NEG_INFINITY,
 ];
 
-/// The first value references are the inputs', the next ones those of outputs; others follow, and a few beyond the
-/// last one are tried, too.
-const INPUTS: f64 = 48.0;
-const OUTPUTS: f64 = 72.0;
-const REFERENCES: f64 = 130.0;
+/// Value references of inputs, outputs and parameters, each with a few beyond the last one.
+const INPUTS: [f64; 2] = [0.0, 49.0];
+const OUTPUTS: [f64; 2] = [100.0, 132.0];
+const PARAMETERS: [f64; 2] = [200.0, 222.0];
 
 /// One instance under random calls.
 struct Host {
@@ -50,7 +50,21 @@ struct Host {
     bytes: Vec<fmi2Byte>,
     /// Everything that came back, in a digest.
     answers: u64,
-    accepted: usize,
+    accepted: Accepted,
+}
+
+/// Calls that the unit accepted.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Accepted {
+    calls: usize,
+    /// Parameters set.
+    parameters: usize,
+    /// Outputs read.
+    outputs: usize,
+    /// Simulations begun, by `stiffnessModel`.
+    begun: [usize; 4],
+    /// States restored.
+    restored: usize,
 }
 
 impl Host {
@@ -84,7 +98,7 @@ impl Host {
             states: vec![],
             bytes: vec![],
             answers: 0,
-            accepted: 0,
+            accepted: Accepted::default(),
         }
     }
 
@@ -104,13 +118,45 @@ impl Host {
 
     fn references(&mut self) -> Vec<u32> {
         let count = [1, 1, 3, 24, 48][self.below(5)];
-        let most = [INPUTS, INPUTS, OUTPUTS, REFERENCES][self.below(4)];
-        (0..count)
-            .map(|_| match self.below(2000) {
-                0 => u32::MAX,
-                _ => self.random.within([0.0, most]) as u32,
-            })
-            .collect()
+        let range = [INPUTS, INPUTS, OUTPUTS, PARAMETERS][self.below(4)];
+        self.references_in(range, count)
+    }
+
+    /// `count` of `range`, or one in it and those that follow.
+    fn references_in(&mut self, range: [f64; 2], count: usize) -> Vec<u32> {
+        let first = self.random.within(range) as u32;
+        let is_block = self.below(2) == 0;
+        let one = |k| match self.below(2000) {
+            0 => u32::MAX,
+            _ if is_block => first + k,
+            _ => self.random.within(range) as u32,
+        };
+        (0..count as u32).map(one).collect()
+    }
+
+    /// Sets parameters of any type, most of them one by one, before a simulation begins.
+    fn choose(&mut self) {
+        let c = self.component;
+        let kinds = VARIABLES
+            .iter()
+            .filter(|v| v.causality == Causality::Parameter);
+        let kinds: Vec<_> = kinds.map(|v| (v.value_reference, v.kind)).collect();
+        for _ in 0..self.below(6) {
+            let (vr, kind) = kinds[self.below(kinds.len())];
+            let (real, whole) = (self.real().abs(), self.below(5) as i32);
+            // Safety: `c` is a component; arrays have one item.
+            let status = unsafe {
+                match kind {
+                    Kind::Real => fmi2SetReal(c, &vr, 1, &real),
+                    Kind::Boolean => fmi2SetBoolean(c, &vr, 1, &whole.min(1)),
+                    _ => fmi2SetInteger(c, &vr, 1, &whole),
+                }
+            };
+            if status != fmi2Status_fmi2OK {
+                return;
+            }
+            self.accepted.parameters += 1;
+        }
     }
 
     fn note(&mut self, bits: u64) {
@@ -147,6 +193,8 @@ impl Host {
                 7..=9 => {
                     let status = fmi2GetReal(c, vr.as_ptr(), n, numbers.as_mut_ptr());
                     self.take(status, &numbers);
+                    let outputs = (100..200).contains(&vr[0]) && status == fmi2Status_fmi2OK;
+                    self.accepted.outputs += usize::from(outputs);
                     status
                 }
                 10 => fmi2GetInteger(c, vr.as_ptr(), n, whole.as_mut_ptr()),
@@ -204,7 +252,9 @@ impl Host {
                 25 => self.keep(),
                 26 => {
                     let state = self.state();
-                    fmi2SetFMUstate(c, state)
+                    let status = fmi2SetFMUstate(c, state);
+                    self.accepted.restored += usize::from(status == fmi2Status_fmi2OK);
+                    status
                 }
                 27 => {
                     let state = self.state();
@@ -225,23 +275,38 @@ impl Host {
             status < fmi2Status_fmi2Fatal,
             "call {which}: status {status}"
         );
-        self.accepted += usize::from(status == fmi2Status_fmi2OK);
+        self.accepted.calls += usize::from(status == fmi2Status_fmi2OK);
         self.note(u64::from(status) << 8 | which as u64);
         for value in whole {
             self.note(value as u64);
         }
     }
 
-    /// From wherever the instance is to a running simulation of valid poses.
+    /// From wherever the instance is to a running simulation of valid poses, most often at the unit's defaults or at another
+    /// level of detail, at times with parameters of all kinds.
     fn begin(&mut self) -> fmi2Status {
         let c = self.component;
         self.time = 0.0;
-        // Safety: `c` is a component.
+        let model = VARIABLES[index::STIFFNESS_MODEL].value_reference;
+        let mut level = 1 + self.below(4) as i32;
+        let chosen = self.below(3);
+        // Safety: `c` is a component; arrays have one item.
         unsafe {
             fmi2Reset(c);
             fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0);
+            if chosen > 0 {
+                fmi2SetInteger(c, &model, 1, &level);
+            }
+            if chosen > 1 {
+                self.choose();
+            }
             fmi2EnterInitializationMode(c);
-            fmi2ExitInitializationMode(c)
+            fmi2GetInteger(c, &model, 1, &mut level);
+            let status = fmi2ExitInitializationMode(c);
+            if status == fmi2Status_fmi2OK {
+                self.accepted.begun[level as usize - 1] += 1;
+            }
+            status
         }
     }
 
@@ -314,7 +379,7 @@ impl Drop for Host {
     }
 }
 
-fn run(uri: &CStr, kind: fmi2Type, seed: u64, calls: usize) -> (u64, usize) {
+fn run(uri: &CStr, kind: fmi2Type, seed: u64, calls: usize) -> (u64, Accepted) {
     let mut host = Host::new(uri, kind, seed);
     host.begin();
     for _ in 0..calls {
@@ -323,26 +388,88 @@ fn run(uri: &CStr, kind: fmi2Type, seed: u64, calls: usize) -> (u64, usize) {
     (host.answers, host.accepted)
 }
 
+/// The paper's pair with all that a unit may hold, made on coarse finite elements by the command, unpacked into `folder`.
+#[cfg(feature = "preprocess")]
+fn complete(folder: &std::path::Path) -> gearmesh::fmi::resources::UnitFile {
+    use std::io::Read;
+    let fmu = folder.join("all.fmu");
+    let root = env!("CARGO_MANIFEST_DIR");
+    let mut build = std::process::Command::new(env!("CARGO_BIN_EXE_gearmesh"));
+    build
+        .args([
+            "build",
+            &format!("{root}/resources/pairs/palermo2013.json"),
+            "-q",
+            "-o",
+        ])
+        .arg(&fmu)
+        .args([
+            "--refinement",
+            "coarse",
+            "--stations",
+            "6",
+            "--no-center-distance",
+        ])
+        .args(["--friction", "--root-stress", "--teeth", "--contact"])
+        .args(["--cache-dir", &format!("{root}/target/tmp/elastic-models")]);
+    let output = build.output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(fmu).unwrap()).unwrap();
+    let mut file = |name: &str| {
+        let mut bytes = Vec::new();
+        let mut entry = archive.by_name(&format!("resources/{name}")).unwrap();
+        entry.read_to_end(&mut bytes).unwrap();
+        bytes
+    };
+    for name in ["tables.json", "contact.bin"] {
+        std::fs::write(folder.join(name), file(name)).unwrap();
+    }
+    gearmesh::fmi::resources::UnitFile {
+        guid: units::GUID.into(),
+        ..serde_json::from_slice(&file("unit.json")).unwrap()
+    }
+}
+
 #[test]
 fn random_calls_end_in_answers_or_refusals_and_the_same_ones_twice() {
     let calls = std::env::var("GEARMESH_RANDOM_CALLS");
     let calls = calls.map_or(50_000, |text| text.parse().expect("a number of calls"));
     let constant = tempfile::tempdir().unwrap();
     let tables = tempfile::tempdir().unwrap();
-    let uris = [
-        units::resources(constant.path(), &units::spur()),
-        units::resources(tables.path(), &units::tabulated(tables.path())),
+    let mut uris = vec![
+        (units::resources(constant.path(), &units::spur()), 1..2),
+        (
+            units::resources(tables.path(), &units::tabulated(tables.path())),
+            1..3,
+        ),
     ];
-    for (number, uri) in uris.iter().enumerate() {
+    #[cfg(feature = "preprocess")]
+    let full = tempfile::tempdir().unwrap();
+    #[cfg(feature = "preprocess")]
+    uris.push((units::resources(full.path(), &complete(full.path())), 1..5));
+    for (number, (uri, levels)) in uris.iter().enumerate() {
         for kind in [fmi2Type_fmi2CoSimulation, fmi2Type_fmi2ModelExchange] {
             let seed = 0x9e37_79b9_7f4a_7c15 + 2 * number as u64 + u64::from(kind);
             let once = run(uri, kind, seed, calls);
-            assert!(once.1 > calls / 20, "only {} calls were accepted", once.1);
-            assert_eq!(once, run(uri, kind, seed, calls));
-            println!(
-                "unit {number}, interface {kind}: {} of {calls} accepted",
-                once.1
+            let accepted = once.1;
+            println!("unit {number}, interface {kind}, of {calls}: {accepted:?}");
+            assert!(accepted.calls > calls / 20, "{accepted:?}");
+            let [parameters, outputs, restored] =
+                [accepted.parameters, accepted.outputs, accepted.restored];
+            assert!(
+                [parameters, outputs, restored]
+                    .iter()
+                    .all(|n| *n > calls / 500),
+                "{accepted:?}"
             );
+            for (level, begun) in (1..).zip(accepted.begun) {
+                assert_eq!(
+                    begun > calls / 2000,
+                    levels.contains(&level),
+                    "{accepted:?}"
+                );
+            }
+            assert_eq!(once, run(uri, kind, seed, calls));
         }
     }
 }

@@ -3,9 +3,12 @@
 //! `tests/data/root_stress.json` comes from `scripts/root_stress_reference.py`, which says how.
 #![cfg(feature = "preprocess")]
 
+#[path = "common/gears.rs"]
+mod gears;
+
 use gearmesh::compliance::Strip;
 use gearmesh::compliance::finite_element::{RootStress, Settings};
-use gearmesh::gear::{Gear, GearKind, NominalRootStress, PairGeometry, samples};
+use gearmesh::gear::{Gear, GearKind, NominalRootStress, PairGeometry};
 use gearmesh::pair::Refinement;
 use serde_json::Value;
 
@@ -168,7 +171,7 @@ fn the_nominal_stress_of_iso_6336_is_within_an_eighth_of_finite_elements() {
         ([17, 43], [0.3, 0.1]),
         ([25, 80], [0.5, 0.0]),
     ] {
-        let gear = |i: usize| samples::gear(GearKind::External, teeth[i], 1.0, 0.0, shift[i]);
+        let gear = |i: usize| gears::gear(GearKind::External, teeth[i], 1.0, 0.0, shift[i]);
         let gears = [gear(0), gear(1)];
         let sum = gears[0].reference_radius() + gears[1].reference_radius();
         let pair = PairGeometry {

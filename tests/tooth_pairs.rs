@@ -192,6 +192,48 @@ fn the_force_with_class_6_errors_is_that_of_contact_at_run_time() {
     assert!(force < 1.5 * error.force_rms, "{force} {error:?}");
 }
 
+#[test]
+fn under_small_loads_the_transmission_error_is_that_of_contact_at_run_time() {
+    let sweep = TeethSweep {
+        solver: &READY.solver,
+        contact: &READY.contact,
+        coverage: &READY.coverage,
+        coast_mirrors_drive: true,
+    };
+    let record = sweep.record(&default_teeth_axes(&READY.coverage), 1, &QUIET);
+    let level = level(&record.unwrap());
+    let contact = READY.contact.flank(Flank::Drive).unwrap();
+    let mut random = Random::new(6);
+    for part in [0.1, 0.25] {
+        let force = part * nominal()[0];
+        let (mut sum, mut most, n) = (0.0, 0.0f64, 200);
+        for _ in 0..n {
+            let mesh_position = random.within([-200.0, 200.0]);
+            let approach = |carried: &dyn Fn(&Query) -> f64| {
+                let (mut low, mut high) = (-60e-6, 60e-6);
+                for _ in 0..40 {
+                    let middle = 0.5 * (low + high);
+                    match carried(&at([middle, 0.0, 0.0, mesh_position])) < force {
+                        true => low = middle,
+                        false => high = middle,
+                    }
+                }
+                low
+            };
+            let found = approach(&|q| level.evaluate(q, [3, -2], false).gradient[0]);
+            let exact = approach(&|q| {
+                let found = contact.potential(coordinates(q), [3, -2], &mut Warm::default());
+                found.unwrap().gradient[0]
+            });
+            sum += found - exact;
+            most = most.max((found - exact).abs());
+        }
+        let bias = sum / f64::from(n);
+        println!("{part} of the load: {bias:.1e} m, {most:.1e} m at most");
+        assert!(bias.abs() < 0.02e-6 && most < 0.04e-6, "{bias} {most}");
+    }
+}
+
 /// The record of a pair file and its error of the force, on coarse finite elements with few nodes.
 fn stated_error(text: &str) -> (TeethRecord, f64) {
     let mut pair = Pair::from_json(text).unwrap();

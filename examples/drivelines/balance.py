@@ -116,17 +116,15 @@ class Ledger:
         if stray is not None:
             self._stray = max(self._stray or 0.0, float(np.linalg.norm(stray)))
         mesh = sum(map(mesh_energy, pairs))
-        self._rows.append((kinetic + stored + mesh + lost - fed, stored + mesh, mesh))
+        self._rows.append((kinetic + stored + mesh + lost - fed, mesh))
 
     def found(self) -> dict[str, float]:
-        """Span of the energy's sum over the largest elastic energy and over the swing of that; the largest sum of a unit's loads
-        over its force; the largest stray momentum over the impulse of the largest mesh force over the run."""
-        total, elastic, mesh = np.array(self._rows).T
-        drift = np.ptp(total)
+        """Span of the energy's sum over the largest energy in the meshes (springs, such as soft couplings, may hold many times
+        that); the largest sum of a unit's loads over its force; the largest stray momentum over the impulse of the largest
+        mesh force over the run."""
+        total, mesh = np.array(self._rows).T
         found = {
-            "energy over elastic": float(drift / elastic.max()),
-            "energy over mesh": float(drift / mesh.max()),
-            "energy over swing": float(drift / np.ptp(elastic)),
+            "energy over mesh": float(np.ptp(total) / mesh.max()),
             "loads": self._wrench,
         }
         return found | ({} if self._stray is None else {"momentum": self._stray / self._passed})

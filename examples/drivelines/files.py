@@ -16,6 +16,13 @@ PAIRS = Path(__file__).parent / "pairs"
 GEARMESH = ROOT / "target" / "release" / "gearmesh"
 
 
+def save(figure, name: str) -> None:
+    """Writes a figure of matplotlib to target/drivelines/NAME.png."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    figure.tight_layout()
+    figure.savefig(OUT / f"{name}.png", dpi=80)
+
+
 def shipped(name: str, *settings: str) -> Path:
     """The unit of the tables in resources/tables, packed once, with settings `NAME=VALUE`."""
     options = [f"--set={setting}" for setting in settings]
@@ -29,7 +36,7 @@ def local(name: str) -> Path:
 
 def built(pair: Path) -> Path:
     """The unit of a pair file, with tables over load and mesh position on coarse finite elements."""
-    return _made(pair.stem, "build", pair, "--refinement", "coarse", "--no-center-distance", "--no-misalignment", "-q")
+    return _made(f"{pair.stem}-built", "build", pair, "--refinement", "coarse", "--no-center-distance", "--no-misalignment", "-q")
 
 
 def _made(name: str, command: str, *arguments: object) -> Path:

@@ -6,6 +6,8 @@
 
 pub mod change;
 pub mod contact_file;
+#[path = "../../tests/common/gears.rs"]
+mod gears;
 pub mod pair_file;
 pub mod samples;
 pub mod stored_state;

@@ -1,10 +1,9 @@
 //! Samples for `import`: refused by line, or tables that give numbers.
 
-use gearmesh::gear::samples::spur_pair;
 use gearmesh::table::TableFile;
 use gearmesh::table::import::{COLUMNS, import_csv};
 
-use super::{Target, change, tables};
+use super::{Target, change, gears::spur_pair, tables};
 
 /// Linear springs with one and with two axes are where it starts.
 pub const TARGET: Target = Target {

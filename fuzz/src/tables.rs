@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use gearmesh::friction::FrictionLaw;
-use gearmesh::gear::{Flank, samples};
+use gearmesh::gear::Flank;
 use gearmesh::table::samples::Spring;
 use gearmesh::table::{
     CouplingRecord, Effects, FrictionRecord, GearTeethRecord, Interpolation, InterpolationError,
@@ -11,7 +11,7 @@ use gearmesh::table::{
     RootStressSamples, SlidingSamples, Table, TableError, TableFile, TeethRecord,
 };
 
-use super::{Target, change};
+use super::{Target, change, gears};
 
 /// A formula over all axes with everything a table may hold, and tables of a solver.
 pub const TARGET: Target = Target {
@@ -30,7 +30,7 @@ pub const TARGET: Target = Target {
 /// A spring by formula with friction, root stress and tooth pairs one by one beside it.
 pub fn formula(counts: [usize; 4]) -> TableFile {
     let grid = Spring::grid(counts);
-    let pair = samples::paper_pair(1.0);
+    let pair = gears::paper_pair(1.0);
     let mut file = TableFile::new("spring", "a formula", &pair, [100.0, 200.0], &grid, None);
     let axes = |forces: [f64; 4]| LoadAxes {
         center_distance_offset_m: grid.axes.center_distance_offset.clone(),

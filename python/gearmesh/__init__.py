@@ -13,4 +13,5 @@ The command `gearmesh` makes the unit from a drawing: `gearmesh build PAIR.json 
 
 from .pair import GearPair, GearPairError
 
+__version__ = "0.1.0"
 __all__ = ["GearPair", "GearPairError"]

@@ -4,27 +4,23 @@ from __future__ import annotations
 
 import shutil
 import threading
+import weakref
 from pathlib import Path
 from typing import Any
 
 import fmpy
 
 _LOCK = threading.Lock()
-_UNPACKED: dict[tuple[Path, int, int], Unpacked] = {}
+_UNPACKED: weakref.WeakValueDictionary[tuple[Path, int, int], Unpacked] = weakref.WeakValueDictionary()
 
 
 class Unpacked:
-    """Folder and model description of an archive while instances of it live."""
+    """Folder and model description of an archive; the folder goes with the last reference."""
 
-    def __init__(self, key: tuple[Path, int, int]) -> None:
-        self._key = key
-        self._users = 0
-        self.folder: str = fmpy.extract(str(key[0]))
-        try:
-            self.description: Any = fmpy.read_model_description(self.folder)
-        except BaseException:
-            shutil.rmtree(self.folder, ignore_errors=True)
-            raise
+    def __init__(self, file: Path) -> None:
+        self.folder: str = fmpy.extract(str(file))
+        weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
+        self.description: Any = fmpy.read_model_description(self.folder)
 
     @staticmethod
     def of(fmu: str | Path) -> Unpacked:
@@ -33,15 +29,7 @@ class Unpacked:
         status = path.stat()
         key = (path, status.st_mtime_ns, status.st_size)
         with _LOCK:
-            if key not in _UNPACKED:
-                _UNPACKED[key] = Unpacked(key)
-            _UNPACKED[key]._users += 1
-            return _UNPACKED[key]
-
-    def release(self) -> None:
-        """Removes the folder after its last user."""
-        with _LOCK:
-            self._users -= 1
-            if self._users == 0:
-                del _UNPACKED[self._key]
-                shutil.rmtree(self.folder, ignore_errors=True)
+            unpacked = _UNPACKED.get(key)
+            if unpacked is None:
+                unpacked = _UNPACKED[key] = Unpacked(path)
+            return unpacked

@@ -99,6 +99,15 @@ class Pair:
         arm = np.abs((np.conj(point) * normal).imag)
         return gap, roll, normal, arm
 
+    def lever(self, gear, position, k, r, z, normal, axial):
+        """By how much points of gear's flank close along the normal (`normal` in the transverse plane of the world, `axial` along z; out
+        of the mate), where gear 2 turns about the normal of the plane of action through the pitch point at mid-face, over the angle, mm."""
+        point = self.world(gear, r * np.exp(1j * (self.tooth_angle(gear, position, k, z) + flank(self.gears[gear], r))))
+        along = 1j * np.exp(-1j * self.alpha)  # the line of action, as the force on gear 2 points
+        y = ((point - self.base[0] / cos(self.alpha)) * np.conj(along)).real
+        sign = -1.0 if gear == 0 else 1.0  # the force on gear 2
+        return sign * ((z - 0.5 * self.b) * (normal * np.conj(along)).real - y * axial)
+
     def removal(self, gear, roll, z):
         """Material removed from a flank along its normal, mm: the fields of the pair file that the cases use."""
         of, g, mate = self.file[f"gear{gear + 1}"], self.gears[gear], 1 - gear

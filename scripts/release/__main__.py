@@ -11,7 +11,6 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-import sys
 import time
 import tomllib
 from pathlib import Path
@@ -80,8 +79,7 @@ def manifest(version: str) -> None:
 
 
 def main() -> None:
-    if missing := platforms.missing():
-        sys.exit("release: missing\n" + "\n".join(f"  {line}" for line in missing))
+    platforms.require()
     began = time.monotonic()
     version = tomllib.loads((ROOT / "Cargo.toml").read_text())["package"]["version"]
     platforms.build_linux()

@@ -1,9 +1,13 @@
-"""Command and library for one platform each, built on Linux."""
+"""Command and library for one platform each, built on Linux.
+
+`python -m scripts.release.platforms` says what that lacks.
+"""
 
 from __future__ import annotations
 
 import os
 import shutil
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,8 +50,15 @@ WINDOWS = Platform(
 PLATFORMS = (LINUX, WINDOWS)
 
 
+def require() -> None:
+    """Ends the program with what of the system is not there, each with its remedy; takes nothing of `.venv`."""
+    if lines := missing():
+        sys.exit("release: missing\n" + "\n".join(f"  {line}" for line in lines))
+
+
 def missing() -> list[str]:
-    """What of the system is not there, each with its remedy."""
+    if not shutil.which("rustc"):
+        return ["Rust 1.89 or later: https://rustup.rs"]
     out = []
     if not shutil.which("x86_64-w64-mingw32-gcc"):
         out.append("x86_64-w64-mingw32-gcc links for Windows: apt install gcc-mingw-w64-x86-64-win32")
@@ -110,3 +121,7 @@ def compilers() -> dict[str, str]:
         "linux64": f"{output('rustc', '--version')}, zig {output('python', '-m', 'ziglang', 'version')}",
         "win64": f"{output(windows, '--version')}, {output('x86_64-w64-mingw32-gcc', '--version').splitlines()[0]}",
     }
+
+
+if __name__ == "__main__":
+    require()

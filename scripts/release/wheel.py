@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import shutil
 from pathlib import Path
 
@@ -9,6 +10,34 @@ from .platforms import Platform
 from .tools import ROOT, run
 
 SUMMARY = "Gear contact element for multibody and system simulation: tooth contact tables and an FMI 2.0 unit"
+
+# Of what the wheel holds alone: it has neither the pages nor the pair files beside the sources.
+DESCRIPTION = """\
+From the drawing of a spur or helical gear pair, external or internal, the command `gearmesh` computes the static tooth contact in three
+dimensions, tabulates it over load, mesh position, centre distance and misalignment, and packs the tables with a compiled element
+into a Functional Mock-up Unit (FMI 2.0, model exchange and co-simulation) for Linux and Windows. A simulator hands the unit the poses and
+velocities of both gears; the unit returns contact force, moment and contact point.
+
+```sh
+gearmesh new --teeth 23 81 --module-mm 1.75 --face-width-mm 30 28 --torque-nm 120 -o pair.json
+gearmesh inspect pair.json                            # contact ratios, nominal force, gear data
+gearmesh solve pair.json --refinement coarse          # one mesh cycle at the nominal torque
+gearmesh build pair.json --refinement coarse -o pair.fmu
+```
+
+The first command writes a pair file with a comment for each field, to be changed to your drawing. Leave `--refinement coarse` out for final numbers;
+`gearmesh --help` has all commands and options. `documentation/index.html` in the FMU has frames, variables with their units
+and defaults, what the tables cover and how accurate they are, and a first run.
+
+## From Python
+
+"""
+
+
+def description() -> str:
+    """What an index shows beside the wheel: the command, and the docstring of the package."""
+    package = ast.parse((ROOT / "python" / "gearmesh" / "__init__.py").read_text())
+    return f"{DESCRIPTION}{ast.get_docstring(package)}\n"
 
 
 def pack(platform: Platform, version: str, programs: Path, licenses: list[Path], out: Path) -> None:
@@ -36,8 +65,7 @@ def pack(platform: Platform, version: str, programs: Path, licenses: list[Path],
         f"License-Expression: MIT OR Apache-2.0\n{names}"
         "Requires-Python: >=3.11\nRequires-Dist: fmpy>=0.3.20\n"
         "Description-Content-Type: text/markdown\n\n"
-        # Pictures and pages are beside the sources alone.
-        + "\n".join(line for line in (ROOT / "README.md").read_text().split("\n") if not line.startswith("!["))
+        f"{description()}"
     )
     (about / "WHEEL").write_text(
         "Wheel-Version: 1.0\nGenerator: gearmesh scripts/release\nRoot-Is-Purelib: false\n"

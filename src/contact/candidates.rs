@@ -31,8 +31,8 @@ pub struct Candidate {
     /// m: microgeometry of both flanks and the separation off the path of contact; as local contact sees them, see
     /// [`super::ContactSettings::own_share`].
     pub gap: [f64; POINTS],
-    /// The points in gear 1's frame, m, ascending, as local contact sees them: misalignment closes [`Candidate::gap`] by these levers,
-    /// and by them the forces act on it.
+    /// What a misalignment closes of [`Candidate::gap`] over its size, at the points as local contact sees
+    /// them, m, ascending; by the same levers the forces act on it.
     pub levers: [f64; POINTS],
     /// Relative radius of curvature of the involutes in the normal section, m.
     pub radius: f64,
@@ -400,7 +400,7 @@ impl ContactLines<'_> {
             z,
             roll: closest.roll,
             gap,
-            levers: along(at),
+            levers: along(at.map(|z| numbers.lever(self.flank, tau, k, z))),
             radius: curvature.recip(),
             profile: closest.profile,
             arms: closest.arms,

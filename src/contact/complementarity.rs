@@ -72,7 +72,7 @@ pub struct Solution {
 pub enum Failure {
     /// Index of the failing pivot among the strips in contact.
     NotPositiveDefinite { pivot: usize },
-    /// Newton's iteration stopped short of its tolerance at this relative residual.
+    /// Newton's iteration stopped short of its tolerance at this relative residual, or where a force was not a number.
     NotConverged { iterations: usize, residual: f64 },
 }
 
@@ -168,6 +168,12 @@ impl Problem<'_> {
         let free = matches!(target, Target::Approach(_));
         let mut balanced = free;
         for iteration in 0..MAXIMUM_ITERATIONS {
+            if at.phi.iter().any(|phi| phi.0.is_nan()) {
+                return Err(Failure::NotConverged {
+                    iterations: iteration,
+                    residual: f64::NAN,
+                });
+            }
             solution.active.clear();
             solution
                 .active
@@ -218,6 +224,9 @@ impl Problem<'_> {
         let mut largest = 0.0;
         for (i, (force, slope)) in at.phi.iter().enumerate() {
             let error = (at.y[i] - force).abs();
+            if error.is_nan() {
+                return error;
+            }
             if error > largest {
                 let gap = self.gap[i].iter().fold(0.0, |m: f64, g| m.max(g.abs()));
                 let sizes = (self.arm[i] * at.delta).abs() + at.ay[i].abs() + gap;
@@ -441,7 +450,7 @@ impl Problem<'_> {
         middle
     }
 
-    /// Largest Hertz pressure of the strip on which `solution` has one that no flank carries, Pa.
+    /// Largest pressure of the strip on which `solution` has one that no flank carries, Pa.
     pub fn overload(&self, solution: &Solution) -> Option<f64> {
         let strips = solution.loads.iter().zip(self.local);
         let largest = strips.filter_map(|(loads, local)| {

@@ -2,9 +2,10 @@
 
 use super::error::ContactError;
 
-/// How far the flanks of both gears have come closer along the face, on the line of action, before the load of
+/// How far the flanks of both gears have come closer along the pitch line, on the line of action, before the load of
 /// the mesh: > 0 closes, as an approach does. Straight between its points and, beyond them, on as between the
-/// two outermost. A misalignment M is the deflection M (z - z_ref); both add.
+/// two outermost. Transverse sections turn with its slope, so that at the distance y from the pitch line along the path flanks
+/// close by sigma y times the slope more, sigma that of the contact line. A misalignment M is the deflection M (z - z_ref); both add.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Deflection {
     /// (z in gear 1's frame, closing), m, ascending in z; none where there is no deflection.
@@ -53,29 +54,42 @@ impl Deflection {
         Deflection::new(points.collect())
     }
 
-    /// Closing at `z` (m in gear 1's frame), m.
-    pub fn closing(&self, z: f64) -> f64 {
+    /// Closing (m) on the pitch line at `z` (m in gear 1's frame), and its slope there: between the middles of two pieces the mean of
+    /// theirs, so that no transverse section turns against its neighbour.
+    pub fn closing(&self, z: f64) -> [f64; 2] {
         if self.points.is_empty() {
-            return 0.0;
+            return [0.0; 2];
         }
         let above = self.points.partition_point(|p| p[0] <= z);
         let last = above.clamp(1, self.points.len() - 1);
-        let ([z0, d0], [z1, d1]) = (self.points[last - 1], self.points[last]);
-        d0 + (d1 - d0) * (z - z0) / (z1 - z0)
+        let piece = |last: usize| {
+            let ([z0, d0], [z1, d1]) = (self.points[last - 1], self.points[last]);
+            (0.5 * (z0 + z1), (d1 - d0) / (z1 - z0))
+        };
+        let (middle, slope) = piece(last);
+        let beside = if z < middle { last - 1 } else { last + 1 };
+        let smooth = match (1..self.points.len()).contains(&beside) {
+            true => {
+                let (other, turned) = piece(beside);
+                slope + (turned - slope) * (z - middle) / (other - middle)
+            }
+            false => slope,
+        };
+        let [z0, d0] = self.points[last - 1];
+        [d0 + slope * (z - z0), smooth]
     }
 
-    /// Least and largest closing over the face with the ends `ends`, m.
-    pub fn range(&self, ends: [f64; 2]) -> [f64; 2] {
-        let inside = self
-            .points
-            .iter()
-            .filter(|p| ends[0] < p[0] && p[0] < ends[1]);
-        let values = ends.map(|z| self.closing(z)).into_iter();
-        values
-            .chain(inside.map(|p| p[1]))
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-                [low.min(v), high.max(v)]
-            })
+    /// Least and largest closing over the face with the ends `ends`, m, up to `beyond` (sigma y, m) beside the pitch line.
+    pub fn range(&self, ends: [f64; 2], beyond: f64) -> [f64; 2] {
+        let inside = (self.points.iter().map(|p| p[0])).filter(|z| ends[0] < *z && *z < ends[1]);
+        (ends.into_iter().chain(inside)).fold(
+            [f64::INFINITY, f64::NEG_INFINITY],
+            |[low, high], z| {
+                let [closing, slope] = self.closing(z);
+                let turned = (beyond * slope).abs();
+                [low.min(closing - turned), high.max(closing + turned)]
+            },
+        )
     }
 }
 
@@ -94,18 +108,37 @@ mod tests {
             (30e-3, 1.0),
             (-5e-3, 0.0),
         ] {
-            assert!((1e6 * curve.closing(z) - closing).abs() < 1e-9, "{z}");
+            assert!((1e6 * curve.closing(z)[0] - closing).abs() < 1e-9, "{z}");
         }
-        let [low, high] = curve.range([5e-3, 20e-3]);
+        let [low, high] = curve.range([5e-3, 20e-3], 0.0);
         assert!((low - 2e-6).abs() < 1e-15 && (high - 3e-6).abs() < 1e-15);
-        assert_eq!(Deflection::default().closing(1.0), 0.0);
+        assert_eq!(Deflection::default().closing(1.0), [0.0; 2]);
+    }
+
+    #[test]
+    fn sections_turn_smoothly_from_piece_to_piece() {
+        let curve = Deflection::new(vec![[0.0, 1e-6], [10e-3, 3e-6], [20e-3, 2e-6]]).unwrap();
+        for (z, slope) in [
+            (0.0, 200.0),
+            (5e-3, 200.0),
+            (10e-3, 50.0),
+            (15e-3, -100.0),
+            (30e-3, -100.0),
+        ] {
+            assert!((1e6 * curve.closing(z)[1] - slope).abs() < 1e-9, "{z}");
+        }
+        let [low, high] = curve.range([0.0, 20e-3], 2e-3);
+        assert!(
+            (1e6 * low - 0.6).abs() < 1e-9 && (1e6 * high - 3.1).abs() < 1e-9,
+            "{low} {high}"
+        );
     }
 
     #[test]
     fn a_bow_is_zero_in_the_middle_and_opens_the_ends() {
         let bow = Deflection::bow(4e-6, [2e-3, 22e-3]).unwrap();
         for (z, closing) in [(2e-3, -4.0), (12e-3, 0.0), (17e-3, -1.0), (22e-3, -4.0)] {
-            assert!((1e6 * bow.closing(z) - closing).abs() < 1e-9, "{z}");
+            assert!((1e6 * bow.closing(z)[0] - closing).abs() < 1e-9, "{z}");
         }
     }
 

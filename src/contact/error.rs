@@ -98,12 +98,12 @@ pub enum ContactError {
     /// The load is beyond what any flank carries.
     #[error(
         "{at}: a contact pressure of {pressure_mpa:.0} MPa, far beyond what these teeth can carry: \
-         lower torque or misalignment"
+         lower torque or misalignment, or widen the common face"
     )]
     Overload {
         /// Where.
         at: OperatingPoint,
-        /// Hertz pressure there, MPa.
+        /// Largest pressure there, MPa.
         pressure_mpa: f64,
     },
     /// The influence matrix is not positive definite.

@@ -12,6 +12,7 @@ use super::condensed::CondensedFlank;
 use super::runtime::RuntimeContact;
 use super::setup::ContactSetup;
 use crate::gear::Flank;
+use crate::table::InterpolationError;
 
 /// Changes with the layout.
 const MAGIC: &[u8; 32] = b"gearmesh condensed contact v002\n";
@@ -27,6 +28,9 @@ pub struct ContactFile {
     pub drive: Arc<CondensedFlank>,
     /// Coast flank, if it is not the drive flank's mirror image.
     pub coast: Option<Arc<CondensedFlank>>,
+    /// How far force and shuttling moment are, all teeth taken as alike, from those of static contact on more stations; `None`:
+    /// not measured.
+    pub error: Option<InterpolationError>,
 }
 
 /// The head, in which the matrices are empty.
@@ -35,6 +39,8 @@ struct Head {
     setup: ContactSetup,
     drive: CondensedFlank,
     coast: Option<CondensedFlank>,
+    #[serde(default)]
+    error: Option<InterpolationError>,
 }
 
 impl ContactFile {
@@ -58,6 +64,7 @@ impl ContactFile {
             setup: (*self.setup).clone(),
             drive: bare(&self.drive),
             coast: self.coast.as_deref().map(bare),
+            error: self.error,
         };
         let head = serde_json::to_vec(&head).expect("plain structs become JSON");
         let mut bytes = MAGIC.to_vec();
@@ -106,6 +113,12 @@ impl ContactFile {
                     flank.stations
                 ));
             }
+            // Rows are read four values at a time, which two strips hold with their reference lengths.
+            if flank.pairs * flank.stations < 2 {
+                return Err(
+                    "one tooth pair with one station: at least two strips make a contact".into(),
+                );
+            }
             flank.values = rest
                 .by_ref()
                 .take(count)
@@ -116,10 +129,18 @@ impl ContactFile {
             }
             Ok(Arc::new(flank))
         };
+        let (drive, coast) = (
+            filled(head.drive)?,
+            head.coast.map(&mut filled).transpose()?,
+        );
+        if rest.next().is_some() || !rest.remainder().is_empty() {
+            return Err("there are more values than those of its flanks".into());
+        }
         Ok(ContactFile {
-            drive: filled(head.drive)?,
-            coast: head.coast.map(&mut filled).transpose()?,
+            drive,
+            coast,
             setup: Arc::new(head.setup),
+            error: head.error,
         })
     }
 }
@@ -161,6 +182,45 @@ impl ContactFile {
             } else {
                 Some(flank(Flank::Coast)?)
             },
+            error: None,
         })
+    }
+}
+
+#[cfg(all(test, feature = "preprocess"))]
+mod tests {
+    use super::*;
+    use crate::contact::ContactSettings;
+    use crate::pair::Pair;
+    use crate::testing::coarse_solver;
+
+    #[test]
+    fn sizes_that_do_not_fit_each_other_are_refused() {
+        let text = include_str!("../../resources/pairs/palermo2013.json");
+        let pair = Pair::from_json(text).unwrap();
+        let settings = ContactSettings {
+            stations: 4,
+            ..ContactSettings::default()
+        };
+        let file = ContactFile::new(&pair, &coarse_solver(&pair, settings)).unwrap();
+        assert!(ContactFile::from_bytes(&file.to_bytes()).is_ok());
+        let with = |change: &dyn Fn(&mut CondensedFlank, &mut ContactSetup)| {
+            let mut changed = file.clone();
+            let (drive, setup) = (
+                Arc::make_mut(&mut changed.drive),
+                Arc::make_mut(&mut changed.setup),
+            );
+            change(drive, setup);
+            ContactFile::from_bytes(&changed.to_bytes()).unwrap_err()
+        };
+        let said = with(&|drive, setup| {
+            (drive.pairs, drive.stations, setup.settings.stations) = (1, 1, 1);
+            drive.values.truncate(drive.value_count().unwrap());
+        });
+        assert!(said.contains("at least two strips"), "{said}");
+        let said = with(&|drive, _| drive.values.push(0.0));
+        assert!(said.contains("more values than"), "{said}");
+        let said = with(&|drive, _| drive.positions += 1);
+        assert!(said.contains("are not there"), "{said}");
     }
 }

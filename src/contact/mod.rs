@@ -10,8 +10,9 @@
 //!
 //! Everything is measured on the line of action at mid-face: the approach delta (STE) counts from where
 //! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z.
-//! The gap of a strip is that of the modified flanks where they come closest (`closest.rs`), minus
-//! M (z - z_ref). It is taken at several points of each strip, so that the edge of the
+//! The gap of a strip is that of the modified flanks where they come closest (`closest.rs`), minus what the misalignment closes,
+//! M (z - z_ref + sigma y), y from the pitch point along the path and sigma = dy/dz the slope of the contact lines in the plane of
+//! action: a rigid tilt turns their generators, too. It is taken at several points of each strip, so that the edge of the
 //! contact moves in small steps; forces and bulk displacements are those of whole strips. At run time
 //! local contact takes up less than half of what gaps change by along a strip ([`ContactSettings::own_share`]).
 //!
@@ -67,7 +68,7 @@ pub use deflection::Deflection;
 pub use error::{ContactError, OperatingPoint, Prescribed};
 pub use file::ContactFile;
 #[cfg(feature = "preprocess")]
-pub use mesh_cycle::{CycleInput, LoadCase, MeshCycle};
+pub use mesh_cycle::{CycleInput, ENOUGH_SEGMENTS, LoadCase, MeshCycle};
 pub use position::PositionProblem;
 pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
 #[cfg(feature = "preprocess")]

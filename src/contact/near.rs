@@ -13,8 +13,6 @@ pub struct Near {
     pub approach: f64,
     /// Misalignment, rad.
     pub misalignment: f64,
-    /// Mid-face in gear 1's frame, m.
-    pub z_ref: f64,
     /// Part of the largest overlap by which others may be open.
     pub margin: f64,
     /// Whether gaps are convex over the place on the flank.
@@ -22,9 +20,10 @@ pub struct Near {
 }
 
 impl Near {
-    /// How far flanks overlap at `z` where their force has the arm `arm`, m along the line of action.
-    pub fn overlap(&self, z: f64, arm: f64, gap: f64) -> f64 {
-        arm * (self.approach + self.misalignment * (z - self.z_ref)) - gap
+    /// How far flanks overlap where misalignment has the lever `lever` (m) and their force the arm `arm`, m along the line of
+    /// action.
+    pub fn overlap(&self, lever: f64, arm: f64, gap: f64) -> f64 {
+        arm * self.approach + self.misalignment * lever - gap
     }
 }
 
@@ -64,7 +63,8 @@ impl ContactLines<'_> {
                         (flanks.arm(), least, flanks.on_path())
                     }
                 };
-                let overlap = near.overlap(at, arm, least.gap - closing);
+                let lever = self.section.numbers().lever(self.flank, tau, k, at);
+                let overlap = near.overlap(lever, arm, least.gap - closing);
                 most = most.max(overlap);
                 strips.push((k, station, z, z == whole, on_path, overlap, least));
             }

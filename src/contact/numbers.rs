@@ -80,7 +80,18 @@ impl PairNumbers {
 
     /// As [`PairGeometry::contact_line`].
     pub fn contact_line(&self, flank: Flank, tau: f64, k: i32, z: f64) -> f64 {
-        (tau + f64::from(k)) * self.base_pitch
-            + flank.sign() * self.hand * self.tan_beta_b * (z - self.z_ref)
+        (tau + f64::from(k)) * self.base_pitch + self.lean(flank) * (z - self.z_ref)
+    }
+
+    /// sigma = s h tan beta_b: slope dy/dz of the contact lines of `flank` in the plane of action.
+    pub fn lean(&self, flank: Flank) -> f64 {
+        flank.sign() * self.hand * self.tan_beta_b
+    }
+
+    /// What a misalignment M closes on the line of action at `z` (m) of the contact line of tooth pair `k`, over M, m:
+    /// (z - z_ref) + sigma y, y from the pitch point along the path. A tilt moves the point (y, z) of gear 2 by M (z n_t - y z)
+    /// against gear 1, n_t the line of action, and the normal of the flanks is cos beta_b (n_t - sigma z).
+    pub fn lever(&self, flank: Flank, tau: f64, k: i32, z: f64) -> f64 {
+        (z - self.z_ref) + self.lean(flank) * self.contact_line(flank, tau, k, z)
     }
 }

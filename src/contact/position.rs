@@ -23,11 +23,11 @@ pub struct PositionProblem {
     pub(super) near_edges: Vec<Vec<NearEdge>>,
     /// Reference lengths of both gears at each strip, m.
     lengths: [Vec<f64>; 2],
-    /// [`Candidate::levers`] from mid-face, m.
+    /// [`Candidate::levers`], m.
     pub(super) lever: Vec<[f64; POINTS]>,
     /// Arm of the normal force on each strip about the axis of gear 1, over its base radius.
     pub(super) arm: Vec<f64>,
-    cos_beta_b: f64,
+    pub(super) cos_beta_b: f64,
     base_radius: f64,
     pub(super) z_ref: f64,
     limits: Limits,
@@ -73,12 +73,8 @@ impl PositionProblem {
                 )
             })
             .collect();
-        let z_ref = numbers.z_ref;
         PositionProblem {
-            lever: candidates
-                .iter()
-                .map(|c| c.levers.map(|z| z - z_ref))
-                .collect(),
+            lever: candidates.iter().map(|c| c.levers).collect(),
             arm: candidates.iter().map(|c| c.arms[0] * cos_beta_b).collect(),
             candidates,
             bulk: influence.bulk,
@@ -88,7 +84,7 @@ impl PositionProblem {
             near_edges: vec![],
             cos_beta_b,
             base_radius: numbers.base_radius[0],
-            z_ref,
+            z_ref: numbers.z_ref,
             limits,
         }
     }
@@ -104,25 +100,30 @@ impl PositionProblem {
         &self.bulk
     }
 
-    /// Gaps at the points of each strip along the normal under `misalignment`, m: it closes them as an approach
-    /// of its size there does.
+    /// Gaps at the points of each strip along the normal under `misalignment`, m. At a tip edge the normal is turned by so little that
+    /// a tilt closes there, unlike an approach, as much as on the path.
     fn gaps(&self, misalignment: f64) -> Vec<[f64; POINTS]> {
-        let closing = |arm: f64, lever: f64| arm * misalignment * lever;
-        self.candidates
-            .iter()
-            .zip(self.arm.iter().zip(&self.lever))
-            .map(|(c, (arm, lever))| {
-                std::array::from_fn(|q| self.cos_beta_b * c.gap[q] - closing(*arm, lever[q]))
-            })
+        let strips = self.candidates.iter().zip(&self.lever);
+        let left = |gap: f64, lever: f64| self.cos_beta_b * (gap - misalignment * lever);
+        strips
+            .map(|(c, lever)| std::array::from_fn(|q| left(c.gap[q], lever[q])))
             .collect()
     }
 
     /// Approach at which the first strip touches, m: the no-load transmission error.
     pub fn no_load_approach(&self, misalignment: f64) -> f64 {
+        // Rounded so that it closes no gap.
+        let touch = |gap: f64, arm: f64| {
+            let approach = gap / arm;
+            match arm * approach > gap {
+                true => approach.next_down(),
+                false => approach,
+            }
+        };
         self.gaps(misalignment)
             .into_iter()
             .zip(&self.arm)
-            .flat_map(|(gaps, arm)| gaps.map(|gap| gap / arm))
+            .flat_map(|(gaps, arm)| gaps.map(|gap| touch(gap, *arm)))
             .fold(f64::INFINITY, f64::min)
     }
 
@@ -305,7 +306,7 @@ pub(super) struct Found {
 /// What a solution exceeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Excess {
-    /// A Hertz pressure, Pa, that no flank carries.
+    /// A pressure, Pa, that no flank carries.
     Pressure(f64),
     /// An approach, m, beyond that for which tip edges were followed.
     Reach { needed: f64, reach: f64 },

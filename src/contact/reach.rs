@@ -16,7 +16,7 @@ const MARGIN: f64 = 1.25;
 const TRIALS: usize = 8;
 
 /// Approach that the pair's largest load and misalignment can cause, with a margin, m: twice that of a stiff
-/// tooth pair, how both bodies give way, what misalignment adds at the ends of the face and what
+/// tooth pair, how both bodies give way, what misalignment adds at the ends of the face and of the path, and what
 /// modifications take off at most.
 pub(super) fn estimate(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
     let g = &pair.geometry;
@@ -48,7 +48,7 @@ pub(super) fn estimate(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
     // is the face over it.
     2.0 * force / (STIFFNESS_OVER_MODULUS * modulus * width * cos_beta_b)
         + bodies
-        + 0.5 * misalignment * width
+        + 0.5 * misalignment * (width + g.base_helix_angle().tan() * g.base_pitch())
         + removal / cos_beta_b
 }
 

@@ -10,9 +10,9 @@ use super::position::PositionProblem;
 pub struct Tangent {
     /// d F_bt / d approach, N/m.
     pub force_by_approach: f64,
-    /// d F_bt / d misalignment = d (F_bt (z_c - z_ref)) / d approach, N/rad.
+    /// d F_bt / d misalignment = d moment / d approach, N/rad.
     pub force_by_misalignment: f64,
-    /// d (F_bt (z_c - z_ref)) / d misalignment, N m/rad.
+    /// d moment / d misalignment, N m/rad.
     pub moment_by_misalignment: f64,
 }
 
@@ -61,9 +61,11 @@ pub struct ContactResult {
     pub approach: f64,
     /// Transverse force on the line of action F_bt, N.
     pub loa_force: f64,
-    /// Shuttling moment F_bt (z_c - z_ref), N m.
+    /// Shuttling moment F_bt (z_c - z_ref), N m: of the forces about the normal of the plane of action through the pitch point at
+    /// mid-face, over cos beta_b.
     pub moment: f64,
-    /// z of the resultant in gear 1's frame, m; mid-face where nothing touches.
+    /// z_c: where the resultant, along its own normal, crosses the pitch plane (y = 0), m in gear 1's frame. That is the centroid of
+    /// the load plus sigma times its y: of helical pairs it may lie beyond the face. Mid-face where nothing touches.
     pub contact_z: f64,
     /// Fraction of the load on each tooth pair in reach, ascending.
     pub load_share: Vec<(i32, f64)>,
@@ -140,19 +142,20 @@ impl PositionProblem {
     /// Moment of the forces about mid-face on the line of action, N m, the derivatives at the solution, and those of the forces of the
     /// strips in contact by approach and misalignment.
     ///
-    /// With K the matrix over the strips in contact, c their arms, and s_n the sums of phi' times the
-    /// n-th power of the lever over the points of a strip: dF = K^-1 c (d delta + s_1 / s_0 dM), and the
-    /// moment changes by c (s_1 / s_0 dF + c (s_2 - s_1^2 / s_0) dM).
+    /// With K the matrix over the strips in contact, c their arms, b = cos beta_b, and s_n the sums of phi' times the
+    /// n-th power of the lever over the points of a strip: dF = K^-1 (c d delta + b s_1 / s_0 dM), and the
+    /// moment changes by b (s_1 / s_0 dF + b (s_2 - s_1^2 / s_0) dM).
     pub(super) fn moment(
         &self,
         solution: &Solution,
     ) -> (f64, Tangent, impl Iterator<Item = [f64; 2]> + use<>) {
         let mut moment = 0.0;
+        let normal = self.cos_beta_b;
         let of = |&i: &usize| {
             let (loads, levers) = (&solution.loads[i], &self.lever[i]);
             let mut sums = [0.0; 3];
             for ((force, slope), lever) in loads.forces.iter().zip(loads.slopes).zip(levers) {
-                moment += self.arm[i] * force * lever;
+                moment += normal * force * lever;
                 sums[0] += slope;
                 sums[1] += slope * lever;
                 sums[2] += slope * lever * lever;
@@ -162,12 +165,12 @@ impl PositionProblem {
         let active: Vec<(f64, [f64; 3])> = solution.active.iter().map(of).collect();
         let active = || active.iter().copied();
         let arms: Vec<f64> = active().map(|(c, _)| c).collect();
-        let levers: Vec<f64> = active().map(|(c, s)| c * s[1] / s[0]).collect();
+        let levers: Vec<f64> = active().map(|(_, s)| normal * s[1] / s[0]).collect();
         let (mut by_approach, mut by_misalignment) = (arms.clone(), levers.clone());
         solution.factor.solve(&mut by_approach);
         solution.factor.solve(&mut by_misalignment);
         let within: f64 = active()
-            .map(|(c, s)| c * c * (s[2] - s[1] * s[1] / s[0]))
+            .map(|(_, s)| normal * normal * (s[2] - s[1] * s[1] / s[0]))
             .sum();
         let tangent = Tangent {
             force_by_approach: dot(&by_approach, &arms),
@@ -176,6 +179,13 @@ impl PositionProblem {
         };
         let each = by_approach.into_iter().zip(by_misalignment);
         (moment, tangent, each.map(|(a, m)| [a, m]))
+    }
+
+    /// Centroid of the load of `result` along the face, m in gear 1's frame; not a number without load.
+    pub fn load_centroid(&self, result: &ContactResult) -> f64 {
+        let moments = self.candidates.iter().zip(&result.forces);
+        let moment: f64 = moments.map(|(strip, force)| strip.middle() * force).sum();
+        moment / result.forces.iter().sum::<f64>()
     }
 
     /// Every strip with what it carries in `result`, for plots of the pressure.

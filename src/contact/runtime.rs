@@ -233,9 +233,9 @@ impl RuntimeContact {
                     let arm = strip.arms[0] * cos_beta_b;
                     let law = law(&self.numbers, &strip, lengths);
                     let points = strip.levers.into_iter().zip(strip.gap);
-                    let energy = |(z, gap): (f64, f64)| {
-                        let closing = approach + load.misalignment * (z - self.numbers.z_ref);
-                        law.energy(arm * closing - deflection(i) - cos_beta_b * gap)
+                    let energy = |(lever, gap): (f64, f64)| {
+                        let left = gap - load.misalignment * lever;
+                        law.energy(arm * approach - deflection(i) - cos_beta_b * left)
                     };
                     points.map(energy).sum()
                 })
@@ -255,9 +255,8 @@ impl RuntimeContact {
         [approach, offset, misalignment, _]: [f64; 4],
         cycle: Cycle,
     ) -> (Option<Carrying>, bool) {
-        let z_ref = self.numbers.z_ref;
-        let [low, width] = self.numbers.face;
-        let lever = (low - z_ref).abs().max((low + width - z_ref).abs());
+        let [first, last] = section.reach();
+        let lever = 0.5 * self.numbers.face[1] + self.numbers.tan_beta_b * last.max(-first);
         let closing = approach.max(0.0) + (misalignment * lever).abs();
         let closing = closing + self.setup.teeth.largest_closing();
         let seen = if self.only_removes {
@@ -268,17 +267,21 @@ impl RuntimeContact {
         let near = Near {
             approach,
             misalignment,
-            z_ref,
             margin: MARGIN,
             convex: self.only_removes,
         };
         let (mut candidates, mut rates) = self.lines(section, cycle).moving(cycle.tau, seen, &near);
+        // Contact lines move along the path, and with them what the misalignment closes.
+        let closing = misalignment * self.numbers.lean(self.flank) * self.numbers.base_pitch;
+        for [by_tau, _] in rates.iter_mut().flatten() {
+            by_tau.gap.iter_mut().for_each(|gap| *gap -= closing);
+        }
         // How far points overlap, along the line of action.
         let overlaps: Vec<f64> = candidates
             .iter()
             .map(|c| {
                 let points = c.levers.into_iter().zip(c.gap);
-                let overlap = points.map(|(z, gap)| near.overlap(z, c.arms[0], gap));
+                let overlap = points.map(|(lever, gap)| near.overlap(lever, c.arms[0], gap));
                 overlap.fold(f64::NEG_INFINITY, f64::max)
             })
             .collect();

@@ -133,7 +133,7 @@ impl ContactSolver {
     /// The same pair with its flanks deflected along the face.
     #[must_use]
     pub fn with_deflection(mut self, deflection: Deflection) -> ContactSolver {
-        let [least, largest] = deflection.range(self.face());
+        let [least, largest] = deflection.range(self.face(), self.beside_pitch_line());
         // Tip edges are followed by what the deflection closes, and the approach that bears the load grows by its
         // range.
         self.setup.reach += largest.max(0.0) + largest - least;
@@ -145,6 +145,14 @@ impl ContactSolver {
     fn face(&self) -> [f64; 2] {
         let (low, width) = self.setup.geometry.face_overlap();
         [low, low + width]
+    }
+
+    /// Largest sigma y of contact on the path at the nominal centre distance, m.
+    fn beside_pitch_line(&self) -> f64 {
+        let geometry = &self.setup.geometry;
+        let path =
+            geometry.base_pitch() * geometry.transverse_contact_ratio(geometry.center_distance);
+        self.numbers.tan_beta_b * path
     }
 
     /// The pair's geometry.
@@ -213,7 +221,11 @@ impl ContactSolver {
     ) -> Result<PositionProblem, ContactError> {
         let own_share = self.setup.settings.own_share;
         for candidate in &mut candidates {
-            let closed = candidate.points().map(|z| self.deflection.closing(z));
+            let closed = candidate.points().map(|z| {
+                let [closing, slope] = self.deflection.closing(z);
+                let y = lines.contact_line(tau, candidate.tooth_pair, z);
+                closing + slope * self.numbers.lean(lines.flank) * y
+            });
             for (gap, closed) in candidate.gap.iter_mut().zip(along_strip(closed, own_share)) {
                 *gap -= closed;
             }
@@ -226,7 +238,7 @@ impl ContactSolver {
         let influence = self.influence_of(lines, (&candidates, &seen), center_distance_offset)?;
         let mut limits = self.setup.limits(center_distance_offset);
         // Compared with approach and misalignment alone.
-        let [_, largest] = self.deflection.range(self.face());
+        let [_, largest] = self.deflection.range(self.face(), self.beside_pitch_line());
         limits.reach = limits.reach.map(|reach| reach - largest.max(0.0));
         let mut problem = PositionProblem::with(&self.numbers, candidates, influence, limits);
         problem.look_beside(&self.numbers, lines, tau);

@@ -52,8 +52,7 @@ impl ContactSolver {
         let lines = self.setup.lines(flank, &section);
         let touches = lines.of_pair(place, 0).flat_map(|strip| {
             let points = strip.levers.into_iter().zip(strip.gap);
-            points
-                .map(move |(z, gap)| gap / strip.arms[0] - misalignment * (z - self.numbers.z_ref))
+            points.map(move |(lever, gap)| (gap - misalignment * lever) / strip.arms[0])
         });
         Ok(touches.fold(f64::INFINITY, f64::min))
     }

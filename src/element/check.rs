@@ -93,6 +93,7 @@ pub(crate) fn center_distance(k: &Constants, c: f64) -> Result<Distance, Element
     Err(ElementError::NoLineOfAction {
         center_distance_mm: 1e3 * c,
         limit_mm: 1e3 * k.base_sum,
+        nominal_m: k.center_distance,
     })
 }
 

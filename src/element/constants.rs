@@ -4,6 +4,7 @@ use super::engagement::Reach;
 use super::error::ElementError;
 use super::parameters::Parameters;
 use crate::gear::{Flank, PairGeometry, involute};
+use crate::words::number;
 
 /// Largest angle between the axes, rad. The misalignment enters to first order (residual C tilt^2),
 /// so this is far beyond where the result is good, yet near enough to stop a wrong frame.
@@ -92,6 +93,7 @@ impl Constants {
             return Err(ElementError::NoLineOfAction {
                 center_distance_mm: 1e3 * c,
                 limit_mm: 1e3 * pair.base_radius_sum(),
+                nominal_m: c,
             });
         }
         let [z1, z2] = [g[0].z(), g[1].z()];
@@ -104,7 +106,7 @@ impl Constants {
         if backlash >= half_pitch {
             return Err(ElementError::Parameter {
                 name: "backlash",
-                value: format!("{} m", backlash / phi.cos()),
+                value: format!("{} m", number(backlash / phi.cos())),
                 remedy: "give a backlash in metres, well below half a pitch",
             });
         }

@@ -21,6 +21,8 @@ impl std::fmt::Display for Body {
     }
 }
 
+use crate::words::{fixed, number};
+
 /// Why an element cannot be made, or has no meaning at a pose.
 #[derive(Debug, thiserror::Error)]
 pub enum ElementError {
@@ -81,13 +83,16 @@ pub enum ElementError {
     },
     /// No line of action: the base circles overlap (external) or do not contain one another (internal).
     #[error(
-        "centre distance {center_distance_mm:.6} mm is below {limit_mm:.6} mm, where the base circles leave no common tangent; move the gears apart or check which gear is which"
+        "centre distance {} mm is below {} mm, where the base circles leave no common tangent; move the gears apart or check which gear is which (with gear 1 at the origin gear2.position[1] starts as {} m: a host that fills all inputs with zeros must set it)",
+        fixed(*center_distance_mm, 6), fixed(*limit_mm, 6), number(*nominal_m)
     )]
     NoLineOfAction {
         /// Distance of the axes in the transverse plane, mm.
         center_distance_mm: f64,
         /// abs(rb1 + e rb2), mm.
         limit_mm: f64,
+        /// Nominal centre distance, m.
+        nominal_m: f64,
     },
     /// The initial pose of an internal pair lies out of mesh, where no phase can be taken.
     #[error(
@@ -104,7 +109,8 @@ pub enum ElementError {
     },
     /// At the initial pose the teeth press by more than any load of the table.
     #[error(
-        "the initial pose jams the teeth with {force_kn:.2} kN on the line of action, where the largest load is {largest_kn:.2} kN: {place}; correct the positions and orientations of the gears"
+        "the initial pose jams the teeth with {} kN on the line of action, where the largest load is {} kN: {place}; correct the positions and orientations of the gears",
+        fixed(*force_kn, 2), fixed(*largest_kn, 2)
     )]
     Jammed {
         /// Force, kN.
@@ -119,7 +125,8 @@ pub enum ElementError {
     Table(#[from] crate::table::TableError),
     /// In the absolute phase reference the start pose lets teeth overlap more than any load of the table.
     #[error(
-        "phaseReference = absolute: at the initial pose the flanks overlap by {overlap_um:.1} um, which takes {force_kn:.2} kN on the line of action where the largest load is {largest_kn:.2} kN; turn gear 1 by {turn_rad:+.3e} rad, or set phaseReference = fromInitialPose"
+        "phaseReference = absolute: at the initial pose the flanks overlap by {overlap_um:.1} um, which takes {} kN on the line of action where the largest load is {} kN; turn gear 1 by {turn_rad:+.3e} rad, or set phaseReference = fromInitialPose",
+        fixed(*force_kn, 2), fixed(*largest_kn, 2)
     )]
     TeethOverlap {
         /// Penetration on the line of action beyond the first touch, um.
@@ -131,6 +138,12 @@ pub enum ElementError {
         /// Rotation of gear 1 after which its loaded flank just touches, rad.
         turn_rad: f64,
     },
+    /// A law of the caller's has no potential at this pose.
+    #[error("{0}")]
+    NoPotential(
+        /// Why.
+        String,
+    ),
     /// With one flank alone the gears have turned back to the tooth behind.
     #[error(
         "loadedFlank = {loaded_flank}: the teeth overlap by {overlap_mm:.3} mm on the line of action; nothing holds the gears when they turn back from this flank, and they have come to the tooth behind: set loadedFlank = both"

@@ -59,14 +59,14 @@ impl<T> Pose<T> {
     /// Mesh cycles that passed on gear 1 and gear 2 under flank `i`, from the pose alone: the whole part of the mesh position,
     /// which starts anew with every turn of gear 1, and on gear 2 that less the whole turns of the tooth angle, in
     /// which both gears differ.
-    pub(crate) fn counts(&self, k: &Constants, i: usize, latch: &Latch) -> Counts
+    pub(crate) fn counts(&self, k: &Constants, i: usize, latch: &Latch<T>) -> Counts
     where
         T: Scalar,
     {
         let s = FLANKS[i].sign();
-        let position = self.mesh_position(k, i).re() + s * latch.mesh_position;
+        let position = self.mesh_position(k, i).re() + s * latch.mesh_position.re();
         let first = position.floor();
-        let angle = self.coordinates.turn.re() * k.tooth_angle_per + latch.tooth_angle;
+        let angle = self.coordinates.turn.re() * k.tooth_angle_per + latch.tooth_angle.re();
         let apart = s * whole_turns(angle);
         [first as i64, (first - apart) as i64]
     }
@@ -120,12 +120,13 @@ pub(crate) fn pose<T: Scalar>(
     }
 }
 
-/// Loads and diagnostics at `inputs`.
+/// Loads and diagnostics at `inputs`; `stiffness_slopes` as for [`Law::respond`](super::law::Law::respond).
 #[inline(always)]
 pub(crate) fn evaluate<T: Scalar>(
     el: &Element,
-    latch: &Latch,
+    latch: &Latch<T>,
     inputs: &Inputs,
+    stiffness_slopes: bool,
 ) -> Result<Solution<T>, ElementError> {
     let k = &el.constants;
     let pose = match pose(el, inputs)? {
@@ -153,7 +154,7 @@ pub(crate) fn evaluate<T: Scalar>(
             s,
             x * s - q.half_gap,
             pose.misalignment(i),
-            fraction(pose.mesh_position(k, i) + s * latch.mesh_position),
+            fraction(pose.mesh_position(k, i) + latch.mesh_position * s),
         )
     };
     let mut flanks = [unloaded(0), unloaded(1)];
@@ -172,7 +173,7 @@ pub(crate) fn evaluate<T: Scalar>(
             flank.misalignment,
             flank.mesh_position,
         ];
-        let response = law.respond(coordinates, counts);
+        let response = law.respond(coordinates, counts, stiffness_slopes)?;
         out_of_range |= response.out_of_range;
         flank.press(&response, &mesh);
         if flank.elastic.re() <= 0.0 {

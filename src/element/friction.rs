@@ -20,6 +20,10 @@ use crate::gear::PairGeometry;
 use crate::table::Table;
 use std::sync::Arc;
 
+/// Over the largest weight of a table: least one that the sliding distance is divided by, a hundred times what samples are
+/// rounded to.
+const LEAST_WEIGHT: f64 = 1e-4;
+
 /// Friction of one element.
 #[derive(Clone)]
 pub(crate) struct Friction {
@@ -31,6 +35,8 @@ pub(crate) struct Friction {
     rolling_per_spin: f64,
     /// Loss factor over the mean sliding distance, 1/m.
     loss_per_distance: f64,
+    /// Least weight that the sliding distance is divided by.
+    least_weight: f64,
 }
 
 /// Friction of one flank at one state.
@@ -68,7 +74,9 @@ pub(crate) struct VelocitySlopes {
 impl Friction {
     /// Of `pair` with the sliding in `table`; `None` if it is off.
     pub(crate) fn new(pair: &PairGeometry, p: &Parameters, table: &Arc<Table>) -> Option<Friction> {
-        let law: FrictionLaw = table.file().friction.as_ref().filter(|_| p.friction)?.law;
+        let record = table.file().friction.as_ref().filter(|_| p.friction)?;
+        let law: FrictionLaw = record.law;
+        let weights = record.drive.weight.iter().flatten().copied();
         let mut coefficient = law.coefficient(pair);
         coefficient.scale *= p.friction_factor;
         Some(Friction {
@@ -77,6 +85,7 @@ impl Friction {
             transition: p.friction_transition_speed.powi(2),
             rolling_per_spin: pair.rolling_speed_per_spin(pair.center_distance),
             loss_per_distance: crate::friction::loss_factor_of(pair, 1.0),
+            least_weight: LEAST_WEIGHT * weights.fold(0.0, f64::max),
         })
     }
 
@@ -109,13 +118,19 @@ impl Friction {
         if c.by_speed != 0.0 {
             mu *= rolling.powf(-0.5 * c.by_speed);
         }
+        // Where all flanks just roll, as those of a spur pair with one tooth pair at the pitch point, both are zero to
+        // rounding; on the way there the distance vanishes before the weight.
+        let divisor = match weight.re() > self.least_weight {
+            true => weight,
+            false => T::from(self.least_weight),
+        };
         let by_spin = -c.by_speed * spin.re() * self.rolling_per_spin.powi(2) / rolling.re();
         Some(Rubbing {
             speed: -row.power(twist),
             row,
             full: mu * load.elastic * k.per_cos_beta_b,
             coefficient: mu * weight,
-            loss_factor: distance / weight * self.loss_per_distance,
+            loss_factor: distance / divisor * self.loss_per_distance,
             by_spin,
         })
     }

@@ -13,7 +13,7 @@ use super::error::ElementError;
 use super::evaluate::{Mesh, evaluate};
 use super::flank::along_approach;
 use super::map::{Coordinates, Spatial};
-use super::motion::{CONTINUOUS_OUTPUTS, Inputs, LEADING_OUTPUTS, Latch};
+use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch};
 use super::{Element, Formulation, check};
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -99,21 +99,46 @@ impl Element {
         inputs: &Inputs,
         jacobian: &mut Jacobian,
     ) -> Result<(), ElementError> {
+        self.slopes(Some(latch), inputs, true, jacobian)
+    }
+
+    /// As [`Element::jacobian`]; without `latch` with phases that follow the pose ([`Element::latch`]), and with the row of
+    /// the stiffness only if `stiffness_slopes`: else it need not hold numbers.
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn slopes(
+        &self,
+        latch: Option<&Latch>,
+        inputs: &Inputs,
+        stiffness_slopes: bool,
+        jacobian: &mut Jacobian,
+    ) -> Result<(), ElementError> {
         check::inputs(inputs, self.with_carrier())?;
         match self.parameters.formulation {
-            Formulation::Conjugate => self.jacobian_over::<6>(latch, inputs, jacobian),
-            Formulation::Paper => self.jacobian_over::<9>(latch, inputs, jacobian),
+            Formulation::Conjugate => {
+                self.slopes_over::<6>(latch, inputs, stiffness_slopes, jacobian)
+            }
+            Formulation::Paper => self.slopes_over::<9>(latch, inputs, stiffness_slopes, jacobian),
         }
     }
 
     /// With `N` dual parts: 3 translations and 3 rotations of gear 2, then 3 rotations of the carrier if it counts.
-    fn jacobian_over<const N: usize>(
+    fn slopes_over<const N: usize>(
         &self,
-        latch: &Latch,
+        latch: Option<&Latch>,
         inputs: &Inputs,
+        stiffness_slopes: bool,
         jacobian: &mut Jacobian,
     ) -> Result<(), ElementError> {
-        let solution = evaluate::<Dual<N>>(self, latch, inputs)?;
+        let latch = match latch {
+            Some(latch) => Latch {
+                tooth_angle: latch.tooth_angle.into(),
+                mesh_position: latch.mesh_position.into(),
+            },
+            None => super::latch::latch(self, inputs)?,
+        };
+        let solution = evaluate::<Dual<N>>(self, &latch, inputs, stiffness_slopes)?;
         let columns = &mut jacobian.data.0;
         let rows = solution.outputs.to_array();
         for lane in 0..6 {
@@ -171,8 +196,8 @@ impl Element {
             unit.add(columns, &unit.times(-damper), &scalars);
         }
         if let Some(friction) = &self.friction {
-            const POWER: usize = LEADING_OUTPUTS;
-            const COEFFICIENT: usize = LEADING_OUTPUTS + 1;
+            const POWER: usize = 26;
+            const COEFFICIENT: usize = 27;
             // Of gear 1 against the line of centres.
             let spin = unit(&map.loads(&Coordinates {
                 mesh_angle: -1.0,

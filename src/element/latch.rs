@@ -5,7 +5,7 @@ use super::error::ElementError;
 use super::evaluate::{Pose, pose};
 use super::motion::{Inputs, Latch};
 use super::parameters::PhaseReference;
-use super::scalar::{fraction, wrap};
+use super::scalar::{Scalar, fraction, lift, wrap};
 use super::{Element, law::Law};
 use crate::gear::teeth::Counts;
 
@@ -14,7 +14,10 @@ use crate::gear::teeth::Counts;
 const ROUNDING: f64 = 2e-14;
 
 /// The latch that `element` takes from `inputs`.
-pub(crate) fn latch(element: &Element, inputs: &Inputs) -> Result<Latch, ElementError> {
+pub(crate) fn latch<T: Scalar>(
+    element: &Element,
+    inputs: &Inputs,
+) -> Result<Latch<T>, ElementError> {
     let Ok(pose) = pose(element, inputs)? else {
         return Err(ElementError::OutOfReach);
     };
@@ -25,7 +28,13 @@ pub(crate) fn latch(element: &Element, inputs: &Inputs) -> Result<Latch, Element
 }
 
 /// The phases with which the pose is the one where the reference flank is about to carry.
-fn from_initial_pose(element: &Element, pose: &Pose<f64>) -> Result<Latch, ElementError> {
+fn from_initial_pose<T: Scalar>(
+    element: &Element,
+    pose: &Pose<T>,
+) -> Result<Latch<T>, ElementError> {
+    /// Of the central differences, m and rad: small against a tooth, large against the 1e-16 m to which the onset is
+    /// known.
+    const STEP: f64 = 1e-6;
     let k = &element.constants;
     let i = element.reference_flank;
     let s = FLANKS[i].sign();
@@ -33,78 +42,113 @@ fn from_initial_pose(element: &Element, pose: &Pose<f64>) -> Result<Latch, Eleme
     let law = element.laws[i].as_ref().ok_or(ElementError::OutOfReach)?;
     // The pair of teeth 0 touches where the mesh position is 0.
     let counts = [mesh_position.floor() as i64; 2];
-    let touching = onset(element, law, pose, i, (mesh_position, counts));
-    let elongation = touching - pose.lever * pose.misalignment(i);
-    let per_tooth = k.per_tooth_angle;
+    let touching = |[offset, misalignment]: [f64; 2], start| {
+        let at = [offset, misalignment, fraction(mesh_position)];
+        onset(element, law, at, counts, start)
+    };
+    let q = [
+        pose.coordinates.center_distance - k.center_distance,
+        pose.misalignment(i),
+    ];
+    let at = q.map(T::re);
+    let found = touching(at, 0.0)?;
+    let mut slopes = [0.0; 2];
+    for (axis, slope) in slopes.iter_mut().enumerate() {
+        if !T::CARRIES || !law.follows()[axis] {
+            continue;
+        }
+        let beside = |step: f64| {
+            let mut x = at;
+            x[axis] += step;
+            touching(x, found + STEP)
+        };
+        *slope = (beside(STEP)? - beside(-STEP)?) / (2.0 * STEP);
+    }
+    let elongation = lift(found, &slopes, &q) - pose.lever * q[1];
     Ok(Latch {
-        tooth_angle: s * (elongation + pose.coordinates.half_gap) / per_tooth
-            - pose.coordinates.turn / per_tooth,
-        mesh_position: s * (mesh_position - pose.mesh_position(k, i)),
+        tooth_angle: (elongation + pose.coordinates.half_gap) * (s * k.tooth_angle_per)
+            - pose.coordinates.turn * k.tooth_angle_per,
+        mesh_position: (-pose.mesh_position(k, i) + mesh_position) * s,
     })
 }
 
-/// The largest elongation, m, at which flank `i` carries nothing: by bisection within half a base pitch about zero,
-/// where the force rises.
+/// The largest elongation, m, at which a flank carries nothing at this centre distance offset (m), misalignment and mesh position,
+/// within half a base pitch about zero, where the force rises; `start` (m) is looked at first.
+///
+/// Energy, force and stiffness are those of a power of the distance to the onset, the more so the nearer it is: they tell the
+/// distance, so that a few evaluations are enough. Where they mislead, bisection goes on.
 fn onset(
     element: &Element,
     law: &Law,
-    pose: &Pose<f64>,
-    i: usize,
-    (mesh_position, counts): (f64, Counts),
-) -> f64 {
-    let k = &element.constants;
-    let offset = pose.coordinates.center_distance - k.center_distance;
-    let carries = |delta: f64| {
-        law.respond(
-            [delta, offset, pose.misalignment(i), fraction(mesh_position)],
-            counts,
-        )
-        .gradient[0]
-            > 0.0
-    };
-    let quarter = 0.25 * k.base_pitch;
+    [offset, misalignment, mesh_position]: [f64; 3],
+    counts: Counts,
+    start: f64,
+) -> Result<f64, ElementError> {
+    /// First step, m, in search of a load: reliefs are larger, so that none is met by chance far inside.
+    const FIRST: f64 = 1e-6;
+    /// To which the onset is found, m: a hundredth of the rounding of microns.
+    const NEAR: f64 = 1e-17;
+    /// Evaluations after which bisection takes over.
+    const MOST: usize = 20;
+    let quarter = 0.25 * element.constants.base_pitch;
     let (mut free, mut pressed) = (-quarter, quarter);
-    loop {
+    let (mut next, mut step) = (start, FIRST);
+    for tried in 0.. {
+        let w = law.respond([next, offset, misalignment, mesh_position], counts, false)?;
+        let force = w.gradient[0];
+        let guess = if force > 0.0 {
+            pressed = next;
+            let way = w.energy / force / (1.0 - w.energy / force * (w.stiffness / force));
+            // Not a number under a law without energy.
+            pressed
+                - if way > 0.0 {
+                    (0.999 * way).max(3.0 * NEAR)
+                } else {
+                    f64::NAN
+                }
+        } else {
+            free = next;
+            step *= 4.0;
+            if pressed < quarter {
+                pressed
+            } else {
+                free + step
+            }
+        };
         let middle = 0.5 * (free + pressed);
         // Two neighbouring numbers, or nothing but rounding of the zero between them.
-        if middle == free || middle == pressed || pressed - free < 1e-18 {
-            return free - ROUNDING * k.base_pitch;
+        if middle == free || middle == pressed || pressed - free < 4.0 * NEAR {
+            break;
         }
-        if carries(middle) {
-            pressed = middle;
-        } else {
-            free = middle;
-        }
+        let helps = free < guess && guess < pressed && tried < MOST;
+        next = if helps { guess } else { middle };
     }
+    Ok(free - ROUNDING * element.constants.base_pitch)
 }
 
 /// The phases of the body frames, unless the teeth overlap there by more than a load of the table brings about.
-fn absolute(element: &Element, pose: &Pose<f64>) -> Result<Latch, ElementError> {
+fn absolute<T: Scalar>(element: &Element, pose: &Pose<T>) -> Result<Latch<T>, ElementError> {
     let k = &element.constants;
+    let latch = Latch {
+        tooth_angle: T::from(0.0),
+        mesh_position: T::from(0.0),
+    };
+    let q = &pose.coordinates;
     let per_tooth = k.per_tooth_angle;
-    let x = wrap(pose.coordinates.turn / per_tooth) * per_tooth;
-    let cos_phi = k.base_sum / pose.coordinates.center_distance;
+    let x = wrap(q.turn.re() / per_tooth) * per_tooth;
+    let offset = q.center_distance.re() - k.center_distance;
+    let scale = element.law_scale(k.base_sum / q.center_distance.re());
     for (i, law) in element.laws.iter().enumerate() {
         let Some(law) = law else { continue };
         let s = FLANKS[i].sign();
-        let misalignment = pose.misalignment(i);
-        let elongation = s * x - pose.coordinates.half_gap;
-        let position = fraction(pose.mesh_position(k, i));
-        let counts = pose.counts(k, i, &Latch::default());
-        let delta = elongation + pose.lever * misalignment;
-        let force = law
-            .respond(
-                [
-                    delta * element.law_scale(cos_phi),
-                    pose.coordinates.center_distance - k.center_distance,
-                    misalignment,
-                    position,
-                ],
-                counts,
-            )
-            .gradient[0];
+        let misalignment = pose.misalignment(i).re();
+        let delta = s * x - q.half_gap.re() + pose.lever.re() * misalignment;
+        let position = fraction(pose.mesh_position(k, i).re());
+        let counts = pose.counts(k, i, &latch);
+        let at = [delta * scale, offset, misalignment, position];
+        let force = law.respond(at, counts, false)?.gradient[0];
         if force > element.largest_force {
-            let touching = onset(element, law, pose, i, (position, counts));
+            let touching = onset(element, law, [offset, misalignment, position], counts, 0.0)?;
             return Err(ElementError::TeethOverlap {
                 overlap_um: 1e6 * (delta - touching),
                 force_kn: 1e-3 * force,
@@ -113,5 +157,5 @@ fn absolute(element: &Element, pose: &Pose<f64>) -> Result<Latch, ElementError> 
             });
         }
     }
-    Ok(Latch::default())
+    Ok(latch)
 }

@@ -1,5 +1,6 @@
 //! Elastic law of one flank: from the four mesh coordinates to the derivatives of the potential.
 
+use super::error::ElementError;
 use super::scalar::{Scalar, lift};
 use crate::gear::Flank;
 use crate::gear::teeth::Counts;
@@ -15,22 +16,21 @@ use std::sync::Arc;
 /// sense (coast tables: M > 0 still means more penetration at larger z).
 pub trait Elasticity: Send + Sync {
     /// Potential, first derivatives and `hessian[0][0]`, the tangent stiffness, at `query`; the other
-    /// second derivatives only if `want_hessian`.
-    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential;
+    /// second derivatives only if `want_hessian`. `counts` are the mesh cycles that passed on gear 1 and gear 2 since the pair of
+    /// teeth 0, zero unless [`Elasticity::tells_teeth_apart`].
+    ///
+    /// # Errors
+    /// Why there is none, as text.
+    fn evaluate(
+        &self,
+        query: &Query,
+        counts: Counts,
+        want_hessian: bool,
+    ) -> Result<Potential, String>;
 
-    /// Whether it tells teeth apart and is to be asked by [`Elasticity::with_teeth`].
+    /// Whether it tells teeth apart and wants their counts.
     fn tells_teeth_apart(&self) -> bool {
         false
-    }
-
-    /// As [`Elasticity::evaluate`], with the mesh cycles that passed on gear 1 and gear 2 since the pair of teeth 0.
-    fn with_teeth(&self, query: &Query, _counts: Counts, want_hessian: bool) -> Potential {
-        self.evaluate(query, want_hessian)
-    }
-
-    /// Why the last evaluation gave what is not a number, if it did and there is more to say.
-    fn refusal(&self) -> Option<String> {
-        None
     }
 }
 
@@ -46,8 +46,8 @@ pub struct FlankLaws {
 
 impl Elasticity for FlankTable {
     #[inline]
-    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
-        FlankTable::evaluate(self, query, want_hessian)
+    fn evaluate(&self, query: &Query, _: Counts, want_hessian: bool) -> Result<Potential, String> {
+        Ok(FlankTable::evaluate(self, query, want_hessian))
     }
 }
 
@@ -59,8 +59,8 @@ struct TableFlank {
 
 impl Elasticity for TableFlank {
     #[inline]
-    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
-        self.table.flank(self.flank).0.evaluate(query, want_hessian)
+    fn evaluate(&self, query: &Query, _: Counts, want_hessian: bool) -> Result<Potential, String> {
+        Ok(self.table.flank(self.flank).0.evaluate(query, want_hessian))
     }
 }
 
@@ -78,18 +78,19 @@ impl TableTeeth {
 }
 
 impl Elasticity for TableTeeth {
-    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
-        self.with_teeth(query, [0; 2], want_hessian)
+    fn evaluate(
+        &self,
+        query: &Query,
+        counts: Counts,
+        want_hessian: bool,
+    ) -> Result<Potential, String> {
+        Ok(self.teeth().map_or(Potential::default(), |teeth| {
+            teeth.evaluate(query, counts, want_hessian)
+        }))
     }
 
     fn tells_teeth_apart(&self) -> bool {
         self.teeth().is_some_and(TeethFlank::tells_teeth_apart)
-    }
-
-    fn with_teeth(&self, query: &Query, counts: Counts, want_hessian: bool) -> Potential {
-        self.teeth().map_or(Potential::default(), |teeth| {
-            teeth.evaluate(query, counts, want_hessian)
-        })
     }
 }
 
@@ -100,14 +101,14 @@ struct Linear {
 }
 
 impl Elasticity for Linear {
-    fn evaluate(&self, query: &Query, _want_hessian: bool) -> Potential {
+    fn evaluate(&self, query: &Query, _: Counts, _: bool) -> Result<Potential, String> {
         let mut w = Potential::default();
         if query.delta > 0.0 {
             w.gradient[0] = self.stiffness * query.delta;
             w.value = 0.5 * w.gradient[0] * query.delta;
             w.hessian[0][0] = self.stiffness;
         }
-        w
+        Ok(w)
     }
 }
 
@@ -133,11 +134,6 @@ pub(crate) struct Response<T> {
 }
 
 impl Law {
-    /// [`Elasticity::refusal`].
-    pub(crate) fn refusal(&self) -> Option<String> {
-        self.surface.refusal()
-    }
-
     /// Linear spring of `stiffness` N/m on the line of action.
     pub(crate) fn linear(stiffness: f64, effects: Effects) -> Self {
         Self::new(Arc::new(Linear { stiffness }), false, effects)
@@ -175,13 +171,18 @@ impl Law {
     }
 
     /// Potential at the coordinates (delta, C - C_nominal, M, PMC), effects that are off left out, with the mesh cycles that
-    /// passed on either gear.
+    /// passed on either gear. The derivatives of the stiffness are not numbers unless `stiffness_slopes` asks for them: under a
+    /// law that does not know them they cost eight evaluations.
+    ///
+    /// # Errors
+    /// The law has no potential there.
     #[inline]
     pub(crate) fn respond<T: Scalar>(
         &self,
         coordinates: [T; COORDINATES],
         counts: Counts,
-    ) -> Response<T> {
+        stiffness_slopes: bool,
+    ) -> Result<Response<T>, ElementError> {
         let mut q = coordinates;
         if !self.effects.center_distance {
             q[1] = T::from(0.0);
@@ -193,7 +194,7 @@ impl Law {
             q[2] = -q[2];
         }
         let at = [q[0].re(), q[1].re(), q[2].re(), q[3].re()];
-        let w = self.ask(at, counts, T::CARRIES);
+        let w = self.ask(at, counts, T::CARRIES)?;
         let mut gradient = [T::from(0.0); COORDINATES];
         for (i, g) in gradient.iter_mut().enumerate() {
             *g = lift(w.gradient[i], &w.hessian[i], &q);
@@ -208,19 +209,26 @@ impl Law {
             gradient[2] = T::from(0.0);
         }
         let stiffness = if T::CARRIES && w.gradient[0] > 0.0 {
-            let slopes = w
-                .stiffness_gradient
-                .unwrap_or_else(|| self.stiffness_gradient(at, counts));
+            let slopes = match w.stiffness_gradient {
+                Some(slopes) => slopes,
+                None if stiffness_slopes => self.stiffness_gradient(at, counts)?,
+                None => [f64::NAN; COORDINATES],
+            };
             lift(w.hessian[0][0], &slopes, &q)
         } else {
             T::from(w.hessian[0][0])
         };
-        Response {
+        Ok(Response {
             energy: lift(w.value, &w.gradient, &q),
             gradient,
             stiffness,
             out_of_range: w.out_of_range,
-        }
+        })
+    }
+
+    /// Whether it follows the centre distance and the misalignment.
+    pub(crate) fn follows(&self) -> [bool; 2] {
+        [self.effects.center_distance, self.effects.misalignment]
     }
 
     /// Whether it is to be told which teeth are in mesh.
@@ -230,17 +238,23 @@ impl Law {
     }
 
     #[inline]
-    fn ask(&self, at: [f64; COORDINATES], counts: Counts, want_hessian: bool) -> Potential {
-        if self.tells_teeth_apart {
-            self.surface.with_teeth(&query(at), counts, want_hessian)
-        } else {
-            self.surface.evaluate(&query(at), want_hessian)
-        }
+    fn ask(
+        &self,
+        at: [f64; COORDINATES],
+        counts: Counts,
+        want_hessian: bool,
+    ) -> Result<Potential, ElementError> {
+        let w = self.surface.evaluate(&query(at), counts, want_hessian);
+        w.map_err(ElementError::NoPotential)
     }
 
     /// Gradient of the tangent stiffness by central differences, for laws that do not know it. Only the
     /// derivative of the output `mesh.stiffness` uses it.
-    fn stiffness_gradient(&self, at: [f64; COORDINATES], counts: Counts) -> [f64; COORDINATES] {
+    fn stiffness_gradient(
+        &self,
+        at: [f64; COORDINATES],
+        counts: Counts,
+    ) -> Result<[f64; COORDINATES], ElementError> {
         const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
         let mut slope = [0.0; COORDINATES];
         for (i, slope) in slope.iter_mut().enumerate() {
@@ -248,11 +262,11 @@ impl Law {
             for (side, sign) in side.iter_mut().zip([1.0, -1.0]) {
                 let mut x = at;
                 x[i] += sign * STEP[i];
-                *side = self.ask(x, counts, false).hessian[0][0];
+                *side = self.ask(x, counts, false)?.hessian[0][0];
             }
             *slope = (side[0] - side[1]) / (2.0 * STEP[i]);
         }
-        slope
+        Ok(slope)
     }
 }
 

@@ -25,8 +25,8 @@
 //! would meet the tooth behind, which is refused.
 //!
 //! Known limits: gears are rigid apart from the mesh; misalignment to first order, tilts up to 0.1 rad
-//! and meaningful within the table's range; errors of teeth with [`StiffnessModel::Teeth`] and [`StiffnessModel::Contact`] alone. An evaluation
-//! neither allocates nor remembers; the phase zeros are the caller's [`Latch`].
+//! and meaningful within the table's range; errors of teeth with [`StiffnessModel::Teeth`] and [`StiffnessModel::Contact`] alone. But for the laws of a
+//! caller an evaluation neither allocates nor remembers; the phase zeros are the caller's [`Latch`].
 
 mod check;
 mod constants;
@@ -52,7 +52,7 @@ pub use dual::Dual;
 pub use error::{Body, ElementError};
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
 pub use law::{Elasticity, FlankLaws};
-pub use motion::{CONTINUOUS_OUTPUTS, Inputs, LEADING_OUTPUTS, Latch, Motion, Outputs};
+pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 pub use scalar::Scalar;
 
@@ -231,11 +231,6 @@ impl Element {
         &self.parameters
     }
 
-    /// Why the last evaluation gave what is not a number, if a law has more to say of it ([`Elasticity::refusal`]).
-    pub fn refusal(&self) -> Option<String> {
-        self.laws.iter().flatten().find_map(Law::refusal)
-    }
-
     /// Line-of-action length per tangential length at `center_distance` (m): cos phi.
     pub fn line_of_action(&self, center_distance: f64) -> f64 {
         self.constants.base_sum / center_distance
@@ -266,14 +261,14 @@ impl Element {
         latch::latch(self, inputs)
     }
 
-    /// Loads and diagnostics at `inputs`. Pure; no allocation.
+    /// Loads and diagnostics at `inputs`. Pure; no allocation, but for the laws of a caller.
     ///
     /// # Errors
-    /// A pose without meaning (see [`ElementError`]). Gears out of reach of one another are no error:
+    /// A pose without meaning (see [`ElementError`]), or at which a law of a caller has no potential. Gears out of reach of one another are no error:
     /// they feel no force.
     pub fn evaluate(&self, latch: &Latch, inputs: &Inputs) -> Result<Outputs, ElementError> {
         check::inputs(inputs, self.with_carrier())?;
-        Ok(evaluate::evaluate(self, latch, inputs)?.outputs)
+        Ok(evaluate::evaluate(self, latch, inputs, false)?.outputs)
     }
 
     fn with_carrier(&self) -> bool {

@@ -55,7 +55,7 @@ pub struct Outputs<T = f64> {
     pub force: [Vector3<T>; 2],
     /// Moment on each gear about that gear's own origin, N m.
     pub moment: [Vector3<T>; 2],
-    /// Point of application of the resultant, m, W. Out of contact: the pitch point at mid-face.
+    /// Where the resultant crosses the pitch plane, m, W. Out of contact: the pitch point at mid-face.
     pub contact_point: Vector3<T>,
     /// Transmission error, m, tangential at the operating pitch circle; > 0: gear 1 is ahead in its
     /// positive sense, so the drive flank is compressed. Zero where the unmodified involutes of the loaded
@@ -76,7 +76,7 @@ pub struct Outputs<T = f64> {
     pub normal_force: T,
     /// Tangent stiffness dF_tt/dDTE, N/m, without damping.
     pub stiffness: T,
-    /// Axial position of the resultant in gear 1's frame, m.
+    /// Axial position of that point in gear 1's frame, m.
     pub contact_z: T,
     /// Elastic energy stored in the mesh, J; in the paper's formulation that of the law, though the
     /// loads there are not its gradient.
@@ -98,11 +98,8 @@ pub struct Outputs<T = f64> {
     pub out_of_range: bool,
 }
 
-/// Number of continuous outputs, in the order of [`Outputs::to_array`].
-pub const CONTINUOUS_OUTPUTS: usize = 29;
-
-/// How many of them come before the FMU's discrete outputs.
-pub const LEADING_OUTPUTS: usize = 24;
+/// Number of outputs of the FMU, in the order of [`Outputs::to_array`].
+pub const CONTINUOUS_OUTPUTS: usize = 31;
 
 impl<T: super::Scalar> Outputs<T> {
     /// No load, for gears so far apart that phase and transmission error have no meaning (zero).
@@ -135,12 +132,10 @@ impl<T: super::Scalar> Outputs<T> {
             out_of_range: true,
         }
     }
-}
 
-impl<T: nalgebra::Scalar + Copy> Outputs<T> {
-    /// All continuous outputs in the FMU's order: force and moment of gear 1, force and moment of
-    /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z`, those of friction and the
-    /// stress in both roots (`energy` is left out: the FMU does not show it).
+    /// All outputs of the FMU in its order: force and moment of gear 1, force and moment of
+    /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z`, `flank` and `out_of_range` (0 or 1)
+    /// as steps without slopes, those of friction and the stress in both roots (`energy` is left out: the FMU does not show it).
     pub fn to_array(&self) -> [T; CONTINUOUS_OUTPUTS] {
         let [f1, f2] = self.force;
         let [m1, m2] = self.moment;
@@ -170,6 +165,8 @@ impl<T: nalgebra::Scalar + Copy> Outputs<T> {
             self.normal_force,
             self.stiffness,
             self.contact_z,
+            T::from(f64::from(self.flank)),
+            T::from(f64::from(u8::from(self.out_of_range))),
             self.friction_power,
             self.friction_coefficient,
             self.loss_factor,
@@ -181,9 +178,9 @@ impl<T: nalgebra::Scalar + Copy> Outputs<T> {
 
 /// Phase zeros, taken once from the initial pose. They belong to the state of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
-pub struct Latch {
+pub struct Latch<T = f64> {
     /// Added to the tooth angle z1 (theta1 - gamma) + e z2 (theta2 - gamma), rad; 2 pi is one pitch.
-    pub tooth_angle: f64,
+    pub tooth_angle: T,
     /// Added to the mesh position of the drive flank (taken off the coast flank's), base pitches.
-    pub mesh_position: f64,
+    pub mesh_position: T,
 }

@@ -22,7 +22,8 @@ pub enum StiffnessModel {
 /// How displacement and force follow from the poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Formulation {
-    /// The paper's (1)-(26), corrected.
+    /// The paper's (1)-(26), corrected. What a misalignment closes of helical flanks, and where the resultant crosses the pitch plane,
+    /// come with the table; the equations here stay the paper's.
     Paper,
     /// Exact involute helicoids with the force along the exact gradient; keeps energy.
     Conjugate,

@@ -70,7 +70,7 @@ impl Element {
                 reasons: apart.join("; "),
             });
         }
-        let solution = evaluate::<f64>(self, latch, inputs)?;
+        let solution = evaluate::<f64>(self, latch, inputs, false)?;
         let pressed = solution.mesh.map_or(0.0, |mesh| {
             let [drive, coast] = mesh.flanks.map(|flank| flank.elastic);
             drive.max(coast)

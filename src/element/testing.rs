@@ -6,6 +6,7 @@ use super::{
 };
 use crate::friction::{FrictionLaw, Sliding};
 use crate::gear::samples::{gear, thinned};
+use crate::gear::teeth::Counts;
 use crate::gear::{GearKind, PairGeometry};
 use crate::random::Random;
 use crate::table::samples::Spring;
@@ -207,7 +208,7 @@ pub(crate) struct Smooth {
 }
 
 impl Elasticity for Smooth {
-    fn evaluate(&self, q: &Query, _want_hessian: bool) -> Potential {
+    fn evaluate(&self, q: &Query, _: Counts, _: bool) -> Result<Potential, String> {
         type D = HyperDual64;
         let at = [
             q.delta,
@@ -238,7 +239,7 @@ impl Elasticity for Smooth {
                 w.hessian[i][j] = y.eps1eps2;
             }
         }
-        w
+        Ok(w)
     }
 }
 

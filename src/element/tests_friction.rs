@@ -7,6 +7,8 @@ use super::*;
 use crate::friction::FrictionLaw;
 use crate::gear::samples::paper_pair;
 use approx::assert_relative_eq;
+use nalgebra::Rotation3;
+use std::f64::consts::TAU;
 
 fn off(parameters: &Parameters) -> Parameters {
     Parameters {
@@ -156,6 +158,46 @@ fn loss_is_coefficient_times_load_times_sliding_in_either_sense() {
                 assert_relative_eq!(ahead.friction_coefficient, expected, max_relative = 1e-9);
             }
         }
+    }
+}
+
+#[test]
+fn flanks_that_just_roll_have_a_loss_factor_of_zero() {
+    let pair = paper_pair(1.0);
+    let mut file = rubbing_table(&pair, LAWS[2], false).file().clone();
+    let record = file.friction.as_mut().unwrap();
+    // One contact line, which passes the pitch point at mesh position 0.
+    let nodes = record.axes.mesh_position.clone();
+    let s = |k: usize| 1e-2 * (TAU * nodes[k % nodes.len()]).sin().abs();
+    let drive = &mut record.drive;
+    for (k, weight) in drive.weight.as_mut().unwrap().iter_mut().enumerate() {
+        *weight = 4.0 * s(k);
+        drive.distance_m[k] = *weight * s(k);
+    }
+    file.seal();
+    let table = Arc::new(Table::from_file(file).unwrap());
+    let parameters = rubbing(Formulation::Conjugate, LoadedFlank::Drive);
+    let element = Element::new(&pair, &parameters, Some(table)).unwrap();
+    let latch = element.latch(&element.nominal_inputs()).unwrap();
+    let at = |cycles: f64| {
+        let mut inputs = turning(&element, &pair, 8e-6, 300.0);
+        for (motion, z) in inputs.gears.iter_mut().zip([20.0, -20.0]) {
+            let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), cycles * TAU / z);
+            motion.r = turn.matrix() * motion.r;
+        }
+        element.evaluate(&latch, &inputs).unwrap()
+    };
+    let from_pitch_point = |out: &Outputs| out.mesh_position - out.mesh_position.round();
+    let to_it = -from_pitch_point(&at(0.0));
+    for beyond in [0.0, 1e-16, -1e-14, 1e-12, -1e-10, 1e-8, 1e-6] {
+        let out = at(to_it + beyond);
+        assert!((from_pitch_point(&out) - beyond).abs() < 1e-14);
+        assert!(
+            out.loss_factor.abs() < 1e-3,
+            "{beyond}: {}",
+            out.loss_factor
+        );
+        assert!(out.friction_power.abs() < 1e-6);
     }
 }
 

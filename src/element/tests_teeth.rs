@@ -1,8 +1,10 @@
 //! Claims about which teeth the element says are in mesh.
 
-use super::testing::{FORMULATIONS, spun, three_pairs, undamped};
+use super::testing::{FORMULATIONS, compressed, spun, three_pairs, undamped};
 use super::*;
+use crate::fmi::variables::index;
 use crate::gear::Flank;
+use crate::gear::samples::paper_pair;
 use crate::gear::teeth::Counts;
 use crate::table::{Potential, Query};
 use std::f64::consts::TAU;
@@ -13,23 +15,20 @@ use std::sync::Mutex;
 struct Listener(Mutex<Vec<Counts>>);
 
 impl Elasticity for Listener {
-    fn evaluate(&self, query: &Query, _: bool) -> Potential {
+    fn evaluate(&self, query: &Query, counts: Counts, _: bool) -> Result<Potential, String> {
+        self.0.lock().unwrap().push(counts);
         let mut w = Potential::default();
         let stiffness = 1e8;
         if query.delta > 0.0 {
             w.gradient[0] = stiffness * query.delta;
+            w.value = 0.5 * stiffness * query.delta.powi(2);
             w.hessian[0][0] = stiffness;
         }
-        w
+        Ok(w)
     }
 
     fn tells_teeth_apart(&self) -> bool {
         true
-    }
-
-    fn with_teeth(&self, query: &Query, counts: Counts, want_hessian: bool) -> Potential {
-        self.0.lock().unwrap().push(counts);
-        self.evaluate(query, want_hessian)
     }
 }
 
@@ -67,4 +66,61 @@ fn the_pose_alone_says_which_teeth_of_either_gear_are_in_mesh() {
             }
         }
     }
+}
+
+/// The paper's pair under `law`.
+fn element(law: &Arc<impl Elasticity + 'static>) -> Element {
+    let laws = FlankLaws {
+        drive: law.clone(),
+        coast: None,
+    };
+    let parameters = undamped(Formulation::Conjugate, LoadedFlank::Drive);
+    Element::with_laws(&paper_pair(1.0), &parameters, &laws).unwrap()
+}
+
+#[test]
+fn phases_are_found_and_derivatives_made_with_few_questions_to_the_law() {
+    let listener = Arc::new(Listener::default());
+    let element = element(&listener);
+    let asked = || listener.0.lock().unwrap().drain(..).count();
+    let start = element.nominal_inputs();
+    let latch = element.latch(&start).unwrap();
+    assert!(asked() <= 10);
+    let inputs = compressed(&element, 1.0, 5e-6);
+    asked();
+    let mut jacobian = Jacobian::zeros();
+    // The derivative of the stiffness alone takes eight more under a law that does not know it.
+    let mut slopes = |latch: Option<&Latch>, stiffness| {
+        let made = element.slopes(latch, &inputs, stiffness, &mut jacobian);
+        made.unwrap();
+        let stiffness = index::MESH_STIFFNESS - index::GEAR1_FORCE_1;
+        let numbers =
+            (0..CONTINUOUS_OUTPUTS).filter(|row| jacobian.row(*row).iter().all(|x| x.is_finite()));
+        let missing = CONTINUOUS_OUTPUTS - numbers.filter(|row| *row != stiffness).count();
+        assert_eq!(missing, 1);
+        asked()
+    };
+    assert_eq!(slopes(Some(&latch), false), 1);
+    assert_eq!(slopes(Some(&latch), true), 9);
+    // While phases follow the pose: those of it and of four beside it.
+    assert!(slopes(None, false) <= 51);
+}
+
+/// A law that knows nothing beyond the touch.
+struct Fails;
+
+impl Elasticity for Fails {
+    fn evaluate(&self, query: &Query, _: Counts, _: bool) -> Result<Potential, String> {
+        match query.delta > 0.0 {
+            true => Err("no solve succeeds".into()),
+            false => Ok(Potential::default()),
+        }
+    }
+}
+
+#[test]
+fn a_law_that_fails_while_phases_are_taken_is_no_gap() {
+    let element = element(&Arc::new(Fails));
+    let refused = element.latch(&element.nominal_inputs()).unwrap_err();
+    assert_eq!(refused.to_string(), "no solve succeeds");
 }

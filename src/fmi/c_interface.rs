@@ -505,10 +505,9 @@ export! {
         c.instance.enter(State::ContinuousTimeMode);
         Ok(())
     }
-    /// Asks for nothing: outputs depend on nothing that came before.
+    /// Asks for nothing, and need not be called: outputs depend on nothing that came before.
     fn fmi2CompletedIntegratorStep: fmi2CompletedIntegratorStepTYPE, CompletedIntegratorStep
-        (c, _no_set_state_prior: fmi2Boolean, event: *mut fmi2Boolean, end: *mut fmi2Boolean) {
-        c.instance.completed_step();
+        (_c, _no_set_state_prior: fmi2Boolean, event: *mut fmi2Boolean, end: *mut fmi2Boolean) {
         put(event, 0)?;
         put(end, 0)
     }

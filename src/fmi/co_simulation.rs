@@ -56,11 +56,11 @@ impl CoSimulation {
     pub fn step(&mut self, unit: &mut Unit, point: f64, step: f64) -> Result<(), Refusal> {
         let clock = self.clock.after(point, step)?;
         let moving = |body: &usize| unit.extrapolates(*body).is_some();
-        if self.polynomials.is_constant() && !(0..BODIES.len()).any(|body| moving(&body)) {
+        let mut polynomials = self.polynomials.to_come();
+        if polynomials.is_constant() && !(0..BODIES.len()).any(|body| moving(&body)) {
             unit.evaluate()?;
         } else {
             let mut inputs = unit.inputs().clone();
-            let mut polynomials = self.polynomials.clone();
             for body in 0..BODIES.len() {
                 if let Some(orientation) = unit.extrapolates(body)
                     && !polynomials.moves(body)
@@ -77,8 +77,8 @@ impl CoSimulation {
                 unit.replace_inputs(before);
                 return Err(refusal);
             }
-            self.polynomials = polynomials;
         }
+        self.polynomials = polynomials;
         self.clock = clock;
         Ok(())
     }
@@ -88,7 +88,7 @@ impl CoSimulation {
     /// their derivatives, and velocities with the input derivatives that the host gave.
     ///
     /// # Errors
-    /// References that are no continuous outputs, another order than 1, inputs at which there are no
+    /// References that are no outputs, another order than 1, inputs at which there are no
     /// outputs.
     pub fn output_derivatives(
         &self,

@@ -16,8 +16,6 @@ const STEPS: [(usize, f64); 2] = [(1, 1e-7), (3, 1e-4)];
 struct ContactLaw {
     contact: RuntimeContact,
     warm: Mutex<Warm>,
-    /// What the last solve failed of.
-    failure: Mutex<Option<String>>,
 }
 
 /// The laws of both flanks of `file`.
@@ -25,11 +23,7 @@ pub fn laws(file: &ContactFile) -> FlankLaws {
     let of = |flank| -> Option<Arc<dyn Elasticity>> {
         let contact = file.flank(flank)?;
         let warm = Mutex::default();
-        Some(Arc::new(ContactLaw {
-            contact,
-            warm,
-            failure: Mutex::default(),
-        }))
+        Some(Arc::new(ContactLaw { contact, warm }))
     };
     let drive = of(Flank::Drive).expect("there is always a drive flank");
     FlankLaws {
@@ -39,45 +33,36 @@ pub fn laws(file: &ContactFile) -> FlankLaws {
 }
 
 impl ContactLaw {
-    /// The potential at `at`; not a number where no solve succeeds, which the unit refuses with what the solve said.
-    fn at(&self, at: [f64; COORDINATES], counts: Counts) -> ContactPotential {
+    /// The potential at `at`.
+    ///
+    /// # Errors
+    /// No solve succeeds: why.
+    fn at(&self, at: [f64; COORDINATES], counts: Counts) -> Result<ContactPotential, String> {
         // The forces are whole even if a thread panicked while it held the lock.
         let mut warm = self.warm.lock().unwrap_or_else(PoisonError::into_inner);
         let found = self.contact.potential(at, counts, &mut warm);
-        found.unwrap_or_else(|error| {
-            let said = format!("stiffnessModel = contact finds no loads: {error}");
-            *self.failure.lock().unwrap_or_else(PoisonError::into_inner) = Some(said);
-            ContactPotential {
-                energy: f64::NAN,
-                gradient: [f64::NAN; COORDINATES],
-                ..ContactPotential::default()
-            }
-        })
+        found.map_err(|error| format!("stiffnessModel = contact finds no loads: {error}"))
     }
 }
 
 impl Elasticity for ContactLaw {
-    fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
-        self.with_teeth(query, [0; 2], want_hessian)
-    }
-
     fn tells_teeth_apart(&self) -> bool {
         true
     }
 
-    fn refusal(&self) -> Option<String> {
-        let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
-        failure.take()
-    }
-
-    fn with_teeth(&self, query: &Query, counts: Counts, want_hessian: bool) -> Potential {
+    fn evaluate(
+        &self,
+        query: &Query,
+        counts: Counts,
+        want_hessian: bool,
+    ) -> Result<Potential, String> {
         let at = [
             query.delta,
             query.center_distance_offset,
             query.misalignment,
             query.mesh_position,
         ];
-        let here = self.at(at, counts);
+        let here = self.at(at, counts)?;
         let mut out = Potential {
             value: here.energy,
             gradient: here.gradient,
@@ -86,7 +71,7 @@ impl Elasticity for ContactLaw {
         };
         out.hessian[0][0] = here.tangent.force_by_approach;
         if !want_hessian || here.gradient[0] == 0.0 {
-            return out;
+            return Ok(out);
         }
         out.hessian[0][2] = here.tangent.force_by_misalignment;
         out.hessian[2][0] = here.tangent.force_by_misalignment;
@@ -95,9 +80,9 @@ impl Elasticity for ContactLaw {
             let side = |sign: f64| {
                 let mut x = at;
                 x[axis] += sign * step;
-                self.at(x, counts).gradient
+                self.at(x, counts).map(|potential| potential.gradient)
             };
-            let (up, down) = (side(1.0), side(-1.0));
+            let (up, down) = (side(1.0)?, side(-1.0)?);
             for i in 0..COORDINATES {
                 let slope = (up[i] - down[i]) / (2.0 * step);
                 // Both mixed slopes of both axes are found: the last one counts for either.
@@ -105,7 +90,7 @@ impl Elasticity for ContactLaw {
                 out.hessian[axis][i] = slope;
             }
         }
-        out
+        Ok(out)
     }
 }
 
@@ -117,7 +102,7 @@ mod tests {
     use crate::testing::coarse_solver;
 
     #[test]
-    fn a_pose_that_no_solve_finds_says_why_once() {
+    fn a_pose_that_no_solve_finds_says_why() {
         let text = include_str!("../../resources/pairs/palermo2013.json");
         let pair = Pair::from_json(text).unwrap();
         let settings = ContactSettings {
@@ -132,12 +117,10 @@ mod tests {
             misalignment: 0.0,
             mesh_position: 0.2,
         };
-        assert!(drive.evaluate(&query(0.0), true).gradient[0] > 0.0);
-        assert_eq!(drive.refusal(), None);
+        let at = |offset| drive.evaluate(&query(offset), [0; 2], true);
+        assert!(at(0.0).unwrap().gradient[0] > 0.0);
         // Nearer than the base circles allow.
-        assert!(drive.evaluate(&query(-0.02), false).value.is_nan());
-        let said = drive.refusal().unwrap();
+        let said = at(-0.02).unwrap_err();
         assert!(said.contains("no path of contact"), "{said}");
-        assert_eq!(drive.refusal(), None);
     }
 }

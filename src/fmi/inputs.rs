@@ -217,7 +217,7 @@ impl InputValues {
                 let length = q.norm();
                 let is_unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE; // never for NaN
                 if !is_unit {
-                    return Err(Refusal::error(format!(
+                    return Err(Refusal::discard(format!(
                         "{}.quaternion has the length {}; it must be 1 within \
                          {QUATERNION_TOLERANCE}: normalise it, or set orientationInput = angles",
                         BODIES[body].name,
@@ -243,7 +243,7 @@ impl InputValues {
             "rad" => "take off whole turns",
             _ => "put the origin of the world nearer",
         };
-        Err(Refusal::error(format!(
+        Err(Refusal::discard(format!(
             "{} = {} {unit}: above {largest:.1e} {unit} its own rounding moves the teeth by more \
              than the table resolves; {remedy}",
             VARIABLES[i + k].name,

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::clock::Clock;
 use super::co_simulation::CoSimulation;
+use super::inputs::InputValues;
 use super::layout::inputs;
 use super::lifecycle::{Function, Interface, State};
-use super::polynomials::Polynomials;
 use super::report::{Event, Refusal, Severity};
 use super::resources::Resources;
 use super::snapshot::Snapshot;
@@ -14,6 +14,7 @@ use super::stored::Stored;
 use super::unit::Unit;
 use super::values::{Value, accept, find};
 use super::variables::{Causality, Kind, VARIABLES, Variability, Variable, index_of};
+use crate::words::number;
 
 /// One instance of the unit.
 pub struct Instance {
@@ -21,10 +22,17 @@ pub struct Instance {
     unit: Unit,
     simulation: Simulation,
     pub(super) stored: Stored,
-    /// Whether the last step ended out of range, for the log.
+    /// Whether the outputs last looked at were out of range, for the log.
     was_out_of_range: bool,
+    /// How often they left it, for the log.
+    departures: usize,
+    /// The step that was discarded last, from its point over its size, s, and the inputs that it was tried with.
+    discarded: Option<([f64; 2], InputValues)>,
     events: Vec<Event>,
 }
+
+/// Warnings that the gears have left the range, of one instance.
+const MOST_WARNINGS: usize = 100;
 
 /// What goes beyond the unit.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -41,7 +49,7 @@ impl Simulation {
             Interface::ModelExchange => Simulation::ModelExchange(clock),
             Interface::CoSimulation => Simulation::CoSimulation(CoSimulation {
                 clock,
-                polynomials: Polynomials::constant(inputs()),
+                polynomials: Default::default(),
             }),
         }
     }
@@ -70,6 +78,8 @@ impl Instance {
             simulation: Simulation::new(interface),
             stored: Stored::default(),
             was_out_of_range: false,
+            departures: 0,
+            discarded: None,
             events: Vec::new(),
         }
     }
@@ -145,7 +155,8 @@ impl Instance {
     /// # Errors
     /// Parameters or poses that make no mesh.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
-        self.unit.take_phases()?;
+        let taken = self.unit.take_phases();
+        self.settled(taken)?;
         self.watch_range();
         self.state = match self.simulation.interface() {
             Interface::CoSimulation => State::StepComplete,
@@ -168,6 +179,7 @@ impl Instance {
         self.unit = Unit::new(self.unit.resources().clone());
         self.simulation = Simulation::new(self.simulation.interface());
         self.was_out_of_range = false;
+        self.discarded = None;
         self.events.push(Event::Told("reset".into()));
     }
 
@@ -187,11 +199,6 @@ impl Instance {
             && all_finite(values)
         {
             self.unit.inputs_mut().set_block(block.start, values);
-            if let Simulation::CoSimulation(co_simulation) = &mut self.simulation
-                && !co_simulation.polynomials.is_constant()
-            {
-                block.for_each(|i| co_simulation.polynomials.clear(i));
-            }
             return Ok(());
         }
         for (reference, value) in items.clone() {
@@ -201,12 +208,7 @@ impl Instance {
         let values = self.unit.inputs_mut();
         for (reference, value) in items {
             match index_of(reference) {
-                Some(i) if i < inputs => {
-                    values.set(i, value);
-                    if let Simulation::CoSimulation(co_simulation) = &mut self.simulation {
-                        co_simulation.polynomials.clear(i);
-                    }
-                }
+                Some(i) if i < inputs => values.set(i, value),
                 Some(i) => parameters.push((i, Value::Real(value))),
                 None => {}
             }
@@ -266,7 +268,7 @@ impl Instance {
         Err(Refusal::error(format!("{function}: {name} {reason}")))
     }
 
-    /// What fmi2GetReal reads, if it is a block of continuous outputs that are at hand.
+    /// What fmi2GetReal reads, if it is a block of outputs that are at hand.
     pub fn outputs_at_hand(&self, references: &[u32]) -> Option<&[f64]> {
         let block = block(references)?;
         let (first, values) = self.unit.at_hand()?;
@@ -284,6 +286,10 @@ impl Instance {
     ) -> Result<(), Refusal> {
         for reference in references {
             put(self.value("fmi2GetReal", Kind::Real, reference)?.number());
+        }
+        // In Initialization Mode poses may be on their way to the start.
+        if self.state != State::InitializationMode {
+            self.watch_range();
         }
         Ok(())
     }
@@ -312,14 +318,14 @@ impl Instance {
     fn value(&mut self, function: &str, kind: Kind, reference: u32) -> Result<Value, Refusal> {
         let i = find(function, kind, reference)?;
         let value = self.unit.get(i);
-        self.solvable(value)
+        self.settled(value)
     }
 
-    /// A solver of model exchange may try points at which there are no outputs, and take a shorter step
-    /// when they are discarded.
-    fn solvable<T>(&self, outcome: Result<T, Refusal>) -> Result<T, Refusal> {
+    /// A solver or master may try points at which there are no outputs, and go elsewhere when they are discarded; in
+    /// Initialization Mode there is no elsewhere.
+    fn settled<T>(&self, outcome: Result<T, Refusal>) -> Result<T, Refusal> {
         outcome.map_err(|refusal| match (self.state, refusal.severity) {
-            (State::ContinuousTimeMode, Severity::Error) => Refusal::discard(refusal.message),
+            (State::InitializationMode, Severity::Discard) => Refusal::error(refusal.message),
             _ => refusal,
         })
     }
@@ -334,7 +340,7 @@ impl Instance {
         known: impl Iterator<Item = (u32, f64)>,
     ) -> Result<Vec<f64>, Refusal> {
         let all = self.unit.directional_derivative(unknown, known);
-        self.solvable(all)
+        self.settled(all)
     }
 
     /// The co-simulation; `admit` lets none of its functions in without one.
@@ -373,17 +379,21 @@ impl Instance {
     /// fmi2DoStep; see `CoSimulation::step`.
     ///
     /// # Errors
-    /// As there.
+    /// As there. A step that is discarded for its inputs, and tried again as it was, is an error: it would be tried for ever.
     pub fn do_step(&mut self, point: f64, step: f64) -> Result<(), Refusal> {
         let (co_simulation, unit) = self.co_simulation()?;
-        co_simulation.step(unit, point, step)?;
+        if let Err(mut refusal) = co_simulation.step(unit, point, step) {
+            if refusal.severity == Severity::Discard {
+                let tried = Some(([point, step], unit.inputs().clone()));
+                if self.discarded == tried {
+                    refusal.severity = Severity::Error;
+                }
+                self.discarded = tried;
+            }
+            return Err(refusal);
+        }
         self.watch_range();
         Ok(())
-    }
-
-    /// fmi2CompletedIntegratorStep, which has nothing to do but to look where the gears stand.
-    pub fn completed_step(&mut self) {
-        self.watch_range();
     }
 
     /// Says when the gears leave the range where outputs are to be trusted, and when they come back.
@@ -393,10 +403,21 @@ impl Instance {
             return;
         }
         self.was_out_of_range = is_out;
-        let time = self.time();
+        let time = number(self.time());
         // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
         self.events.push(match self.unit.out_of_range() {
-            Some(reasons) => Event::Warned(format!("t = {time} s: out of range: {reasons}")),
+            Some(reasons) => {
+                self.departures += 1;
+                match self.departures {
+                    ..=MOST_WARNINGS => {
+                        Event::Warned(format!("t = {time} s: out of range: {reasons}"))
+                    }
+                    n if n == MOST_WARNINGS + 1 => Event::Warned(format!(
+                        "t = {time} s: out of range for the {n}th time: no more warnings of this follow"
+                    )),
+                    _ => return,
+                }
+            }
             None if is_out => Event::Told(format!(
                 "t = {time} s: the load left the range of the table"
             )),
@@ -418,7 +439,43 @@ impl Instance {
             state: self.state,
             simulation: self.simulation.clone(),
             point: self.unit.point(),
+            out_of_range: self.was_out_of_range,
         }
+    }
+
+    /// Refuses a snapshot that no instance of this unit and interface has made.
+    ///
+    /// # Errors
+    /// What does not fit.
+    pub(super) fn check(&self, snapshot: &Snapshot) -> Result<(), Refusal> {
+        let own = self.simulation.interface();
+        let found = snapshot.simulation.interface();
+        if found != own {
+            return Err(Refusal::error(format!(
+                "the stored state belongs to {found:?}; this instance was made for {own:?}"
+            )));
+        }
+        snapshot.point.settings()?;
+        let fits = match snapshot.state {
+            State::Instantiated | State::InitializationMode | State::Error => true,
+            State::StepComplete => own == Interface::CoSimulation && snapshot.point.has_phases(),
+            State::EventMode | State::ContinuousTimeMode => {
+                own == Interface::ModelExchange && snapshot.point.has_phases()
+            }
+            State::Terminated => snapshot.point.has_phases(),
+            State::Fatal => false,
+        };
+        let follows = match &snapshot.simulation {
+            Simulation::CoSimulation(co_simulation) => co_simulation.polynomials.fits(inputs()),
+            Simulation::ModelExchange(_) => true,
+        };
+        if fits && follows {
+            return Ok(());
+        }
+        Err(Refusal::error(format!(
+            "the stored state is {:?} with phases, or with derivatives of inputs, that no {own:?} of this unit has",
+            snapshot.state
+        )))
     }
 
     /// Back to a snapshot of this unit.
@@ -426,15 +483,12 @@ impl Instance {
     /// # Errors
     /// A snapshot of the other interface, or one that does not fit; nothing is changed.
     pub(super) fn go_to(&mut self, snapshot: &Snapshot) -> Result<(), Refusal> {
-        let (found, own) = (snapshot.simulation.interface(), self.simulation.interface());
-        if found != own {
-            return Err(Refusal::error(format!(
-                "the stored state belongs to {found:?}; this instance was made for {own:?}"
-            )));
-        }
+        self.check(snapshot)?;
         self.unit.go_to(&snapshot.point)?;
         self.state = snapshot.state;
         self.simulation = snapshot.simulation.clone();
+        self.was_out_of_range = snapshot.out_of_range;
+        self.discarded = None;
         Ok(())
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::instance::Instance;
 use super::lifecycle::{Interface, State};
-use super::report::{Event, Refusal};
+use super::report::{Event, Refusal, Severity};
 use super::resources::{Resources, UNIT_VERSION, UnitFile};
 use super::variables::{VARIABLES, index};
 use crate::gear::PairGeometry;
@@ -18,6 +18,15 @@ fn shipped(name: &str) -> TableFile {
 
 /// An instance in initialization mode, in the nominal pose; without tables on constant stiffness.
 fn start(geometry: PairGeometry, tables: Option<TableFile>) -> Instance {
+    started_for(Interface::CoSimulation, geometry, tables)
+}
+
+/// The same through `interface`.
+fn started_for(
+    interface: Interface,
+    geometry: PairGeometry,
+    tables: Option<TableFile>,
+) -> Instance {
     let [torque, _] = tables.as_ref().map_or([100.0, 200.0], |t| {
         [t.nominal_torque_nm, t.maximum_torque_nm]
     });
@@ -45,7 +54,7 @@ fn start(geometry: PairGeometry, tables: Option<TableFile>) -> Instance {
         geometry,
     };
     let resources = Arc::new(Resources::new(unit, tables, None).unwrap());
-    let mut instance = Instance::new(resources, Interface::CoSimulation);
+    let mut instance = Instance::new(resources, interface);
     instance.enter(State::InitializationMode);
     instance
 }
@@ -159,4 +168,210 @@ fn what_lies_outside_the_tables_is_told_with_what_they_cover() {
         matches!(&said[..], [Event::Warned(text), ..] if text.contains(&range)),
         "{said:?}"
     );
+}
+
+fn get(instance: &mut Instance, i: usize) -> f64 {
+    let mut value = f64::NAN;
+    let reference = std::iter::once(VARIABLES[i].value_reference);
+    instance.get_real(reference, |x| value = x).unwrap();
+    value
+}
+
+fn warnings(instance: &mut Instance) -> Vec<String> {
+    let events = instance.take_events().into_iter();
+    let warned = events.filter_map(|event| match event {
+        Event::Warned(text) => Some(text),
+        Event::Told(_) => None,
+    });
+    warned.collect()
+}
+
+#[test]
+fn range_warnings_need_no_call_beside_the_outputs_and_end_after_a_hundred() {
+    let (geometry, tables) = paper();
+    let nominal = geometry.center_distance;
+    let mut instance = started_for(Interface::ModelExchange, geometry, Some(tables));
+    instance.exit_initialization().unwrap();
+    instance.enter(State::ContinuousTimeMode);
+    let mut said = Vec::new();
+    for round in 0..150 {
+        for apart in [10e-3, 11e-3, 0.0] {
+            set(&mut instance, index::GEAR2_POSITION_1, nominal + apart);
+            let out_of_range = get(&mut instance, index::MESH_OUT_OF_RANGE);
+            assert_eq!(out_of_range, f64::from(u8::from(apart > 0.0)));
+            // Reading on says nothing again.
+            get(&mut instance, index::MESH_FLANK);
+        }
+        said.extend(warnings(&mut instance));
+        assert_eq!(said.len(), (round + 1).min(101));
+    }
+    assert!(said[99].contains("centre distance"), "{}", said[99]);
+    assert!(said[100].contains("no more warnings"), "{}", said[100]);
+}
+
+#[test]
+fn the_range_flag_goes_with_the_state() {
+    let (geometry, tables) = paper();
+    let nominal = geometry.center_distance;
+    let mut instance = start(geometry, Some(tables));
+    instance.exit_initialization().unwrap();
+    let within = instance.snapshot();
+    set(&mut instance, index::GEAR2_POSITION_1, nominal + 10e-3);
+    instance.do_step(0.0, 1e-6).unwrap();
+    assert_eq!(warnings(&mut instance).len(), 1);
+    let beyond = instance.snapshot();
+    instance.go_to(&within).unwrap();
+    instance.do_step(0.0, 1e-6).unwrap();
+    assert_eq!(instance.take_events(), [], "it never left the range");
+    instance.go_to(&beyond).unwrap();
+    set(&mut instance, index::GEAR2_POSITION_1, nominal + 11e-3);
+    instance.do_step(1e-6, 1e-6).unwrap();
+    assert_eq!(instance.take_events(), [], "it has been out before");
+}
+
+#[test]
+fn input_derivatives_hold_for_the_coming_step_whether_values_are_set_before_or_after() {
+    let turn = VARIABLES[index::GEAR1_ANGLES_3].value_reference;
+    let force = |sets: [bool; 2]| {
+        let mut instance = start(paper().0, None);
+        instance.exit_initialization().unwrap();
+        for is_value in sets {
+            if is_value {
+                set(&mut instance, index::GEAR1_ANGLES_3, 1e-5);
+            } else {
+                let rate = std::iter::once((turn, 1, 10.0));
+                instance.set_input_derivatives(rate).unwrap();
+            }
+        }
+        instance.do_step(0.0, 1e-5).unwrap();
+        let first = get(&mut instance, index::MESH_NORMAL_FORCE);
+        // The next step has none.
+        instance.do_step(1e-5, 1e-5).unwrap();
+        assert_eq!(get(&mut instance, index::MESH_NORMAL_FORCE), first);
+        assert!((get(&mut instance, index::GEAR1_ANGLES_3) - 1.1e-4).abs() < 1e-18);
+        first
+    };
+    let before = force([true, false]);
+    assert!(before > 100.0);
+    assert_eq!(force([false, true]), before);
+}
+
+#[test]
+fn a_pose_that_cannot_be_discards_the_step_and_the_same_again_is_an_error() {
+    let mut instance = start(paper().0, None);
+    instance.exit_initialization().unwrap();
+    let mut tried = |tilt: f64, step: f64| {
+        set(&mut instance, index::GEAR2_ANGLES_1, tilt);
+        let refused = instance.do_step(0.0, step).unwrap_err();
+        assert!(refused.message.contains("tilted"), "{refused}");
+        refused.severity
+    };
+    assert_eq!(tried(0.2, 1e-5), Severity::Discard);
+    assert_eq!(tried(0.2, 5e-6), Severity::Discard);
+    assert_eq!(tried(0.15, 5e-6), Severity::Discard);
+    assert_eq!(tried(0.15, 5e-6), Severity::Error);
+    set(&mut instance, index::GEAR2_ANGLES_1, 0.0);
+    instance.do_step(0.0, 1e-5).unwrap();
+    // What a host may not ask at all is an error as before.
+    let refused = instance.do_step(5.0, 1e-5).unwrap_err();
+    assert_eq!(refused.severity, Severity::Error);
+}
+
+#[test]
+fn in_initialization_mode_there_are_derivatives_by_real_parameters() {
+    let mut instance = start(paper().0, None);
+    let absolute = (VARIABLES[index::PHASE_REFERENCE].value_reference, 2);
+    let item = std::iter::once(absolute);
+    let kind = super::variables::Kind::Integer;
+    instance.set_discrete("set", kind, item).unwrap();
+    // At zero angles a tooth faces a tooth.
+    let turn = -std::f64::consts::PI / 20.0;
+    set(&mut instance, index::GEAR1_ANGLES_3, turn + 1e-4);
+    let outputs = [
+        index::MESH_NORMAL_FORCE,
+        index::MESH_STIFFNESS,
+        index::MESH_TRANSMISSION_ERROR,
+    ];
+    let values = outputs.map(|i| get(&mut instance, i));
+    assert!(values[0] > 1000.0);
+    let references = outputs.map(|i| VARIABLES[i].value_reference);
+    let along = |instance: &mut Instance, i: usize| {
+        let known = std::iter::once((VARIABLES[i].value_reference, 2.0));
+        instance.directional_derivative(&references, known)
+    };
+    let stiffness = get(&mut instance, index::CONSTANT_STIFFNESS);
+    let found = along(&mut instance, index::CONSTANT_STIFFNESS).unwrap();
+    for (slope, right) in found.iter().zip([
+        2.0 * values[0] / stiffness,
+        2.0 * values[1] / stiffness,
+        0.0,
+    ]) {
+        assert!((slope - right).abs() <= 1e-8 * right, "{slope} {right}");
+    }
+    // A fixed parameter is none of the things that change later.
+    let count = VARIABLES
+        .iter()
+        .filter(|v| v.causality == super::variables::Causality::Parameter);
+    for v in count.filter(|v| v.kind == super::variables::Kind::Real) {
+        let i = super::variables::index_by_name(v.name).unwrap();
+        let slopes = along(&mut instance, i).unwrap();
+        assert!(
+            slopes.iter().all(|x| x.is_finite()),
+            "{}: {slopes:?}",
+            v.name
+        );
+    }
+    instance.exit_initialization().unwrap();
+    let refused = along(&mut instance, index::CONSTANT_STIFFNESS).unwrap_err();
+    assert!(
+        refused.message.contains("Initialization Mode alone"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn numbers_out_of_all_proportion_are_refused_in_few_digits() {
+    for (i, value) in [
+        (index::CONSTANT_STIFFNESS, 1e308),
+        (index::NOMINAL_TORQUE, 1e308),
+        (index::BACKLASH, 1e308),
+        (index::GEAR2_POSITION_1, 1e308),
+        (index::GEAR2_ANGLES_1, 1e-3),
+    ] {
+        let mut instance = start(paper().0, None);
+        set(&mut instance, index::CONSTANT_STIFFNESS, 1e308);
+        set(&mut instance, i, value);
+        if let Err(refused) = instance.exit_initialization() {
+            assert!(refused.message.len() < 500, "{refused}");
+            continue;
+        }
+        set(&mut instance, index::GEAR1_ANGLES_3, 1e-3);
+        if let Err(refused) = instance.do_step(0.0, 1e-6) {
+            assert!(refused.message.len() < 500, "{refused}");
+        }
+    }
+    let mut instance = start(paper().0, None);
+    let damping = VARIABLES[index::DAMPING].value_reference;
+    let refused = instance.set_real(&[damping], &[-1e308]).unwrap_err();
+    assert_eq!(
+        refused.message,
+        "fmi2SetReal: damping = -1e308; set 0 or more"
+    );
+}
+
+#[test]
+fn inputs_that_a_host_fills_with_zeros_are_told_where_gear_2_belongs() {
+    let rings = shipped("planet-ring-27-84")
+        .geometry
+        .pair_geometry()
+        .unwrap();
+    for geometry in [paper().0, rings] {
+        let place = format!("gear2.position[1] starts as {} m", geometry.center_distance);
+        let mut instance = start(geometry, None);
+        let inputs: Vec<u32> = (0..48).collect();
+        instance.set_real(&inputs, &[0.0; 48]).unwrap();
+        let refused = instance.exit_initialization().unwrap_err();
+        assert_eq!(refused.severity, Severity::Error);
+        assert!(refused.message.contains(&place), "{refused}");
+    }
 }

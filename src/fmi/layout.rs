@@ -4,7 +4,6 @@
 //! modelDescription.xml.
 
 use super::variables::{Causality, VARIABLES, index};
-use crate::element::LEADING_OUTPUTS;
 
 /// Inputs of one body: this many variables from [`Body::first`] on, at the places below.
 pub const BODY_INPUTS: usize = 16;
@@ -51,13 +50,8 @@ pub struct MeshVariables {
     pub gears: [usize; 2],
     /// The carrier, an index in [`BODIES`].
     pub carrier: usize,
-    /// First continuous output; the others follow as in [`crate::element::Outputs::to_array`], the last ones
-    /// after the discrete outputs.
+    /// First output; the others follow as in [`crate::element::Outputs::to_array`].
     pub outputs: usize,
-    /// Output with the flank in contact.
-    pub flank: usize,
-    /// Output that tells whether the table's range was left.
-    pub out_of_range: usize,
     /// First parameter; the others follow as in [`super::settings::FIELDS`].
     pub parameters: usize,
 }
@@ -67,14 +61,6 @@ impl MeshVariables {
     pub fn bodies(&self) -> [usize; 3] {
         [self.gears[0], self.gears[1], self.carrier]
     }
-
-    /// Index in [`VARIABLES`] of the continuous output in the place `row`. The discrete ones stand between them.
-    pub fn output(&self, row: usize) -> usize {
-        match row.checked_sub(LEADING_OUTPUTS) {
-            None => self.outputs + row,
-            Some(further) => self.out_of_range + 1 + further,
-        }
-    }
 }
 
 /// All meshes.
@@ -82,8 +68,6 @@ pub static MESHES: &[MeshVariables] = &[MeshVariables {
     gears: [0, 1],
     carrier: 2,
     outputs: index::GEAR1_FORCE_1,
-    flank: index::MESH_FLANK,
-    out_of_range: index::MESH_OUT_OF_RANGE,
     parameters: index::STIFFNESS_MODEL,
 }];
 
@@ -92,17 +76,13 @@ pub static MESHES: &[MeshVariables] = &[MeshVariables {
 pub enum Role {
     /// An input; its index in [`VARIABLES`] is its place among the inputs.
     Input,
-    /// A continuous output of a mesh.
+    /// An output of a mesh.
     Output {
         /// Index in [`MESHES`].
         mesh: usize,
         /// Place in [`crate::element::Outputs::to_array`].
         row: usize,
     },
-    /// The flank in contact of a mesh.
-    Flank(usize),
-    /// Whether the range of a mesh's table was left.
-    OutOfRange(usize),
     /// A parameter of a mesh.
     Parameter {
         /// Index in [`MESHES`].
@@ -134,16 +114,10 @@ pub fn role(i: usize) -> Role {
     let mesh = MESHES.iter().rposition(|m| first(m) <= i).unwrap_or(0);
     let variables = &MESHES[mesh];
     let place = i - first(variables);
-    match () {
-        () if !is_output => Role::Parameter { mesh, field: place },
-        () if i == variables.flank => Role::Flank(mesh),
-        () if i == variables.out_of_range => Role::OutOfRange(mesh),
-        // See [`MeshVariables::output`].
-        () if i > variables.out_of_range => Role::Output {
-            mesh,
-            row: LEADING_OUTPUTS + i - variables.out_of_range - 1,
-        },
-        () => Role::Output { mesh, row: place },
+    if is_output {
+        Role::Output { mesh, row: place }
+    } else {
+        Role::Parameter { mesh, field: place }
     }
 }
 
@@ -183,10 +157,8 @@ mod tests {
             match role(i) {
                 Role::Output { mesh: 0, row } => {
                     assert!(row < CONTINUOUS_OUTPUTS);
-                    assert_eq!(i, MESHES[0].output(row));
+                    assert_eq!(i, MESHES[0].outputs + row);
                 }
-                Role::Flank(0) => assert_eq!(v.name, "mesh.flank"),
-                Role::OutOfRange(0) => assert_eq!(v.name, "mesh.outOfRange"),
                 Role::Parameter { mesh: 0, field } => assert_eq!(v.name, FIELDS[field].name),
                 other => panic!("{}: {other:?}", v.name),
             }

@@ -3,7 +3,7 @@
 //! Both are a pure function of inputs, settings and phase zeros. What was made stays until one of these
 //! changes, so that a host may read value by value and ask derivatives column by column.
 
-use nalgebra::{Rotation3, SVector, Vector3};
+use nalgebra::SVector;
 
 use super::inputs::{InputValues, Resolution};
 use super::layout::MeshVariables;
@@ -24,7 +24,7 @@ pub(super) type Freedoms = SVector<f64, { 3 * BODY_COLUMNS }>;
 pub struct Evaluated {
     /// As the element gives them.
     pub all: Outputs,
-    /// The continuous ones in the order of their variables.
+    /// The FMU's in the order of their variables.
     pub continuous: [f64; CONTINUOUS_OUTPUTS],
 }
 
@@ -39,9 +39,10 @@ pub struct Mesh {
     /// Those of the last look at the inputs.
     motions: Inputs,
     outputs: Option<Evaluated>,
-    /// Once they were asked for; whether they are those of the present inputs.
+    /// Once they were asked for.
     slopes: Option<Box<Jacobian>>,
-    slopes_are_present: bool,
+    /// Whether they are those of the present inputs, and if so, whether those of the stiffness are among them.
+    present_slopes: Option<bool>,
 }
 
 impl Mesh {
@@ -62,7 +63,7 @@ impl Mesh {
             motions: Inputs::default(),
             outputs: None,
             slopes: None,
-            slopes_are_present: false,
+            present_slopes: None,
         }
     }
 
@@ -106,7 +107,7 @@ impl Mesh {
     #[inline]
     pub fn forget(&mut self) {
         self.outputs = None;
-        self.slopes_are_present = false;
+        self.present_slopes = None;
     }
 
     /// Outputs, if they were made since the last change.
@@ -184,12 +185,11 @@ impl Mesh {
         let (element, latch, motions) = self.ready(resources, inputs)?;
         element.check_start(&latch, motions).map_err(refuse)?;
         self.latch = Some(latch);
-        self.slopes_are_present = false;
+        self.present_slopes = None;
         Ok(())
     }
 
-    /// Outputs at `inputs`; the error is `Ok` inside where it is the number of a continuous output that
-    /// is not finite.
+    /// Outputs at `inputs`.
     pub fn evaluate(
         &mut self,
         resources: &Resources,
@@ -199,7 +199,9 @@ impl Mesh {
             let (element, latch, motions) = self.ready(resources, inputs)?;
             let all = element.evaluate(&latch, motions).map_err(refuse)?;
             let continuous = all.to_array();
-            finite(&continuous).map_err(|failure| explained(element, failure))?;
+            if let Some(row) = continuous.iter().position(|x| !x.is_finite()) {
+                return Err(Failure::NotFinite(row));
+            }
             self.outputs = Some(Evaluated { all, continuous });
         }
         Ok(self.outputs.as_ref().expect("evaluated above"))
@@ -215,109 +217,34 @@ impl Mesh {
         element.out_of_range(&self.motions, &outputs).ok()
     }
 
-    /// Derivatives of the continuous outputs along `direction`.
+    /// Derivatives of the outputs along `direction`; that of the stiffness only if `stiffness`, else it need not be a number. While
+    /// the phase zeros follow the pose, they have a share in them.
     pub fn along(
         &mut self,
         resources: &Resources,
         inputs: &InputValues,
         direction: &Freedoms,
-    ) -> Result<[f64; CONTINUOUS_OUTPUTS], Failure> {
+        stiffness: bool,
+    ) -> Result<[f64; CONTINUOUS_OUTPUTS], Refusal> {
         let mut slopes = self
             .slopes
             .take()
             .unwrap_or_else(|| Box::new(Jacobian::zeros()));
-        if !self.slopes_are_present {
-            self.jacobian(resources, inputs, &mut slopes)?;
-            self.slopes_are_present = true;
+        if self.present_slopes.is_none_or(|has| stiffness && !has) {
+            self.present_slopes = None;
+            self.look(inputs)?;
+            self.make_element(resources)?;
+            let element = self.element.as_ref().expect("made above");
+            element
+                .slopes(self.latch.as_ref(), &self.motions, stiffness, &mut slopes)
+                .map_err(refuse)?;
+            self.present_slopes = Some(stiffness);
         }
         let by_freedoms: &Jacobian = &slopes;
-        let all: [f64; CONTINUOUS_OUTPUTS] = (by_freedoms * direction).into();
+        let all = (by_freedoms * direction).into();
         self.slopes = Some(slopes);
-        finite(&all).map_err(|failure| match &self.element {
-            Some(element) => explained(element, failure),
-            None => failure,
-        })?;
         Ok(all)
     }
-
-    /// All partial derivatives. While the phase zeros follow the pose, they have a share in them.
-    fn jacobian(
-        &mut self,
-        resources: &Resources,
-        inputs: &InputValues,
-        jacobian: &mut Jacobian,
-    ) -> Result<(), Refusal> {
-        let follows = self.latch.is_none();
-        let bodies = if self.uses_carrier() { 3 } else { 2 };
-        let (element, latch, motions) = self.ready(resources, inputs)?;
-        element
-            .jacobian(&latch, motions, jacobian)
-            .map_err(refuse)?;
-        if !follows {
-            return Ok(());
-        }
-        // A change of the phase zeros is a spin of the gears: only gear 1's moves the mesh position,
-        // by z1 / 2 pi per radian, and the tooth angle takes z1 and e z2.
-        let pair = &resources.unit.geometry;
-        let spin = |gear: usize| {
-            let axis = motions.gears[gear].r.column(2).into_owned();
-            let first = BODY_COLUMNS * gear + ROTATION;
-            jacobian.fixed_columns::<3>(first) * axis
-        };
-        let by_spin = [spin(0), spin(1)];
-        for body in 0..bodies {
-            for k in 0..ROTATION + 3 {
-                let change = latch_rate(element, motions, body, k)?;
-                let first = change.mesh_position * std::f64::consts::TAU / pair.gears[0].z();
-                let rest = change.tooth_angle - first * pair.gears[0].z();
-                let second = rest / (pair.e() * pair.gears[1].z());
-                let mut column = jacobian.column_mut(BODY_COLUMNS * body + k);
-                column += by_spin[0] * first + by_spin[1] * second;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// First of a body's rotations among its columns of the Jacobian; translations come before.
-const ROTATION: usize = 3;
-
-/// Rate of the phase zeros with freedom `k` (translations, then rotations) of `body`, by central
-/// differences: they are two smooth functions of the pose and have no kinks, so that these are good to
-/// nine digits.
-fn latch_rate(
-    element: &Element,
-    motions: &Inputs,
-    body: usize,
-    k: usize,
-) -> Result<Latch, Refusal> {
-    /// Small against a tooth in metres and in radians, large against rounding.
-    const STEP: f64 = 1e-6;
-    let at = |h: f64| {
-        let mut moved = *motions;
-        let motion = match body {
-            0 | 1 => &mut moved.gears[body],
-            _ => &mut moved.carrier,
-        };
-        if k < ROTATION {
-            motion.p[k] += h;
-        } else {
-            let turn = Rotation3::new(Vector3::ith(k - ROTATION, h));
-            motion.r = turn.matrix() * motion.r;
-        }
-        element.latch(&moved).map_err(refuse)
-    };
-    let (before, after) = (at(-STEP)?, at(STEP)?);
-    // Angles may jump by whole turns between both sides, mesh positions by whole pitches.
-    let rate =
-        |change: f64, period: f64| (change - period * (change / period).round()) / (2.0 * STEP);
-    Ok(Latch {
-        tooth_angle: rate(
-            after.tooth_angle - before.tooth_angle,
-            std::f64::consts::TAU,
-        ),
-        mesh_position: rate(after.mesh_position - before.mesh_position, 1.0),
-    })
 }
 
 /// Why there are no outputs.
@@ -325,7 +252,7 @@ fn latch_rate(
 pub enum Failure {
     /// The element refuses.
     Refused(Refusal),
-    /// The continuous output in this place is not finite.
+    /// The output in this place is not finite.
     NotFinite(usize),
 }
 
@@ -333,15 +260,4 @@ impl From<Refusal> for Failure {
     fn from(refusal: Refusal) -> Self {
         Failure::Refused(refusal)
     }
-}
-
-/// `failure`, or what a law of `element` says of it.
-fn explained(element: &Element, failure: Failure) -> Failure {
-    let said = element.refusal().map(Refusal::error);
-    said.map_or(failure, Failure::Refused)
-}
-
-fn finite(all: &[f64; CONTINUOUS_OUTPUTS]) -> Result<(), Failure> {
-    let bad = all.iter().position(|x| !x.is_finite());
-    bad.map_or(Ok(()), |row| Err(Failure::NotFinite(row)))
 }

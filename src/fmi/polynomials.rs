@@ -1,8 +1,10 @@
 //! Inputs as functions of time inside a communication step.
 //!
 //! An input whose derivatives the host gave (fmi2SetRealInputDerivatives) follows its Taylor polynomial
-//! about the start of the step; a step moves value and derivatives to its end, so that an input that is
-//! not set anew goes on along its polynomial.
+//! about the start of the step to come, whether its value was set before them or after. At the end of the step it
+//! stands where the polynomial led; it goes no further, unless derivatives are given again.
+
+use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
@@ -17,56 +19,54 @@ pub const MAXIMUM_ORDER: usize = 3;
 type Derivatives = [f64; MAXIMUM_ORDER];
 
 /// Time derivatives of the inputs at the current communication point.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Polynomials {
-    /// Of each input, once the host gave them.
-    given: Vec<Option<Derivatives>>,
-    count: usize,
+    /// By input, where the host gave them.
+    given: BTreeMap<usize, Derivatives>,
+    /// Whether the step is done that they were given for.
+    done: bool,
 }
 
 impl Polynomials {
-    /// Constant inputs, `count` of them.
-    pub fn constant(count: usize) -> Self {
-        Self {
-            given: vec![None; count],
-            count: 0,
-        }
-    }
-
     /// fmi2SetRealInputDerivatives of input `i`, `order` from 1 to [`MAXIMUM_ORDER`].
     pub fn set(&mut self, i: usize, order: usize, value: f64) {
-        self.count += usize::from(self.given[i].is_none());
-        self.given[i].get_or_insert_default()[order - 1] = value;
+        *self = self.to_come();
+        self.given.entry(i).or_default()[order - 1] = value;
     }
 
-    /// fmi2SetReal of input `i`: a new value clears its derivatives.
-    #[inline]
-    pub fn clear(&mut self, i: usize) {
-        if self.count > 0 && self.given[i].take().is_some() {
-            self.count -= 1;
+    /// Those of the step to come.
+    pub fn to_come(&self) -> Self {
+        match self.done {
+            true => Self::default(),
+            false => self.clone(),
         }
     }
 
     /// Whether all inputs are constant.
     pub fn is_constant(&self) -> bool {
-        self.count == 0
+        self.given.is_empty()
+    }
+
+    /// Whether these are derivatives of `count` inputs.
+    pub fn fits(&self, count: usize) -> bool {
+        self.given.keys().all(|i| *i < count)
     }
 
     /// Whether the host gave derivatives of the position or orientation of `body`.
     pub fn moves(&self, body: usize) -> bool {
         let first = BODIES[body].first;
-        let mut pose = self.given[first..first + VELOCITY].iter();
-        self.count > 0 && pose.any(Option::is_some)
+        self.given.range(first..first + VELOCITY).next().is_some()
     }
 
     /// All derivatives are finite; else the input of one that is not.
     pub fn finite(&self) -> Result<(), usize> {
-        let bad = |d: &Option<Derivatives>| d.is_some_and(|d| d.iter().any(|x| !x.is_finite()));
-        self.given.iter().position(bad).map_or(Ok(()), Err)
+        let mut all = self.given.iter();
+        let bad = all.find(|(_, d)| d.iter().any(|x| !x.is_finite()));
+        bad.map_or(Ok(()), |(i, _)| Err(*i))
     }
 
     fn of(&self, i: usize) -> Derivatives {
-        self.given[i].unwrap_or_default()
+        self.given.get(&i).copied().unwrap_or_default()
     }
 
     /// Time derivatives of the velocity inputs: acceleration and angular acceleration of `body`.
@@ -95,13 +95,11 @@ impl Polynomials {
         inputs.move_body(body, moved, turned, orientation);
     }
 
-    /// Moves the inputs and their derivatives on by `h` s.
+    /// Moves the inputs and their derivatives on by `h` s, to the end of the step.
     pub fn advance(&mut self, inputs: &mut InputValues, h: f64) {
-        for (i, derivative) in self.given.iter_mut().enumerate() {
-            let Some(derivative) = derivative else {
-                continue;
-            };
-            inputs.advance(i, taylor(derivative, h) * h);
+        self.done = true;
+        for (i, derivative) in &mut self.given {
+            inputs.advance(*i, taylor(derivative, h) * h);
             for k in 0..MAXIMUM_ORDER - 1 {
                 derivative[k] += taylor(&derivative[k + 1..], h) * h;
             }
@@ -125,28 +123,26 @@ mod tests {
     use approx::assert_abs_diff_eq;
 
     #[test]
-    fn an_input_follows_its_polynomial_over_two_steps() {
+    fn an_input_follows_its_polynomial_over_one_step() {
         let mut values = InputValues::new(vec![0.0; inputs()]);
-        let mut polynomials = Polynomials::constant(inputs());
+        let mut polynomials = Polynomials::default();
         let p = |t: f64| 2.0 + 3.0 * t - 0.5 * t * t + 4.0 * t * t * t;
-        values.set(0, p(0.0));
         polynomials.set(0, 1, 3.0);
         polynomials.set(0, 2, -1.0);
         polynomials.set(0, 3, 24.0);
-        polynomials.advance(&mut values, 0.25);
-        polynomials.advance(&mut values, 0.5);
+        values.set(0, p(0.0));
+        polynomials.advance(&mut values, 0.75);
         assert_abs_diff_eq!(values.get(0), p(0.75), epsilon = 1e-14);
-        polynomials.clear(0);
-        assert!(polynomials.is_constant());
-        let before = values.clone();
+        assert!(polynomials.to_come().is_constant());
+        polynomials.set(1, 1, 1.0);
         polynomials.advance(&mut values, 1.0);
-        assert_eq!(values, before);
+        assert_abs_diff_eq!(values.get(0), p(0.75), epsilon = 1e-14);
     }
 
     #[test]
     fn a_body_moves_by_the_integral_of_its_velocity_until_the_host_gives_its_pose_a_rate() {
         let mut values = InputValues::new(vec![0.0; inputs()]);
-        let mut polynomials = Polynomials::constant(inputs());
+        let mut polynomials = Polynomials::default();
         values.set(VELOCITY, 2.0);
         polynomials.set(VELOCITY, 1, 6.0);
         assert!(!polynomials.moves(0));
@@ -162,7 +158,7 @@ mod tests {
     #[test]
     fn derivatives_that_overflow_are_told_by_their_input() {
         let mut values = InputValues::new(vec![0.0; inputs()]);
-        let mut polynomials = Polynomials::constant(inputs());
+        let mut polynomials = Polynomials::default();
         polynomials.set(7, 3, 1e308);
         assert_eq!(polynomials.finite(), Ok(()));
         polynomials.advance(&mut values, 1e3);

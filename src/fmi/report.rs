@@ -43,9 +43,9 @@ impl Refusal {
     }
 }
 
-/// What the element refuses is an error of the call.
+/// Where the element has no outputs, the host may try elsewhere.
 pub(super) fn refuse(error: crate::element::ElementError) -> Refusal {
-    Refusal::error(error.to_string())
+    Refusal::discard(error.to_string())
 }
 
 /// What a call has to say beside its status.

@@ -54,6 +54,8 @@ pub struct UnitFile {
 pub struct Resources {
     /// The pair and the GUID.
     pub unit: UnitFile,
+    /// Where they were read; empty if nowhere.
+    folder: PathBuf,
     /// The tables; `None` in a unit of constant stiffness.
     tables: Option<Arc<TableFile>>,
     /// The contact at run time, if there is any.
@@ -116,6 +118,7 @@ impl Resources {
             contact,
             starts: Starts::new(&unit)?,
             unit,
+            folder: PathBuf::new(),
             tables: tables.map(Arc::new),
             made: Mutex::new(Vec::new()),
         })
@@ -145,16 +148,10 @@ impl Resources {
 
     /// One table in memory for all who ask for the same `effects`, while one of them still holds it.
     fn table(&self, file: &Arc<TableFile>, effects: Effects) -> Result<Arc<Table>, TableError> {
-        // The list is whole even if a thread panicked while it held the lock.
-        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        made.retain(|table| table.strong_count() > 0);
-        let mut present = made.iter().filter_map(Weak::upgrade);
-        if let Some(table) = present.find(|table| *table.effects() == effects) {
-            return Ok(table);
-        }
-        let table = Arc::new(Table::with_effects(file.clone(), effects)?);
-        made.push(Arc::downgrade(&table));
-        Ok(table)
+        let suits = |table: &Table| *table.effects() == effects;
+        shared(&self.made, suits, || {
+            Table::with_effects(file.clone(), effects).map(Arc::new)
+        })
     }
 }
 
@@ -197,8 +194,35 @@ pub enum ResourceError {
     },
 }
 
-/// Units in use, so that the instances of one unit share its table. Dead entries go at each load.
-static LOADED: Mutex<Vec<(String, PathBuf, Weak<Resources>)>> = Mutex::new(Vec::new());
+/// Units in use, so that the instances of one unit share its table.
+static LOADED: Mutex<Vec<Weak<Resources>>> = Mutex::new(Vec::new());
+
+/// The item of `list` in use that `suits`, or what `make` makes. Nobody waits meanwhile: of two that make the same, the
+/// first to be done is shared.
+fn shared<T, E>(
+    list: &Mutex<Vec<Weak<T>>>,
+    suits: impl Fn(&T) -> bool,
+    make: impl FnOnce() -> Result<Arc<T>, E>,
+) -> Result<Arc<T>, E> {
+    // The list is whole even if a thread panicked while it held the lock.
+    let lock = || list.lock().unwrap_or_else(PoisonError::into_inner);
+    let present = |list: &[Weak<T>]| {
+        let mut present = list.iter().filter_map(Weak::upgrade);
+        present.find(|item| suits(item))
+    };
+    // Items are dropped without the lock: the last of a unit takes its tables along.
+    let found = present(&lock());
+    if let Some(item) = found {
+        return Ok(item);
+    }
+    let made = make()?;
+    let mut list = lock();
+    list.retain(|item| item.strong_count() > 0);
+    Ok(present(&list).unwrap_or_else(|| {
+        list.push(Arc::downgrade(&made));
+        made
+    }))
+}
 
 /// Reads the resources at `location` (a file URI) and compares their GUID with `guid`.
 ///
@@ -210,24 +234,18 @@ pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, ResourceError>
         uri: location.to_owned(),
         reason,
     })?;
-    let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
-    loaded.retain(|(_, _, resources)| resources.strong_count() > 0);
-    if let Some(shared) = loaded
-        .iter()
-        .find(|(g, f, _)| g == guid && *f == folder)
-        .and_then(|(_, _, resources)| resources.upgrade())
-    {
-        return Ok(shared);
-    }
-    let resources = Arc::new(read(&folder, guid)?);
-    loaded.push((guid.to_owned(), folder, Arc::downgrade(&resources)));
-    Ok(resources)
+    let suits = |unit: &Resources| unit.unit.guid == guid && unit.folder == folder;
+    shared(&LOADED, suits, || {
+        let mut resources = read(&folder, guid)?;
+        resources.folder = folder.clone();
+        Ok(Arc::new(resources))
+    })
 }
 
 /// Forgets units that no instance uses, so that a library that is unloaded leaves no memory behind.
 pub fn release() {
     let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
-    loaded.retain(|(_, _, resources)| resources.strong_count() > 0);
+    loaded.retain(|resources| resources.strong_count() > 0);
     if loaded.is_empty() {
         *loaded = Vec::new();
     }
@@ -264,10 +282,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, ResourceError> {
     };
     let path = folder.join(CONTACT_FILE);
     let contact = if path.exists() {
-        let bytes = fs::read(&path).map_err(|source| ResourceError::Read {
-            path: path.clone(),
-            source,
-        })?;
+        let bytes = read_bytes(&path)?;
         let contact = ContactFile::from_bytes(&bytes);
         Some(contact.map_err(|reason| ResourceError::Contents { path, reason })?)
     } else {
@@ -296,10 +311,31 @@ pub fn parse_unit(text: &str) -> Result<UnitFile, String> {
     Ok(unit)
 }
 
-fn read_text(path: &Path) -> Result<String, ResourceError> {
-    fs::read_to_string(path).map_err(|source| ResourceError::Read {
+/// Largest file of a unit, bytes: some hundred times those of the shipped pairs.
+const LARGEST: u64 = 1 << 30;
+
+/// The bytes of a file. What is none is not opened: a pipe would never answer.
+fn read_bytes(path: &Path) -> Result<Vec<u8>, ResourceError> {
+    let refuse = |source| ResourceError::Read {
         path: path.to_owned(),
         source,
+    };
+    let found = fs::metadata(path).map_err(refuse)?;
+    let reason = match found.len() {
+        _ if !found.is_file() => "it is no file".to_owned(),
+        length if length > LARGEST => format!("{length} bytes, more than {LARGEST}"),
+        _ => return fs::read(path).map_err(refuse),
+    };
+    Err(ResourceError::Contents {
+        path: path.to_owned(),
+        reason,
+    })
+}
+
+fn read_text(path: &Path) -> Result<String, ResourceError> {
+    String::from_utf8(read_bytes(path)?).map_err(|error| ResourceError::Contents {
+        path: path.to_owned(),
+        reason: error.to_string(),
     })
 }
 
@@ -319,6 +355,60 @@ pub(super) mod tests {
             error.contains("'http://host/a'") && error.contains("pass the file URI"),
             "{error}"
         );
+    }
+
+    /// A pipe would never answer, and a file as large as this would take all memory.
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_or_an_endless_file_among_the_resources_is_refused_unread() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(UNIT_FILE);
+        let load = || {
+            let uri = format!("file://{}", folder.path().display());
+            load(&uri, "{guid}").unwrap_err().to_string()
+        };
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        assert!(made.unwrap().success());
+        let said = load();
+        assert!(said.contains("unit.json: it is no file"), "{said}");
+        fs::remove_file(&path).unwrap();
+        fs::File::create(&path)
+            .unwrap()
+            .set_len(LARGEST + 1)
+            .unwrap();
+        let said = load();
+        assert!(
+            said.contains("1073741825 bytes, more than 1073741824"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn nobody_waits_for_what_another_makes_and_what_is_done_first_is_shared() {
+        let list = Mutex::new(Vec::new());
+        let (begun, ready) = std::sync::mpsc::channel();
+        let (go, wait) = std::sync::mpsc::channel::<()>();
+        let wait = Mutex::new(wait);
+        let slow = || {
+            shared(
+                &list,
+                |x: &i32| *x == 1,
+                || {
+                    begun.send(()).unwrap();
+                    wait.lock().unwrap().recv().unwrap();
+                    Ok::<_, ()>(Arc::new(1))
+                },
+            )
+        };
+        std::thread::scope(|threads| {
+            let slow = threads.spawn(slow);
+            ready.recv().unwrap();
+            let other = shared(&list, |x| *x == 2, || Ok::<_, ()>(Arc::new(2))).unwrap();
+            let same = shared(&list, |x| *x == 1, || Ok::<_, ()>(Arc::new(1))).unwrap();
+            go.send(()).unwrap();
+            assert!(Arc::ptr_eq(&slow.join().unwrap().unwrap(), &same));
+            assert_eq!(*other, 2);
+        });
     }
 
     #[test]

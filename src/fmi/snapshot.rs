@@ -18,13 +18,15 @@ pub(super) struct Snapshot {
     pub simulation: Simulation,
     /// Inputs, parameters and phase zeros.
     pub point: Point,
+    /// Whether the outputs last looked at were out of range.
+    pub out_of_range: bool,
 }
 
 /// First bytes of a serialised state.
 const MAGIC: &[u8; 8] = b"gearmesh";
 
 /// Version of the layout below.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Length of the checksum: SHA-256.
 const CHECKSUM: usize = 32;
@@ -128,7 +130,7 @@ mod tests {
         let after = deserialize(&bytes, "{guid}").unwrap();
         assert_eq!(after, before);
         assert_eq!(serialize(&after, "{guid}"), bytes);
-        let outputs: Vec<u32> = (100..124).collect();
+        let outputs: Vec<u32> = (100..131).collect();
         let read = |instance: &mut Instance| {
             let mut values = Vec::new();
             instance
@@ -174,5 +176,37 @@ mod tests {
             "{error}"
         );
         assert_eq!(co_simulation.snapshot(), before);
+    }
+
+    /// Whoever forges a state can put its checksum right, too.
+    #[test]
+    fn a_state_that_no_instance_has_made_is_refused_like_any_input() {
+        let mut instance = running();
+        let good = instance.snapshot();
+        let text = serde_json::to_string(&good).unwrap();
+        let damping =
+            |x: f64| format!("\"parameters\":[2.0,435000000.0,1.0,100.0,0.0,0.0,0.0,2.0,2.0,{x:?}");
+        for (from, to) in [
+            (
+                "\"state\":\"StepComplete\"",
+                "\"state\":\"ContinuousTimeMode\"",
+            ),
+            ("\"state\":\"StepComplete\"", "\"state\":\"Fatal\""),
+            ("\"given\":{\"5\":", "\"given\":{\"48\":"),
+            ("\"latch\":{", "\"latch\":null,\"was\":{"),
+            (&damping(0.0), &damping(-1.0)),
+            ("\"parameters\":[2.0,", "\"parameters\":[9.0,"),
+        ] {
+            let forged = text.replacen(from, to, 1);
+            assert_ne!(forged, text, "{from} in {text}");
+            let forged: Snapshot = serde_json::from_str(&forged).unwrap();
+            assert!(
+                instance.deserialize(&serialize(&forged, "{guid}")).is_err(),
+                "{to}"
+            );
+            assert!(instance.go_to(&forged).is_err(), "{to}");
+            assert_eq!(instance.snapshot(), good);
+        }
+        assert!(instance.deserialize(&serialize(&good, "{guid}")).is_ok());
     }
 }

@@ -44,7 +44,7 @@ impl Instance {
     /// fmi2SetFMUstate.
     ///
     /// # Errors
-    /// A handle that is none of this instance; a state of the other interface.
+    /// A handle that is none of this instance.
     pub fn restore(&mut self, handle: usize) -> Result<(), Refusal> {
         let state = self.stored(handle)?.clone();
         self.go_to(&state)
@@ -77,6 +77,7 @@ impl Instance {
     /// Bytes that are no state of this unit.
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
         let state = snapshot::deserialize(bytes, &self.resources().unit.guid)?;
+        self.check(&state)?;
         let handle = NEXT_HANDLE.fetch_add(1, Ordering::Relaxed);
         self.stored.0.insert(handle, state);
         Ok(handle)

@@ -8,14 +8,18 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::inputs::{InputValues, Part};
-use super::layout::{MESHES, MeshVariables, Role, body_of, inputs, role};
+use super::layout::{MESHES, Role, body_of, inputs, role};
 use super::mesh::{Evaluated, Failure, Freedoms, Mesh};
 use super::report::Refusal;
 use super::resources::Resources;
 use super::settings::{FIELDS, Orientation, Settings};
-use super::values::{Value, find, input};
-use super::variables::{Kind, VARIABLES};
-use crate::element::{BODY_COLUMNS, LEADING_OUTPUTS, Latch};
+use super::values::{Value, accept, check_finite, find};
+use super::variables::{Kind, VARIABLES, index};
+use crate::element::{BODY_COLUMNS, CONTINUOUS_OUTPUTS, Latch};
+use crate::words::number;
+
+/// Values or slopes of all outputs of a mesh.
+type Outputs = [f64; CONTINUOUS_OUTPUTS];
 
 /// The unit of one instance.
 pub struct Unit {
@@ -96,9 +100,7 @@ impl Unit {
     /// # Errors
     /// A point with other variables or illegal numbers; nothing is changed.
     pub fn go_to(&mut self, point: &Point) -> Result<(), Refusal> {
-        let settings = point.settings().ok_or_else(|| {
-            Refusal::error("the stored state has parameters or inputs that this unit has not")
-        })?;
+        let settings = point.settings()?;
         self.inputs = point.inputs.clone();
         for ((mesh, settings), to) in self.meshes.iter_mut().zip(settings).zip(&point.meshes) {
             mesh.configure(settings, to.latch)?;
@@ -137,18 +139,15 @@ impl Unit {
             Role::Input => Value::Real(self.inputs.get(i)),
             Role::Parameter { mesh, field } => (FIELDS[field].get)(self.meshes[mesh].settings()),
             Role::Output { mesh, row } => Value::Real(self.outputs(mesh)?.continuous[row]),
-            Role::Flank(mesh) => Value::Integer(self.outputs(mesh)?.all.flank),
-            Role::OutOfRange(mesh) => Value::Boolean(self.outputs(mesh)?.all.out_of_range),
         })
     }
 
-    /// Continuous outputs that are at hand, as (index of the first in [`VARIABLES`], values), of one mesh:
+    /// Outputs that are at hand, as (index of the first in [`VARIABLES`], values), of one mesh:
     /// hosts read them in every step.
     #[inline]
     pub fn at_hand(&self) -> Option<(usize, &[f64])> {
         let mesh = self.meshes.first()?;
-        let leading = &mesh.present()?.continuous[..LEADING_OUTPUTS];
-        Some((mesh.variables().outputs, leading))
+        Some((mesh.variables().outputs, &mesh.present()?.continuous))
     }
 
     /// Makes the outputs at the present inputs, unless they are at hand.
@@ -190,19 +189,24 @@ impl Unit {
         match failure {
             Failure::Refused(refusal) => refusal,
             Failure::NotFinite(row) => {
-                let name = VARIABLES[MESHES[mesh].output(row)].name;
-                let (i, _) = self.inputs.largest();
-                self.overflow(i, &format!("{what}{name} is not finite"))
+                let name = VARIABLES[MESHES[mesh].outputs + row].name;
+                let what = format!("{what}{name} is not finite");
+                match self.inputs.largest() {
+                    (i, size) if size.abs() > OUT_OF_PROPORTION => self.overflow(i, &what),
+                    _ => Refusal::error(format!(
+                        "{what}, though no input is out of proportion: check the parameters and the unit's tables"
+                    )),
+                }
             }
         }
     }
 
     /// Numbers so large that nothing can be computed; `i` is the input to look at.
     pub fn overflow(&self, i: usize, what: &str) -> Refusal {
-        Refusal::error(format!(
+        Refusal::discard(format!(
             "{what}: check {} = {}, its derivatives and the parameters for numbers out of all proportion",
             VARIABLES[i].name,
-            self.inputs.get(i)
+            number(self.inputs.get(i))
         ))
     }
 
@@ -226,10 +230,11 @@ impl Unit {
     /// fmi2GetDirectionalDerivative: derivatives of the `unknown` outputs, in their order, along the
     /// change of inputs that `known` gives as (value reference, seed). Exact for the formulation in
     /// use; in Initialization Mode the phases of the teeth follow the pose, and the derivatives with
-    /// them. Inputs that the formulation does not look at change nothing.
+    /// them. Inputs that the formulation does not look at change nothing. In Initialization Mode Real parameters
+    /// are among what is known, too: by differences of the outputs, good to some eight digits.
     ///
     /// # Errors
-    /// References that are no continuous outputs or inputs, seeds that are not finite, inputs at
+    /// References that are no outputs, inputs or such parameters, seeds that are not finite, inputs at
     /// which there are no outputs.
     pub fn directional_derivative(
         &mut self,
@@ -239,12 +244,25 @@ impl Unit {
         const FUNCTION: &str = "fmi2GetDirectionalDerivative";
         let places = places(FUNCTION, unknown.iter().copied())?;
         let mut directions = vec![Freedoms::zeros(); self.meshes.len()];
+        let mut parameters = Vec::new();
         for (reference, seed) in known {
-            let (i, name) = input(FUNCTION, reference)?;
-            if !seed.is_finite() {
-                return Err(Refusal::error(format!(
-                    "{FUNCTION}: seed {seed} of {name} is not finite"
-                )));
+            let i = find(FUNCTION, Kind::Real, reference)?;
+            let name = VARIABLES[i].name;
+            check_finite(FUNCTION, &format!("the seed of {name}"), seed)?;
+            match role(i) {
+                Role::Input => {}
+                Role::Parameter { mesh, field } if self.meshes[mesh].latch().is_none() => {
+                    parameters.push((mesh, field, i, seed));
+                    continue;
+                }
+                Role::Parameter { .. } => {
+                    return Err(Refusal::error(format!(
+                        "{FUNCTION}: {name} is no input; by parameters there are derivatives in Initialization Mode alone"
+                    )));
+                }
+                Role::Output { .. } => {
+                    return Err(Refusal::error(format!("{FUNCTION}: {name} is no input")));
+                }
             }
             for (mesh, direction) in self.meshes.iter().zip(&mut directions) {
                 let orientation = mesh.settings().orientation;
@@ -256,14 +274,49 @@ impl Unit {
                 }
             }
         }
-        self.rows(&places, &directions)
+        let mut rows = self.rows(&places, &directions)?;
+        for (mesh, field, i, seed) in parameters {
+            let slopes = self.by_parameter(mesh, field, i)?;
+            for (sum, (of, row)) in rows.iter_mut().zip(&places) {
+                *sum += if *of == mesh {
+                    seed * slopes[*row]
+                } else {
+                    0.0
+                };
+            }
+        }
+        Ok(rows)
+    }
+
+    /// Derivatives of the outputs of a mesh by its Real parameter in the place `field`, the variable `i`: by differences, from one side where
+    /// the other is no value of it.
+    fn by_parameter(&mut self, mesh: usize, field: usize, i: usize) -> Result<Outputs, Refusal> {
+        /// Of the larger one of value and nominal value.
+        const STEP: f64 = 1e-5;
+        let settings = self.meshes[mesh].settings().clone();
+        let value = (FIELDS[field].get)(&settings).number();
+        let step = STEP * value.abs().max(VARIABLES[i].nominal);
+        let at = |x: f64| {
+            let mut settings = settings.clone();
+            (FIELDS[field].set)(&mut settings, Value::Real(x));
+            // The mesh that it stands beside holds its tables.
+            let mut beside = Mesh::new(&MESHES[mesh], settings, &self.resources.unit.geometry);
+            let made = beside.evaluate(&self.resources, &self.inputs);
+            let made = made.map(|outputs| (x, outputs.continuous));
+            made.map_err(|failure| self.explain(mesh, "", failure))
+        };
+        let (high, above) = at(value + step).or_else(|_| at(value))?;
+        let (low, below) = at(value - step).or_else(|_| at(value))?;
+        Ok(std::array::from_fn(|row| {
+            (above[row] - below[row]) / (high - low)
+        }))
     }
 
     /// Time derivatives of the outputs with these references: poses change with the velocity inputs,
     /// which are their derivatives, and velocities with `acceleration` (of a body: linear, angular).
     ///
     /// # Errors
-    /// References that are no continuous outputs, inputs at which there are no outputs.
+    /// References that are no outputs, inputs at which there are no outputs.
     pub fn rates(
         &mut self,
         function: &str,
@@ -291,32 +344,53 @@ impl Unit {
         directions: &[Freedoms],
     ) -> Result<Vec<f64>, Refusal> {
         let mut all = Vec::with_capacity(directions.len());
+        const STIFFNESS: usize = index::MESH_STIFFNESS - index::GEAR1_FORCE_1;
         for (k, direction) in directions.iter().enumerate() {
-            let along = self.meshes[k].along(&self.resources, &self.inputs, direction);
-            all.push(along.map_err(|failure| self.explain(k, "the derivative of ", failure))?);
+            let stiffness = places.contains(&(k, STIFFNESS));
+            let mesh = &mut self.meshes[k];
+            all.push(mesh.along(&self.resources, &self.inputs, direction, stiffness)?);
         }
-        Ok(places.iter().map(|&(mesh, row)| all[mesh][row]).collect())
+        let row = |&(mesh, row): &(usize, usize)| {
+            let slope = all[mesh][row];
+            let fails = || self.explain(mesh, "the derivative of ", Failure::NotFinite(row));
+            slope.is_finite().then_some(slope).ok_or_else(fails)
+        };
+        places.iter().map(row).collect()
     }
 }
 
+/// In SI units; beyond it lies no place, angle or speed of a gear.
+const OUT_OF_PROPORTION: f64 = 1e12;
+
 impl Point {
-    /// The settings of its meshes, if it belongs to this unit.
-    fn settings(&self) -> Option<Vec<Settings>> {
-        if self.meshes.len() != MESHES.len() || !self.inputs.fits(inputs()) {
-            return None;
+    /// Whether the phases of all teeth are taken.
+    pub fn has_phases(&self) -> bool {
+        self.meshes.iter().all(|mesh| mesh.latch.is_some())
+    }
+
+    /// The settings of its meshes.
+    ///
+    /// # Errors
+    /// A point of another unit: other inputs or parameters, or numbers that are none of their values.
+    pub fn settings(&self) -> Result<Vec<Settings>, Refusal> {
+        const FUNCTION: &str = "fmi2SetFMUstate";
+        let sizes = |mesh: &MeshPoint| mesh.parameters.len() == FIELDS.len();
+        if self.meshes.len() != MESHES.len()
+            || !self.inputs.fits(inputs())
+            || !self.meshes.iter().all(sizes)
+        {
+            let said = "the stored state has parameters or inputs that this unit has not";
+            return Err(Refusal::error(said));
         }
-        let of = |(mesh, variables): (&MeshPoint, &MeshVariables)| {
-            let numbers = &mesh.parameters;
-            let first = variables.parameters;
-            let settings = Settings::of_starts(first, |i| numbers[i - first]);
-            settings.ok().filter(|_| numbers.len() == FIELDS.len())
+        let of = |mesh: &MeshPoint, first: usize| {
+            for (variable, number) in VARIABLES[first..].iter().zip(&mesh.parameters) {
+                accept(FUNCTION, variable, *number)?;
+            }
+            Settings::of_starts(first, |i| mesh.parameters[i - first])
+                .map_err(|variable| Refusal::error(format!("{FUNCTION}: {}", variable.name)))
         };
-        let fits = |mesh: &MeshPoint| mesh.parameters.len() == FIELDS.len();
-        let mut meshes = self.meshes.iter();
-        if !meshes.all(fits) {
-            return None;
-        }
-        self.meshes.iter().zip(MESHES).map(of).collect()
+        let meshes = self.meshes.iter().zip(MESHES);
+        meshes.map(|(mesh, m)| of(mesh, m.parameters)).collect()
     }
 }
 
@@ -331,7 +405,7 @@ fn add(direction: &mut Freedoms, body: usize, part: Part, change: Vector3<f64>) 
     rows += change;
 }
 
-/// Meshes and rows of the continuous outputs with these references.
+/// Meshes and rows of the outputs with these references.
 fn places(
     function: &str,
     references: impl Iterator<Item = u32>,

@@ -3,6 +3,7 @@
 use super::layout::{Role, role};
 use super::report::Refusal;
 use super::variables::{Kind, VARIABLES, Variable, index_of};
+use crate::words;
 
 /// Value of a variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,7 +107,8 @@ pub(super) fn accept(function: &str, variable: &Variable, number: f64) -> Result
         (_, _, max) => format!("set {} or less", max.unwrap_or(f64::INFINITY)),
     };
     Err(Refusal::error(format!(
-        "{function}: {name} = {number}; {remedy}"
+        "{function}: {name} = {}; {remedy}",
+        words::number(number)
     )))
 }
 

@@ -29,8 +29,6 @@ pub enum Causality {
 pub enum Variability {
     /// At any time.
     Continuous,
-    /// Only at events.
-    Discrete,
     /// A parameter that is fixed after initialization.
     Fixed,
     /// A parameter that may change between communication steps.
@@ -56,6 +54,8 @@ pub struct Variable {
     pub min: Option<f64>,
     /// Largest legal value.
     pub max: Option<f64>,
+    /// Size that its values usually have, in its unit.
+    pub nominal: f64,
     /// Unit, empty for types without one.
     pub unit: &'static str,
     /// Names of the items of an enumeration, counted from 1; empty for other types.
@@ -180,11 +180,11 @@ mod tests {
     }
 
     #[test]
-    fn inputs_are_real_and_without_bounds_and_the_continuous_outputs_follow_them() {
+    fn inputs_are_real_and_without_bounds_and_the_outputs_are_real_and_follow_them() {
         let inputs = VARIABLES.iter().filter(|v| v.causality == Causality::Input);
         let inputs = inputs.count();
-        let continuous = inputs + crate::element::LEADING_OUTPUTS;
-        for (i, v) in VARIABLES[..continuous].iter().enumerate() {
+        let parameters = inputs + crate::element::CONTINUOUS_OUTPUTS;
+        for (i, v) in VARIABLES[..parameters].iter().enumerate() {
             assert_eq!(v.kind, Kind::Real, "{}", v.name);
             if i < inputs {
                 assert_eq!((v.min, v.max), (None, None), "{}", v.name);

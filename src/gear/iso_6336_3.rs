@@ -107,29 +107,16 @@ impl NominalRootStress {
 fn rim_factor(gear: &Gear) -> Option<f64> {
     let inside = gear.body.map_or(gear.held_radius, |body| body.rim_radius);
     let rim = gear.kappa() * (gear.root_radius() - inside);
-    match gear.kind {
+    // Backup ratio, the least and that of a full body, and the constants between them.
+    let (backup, least, full, factor, over) = match gear.kind {
         GearKind::External => {
             let height = gear.tip_radius - gear.root_radius();
-            let backup = rim / height;
-            (backup > 0.5).then(|| {
-                if backup >= 1.2 {
-                    1.0
-                } else {
-                    1.6 * (2.242 / backup).ln()
-                }
-            })
+            (rim / height, 0.5, 1.2, 1.6, 2.242)
         }
-        GearKind::Ring => {
-            let backup = rim / gear.normal_module;
-            (backup > 1.75).then(|| {
-                if backup >= 3.5 {
-                    1.0
-                } else {
-                    1.15 * (8.324 / backup).ln()
-                }
-            })
-        }
-    }
+        GearKind::Ring => (rim / gear.normal_module, 1.75, 3.5, 1.15, 8.324),
+    };
+    let thin = factor * (over / backup).ln();
+    (backup > least).then_some(if backup >= full { 1.0 } else { thin })
 }
 
 /// ISO 6336-3:2006, equations (10) to (31), for a gear cut by a rack without protuberance; lengths over the module.

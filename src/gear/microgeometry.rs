@@ -61,24 +61,17 @@ impl Microgeometry {
     /// from the z = 0 face of this gear towards its other face. This is the gear as it stands: who
     /// mirrors a gear along its axis must mirror `z` back first.
     pub fn removal(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
-        let t = along_face(gear, z);
-        self.tip_relief.map_or(0.0, |r| r.removal(roll))
-            + self.root_relief.map_or(0.0, |r| r.removal(roll))
-            + self.profile_crowning.map_or(0.0, |c| c.removal(roll))
-            + self.profile_slope.map_or(0.0, |p| p.removal(roll, t))
-            + self.lead_removal(gear, z)
-            + self.topography.as_ref().map_or(0.0, |f| f.removal(roll, z))
+        self.piece(gear, roll, z).removal
     }
 
     /// d [`Microgeometry::removal`] / d roll at the length of roll `roll` and at `z`, m per m.
     pub fn slope(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
-        self.reliefs().map(|r| r.slope(roll)).sum::<f64>() + self.smooth_slope(gear, roll, z)
+        self.piece(gear, roll, z).slope
     }
 
     /// d [`Microgeometry::slope`] / d roll at the length of roll `roll`, m per m², without that of a topography.
     pub fn curvature(&self, roll: f64) -> f64 {
-        self.reliefs().map(|r| r.curvature(roll)).sum::<f64>()
-            + self.profile_crowning.map_or(0.0, |c| c.curvature())
+        self.profile_piece(roll).curvature
     }
 
     /// Tip relief and root relief, as far as there are.
@@ -88,11 +81,13 @@ impl Microgeometry {
 
     /// [`Microgeometry::slope`] without the reliefs.
     pub fn smooth_slope(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
-        self.profile_crowning.map_or(0.0, |c| c.slope(roll))
+        let at = along_face(gear, z);
+        self.profile_crowning.map_or(0.0, |c| c.evaluate(roll)[1])
+            + self.profile_slope.map_or(0.0, |p| p.evaluate(roll, at)[1])
             + self
-                .profile_slope
-                .map_or(0.0, |p| p.slope(along_face(gear, z)))
-            + self.topography.as_ref().map_or(0.0, |f| f.slope(roll, z))
+                .topography
+                .as_ref()
+                .map_or(0.0, |f| f.evaluate(roll, z)[1])
     }
 
     /// Curvature over the length of roll without the reliefs, m per m²; that of a topography by its second difference over
@@ -102,19 +97,24 @@ impl Microgeometry {
             let at = |roll| f.removal(roll, z);
             (at(roll + by) - 2.0 * at(roll) + at(roll - by)) / (by * by)
         };
-        self.profile_crowning.map_or(0.0, |c| c.curvature())
+        self.profile_crowning.map_or(0.0, |c| c.evaluate(roll)[2])
             + self.topography.as_ref().map_or(0.0, bend)
     }
 
-    /// [`Microgeometry::removal`] and its derivatives at the length of roll `roll` and at `z`, but for a topography.
+    /// [`Microgeometry::removal`] and its derivatives by the length of roll at `roll` and at `z`; of a topography the first.
     #[inline]
     pub fn piece(&self, gear: &Gear, roll: f64, z: f64) -> ProfilePiece {
         let mut piece = self.profile_piece(roll);
-        piece.removal += self.lead_removal(gear, z);
+        let mut add = |[removal, slope]: [f64; 2]| {
+            piece.removal += removal;
+            piece.slope += slope;
+        };
         if let Some(slope) = &self.profile_slope {
-            let t = along_face(gear, z);
-            piece.removal += slope.removal(roll, t);
-            piece.slope += slope.slope(t);
+            add(slope.evaluate(roll, along_face(gear, z)));
+        }
+        add([self.lead_removal(gear, z), 0.0]);
+        if let Some(topography) = &self.topography {
+            add(topography.evaluate(roll, z));
         }
         piece
     }
@@ -134,9 +134,10 @@ impl Microgeometry {
         };
         let mut piece = of(&self.tip_relief).and(of(&self.root_relief));
         if let Some(crowning) = &self.profile_crowning {
-            piece.removal += crowning.removal(roll);
-            piece.slope += crowning.slope(roll);
-            piece.curvature += crowning.curvature();
+            let [removal, slope, curvature] = crowning.evaluate(roll);
+            piece.removal += removal;
+            piece.slope += slope;
+            piece.curvature += curvature;
         }
         piece
     }

@@ -13,6 +13,8 @@ mod modification;
 mod pair_geometry;
 mod profile;
 mod ring_fillet;
+#[cfg(test)]
+#[path = "../../tests/common/gears.rs"]
 pub mod samples;
 pub mod teeth;
 pub mod tolerance;

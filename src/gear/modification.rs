@@ -16,30 +16,14 @@ pub enum ReliefShape {
 }
 
 impl ReliefShape {
-    /// Removal over the full amount at the fraction `t` of the way; zero for t <= 0, and continued
-    /// beyond t = 1, where the mate's tip may touch when the centre distance shrinks.
-    fn fraction(self, t: f64) -> f64 {
-        let t = t.max(0.0);
+    /// Removal over the full amount at the fraction `t` of the way, and its first two derivatives; zero for t < 0, and
+    /// continued beyond t = 1, where the mate's tip may touch when the centre distance shrinks.
+    #[inline(always)]
+    fn evaluate(self, t: f64) -> [f64; 3] {
         match self {
-            ReliefShape::Linear => t,
-            ReliefShape::Parabolic | ReliefShape::Arc => t * t,
-        }
-    }
-
-    /// Derivative of [`ReliefShape::fraction`].
-    fn slope(self, t: f64) -> f64 {
-        match self {
-            _ if t < 0.0 => 0.0,
-            ReliefShape::Linear => 1.0,
-            ReliefShape::Parabolic | ReliefShape::Arc => 2.0 * t,
-        }
-    }
-
-    /// Derivative of [`ReliefShape::slope`].
-    fn curvature(self, t: f64) -> f64 {
-        match self {
-            ReliefShape::Parabolic | ReliefShape::Arc if t >= 0.0 => 2.0,
-            _ => 0.0,
+            _ if t < 0.0 => [0.0; 3],
+            ReliefShape::Linear => [t, 1.0, 0.0],
+            ReliefShape::Parabolic | ReliefShape::Arc => [t * t, 2.0 * t, 2.0],
         }
     }
 }
@@ -59,31 +43,15 @@ pub struct ProfileRelief {
 }
 
 impl ProfileRelief {
-    fn way(&self, roll: f64) -> f64 {
-        (roll - self.start_roll) / (self.end_roll - self.start_roll)
-    }
-
-    /// Removal at the length of roll `roll`, m.
-    pub fn removal(&self, roll: f64) -> f64 {
-        self.amount * self.shape.fraction(self.way(roll))
-    }
-
-    /// d [`ProfileRelief::removal`] / d roll.
-    pub fn slope(&self, roll: f64) -> f64 {
-        self.amount * self.shape.slope(self.way(roll)) / (self.end_roll - self.start_roll)
-    }
-
-    /// Removal and its derivatives at the length of roll `roll`, valid up to where the relief starts.
+    /// Removal and its derivatives at the length of roll `roll`, m, valid up to where the relief starts.
     #[inline(always)]
-    pub(super) fn piece(&self, roll: f64) -> ProfilePiece {
+    pub fn piece(&self, roll: f64) -> ProfilePiece {
         let (from_start, length) = (roll - self.start_roll, self.end_roll - self.start_roll);
         let begun = from_start * length >= 0.0;
         // Whether the piece goes on towards longer lengths of roll.
-        let upwards = begun == (length > 0.0);
-        let range = if upwards {
-            [self.start_roll, f64::INFINITY]
-        } else {
-            [f64::NEG_INFINITY, self.start_roll]
+        let range = match begun == (length > 0.0) {
+            true => [self.start_roll, f64::INFINITY],
+            false => [f64::NEG_INFINITY, self.start_roll],
         };
         if !begun {
             return ProfilePiece {
@@ -91,13 +59,12 @@ impl ProfileRelief {
                 ..ProfilePiece::default()
             };
         }
-        let per_length = length.recip();
-        let way = from_start * per_length;
-        let slope = self.amount * per_length;
+        let [removal, slope, curvature] = self.shape.evaluate(from_start / length);
+        let steepness = self.amount / length;
         ProfilePiece {
-            removal: self.amount * self.shape.fraction(way),
-            slope: slope * self.shape.slope(way),
-            curvature: slope * per_length * self.shape.curvature(way),
+            removal: self.amount * removal,
+            slope: steepness * slope,
+            curvature: steepness / length * curvature,
             range,
         }
     }
@@ -106,21 +73,13 @@ impl ProfileRelief {
     pub fn jumps(&self) -> [f64; 2] {
         let length = self.end_roll - self.start_roll;
         let slope = self.amount / length;
-        [
-            slope.abs() * self.shape.slope(0.0),
-            slope / length * self.shape.curvature(0.0),
-        ]
+        let [_, first, second] = self.shape.evaluate(0.0);
+        [slope.abs() * first, slope / length * second]
     }
 
     /// 1 where the relief lies at longer lengths of roll than its start, -1 at shorter ones.
     pub fn side(&self) -> f64 {
         (self.end_roll - self.start_roll).signum()
-    }
-
-    /// d [`ProfileRelief::slope`] / d roll.
-    pub fn curvature(&self, roll: f64) -> f64 {
-        let length = self.end_roll - self.start_roll;
-        self.amount * self.shape.curvature(self.way(roll)) / (length * length)
     }
 }
 
@@ -175,21 +134,13 @@ pub struct ProfileCrowning {
 }
 
 impl ProfileCrowning {
-    /// Removal at the length of roll `roll`, m.
-    pub fn removal(&self, roll: f64) -> f64 {
-        self.amount * along(self.rolls, roll).powi(2)
-    }
-
-    /// d [`ProfileCrowning::removal`] / d roll.
-    pub fn slope(&self, roll: f64) -> f64 {
-        let [a, b] = self.rolls;
-        4.0 * self.amount * along(self.rolls, roll) / (b - a)
-    }
-
-    /// d [`ProfileCrowning::slope`] / d roll.
-    pub fn curvature(&self) -> f64 {
-        let [a, b] = self.rolls;
-        8.0 * self.amount / ((b - a) * (b - a))
+    /// Removal at the length of roll `roll`, m, and its first two derivatives by it.
+    #[inline(always)]
+    pub fn evaluate(&self, roll: f64) -> [f64; 3] {
+        let way = along(self.rolls, roll);
+        let per_length = 2.0 / (self.rolls[1] - self.rolls[0]);
+        let slope = 2.0 * self.amount * per_length;
+        [self.amount * way.powi(2), slope * way, slope * per_length]
     }
 }
 
@@ -206,19 +157,11 @@ pub struct ProfileSlope {
 }
 
 impl ProfileSlope {
-    fn amount_at(&self, t: f64) -> f64 {
-        self.amount + 0.5 * self.bias * t
-    }
-
-    /// Removal at the length of roll `roll`, m, `t` from -1 at the z = 0 end to +1 at the other.
-    pub fn removal(&self, roll: f64, t: f64) -> f64 {
-        0.5 * self.amount_at(t) * along(self.rolls, roll)
-    }
-
-    /// d [`ProfileSlope::removal`] / d roll.
-    pub fn slope(&self, t: f64) -> f64 {
+    /// Removal at the length of roll `roll`, m, and its derivative by it; `t` from -1 at the z = 0 end to +1 at the other.
+    pub fn evaluate(&self, roll: f64, t: f64) -> [f64; 2] {
+        let amount = self.amount + 0.5 * self.bias * t;
         let [a, b] = self.rolls;
-        self.amount_at(t) / (b - a)
+        [0.5 * amount * along(self.rolls, roll), amount / (b - a)]
     }
 }
 
@@ -241,7 +184,7 @@ pub struct EndRelief {
 impl EndRelief {
     /// Removal at the distance `from_end` from the end of the face, m.
     pub fn removal(&self, from_end: f64) -> f64 {
-        self.amount * self.shape.fraction(1.0 - from_end / self.length)
+        self.amount * self.shape.evaluate(1.0 - from_end / self.length)[0]
     }
 
     /// As [`EndRelief::removal`] at four places.
@@ -282,16 +225,19 @@ mod tests {
             // Tip relief of an external gear, then root relief (or the tip of a ring).
             for (start, end) in [(10e-3, 14e-3), (10e-3, 6e-3)] {
                 let r = relief(start, end, shape);
-                assert_eq!((r.removal(start), r.slope(2.0 * start - end)), (0.0, 0.0));
-                assert_eq!(r.removal(2.0 * start - end), 0.0);
-                assert_abs_diff_eq!(r.removal(end), 8e-6, epsilon = 1e-20);
+                assert_eq!(
+                    (r.piece(start).removal, r.piece(2.0 * start - end).slope),
+                    (0.0, 0.0)
+                );
+                assert_eq!(r.piece(2.0 * start - end).removal, 0.0);
+                assert_abs_diff_eq!(r.piece(end).removal, 8e-6, epsilon = 1e-20);
             }
         }
     }
 
     #[test]
     fn half_way_a_linear_relief_has_half_and_a_parabolic_one_a_quarter() {
-        let half_way = |shape| relief(10e-3, 14e-3, shape).removal(12e-3);
+        let half_way = |shape| relief(10e-3, 14e-3, shape).piece(12e-3).removal;
         assert_abs_diff_eq!(half_way(ReliefShape::Linear), 4e-6, epsilon = 1e-18);
         assert_abs_diff_eq!(half_way(ReliefShape::Parabolic), 2e-6, epsilon = 1e-18);
     }
@@ -308,7 +254,7 @@ mod tests {
         for x in [1e-3, 2e-3, 3e-3] {
             let circle = radius - (radius * radius - x * x).sqrt();
             let bound = amount * (amount / length).powi(2);
-            assert_abs_diff_eq!(arc.removal(10e-3 + x), circle, epsilon = bound);
+            assert_abs_diff_eq!(arc.piece(10e-3 + x).removal, circle, epsilon = bound);
         }
     }
 }

@@ -18,7 +18,7 @@ pub enum TopographyError {
 /// How far a cubic may rise above the highest of its nodes, over the range of all of them.
 const OVERSHOOT: f64 = 0.25;
 
-/// Equal parts of every cell at whose ends [`Topography::extreme`] looks.
+/// Equal parts of every cell at whose ends [`Topography::extremes`] looks.
 const PARTS: usize = 5;
 
 /// Values and derivatives at a node of the grid: f, df/d roll, df/dz, d²f/d roll dz.
@@ -134,22 +134,27 @@ impl Topography {
         self.largest
     }
 
-    /// The removal largest by amount between the lengths of roll `rolls` and the places `zs` (m, each ascending), and
-    /// where it is: length of roll, z and removal, m. Between lines that lie close a cubic can rise far above its nodes,
-    /// and beyond the grid its tangents can.
-    pub fn extreme(&self, rolls: [f64; 2], zs: [f64; 2]) -> [f64; 3] {
+    /// The least and the largest removal between the lengths of roll `rolls` and the places `zs` (m, each ascending), and
+    /// where they are: length of roll, z and removal, m. Between lines that lie close a cubic can rise far above its
+    /// nodes, and beyond the grid its tangents can. Both are the first NaN if there is one.
+    pub fn extremes(&self, rolls: [f64; 2], zs: [f64; 2]) -> [[f64; 3]; 2] {
         let zs = places(&self.zs, zs);
-        let mut found = [rolls[0], zs[0], 0.0];
+        let [mut least, mut largest] = [f64::INFINITY, f64::NEG_INFINITY].map(|f| [0.0, 0.0, f]);
         for roll in places(&self.rolls, rolls) {
             for &z in &zs {
-                let removal = self.removal(roll, z);
-                // Not a number stands out, too.
-                if removal.is_nan() || removal.abs() > found[2].abs() {
-                    found = [roll, z, removal];
+                let here = [roll, z, self.removal(roll, z)];
+                if here[2].is_nan() {
+                    return [here; 2];
+                }
+                if here[2] < least[2] {
+                    least = here;
+                }
+                if here[2] > largest[2] {
+                    largest = here;
                 }
             }
         }
-        found
+        [least, largest]
     }
 
     /// Removal at the length of roll `roll` and at `z`, m.
@@ -157,13 +162,8 @@ impl Topography {
         self.evaluate(roll, z)[0]
     }
 
-    /// d [`Topography::removal`] / d roll.
-    pub fn slope(&self, roll: f64, z: f64) -> f64 {
-        self.evaluate(roll, z)[1]
-    }
-
     /// Removal and its derivative by the length of roll.
-    fn evaluate(&self, roll: f64, z: f64) -> [f64; 2] {
+    pub fn evaluate(&self, roll: f64, z: f64) -> [f64; 2] {
         let (i, over_roll) = weights(&self.rolls, roll);
         let (j, over_z) = weights(&self.zs, z);
         let mut sum = [0.0; 2];
@@ -273,7 +273,7 @@ mod tests {
             for j in 0..=20 {
                 let (r, z) = (6e-3 + 0.4e-3 * f64::from(i), 1.2e-3 * f64::from(j));
                 assert_abs_diff_eq!(flank.removal(r, z), f(r, z), epsilon = 1e-18);
-                assert_abs_diff_eq!(flank.slope(r, z), by_roll(r, z), epsilon = 1e-14);
+                assert_abs_diff_eq!(flank.evaluate(r, z)[1], by_roll(r, z), epsilon = 1e-14);
             }
         }
     }
@@ -297,27 +297,29 @@ mod tests {
         for z in [-1e-3, 12e-3, 30e-3] {
             let [end, slope] = flank.evaluate(14e-3, z);
             assert_abs_diff_eq!(flank.removal(17e-3, z), end + 3e-3 * slope, epsilon = 1e-18);
-            assert_abs_diff_eq!(flank.slope(17e-3, z), slope, epsilon = 1e-15);
+            assert_abs_diff_eq!(flank.evaluate(17e-3, z)[1], slope, epsilon = 1e-15);
         }
     }
 
     #[test]
-    fn the_extreme_is_found_between_lines_and_beyond_them() {
+    fn the_extremes_are_found_between_lines_and_beyond_them() {
         let flank = sampled(|r, _| if r == 9e-3 { -4e-6 } else { 0.0 });
-        let [roll, _, removal] = flank.extreme([6e-3, 14e-3], [0.0, 24e-3]);
+        let [[roll, _, removal], _] = flank.extremes([6e-3, 14e-3], [0.0, 24e-3]);
         assert_eq!(roll, 9e-3);
         assert_abs_diff_eq!(removal, -4e-6, epsilon = 1e-15);
         let slanted = sampled(|r, z| 1e-3 * (r - 6e-3) + 1e-4 * z);
-        let [roll, z, removal] = slanted.extreme([5e-3, 20e-3], [-1e-3, 30e-3]);
+        let [least, [roll, z, removal]] = slanted.extremes([5e-3, 20e-3], [-1e-3, 30e-3]);
         assert_eq!([roll, z], [20e-3, 30e-3]);
         assert_abs_diff_eq!(removal, 17e-6, epsilon = 1e-15);
+        assert_eq!(least[..2], [5e-3, -1e-3]);
+        assert_abs_diff_eq!(least[2], -1.1e-6, epsilon = 1e-15);
         // A step between two lines a micrometre apart goes on with its slope.
         let step = |rolls: [f64; 5]| {
             let rows = [0.0, 20e-6, 0.0, 0.0, 0.0].map(|um| vec![um; 4]);
             Topography::new(rolls.to_vec(), ZS.to_vec(), rows.to_vec()).unwrap()
         };
-        let [roll, _, removal] =
-            step([3e-3, 3.001e-3, 6e-3, 9e-3, 13e-3]).extreme([3e-3, 13e-3], [0.0, 24e-3]);
+        let [_, [roll, _, removal]] =
+            step([3e-3, 3.001e-3, 6e-3, 9e-3, 13e-3]).extremes([3e-3, 13e-3], [0.0, 24e-3]);
         assert!(
             3.001e-3 < roll && roll < 6e-3 && removal > 1e-3,
             "{roll} {removal}"

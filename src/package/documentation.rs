@@ -122,8 +122,10 @@ fn first_run(torque: f64, example: bool) -> String {
     format!(
         "<p><code>documentation/{EXAMPLE}</code> in the archive holds input signals for the default experiment, \
          0 to {STOP_TIME} s: gear 1 turns at a constant speed through {CYCLES} mesh cycles, and gear 2 follows behind by what \
-         the contact yields under {torque} N m on gear 1, reached after the first cycle. Give them to any host, such as</p>\n\
-         <pre>fmpy simulate UNIT.fmu --input-file {EXAMPLE} --show-plot</pre>\n\
+         the contact yields under {torque} N m on gear 1, reached after the first cycle. Give them to any host, such as \
+         fmpy, here for an archive UNIT.fmu:</p>\n\
+         <pre>python -m zipfile -e UNIT.fmu unit\n\
+         fmpy simulate UNIT.fmu --input-file unit/documentation/{EXAMPLE} --output-file outputs.csv</pre>\n\
          <p>From the second cycle on <code>gear1.moment[3]</code> shows that torque, and \
          <code>mesh.transmissionError</code> the transmission error over the cycle. Without any input the gears stand \
          still and just touch: all loads are zero.</p>"

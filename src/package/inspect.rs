@@ -7,10 +7,13 @@ use std::path::Path;
 use zip::ZipArchive;
 
 use super::PackageError;
-use crate::fmi::resources::{TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
+use super::library::runs_on;
+use crate::contact::ContactFile;
+use crate::fmi::resources::{CONTACT_FILE, TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
+use crate::table::InterpolationError;
 
 /// Longest file that is read from a unit, bytes: some hundred times the tables of a pair.
-const LONGEST_TEXT: u64 = 256 << 20;
+const LONGEST_FILE: u64 = 256 << 20;
 
 /// Most files of a unit that is looked into; one of gearmesh has some twenty.
 const MOST_FILES: usize = 10_000;
@@ -32,10 +35,10 @@ pub fn unpack_resources(path: &Path, folder: &Path) -> Result<(), PackageError> 
             .map_err(|e| PackageError::archive(path, e))?;
         let target = folder.join(last);
         let mut file = File::create(&target).map_err(|e| PackageError::file(&target, e))?;
-        let mut limited = entry.take(LONGEST_TEXT + 1);
+        let mut limited = entry.take(LONGEST_FILE + 1);
         let length =
             std::io::copy(&mut limited, &mut file).map_err(|e| PackageError::file(path, e))?;
-        if length > LONGEST_TEXT {
+        if length > LONGEST_FILE {
             return Err(PackageError::contents(path, too_long(&name)));
         }
     }
@@ -61,7 +64,7 @@ fn is_plain(name: &str) -> bool {
 }
 
 fn too_long(name: &str) -> String {
-    let longest = LONGEST_TEXT >> 20;
+    let longest = LONGEST_FILE >> 20;
     format!("{name} unfolds into more than {longest} MB, and was not packed by gearmesh")
 }
 
@@ -72,7 +75,9 @@ pub struct Inspection {
     pub unit: UnitFile,
     /// Text of the tables, if there are any.
     pub tables: Option<String>,
-    /// Platforms there are libraries for.
+    /// How far contact at run time is from static contact on more stations, if that was measured.
+    pub contact_error: Option<InterpolationError>,
+    /// Platforms there are libraries for, in words, each with what its library needs.
     pub platforms: Vec<String>,
     /// Every file with its size in bytes.
     pub files: Vec<(String, u64)>,
@@ -91,22 +96,28 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
             .map_err(|e| PackageError::archive(path, e))?;
         files.push((entry.name().to_owned(), entry.size()));
     }
-    let mut text = |name: &str| -> Result<Option<String>, PackageError> {
+    let mut bytes = |name: &str| -> Result<Option<Vec<u8>>, PackageError> {
         let mut entry = match archive.by_name(name) {
             Ok(entry) => entry,
             Err(zip::result::ZipError::FileNotFound) => return Ok(None),
             Err(e) => return Err(PackageError::archive(path, e)),
         };
-        let mut text = String::new();
+        let mut bytes = Vec::new();
         // Few packed bytes may unfold into any number of them.
         let length = (&mut entry)
-            .take(LONGEST_TEXT + 1)
-            .read_to_string(&mut text)
+            .take(LONGEST_FILE + 1)
+            .read_to_end(&mut bytes)
             .map_err(|e| PackageError::file(path, e))?;
-        if length as u64 > LONGEST_TEXT {
+        if length as u64 > LONGEST_FILE {
             return Err(PackageError::contents(path, too_long(name)));
         }
-        Ok(Some(text))
+        Ok(Some(bytes))
+    };
+    let faulty =
+        |name: &str, reason: String| PackageError::contents(path, format!("{name}: {reason}"));
+    let mut text = |name: &str| -> Result<Option<String>, PackageError> {
+        let text = bytes(name)?.map(String::from_utf8).transpose();
+        text.map_err(|_| faulty(name, "no text, and was not packed by gearmesh".into()))
     };
     let unit_name = format!("resources/{UNIT_FILE}");
     let unit = text(&unit_name)?.ok_or_else(|| {
@@ -118,16 +129,33 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
     let unit = parse_unit(&unit)
         .map_err(|reason| PackageError::contents(path, format!("{unit_name}: {reason}")))?;
     let tables = text(&format!("resources/{TABLES_FILE}"))?;
-    let mut platforms: Vec<String> = files
-        .iter()
-        .filter_map(|(name, _)| name.strip_prefix("binaries/")?.split('/').next())
-        .map(str::to_owned)
-        .collect();
+    let contact = format!("resources/{CONTACT_FILE}");
+    let contact_error = match bytes(&contact)? {
+        Some(found) => {
+            let found = ContactFile::from_bytes(&found);
+            found.map_err(|reason| faulty(&contact, reason))?.error
+        }
+        None => None,
+    };
+    let mut platforms = Vec::new();
+    for (name, _) in &files {
+        let Some((platform, _)) = name
+            .strip_prefix("binaries/")
+            .and_then(|name| name.split_once('/'))
+        else {
+            continue;
+        };
+        if name.ends_with('/') {
+            continue;
+        }
+        let library = bytes(name)?.unwrap_or_default();
+        platforms.push(runs_on(platform, &library));
+    }
     platforms.sort();
-    platforms.dedup();
     Ok(Inspection {
         unit,
         tables,
+        contact_error,
         platforms,
         files,
     })

@@ -45,6 +45,11 @@ impl Library {
         })
     }
 
+    /// Its platform with the oldest glibc that loads it, in words.
+    pub fn runs_on(&self) -> String {
+        runs_on(self.platform, &self.bytes)
+    }
+
     /// Extension of library files on this platform.
     pub(super) fn extension(&self) -> &'static str {
         match self.platform {
@@ -53,6 +58,29 @@ impl Library {
             _ => "so",
         }
     }
+}
+
+/// The platform of the `library` with the oldest C library of Linux that loads it, in words.
+pub(super) fn runs_on(platform: &str, library: &[u8]) -> String {
+    match least_glibc(library) {
+        Some([major, minor]) => format!("{platform} (glibc {major}.{minor} or later)"),
+        None => platform.to_owned(),
+    }
+}
+
+/// The newest version of glibc that `library` asks for; None for a library of another platform. A linker names the versions as
+/// strings of their own, `GLIBC_2.17`, and a symbol of an old one keeps its name in later ones.
+fn least_glibc(library: &[u8]) -> Option<[u32; 2]> {
+    if !library.starts_with(b"\x7fELF") {
+        return None;
+    }
+    let strings = library.split(|byte| *byte == 0);
+    let versions = strings.filter_map(|string| {
+        let version = std::str::from_utf8(string.strip_prefix(b"GLIBC_")?).ok()?;
+        let mut numbers = version.split('.').map(str::parse::<u32>);
+        Some([numbers.next()?.ok()?, numbers.next()?.ok()?])
+    });
+    versions.max()
 }
 
 /// Platform name of a library by the first bytes of its file.
@@ -114,6 +142,20 @@ mod tests {
         assert_eq!(platform(&pe), None);
         assert_eq!(platform(b"#!/bin/sh"), None);
         assert_eq!(platform(b""), None);
+    }
+
+    #[test]
+    fn the_least_glibc_is_the_newest_that_a_library_asks_for() {
+        let elf = b"\x7fELF\x02\0GLIBC_2.9\0GLIBC_PRIVATE\0GLIBC_2.2.5\0libc.so.6\0GLIBC_2.35\0xGLIBC_2.99\0";
+        assert_eq!(runs_on("linux64", elf), "linux64 (glibc 2.35 or later)");
+        assert_eq!(runs_on("win64", b"MZ\0GLIBC_2.35\0"), "win64");
+        // The library that was just built asks for one that this machine has.
+        let own = std::env::current_exe().unwrap();
+        let own = least_glibc(&fs::read(own).unwrap());
+        assert!(
+            own.is_some_and(|v| v >= [2, 2]) || !cfg!(target_env = "gnu"),
+            "{own:?}"
+        );
     }
 
     #[test]

@@ -59,6 +59,8 @@ pub struct Packed {
     pub guid: String,
     /// Size of the file in bytes.
     pub bytes: u64,
+    /// What it runs on, in words, by [`Library::runs_on`].
+    pub platforms: Vec<String>,
 }
 
 /// Why a unit could not be packed or read.
@@ -212,6 +214,7 @@ pub fn pack(
     Ok(Packed {
         guid: unit.guid.clone(),
         bytes,
+        platforms: libraries.iter().map(Library::runs_on).collect(),
     })
 }
 

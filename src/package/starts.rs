@@ -8,11 +8,12 @@ use super::settings::Setting;
 use super::stiffness::Stiffness;
 use crate::fmi::variables::{VARIABLES, index};
 use crate::gear::PairGeometry;
-use crate::table::{Table, TableError, TableFile};
+use crate::table::{Table, TableError, TableFile, TeethRecord};
 
 /// Numbers of the enumerations' items, as in modelDescription.xml.
 const CONSTANT: f64 = 1.0;
 const TABLE: f64 = 2.0;
+const TEETH: f64 = 4.0;
 const BOTH_FLANKS: f64 = 3.0;
 const ABSOLUTE: f64 = 2.0;
 
@@ -25,6 +26,8 @@ pub struct Starts {
     pub stiffness: Stiffness,
     /// Whether the unit carries tables: `stiffnessModel` then starts as `table`.
     pub table: bool,
+    /// Whether they tell teeth apart: it then starts as `teeth`.
+    pub teeth: bool,
     /// Whether the tables have an axis of the centre distance.
     pub center_distance: bool,
     /// Whether the tables have an axis of the misalignment.
@@ -42,6 +45,7 @@ impl Starts {
             nominal_torque,
             stiffness: Stiffness::estimated(geometry, nominal_torque),
             table: false,
+            teeth: false,
             center_distance: false,
             misalignment: false,
             shuttling: false,
@@ -61,6 +65,7 @@ impl Starts {
             nominal_torque: file.nominal_torque_nm,
             stiffness: Stiffness::of_table(&table),
             table: true,
+            teeth: file.teeth.as_ref().is_some_and(TeethRecord::tells_apart),
             center_distance: effects.center_distance,
             misalignment: effects.misalignment,
             shuttling: effects.misalignment || moments.iter().flatten().any(|m| *m != 0.0),
@@ -108,7 +113,11 @@ impl Starts {
             (index::GEAR2_POSITION_3, geometry.gears[1].face_offset),
             (
                 index::STIFFNESS_MODEL,
-                if self.table { TABLE } else { CONSTANT },
+                match (self.table, self.teeth) {
+                    (_, true) => TEETH,
+                    (true, _) => TABLE,
+                    _ => CONSTANT,
+                },
             ),
             (
                 index::CONSTANT_STIFFNESS,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::error::{PairError, Refusal};
+use super::error::{PairError, refusal};
 use super::{Pair, resolve, text};
 
 /// The fields of a pair file before they are checked.
@@ -36,7 +36,8 @@ impl PairDraft {
 
     /// The number at `field`, such as `gear1.tip_relief.amount_um`; None where there is none.
     pub fn number(&self, field: &str) -> Option<f64> {
-        self.fields.pointer(&pointer(field))?.as_f64()
+        let path = format!("/{}", field.replace('.', "/"));
+        self.fields.pointer(&path)?.as_f64()
     }
 
     /// Sets `field` to `value`, in the unit of its name; groups of fields on the way to it are made.
@@ -51,12 +52,9 @@ impl PairDraft {
                 *at = Value::Object(serde_json::Map::new());
             }
             let Some(fields) = at.as_object_mut() else {
-                return Err(Refusal::new(
-                    names[..i].join("."),
-                    "no group of fields",
-                    format!("there is no `{name}` in it"),
-                    "docs/pair-file.md has every field",
-                )
+                let group = names[..i].join(".");
+                return Err(refusal!(group => "no group of fields";
+                    "there is no `{name}` in it"; "docs/pair-file.md has every field")
                 .into());
             };
             at = fields.entry(*name).or_insert(Value::Null);
@@ -73,15 +71,6 @@ impl PairDraft {
         let file = text::parse(&self.fields.to_string())?;
         Ok(resolve::resolve(&file, &self.folder)?)
     }
-
-    /// All fields as JSON text: what a result depends on.
-    pub fn to_json(&self) -> String {
-        self.fields.to_string()
-    }
-}
-
-fn pointer(field: &str) -> String {
-    format!("/{}", field.replace('.', "/"))
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::words::shown;
 pub enum PairError {
     /// The file cannot be read.
     #[error(
-        "cannot read the pair file {}: {source}; name a file that exists and that you may read",
+        "cannot read the pair file {}: {source}; name a pair file that exists and that you may read",
         path.display()
     )]
     Read {
@@ -61,3 +61,22 @@ impl Refusal {
         }
     }
 }
+
+/// The refusal of a value: field `=>` value; problem; remedy, both as for `format!`.
+macro_rules! refusal {
+    ($field:expr => $value:expr; $problem:literal $(, $p:expr)*; $remedy:literal $(, $r:expr)*) => {
+        $crate::pair::Refusal::new($field, $value, format!($problem $(, $p)*), format!($remedy $(, $r)*))
+    };
+}
+
+/// Returns the [`refusal!`] of a value unless it is fine; a comparison with NaN is not.
+macro_rules! ensure {
+    ($fine:expr, $($refusal:tt)*) => {
+        let is_fine: bool = $fine;
+        if !is_fine {
+            return Err($crate::pair::error::refusal!($($refusal)*));
+        }
+    };
+}
+
+pub(super) use {ensure, refusal};

@@ -15,7 +15,6 @@ pub struct PairFile {
     /// Name of the pair, used for files and titles.
     pub name: String,
     /// Where the numbers come from; free text.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
     /// External or internal.
     pub meshing: Meshing,
@@ -27,14 +26,11 @@ pub struct PairFile {
     #[serde(default)]
     pub helix_angle_deg: f64,
     /// Default: the centre distance without backlash that follows from the profile shifts.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub center_distance_mm: Option<f64>,
     /// Circumferential backlash at the operating pitch circle and nominal centre distance, both gears
     /// together. Default: what centre distance and profile shifts leave.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backlash_um: Option<f64>,
     /// z of gear 2's z = 0 face minus gear 1's. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub face_offset_mm: Option<f64>,
     /// Gear 1.
     pub gear1: GearFile,
@@ -49,7 +45,6 @@ pub struct PairFile {
     #[serde(default = "yes")]
     pub tip_corner_contact: bool,
     /// Coefficient of friction. Default: the constant 0.05.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionFile>,
 }
 
@@ -63,172 +58,123 @@ pub enum Meshing {
     Internal,
 }
 
-/// One gear of the file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GearFile {
-    /// Number of teeth, positive for a ring, too.
-    pub teeth: u32,
-    /// Profile shift coefficient; > 0 thickens teeth, widens the spaces of a ring. Default 0.
-    #[serde(default)]
-    pub profile_shift: f64,
-    /// Face width.
-    pub face_width_mm: f64,
-    /// Tip diameter (ring: inner). Default: from `addendum_coefficient`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tip_diameter_mm: Option<f64>,
-    /// Diameter at which chamfer or rounding of the tips begins and the involute ends, d_Fa. Default: the tip
-    /// diameter.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tip_form_diameter_mm: Option<f64>,
-    /// Addendum over the normal module. Default 1.0; only without `tip_diameter_mm`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub addendum_coefficient: Option<f64>,
-    /// Dedendum of the basic rack over the normal module. Default 1.25.
-    #[serde(default = "default_dedendum")]
-    pub dedendum_coefficient: f64,
-    /// Tip radius of the tool (ring: radius of the fillet) over the normal module. Default 0.38.
-    #[serde(default = "default_tool_tip_radius")]
-    pub tool_tip_radius_coefficient: f64,
-    /// Bore, held rigidly; external gears only. Default: half of the root diameter.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bore_diameter_mm: Option<f64>,
-    /// Outer diameter, held rigidly; makes this gear the ring of an internal pair. Default for gear 2
-    /// of an internal pair: root diameter + 7 normal modules, a rim of 3.5 modules.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rim_diameter_mm: Option<f64>,
-    /// Radial thickness of the rim below the root circle; external gears, with `web_thickness_mm`. Default: a full
-    /// disc.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rim_thickness_mm: Option<f64>,
-    /// Axial thickness of the web.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub web_thickness_mm: Option<f64>,
-    /// z of the middle of the web less mid-face. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub web_offset_mm: Option<f64>,
-    /// Outer diameter of the hub. Default: no hub, the web reaches the bore.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hub_diameter_mm: Option<f64>,
-    /// Axial length of the hub. Default: the face width.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hub_width_mm: Option<f64>,
-    /// z of the middle of the hub less mid-face. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hub_offset_mm: Option<f64>,
-    /// Elastic foundation on which the outside of a ring rests, N/mm per mm² in every direction. Default: rigid.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rim_foundation_n_per_mm3: Option<f64>,
-    /// Young's modulus. Default 206 (steel).
-    #[serde(default = "default_youngs_modulus")]
-    pub youngs_modulus_gpa: f64,
-    /// Poisson ratio. Default 0.3 (steel).
-    #[serde(default = "default_poisson_ratio")]
-    pub poisson_ratio: f64,
-    /// Tip relief. Default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tip_relief: Option<ReliefFile>,
-    /// Root relief. Default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub root_relief: Option<ReliefFile>,
-    /// Profile crowning: removal at both ends of the active profile. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub profile_crowning_um: Option<f64>,
-    /// Profile slope: removal at the tip minus that at the start of the active profile, -C_Ha. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub profile_slope_um: Option<f64>,
-    /// Bias: profile slope at z = face width minus that at z = 0. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bias_um: Option<f64>,
-    /// Lead crowning: removal at both ends of the face. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lead_crowning_um: Option<f64>,
-    /// Removal at the z = face width end minus that at z = 0, zero at mid-face. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lead_slope_um: Option<f64>,
-    /// End relief at both ends. Default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub end_relief: Option<EndReliefFile>,
-    /// End relief at z = 0 instead of `end_relief`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lower_end_relief: Option<EndReliefFile>,
-    /// End relief at z = face width instead of `end_relief`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub upper_end_relief: Option<EndReliefFile>,
-    /// CSV file of a measured or designed flank, in addition to all others. Default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub topography_file: Option<String>,
-    /// Modifications of the drive flank instead of those above.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub drive_flank: Option<FlankFile>,
-    /// Modifications of the coast flank instead of those above.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub coast_flank: Option<FlankFile>,
-    /// Teeth that differ from each other. Default: all are alike.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tooth_errors: Option<ToothErrorsFile>,
+/// A struct with the modifications of a flank after its own fields. One that is flattened into both would lose line and
+/// column of what is wrong in it.
+macro_rules! with_modifications {
+    ($(#[$doc:meta])* pub struct $name:ident { $($own:tt)* }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            $($own)*
+            /// Tip relief. Default none.
+            pub tip_relief: Option<ReliefFile>,
+            /// Root relief. Default none.
+            pub root_relief: Option<ReliefFile>,
+            /// Profile crowning: removal at both ends of the active profile. Default 0.
+            pub profile_crowning_um: Option<f64>,
+            /// Profile slope: removal at the tip minus that at the start of the active profile, -C_Ha. Default 0.
+            pub profile_slope_um: Option<f64>,
+            /// Bias: profile slope at z = face width minus that at z = 0. Default 0.
+            pub bias_um: Option<f64>,
+            /// Lead crowning: removal at both ends of the face. Default 0.
+            pub lead_crowning_um: Option<f64>,
+            /// Removal at the z = face width end minus that at z = 0, zero at mid-face. Default 0.
+            pub lead_slope_um: Option<f64>,
+            /// End relief at both ends. Default none.
+            pub end_relief: Option<EndReliefFile>,
+            /// End relief at z = 0 instead of `end_relief`.
+            pub lower_end_relief: Option<EndReliefFile>,
+            /// End relief at z = face width instead of `end_relief`.
+            pub upper_end_relief: Option<EndReliefFile>,
+            /// CSV file of a measured or designed flank, in addition to all others. Default none.
+            pub topography_file: Option<String>,
+        }
+
+        impl $name {
+            /// Its modifications alone.
+            pub fn modifications(&self) -> FlankFile {
+                let own = self.clone();
+                FlankFile {
+                    tip_relief: own.tip_relief, root_relief: own.root_relief, profile_crowning_um: own.profile_crowning_um,
+                    profile_slope_um: own.profile_slope_um, bias_um: own.bias_um, lead_crowning_um: own.lead_crowning_um,
+                    lead_slope_um: own.lead_slope_um, end_relief: own.end_relief,
+                    lower_end_relief: own.lower_end_relief, upper_end_relief: own.upper_end_relief,
+                    topography_file: own.topography_file,
+                }
+            }
+        }
+    };
 }
 
-/// Modifications of one flank: those of [`GearFile`], which it replaces one by one.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FlankFile {
-    /// Tip relief. Default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tip_relief: Option<ReliefFile>,
-    /// Root relief. Default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub root_relief: Option<ReliefFile>,
-    /// Profile crowning: removal at both ends of the active profile. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub profile_crowning_um: Option<f64>,
-    /// Profile slope: removal at the tip minus that at the start of the active profile, -C_Ha. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub profile_slope_um: Option<f64>,
-    /// Bias: profile slope at z = face width minus that at z = 0. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bias_um: Option<f64>,
-    /// Lead crowning: removal at both ends of the face. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lead_crowning_um: Option<f64>,
-    /// Removal at the z = face width end minus that at z = 0, zero at mid-face. Default 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lead_slope_um: Option<f64>,
-    /// End relief at both ends. Default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub end_relief: Option<EndReliefFile>,
-    /// End relief at z = 0 instead of `end_relief`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lower_end_relief: Option<EndReliefFile>,
-    /// End relief at z = face width instead of `end_relief`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub upper_end_relief: Option<EndReliefFile>,
-    /// CSV file of a measured or designed flank, in addition to all others. Default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub topography_file: Option<String>,
+with_modifications! {
+    /// One gear of the file.
+    pub struct GearFile {
+        /// Number of teeth, positive for a ring, too.
+        pub teeth: u32,
+        /// Profile shift coefficient; > 0 thickens teeth, widens the spaces of a ring. Default 0.
+        #[serde(default)]
+        pub profile_shift: f64,
+        /// Face width.
+        pub face_width_mm: f64,
+        /// Tip diameter (ring: inner). Default: from `addendum_coefficient`.
+        pub tip_diameter_mm: Option<f64>,
+        /// Diameter at which chamfer or rounding of the tips begins and the involute ends, d_Fa. Default: the tip
+        /// diameter.
+        pub tip_form_diameter_mm: Option<f64>,
+        /// Addendum over the normal module. Default 1.0; only without `tip_diameter_mm`.
+        pub addendum_coefficient: Option<f64>,
+        /// Dedendum of the basic rack over the normal module. Default 1.25.
+        #[serde(default = "default_dedendum")]
+        pub dedendum_coefficient: f64,
+        /// Tip radius of the tool (ring: radius of the fillet) over the normal module. Default 0.38.
+        #[serde(default = "default_tool_tip_radius")]
+        pub tool_tip_radius_coefficient: f64,
+        /// Bore, held rigidly; external gears only. Default: half of the root diameter.
+        pub bore_diameter_mm: Option<f64>,
+        /// Outer diameter, held rigidly; makes this gear the ring of an internal pair. Default for gear 2
+        /// of an internal pair: root diameter + 7 normal modules, a rim of 3.5 modules.
+        pub rim_diameter_mm: Option<f64>,
+        /// Radial thickness of the rim below the root circle; external gears, with `web_thickness_mm`. Default: a full
+        /// disc.
+        pub rim_thickness_mm: Option<f64>,
+        /// Axial thickness of the web.
+        pub web_thickness_mm: Option<f64>,
+        /// z of the middle of the web less mid-face. Default 0.
+        pub web_offset_mm: Option<f64>,
+        /// Outer diameter of the hub. Default: no hub, the web reaches the bore.
+        pub hub_diameter_mm: Option<f64>,
+        /// Axial length of the hub. Default: the face width.
+        pub hub_width_mm: Option<f64>,
+        /// z of the middle of the hub less mid-face. Default 0.
+        pub hub_offset_mm: Option<f64>,
+        /// Elastic foundation on which the outside of a ring rests, N/mm per mm² in every direction. Default: rigid.
+        pub rim_foundation_n_per_mm3: Option<f64>,
+        /// Young's modulus. Default 206 (steel).
+        #[serde(default = "default_youngs_modulus")]
+        pub youngs_modulus_gpa: f64,
+        /// Poisson ratio. Default 0.3 (steel).
+        #[serde(default = "default_poisson_ratio")]
+        pub poisson_ratio: f64,
+        /// Modifications of the drive flank instead of those of the gear.
+        pub drive_flank: Option<FlankFile>,
+        /// Modifications of the coast flank instead of those of the gear.
+        pub coast_flank: Option<FlankFile>,
+        /// Teeth that differ from each other. Default: all are alike.
+        pub tooth_errors: Option<ToothErrorsFile>,
+    }
+}
+
+with_modifications! {
+    /// Modifications of one flank: those of [`GearFile`], which it replaces one by one.
+    #[derive(Default)]
+    pub struct FlankFile {}
 }
 
 impl GearFile {
-    /// Modifications that both flanks have unless a flank replaces them.
-    pub fn both_flanks(&self) -> FlankFile {
-        FlankFile {
-            tip_relief: self.tip_relief.clone(),
-            root_relief: self.root_relief.clone(),
-            profile_crowning_um: self.profile_crowning_um,
-            profile_slope_um: self.profile_slope_um,
-            bias_um: self.bias_um,
-            lead_crowning_um: self.lead_crowning_um,
-            lead_slope_um: self.lead_slope_um,
-            end_relief: self.end_relief.clone(),
-            lower_end_relief: self.lower_end_relief.clone(),
-            upper_end_relief: self.upper_end_relief.clone(),
-            topography_file: self.topography_file.clone(),
-        }
-    }
-
     /// Every place at which modifications stand, with the start of the path of its fields.
     pub fn flanks(&self) -> Vec<(&'static str, FlankFile)> {
-        let mut all = vec![("", self.both_flanks())];
+        let mut all = vec![("", self.modifications())];
         for (prefix, flank) in [
             ("drive_flank.", &self.drive_flank),
             ("coast_flank.", &self.coast_flank),
@@ -321,16 +267,12 @@ pub struct FrictionFile {
     #[serde(default)]
     pub law: FrictionLawFile,
     /// `constant`: the coefficient. Default 0.05.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coefficient: Option<f64>,
     /// Dynamic viscosity at the oil's temperature; required by `schlenk` and `xu_kahraman`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_viscosity_mpa_s: Option<f64>,
     /// `schlenk`: X_L of a gear oil: a mineral one 0.846, PAO and ester 0.65, polyglycol 0.585. Default 0.846.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lubricant_factor: Option<f64>,
     /// Arithmetic mean roughness Ra of gear 1 and gear 2; required by `schlenk` and `xu_kahraman`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub roughness_ra_um: Option<[f64; 2]>,
 }
 

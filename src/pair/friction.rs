@@ -1,7 +1,7 @@
 //! The law of friction of the pair file.
 
-use super::checks::within;
-use super::error::Refusal;
+use super::checks::{Range::Within, check};
+use super::error::{Refusal, refusal};
 use super::file::{FrictionFile, FrictionLawFile};
 use super::resolve::UM;
 use crate::friction::FrictionLaw;
@@ -11,36 +11,18 @@ pub(super) fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refus
     let Some(file) = file else {
         return Ok(FrictionLaw::default());
     };
-    let field = |name: &str| format!("friction.{name}");
-    for (name, value, low, high) in [
-        ("coefficient", file.coefficient, 0.0, 1.0),
-        (
-            "dynamic_viscosity_mpa_s",
-            file.dynamic_viscosity_mpa_s,
-            1.01,
-            1e5,
-        ),
-        ("lubricant_factor", file.lubricant_factor, 0.1, 2.0),
-        (
-            "roughness_ra_um",
-            file.roughness_ra_um.map(|r| r[0]),
-            0.01,
-            20.0,
-        ),
-        (
-            "roughness_ra_um",
-            file.roughness_ra_um.map(|r| r[1]),
-            0.01,
-            20.0,
-        ),
-    ] {
-        if let Some(value) = value {
-            within(field(name), value, low, high, None)?;
-        }
-    }
+    let roughness = |i: usize| file.roughness_ra_um.map(|ra| ra[i]);
+    #[rustfmt::skip]
+    check("friction.", &[
+        ("coefficient", file.coefficient, Within(0.0, 1.0), None),
+        ("dynamic_viscosity_mpa_s", file.dynamic_viscosity_mpa_s, Within(1.01, 1e5), None),
+        ("lubricant_factor", file.lubricant_factor, Within(0.1, 2.0), None),
+        ("roughness_ra_um", roughness(0), Within(0.01, 20.0), None),
+        ("roughness_ra_um", roughness(1), Within(0.01, 20.0), None),
+    ])?;
     let missing = |name: &str, remedy: &str| {
-        let remedy = format!("{remedy}, or leave `law` at `constant`");
-        Refusal::new(field(name), "none", "this law asks for it", remedy)
+        refusal!(format!("friction.{name}") => "none";
+            "this law asks for it"; "{remedy}, or leave `law` at `constant`")
     };
     let oil = || -> Result<(f64, [f64; 2]), Refusal> {
         let viscosity = file.dynamic_viscosity_mpa_s.ok_or_else(|| {

@@ -1,7 +1,6 @@
 //! What can only be said of the gears as built and of the pair in mesh.
 
-use super::checks::require;
-use super::error::Refusal;
+use super::error::{Refusal, ensure, refusal};
 use super::file::PairFile;
 use super::interference::{assembles_radially, tip_corner_clearance};
 use super::resolve::{MM, gear_file};
@@ -34,16 +33,10 @@ fn tip_field(file: &PairFile, gear: &Gear, i: usize) -> (String, String) {
 pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<ToothProfile, Refusal> {
     let profile = ToothProfile::new(gear).map_err(|error| profile_refusal(file, gear, i, error))?;
     // No more than the tip leaves of a tooth, and no less than a rounding of the file.
-    require(
-        (-1e-9..0.5 * gear.normal_module).contains(&gear.tip_chamfer),
-        field(i, "tip_form_diameter_mm"),
-        2.0 * gear.tip_form_radius() / MM,
-        format!(
-            "is the end of the involute of tips with the diameter {:.3} mm",
-            2.0 * gear.tip_radius / MM
-        ),
-        "give the diameter at which the chamfer begins, at most half a module of height from the tip diameter",
-    )?;
+    ensure!((-1e-9..0.5 * gear.normal_module).contains(&gear.tip_chamfer),
+        field(i, "tip_form_diameter_mm") => 2.0 * gear.tip_form_radius() / MM;
+        "is the end of the involute of tips with the diameter {:.3} mm", 2.0 * gear.tip_radius / MM;
+        "give the diameter at which the chamfer begins, at most half a module of height from the tip diameter");
     check_held_surface(gear, i)?;
     Ok(profile)
 }
@@ -57,91 +50,69 @@ fn check_held_surface(gear: &Gear, i: usize) -> Result<(), Refusal> {
     let (root, held) = (2.0 * gear.root_radius() / MM, 2.0 * gear.held_radius / MM);
     let wall = 2.0 * LEAST_WALL * gear.normal_module / MM;
     match gear.kind {
-        GearKind::External => require(
-            (LEAST_BORE * root..=root - wall).contains(&held),
-            field(i, "bore_diameter_mm"),
-            number(rounded(held)),
-            format!(
-                "lies outside a thousandth of the root diameter, {root:.3} mm, to half a normal module below it"
-            ),
-            match slips::diameter(held, 0.5 * root) {
+        GearKind::External => {
+            let remedy = match slips::diameter(held, 0.5 * root) {
                 Some(other) => format!("give the bore in millimetres: {other}"),
                 None => "give the diameter of the hub or shaft at which the gear is held".into(),
-            },
-        ),
-        GearKind::Ring => require(
-            held >= root + wall,
-            field(i, "rim_diameter_mm"),
-            held,
-            format!(
-                "is less than {:.3} mm, half a normal module above the root diameter of the ring",
-                root + wall
-            ),
-            match slips::diameter(held, 1.1 * root) {
+            };
+            ensure!((LEAST_BORE * root..=root - wall).contains(&held),
+                field(i, "bore_diameter_mm") => number(rounded(held));
+                "lies outside a thousandth of the root diameter, {root:.3} mm, to half a normal module below it";
+                "{remedy}");
+        }
+        GearKind::Ring => {
+            let remedy = match slips::diameter(held, 1.1 * root) {
                 Some(other) => format!("give the outer diameter in millimetres: {other}"),
                 None => "give the outer diameter at which the ring is held".into(),
-            },
-        ),
+            };
+            ensure!(held >= root + wall, field(i, "rim_diameter_mm") => held;
+                "is less than {:.3} mm, half a normal module above the root diameter of the ring", root + wall;
+                "{remedy}");
+        }
     }
+    Ok(())
 }
 
 fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) -> Refusal {
-    let (tip, tip_value) = tip_field(file, gear, i);
     let problem = error.to_string();
-    let usual = 2.0
-        * (gear.reference_radius() + gear.normal_module * (gear.profile_shift + gear.kappa()))
-        / MM;
-    if let Some(other) = gear_file(file, i)
+    let base = 2.0 * gear.base_radius() / MM;
+    let slip = gear_file(file, i)
         .tip_diameter_mm
-        .and_then(|mm| slips::diameter(mm, usual))
-    {
-        return Refusal::new(
-            tip,
-            tip_value,
-            problem,
-            format!("give the diameter in millimetres: {other}"),
-        );
-    }
-    match error {
+        .and_then(|mm| slips::diameter(mm, 2.0 * usual_tip_radius(gear) / MM));
+    let remedy = match error {
+        _ if let Some(other) = slip => format!("give the diameter in millimetres: {other}"),
         ProfileError::PointedTooth => {
             let limit = match gear.kind {
                 GearKind::External => {
                     let alpha = inverse_involute(gear.half_base_angle());
-                    format!("below {:.3}", 2.0 * gear.base_radius() / alpha.cos() / MM)
+                    format!("below {:.3}", base / alpha.cos())
                 }
                 GearKind::Ring => "larger".into(),
             };
-            let remedy = format!("choose a tip diameter {limit} mm, or another `profile_shift`");
-            Refusal::new(tip, tip_value, problem, remedy)
+            format!("choose a tip diameter {limit} mm, or another `profile_shift`")
         }
-        ProfileError::NoInvolute => Refusal::new(
-            tip,
-            tip_value,
-            problem,
-            "check the tip diameter, `dedendum_coefficient` and `profile_shift`",
-        ),
-        ProfileError::TipInsideBase => Refusal::new(
-            tip,
-            tip_value,
-            problem,
-            format!(
-                "choose a tip diameter above {:.3} mm, or more teeth",
-                2.0 * gear.base_radius() / MM
-            ),
-        ),
-        ProfileError::RoundTooLarge => Refusal::new(
-            field(i, "tool_tip_radius_coefficient"),
-            gear.tool_tip_radius_coefficient,
-            problem,
-            "choose a smaller radius or a smaller `dedendum_coefficient`",
-        ),
-        ProfileError::RootCircle => Refusal::new(
-            field(i, "dedendum_coefficient"),
-            gear.dedendum_coefficient,
-            problem,
-            "choose another dedendum, more teeth or another `profile_shift`",
-        ),
-    }
+        ProfileError::NoInvolute => {
+            "check the tip diameter, `dedendum_coefficient` and `profile_shift`".into()
+        }
+        ProfileError::TipInsideBase => {
+            format!("choose a tip diameter above {base:.3} mm, or more teeth")
+        }
+        ProfileError::RoundTooLarge => {
+            return refusal!(field(i, "tool_tip_radius_coefficient") => gear.tool_tip_radius_coefficient;
+                "{problem}"; "choose a smaller radius or a smaller `dedendum_coefficient`");
+        }
+        ProfileError::RootCircle => {
+            return refusal!(field(i, "dedendum_coefficient") => gear.dedendum_coefficient;
+                "{problem}"; "choose another dedendum, more teeth or another `profile_shift`");
+        }
+    };
+    let (tip, value) = tip_field(file, gear, i);
+    refusal!(tip => value; "{problem}"; "{remedy}")
+}
+
+/// Radius of tips with an addendum of one module, m.
+fn usual_tip_radius(gear: &Gear) -> f64 {
+    gear.reference_radius() + gear.normal_module * (gear.profile_shift + gear.kappa())
 }
 
 /// A centre distance, m, with the field and value of the file that set it.
@@ -168,23 +139,16 @@ pub(super) fn check_contact(
     }
     let transverse = geometry.transverse_contact_ratio(place.center_distance);
     let total = transverse + geometry.overlap_ratio();
-    if !(transverse > 0.0 && total >= 1.0)
-        && let Some((tip, value, problem)) = short_tooth(file, geometry)
-    {
-        return Err(Refusal::new(
-            tip,
-            value,
-            format!("{problem}, and the total contact ratio is {total:.3}"),
-            "give the diameter of the tips; check module and tooth number, too",
-        ));
+    let is_enough = transverse > 0.0 && total >= 1.0;
+    if let Some((tip, value, problem)) = short_tooth(file, geometry) {
+        ensure!(is_enough, tip => value;
+            "{problem}, and the total contact ratio is {total:.3}";
+            "give the diameter of the tips; check module and tooth number, too");
     }
-    require(
-        transverse > 0.0 && total >= 1.0,
-        place.field,
-        place.value,
-        format!("the total contact ratio is {total:.3}, and below 1 teeth lose contact"),
-        "choose larger tip diameters, a smaller centre distance or, with helical teeth, a wider face",
-    )
+    ensure!(is_enough, place.field => place.value;
+        "the total contact ratio is {total:.3}, and below 1 teeth lose contact";
+        "choose larger tip diameters, a smaller centre distance or, with helical teeth, a wider face");
+    Ok(())
 }
 
 /// An addendum below this, in normal modules, is a slip where something fails for it.
@@ -208,11 +172,10 @@ pub(super) fn short_tooth(
     }
     let gear = &geometry.gears[i];
     let (tip, value) = tip_field(file, gear, i);
-    let usual = gear.reference_radius() + gear.normal_module * (gear.profile_shift + gear.kappa());
     let problem = format!(
         "the addendum is {:.3} modules, while one module asks for a tip diameter of {:.3} mm",
         addendum(i),
-        2.0 * usual / MM
+        2.0 * usual_tip_radius(gear) / MM
     );
     Some((tip, value, problem))
 }
@@ -227,19 +190,9 @@ pub(super) fn check_clearance(
         let clearance = geometry.tip_clearance(i, place.center_distance);
         let gear = &geometry.gears[i];
         let (tip, value) = tip_field(file, gear, i);
-        require(
-            clearance > 0.0,
-            tip,
-            value,
-            format!(
-                "the tip clearance to gear {} is {:.3} mm at `{}` = {}",
-                2 - i,
-                clearance / MM,
-                place.field,
-                place.value
-            ),
-            "shorten the tooth, deepen the mate's `dedendum_coefficient` or change the centre distance",
-        )?;
+        ensure!(clearance > 0.0, tip => value;
+            "the tip clearance to gear {} is {:.3} mm at `{}` = {}", 2 - i, clearance / MM, place.field, place.value;
+            "shorten the tooth, deepen the mate's `dedendum_coefficient` or change the centre distance");
     }
     Ok(())
 }
@@ -267,41 +220,27 @@ fn check_active_profile(
     let side = if i == 0 { gear.kappa() } else { -gear.kappa() };
     let xi = (form_roll - geometry.roll_at(i, center_distance, 0.0)) / side;
     let limit = mate.radius_at_roll(geometry.roll_at(1 - i, center_distance, xi).max(0.0));
+    let bound = match mate.kind {
+        GearKind::External => "at most",
+        GearKind::Ring => "at least",
+    };
     let limit = format!(
-        "a `tip_diameter_mm` of {} {:.3} mm for gear {}",
-        if mate.kind == GearKind::External {
-            "at most"
-        } else {
-            "at least"
-        },
+        "a `tip_diameter_mm` of {bound} {:.3} mm for gear {}",
         2.0 * limit / MM,
         2 - i
     );
-    let at = format!(
-        "{:.3} mm, contact at {:.3} mm",
-        2.0 * profiles[i].form_radius() / MM,
-        2.0 * gear.base_radius().hypot(start) / MM
-    );
-    Err(if profiles[i].is_undercut() {
-        Refusal::new(
-            field(i, "profile_shift"),
-            gear.profile_shift,
-            format!("undercut reaches the active profile: the involute starts at diameter {at}"),
-            format!("choose a larger profile shift, more teeth, or {limit}"),
-        )
-    } else {
-        let (tip, value) = tip_field(file, mate, 1 - i);
-        Refusal::new(
-            tip,
-            value,
-            format!(
-                "tip interference: it runs into the fillet of gear {}, whose involute starts at \
-                 diameter {at}",
-                i + 1
-            ),
-            format!("choose {limit}, or another `profile_shift`"),
-        )
-    })
+    let form = 2.0 * profiles[i].form_radius() / MM;
+    if profiles[i].is_undercut() {
+        return Err(refusal!(field(i, "profile_shift") => gear.profile_shift;
+            "undercut reaches the active profile: the involute starts at diameter {form:.3} mm, contact at {:.3} mm",
+            2.0 * gear.base_radius().hypot(start) / MM;
+            "choose a larger profile shift, more teeth, or {limit}"));
+    }
+    let (tip, value) = tip_field(file, mate, 1 - i);
+    Err(refusal!(tip => value;
+        "tip interference: it runs into the fillet of gear {}, whose involute starts at diameter {form:.3} mm, \
+         contact at {:.3} mm", i + 1, 2.0 * gear.base_radius().hypot(start) / MM;
+        "choose {limit}, or another `profile_shift`"))
 }
 
 /// Tooth difference of an internal pair, once the mesh itself is in order.
@@ -311,19 +250,12 @@ pub(super) fn check_tooth_difference(geometry: &PairGeometry) -> Result<(), Refu
     };
     let (z_ring, z_pinion) = (geometry.gears[ring].teeth, geometry.gears[1 - ring].teeth);
     let clearance = tip_corner_clearance(geometry).unwrap_or(0.0);
-    require(
-        clearance >= 0.0,
-        field(ring, "teeth"),
-        z_ring,
-        format!(
-            "the tooth difference, {} - {z_pinion} = {}, is too small: tip corners foul each other by \
-             {:.3} mm where the tip circles cross",
-            z_ring,
-            i64::from(z_ring) - i64::from(z_pinion),
-            -clearance * geometry.gears[ring].tip_radius / MM
-        ),
-        "choose a larger difference, shorter teeth or a larger operating pressure angle",
-    )
+    ensure!(clearance >= 0.0, field(ring, "teeth") => z_ring;
+        "the tooth difference, {z_ring} - {z_pinion} = {}, is too small: tip corners foul each other by {:.3} mm \
+         where the tip circles cross",
+        i64::from(z_ring) - i64::from(z_pinion), -clearance * geometry.gears[ring].tip_radius / MM;
+        "choose a larger difference, shorter teeth or a larger operating pressure angle");
+    Ok(())
 }
 
 /// What is legal but worth knowing.

@@ -3,9 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::checks::require;
-use super::error::Refusal;
-use super::file::{EndReliefFile, FlankFile, GearFile, PairFile, ReliefFile, ReliefStart, Shape};
+use super::error::{Refusal, ensure};
+use super::file::{EndReliefFile, FlankFile, PairFile, ReliefFile, ReliefStart, Shape};
 use super::mesh_checks::{field, short_tooth};
 use super::resolve::{MM, UM, gear_file};
 use super::{slips, topography};
@@ -13,6 +12,10 @@ use crate::gear::{
     EndRelief, Flank, Gear, Microgeometry, PairGeometry, ProfileCrowning, ProfileRelief,
     ProfileSlope, ReliefShape,
 };
+use crate::words::{number, rounded};
+
+/// Removal over the length of roll or of the face within which it grows, at most.
+pub(super) const STEEPEST: f64 = 0.1;
 
 /// The flanks of gear `i` that `flank` loads.
 pub(super) struct Flanks<'a> {
@@ -30,43 +33,50 @@ impl Flanks<'_> {
     /// The active profile runs from where the mate's tip touches at the nominal centre distance to the end of this
     /// gear's involute at the tip.
     pub fn microgeometry(&self) -> Result<Microgeometry, Refusal> {
-        let of_both = self.gear_file().both_flanks();
-        let (_, own) = self.own();
+        let gear_file = gear_file(self.file, self.i);
+        let (name, own) = match self.flank {
+            Flank::Drive => ("drive_flank", &gear_file.drive_flank),
+            Flank::Coast => ("coast_flank", &gear_file.coast_flank),
+        };
+        // What the flank has of its own, then what the gear has for both, each with its place in the file.
+        let sources = [
+            (format!("{name}."), own.clone().unwrap_or_default()),
+            (String::new(), gear_file.modifications()),
+        ];
         let tip = self.gear().tip_form_roll();
         let start = self
             .geometry
             .active_start_roll(self.i, self.geometry.center_distance);
         let rolls = [start, tip];
         let relief = |of: fn(&FlankFile) -> &Option<ReliefFile>, name: &str, end: f64| {
-            let given = of(&own).as_ref().map(|r| (true, r));
-            match given.or_else(|| of(&of_both).as_ref().map(|r| (false, r))) {
-                Some((is_own, r)) => self
-                    .profile_relief(r, &self.path(is_own, name), rolls, end)
-                    .map(|relief| (relief.amount > 0.0).then_some(relief)),
-                None => Ok(None),
-            }
+            let given = (sources.iter()).find_map(|(place, f)| Some((place, of(f).as_ref()?)));
+            let Some((place, given)) = given else {
+                return Ok(None);
+            };
+            let relief = self.profile_relief(given, &self.path(place, name), rolls, end)?;
+            Ok((relief.amount > 0.0).then_some(relief))
         };
-        let um = |of: fn(&FlankFile) -> Option<f64>| of(&own).or(of(&of_both)).unwrap_or(0.0) * UM;
+        let um = |of: fn(&FlankFile) -> Option<f64>| {
+            sources.iter().find_map(|(_, f)| of(f)).unwrap_or(0.0) * UM
+        };
         let end = |of: fn(&FlankFile) -> &Option<EndReliefFile>| {
-            let either = |flank: &FlankFile| of(flank).clone().or(flank.end_relief.clone());
-            either(&own)
-                .or_else(|| either(&of_both))
-                .map(|r| end_relief(&r))
-                .filter(|r| r.amount > 0.0)
+            let mut all = sources.iter();
+            let relief = all.find_map(|(_, f)| of(f).as_ref().or(f.end_relief.as_ref()));
+            relief.map(end_relief).filter(|r| r.amount > 0.0)
         };
         let (crowning, slope, bias) = (
             um(|f| f.profile_crowning_um),
             um(|f| f.profile_slope_um),
             um(|f| f.bias_um),
         );
-        let file = own.topography_file.as_ref().map(|name| (true, name));
-        let topography = match file.or(of_both.topography_file.as_ref().map(|name| (false, name))) {
-            Some((is_own, name)) => Some(Arc::new(topography::read(
-                &self.folder.join(name),
-                &self.path(is_own, "topography_file"),
-                self.gear(),
-                rolls,
-            )?)),
+        let named =
+            |(place, f): &(String, FlankFile)| Some((place.clone(), f.topography_file.clone()?));
+        let topography = match sources.iter().find_map(named) {
+            Some((place, name)) => {
+                let (file, path) = (self.folder.join(name), self.path(&place, "topography_file"));
+                let grid = topography::read(&file, &path, self.gear(), rolls)?;
+                Some(Arc::new(grid))
+            }
             None => None,
         };
         Ok(Microgeometry {
@@ -88,30 +98,13 @@ impl Flanks<'_> {
         })
     }
 
-    fn gear_file(&self) -> &GearFile {
-        gear_file(self.file, self.i)
-    }
-
     fn gear(&self) -> &Gear {
         &self.geometry.gears[self.i]
     }
 
-    /// What the flank has of its own, with its name in the file.
-    fn own(&self) -> (&'static str, FlankFile) {
-        let gear = self.gear_file();
-        let (name, flank) = match self.flank {
-            Flank::Drive => ("drive_flank", &gear.drive_flank),
-            Flank::Coast => ("coast_flank", &gear.coast_flank),
-        };
-        (name, flank.clone().unwrap_or_default())
-    }
-
-    /// Path of the field `name`, of the flank alone or of the gear.
-    fn path(&self, is_own: bool, name: &str) -> String {
-        match is_own {
-            true => field(self.i, &format!("{}.{name}", self.own().0)),
-            false => field(self.i, name),
-        }
+    /// Path of the field `name` at `place` of the gear.
+    fn path(&self, place: &str, name: &str) -> String {
+        field(self.i, &format!("{place}{name}"))
     }
 
     fn profile_relief(
@@ -136,32 +129,28 @@ impl Flanks<'_> {
         let (low, high) = (active[0].min(active[1]), active[0].max(active[1]));
         let diameter = |roll: f64| 2.0 * gear.radius_at_roll(roll) / MM;
         let is_within = start_roll > low && start_roll < high;
-        if !is_within && let Some((tip, value, problem)) = short_tooth(self.file, self.geometry) {
-            return Err(Refusal::new(
-                tip,
-                value,
-                format!("{problem}, and the start of `{path}` is not on the active profile"),
-                "give the diameter of the tips, or another start of the relief",
-            ));
+        if let Some((tip, value, problem)) = short_tooth(self.file, self.geometry) {
+            ensure!(is_within, tip => value;
+                "{problem}, and the start of `{path}` is not on the active profile";
+                "give the diameter of the tips, or another start of the relief");
         }
         let other = match r.start {
             ReliefStart::DiameterMm(mm) => slips::diameter(mm, diameter(0.5 * (low + high))),
             ReliefStart::PitchPoint => None,
         };
-        require(
-            is_within,
-            format!("{path}.start"),
-            value,
-            format!(
-                "lies outside the active profile, diameters {:.3} to {:.3} mm",
-                diameter(low),
-                diameter(high)
-            ),
-            match other {
-                Some(other) => format!("give the diameter in millimetres: {other}"),
-                None => "give {\"diameter_mm\": ...} within it".into(),
-            },
-        )?;
+        let remedy = match other {
+            Some(other) => format!("give the diameter in millimetres: {other}"),
+            None => "give {\"diameter_mm\": ...} within it".into(),
+        };
+        ensure!(is_within, format!("{path}.start") => value;
+            "lies outside the active profile, diameters {:.3} to {:.3} mm", diameter(low), diameter(high);
+            "{remedy}");
+        let length = (end_roll - start_roll).abs();
+        ensure!(r.amount_um * UM <= STEEPEST * length, format!("{path}.start") => value;
+            "leaves {} mm of roll for {} um, steeper than one in ten: a chamfer, and no relief",
+            number(rounded(length / MM)), r.amount_um;
+            "give a start at least {} mm of roll before the end of the relief, or end the involute there by \
+             `tip_form_diameter_mm`", rounded(r.amount_um * UM / STEEPEST / MM));
         Ok(ProfileRelief {
             amount: r.amount_um * UM,
             start_roll,

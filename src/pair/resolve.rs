@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::checks::{check_fields, require};
-use super::error::Refusal;
+use super::checks::check_fields;
+use super::error::{Refusal, ensure, refusal};
 use super::file::{GearFile, Meshing, PairFile};
 use super::friction::friction;
 use super::mesh_checks::{
@@ -14,8 +14,9 @@ use super::teeth::teeth;
 use super::{Operating, Pair, bodies, slips};
 use crate::gear::{
     Flank, Gear, GearKind, PairGeometry, PairMicrogeometry, ToothProfile, inverse_involute,
+    involute,
 };
-use crate::words::rounded;
+use crate::words::{fixed, number, rounded};
 
 pub(super) const MM: f64 = 1e-3;
 pub(super) const UM: f64 = 1e-6;
@@ -27,6 +28,31 @@ const ROUNDING_OF_CENTER_DISTANCE: f64 = 1e-6;
 /// Fills in defaults, checks, converts.
 pub(super) fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
     check_fields(file)?;
+    resolve_checked(file, folder).map_err(|refusal| helix_in_radians(file).unwrap_or(refusal))
+}
+
+/// The helix angle, where in degrees instead of radians it would fit the centre distance of a pair that is refused.
+fn helix_in_radians(file: &PairFile) -> Option<Refusal> {
+    let (given, mm) = (file.helix_angle_deg, file.center_distance_mm?);
+    let degrees = slips::degrees(given)?;
+    let free = |helix_angle_deg: f64| {
+        let other = PairFile {
+            helix_angle_deg,
+            ..file.clone()
+        };
+        let geometry = unplaced_gears(&other).ok()?;
+        Some(backlash_free_center_distance(&geometry) / MM)
+    };
+    let (now, then) = (free(given)?, free(given.to_degrees())?);
+    let modules = |free: f64| (mm - free).abs() / file.normal_module_mm;
+    (modules(then) < 0.25 && modules(then) + 0.05 < modules(now)).then(|| {
+        refusal!("helix_angle_deg" => given;
+            "asks for a centre distance of {now:.4} mm without backlash, and the file has {mm}";
+            "give it in the unit of the name: {degrees}")
+    })
+}
+
+fn resolve_checked(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
     let mut notes = Vec::new();
     let mut geometry = unplaced_gears(file)?;
     place(file, &mut geometry)?;
@@ -43,6 +69,8 @@ pub(super) fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
     check_torques(file, &geometry)?;
     notes.extend(slips::notes(file, &geometry));
     notes.extend(flush_faces(file));
+    notes.extend(far_faces(file, &geometry));
+    notes.extend(odd_thickness(file, &geometry));
     notes.extend(warnings(&geometry, &profiles));
     check_center_distances(file, &geometry, &profiles, &mut notes)?;
     check_tooth_difference(&geometry)?;
@@ -93,13 +121,9 @@ fn unplaced_gears(file: &PairFile) -> Result<PairGeometry, Refusal> {
     let ring = ring_index(file);
     if let Some(ring) = ring {
         let (teeth, mate) = (gear_file(file, ring).teeth, gear_file(file, 1 - ring).teeth);
-        require(
-            teeth > mate,
-            field(ring, "teeth"),
-            teeth,
-            format!("the ring needs more teeth than the gear in it, {mate}"),
-            "choose a larger tooth difference, or give `rim_diameter_mm` to the other gear",
-        )?;
+        ensure!(teeth > mate, field(ring, "teeth") => teeth;
+            "the ring needs more teeth than the gear in it, {mate}";
+            "choose a larger tooth difference, or give `rim_diameter_mm` to the other gear");
     }
     Ok(PairGeometry {
         gears: [
@@ -112,33 +136,25 @@ fn unplaced_gears(file: &PairFile) -> Result<PairGeometry, Refusal> {
 
 /// Sets the centre distance: the file's, or that without backlash.
 fn place(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
-    let least = geometry.base_radius_sum();
-    match file.center_distance_mm {
-        Some(mm) => {
-            geometry.center_distance = mm * MM;
-            require(
-                geometry.center_distance > least,
-                "center_distance_mm",
-                mm,
-                format!("the base circles allow no mesh below {:.4} mm", least / MM),
-                match slips::length(mm, backlash_free_center_distance(geometry) / MM) {
-                    Some(metres) => format!("give it in the unit of the name: {metres}"),
-                    None => check_distance(geometry),
-                },
-            )
-        }
-        None => {
-            geometry.center_distance = backlash_free_center_distance(geometry);
-            require(
-                geometry.center_distance > least,
-                "gear1.profile_shift",
-                geometry.gears[0].profile_shift,
-                "the profile shifts of both gears leave no centre distance without backlash",
-                "choose a larger sum of profile shifts (internal: gear 2's minus gear 1's for a ring \
-                 as gear 2), or give `center_distance_mm`",
-            )
-        }
+    let (least, free) = (
+        geometry.base_radius_sum(),
+        backlash_free_center_distance(geometry),
+    );
+    geometry.center_distance = file.center_distance_mm.map_or(free, |mm| mm * MM);
+    let is_mesh = geometry.center_distance > least;
+    if let Some(mm) = file.center_distance_mm {
+        let remedy = match slips::length(mm, free / MM) {
+            Some(metres) => format!("give it in the unit of the name: {metres}"),
+            None => check_distance(geometry),
+        };
+        ensure!(is_mesh, "center_distance_mm" => mm;
+            "the base circles allow no mesh below {:.4} mm", least / MM; "{remedy}");
     }
+    ensure!(is_mesh, "gear1.profile_shift" => geometry.gears[0].profile_shift;
+        "the profile shifts of both gears leave no centre distance without backlash";
+        "choose a larger sum of profile shifts (internal: gear 2's minus gear 1's for a ring as gear 2), or give \
+         `center_distance_mm`");
+    Ok(())
 }
 
 /// What to compare a centre distance with that does not fit.
@@ -153,26 +169,29 @@ fn check_distance(geometry: &PairGeometry) -> String {
 fn check_torques(file: &PairFile, geometry: &PairGeometry) -> Result<(), Refusal> {
     let modulus = geometry.gears.iter().map(|g| g.youngs_modulus);
     let most = slips::IMPOSSIBLE_LOAD * modulus.fold(f64::INFINITY, f64::min);
+    let shared = geometry.face_overlap().1;
+    let [face1, face2] = geometry.gears.each_ref().map(|g| g.face_width);
     let torques = [
         ("nominal_torque_nm", file.operating.nominal_torque_nm),
         ("maximum_torque_nm", file.operating.maximum_torque_nm),
     ];
     for (name, torque) in torques {
-        let load = slips::load(geometry, torque);
-        require(
-            load <= most,
-            format!("operating.{name}"),
-            torque,
-            format!(
-                "means {:.0} N per mm of face and mm of module, and no tooth of this material carries above {:.0}",
-                load * UM,
-                most * UM
-            ),
-            match slips::torque(geometry, torque) {
-                Some(small) => format!("give N m on gear 1: {small}"),
-                None => "give the torque on gear 1 in N m".into(),
-            },
-        )?;
+        let load = slips::load(geometry, shared, torque);
+        // Whole faces would carry it, or so little is no face.
+        let whole = slips::load(geometry, face1.min(face2), torque);
+        ensure!(load <= most || (whole > most && shared >= MM * file.normal_module_mm),
+            "face_offset_mm" => file.face_offset_mm.unwrap_or(0.0);
+            "leaves {} mm of the faces, {} and {} mm wide, in common, too little for `operating.{name}` = {torque}",
+            number(rounded(shared / MM)), file.gear1.face_width_mm, file.gear2.face_width_mm;
+            "check it, gear 2's z = 0 face minus gear 1's, and both `face_width_mm`, in millimetres");
+        let remedy = match slips::torque(geometry, torque) {
+            Some(small) => format!("give N m on gear 1: {small}"),
+            None => "give the torque on gear 1 in N m, or wider faces".into(),
+        };
+        ensure!(load <= most, format!("operating.{name}") => torque;
+            "means {:.0} N per mm of face and mm of module, and no tooth of this material carries above {:.0}",
+            load * UM, most * UM;
+            "{remedy}");
     }
     Ok(())
 }
@@ -224,16 +243,25 @@ fn shorten_default_ring(
 }
 
 fn check_overlap(file: &PairFile, geometry: &PairGeometry) -> Result<(), Refusal> {
-    require(
-        geometry.face_overlap().1 > 0.0,
-        "face_offset_mm",
-        file.face_offset_mm.unwrap_or(0.0),
+    ensure!(geometry.face_overlap().1 > 0.0, "face_offset_mm" => file.face_offset_mm.unwrap_or(0.0);
+        "the faces, {} mm and {} mm wide, do not overlap", file.gear1.face_width_mm, file.gear2.face_width_mm;
+        "give gear 2's z = 0 face minus gear 1's, so that the faces share a part");
+    Ok(())
+}
+
+/// Faces that share less than half of the narrower one.
+fn far_faces(file: &PairFile, geometry: &PairGeometry) -> Option<String> {
+    let shared = geometry.face_overlap().1 / MM;
+    let narrower = file.gear1.face_width_mm.min(file.gear2.face_width_mm);
+    (shared < 0.5 * narrower).then(|| {
         format!(
-            "the faces, {} mm and {} mm wide, do not overlap",
-            file.gear1.face_width_mm, file.gear2.face_width_mm
-        ),
-        "give gear 2's z = 0 face minus gear 1's, so that the faces share a part",
-    )
+            "`face_offset_mm` = {} leaves only {} mm of the faces in mesh, {} and {} mm wide",
+            file.face_offset_mm.unwrap_or(0.0),
+            rounded(shared),
+            file.gear1.face_width_mm,
+            file.gear2.face_width_mm
+        )
+    })
 }
 
 /// Faces of different width that are flush at one end because nothing else was said.
@@ -273,13 +301,8 @@ fn check_center_distances(
             field: "operating.center_distance_offset_um",
             value: &value,
         };
-        require(
-            place.center_distance > geometry.base_radius_sum(),
-            place.field,
-            &value,
-            "the base circles allow no mesh there",
-            "narrow the range",
-        )?;
+        ensure!(place.center_distance > geometry.base_radius_sum(), place.field => &value;
+            "the base circles allow no mesh there"; "narrow the range");
         check_clearance(file, geometry, &place)?;
         if let Err(refusal) = check_contact(file, geometry, profiles, &place) {
             notes.push(format!(
@@ -313,15 +336,13 @@ fn ring_index(file: &PairFile) -> Option<usize> {
 
 fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
     let g = gear_file(file, i);
-    let e = match file.meshing {
-        Meshing::External => 1.0,
-        Meshing::Internal => -1.0,
-    };
     let hand1 = if file.helix_angle_deg < 0.0 {
         -1.0
     } else {
         1.0
     };
+    // Gear 2 of an external pair has the other hand.
+    let is_other = i == 1 && file.meshing == Meshing::External;
     let mut gear = Gear {
         kind: if is_ring {
             GearKind::Ring
@@ -329,7 +350,7 @@ fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
             GearKind::External
         },
         teeth: g.teeth,
-        hand: if i == 0 { hand1 } else { -e * hand1 },
+        hand: if is_other { -hand1 } else { hand1 },
         normal_module: file.normal_module_mm * MM,
         normal_pressure_angle: file.normal_pressure_angle_deg.to_radians(),
         helix_angle: file.helix_angle_deg.abs().to_radians(),
@@ -351,27 +372,21 @@ fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
         youngs_modulus: g.youngs_modulus_gpa * 1e9,
         poisson_ratio: g.poisson_ratio,
     };
-    gear.tip_radius = match g.tip_diameter_mm {
-        Some(mm) => 0.5 * mm * MM,
-        None => {
-            let addendum = g.addendum_coefficient.unwrap_or(1.0);
-            gear.reference_radius()
-                + gear.normal_module * (g.profile_shift + gear.kappa() * addendum)
+    let radius = |diameter_mm: f64| 0.5 * diameter_mm * MM;
+    let addendum = gear.kappa() * g.addendum_coefficient.unwrap_or(1.0);
+    let tip = gear.reference_radius() + gear.normal_module * (g.profile_shift + addendum);
+    gear.tip_radius = g.tip_diameter_mm.map_or(tip, radius);
+    if let Some(mm) = g.tip_form_diameter_mm {
+        gear.tip_chamfer = gear.kappa() * (gear.tip_radius - radius(mm));
+    }
+    let (held, usual) = match gear.kind {
+        GearKind::External => (g.bore_diameter_mm, 0.5 * gear.root_radius()),
+        GearKind::Ring => {
+            let rim = 3.5 * gear.normal_module;
+            (g.rim_diameter_mm, gear.root_radius() + rim)
         }
     };
-    if let Some(mm) = g.tip_form_diameter_mm {
-        gear.tip_chamfer = gear.kappa() * (gear.tip_radius - 0.5 * mm * MM);
-    }
-    gear.held_radius = match gear.kind {
-        GearKind::External => match g.bore_diameter_mm {
-            Some(mm) => 0.5 * mm * MM,
-            None => 0.5 * gear.root_radius(),
-        },
-        GearKind::Ring => match g.rim_diameter_mm {
-            Some(mm) => 0.5 * mm * MM,
-            None => gear.root_radius() + 3.5 * gear.normal_module,
-        },
-    };
+    gear.held_radius = held.map_or(usual, radius);
     gear
 }
 
@@ -389,58 +404,80 @@ fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refu
     let natural = geometry.backlash(c);
     // Beyond half a module it is no backlash, but another centre distance.
     let out_of_place = 0.5 * geometry.gears[0].normal_module * cos_phi;
-    if let Some(um) = file.backlash_um
-        && (natural - um * UM * cos_phi).abs() > out_of_place
-    {
-        return Err(Refusal::new(
-            "center_distance_mm",
-            c / MM,
-            format!(
-                "module, tooth numbers and profile shifts leave a backlash of {:.3} mm there",
-                natural / cos_phi / MM
-            ),
-            check_distance(geometry),
-        ));
-    }
-    let thinning = match file.backlash_um {
-        Some(um) => um * UM * cos_phi - natural,
-        None => {
-            let shortfall = geometry.e() * (backlash_free_center_distance(geometry) - c);
-            if natural < 0.0 && shortfall < ROUNDING_OF_CENTER_DISTANCE {
-                -natural
-            } else if natural < 0.0 {
-                return Err(Refusal::new(
-                    "center_distance_mm",
-                    c / MM,
-                    format!(
-                        "the teeth jam by {:.1} um at the operating pitch circle",
-                        -natural / cos_phi / UM
-                    ),
-                    format!(
-                        "give {:.4} or {}, or thin the teeth by `backlash_um`",
-                        backlash_free_center_distance(geometry) / MM,
-                        if geometry.e() > 0.0 { "more" } else { "less" }
-                    ),
-                ));
-            } else {
-                0.0
-            }
-        }
+    let leaves_in_place = |um: f64| (natural - um * UM * cos_phi).abs() <= out_of_place;
+    ensure!(file.backlash_um.is_none_or(leaves_in_place), "center_distance_mm" => c / MM;
+        "module, tooth numbers and profile shifts leave a backlash of {:.3} mm there", natural / cos_phi / MM;
+        "{}", check_distance(geometry));
+    let free = backlash_free_center_distance(geometry);
+    let is_rounding = geometry.e() * (free - c) < ROUNDING_OF_CENTER_DISTANCE;
+    let Some(um) = file.backlash_um else {
+        ensure!(natural >= 0.0 || is_rounding, "center_distance_mm" => c / MM;
+            "the teeth jam by {:.1} um at the operating pitch circle", -natural / cos_phi / UM;
+            "give {:.4} or {}, or thin the teeth by `backlash_um`",
+            free / MM, if geometry.e() > 0.0 { "more" } else { "less" });
+        thin(geometry, -natural);
+        return Ok(());
     };
+    let remedy = match slips::micrometres(um) {
+        Some(mm) => format!("give it in the unit of the name: {mm}"),
+        None => "give at least that, or change `center_distance_mm` or `profile_shift`".into(),
+    };
+    let thinning = um * UM * cos_phi - natural;
     // A billionth of a metre: rounding of the file, no thicker teeth.
-    if thinning < -1e-9 {
-        return Err(Refusal::new(
-            "backlash_um",
-            file.backlash_um.unwrap_or(0.0),
-            format!(
-                "centre distance and profile shifts alone give {:.1} um",
-                natural / cos_phi / UM
-            ),
-            "give at least that, or change `center_distance_mm` or `profile_shift`",
-        ));
-    }
+    ensure!(thinning >= -1e-9, "backlash_um" => um;
+        "centre distance and profile shifts alone give {:.1} um", natural / cos_phi / UM; "{remedy}");
+    thin(geometry, thinning);
+    Ok(())
+}
+
+/// Thins the teeth of both gears, together by `thinning` (m) on the line of action if that is positive.
+fn thin(geometry: &mut PairGeometry, thinning: f64) {
     for gear in &mut geometry.gears {
         gear.tooth_thinning = 0.5 * thinning.max(0.0);
     }
-    Ok(())
+}
+
+/// Backlash over the least recommended one, from which on it is out of proportion.
+const ODD_BACKLASH: f64 = 3.0;
+
+/// Play that profile shifts lack, in normal modules at the operating pitch circle, from which on it is no rounding of a
+/// drawing.
+const ODD_SHIFT: f64 = 0.02;
+
+/// Teeth whose thickness does not fit the centre distance.
+fn odd_thickness(file: &PairFile, geometry: &PairGeometry) -> Option<String> {
+    let (c, gears) = (geometry.center_distance, &geometry.gears);
+    let module = gears[0].normal_module;
+    let phi = geometry.operating_pressure_angle(c);
+    let um = |length: f64| fixed(length / UM, 0);
+    let thinned = (gears[0].tooth_thinning + gears[1].tooth_thinning) / phi.cos();
+    let lacking = thinned - geometry.backlash(c) / phi.cos();
+    if lacking > ODD_SHIFT * module {
+        let e = geometry.e();
+        let shifts = gears[0].profile_shift + e * gears[1].profile_shift;
+        let excess = (geometry.backlash_free_involute() - involute(phi))
+            * (gears[0].z() + e * gears[1].z())
+            / (2.0 * gears[0].normal_pressure_angle.tan());
+        return Some(format!(
+            "the profile shifts do not fit the centre distance: x1 {} x2 = {}, and {} leaves no backlash there; \
+             `backlash_um` = {} thins each tooth by {} um, {} um of it to make room",
+            if e > 0.0 { "+" } else { "-" },
+            fixed(shifts, 3),
+            fixed(shifts - excess, 3),
+            rounded(file.backlash_um.unwrap_or(0.0)),
+            um(0.5 * thinned),
+            um(0.5 * lacking)
+        ));
+    }
+    let normal = geometry.backlash(c) * geometry.base_helix_angle().cos();
+    // ISO/TR 10064-2, annex A, for drives of steel in steel housings.
+    let recommended = 2.0 / 3.0 * (60.0 * UM + 0.0005 * c + 0.03 * module);
+    (normal > ODD_BACKLASH * recommended).then(|| {
+        format!(
+            "the backlash normal to the flanks, {} um, is out of proportion: ISO/TR 10064-2 recommends {} um at least \
+             for this module and centre distance; check `center_distance_mm`, `profile_shift` and `backlash_um`",
+            um(normal),
+            um(recommended)
+        )
+    })
 }

@@ -30,21 +30,17 @@ fn slip(value: f64, expected: f64, spread: f64, slips: &[Slip], unit: &str) -> O
     ))
 }
 
-/// What a length or diameter (mm) probably is of which about `expected` (mm) was to be expected.
+/// What a length (mm) probably is of which about `expected` (mm) was to be expected.
 pub(super) fn length(value: f64, expected: f64) -> Option<String> {
     slip(value, expected, 1.5, &LENGTHS, "mm")
 }
 
 /// What a diameter (mm) probably is of which about `expected` (mm) was to be expected.
 pub(super) fn diameter(value: f64, expected: f64) -> Option<String> {
-    length(value, expected).or_else(|| {
-        (value * 2.0 / expected - 1.0).abs().le(&0.1).then(|| {
-            format!(
-                "{value} mm looks like the radius, the diameter is {} mm",
-                rounded(2.0 * value)
-            )
-        })
-    })
+    let is_radius = (value * 2.0 / expected - 1.0).abs() <= 0.1;
+    let twice = rounded(2.0 * value);
+    let radius = || format!("{value} mm looks like the radius, the diameter is {twice} mm");
+    length(value, expected).or_else(|| is_radius.then(radius))
 }
 
 /// What a normal module (mm) too small to be one probably is.
@@ -61,23 +57,19 @@ pub(super) fn face_width(value: f64, module: f64) -> Option<String> {
 /// What an angle (degrees) probably is.
 pub(super) fn degrees(value: f64) -> Option<String> {
     let is_radians = value != 0.0 && value.abs() <= LARGEST_RADIANS;
-    is_radians.then(|| {
-        format!(
-            "{value} rad is {} deg",
-            rounded((value.to_degrees() * 1e3).round() / 1e3)
-        )
-    })
+    let degrees = rounded((value.to_degrees() * 1e3).round() / 1e3);
+    is_radians.then(|| format!("{value} rad is {degrees} deg"))
+}
+
+/// What a length (um) probably is.
+pub(super) fn micrometres(value: f64) -> Option<String> {
+    (value != 0.0 && value.abs() < 1.0)
+        .then(|| format!("{value} mm is {} um", rounded(1e3 * value)))
 }
 
 /// What a Young's modulus (GPa) probably is.
 pub(super) fn modulus(value: f64) -> Option<String> {
-    slip(
-        value,
-        100.0,
-        5.0,
-        &[("MPa", 1e-3), ("Pa", 1e-9), ("N/mm2", 1e-3)],
-        "GPa",
-    )
+    slip(value, 100.0, 5.0, &[("MPa", 1e-3), ("Pa", 1e-9)], "GPa")
 }
 
 /// A torque at which the line load per module (N/mm2) is less than this is odd on steel teeth, which carry some
@@ -88,78 +80,71 @@ const ODDLY_SMALL_LOAD: f64 = 0.3e6;
 /// times as high.
 pub(super) const IMPOSSIBLE_LOAD: f64 = 0.02;
 
-/// Transverse force on the line of action over face width and normal module, Pa, at a torque on gear 1, N m.
-pub(super) fn load(geometry: &PairGeometry, torque: f64) -> f64 {
+/// Transverse force on the line of action over normal module and `width` (m) of the face, Pa, at a torque on gear 1, N m.
+pub(super) fn load(geometry: &PairGeometry, width: f64, torque: f64) -> f64 {
     let gear = &geometry.gears[0];
-    torque / (gear.base_radius() * geometry.face_overlap().1 * gear.normal_module)
+    torque / (gear.base_radius() * width * gear.normal_module)
 }
 
-/// What a torque (N m) far beyond what teeth carry probably is.
+/// What a torque (N m) far beyond what teeth carry probably is: one that is usual where it is N mm.
 pub(super) fn torque(geometry: &PairGeometry, value: f64) -> Option<String> {
-    let steel = load(geometry, value * 1e-3);
-    (steel < 1e9).then(|| format!("{value} N mm is {} N m", rounded(value * 1e-3)))
+    let small = value * 1e-3;
+    let usual = ODDLY_SMALL_LOAD..1e9;
+    let steel = load(geometry, geometry.face_overlap().1, small);
+    usual
+        .contains(&steel)
+        .then(|| format!("{value} N mm is {} N m", rounded(small)))
 }
 
 /// Notes on numbers that can be meant, but are odd.
 pub(super) fn notes(file: &PairFile, geometry: &PairGeometry) -> Vec<String> {
-    let mut out = Vec::new();
-    let mut note = |field: String, value: f64, unit: &str, doubt: String| {
-        out.push(format!("`{field}` = {value} {unit} is odd: {doubt}"));
+    // The end of a range that is farther from nominal.
+    let farther = |[low, high]: [f64; 2]| if high >= -low { high } else { low };
+    let (helix, operating) = (file.helix_angle_deg, &file.operating);
+    let mut odd = Vec::new();
+    let mut note = |field: &str, value: f64, unit: &str, doubt: String| {
+        odd.push(format!("`{field}` = {value} {unit} is odd: {doubt}"));
     };
-    if let Some(radians) = degrees(file.helix_angle_deg) {
+    if let Some(radians) = degrees(helix) {
         let doubt = format!("{radians}; the field takes degrees");
-        note("helix_angle_deg".into(), file.helix_angle_deg, "deg", doubt);
+        note("helix_angle_deg", helix, "deg", doubt);
     }
-    let mut small = |field: String, um: f64| {
-        if um != 0.0 && um.abs() < 0.1 {
-            let doubt = format!(
-                "{um} mm is {} um; the field takes micrometres",
-                rounded(1e3 * um)
-            );
-            note(field, um, "um", doubt);
-        }
-    };
-    if let Some(um) = file.backlash_um {
-        small("backlash_um".into(), um);
-    }
+    // Lengths in micrometres, and what is odd below.
+    let mut lengths: Vec<(String, f64, f64)> = Vec::new();
+    lengths.extend(file.backlash_um.map(|um| ("backlash_um".into(), um, 1.0)));
     for (name, gear) in [("gear1", &file.gear1), ("gear2", &file.gear2)] {
         for (prefix, flank) in gear.flanks() {
-            for (field, um, _) in amounts(&flank, 0.0) {
-                small(format!("{name}.{prefix}{field}"), um);
-            }
+            let all = amounts(&flank, 0.0).into_iter();
+            lengths.extend(all.map(|(field, um, _)| (format!("{name}.{prefix}{field}"), um, 0.1)));
         }
     }
-    let offsets = file.operating.center_distance_offset_um;
-    let largest = |range: [f64; 2]| {
-        if range[1] >= -range[0] {
-            range[1]
-        } else {
-            range[0]
+    let offset = farther(operating.center_distance_offset_um);
+    lengths.push(("operating.center_distance_offset_um".into(), offset, 0.1));
+    for (field, um, least) in lengths {
+        if um.abs() < least
+            && let Some(mm) = micrometres(um)
+        {
+            note(
+                &field,
+                um,
+                "um",
+                format!("{mm}; the field takes micrometres"),
+            );
         }
-    };
-    if largest(offsets).abs() < 1.0 {
-        small(
-            "operating.center_distance_offset_um".into(),
-            largest(offsets),
-        );
     }
-    let mrad = largest(file.operating.misalignment_mrad);
+    let mrad = farther(operating.misalignment_mrad);
     if mrad != 0.0 && mrad.abs() < 0.02 {
-        let doubt = format!(
-            "{mrad} rad is {} mrad; the field takes milliradians",
-            rounded(1e3 * mrad)
-        );
-        note("operating.misalignment_mrad".into(), mrad, "mrad", doubt);
+        let meant = rounded(1e3 * mrad);
+        let doubt = format!("{mrad} rad is {meant} mrad; the field takes milliradians");
+        note("operating.misalignment_mrad", mrad, "mrad", doubt);
     }
-    let torque = file.operating.nominal_torque_nm;
+    let torque = operating.nominal_torque_nm;
     let modulus = geometry.gears.iter().map(|g| g.youngs_modulus);
     let softness = modulus.fold(f64::INFINITY, f64::min) / 206e9;
-    if load(geometry, torque) < ODDLY_SMALL_LOAD * softness {
-        let doubt = format!(
-            "{torque} kN m is {} N m; the field takes N m on gear 1",
-            rounded(1e3 * torque)
-        );
-        note("operating.nominal_torque_nm".into(), torque, "N m", doubt);
+    if load(geometry, geometry.face_overlap().1, torque) < ODDLY_SMALL_LOAD * softness {
+        let meant = rounded(1e3 * torque);
+        let doubt = format!("{torque} kN m is {meant} N m; the field takes N m on gear 1");
+        note("operating.nominal_torque_nm", torque, "N m", doubt);
     }
     for (i, gear) in geometry.gears.iter().enumerate() {
         let mm = 2e3 * gear.held_radius;
@@ -168,13 +153,9 @@ pub(super) fn notes(file: &PairFile, geometry: &PairGeometry) -> Vec<String> {
                 Some(metres) => format!("{metres}; the field takes millimetres"),
                 None => "give the diameter of the hub or shaft at which the gear is held".into(),
             };
-            note(
-                format!("gear{}.bore_diameter_mm", i + 1),
-                rounded(mm),
-                "mm",
-                doubt,
-            );
+            let field = format!("gear{}.bore_diameter_mm", i + 1);
+            note(&field, rounded(mm), "mm", doubt);
         }
     }
-    out
+    odd
 }

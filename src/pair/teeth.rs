@@ -6,8 +6,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::Pair;
-use super::checks::{require, within};
-use super::error::Refusal;
+use super::checks::{Range::Within, check};
+use super::error::{Refusal, ensure, refusal};
 use super::file::PairFile;
 use super::mesh_checks::field;
 use super::resolve::{UM, gear_file};
@@ -24,10 +24,8 @@ use crate::words::rounded;
 #[serde(deny_unknown_fields)]
 pub struct ToothErrorsFile {
     /// Index errors of the drive flanks. Default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive_flank: Option<IndexFile>,
     /// Index errors of the coast flanks. Default none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coast_flank: Option<IndexFile>,
     /// Radial run-out F_r, of both flanks. Default 0.
     #[serde(default)]
@@ -36,7 +34,7 @@ pub struct ToothErrorsFile {
     #[serde(default)]
     pub runout_angle_deg: f64,
     /// Single teeth. Default none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub teeth: Vec<ToothFile>,
 }
 
@@ -45,10 +43,8 @@ pub struct ToothErrorsFile {
 #[serde(deny_unknown_fields)]
 pub struct IndexFile {
     /// Cumulative pitch deviation of every tooth.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cumulative_pitch_um: Option<Vec<f64>>,
     /// Flank tolerance class of ISO 1328-1 that random errors use up.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pitch_class: Option<u8>,
     /// Which random errors. Default 0.
     #[serde(default)]
@@ -65,7 +61,6 @@ pub struct ToothFile {
     #[serde(default = "one")]
     pub compliance_factor: f64,
     /// CSV file of its flank, instead of that of the gear. Default: that of the gear.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub topography_file: Option<String>,
     /// The flank with that file. Default both.
     #[serde(default)]
@@ -157,8 +152,11 @@ impl Teeth<'_> {
         let gear = &self.geometry.gears[self.i];
         let most = 0.05 * gear.normal_module / UM;
         let (amount, angle) = (self.given.runout_um, self.given.runout_angle_deg);
-        within(self.field("runout_um"), amount, 0.0, most, None)?;
-        within(self.field("runout_angle_deg"), angle, -360.0, 360.0, None)?;
+        let rows = [
+            ("runout_um", Some(amount), Within(0.0, most), None),
+            ("runout_angle_deg", Some(angle), Within(-360.0, 360.0), None),
+        ];
+        check(&self.field(""), &rows)?;
         let mut errors = ToothErrors {
             index: self.index(most)?,
             runout: (amount > 0.0).then(|| Runout {
@@ -170,24 +168,16 @@ impl Teeth<'_> {
         for (place, tooth) in self.given.teeth.iter().enumerate() {
             let name = |name: &str| self.field(&format!("teeth[{place}].{name}"));
             let number = tooth.tooth;
-            require(
-                number < gear.teeth,
-                name("tooth"),
-                number,
-                format!("is no tooth of a gear of {}", gear.teeth),
-                format!("give a number from 0 to {}", gear.teeth - 1),
+            ensure!(number < gear.teeth, name("tooth") => number;
+                "is no tooth of a gear of {}", gear.teeth; "give a number from 0 to {}", gear.teeth - 1);
+            let is_again = self.given.teeth[..place].iter().any(|t| t.tooth == number);
+            ensure!(!is_again, name("tooth") => number;
+                "stands in the list twice"; "give a tooth once, with all that is its own");
+            let (factor, range) = (tooth.compliance_factor, Within(1.0, LARGEST_FACTOR));
+            check(
+                &name(""),
+                &[("compliance_factor", Some(factor), range, None)],
             )?;
-            require(
-                !self.given.teeth[..place]
-                    .iter()
-                    .any(|other| other.tooth == number),
-                name("tooth"),
-                number,
-                "stands in the list twice",
-                "give a tooth once, with all that is its own",
-            )?;
-            let factor = tooth.compliance_factor;
-            within(name("compliance_factor"), factor, 1.0, LARGEST_FACTOR, None)?;
             if factor > 1.0 {
                 errors.weak.push(WeakTooth {
                     tooth: number,
@@ -231,62 +221,39 @@ impl Teeth<'_> {
         let name = |name: &str| self.field(&format!("{part}.{name}"));
         match (&given.cumulative_pitch_um, given.pitch_class) {
             (Some(list), None) => {
-                require(
-                    list.len() == gear.teeth as usize,
-                    name("cumulative_pitch_um"),
-                    format!("{} numbers", list.len()),
-                    format!("the gear has {} teeth", gear.teeth),
-                    "give one number for every tooth",
-                )?;
+                ensure!(list.len() == gear.teeth as usize,
+                    name("cumulative_pitch_um") => format!("{} numbers", list.len());
+                    "the gear has {} teeth", gear.teeth; "give one number for every tooth");
                 for (tooth, um) in list.iter().enumerate() {
-                    within(
-                        name(&format!("cumulative_pitch_um[{tooth}]")),
-                        *um,
-                        -most,
-                        most,
-                        None,
-                    )?;
+                    let field = name(&format!("cumulative_pitch_um[{tooth}]"));
+                    check(&field, &[("", Some(*um), Within(-most, most), None)])?;
                 }
                 let all_zero = list.iter().all(|um| *um == 0.0);
-                Ok(if all_zero {
-                    Vec::new()
-                } else {
-                    list.iter().map(|um| um * UM).collect()
-                })
+                let errors = list.iter().filter(|_| !all_zero).map(|um| um * UM);
+                Ok(errors.collect())
             }
             (None, Some(class)) => {
-                require(
-                    CLASSES.contains(&class),
-                    name("pitch_class"),
-                    class,
-                    "is no flank tolerance class of ISO 1328-1",
-                    format!("give one from {} to {}", CLASSES.start(), CLASSES.end()),
-                )?;
+                ensure!(CLASSES.contains(&class), name("pitch_class") => class;
+                    "is no flank tolerance class of ISO 1328-1";
+                    "give one from {} to {}", CLASSES.start(), CLASSES.end());
                 let errors = random_index_errors(gear, class, given.seed);
                 let largest = errors.iter().fold(0.0f64, |m, e| m.max(e.abs())) / UM;
-                require(
-                    largest <= most,
-                    name("pitch_class"),
-                    class,
-                    format!(
-                        "gives index errors above a twentieth of the normal module, {} um",
-                        rounded(most)
-                    ),
-                    "give a finer class",
-                )?;
+                ensure!(largest <= most, name("pitch_class") => class;
+                    "gives index errors above a twentieth of the normal module, {} um", rounded(most);
+                    "give a finer class");
                 Ok(errors)
             }
-            (given, class) => Err(Refusal::new(
-                self.field(part),
-                if given.is_some() { "two sources" } else { "{}" },
-                match class {
+            (given, class) => {
+                let value = given.as_ref().map_or("{}", |_| "two sources");
+                let problem = match class {
                     Some(_) => {
                         "`cumulative_pitch_um` and `pitch_class` both say what the errors are"
                     }
                     None => "says nothing of the errors",
-                },
-                "give `cumulative_pitch_um`, one number for every tooth, or `pitch_class` with a `seed`",
-            )),
+                };
+                Err(refusal!(self.field(part) => value; "{problem}";
+                    "give `cumulative_pitch_um`, one number for every tooth, or `pitch_class` with a `seed`"))
+            }
         }
     }
 }

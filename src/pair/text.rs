@@ -16,15 +16,20 @@ const LONGEST: u64 = 4 << 20;
 /// The text of the file at `path`, of at most 4 MiB.
 pub(super) fn read(path: &Path) -> std::io::Result<String> {
     let file = std::fs::File::open(path)?;
-    let mut text = String::new();
+    let mut bytes = Vec::new();
     // One byte more than allowed tells a longer file, even where no length is known.
-    if file.take(LONGEST + 1).read_to_string(&mut text)? as u64 > LONGEST {
-        return Err(std::io::Error::other(format!(
+    let length = file.take(LONGEST + 1).read_to_end(&mut bytes)?;
+    let other = |what: String| Err(std::io::Error::other(what));
+    if bytes.starts_with(b"PK") {
+        return other("it is an archive, such as an FMU, and no text".into());
+    }
+    if length as u64 > LONGEST {
+        return other(format!(
             "it is longer than {} MiB, and a pair file has a few thousand bytes",
             LONGEST >> 20
-        )));
+        ));
     }
-    Ok(text)
+    String::from_utf8(bytes).or_else(|_| other("it is no text in UTF-8".into()))
 }
 
 /// The fields of `text`.
@@ -85,45 +90,68 @@ fn of_syntax(text: &str, path: &str, told: &str, [line, column]: [usize; 2]) -> 
         };
         return (field, decimal_point(&comma));
     }
+    let value = value_at(text, line, column);
     let message = match told {
-        "key must be a string" => {
-            "the name of a field in double quotes is expected here".to_owned()
+        "expected value" if let Some(value) = value => {
+            return (path.to_owned(), no_name(path, &value));
         }
-        "expected value" => "no value that JSON knows stands here; give a number such as 4.0, text in double \
-                             quotes, true or false"
-            .into(),
-        "invalid number" => "this is no number; write 4.0 or 0.5, without leading zeros".into(),
-        "number out of range" => "the number is out of range".into(),
+        "expected value" => {
+            "no value that JSON knows stands here; give a number such as 4.0, text in double quotes, true or false"
+        }
+        "key must be a string" => "the name of a field in double quotes is expected here",
+        "invalid number" => "this is no number; write 4.0 or 0.5, without leading zeros",
+        "number out of range" => "the number is out of range",
         "EOF while parsing a string"
         | "control character (\\u0000-\\u001F) found while parsing a string" => {
-            "a text is not closed by a double quote on its line".into()
+            "a text is not closed by a double quote on its line"
         }
         "EOF while parsing a value" if path == "." => {
-            "there are no fields; `gearmesh new` writes a file to start from".into()
+            "there are no fields; `gearmesh new` writes a file to start from"
         }
         _ if told.starts_with("EOF") => {
-            "the file ends before its last bracket is closed; it may have been cut".into()
+            "the file ends before its last bracket is closed; it may have been cut"
         }
         "trailing characters" if path != "." => {
-            "there are more than two numbers; [lowest, highest] are expected, with a decimal point in each, \
-             such as [-0.5, 0.5]"
-                .into()
+            "there are more than two numbers; [lowest, highest] are expected, with a decimal point in each, such as \
+             [-0.5, 0.5]"
         }
-        "trailing characters" => "something stands after the closing bracket".into(),
-        other => other.to_owned(),
+        "trailing characters" => "something stands after the closing bracket",
+        other => other,
     };
-    (path.to_owned(), message)
+    (path.to_owned(), message.to_owned())
+}
+
+/// The text of `line` from `column` on, and what is before; both count from 1.
+fn split_at(text: &str, line: usize, column: usize) -> Option<(&str, &str)> {
+    let line = text.lines().nth(line.checked_sub(1)?)?;
+    line.split_at_checked(column.checked_sub(1)?)
+}
+
+/// The number, list or other value of JSON at `column` of `line`.
+fn value_at(text: &str, line: usize, column: usize) -> Option<String> {
+    let (_, rest) = split_at(text, line, column)?;
+    let value = rest.split([',', '}']).next()?.trim();
+    let is_value = |v: &str| serde_json::from_str::<serde_json::Value>(v).is_ok();
+    (is_value(value) || value.starts_with('[')).then(|| value.to_owned())
+}
+
+/// What to say of a value where a field takes names.
+fn no_name(path: &str, value: &str) -> String {
+    let given = shown(value);
+    if !path.ends_with("start") {
+        return format!("`{given}`; one of the names of this field in double quotes is expected");
+    }
+    let diameter = value.parse().unwrap_or(88.0);
+    format!(
+        "`{given}` is no start of a relief; give {{ \"diameter_mm\": {diameter} }} or \"pitch_point\""
+    )
 }
 
 /// The field and the number where the text around `column` of `line` is a number with a decimal comma.
 fn decimal_comma(text: &str, line: usize, column: usize) -> Option<(String, String)> {
-    let line = text.lines().nth(line.checked_sub(1)?)?;
+    let (before, rest) = split_at(text, line, column)?;
     let digits = |c: char| c.is_ascii_digit();
-    let before = line.get(..column.checked_sub(1)?)?;
-    let fraction: String = line[before.len()..]
-        .chars()
-        .take_while(|&c| digits(c))
-        .collect();
+    let fraction: String = rest.chars().take_while(|&c| digits(c)).collect();
     let whole_and_name = before.trim_end().strip_suffix(',')?;
     let (name, whole) = whole_and_name.rsplit_once(':')?;
     let whole = whole.trim();
@@ -146,49 +174,39 @@ fn decimal_point(number: &str) -> String {
 fn of_data(path: &str, told: &str) -> (String, String) {
     let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
     let names: Vec<&str> = told.split('`').skip(1).step_by(2).collect();
-    if told.starts_with("unknown field") {
-        let [given, expected @ ..] = &names[..] else {
-            return (path.to_owned(), told.to_owned());
-        };
-        return (path.to_owned(), unknown_field(parent, given, expected));
-    }
-    if told.starts_with("unknown variant") {
-        let [given, expected @ ..] = &names[..] else {
-            return (path.to_owned(), told.to_owned());
-        };
-        let message = match nearest(given, expected) {
-            Some(name) => format!("\"{given}\" is none of its values; did you mean \"{name}\"?"),
-            None => format!("\"{}\" is none of its values", shown(given)),
-        };
-        return (
-            path.to_owned(),
-            format!("{message} There are {}", listed(expected)),
-        );
-    }
-    if let (Some(name), true) = (names.first(), told.starts_with("missing field")) {
-        let field = match path {
-            "." => (*name).to_owned(),
-            _ => format!("{path}.{name}"),
-        };
-        return (field, "this field is required and missing".into());
-    }
-    if told.starts_with("duplicate field") {
-        return (
-            path.to_owned(),
-            "this field stands twice; leave one of them out".into(),
-        );
-    }
-    let message = match told.split_once(", expected ") {
-        Some((given, "an array of length 2")) if given.starts_with("invalid length") => {
-            "two numbers are expected, [lowest, highest]".to_owned()
+    let mut field = path.to_owned();
+    let message = match (&names[..], told.split_once(", expected ")) {
+        ([given, expected @ ..], _) if told.starts_with("unknown field") => {
+            unknown_field(parent, given, expected)
         }
-        Some((given, expected)) => {
+        ([given, expected @ ..], _) if told.starts_with("unknown variant") => {
+            let meant = match nearest(given, expected) {
+                Some(name) => format!("; did you mean \"{name}\"?"),
+                None => String::new(),
+            };
+            let (given, all) = (shown(given), listed(expected));
+            format!("\"{given}\" is none of its values{meant} There are {all}")
+        }
+        ([name, ..], _) if told.starts_with("missing field") => {
+            field = match path {
+                "." => (*name).to_owned(),
+                _ => format!("{path}.{name}"),
+            };
+            "this field is required and missing".into()
+        }
+        _ if told.starts_with("duplicate field") => {
+            "this field stands twice; leave one of them out".into()
+        }
+        (_, Some((given, "an array of length 2"))) if given.starts_with("invalid length") => {
+            "two numbers are expected, [lowest, highest]".into()
+        }
+        (_, Some((given, expected))) => {
             let given = given.split_once(": ").map_or(given, |(_, given)| given);
             mistyped(given, expected)
         }
-        None => told.to_owned(),
+        _ => told.to_owned(),
     };
-    (path.to_owned(), message)
+    (field, message)
 }
 
 /// What to say of a field that a part of the file does not have.
@@ -198,24 +216,21 @@ fn unknown_field(parent: &str, given: &str, expected: &[&str]) -> String {
         return format!("there is no field `{name_given}`; did you mean `{name}`?");
     }
     // A field of another part of the file.
+    #[rustfmt::skip]
     let parts = [
-        (
-            "the whole pair, outside of the gears",
-            "",
-            names::<PairFile>(),
-        ),
+        ("the whole pair, outside of the gears", "", names::<PairFile>()),
         ("`gear1` and `gear2`", "gear", names::<GearFile>()),
         ("`tooth_errors`", "gear", names::<ToothErrorsFile>()),
         ("`operating`", "operating", names::<OperatingFile>()),
         ("`friction`", "friction", names::<FrictionFile>()),
     ];
     for (part, prefix, fields) in parts {
-        let here = match prefix {
+        let is_here = match prefix {
             "" => parent.is_empty(),
             _ => parent.starts_with(prefix),
         };
         let fields: Vec<&str> = fields.iter().map(String::as_str).collect();
-        if !here && let Some(name) = nearest(given, &fields) {
+        if !is_here && let Some(name) = nearest(given, &fields) {
             return format!("there is no field `{name_given}` here; `{name}` is a field of {part}");
         }
     }
@@ -229,52 +244,55 @@ fn unknown_field(parent: &str, given: &str, expected: &[&str]) -> String {
 fn names<T: DeserializeOwned>() -> Vec<String> {
     // Read as `parse` does, so that the deserialisers are compiled once.
     let mut json = serde_json::Deserializer::from_slice(br#"{"": 0}"#);
-    match serde_path_to_error::deserialize::<_, T>(&mut json) {
-        Ok(_) => Vec::new(),
-        Err(error) => error
-            .inner()
-            .to_string()
-            .split('`')
-            .skip(3)
-            .step_by(2)
-            .map(str::to_owned)
-            .collect(),
-    }
+    let refused = serde_path_to_error::deserialize::<_, T>(&mut json).err();
+    let told = refused.map_or_else(String::new, |error| error.inner().to_string());
+    let names = told.split('`').skip(3).step_by(2);
+    names.map(str::to_owned).collect()
 }
 
-/// The letters of drawings and standards.
+/// The letters of drawings and standards, and what they have in place of a field.
 const LETTERS: &[(&str, &str)] = &[
     ("a", "center_distance_mm"),
     ("alpha", "normal_pressure_angle_deg"),
     ("b", "face_width_mm"),
     ("beta", "helix_angle_deg"),
     ("da", "tip_diameter_mm"),
+    ("df", "dedendum_coefficient"),
     ("e", "youngs_modulus_gpa"),
     ("m", "normal_module_mm"),
     ("mn", "normal_module_mm"),
     ("nu", "poisson_ratio"),
+    ("rootdiametermm", "dedendum_coefficient"),
     ("x", "profile_shift"),
     ("z", "teeth"),
 ];
 
 /// The name that `given` is probably meant to be.
 fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
-    let plain = |name: &str| {
-        name.to_lowercase()
-            .replace("centre", "center")
-            .replace('_', "")
-    };
-    let given = plain(given);
-    if let Some((_, meant)) = LETTERS.iter().find(|(letter, _)| *letter == given)
+    let given = given.to_lowercase().replace("centre", "center");
+    let letter = given.replace('_', "");
+    if let Some((_, meant)) = LETTERS.iter().find(|(other, _)| *other == letter)
         && let Some(name) = names.iter().find(|name| *name == meant)
     {
         return Some(name);
     }
     // Slips of the hand, and names of which a part is missing.
+    let alike = |a: &[&str], b: &[&str]| {
+        let (a, b) = (a.concat(), b.concat());
+        let slip = strsim::normalized_damerau_levenshtein(&a, &b);
+        slip.max(strsim::sorensen_dice(&a, &b))
+    };
+    let words: Vec<&str> = given.split('_').collect();
     let likeness = |name: &str| {
-        let name = plain(name);
-        let slip = strsim::normalized_damerau_levenshtein(&given, &name);
-        slip.max(strsim::sorensen_dice(&given, &name))
+        let other: Vec<&str> = name.split('_').collect();
+        let shared = words.iter().rev().zip(other.iter().rev());
+        let shared = shared.take_while(|(a, b)| a == b).count();
+        let [a, b] = [&words, &other].map(|all| &all[..all.len() - shared]);
+        // A unit in common does not make a name.
+        if !a.is_empty() && !b.is_empty() && alike(a, b) < 0.5 {
+            return 0.0;
+        }
+        alike(&words, &other)
     };
     // The first of those that are equally near.
     names
@@ -287,38 +305,42 @@ fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
 }
 
 fn listed(names: &[&str]) -> String {
-    names
-        .iter()
-        .map(|name| format!("`{name}`"))
-        .collect::<Vec<_>>()
-        .join(", ")
+    format!("`{}`", names.join("`, `"))
 }
 
 /// What to say of a value of another kind, from the words of the deserialiser.
 fn mistyped(given: &str, expected: &str) -> String {
-    let is_number = matches!(expected, "f64" | "u32");
+    let is_number = matches!(expected, "f64" | "u32" | "u8");
     if let Some(text) = given.strip_prefix("string ")
         && is_number
     {
         let number = text.trim_matches('"');
-        return if number.replace(',', ".").parse::<f64>().is_ok() {
-            let note = if number.contains(',') {
-                decimal_point(number) + " and"
-            } else {
-                "write it".into()
-            };
-            format!("{note} without quotes: {}", number.replace(',', "."))
-        } else {
-            format!(
-                "{} is text; write a bare number, its unit is that of the field's name",
-                shown(text)
-            )
+        let pointed = number.replace(',', ".");
+        if pointed.parse::<f64>().is_err() {
+            let text = shown(text);
+            return format!(
+                "{text} is text; write a bare number, its unit is that of the field's name"
+            );
+        }
+        let note = match number.contains(',') {
+            true => decimal_point(number) + " and",
+            false => "write it".into(),
         };
+        return format!("{note} without quotes: {pointed}");
     }
+    let number = given
+        .split('`')
+        .nth(1)
+        .and_then(|number| number.parse::<f64>().ok());
     let expected = match expected {
         "f64" => "a number",
-        "u32" if is_above(given, u32::MAX.into()) => "a whole number, at most 4294967295",
+        "u32" if number.is_some_and(|number| number > u32::MAX.into()) => {
+            "a whole number, at most 4294967295"
+        }
         "u32" => "a whole number, at least 0",
+        "u8" => "a whole number, 0 to 255",
+        "a sequence" => "a list in brackets",
+        "newtype variant" => "a value in braces, such as { \"diameter_mm\": 88.0 },",
         "a string" | "string" => "a text in double quotes",
         "a boolean" => "true or false",
         "an array of length 2" => "[lowest, highest]",
@@ -328,23 +350,17 @@ fn mistyped(given: &str, expected: &str) -> String {
     format!("{}; {expected} is expected", kind(given))
 }
 
-/// Whether the deserialiser's words `given` hold a number above `most`.
-fn is_above(given: &str, most: f64) -> bool {
-    let number = given.split('`').nth(1);
-    number.is_some_and(|number| number.parse().is_ok_and(|number: f64| number > most))
-}
-
 /// The deserialiser's words for a value.
 fn kind(given: &str) -> String {
     match given {
         "map" => "fields in braces".into(),
         "sequence" => "a list in brackets".into(),
+        "unit variant" => "the name alone".into(),
         "null" | "unit value" => "null is no value".into(),
-        other => shown(
-            other
-                .trim_start_matches("floating point ")
-                .trim_start_matches("integer ")
-                .trim_start_matches("boolean "),
-        ),
+        other => {
+            let kinds = ["floating point ", "integer ", "boolean "];
+            let value = kinds.iter().find_map(|kind| other.strip_prefix(kind));
+            shown(value.unwrap_or(other))
+        }
     }
 }

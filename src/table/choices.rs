@@ -19,7 +19,8 @@ use rayon::prelude::*;
 struct Lines {
     axis: Axis,
     nodes: Vec<f64>,
-    grids: Vec<FlankGrid>,
+    /// The samples of each line, and the splines through all of them; `None` where no table can be put through them.
+    grids: Vec<(FlankGrid, Option<FlankTable>)>,
     nominal: Nominal,
 }
 
@@ -172,6 +173,15 @@ fn first_choice(axis: Axis, nodes: &[f64]) -> (Vec<usize>, usize) {
     (first, most)
 }
 
+/// The splines through `grid`; `None` where its nodes lie too far apart for a table.
+fn through(grid: &FlankGrid) -> Result<Option<FlankTable>, TableError> {
+    match FlankTable::new(grid, Interpolation::Spline) {
+        Ok(table) => Ok(Some(table)),
+        Err(TableError::TooCoarse { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
 impl Lines {
     fn new(
         source: &dyn StaticSource,
@@ -207,9 +217,11 @@ impl Lines {
                 let grid = sweep(source, Flank::Drive, &axes, coverage.maximum_torque, &quiet);
                 let solves = nodes.len() * if axis == Axis::Displacement { 1 } else { 9 };
                 (watch.progress)((k + 1) * solves, count * solves);
-                grid
+                let grid = grid?;
+                let table = through(&grid)?;
+                Ok((grid, table))
             })
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<_, TableError>>()?;
         Ok(Lines {
             axis,
             nodes,
@@ -218,22 +230,18 @@ impl Lines {
         })
     }
 
-    /// Mean square of the error at each fine node (over lines and loads), and the largest error.
+    /// Mean square of the error at each fine node (over lines and loads), and the largest error: how far the splines through the
+    /// `chosen` nodes are off those through all of them, so that few displacements on the lines of another axis are not counted there.
     fn errors(&self, chosen: &[usize]) -> Result<(Vec<f64>, f64), TableError> {
         let per_line = self
             .grids
             .par_iter()
-            .map(|grid| {
+            .map(|(grid, fine)| {
                 let [nc, nm, nu, np] = grid.axes.lengths();
-                let coarse = grid.with_nodes(self.axis, chosen);
-                let table = match FlankTable::new(&coarse, Interpolation::Spline) {
-                    Ok(table) => table,
-                    Err(TableError::TooCoarse { .. }) => {
-                        return Ok(vec![vec![NO_TABLE]; self.nodes.len()]);
-                    }
-                    Err(error) => return Err(error),
+                let coarse = through(&grid.with_nodes(self.axis, chosen))?;
+                let (Some(fine), Some(table)) = (fine, coarse) else {
+                    return Ok(vec![vec![NO_TABLE]; self.nodes.len()]);
                 };
-                let moment = grid.moment.as_deref().unwrap_or_default();
                 let mut errors = vec![Vec::new(); self.nodes.len()];
                 for c in 0..nc {
                     for m in 0..nm {
@@ -250,12 +258,11 @@ impl Lines {
                                     misalignment: grid.axes.misalignment[m],
                                     mesh_position: grid.axes.mesh_position[p],
                                 };
-                                let at = ((c * nm + m) * nu + u) * np + p;
                                 let found = table.evaluate(&query, false).gradient;
-                                let force = (found[0] - grid.loa_force[at]) / self.nominal.force;
-                                let moment = moment.get(at).map_or(0.0, |exact| {
-                                    (found[2] - exact) / self.nominal.moment / MOMENT_TO_FORCE
-                                });
+                                let exact = fine.evaluate(&query, false).gradient;
+                                let force = (found[0] - exact[0]) / self.nominal.force;
+                                let moment =
+                                    (found[2] - exact[2]) / (self.nominal.moment * MOMENT_TO_FORCE);
                                 errors[[c, m, u, p][self.axis as usize]]
                                     .push(force.abs().max(moment.abs()));
                             }

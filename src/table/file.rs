@@ -11,8 +11,12 @@ use std::path::Path;
 
 /// What `format` says.
 pub const FORMAT: &str = "gearmesh-tables";
-/// The version this program reads and writes.
-pub const VERSION: u32 = 1;
+/// The version this program writes. It reads version 1, too, which took what a misalignment closes of helical flanks as M z
+/// instead of M (z + sigma y): where a file of it depends on that, it is refused.
+pub const VERSION: u32 = 2;
+
+/// The first version.
+const FIRST_VERSION: u32 = 1;
 
 /// Everything in a tables file. Arrays run over (centre distance, misalignment, displacement, mesh
 /// position), the last index fastest; the approaches have no displacement index.
@@ -21,7 +25,7 @@ pub const VERSION: u32 = 1;
 pub struct TableFile {
     /// `FORMAT`.
     pub format: String,
-    /// [`VERSION`].
+    /// [`VERSION`], or that of the program that wrote it.
     pub version: u32,
     /// Name of the pair.
     pub name: String,
@@ -98,7 +102,7 @@ pub struct FlankRecord {
     pub top_load_approach_m: Vec<f64>,
     /// Transverse force on the line of action.
     pub loa_force_n: Vec<f64>,
-    /// Force times (z_c - z_ref); null where it is not known.
+    /// Force times (z_c - z_ref), z_c where the resultant crosses the pitch plane; null where it is not known.
     pub moment_nm: Option<Vec<f64>>,
 }
 
@@ -243,11 +247,11 @@ impl TableFile {
                 "give the file that `gearmesh tables` wrote",
             ));
         }
-        if head.version != VERSION {
+        if !(FIRST_VERSION..=VERSION).contains(&head.version) {
             return Err(TableError::field(
                 "version",
                 head.version,
-                format!("this program reads version {VERSION}"),
+                format!("this program reads versions {FIRST_VERSION} to {VERSION}"),
                 "make the tables again with this program, or use the one that made them",
             ));
         }
@@ -260,7 +264,23 @@ impl TableFile {
             });
         }
         file.check()?;
+        if file.version == FIRST_VERSION && file.closes_helical_flanks_by_z() {
+            return Err(TableError::field(
+                "version",
+                file.version,
+                "tables of helical gears of this version take misalignment and shuttling without the slope of the contact \
+                 lines in the plane of action, which is off by up to 16 % of the transmission error's variation",
+                "make them again from the pair file with `gearmesh tables` or `gearmesh import`",
+            ));
+        }
         Ok(file)
+    }
+
+    /// Whether misalignment or shuttling of helical gears is in it.
+    fn closes_helical_flanks_by_z(&self) -> bool {
+        let is_helical = (self.geometry.pair_geometry())
+            .is_ok_and(|geometry| geometry.base_helix_angle() != 0.0);
+        is_helical && (self.axes.misalignment_rad.len() > 1 || self.drive.moment_nm.is_some())
     }
 
     /// Reads and checks a tables file.

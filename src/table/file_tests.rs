@@ -39,6 +39,38 @@ fn what_is_written_is_read_back() {
 }
 
 #[test]
+fn tables_of_helical_gears_under_the_old_law_of_misalignment_are_refused_by_name() {
+    let first = |hand: f64, change: fn(&mut TableFile)| {
+        let mut pair = paper_pair(hand);
+        if hand == 0.0 {
+            pair.gears
+                .iter_mut()
+                .for_each(|gear| gear.helix_angle = 0.0);
+            pair.gears.iter_mut().for_each(|gear| gear.hand = 1.0);
+            pair.center_distance = 0.082;
+        }
+        let mut f = file();
+        (f.version, f.geometry) = (1, (&pair).into());
+        change(&mut f);
+        f.seal();
+        TableFile::from_json(&f.to_json())
+    };
+    let error = first(1.0, |_| ()).unwrap_err().to_string();
+    assert!(
+        error.contains("version = 1") && error.contains("gearmesh tables"),
+        "{error}"
+    );
+    // What does not depend on it loads.
+    assert_eq!(first(0.0, |_| ()).unwrap().version, 1);
+    let without = first(1.0, |f| {
+        let grid = Spring::grid([8, 1, 1, 6]);
+        (f.axes, f.drive) = ((&grid.axes).into(), FlankRecord::new(&grid));
+        f.drive.moment_nm = None;
+    });
+    assert_eq!(without.unwrap().version, 1);
+}
+
+#[test]
 fn each_change_of_a_sealed_file_is_noticed() {
     let text = file().to_json();
     for (from, to) in [
@@ -61,7 +93,7 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
         f.seal();
         TableFile::from_json(&f.to_json()).unwrap_err().to_string()
     };
-    assert!(refused(|f| f.version = 2).contains("version = 2"));
+    assert!(refused(|f| f.version = 3).contains("version = 3"));
     assert!(refused(|f| f.format = "other".into()).contains("format = other"));
     assert!(refused(|f| f.drive.loa_force_n[0] = -1.0).contains("drive.loa_force_n[0] = -1"));
     assert!(refused(|f| f.drive.loa_force_n.clear()).contains("drive.loa_force_n = 0 values"));

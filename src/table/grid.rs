@@ -1,8 +1,7 @@
 //! The grid of one flank in memory: axes and samples, before any interpolant.
 
 use super::TableError;
-use super::interpolation::{Basis, Block, Ends, breaks, stored_from_values};
-use nalgebra::DMatrix;
+use super::interpolation::{Basis, Block, Ends, breaks, row_at};
 
 /// A coordinate of the grid, in the order of [`Axes::lengths`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -163,7 +162,7 @@ impl FlankGrid {
         Ok(self.mapped(axis, vec![0.0], |values, lengths| {
             let values = values.to_vec();
             let block = Block { lengths, values };
-            block.transformed(axis as usize, &row).values
+            block.combined(axis as usize, &row).values
         }))
     }
 
@@ -210,10 +209,10 @@ impl FlankGrid {
 }
 
 /// Factors of the samples along a bounded axis that give the spline's value at 0.
-pub(super) fn value_row(nodes: &[f64], name: &str) -> Result<DMatrix<f64>, TableError> {
+pub(super) fn value_row(nodes: &[f64], name: &str) -> Result<Vec<f64>, TableError> {
     if let Some(k) = nodes.iter().position(|&x| x == 0.0) {
-        let mut row = DMatrix::zeros(1, nodes.len());
-        row[(0, k)] = 1.0;
+        let mut row = vec![0.0; nodes.len()];
+        row[k] = 1.0;
         return Ok(row);
     }
     if !(nodes[0] < 0.0 && nodes[nodes.len() - 1] > 0.0) {
@@ -225,11 +224,5 @@ pub(super) fn value_row(nodes: &[f64], name: &str) -> Result<DMatrix<f64>, Table
         ));
     }
     let basis = Basis::<4>::new(&breaks(nodes, 3, Ends::Bounded), Ends::Bounded);
-    let matrix = stored_from_values(&basis, nodes, Ends::Bounded, name)?;
-    let w = basis.inside(0.0);
-    let mut row = DMatrix::zeros(1, nodes.len());
-    for k in 0..4 {
-        row += matrix.row(w.first + k) * w.value[k];
-    }
-    Ok(row)
+    row_at(&basis, nodes, Ends::Bounded, 0.0, name)
 }

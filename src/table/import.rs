@@ -110,7 +110,8 @@ impl Imported {
 }
 
 /// Reads CSV text of the drive flank of `geometry`: header with [`COLUMNS`], then one row per sample;
-/// empty lines and lines that begin with # are skipped. `contact_z_mm` counts from gear 1's z = 0 face.
+/// empty lines and lines that begin with # are skipped. `contact_z_mm` is where the resultant crosses the
+/// pitch plane, from gear 1's z = 0 face.
 ///
 /// The no-load approach is the sample at torque 0, or the line through the two smallest torques taken to 0.
 /// `contact_z_mm` at torque 0 is not looked at.
@@ -249,10 +250,13 @@ fn brief(value: f64) -> String {
 /// How far off the face a resultant may be written for rounding, mm.
 const OFF_FACE_MM: f64 = 1e-3;
 
-/// Every resultant acts within the common face.
+/// Every load lies within the common face, so that the resultant crosses the pitch plane no farther beyond it than it may lie
+/// beside that plane times the slope of the contact lines.
 fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError> {
     let (low, width) = geometry.face_overlap();
-    let [low, high] = [1e3 * low, 1e3 * (low + width)];
+    let path = geometry.base_pitch() * geometry.transverse_contact_ratio(geometry.center_distance);
+    let beyond = geometry.base_helix_angle().tan() * path;
+    let [low, high] = [low - beyond, low + width + beyond].map(|z| 1e3 * z);
     let off = |r: &&Row| {
         let z = r.values[5];
         r.values[0] > 0.0 && (z < low - OFF_FACE_MM || z > high + OFF_FACE_MM)
@@ -260,8 +264,8 @@ fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError
     match rows.iter().find(off) {
         None => Ok(()),
         Some(row) => Err(refused(format!(
-            "line {}: contact_z_mm = {} at {} lies off the common face of the gears, {low} to {high} mm from \
-             gear 1's z = 0 face; give the axial position of the resultant from that face",
+            "line {}: contact_z_mm = {} at {} lies off the common face of the gears: {low} to {high} mm from \
+             gear 1's z = 0 face can be; give from that face where the resultant crosses the pitch plane",
             row.line,
             brief(row.values[5]),
             describe(row.values)
@@ -270,6 +274,8 @@ fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError
 }
 
 fn parse(text: &str) -> Result<Vec<Row>, TableError> {
+    // The reader counts a line only at its \n, after the place of the next one.
+    let text = text.replace("\r\n", "\n");
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))

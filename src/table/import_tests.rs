@@ -141,6 +141,8 @@ fn samples_that_cannot_be_a_table_are_refused_by_line_and_value() {
         "{falling}"
     );
     assert!(refused(good.replacen("13.5", "nan", 1)).contains("line 3: contact_z_mm = nan"));
+    let of_windows = good.replacen("13.5", "nan", 1).replace('\n', "\r\n");
+    assert!(refused(of_windows).contains("line 3: contact_z_mm = nan"));
     assert!(
         refused(good.replacen("mesh_position", "position", 1))
             .contains("unknown column `position`")

@@ -7,8 +7,7 @@ use super::TableError;
 use super::check::{check_axis, check_mesh_position, check_values, too_few};
 use super::grid::value_row;
 use super::interpolation::{
-    ANY, Basis, Block, Coefficients, Ends, Two, axis_basis, breaks, over_displacement,
-    stored_from_values,
+    ANY, Basis, Block, Coefficients, Ends, Fit, Two, axis_basis, breaks, over_displacement,
 };
 use serde::{Deserialize, Serialize};
 
@@ -153,7 +152,7 @@ impl LoadSpline {
                 ["center_distance_offset_m", "misalignment_rad"][axis],
             )?;
             for block in &mut blocks {
-                *block = block.transformed(axis, &row);
+                *block = block.combined(axis, &row);
             }
             *nodes = vec![0.0];
         }
@@ -181,9 +180,9 @@ impl LoadSpline {
             (&p, &axes.mesh_position, Ends::Periodic, "mesh_position"),
         ];
         for (axis, (basis, nodes, ends, name)) in along.into_iter().enumerate() {
-            let matrix = stored_from_values(basis, nodes, ends, name)?;
+            let fit = Fit::new(basis, nodes, ends, name)?;
             for block in &mut blocks {
-                *block = block.transformed(axis, &matrix);
+                *block = fit.along(axis, block);
             }
         }
         Ok(LoadSpline {

@@ -74,7 +74,8 @@ pub const COORDINATES: usize = 4;
 pub struct Potential {
     /// W, J.
     pub value: f64,
-    /// First derivatives: F_bt = `gradient[0]`, shuttling moment F_bt (z_c - z_ref) = `gradient[2]`.
+    /// First derivatives: F_bt = `gradient[0]`, shuttling moment F_bt (z_c - z_ref) = `gradient[2]`, z_c where the resultant
+    /// crosses the pitch plane.
     pub gradient: [f64; COORDINATES],
     /// `hessian[i][j]` = d `gradient[i]` / d coordinate j. `hessian[0][0]`, the tangent stiffness on the
     /// line of action, is always there, the rest zero unless asked for. Symmetric, but for row 2 where

@@ -9,8 +9,10 @@ use super::interpolation::Interpolation;
 use super::source::StaticSource;
 use super::sweep::{Watch, point, sweep};
 use super::{Axes, FlankGrid, FlankTable, InterpolationError, Query, TableError};
-use crate::gear::{Flank, PairGeometry};
+use crate::contact::{ContactFile, Warm};
+use crate::gear::{Flank, PairGeometry, PairTeeth};
 use crate::random::Random;
+use std::sync::Arc;
 
 /// What a table must cover.
 #[derive(Debug, Clone, PartialEq)]
@@ -187,8 +189,62 @@ pub fn measure(
 ) -> Result<InterpolationError, TableError> {
     let random = Random::new(MEASURE_SEED);
     measure_drawn(
-        source, geometry, flank, coverage, table, random, points, watch,
+        source,
+        geometry,
+        flank,
+        coverage,
+        &of_table(table),
+        random,
+        points,
+        watch,
     )
+}
+
+/// Error of `contact` at run time, its teeth taken as alike, against `source` at `points` random operating points, likewise.
+///
+/// # Errors
+/// A solve that fails, at run time or not; a flank that `contact` does not hold; cancellation.
+pub fn measure_at_run_time(
+    source: &dyn StaticSource,
+    contact: &ContactFile,
+    flank: Flank,
+    coverage: &Coverage,
+    points: usize,
+    watch: &Watch,
+) -> Result<InterpolationError, TableError> {
+    let mut alike = contact.clone();
+    Arc::make_mut(&mut alike.setup).teeth = PairTeeth::default();
+    let level = alike.flank(flank).ok_or_else(|| {
+        TableError::Samples("the contact at run time has no coast flank of its own".into())
+    })?;
+    let found = |q: &Query| {
+        let at = [
+            q.delta,
+            q.center_distance_offset,
+            q.misalignment,
+            q.mesh_position,
+        ];
+        let found = level.potential(at, [0; 2], &mut Warm::default());
+        found.map(|w| w.gradient).map_err(|e| e.to_string())
+    };
+    let random = Random::new(MEASURE_SEED);
+    measure_drawn(
+        source,
+        &contact.setup.geometry,
+        flank,
+        coverage,
+        &found,
+        random,
+        points,
+        watch,
+    )
+}
+
+/// Derivatives of the potential by approach, centre distance, misalignment and mesh position at an operating point.
+type Gradient<'a> = dyn Fn(&Query) -> Result<[f64; 4], String> + Sync + 'a;
+
+fn of_table(table: &FlankTable) -> impl Fn(&Query) -> Result<[f64; 4], String> + Sync {
+    |q| Ok(table.evaluate(q, false).gradient)
 }
 
 #[allow(clippy::too_many_arguments)]
@@ -197,7 +253,7 @@ fn measure_drawn(
     geometry: &PairGeometry,
     flank: Flank,
     coverage: &Coverage,
-    table: &FlankTable,
+    found: &Gradient<'_>,
     mut random: Random,
     points: usize,
     watch: &Watch,
@@ -223,18 +279,19 @@ fn measure_drawn(
                 return Err(TableError::Cancelled);
             }
             let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
+            let failed = |message| TableError::Solve {
+                point: point(flank, c, m, p),
+                message,
+            };
             let exact = source
                 .position(flank, p, c)
                 .and_then(|mut at| at.at_torque(torque, m))
-                .map_err(|message| TableError::Solve {
-                    point: point(flank, c, m, p),
-                    message,
-                })?;
+                .map_err(failed)?;
             q.delta = exact.approach;
-            let found = table.evaluate(&q, false);
+            let found = found(&q).map_err(failed)?;
             Ok([
-                (found.gradient[0] - exact.loa_force) / nominal.force,
-                (found.gradient[2] - exact.moment) / nominal.moment,
+                (found[0] - exact.loa_force) / nominal.force,
+                (found[2] - exact.moment) / nominal.moment,
             ])
         })
         .collect::<Result<_, _>>()?;
@@ -275,7 +332,7 @@ pub fn table_within(
             geometry,
             Flank::Drive,
             coverage,
-            &table,
+            &of_table(&table),
             Random::new(seed),
             points,
             watch,

@@ -40,6 +40,24 @@ fn every_shipped_pair_file_can_be_inspected() {
 }
 
 #[test]
+fn files_that_a_pair_names_are_sought_in_its_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(pair_file("palermo2013.json")).unwrap();
+    let mut pair: serde_json::Value = serde_json::from_str(&text).unwrap();
+    pair["gear1"]["topography_file"] = "flank.csv".into();
+    let file = folder.path().join("pair.json");
+    std::fs::write(&file, pair.to_string()).unwrap();
+    let mut topography = "z_mm,diameter_mm,removal_um\n".to_owned();
+    for z in [0.0, 12.5, 25.0] {
+        for diameter in [77.5, 82.0, 90.315] {
+            topography += &format!("{z},{diameter},2.0\n");
+        }
+    }
+    std::fs::write(folder.path().join("flank.csv"), topography).unwrap();
+    succeed(&["inspect", file.to_str().unwrap()]);
+}
+
+#[test]
 fn an_unknown_field_is_refused_by_name_in_one_line_on_standard_error() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("wrong.json");
@@ -103,4 +121,39 @@ fn an_option_that_does_not_exist_is_an_error() {
         "{}",
         stderr(&output)
     );
+}
+
+#[test]
+fn a_topography_is_shown_with_its_least_and_largest_removal_and_that_at_the_tip() {
+    let folder = tempfile::tempdir().unwrap();
+    let [csv, pair] = ["flank.csv", "pair.json"].map(|name| folder.path().join(name));
+    // Of the wrong sign; the active profile of gear 1 goes from 5.06 to 23.67 mm of roll.
+    let mut rows = "roll_mm,z_mm,removal_um\n".to_owned();
+    for roll in [5, 10, 15, 20, 24] {
+        for z in [0.0, 12.5, 25.0] {
+            rows += &format!("{roll},{z},{}\n", -roll);
+        }
+    }
+    std::fs::write(&csv, rows).unwrap();
+    let text = std::fs::read_to_string(pair_file("palermo2013-unmodified.json")).unwrap();
+    let field = format!("\"teeth\": 20, \"topography_file\": {csv:?},");
+    std::fs::write(&pair, text.replacen("\"teeth\": 20,", &field, 1)).unwrap();
+    let output = gearmesh(&["inspect", pair.to_str().unwrap()]);
+    let shown = "removal -23.67 to -5.06 um on the active flank, -23.67 um at the tip at mid-face";
+    assert!(
+        stdout(&output).contains(shown),
+        "{}{}",
+        stdout(&output),
+        stderr(&output)
+    );
+}
+
+#[test]
+fn what_teeth_are_thinned_by_is_shown() {
+    let output = gearmesh(&[
+        "inspect",
+        pair_file("planet-ring-27-84.json").to_str().unwrap(),
+    ]);
+    let shown = "each thinned by 40.0 um at the operating pitch circle";
+    assert!(stdout(&output).contains(shown), "{}", stdout(&output));
 }

@@ -86,6 +86,32 @@ fn coefficient_times_loss_factor_times_power_is_the_loss_with_every_law() {
 }
 
 #[test]
+fn values_that_rest_on_few_loaded_segments_are_noted_where_they_are_printed() {
+    let said = "the largest flank pressure";
+    let tilted = [
+        "--misalignment-mrad",
+        "20",
+        "--torque-nm",
+        "20",
+        "--positions",
+        "4",
+    ];
+    let solve = |more: &[&str]| {
+        let pair = paper();
+        let asked = [&["solve", &pair], &tilted[..], &QUICK[..], more].concat();
+        stdout(&succeed(&asked)).to_owned()
+    };
+    let text = solve(&[]);
+    assert!(text.contains(said) && text.contains("--stations"), "{text}");
+    let notes = |text: &str| -> Vec<String> {
+        let json: serde_json::Value = serde_json::from_str(text).unwrap();
+        serde_json::from_value(json["notes"].clone()).unwrap()
+    };
+    assert!(notes(&solve(&["--json"]))[0].contains(said));
+    assert!(!solve(&["--stations", "240"]).contains(said));
+}
+
+#[test]
 fn results_that_leave_tooth_errors_out_say_so_and_stay_those_of_equal_teeth() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
@@ -313,6 +339,23 @@ fn the_error_is_estimated_from_another_refinement() {
         let stress = percent(gear);
         assert!(stress != 0.0 && stress.abs() < 5.0, "{gear}: {stress}");
     }
+}
+
+#[test]
+fn an_error_of_nothing_is_none() {
+    let pair = pair_file("palermo2013-unmodified.json");
+    let pair = pair.to_str().unwrap();
+    let asked = ["solve", pair, "--estimate-error", "--torque-nm"];
+    let more = ["--positions", "4"];
+    let of = |torques| {
+        let output = succeed(&[&asked[..], &[torques], &more, &QUICK].concat());
+        let text = stdout(&output).split_once("estimated error").unwrap().1;
+        assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
+        text.to_owned()
+    };
+    assert!(of("0").contains("none to tell"));
+    // A load that is none does not hide the other.
+    assert!(!of("0,100").contains("none to tell"));
 }
 
 #[test]

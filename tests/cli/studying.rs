@@ -108,6 +108,9 @@ fn a_study_refuses_what_it_cannot_vary_before_it_computes() {
         ("gear1.bore_diameter_mm=28..30", "teeth"),
         ("gear1.lead_crowning_um=-5..5", "lead_crowning_um"),
         ("misalignment_mrad=0..90", "--vary misalignment_mrad = 90:"),
+        ("operating.nominal_torque_nm=+-50", "vary modifications"),
+        ("friction.coefficient=0.01..0.2", "vary modifications"),
+        ("gear1.coast_flank.lead_slope_um=0..5", "drive flank"),
     ] {
         let output = gearmesh(&[
             "study",
@@ -121,6 +124,37 @@ fn a_study_refuses_what_it_cannot_vary_before_it_computes() {
         assert!(stderr(&output).contains(said), "{}", stderr(&output));
         assert!(!out.exists());
     }
+    let output = gearmesh(&[
+        "study",
+        &paper(),
+        "--iso-1328-class",
+        "6",
+        "--positions",
+        "2",
+        "-o",
+        out.to_str().unwrap(),
+    ]);
+    let refused = stderr(&output);
+    // Two positions have no harmonic.
+    assert!(
+        refused.contains("--positions = 2: give a value from 3"),
+        "{refused}"
+    );
+    let output = gearmesh(&[
+        "study",
+        &paper(),
+        "--iso-1328-class",
+        "Q6",
+        "-o",
+        out.to_str().unwrap(),
+    ]);
+    assert!(
+        stderr(&output).contains(
+            "'Q6' for '--iso-1328-class <CLASS>': give a class from 1 to 11, a bare number"
+        ),
+        "{}",
+        stderr(&output)
+    );
     let output = gearmesh(&["study", &paper(), "-o", out.to_str().unwrap()]);
     assert!(
         stderr(&output).contains("--iso-1328-class"),

@@ -85,7 +85,13 @@ fn building_is_tabulating_and_packing() {
     let pair = paper();
     succeed(&[&["tables", &pair, "-o", &tables], &SMALL[..]].concat());
     succeed(&["pack", "--tables", &tables, "-o", &packed]);
-    succeed(&[&["build", &pair, "-o", &built], &SMALL[..]].concat());
+    let made = succeed(&[&["build", &pair, "-o", &built], &SMALL[..]].concat());
+    for said in [
+        "teeth: each thinned by 0.1 um",
+        "note: at a centre distance offset of -100 um",
+    ] {
+        assert!(stdout(&made).contains(said), "{}", stdout(&made));
+    }
 
     let inspection = succeed(&["inspect", &tables]);
     assert!(
@@ -193,7 +199,7 @@ fn samples_of_another_program_become_an_fmu() {
 }
 
 #[test]
-fn tooth_pairs_one_by_one_are_packed_and_inspected_and_refuse_teeth_of_their_own() {
+fn tooth_pairs_one_by_one_are_what_their_unit_starts_with_and_refuse_teeth_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (pair, fmu) = (path("pair.json"), path("teeth.fmu"));
@@ -204,8 +210,7 @@ fn tooth_pairs_one_by_one_are_packed_and_inspected_and_refuse_teeth_of_their_own
         assert_ne!(differ, text);
         std::fs::write(&pair, differ).unwrap();
     };
-    let choices = ["--set", "stiffnessModel=teeth"];
-    let arguments = [&["build", &pair, "-o", &fmu], &SMALL[..], &choices].concat();
+    let arguments = [&["build", &pair, "-o", &fmu, "--teeth"], &SMALL[..]].concat();
 
     with(r#"{ "teeth": [{ "tooth": 3, "compliance_factor": 1.5 }] }"#);
     let refused = gearmesh(&arguments);
@@ -216,13 +221,17 @@ fn tooth_pairs_one_by_one_are_packed_and_inspected_and_refuse_teeth_of_their_own
 
     with(r#"{ "drive_flank": { "pitch_class": 6 }, "runout_um": 5.0 }"#);
     let built = succeed(&arguments);
-    assert!(stdout(&built).contains("`stiffnessModel = teeth` takes the tooth errors"));
+    assert!(stdout(&built).contains("`stiffnessModel = teeth`, which takes the tooth errors"));
     let inspection = succeed(&["inspect", &fmu]);
     let shown = stdout(&inspection);
     assert!(
         shown.contains("teeth: error at 1000 random points"),
         "{shown}"
     );
+    let mut starts = shown
+        .lines()
+        .filter(|line| line.contains("start: stiffnessModel"));
+    assert!(starts.any(|line| line.ends_with(" teeth")), "{shown}");
     assert!(
         shown.contains("tooth pairs one by one") && shown.contains("um/kN"),
         "{shown}"
@@ -254,6 +263,74 @@ fn what_is_read_is_not_written_over() {
             assert_eq!(std::fs::read(pair).unwrap(), before);
         }
     }
+}
+
+#[test]
+fn a_page_is_not_written_over_the_tables_it_is_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let tables = folder.path().join("tables.json");
+    std::fs::write(&tables, "tables").unwrap();
+    let path = tables.to_str().unwrap();
+    let refused = gearmesh(&["report", &paper(), "--tables", path, "-o", path]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(
+        stderr(&refused).contains("which is read"),
+        "{}",
+        stderr(&refused)
+    );
+    assert_eq!(std::fs::read(&tables).unwrap(), b"tables");
+}
+
+#[test]
+fn a_pair_file_in_place_of_tables_is_told_its_option() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = folder.path().join("unit.fmu");
+    let refused = gearmesh(&["pack", "--tables", &paper(), "-o", fmu.to_str().unwrap()]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(
+        stderr(&refused).contains("`--pair`"),
+        "{}",
+        stderr(&refused)
+    );
+}
+
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+#[test]
+fn packing_and_inspecting_say_what_the_unit_runs_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = folder.path().join("unit.fmu");
+    let fmu = fmu.to_str().unwrap();
+    let packed = succeed(&["pack", "--pair", &paper(), "-o", fmu]);
+    let inspected = succeed(&["inspect", fmu]);
+    for said in [stdout(&packed), stdout(&inspected)] {
+        let (_, version) = said.split_once("linux64 (glibc 2.").expect(said);
+        let (minor, _) = version.split_once(" or later)").expect(said);
+        let minor: u32 = minor.parse().expect(said);
+        assert!((2..100).contains(&minor), "{said}");
+    }
+}
+
+#[test]
+fn the_error_of_contact_at_run_time_is_that_of_the_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let fmu = folder.path().join("unit.fmu");
+    let (fmu, pair) = (fmu.to_str().unwrap(), paper());
+    let force_rms = |stations: &str| -> f64 {
+        let set = ["--set", "stiffnessModel=contact", "--stations", stations];
+        let built = succeed(&[&["build", &pair, "-o", fmu], &SMALL[..], &set].concat());
+        let inspected = succeed(&["inspect", fmu]);
+        let of = |text: &str, head: &str| {
+            let line = text.lines().find(|line| line.contains(head)).expect(text);
+            let (_, error) = line.split_once("force ").expect(line);
+            error.split_whitespace().next().unwrap().parse().unwrap()
+        };
+        let told: f64 = of(stdout(&built), "contact at run time:");
+        assert_eq!(told, of(stdout(&inspected), "contact: error at"));
+        told
+    };
+    let [one, usual] = ["1", "22"].map(force_rms);
+    // One station knows neither crowning nor tilt.
+    assert!(one > 3.0 && usual < 0.5, "{one} % and {usual} %");
 }
 
 #[test]
@@ -323,6 +400,26 @@ fn an_internal_pair_with_few_teeth_between_becomes_an_fmu() {
         let output = gearmesh(&["pack", "--pair", &pair, "-o", &fmu]);
         assert!(output.status.success(), "{teeth:?}: {}", stderr(&output));
     }
+}
+
+#[test]
+fn a_new_pair_without_a_number_is_told_which_one() {
+    let of = |more: [&str; 2]| {
+        let mut numbers = vec!["--module-mm", "2", "--torque-nm", "50"];
+        numbers.retain(|word| *word != "2" || more[0] != "--module-mm");
+        numbers.retain(|word| *word != more[0]);
+        let new = ["new", "--teeth", "20", "30", "--face-width-mm", "20", "20"];
+        let refused = gearmesh(&[&new[..], &numbers, &more].concat());
+        assert_eq!(refused.status.code(), Some(1));
+        stderr(&refused).to_owned()
+    };
+    let error = of(["--module-mm", "nan"]);
+    assert!(
+        error.contains("--module-mm = NaN: give a finite number"),
+        "{error}"
+    );
+    let error = of(["--pressure-angle-deg", "0"]);
+    assert!(error.contains("`normal_pressure_angle_deg` = 0"), "{error}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 """The sweep of examples/drivelines survives a kill and computes nothing twice."""
 
+import json
 import os
 import signal
 import subprocess
@@ -8,7 +9,7 @@ import time
 from pathlib import Path
 
 import pyarrow.parquet as pq
-from dask.distributed import LocalCluster
+import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
@@ -38,7 +39,32 @@ def cases():
 SPEEDS = [2000.0 + 250.0 * i for i in range(40)]
 
 
-def test_a_killed_sweep_goes_on_where_it_stopped(tmp_path):
+@pytest.fixture
+def scheduler(tmp_path):
+    """Address of a scheduler with two workers, processes that were started where nothing of the repository is importable."""
+    folder = tmp_path / "elsewhere"
+    folder.mkdir()
+    file = folder / "scheduler.json"
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+
+    def start(program, *options):
+        command = [sys.executable, "-m", f"distributed.cli.dask_{program}", "--scheduler-file", file, *options]
+        return subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.DEVNULL)
+
+    processes = [start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")]
+    try:
+        processes += [start("worker", "--nthreads", "1", "--no-nanny", "--no-dashboard") for _ in range(2)]
+        while not file.exists():
+            assert processes[0].poll() is None, "the scheduler ended"
+            time.sleep(0.05)
+        yield json.loads(file.read_text())["address"]
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+
+
+def test_a_killed_sweep_goes_on_where_it_stopped_on_workers_elsewhere(tmp_path, scheduler):
     fmu = shipped("fzg-c", "phaseReference=absolute").read_bytes()
     cases = study.grid(speed_rpm=SPEEDS, torque_nm=[100.0], misalignment_mrad=[0.0], center_distance_offset_um=[0.0])
     parts = tmp_path / "parts"
@@ -54,8 +80,8 @@ def test_a_killed_sweep_goes_on_where_it_stopped(tmp_path):
     assert 0 < before < len(cases), "the kill came too late to show anything"
 
     seen = []
-    # The rest through the address of a scheduler.
-    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster, connect(cluster.scheduler_address, 0) as client:
+    with connect(scheduler, 0) as client:
+        client.wait_for_workers(2)
         assert study.run(client, fmu, cases, parts, lambda done, total: seen.append((done, total))) == len(cases) - before
     assert seen[0] == (before, len(cases)) and seen[-1] == (len(cases), len(cases))
     study.collect(fmu, cases, parts, tmp_path / "all.parquet")

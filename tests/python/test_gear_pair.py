@@ -1,13 +1,19 @@
 """The Python package: both interfaces against one another and against fmpy, and its refusals."""
 
+import copy
+import gc
 import shutil
-from pathlib import Path
+import subprocess
+import sys
+import tempfile
+import threading
+import tomllib
 
 import fmpy
 import numpy as np
 import pytest
-from conftest import PAIRS, gearmesh
-from gearmesh import GearPair, GearPairError
+from conftest import PAIRS, ROOT, gearmesh
+from gearmesh import GearPair, GearPairError, __version__
 
 OUTPUTS = ["gear1.moment[3]", "gear2.force[1]", "contact.point[3]", "mesh.transmissionError"]
 MISALIGNED = {"gear2.angles[2]": 1e-4, "gear2.position[1]": 0.08206, "gear2.angles[3]": 1e-3}
@@ -85,9 +91,66 @@ def test_derivatives_are_those_of_the_outputs(fmu):
     assert found == pytest.approx(exact, rel=1e-4, abs=1e-6 * abs(exact).max())
 
 
-def test_an_enumeration_that_does_not_exist_is_refused_with_those_that_do(fmu):
-    with pytest.raises(GearPairError, match="paper, conjugate"):
-        GearPair(fmu, {"formulation": "exact"})
+@pytest.mark.parametrize(
+    "name, value, choices",
+    [
+        ("formulation", "exact", "paper, conjugate"),
+        ("formulation", 3, "paper, conjugate"),
+        ("formulation", True, "paper, conjugate"),
+        ("loadDependent", "false", "False, True"),
+        ("loadDependent", 2, "False, True"),
+        ("loadDependent", 0.0, "False, True"),
+        ("damping", "500", "a number"),
+        ("damping", True, "a number"),
+        ("damping", None, "a number"),
+    ],
+)
+def test_a_value_of_another_kind_is_refused_with_name_value_and_choices(fmu, name, value, choices):
+    with pytest.raises(GearPairError) as refused:
+        GearPair(fmu, {name: value})
+    assert f"{name} = {value!r}" in str(refused.value) and choices in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "name, value, expected",
+    [
+        ("formulation", "paper", "paper"),
+        ("formulation", 1, "paper"),
+        ("loadDependent", False, False),
+        ("loadDependent", 0, False),
+        ("loadDependent", np.bool_(False), False),
+        ("damping", 500, 500.0),
+        ("damping", np.float32(500), 500.0),
+    ],
+)
+def test_parameters_are_set_by_value_number_or_name_and_read_back(fmu, name, value, expected):
+    with GearPair(fmu) as plain, GearPair(fmu, {name: value}) as pair:
+        assert plain.parameters[name] != expected == pair.parameters[name]
+        # As the unit has it.
+        pair.initialize()
+        code = pair._scalar("Get", pair._variables[name])
+        assert code == {"paper": 1, False: 0}.get(expected, expected)
+        with pytest.raises(TypeError):
+            pair.parameters[name] = value
+        with GearPair(fmu, pair.parameters) as same:
+            assert same.parameters == pair.parameters
+
+
+def test_a_parameter_that_was_refused_stays_as_it_was(fmu):
+    with GearPair(fmu) as pair:
+        before = dict(pair.parameters)
+        with pytest.raises(GearPairError, match="damping"):
+            pair.set_parameter("damping", -1.0)
+        assert pair.parameters == before
+
+
+def test_an_interface_that_does_not_exist_is_refused_with_those_that_do(fmu):
+    with pytest.raises(GearPairError, match="'ModelExchange'.*co-simulation, model-exchange"):
+        GearPair(fmu, interface="ModelExchange")
+
+
+def test_the_version_is_that_of_the_project():
+    assert __version__ == tomllib.loads((ROOT / "Cargo.toml").read_text())["package"]["version"]
 
 
 def test_what_the_unit_logs_is_in_the_exception(fmu):
@@ -101,20 +164,113 @@ def test_what_the_unit_logs_is_in_the_exception(fmu):
             pair.step(1e-6)
 
 
+def test_an_exception_has_no_line_that_the_unit_logged_before(shipped_fmus):
+    texts = []
+    for offset in (0.0, 2e-3):  # the second is further apart than the table: a line in the log
+        with GearPair(shipped_fmus["palermo2013"]) as pair:
+            pair.initialize()
+            pair.u[pair.input["gear2.position[1]"]] += offset
+            pair.step(1e-6)
+            assert pair.out_of_range == (offset > 0.0)
+            pair["gear1.position[1]"] = float("nan")
+            with pytest.raises(GearPairError) as refused:
+                pair.step(1e-6)
+            texts.append(str(refused.value))
+    assert texts[0] == texts[1]
+
+
 def test_a_variable_that_does_not_exist_is_refused_by_name(fmu):
     with pytest.raises(GearPairError, match="'dampnig'"):
         GearPair(fmu, {"dampnig": 1.0})
 
 
-def test_instances_of_one_archive_share_its_files_until_the_last_one_closes(fmu):
+@pytest.fixture
+def unpacked(tmp_path, monkeypatch):
+    """The folders that archives are unpacked to."""
+    gc.collect()  # pairs that tracebacks of earlier refusals still hold
+    folder = tmp_path / "unpacked"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return lambda: list(folder.iterdir())
+
+
+def test_instances_of_one_archive_share_its_files_until_the_last_one_closes(fmu, unpacked):
     first, second = GearPair(fmu), GearPair(fmu, interface="model-exchange")
-    folder = Path(first._unpacked.folder)
-    assert Path(second._unpacked.folder) == folder
+    assert len(unpacked()) == 1
     first.close()
-    assert folder.is_dir()
+    assert len(unpacked()) == 1
     turned(second).evaluate(0.0)
     second.close()
-    assert not folder.exists()
+    assert not unpacked()
+
+
+def test_a_pair_that_nobody_closed_leaves_no_files(fmu, unpacked, tmp_path):
+    pair = GearPair(fmu)
+    assert unpacked()
+    del pair
+    gc.collect()
+    assert not unpacked()
+    script = f"import tempfile; tempfile.tempdir = {tempfile.tempdir!r}; from gearmesh import GearPair; pair = GearPair({str(fmu)!r})"
+    subprocess.run([sys.executable, "-c", script], check=True)
+    assert not unpacked()
+
+
+def test_a_pair_that_was_refused_leaves_no_files(fmu, unpacked):
+    for parameters in ({"damping": -1.0}, {"dampnig": 1.0}):
+        with pytest.raises(GearPairError):
+            GearPair(fmu, parameters)
+    gc.collect()
+    assert not unpacked()
+
+
+def test_closing_a_pair_that_another_thread_steps_ends_the_steps_by_an_exception(fmu):
+    """Where the library would be called after the instance was freed, the interpreter dies."""
+    for _ in range(20):
+        pair = turned(GearPair(fmu))
+        stepping, refused = threading.Event(), []
+
+        def run():
+            try:
+                while True:
+                    pair.step(1e-7)
+                    stepping.set()
+            except GearPairError as error:
+                refused.append(str(error))
+
+        thread = threading.Thread(target=run)
+        thread.start()
+        stepping.wait()
+        pair.close()
+        thread.join()
+        assert "closed" in refused[0]
+
+
+def test_after_close_every_call_is_an_exception(fmu):
+    pair = turned(GearPair(fmu))
+    pair.step(1e-6)
+    pair.close()
+    pair.close()
+    calls = [
+        lambda: pair.step(1e-6),
+        lambda: pair.evaluate(0.0),
+        pair.initialize,
+        lambda: pair.derivatives(["gear1.moment[3]"], ["gear1.angles[3]"]),
+        lambda: pair.set_parameter("damping", 1.0),
+    ]
+    for call in calls:
+        with pytest.raises(GearPairError, match="closed"):
+            call()
+    assert abs(pair["gear2.moment[3]"]) > 10.0  # as last fetched
+
+
+def test_a_pair_cannot_be_copied_nor_its_arrays_be_replaced(fmu):
+    with GearPair(fmu) as pair:
+        for copied in (copy.copy, copy.deepcopy):
+            with pytest.raises(TypeError, match="second one"):
+                copied(pair)
+        for name in ("u", "y"):
+            with pytest.raises(AttributeError):
+                setattr(pair, name, [0.0] * 1000)
 
 
 def test_an_archive_written_anew_is_another_one(fmu, tmp_path):
@@ -122,4 +278,4 @@ def test_an_archive_written_anew_is_another_one(fmu, tmp_path):
     with GearPair(file) as old:
         gearmesh("pack", "--pair", PAIRS / "fzg-c.json", "-o", file)
         with GearPair(file) as new:
-            assert new._description.guid != old._description.guid
+            assert list(new.u) != list(old.u)  # they start with gear 2 at the centre distance

@@ -274,12 +274,20 @@ def test_a_refused_step_changes_nothing(mesh, extrapolate):
     inputs, outputs = variables(instance)
     inputs_before = instance.get(*inputs)
     before = evaluate(instance, outputs)
-    assert instance.step(1e-5, 1e-5) == ERROR
+    assert instance.step(1e-5, 1e-5) == DISCARD
     assert "tilted" in instance.log()
     assert last_successful_time(instance) == 1e-5
     assert instance.get(*inputs) == inputs_before
     assert list(evaluate(instance, outputs)) == list(before)
-    assert instance.step(1e-5, 1e-5) == ERROR  # until a state, or a reset, leads out
+    # A shorter step is another one. The same again would be tried for ever by hosts that only repeat.
+    assert instance.step(1e-5, 1e-8) == OK
+    instance.set({tilt: 1.0})
+    assert instance.step(1e-5 + 1e-8, 1e-5) == DISCARD
+    instance.set({tilt: 0.0})
+    assert instance.step(1e-5 + 1e-8, 1e-5) == OK
+    instance.set({tilt: 1.0})
+    now = last_successful_time(instance)
+    assert [instance.step(now, 1e-5) for _ in range(3)] == [DISCARD, ERROR, ERROR]
 
 
 @pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])

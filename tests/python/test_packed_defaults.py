@@ -3,10 +3,12 @@
 import ctypes
 import json
 import math
+import os
 import re
 import subprocess
 import sys
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -266,20 +268,37 @@ def test_the_example_input_turns_the_gears_under_nominal_torque(shipped_fmus, tm
     assert (np.diff(steady["mesh.position"]) % 1.0).sum() == pytest.approx(3.0, abs=0.1)
 
 
-def test_the_scripts_of_the_readme_run(tmp_path):
+@pytest.mark.parametrize("pair, torque, cosine", [("fzg-c", 302.0, 0.92428), ("palermo2013", 100.0, 0.93678)])
+def test_the_scripts_of_the_readme_run(tmp_path, pair, torque, cosine):
     """As a user would: own pair, own FMU, the lines of the README."""
     readme = (ROOT / "README.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", readme, re.S)
     assert len(blocks) == 1
     assert 10 <= len(blocks[0].splitlines()) <= 25
     (tmp_path / "first.py").write_text(blocks[0])
-    gearmesh("pack", "--tables", ROOT / "resources/tables/fzg-c.json", "-o", tmp_path / "pair.fmu")
+    gearmesh("pack", "--tables", ROOT / f"resources/tables/{pair}.json", "-o", tmp_path / "pair.fmu")
     run = subprocess.run([sys.executable, "first.py"], cwd=tmp_path, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     assert "Warning" not in run.stdout + run.stderr
-    torque, mean, swing = map(float, re.findall(r"(-?\d+\.\d+) (?:N m|um)", run.stdout))
-    assert torque == pytest.approx(302.0, rel=0.02)
+    found, *errors = map(float, re.findall(r"(-?\d+\.\d+) (?:N m|um)", run.stdout))
+    assert found == pytest.approx(torque, rel=0.02)
+    (mean, swing), (mean_loa, swing_loa) = errors[:2], errors[2:]
     assert mean > swing > 0.0
+    # On the line of action, as `gearmesh solve` has it, smaller by the cosine of the operating pressure angle.
+    assert (mean_loa, swing_loa) == pytest.approx((cosine * mean, cosine * swing), abs=0.01)
+
+
+def test_the_commands_of_the_units_page_run_with_what_the_package_brings(tmp_path):
+    """The package brings fmpy, without the packages that plot for it."""
+    fmu = tmp_path / "UNIT.fmu"
+    gearmesh("pack", "--tables", ROOT / "resources/tables/fzg-c.json", "-o", fmu)
+    page = zipfile.ZipFile(fmu).read("documentation/index.html").decode()
+    (commands,) = re.findall(r"<pre>(.*?)</pre>", page, re.S)
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    subprocess.run(["sh", "-e", "-c", commands], cwd=tmp_path, env=os.environ | {"PATH": path}, check=True)
+    outputs = (tmp_path / "outputs.csv").read_text().splitlines()
+    column = outputs[0].replace('"', "").split(",").index("gear1.moment[3]")
+    assert -float(outputs[-1].split(",")[column]) == pytest.approx(302.0, rel=0.02)
 
 
 def test_start_values_set_when_packing_are_those_of_the_unit(tmp_path):

@@ -160,11 +160,17 @@ def scan(instance, name, values, force):
             press(instance, elongation)
             if instance.get("mesh.tangentialForce") > 0.0:
                 break
-        for _ in range(40):
-            missing = (force - instance.get("mesh.tangentialForce")) / instance.get("mesh.stiffness")
-            angle = instance.get("gear1.angles[3]")
-            instance.set({"gear1.angles[3]": angle + missing / radius})
-            if abs(missing) < 1e-14:
+        # Newton's iteration between an angle with too little force and one with too much: Shepard's force bends both ways.
+        low, high = -math.inf, math.inf
+        for _ in range(80):
+            angle, excess, stiffness = instance.get("gear1.angles[3]", "mesh.tangentialForce", "mesh.stiffness")
+            excess -= force
+            low, high = (low, angle) if excess > 0.0 else (angle, high)
+            step = -excess / stiffness / radius if stiffness > 0.0 else math.inf
+            if not low < angle + step < high:
+                step = 0.5 * (low + high) - angle if math.isfinite(high - low) else math.copysign(1e-5 / radius, -excess)
+            instance.set({"gear1.angles[3]": angle + step})
+            if abs(step * radius) < 1e-14:
                 break
         assert instance.get("mesh.tangentialForce") == pytest.approx(force, rel=1e-6)
         elongations.append(instance.get("mesh.transmissionError"))

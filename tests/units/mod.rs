@@ -1,10 +1,12 @@
 //! Resources of units, written by hand.
 
+#[path = "../common/gears.rs"]
+mod gears;
+
 use std::ffi::CString;
 use std::path::Path;
 
 use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, UnitFile};
-use gearmesh::gear::samples;
 
 /// Of the units below.
 pub const GUID: &str = "{00000000-0000-0000-0000-000000000001}";
@@ -16,7 +18,7 @@ pub fn spur() -> UnitFile {
         guid: GUID.into(),
         name: "spur".into(),
         starts: [("gear2.position[1]".to_owned(), 80e-3)].into(),
-        geometry: samples::spur_pair(),
+        geometry: gears::spur_pair(),
     }
 }
 

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.ticker import NullLocator
 
 from ..balance import in_words
-from ..files import OUT
+from ..files import save
 from . import ssp
 from .balance import balance, coupling_balance
 from .masters import Gears, cosimulate, distance, monolithic, packed_step, stands, start
@@ -59,8 +59,7 @@ def main() -> None:
     with closing(Gears()) as gears:
         compare(gears, left)
     books(right)
-    figure.tight_layout()
-    figure.savefig(OUT / "cosimulation.png", dpi=80)
+    save(figure, "cosimulation")
     for damped in (False, True):
         print(f"as one system, {'damped' if damped else 'undamped'}: {in_words(balance(damped))}")
 
@@ -70,14 +69,14 @@ def books(axis) -> None:
     sizes = SIZES[BOOKED]
     for n, coupling in enumerate(COUPLINGS):
         rows = [coupling_balance(size, coupling) for size in sizes]
-        for name, style in (("energy over elastic", "o-"), ("momentum", "s--")):
+        for name, style in (("energy over mesh", "o-"), ("momentum", "s--")):
             strays = np.array([row[name] for row in rows])
             order = np.log2(strays[-2] / strays[-1])
             kind = name.split()[0]
             axis.loglog(1e6 * sizes, strays, style, color=f"C{n}", ms=4, label=f"{kind}, {coupling}, order {order:.2f}")
             print(f"{coupling}, undamped: {kind} order {order:.2f}, strays {strays[-1]:.1e} at {1e6 * sizes[-1]:.2f} us, "
                   f"{strays[2]:.1e} at {1e6 * sizes[2]:.2f} us")
-    axis.set(xlabel="communication step, µs", ylabel="energy (of the elastic), momentum (of the impulse)", ylim=(1e-10, 10.0))
+    axis.set(xlabel="communication step, µs", ylabel="energy (of the mesh's), momentum (of the impulse)", ylim=(1e-10, 10.0))
     axis.set_xticks(1e6 * sizes, [f"{1e6 * size:g}" for size in sizes])
     axis.xaxis.set_minor_locator(NullLocator())
     axis.legend(fontsize=8)
@@ -100,7 +99,7 @@ def compare(gears: Gears, axis) -> None:
             clock = time.process_time()
             found = host(file, DURATION, size)
             clock = (time.process_time() - clock) / round(DURATION / size)
-            errors.append(ssp.error(found, reference))
+            errors.append(distance(found, reference, ssp.COLUMNS))
         print(f"{name}, SSP of three FMUs: order {np.log2(errors[-2] / errors[-1]):.2f}, {1e6 * clock:.0f} us of processor time a step, "
               f"{by_size(sizes, errors)}")
         axis.loglog(1e6 * sizes, errors, marker, ms=10, label=f"{name}, SSP of three FMUs")
@@ -111,7 +110,7 @@ def compare(gears: Gears, axis) -> None:
     axis.text(1e6 * packed, 0.3, " packed step", color="grey")
     for coupling in ("parallel", "held"):
         print(f"{coupling}: stands {longest_stable(gears, begin, coupling) / packed:.1f} times the packed step of {1e6 * packed:.2f} us")
-    axis.set(xlabel="communication step, µs", ylabel="error over the elastic displacement", ylim=(1e-8, 1.0))
+    axis.set(xlabel="communication step, µs", ylabel="largest error of the run over the elastic displacement", ylim=(1e-8, 1.0))
     axis.legend()
 
 

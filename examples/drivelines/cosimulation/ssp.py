@@ -22,6 +22,7 @@ CONNECTIONS = (
     + [("housing", name, "shafts", name) for name in SEATS]
 )
 OBSERVED = (("shafts", "gear1.position[2]"), ("shafts", "gear2.position[2]"), ("shafts", "gear2.angles[3]"))
+COLUMNS = [1, 4, 5]  # of those in the coordinates of the shafts
 
 
 def build(gears, begin) -> Path:
@@ -82,14 +83,17 @@ def build(gears, begin) -> Path:
 
 
 def with_ecos(ssp: Path, duration: float, size: float) -> np.ndarray:
-    """y of both gears and the angle of gear 2 at the end, by Ecos with a fixed step of `size` s."""
+    """y of both gears and the angle of gear 2, a row after each step of `size` s, by Ecos."""
     from examples.hosts.ecos import EcosSimulation
 
     simulation = EcosSimulation(size, ssp_path=str(ssp))
     try:
         simulation.init()
-        simulation.step(round(duration / size))
-        return np.array([simulation.get_real(f"{unit}::{name}") for unit, name in OBSERVED])
+        rows = []
+        for _ in range(round(duration / size)):
+            simulation.step(1)
+            rows.append([simulation.get_real(f"{unit}::{name}") for unit, name in OBSERVED])
+        return np.array(rows)
     finally:
         simulation.terminate()
         simulation.free()
@@ -105,18 +109,15 @@ def with_libcosim(ssp: Path, duration: float, size: float) -> np.ndarray:
     execution = CosimExecution.from_ssp_file(str(ssp), round(1e9 * size))
     observer = CosimObserver.create_last_value()
     execution.add_observer(observer)
-    execution.step(round(duration / size))
-    found = []
+    places = []
     for unit, name in OBSERVED:
         slave = execution.slave_index_from_instance_name(unit)
-        reference = {v.name.decode(): v.reference for v in execution.slave_variables(slave)}[name]
-        found += observer.last_real_values(slave, [reference])
-    return np.array(found)
+        places.append((slave, [{v.name.decode(): v.reference for v in execution.slave_variables(slave)}[name]]))
+    rows = []
+    for _ in range(round(duration / size)):
+        execution.step(1)
+        rows.append([observer.last_real_values(*place)[0] for place in places])
+    return np.array(rows)
 
 
 HOSTS = {"Ecos": with_ecos, "libcosim": with_libcosim}
-
-
-def error(found: np.ndarray, reference) -> float:
-    """Error of what a host found, over the elastic displacement as `masters.distance` has it."""
-    return float(np.abs((found - reference[0][[1, 4, 5]]) * [1.0, 1.0, 0.064]).max() / 1.5e-5)

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from ..balance import in_words
-from ..files import OUT
+from ..files import save
 from ..orders import order_amplitude, waterfall
 from .balance import without_teeth
 from .cases import (
@@ -73,12 +73,6 @@ def run_up_figures(histories: dict[str, History]) -> None:
     right.set(xlabel="speed, rpm", ylabel="acceleration, m/s²", xlim=(300, 6100), ylim=(1e-4, None))
     right.legend(fontsize=8)
     save(figure, "housing-orders")
-
-
-def save(figure, name: str) -> None:
-    figure.tight_layout()
-    figure.savefig(OUT / f"{name}.png", dpi=80)
-    plt.close(figure)
 
 
 def main() -> None:

@@ -39,17 +39,17 @@ class Pull:
         """The forces are those of any time."""
 
 
-def without_teeth(speed: float, force, duration: float, step: float) -> float:
-    """What energy strays of the undamped assembly on mounts under constant forces, N, over the largest elastic energy.
+def without_teeth(speed: float, force, duration: float, step: float, stiffness: float = 2.33e8) -> float:
+    """What energy strays of the undamped assembly on mounts under constant forces, N, over what a mesh stores under `force`.
 
     That is the host's own share: of Runge-Kutta 4, and of bearings and mounts, which push along axes that turn with one
-    body and so have a potential to lowest order of its tilts only.
+    body and so have a potential to lowest order of its tilts only. `stiffness` of the mesh is tangential, N/m.
     """
     line = Driveline(SPUR, Pull(force), damped=False, speed=speed)
     history = line.run(duration, step, 1)
-    elastic = stored(line, history.q)
     first, second = (history.q[:, b.first : b.first + 3] for b in (line.bodies[k, shaft.gear] for k, shaft in enumerate(SHAFTS)))
-    return float(np.ptp(motion(line, history.q, history.q_t)[0] + elastic - (first - second) @ force) / elastic.max())
+    energy = motion(line, history.q, history.q_t)[0] + stored(line, history.q) - (first - second) @ force
+    return float(np.ptp(energy) / (0.5 * force[1] ** 2 / stiffness))
 
 
 def integral(time: np.ndarray, values: np.ndarray) -> np.ndarray:

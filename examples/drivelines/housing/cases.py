@@ -143,7 +143,7 @@ def deviation_from_statics(line: Driveline, history: History) -> float:
     return float(np.abs(np.mean(difference, axis=0)).max() / np.mean(size))
 
 
-def balance(gears: Gears, damped: bool = False, duration: float = 0.01, step: float = 5e-6) -> dict[str, float]:
+def balance(gears: Gears, damped: bool = False, duration: float = 0.01, step: float = 2.5e-6) -> dict[str, float]:
     """No mounts, constant torques switched on at speed: what energy, momentum and loads stray, over the run."""
     torque, ratio = 100.0, gears.teeth[0] / gears.teeth[1]
     with unit(gears, {} if damped else {"damping": 0.0}) as pair:

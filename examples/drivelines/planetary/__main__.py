@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from ..balance import in_words
-from ..files import OUT
+from ..files import save
 from . import cases, phase
 from .stage import IN_PHASE, PITCH, SEQUENTIAL
 
@@ -50,8 +50,7 @@ def main() -> None:
         print(f"{name} sun, 50 um: shares {np.round(shares[-1], 4)}, closed form {np.round(closed[-1], 4)}")
     right.set(xlabel="pin error, µm", ylabel="share of the load", ylim=(0.29, 0.435))
     right.legend(fontsize=8)
-    figure.tight_layout()
-    figure.savefig(OUT / "planetary.png", dpi=80)
+    save(figure, "planetary")
     for damped in (False, True):
         print(f"{'damped' if damped else 'undamped'}: {in_words(cases.balance(damped))}")
 

@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from ..balance import in_words
-from ..files import OUT
+from ..files import save
 from .idle import balance, gearbox, period_one, restitution, shaken
 from .mujoco_joint import GAP, RATIO, balance as free_joint, kept_by_the_hinge, lost_motion, run
 
@@ -52,8 +52,7 @@ def main() -> None:
     print(f"MuJoCo, nothing damped, limited hinge: {kept_by_the_hinge(5e-6):.3f} of the energy left")
     right.set(xlabel="pinion times ratio, mrad", ylabel="wheel, mrad", title="reversing joint in MuJoCo")
     right.legend()
-    figure.tight_layout()
-    figure.savefig(OUT / "rattle.png", dpi=80)
+    save(figure, "rattle")
 
 
 if __name__ == "__main__":

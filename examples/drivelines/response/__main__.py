@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from ..balance import in_words
-from ..files import OUT
+from ..files import save
 from . import linear
 from .jump import balance as parting, jump, sweep
 from .linear import ONE, SIX, closed_form, eigenfrequencies, measured
@@ -40,8 +40,7 @@ def main() -> None:
             print(f"{name}: jump at {jump(speeds, swing):.0f} rpm, teeth part from {lost.min():.0f} to {lost.max():.0f} rpm")
     right.set(xlabel="speed, rpm", ylabel="swing of the transmission error, µm")
     right.legend()
-    figure.tight_layout()
-    figure.savefig(OUT / "response.png", dpi=80)
+    save(figure, "response")
     for damped in (False, True):
         word = "damped" if damped else "undamped"
         print(f"one freedom, {word}: {in_words(linear.balance(ONE, damped))}")

@@ -64,9 +64,9 @@ def sweep(start: float, end: float, torque: float = 150.0, duration: float = 1.6
         state = np.array([0.0, -start * RPM])
         values, apart = np.empty(count), np.empty(count, dtype=bool)
         for n in range(count):
-            line.rate(n * step, state)
+            first = line.rate(n * step, state)
             values[n], apart[n] = y[error], y[line.moments[1]] == 0.0
-            state = runge_kutta(line.rate, n * step, state, step)
+            state = runge_kutta(line.rate, n * step, state, step, first)
     parts = values[: count // window * window].reshape(-1, window)
     speeds = start + (end - start) * (np.arange(len(parts)) + 0.5) * window / count
     return speeds, 0.5 * np.ptp(parts, axis=1), apart[: parts.size].reshape(parts.shape).mean(axis=1)

@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from dask.distributed import Client, LocalCluster
 
-from ..files import OUT, shipped
+from ..files import OUT, save, shipped
 from . import runs, study
 
 SPEEDS, TORQUES = np.linspace(1000.0, 14000.0, 40), (50.0, 100.0, 200.0, 300.0)
@@ -53,10 +53,9 @@ def throughput(fmu: bytes) -> None:
     some = cases(np.linspace(2000.0, 12000.0, 8))
     for workers in (1, 2):
         with connect(None, workers) as client:
-            client.submit(runs.simulate, fmu, some[:1], pure=False).result()
-            unit = client.scatter(fmu, broadcast=True)
+            client.gather(study.submit(client, fmu, [some[:1]]))
             clock, spent = time.perf_counter(), processor_time(client)
-            client.gather([client.submit(runs.simulate, unit, some[i : i + study.BATCH], pure=False) for i in range(0, len(some), study.BATCH)])
+            client.gather(study.submit(client, fmu, [some[i : i + study.BATCH] for i in range(0, len(some), study.BATCH)]))
             clock, spent = time.perf_counter() - clock, processor_time(client) - spent
             print(f"Dask, {workers} worker{'s' * (workers > 1)}: {len(some) / clock:.1f} cases/s, {len(some) / spent:.1f} per second of processor time")
     for count in (1, study.BATCH, 64):
@@ -103,8 +102,7 @@ def draw(table) -> None:
         axis.set_xticks(range(2000, 14001, 4000))
     axes[-1].set(xlabel="speed, rpm", ylabel="dynamic factor", title="centre distance: nominal, dashed + 40 µm")
     axes[-1].legend()
-    figure.tight_layout()
-    figure.savefig(OUT / "sweep.png", dpi=80)
+    save(figure, "sweep")
 
 
 if __name__ == "__main__":

@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 from gearmesh import GearPair
 
+from ..integrate import runge_kutta
+
 # The pair fzg-c: 16/24 teeth, 91.5 mm.
 CENTER_DISTANCE, PHI = 91.5e-3, np.radians(22.4388)
 RATIO, INERTIA = 16 / 24, 1.5e-3  # kg m^2, of gear 2
@@ -83,30 +85,20 @@ class Run:
 def simulate(fmu: bytes, cases: list[dict[str, float]]) -> list[dict[str, float]]:
     """Runs the cases side by side by Runge-Kutta 4; each with its largest and smallest force over the mean."""
     runs = [Run(pair, case) for pair, case in zip(units(fmu, len(cases)), cases)]
-    numbers = range(len(runs))
-    angle = np.array([run.touching() for run in runs])
-    speed = np.array([-run.speed * RATIO for run in runs])
+    state = np.array([[run.touching() for run in runs], [-run.speed * RATIO for run in runs]])
     settle, count = round(SETTLE / STEP), round((SETTLE + MEASURE) / STEP)
     forces, errors = np.empty((2, count - settle, len(runs)))
 
-    def accelerations(time, angles, speeds):
-        a, s = angles.tolist(), speeds.tolist()
-        return np.array([runs[i].acceleration(time, a[i], s[i]) for i in numbers])
+    def rate(time, state):
+        angles, speeds = state.tolist()
+        return np.array([speeds, [run.acceleration(time, a, s) for run, a, s in zip(runs, angles, speeds)]])
 
     for n in range(count):
-        time = n * STEP
-        a1 = accelerations(time, angle, speed)
+        first = rate(n * STEP, state)
         if n >= settle:
             forces[n - settle] = [run.pair.y[run.force] for run in runs]
             errors[n - settle] = [run.pair.y[run.error] for run in runs]
-        v2 = speed + 0.5 * STEP * a1
-        a2 = accelerations(time + 0.5 * STEP, angle + 0.5 * STEP * speed, v2)
-        v3 = speed + 0.5 * STEP * a2
-        a3 = accelerations(time + 0.5 * STEP, angle + 0.5 * STEP * v2, v3)
-        v4 = speed + STEP * a3
-        a4 = accelerations(time + STEP, angle + STEP * v3, v4)
-        angle = angle + STEP / 6.0 * (speed + 2.0 * (v2 + v3) + v4)
-        speed = speed + STEP / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
+        state = runge_kutta(rate, n * STEP, state, STEP, first)
     static = np.array([case["torque_nm"] for case in cases]) / (CENTER_DISTANCE * 16 / 40)
     return [
         {name: float(case[name]) for name in COLUMNS}

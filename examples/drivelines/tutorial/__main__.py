@@ -1,8 +1,13 @@
-"""`python -m examples.drivelines.tutorial`: every picture of docs/tutorial.md, into target/drivelines and docs/drivelines."""
+"""`python -m examples.drivelines.tutorial`: every picture and figure of docs/tutorial.md, into target/drivelines.
+
+With `--docs docs` also into the page and its folder of pictures.
+"""
 
 from __future__ import annotations
 
+import argparse
 import json
+import re
 import shutil
 import subprocess
 from concurrent.futures import ProcessPoolExecutor
@@ -11,7 +16,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from ..files import GEARMESH, OUT, PAIRS, ROOT, built
+from ..files import GEARMESH, OUT, PAIRS, built, save
 from ..housing.cases import run_up
 from ..housing.model import SPUR
 from ..housing.observe import spin, wall
@@ -20,6 +25,8 @@ from ..orders import order_amplitude
 TORQUE = 150.0
 RELIEF = {"amount_um": 14.0, "start": {"diameter_mm": 152.5}, "shape": "linear"}
 RPM = 30.0 / np.pi
+ORDERS = (SPUR.teeth[0], 2 * SPUR.teeth[0])
+NUMBER = r"(\d+(?:\.\d+)?)"
 
 
 def relieved() -> Path:
@@ -36,6 +43,10 @@ def relieved() -> Path:
     return out
 
 
+def pair_files() -> dict[str, Path]:
+    return {"unmodified": PAIRS / "spur-50-50.json", "with tip relief": relieved()}
+
+
 def command(*arguments: object) -> str:
     run = [str(a) for a in (GEARMESH, *arguments, "--refinement", "coarse")]
     return subprocess.run(run, check=True, stdout=subprocess.PIPE, text=True).stdout
@@ -45,7 +56,73 @@ def static(pair: Path, torque: float) -> dict:
     return json.loads(command("solve", pair, "--torque-nm", torque, "--json"))
 
 
-def transmission_errors(pairs: dict[str, Path]) -> None:
+def one_run(pair: Path):
+    """Angle and speed of gear 1 and the wall's acceleration in a run-up."""
+    history = run_up("variable load", TORQUE, fmu=built(pair))
+    return *spin(history), wall(history)
+
+
+def run_ups(pairs: dict[str, Path]) -> list:
+    with ProcessPoolExecutor(2) as pool:
+        return list(pool.map(one_run, pairs.values()))
+
+
+def order_over_speed(run, order: int) -> tuple[np.ndarray, np.ndarray]:
+    """Speed, rpm, from 500 on, and amplitude of an order of the wall's acceleration, m/s^2."""
+    angle, speed, signal = run
+    at, amplitude = order_amplitude(angle, signal, order)
+    rpm = RPM * speed[at]
+    return rpm[rpm > 500.0], amplitude[rpm > 500.0]
+
+
+def figures(pairs: dict[str, Path], runs: list) -> dict[str, float]:
+    """Figures of the page, each by the text around it: a regular expression whose group is the figure."""
+    cycles = [static(pair, TORQUE) for pair in pairs.values()]
+    span, first = [c["peak_to_peak_ste_loa_um"] for c in cycles], [c["harmonics_loa_um"][0] for c in cycles]
+    found = {
+        rf"by {NUMBER} µm peak to peak": span[0],
+        rf"first harmonic, {NUMBER} µm": first[0],
+        rf"peak to peak \| {NUMBER} µm": span[0],
+        rf"peak to peak \| .* \| {NUMBER} µm": span[1],
+        rf"first harmonic \| {NUMBER} µm": first[0],
+        rf"first harmonic \| .* \| {NUMBER} µm": first[1],
+        rf"harmonic fell by {NUMBER} dB": decibels(first),
+    }
+    for order in ORDERS:
+        curves = [order_over_speed(run, order) for run in runs]
+        peaks = [(amplitude.max(), rpm[amplitude.argmax()]) for rpm, amplitude in curves]
+        for column, (largest, speed) in zip(("", r".* \| "), peaks):
+            row = rf"order {order} of the wall, largest \| {column}"
+            found[rf"{row}{NUMBER} m/s²"] = largest
+            if order == ORDERS[0]:
+                found[rf"{row}[\d.]+ m/s² at {NUMBER} rpm"] = speed
+        if order == ORDERS[0]:
+            found[rf"order {order} reaches {NUMBER} m/s²"] = peaks[0][0]
+            found[rf"order {order} reaches [\d.]+ m/s² at {NUMBER} rpm"] = peaks[0][1]
+            found[rf"order {order} by {NUMBER} dB at resonance"] = decibels([largest for largest, _ in peaks])
+            found[rf"by {NUMBER} dB above 5000 rpm"] = decibels([amplitude[rpm > 5000.0].max() for rpm, amplitude in curves])
+    return found
+
+
+def decibels(values) -> float:
+    """By how much the second is below the first."""
+    return float(20.0 * np.log10(values[0] / values[1]))
+
+
+def digits(figure: str) -> int:
+    """Decimals that the page gives."""
+    return len(figure.partition(".")[2])
+
+
+def rewritten(page: str, found: dict[str, float]) -> str:
+    """The page with the figures found, as exact as it has them."""
+    for pattern, value in found.items():
+        (match,) = re.finditer(pattern, page)
+        page = f"{page[: match.start(1)]}{value:.{digits(match[1])}f}{page[match.end(1) :]}"
+    return page
+
+
+def ste_figure(pairs: dict[str, Path]) -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4))
     torques = np.array([25.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0])
     for name, pair in pairs.items():
@@ -53,52 +130,46 @@ def transmission_errors(pairs: dict[str, Path]) -> None:
         error = np.array(cycle["ste_loa_um"])
         left.plot(cycle["mesh_position"], error - error.mean(), label=name)
         right.plot(torques, [static(pair, t)["harmonics_loa_um"][0] for t in torques], "o-", label=name)
-        print(f"{name}: {cycle['peak_to_peak_ste_loa_um']:.2f} um peak to peak at {TORQUE:g} N m, "
-              f"first harmonic {cycle['harmonics_loa_um'][0]:.3f} um")
     left.set(xlabel="mesh cycle", ylabel=f"STE at {TORQUE:g} N m less its mean, µm")
     right.set(xlabel="torque, N m", ylabel="first harmonic, µm")
     left.legend()
-    figure.tight_layout()
-    figure.savefig(OUT / "tutorial-ste.png", dpi=80)
+    save(figure, "tutorial-ste")
 
 
-def whine(pairs: dict[str, Path]) -> None:
+def order_figure(pairs: dict[str, Path], runs: list) -> None:
     figure, axis = plt.subplots(figsize=(8, 4.5))
-    with ProcessPoolExecutor(2) as pool:
-        histories = list(pool.map(one_run, [built(pair) for pair in pairs.values()]))
-    for colour, (name, (angle, speed, signal)) in enumerate(zip(pairs, histories)):
-        for order, style in ((SPUR.teeth[0], "-"), (2 * SPUR.teeth[0], "--")):
-            at, amplitude = order_amplitude(angle, signal, order)
-            rpm = RPM * speed[at]
-            axis.semilogy(rpm, amplitude, style, color=f"C{colour}", label=f"{name}, order {order}")
-            band = rpm > 500.0
-            worst = np.argmax(np.where(band, amplitude, 0.0))
-            print(f"{name}, order {order}: at most {amplitude[worst]:.1f} m/s^2, at {rpm[worst]:.0f} rpm")
+    for colour, (name, run) in enumerate(zip(pairs, runs)):
+        for order, style in zip(ORDERS, ("-", "--")):
+            axis.semilogy(*order_over_speed(run, order), style, color=f"C{colour}", label=f"{name}, order {order}")
     axis.axhline(10.0, color="grey", lw=0.8)
     axis.set(xlabel="speed, rpm", ylabel="acceleration of the housing wall, m/s²", xlim=(500, 6000), ylim=(1e-2, 300))
     axis.legend(loc="upper right", ncol=2, fontsize=8)
-    figure.tight_layout()
-    figure.savefig(OUT / "tutorial-orders.png", dpi=80)
-
-
-def one_run(fmu: Path):
-    """Angle and speed of gear 1 and the wall's acceleration in a run-up."""
-    history = run_up("variable load", TORQUE, fmu=fmu)
-    return *spin(history), wall(history)
+    save(figure, "tutorial-orders")
 
 
 def main() -> None:
-    docs = ROOT / "docs" / "drivelines"
-    (OUT / "tutorial").mkdir(parents=True, exist_ok=True)
-    pairs = {"unmodified": PAIRS / "spur-50-50.json", "with tip relief": relieved()}
-    for name, pair in pairs.items():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--docs", type=Path, help="folder of tutorial.md, which is given the figures and pictures found")
+    docs = parser.parse_args().docs
+    pairs = pair_files()
+    pictures = ["tutorial-ste.png", "tutorial-orders.png"]
+    for pair in pairs.values():
         folder = OUT / "tutorial" / pair.stem
+        folder.parent.mkdir(parents=True, exist_ok=True)
         command("report", pair, "-o", folder.with_suffix(".html"), "--figures", folder)
-        shutil.copy(folder / "contact-pattern-on-gear-1-2.svg", docs / f"tutorial-contact-{pair.stem}.svg")
-    transmission_errors(pairs)
-    whine(pairs)
-    for name in ("tutorial-ste.png", "tutorial-orders.png"):
-        shutil.copy(OUT / name, docs / name)
+        pictures.append(f"tutorial-contact-{pair.stem}.svg")
+        shutil.copy(folder / "contact-pattern-on-gear-1-2.svg", OUT / pictures[-1])
+    ste_figure(pairs)
+    runs = run_ups(pairs)
+    order_figure(pairs, runs)
+    found = figures(pairs, runs)
+    for pattern, value in found.items():
+        print(f"{value:9.3f}  {pattern.replace(NUMBER, '_')}")
+    if docs:
+        page = docs / "tutorial.md"
+        page.write_text(rewritten(page.read_text(), found))
+        for name in pictures:
+            shutil.copy(OUT / name, docs / "drivelines" / name)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use gearmesh::element::{Element, Inputs, Latch, Parameters, PhaseReference};
 use gearmesh::fmi::resources::{self, Resources};
 use gearmesh::package;
+use gearmesh::storage::uninterrupted;
 use nalgebra::{Rotation3, Vector3};
 
 use crate::Error;
@@ -24,10 +25,11 @@ const POSITIONS: usize = 64;
 /// # Errors
 /// Resources that no instance could be made of.
 pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
-    let folder = tempfile::tempdir()?;
-    package::unpack_resources(path, folder.path())?;
-    let place = folder.path().to_string_lossy();
-    let resources = resources::load(&place, guid)?;
+    let resources = uninterrupted(|| -> Result<_, Error> {
+        let folder = tempfile::tempdir()?;
+        package::unpack_resources(path, folder.path())?;
+        Ok(resources::load(&folder.path().to_string_lossy(), guid)?)
+    })?;
     // From any pose: where teeth stand counts for no cost.
     let parameters = Parameters {
         phase_reference: PhaseReference::FromInitialPose,

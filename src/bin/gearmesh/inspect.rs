@@ -34,7 +34,8 @@ impl Inspect {
             let place = |error: Error| format!("{}: {error}", self.file.display());
             match is_tables(&text) {
                 true => table_file(&TableFile::from_json(&text).map_err(|e| place(e.into()))?)?,
-                false => pair_summary(&Pair::from_json(&text).map_err(|e| place(e.into()))?),
+                // Files that it names are sought in its folder.
+                false => pair_summary(&Pair::read(&self.file).map_err(|e| place(e.into()))?),
             }
         };
         output::print(&text)?;
@@ -52,7 +53,7 @@ fn is_archive(path: &Path) -> Result<bool, Error> {
 }
 
 /// Tables say their format; a pair file does not.
-fn is_tables(text: &str) -> bool {
+pub fn is_tables(text: &str) -> bool {
     #[derive(serde::Deserialize)]
     struct Marks {
         format: Option<IgnoredAny>,
@@ -89,7 +90,15 @@ fn fmu(path: &Path) -> Result<String, Error> {
         .as_deref()
         .map(TableFile::from_json)
         .transpose()?;
-    rows.row("error", accuracy::of_level(&found.unit, tables.as_ref()));
+    let contact_error = found.contact_error.as_ref();
+    let error = accuracy::of_level(&found.unit, tables.as_ref(), contact_error);
+    if contact_error.is_some() && !error.starts_with("contact:") {
+        rows.row(
+            "error of contact at run time",
+            accuracy::at_run_time(contact_error),
+        );
+    }
+    rows.row("error", error);
     for (name, value) in &found.unit.starts {
         rows.row(format!("start: {name}"), start_in_words(name, *value));
     }

@@ -8,7 +8,7 @@ use gearmesh::words::rounded;
 use serde::Serialize;
 
 use crate::limits;
-use crate::output::Listing;
+use crate::output::{Listing, rows};
 
 /// Speeds at which losses are asked for.
 #[derive(Debug, Clone, Args)]
@@ -53,7 +53,7 @@ impl Losses {
             efficiency: vec![],
         };
         for &speed in &speeds.speed_rpm {
-            limits::speed(speed)?;
+            limits::within("speed-rpm", speed, 0.0..=1e6)?;
             let spin = speed * std::f64::consts::TAU / 60.0;
             let sliding = [&cycle.sliding[..], &cycle.friction];
             let loss = Loss::new(g, &pair.friction, sliding, input.torque, spin);
@@ -66,24 +66,17 @@ impl Losses {
 
     /// Adds them to a listing.
     pub fn list(&self, rows: &mut Listing) {
-        rows.row(
-            "loss factor by the load share",
-            format!("{:.4}", self.loss_factor),
-        )
-        .row(
-            "loss factor of Ohlendorf",
-            format!("{:.4}", self.loss_factor_ohlendorf),
-        );
+        rows! { rows;
+            "loss factor by the load share" => "{:.4}", self.loss_factor;
+            "loss factor of Ohlendorf" => "{:.4}", self.loss_factor_ohlendorf;
+        }
         for (i, speed) in self.speed_rpm.iter().enumerate() {
-            rows.row(
-                format!("loss at {} rpm", rounded(*speed)),
-                format!(
-                    "{:.2} W, efficiency {:.3} %, mean coefficient of friction {:.4}",
-                    self.loss_w[i],
-                    100.0 * self.efficiency[i],
-                    self.friction_coefficient[i]
-                ),
-            );
+            let percent = 100.0 * self.efficiency[i];
+            rows! { rows;
+                format!("loss at {} rpm", rounded(*speed)) =>
+                    "{:.2} W, efficiency {percent:.3} %, mean coefficient of friction {:.4}",
+                    self.loss_w[i], self.friction_coefficient[i];
+            }
         }
     }
 }

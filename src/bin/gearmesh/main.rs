@@ -6,11 +6,11 @@
 mod accuracy;
 mod build;
 mod cache;
+mod columns;
 mod cost;
 mod flank_summary;
 mod import;
 mod inspect;
-mod interrupt;
 mod limits;
 mod losses;
 mod model;
@@ -28,6 +28,7 @@ mod tables;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use gearmesh::storage::uninterrupted;
 
 /// Gear contact for multibody and system simulation: static tooth contact, tables, FMI 2.0 units.
 #[derive(Debug, Parser)]
@@ -54,6 +55,20 @@ enum Command {
 /// Any error of a subcommand; its chain is printed on one line.
 type Error = Box<dyn std::error::Error>;
 
+/// Exit status of a command that was stopped by the interrupt signal, as shells give it: 128 + SIGINT.
+const STOPPED: i32 = 130;
+
+/// From now on the signals to interrupt and to terminate end the process after the file that is being written.
+fn stop_on_signals() -> Result<(), Error> {
+    ctrlc::set_handler(|| {
+        uninterrupted(|| {
+            eprintln!("gearmesh: stopped; no unfinished file is left");
+            std::process::exit(STOPPED);
+        })
+    })
+    .map_err(|e| format!("cannot watch for Ctrl-C: {e}").into())
+}
+
 fn main() -> ExitCode {
     // A value such as -10 is no option: it is for the option's own limits to refuse it.
     let cli = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
@@ -61,7 +76,7 @@ fn main() -> ExitCode {
         Ok(cli) => cli.command,
         Err(error) => error.exit(),
     };
-    let result = interrupt::handle().and_then(|()| match command {
+    let result = stop_on_signals().and_then(|()| match command {
         Command::New(command) => command.run(),
         Command::Solve(command) => command.run(),
         Command::Tables(command) => command.run(),

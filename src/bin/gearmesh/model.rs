@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gearmesh::compliance::ToothCompliance;
 use gearmesh::compliance::finite_element::{
-    Estimate, FiniteElementCompliance, ModelCache, Origin, PairCompliance, RootStress, Settings,
-    Stage, pair_root_stress,
+    ModelCache, Origin, PairCompliance, RootStress, Settings, Stage, pair_root_stress,
 };
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
@@ -16,39 +16,20 @@ use gearmesh::pair::{Pair, Refinement};
 use crate::Error;
 use crate::cache::CacheArgs;
 use crate::limits;
-use crate::progress::{Job, Plan, Progress};
-
-/// `on` or `off`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Switch {
-    /// Yes
-    On,
-    /// No
-    Off,
-}
-
-/// Fineness of the finite-element model on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Level {
-    /// Quickest
-    Coarse,
-    /// The default
-    Normal,
-    /// For convergence studies
-    Fine,
-}
+use crate::progress::Job;
 
 /// How teeth are modelled.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Model")]
 pub struct ModelArgs {
-    /// Fineness of the finite elements [default: as the pair file says, normal]
-    #[arg(long, value_enum)]
-    refinement: Option<Level>,
+    /// Fineness of the finite elements: coarse is quickest, fine for convergence studies [default: as the pair file says,
+    /// normal]
+    #[arg(long, value_parser = PossibleValuesParser::new(["coarse", "normal", "fine"]).map(refinement))]
+    refinement: Option<Refinement>,
 
     /// Whether tip corners may touch outside the path of contact [default: as the pair file says, on]
-    #[arg(long, value_enum)]
-    tip_corner_contact: Option<Switch>,
+    #[arg(long, value_parser = PossibleValuesParser::new(["on", "off"]).map(|switch| switch == "on"))]
+    tip_corner_contact: Option<bool>,
 
     /// Hold the axial displacement: every slice by itself, as in a two-dimensional calculation
     #[arg(long)]
@@ -86,8 +67,6 @@ pub struct Model {
     pub origin: String,
     /// The elastic models of gear 1 and gear 2.
     pub compliance: Compliance,
-    /// What computing them took, s, even if that was in another run.
-    pub computing_seconds: f64,
 }
 
 /// The models of the fillets of both gears and what it took to make them.
@@ -100,39 +79,27 @@ pub struct Fillets {
     pub origin: String,
 }
 
-/// Time of the models of the fillets over that of the elastic models.
-pub const FILLETS: f64 = 2.5;
-
 /// Elastic models of gear 1 and gear 2.
 pub type Compliance = [Arc<dyn ToothCompliance>; 2];
-
-type Models = [Arc<FiniteElementCompliance>; 2];
 
 impl ModelArgs {
     /// The pair with the choices of the command line in place of those of the file.
     pub fn applied_to(&self, mut pair: Pair) -> Pair {
-        if let Some(level) = self.refinement {
-            pair.refinement = match level {
-                Level::Coarse => Refinement::Coarse,
-                Level::Normal => Refinement::Normal,
-                Level::Fine => Refinement::Fine,
-            };
-        }
-        if let Some(switch) = self.tip_corner_contact {
-            pair.tip_corner_contact = switch == Switch::On;
-        }
+        pair.refinement = self.refinement.unwrap_or(pair.refinement);
+        pair.tip_corner_contact = self.tip_corner_contact.unwrap_or(pair.tip_corner_contact);
         pair
     }
 
-    /// How much is said on standard error.
-    pub fn progress(&self) -> Progress {
-        Progress::new(self.quiet)
+    /// The work of the command, as standard error shows it.
+    pub fn job(&self) -> Job {
+        Job::new(self.quiet)
     }
 
     /// Sets the number of threads. Once per run.
     pub fn use_threads(&self) -> Result<(), Error> {
         if let Some(threads) = self.threads {
-            limits::threads(threads)?;
+            // The largest machines have as many cores; each thread takes memory and time to start.
+            limits::within("threads", threads, 1..=1024)?;
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build_global()?;
@@ -140,36 +107,31 @@ impl ModelArgs {
         Ok(())
     }
 
-    /// Whether nothing is to be said of progress.
-    pub fn is_quiet(&self) -> bool {
-        self.quiet
-    }
-
     /// Whether every slice stands by itself.
     pub fn is_plane_strain(&self) -> bool {
         self.plane_strain
     }
 
-    /// The solver for `pair`, to which the command line has been applied, as the first phases of `job`.
+    /// The solver for `pair`, to which the command line has been applied, as part of `job`.
     pub fn solver(&self, pair: &Pair, job: &Job) -> Result<Model, Error> {
-        self.stations.map_or(Ok(()), limits::stations)?;
+        // The influence matrix of more would not fit into memory.
+        let within = |stations| limits::within("stations", stations, 1..=1000);
+        self.stations.map_or(Ok(()), within)?;
         let begin = Instant::now();
-        let (models, origin) = self.finite_element(pair, job)?;
-        let compliance_seconds = begin.elapsed().as_secs_f64();
-        let seconds = |i: usize| models[i].cost().seconds.iter().sum::<f64>();
-        let computing_seconds = match Arc::ptr_eq(&models[0], &models[1]) {
-            true => seconds(0),
-            false => seconds(0) + seconds(1),
-        };
-        let [first, second] = models;
+        let cache = self.kept();
+        let told = told(job, "elastic model");
+        let settings = self.settings(pair);
+        let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &told)?;
+        note([&models.origins[0], &models.origins[1]]);
+        let [first, second] = models.gears;
         let compliance: Compliance = [first, second];
+        let compliance_seconds = begin.elapsed().as_secs_f64();
         Ok(Model {
             solver: ContactSolver::new(pair, compliance.clone(), self.contact_settings(pair))?,
             compliance_seconds,
             description: self.description(pair),
-            origin,
+            origin: origin_in_words(&models.origins, cache.as_ref()),
             compliance,
-            computing_seconds,
         })
     }
 
@@ -190,29 +152,16 @@ impl ModelArgs {
         }
     }
 
-    /// What the elastic models of `pair` will take.
-    pub fn estimates(&self, pair: &Pair) -> Result<[Estimate; 2], Error> {
-        let cache = self.kept();
-        let settings = self.settings(pair);
-        Ok(PairCompliance::estimate(
+    /// Whether the elastic models of `pair` need not be computed.
+    pub fn are_kept(&self, pair: &Pair) -> Result<bool, Error> {
+        let Some(cache) = self.kept() else {
+            return Ok(false);
+        };
+        Ok(PairCompliance::is_kept(
             &pair.geometry,
-            &settings,
-            cache.as_ref(),
+            &self.settings(pair),
+            &cache,
         )?)
-    }
-
-    /// The plan of a command that solves the contact of `pair`; `contact` says what is solved.
-    pub fn plan(&self, pair: &Pair, contact: &str) -> Result<Plan, Error> {
-        let elastic = self.estimates(pair)?.map(|e| e.total_seconds());
-        // How long the contact takes is not known here: as long as the models.
-        let likely = (elastic[0] + elastic[1]).max(1.0);
-        Ok(Plan::new(elastic, (contact, likely)))
-    }
-
-    /// What the models of the fillets of `pair` will take, s, unless they are kept, which is not known here.
-    pub fn fillet_seconds(&self, pair: &Pair) -> Result<[f64; 2], Error> {
-        let seconds = |e: Estimate| FILLETS * e.seconds.iter().sum::<f64>();
-        Ok(self.estimates(pair)?.map(seconds))
     }
 
     fn settings(&self, pair: &Pair) -> Settings {
@@ -222,15 +171,11 @@ impl ModelArgs {
         }
     }
 
-    /// The models of the fillets of `pair` loaded on `flank`, as phases of `job`, whose plan has them.
+    /// The models of the fillets of `pair` loaded on `flank`, as part of `job`.
     pub fn fillets(&self, pair: &Pair, flank: Flank, job: &Job) -> Result<Fillets, Error> {
         let settings = self.settings(pair);
         let cache = self.kept();
-        let told = |gear, stage, share| {
-            let (done, words) = so_far(stage, share);
-            job.fillets(gear, done, words);
-            true
-        };
+        let told = told(job, "model of the fillets");
         let begin = Instant::now();
         let found = pair_root_stress(&pair.geometry, flank, &settings, cache.as_ref(), &told)?;
         let seconds = begin.elapsed().as_secs_f64();
@@ -260,14 +205,7 @@ impl ModelArgs {
     }
 
     fn description(&self, pair: &Pair) -> String {
-        let mut words = format!(
-            "finite elements, {}",
-            match pair.refinement {
-                Refinement::Coarse => "coarse",
-                Refinement::Normal => "normal",
-                Refinement::Fine => "fine",
-            }
-        );
+        let mut words = format!("finite elements, {:?}", pair.refinement).to_lowercase();
         if self.plane_strain {
             words.push_str(", plane strain");
         }
@@ -276,35 +214,42 @@ impl ModelArgs {
         }
         words
     }
+}
 
-    fn finite_element(&self, pair: &Pair, job: &Job) -> Result<(Models, String), Error> {
-        let settings = self.settings(pair);
-        let cache = self.kept();
-        let told = |gear, stage, share| {
-            let (done, words) = so_far(stage, share);
-            job.elastic(gear, done, words);
-            true
-        };
-        let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &told)?;
-        note([&models.origins[0], &models.origins[1]]);
-        let origin = origin_in_words(&models.origins, cache.as_ref());
-        Ok((models.gears, origin))
+fn refinement(name: String) -> Refinement {
+    match name.as_str() {
+        "coarse" => Refinement::Coarse,
+        "fine" => Refinement::Fine,
+        _ => Refinement::Normal,
     }
 }
 
-/// How far the model of a gear is with `share` of `stage` done, and what is being done.
-fn so_far(stage: Stage, share: f64) -> (f64, &'static str) {
-    // Shares of the time of a model that is wide enough to be waited for.
-    let (before, part, words) = match stage {
-        Stage::Assembly => (
-            0.0,
-            0.05,
-            "stiffness of one tooth with its share of the body",
-        ),
-        Stage::Condensation => (0.05, 0.6, "reducing it to its loaded flank"),
-        Stage::Ring => (0.65, 0.35, "joining all teeth to the whole gear"),
-    };
-    (before + part * share, words)
+/// Widens the operating range of `pair` to `torque` (N m) and the ranges of `misalignment` (rad) and `center_distance_offset` (m):
+/// it decides how wide a contact the elastic model resolves and how far tip corners are followed.
+pub fn widen(
+    pair: &mut Pair,
+    torque: f64,
+    misalignment: [f64; 2],
+    center_distance_offset: [f64; 2],
+) {
+    let wider = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let o = &mut pair.operating;
+    o.maximum_torque = o.maximum_torque.max(torque);
+    o.misalignment = wider(o.misalignment, misalignment);
+    o.center_distance_offset = wider(o.center_distance_offset, center_distance_offset);
+}
+
+/// Tells `job` how far the model of a gear is that `model` names.
+fn told(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
+    move |gear, stage, share| {
+        let words = match stage {
+            Stage::Assembly => "stiffness of one tooth with its share of the body",
+            Stage::Condensation => "reducing it to its loaded flank",
+            Stage::Ring => "joining all teeth to the whole gear",
+        };
+        job.tell(&format!("{model} of gear {}: {words}", gear + 1), share, "");
+        true
+    }
 }
 
 /// Says where the cache did not help: a result is right without it, but it should not be slow in silence. Equal gears

@@ -54,6 +54,18 @@ pub struct New {
 impl New {
     /// Writes the file, once it is a pair that works.
     pub fn run(self) -> Result<(), crate::Error> {
+        for (option, value) in [
+            ("module-mm", self.module_mm),
+            ("face-width-mm", self.face_width_mm[0]),
+            ("face-width-mm", self.face_width_mm[1]),
+            ("torque-nm", self.torque_nm),
+            ("helix-angle-deg", self.helix_angle_deg),
+            ("pressure-angle-deg", self.pressure_angle_deg),
+        ] {
+            if !value.is_finite() {
+                return Err(format!("--{option} = {value}: give a finite number").into());
+            }
+        }
         // What is filled in follows from the pair without it.
         let bare = Pair::from_json(
             &self
@@ -89,72 +101,44 @@ impl New {
             Some(stem) => stem.to_string_lossy().into_owned(),
             None => format!("pair-{}-{}", self.teeth[0], self.teeth[1]),
         });
-        let (meshing, held2) = if self.internal {
-            (
+        let [meshing, of_ring, held2] = match self.internal {
+            true => [
                 "internal",
+                " // a ring: of its fillet",
                 "\"rim_diameter_mm\": 0.0, // where the ring is held; default: root diameter + 7 modules",
-            )
-        } else {
-            (
+            ],
+            false => [
                 "external",
+                "",
                 "\"bore_diameter_mm\": 0.0, // where the body is held; default: half of the root diameter",
-            )
+            ],
         };
-        format!(
-            r#"// A gear pair for gearmesh; docs/pair-file.md has every field and its limits. Lines that begin with //
-// are comments: remove the // to give the field a value of its own.
-{derived}{{
-  "name": {name},
-  // "source": "number of the drawing",
-  "meshing": "{meshing}",
-  "normal_module_mm": {module},
-  "normal_pressure_angle_deg": {alpha},
-  "helix_angle_deg": {beta}, // > 0: gear 1 is right-handed
-  // "center_distance_mm": 0.0, // default: from the profile shifts, without backlash
-  "backlash_um": {backlash_um:.0}, // at the operating pitch circle, both gears together
-  "face_offset_mm": {offset}, // z of gear 2's z = 0 face minus gear 1's; here the faces share their middle
-  "gear1": {{
-    "teeth": {z1},
-    "profile_shift": {shift1},
-    "face_width_mm": {b1},
-    // "tip_diameter_mm": 0.0, // default: an addendum of one module
-    // "dedendum_coefficient": 1.25,
-    "tool_tip_radius_coefficient": {round}, // over the normal module
-    // "bore_diameter_mm": 0.0, // where the body is held; default: half of the root diameter
-    // "tip_relief": {{ "amount_um": 10.0, "start": "pitch_point", "shape": "parabolic" }},
-    // "lead_crowning_um": 4.0,
-  }},
-  "gear2": {{
-    "teeth": {z2},
-    "profile_shift": {shift2},
-    "face_width_mm": {b2},
-    "tool_tip_radius_coefficient": {round},{of_ring}
-    // {held2}
-  }},
-  "operating": {{
-    "nominal_torque_nm": {torque}, // on gear 1
-    "maximum_torque_nm": {most}, // highest torque in the tables
-    "center_distance_offset_um": [-20.0, 50.0], // actual minus nominal; [0, 0] leaves the axis out
-    "misalignment_mrad": [-1.0, 1.0], // in the plane of action; > 0 closes the large-z side
-  }},
-}}
-"#,
-            name = serde_json::Value::from(name),
-            module = self.module_mm,
-            alpha = self.pressure_angle_deg,
-            beta = self.helix_angle_deg,
-            offset = rounded(0.5 * (b1 - b2)),
-            round = self.tool_tip_radius(),
-            of_ring = if self.internal {
-                " // a ring: of its fillet"
-            } else {
-                ""
-            },
-            z1 = self.teeth[0],
-            z2 = self.teeth[1],
-            torque = self.torque_nm,
-            most = rounded(1.5 * self.torque_nm),
-        )
+        let values = [
+            ("derived", derived.to_owned()),
+            ("meshing", meshing.to_owned()),
+            ("of_ring", of_ring.to_owned()),
+            ("held2", held2.to_owned()),
+            ("module", self.module_mm.to_string()),
+            ("alpha", self.pressure_angle_deg.to_string()),
+            ("beta", self.helix_angle_deg.to_string()),
+            ("backlash_um", format!("{backlash_um:.0}")),
+            ("offset", rounded(0.5 * (b1 - b2)).to_string()),
+            ("z1", self.teeth[0].to_string()),
+            ("z2", self.teeth[1].to_string()),
+            ("shift1", shift1.to_string()),
+            ("shift2", shift2.to_string()),
+            ("b1", b1.to_string()),
+            ("b2", b2.to_string()),
+            ("round", self.tool_tip_radius().to_string()),
+            ("torque", self.torque_nm.to_string()),
+            ("most", rounded(1.5 * self.torque_nm).to_string()),
+            // Last, since nobody knows what it holds.
+            ("name", serde_json::Value::from(name).to_string()),
+        ];
+        let template = include_str!("new.template.json").to_owned();
+        values.iter().fold(template, |text, (name, value)| {
+            text.replace(&format!("<{name}>"), value)
+        })
     }
 
     /// 0.38, or the largest twentieth that the tip of a rack with a dedendum of 1.25 modules has room for.
@@ -175,7 +159,7 @@ impl New {
         let least = 2.0 / self.pressure_angle_deg.to_radians().sin().powi(2);
         let cos = self.helix_angle_deg.to_radians().cos();
         let shift = |teeth: u32| {
-            let short = (least - f64::from(teeth) / cos.powi(3)) / least;
+            let short = 1.0 - f64::from(teeth) / cos.powi(3) / least;
             ((20.0 * short).ceil() / 20.0).clamp(0.0, 1.0)
         };
         let first = shift(self.teeth[0]);

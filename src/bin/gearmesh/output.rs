@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 use gearmesh::storage;
 use gearmesh::words::{shown, shown_in_full};
 
-use crate::interrupt;
-
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}; name a file in a folder that exists and can be written", path.display())]
@@ -16,10 +14,9 @@ pub struct WriteError {
     source: io::Error,
 }
 
-/// Writes `bytes` to `path`, whole or not at all, Ctrl-C or not: see [`storage::write_whole`].
+/// Writes `bytes` to `path`, whole or not at all: see [`storage::write_whole`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    interrupt::uninterrupted(|| storage::write_whole(path, bytes))
-        .map_err(|source| WriteError::new(path, source))
+    storage::write_whole(path, bytes).map_err(|source| WriteError::new(path, source))
 }
 
 /// Refuses `path` before the work whose result it shall take: where it cannot be written, and where it is one of the
@@ -34,8 +31,7 @@ pub fn check_writable(path: &Path, read: &[&Path]) -> Result<(), crate::Error> {
         let (path, input) = (path.display(), input.display());
         return Err(format!("--output {path} is {input}, which is read: give another file").into());
     }
-    interrupt::uninterrupted(|| storage::check_writable(path))
-        .map_err(|source| WriteError::new(path, source).into())
+    storage::check_writable(path).map_err(|source| WriteError::new(path, source).into())
 }
 
 /// Makes the folder `path`, which `option` gives, if it is not there.
@@ -120,6 +116,14 @@ pub fn chain(error: &dyn std::error::Error) -> String {
     }
     line.split_whitespace().collect::<Vec<_>>().join(" ")
 }
+
+/// Adds rows `name => format, values;` to a [`Listing`].
+macro_rules! rows {
+    ($rows:expr; $($name:expr => $format:literal $(, $value:expr)*;)*) => {
+        $($rows.row($name, format!($format $(, $value)*));)*
+    };
+}
+pub(crate) use rows;
 
 /// Lines of `name  value unit` with the values aligned.
 #[derive(Debug, Default)]

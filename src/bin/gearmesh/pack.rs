@@ -8,7 +8,8 @@ use gearmesh::package::{self, Contents, Library, Packed, Setting, Starts};
 use gearmesh::pair::Pair;
 use gearmesh::table::TableFile;
 
-use crate::{interrupt, output};
+use crate::inspect::is_tables;
+use crate::output;
 
 /// Pack tables, or a pair with constant stiffness, into an FMU.
 #[derive(Debug, Args)]
@@ -20,33 +21,49 @@ pub struct Pack {
     /// Pair file: the unit has constant stiffness and no tables.
     #[arg(long, group = "source")]
     pair: Option<PathBuf>,
-    /// The FMU to write.
+    #[command(flatten)]
+    unit: UnitArgs,
+}
+
+/// The unit to write.
+#[derive(Debug, Args)]
+pub struct UnitArgs {
+    /// FMU to write
     #[arg(short, long)]
-    output: PathBuf,
-    /// Compiled library of the unit, once per platform [default: those beside this program].
+    pub output: PathBuf,
+
+    /// Compiled library of the unit, once per platform [default: those beside this program]
     #[arg(long)]
-    library: Vec<PathBuf>,
-    /// Start value of a parameter or input, such as damping=500 or interpolation=shepard; repeatable.
+    pub library: Vec<PathBuf>,
+
+    /// Start value of a parameter or input, such as damping=500 or interpolation=shepard; repeatable
     #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<Setting>,
+    pub set: Vec<Setting>,
 }
 
 impl Pack {
     /// Packs and prints name, GUID and size.
     pub fn run(self) -> Result<(), crate::Error> {
+        let UnitArgs {
+            output: path,
+            library,
+            set,
+        } = &self.unit;
         let read = self.tables.iter().chain(&self.pair);
         let read: Vec<&Path> = read.map(PathBuf::as_path).collect();
-        output::check_writable(&self.output, &read)?;
-        let libraries = libraries(&self.library)?;
-        let packed = if let Some(path) = &self.tables {
-            let text = output::read_text(path)?;
-            pack_tables(
-                &TableFile::from_json(&text)?,
-                None,
-                &libraries,
-                &self.set,
-                &self.output,
-            )?
+        output::check_writable(path, &read)?;
+        let libraries = libraries(library)?;
+        let packed = if let Some(tables) = &self.tables {
+            let text = output::read_text(tables)?;
+            let file = TableFile::from_json(&text).map_err(|error| match is_tables(&text) {
+                true => crate::Error::from(error),
+                false => {
+                    let tables = tables.display();
+                    format!("--tables = {tables}: {error}; a pair file is packed by `--pair`")
+                        .into()
+                }
+            })?;
+            pack_tables(&file, None, &libraries, set, path)?
         } else {
             let pair = Pair::read(self.pair.as_deref().unwrap_or("".as_ref()))?;
             let starts = Starts::constant_stiffness(&pair.geometry, pair.operating.nominal_torque);
@@ -55,14 +72,24 @@ impl Pack {
                 geometry: &pair.geometry,
                 tables: None,
                 contact: None,
-                starts: &starts.with(&self.set),
+                starts: &starts.with(set),
             };
-            interrupt::uninterrupted(|| package::pack(&contents, &libraries, &self.output))?
+            package::pack(&contents, &libraries, path)?
         };
-        let (path, size) = (self.output.display(), packed.bytes as f64 / 1e6);
-        output::print(&format!("{path}: {size:.2} MB, GUID {}\n", packed.guid))?;
+        output::print(&format!("{}\n", in_words(&packed, path)))?;
         Ok(())
     }
+}
+
+/// The unit that was `packed` into the file `path`, in one line.
+pub fn in_words(packed: &Packed, path: &Path) -> String {
+    format!(
+        "{}: {:.2} MB, GUID {}, runs on {}",
+        path.display(),
+        packed.bytes as f64 / 1e6,
+        packed.guid,
+        packed.platforms.join(" and ")
+    )
 }
 
 /// Packs the unit of these tables and of `contact` at run time with the start values of `settings`.
@@ -80,8 +107,7 @@ pub fn pack_tables(
         contact,
         starts: &Starts::of_tables(tables)?.with(settings),
     };
-    let packed = interrupt::uninterrupted(|| package::pack(&contents, libraries, output))?;
-    Ok(packed)
+    Ok(package::pack(&contents, libraries, output)?)
 }
 
 /// The libraries at `paths`, or those beside this program if there are none.

@@ -1,46 +1,24 @@
-//! Progress of a whole command on standard error: a bar on a terminal, else a line now and then.
+//! Progress of a command on standard error: a bar on a terminal, else a line now and then.
+//!
+//! The bar is that of the stage at work. How long a stage takes on the machine at hand is not known before it has begun.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-
-/// Whether progress is shown.
-#[derive(Debug, Clone, Copy)]
-pub struct Progress {
-    quiet: bool,
-}
-
-/// A part of a command's work.
-#[derive(Debug, Clone)]
-pub struct Phase {
-    /// What is done, in words of the field.
-    pub name: String,
-    /// Estimated time, s; only the ratios count.
-    pub seconds: f64,
-}
-
-/// The work of a command in its order.
-#[derive(Debug, Default)]
-pub struct Plan {
-    phases: Vec<Phase>,
-    /// The phase in which contact is solved.
-    contact: usize,
-    /// The model of the fillets of gear 1, that of gear 2 behind it.
-    fillets: usize,
-}
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
 /// The work of a command; its bar disappears when it is dropped.
 pub struct Job {
     bar: Option<ProgressBar>,
-    plan: Plan,
     begin: Instant,
     state: Mutex<State>,
 }
 
 struct State {
-    /// Share of each phase that is done.
-    done: Vec<f64>,
+    /// What is at work, since when, and the share of it that is done.
+    stage: String,
+    since: Instant,
+    share: f64,
     last_line: Instant,
 }
 
@@ -50,145 +28,78 @@ const FULL: u64 = 1000;
 /// Time between two lines where there is no terminal; short work says nothing.
 const EVERY: Duration = Duration::from_secs(10);
 
-impl Plan {
-    /// The elastic models of both gears, which take `elastic` s each, and `contact` by its name and its time, s.
-    pub fn new(elastic: [f64; 2], (name, seconds): (&str, f64)) -> Plan {
-        let mut phases = of_gears("elastic model", elastic);
-        phases.push(Phase {
-            name: name.into(),
-            seconds,
-        });
-        Plan {
-            phases,
-            contact: 2,
-            fillets: 0,
-        }
-    }
-
-    /// The same, and behind it the models of the fillets for the stress in the tooth roots, which take `seconds` s each.
-    pub fn then_fillets(mut self, seconds: [f64; 2]) -> Plan {
-        self.fillets = self.phases.len();
-        self.phases
-            .extend(of_gears("model of the fillets", seconds));
-        self
-    }
-
-    /// The same with the models of the fillets between elastic models and contact.
-    pub fn with_fillets(mut self, seconds: [f64; 2]) -> Plan {
-        self.fillets = self.contact;
-        let models = of_gears("model of the fillets", seconds);
-        self.phases.splice(self.contact..self.contact, models);
-        self.contact += 2;
-        self
-    }
-}
-
-/// A phase for each gear.
-fn of_gears(what: &str, seconds: [f64; 2]) -> Vec<Phase> {
-    let phase = |i: usize| Phase {
-        name: format!("{what} of gear {}", i + 1),
-        seconds: seconds[i],
-    };
-    vec![phase(0), phase(1)]
-}
-
-impl Progress {
-    /// Shown, unless `quiet`.
-    pub fn new(quiet: bool) -> Self {
-        Progress { quiet }
-    }
-
-    /// The work of `plan`.
-    pub fn job(self, plan: Plan) -> Job {
-        let bar = (!self.quiet).then(|| {
+impl Job {
+    /// Work whose progress is shown, unless `quiet`.
+    pub fn new(quiet: bool) -> Job {
+        let bar = (!quiet).then(|| {
             let style = ProgressStyle::with_template("[{bar:30}] {msg}")
                 .unwrap_or_else(|_| ProgressStyle::default_bar())
                 .progress_chars("=> ");
             // Hides itself where standard error is no terminal.
             ProgressBar::with_draw_target(Some(FULL), ProgressDrawTarget::stderr())
                 .with_style(style)
+                .with_finish(ProgressFinish::AndClear)
         });
         let now = Instant::now();
         Job {
             bar,
             begin: now,
             state: Mutex::new(State {
-                done: vec![0.0; plan.phases.len()],
+                stage: String::new(),
+                since: now,
+                share: 0.0,
                 last_line: now,
             }),
-            plan,
         }
     }
-}
 
-impl Job {
-    /// `share` (0 to 1) of the elastic model of gear `gear` (0 or 1) is done; `message` is what is being done.
-    pub fn elastic(&self, gear: usize, share: f64, message: &str) {
-        self.set(gear, share, message);
-    }
-
-    /// Likewise for the model of its fillets.
-    pub fn fillets(&self, gear: usize, share: f64, message: &str) {
-        self.set(self.plan.fillets + gear, share, message);
-    }
-
-    /// Likewise for the contact.
-    pub fn contact(&self, share: f64, message: &str) {
-        self.set(self.plan.contact, share, message);
-    }
-
-    /// Likewise for phase `phase`.
-    fn set(&self, phase: usize, share: f64, message: &str) {
+    /// `share` (0 to 1) of `stage` is done; `detail` may say of how much.
+    pub fn tell(&self, stage: &str, share: f64, detail: &str) {
         let Some(bar) = &self.bar else { return };
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        // A phase that has begun ends those before it.
-        state.done[..phase].fill(1.0);
+        if state.stage != stage {
+            state.stage = stage.into();
+            state.since = Instant::now();
+            state.share = 0.0;
+        }
         // Threads report out of order.
-        state.done[phase] = state.done[phase].max(share.clamp(0.0, 1.0));
-        let whole = whole(&self.plan.phases, &state.done);
-        let elapsed = self.begin.elapsed();
-        let text = format!(
-            "{:.0} % after {}{}: {}, {message}",
-            100.0 * whole,
-            clock(elapsed),
-            left(elapsed, whole),
-            self.plan.phases[phase].name,
-        );
+        state.share = state.share.max(share.clamp(0.0, 1.0));
+        let text = text(self.begin.elapsed(), &state, detail);
         if bar.is_hidden() && state.last_line.elapsed() >= EVERY {
             state.last_line = Instant::now();
             eprintln!("gearmesh: {text}");
         }
         bar.set_message(text);
-        bar.set_position((whole * FULL as f64) as u64);
+        bar.set_position((state.share * FULL as f64) as u64);
     }
 }
 
-impl Drop for Job {
-    fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
+fn text(elapsed: Duration, state: &State, detail: &str) -> String {
+    let State { stage, share, .. } = state;
+    let comma = if detail.is_empty() { "" } else { ", " };
+    format!(
+        "after {}: {stage}, {:.0} %{comma}{detail}{}",
+        clock(elapsed),
+        100.0 * share,
+        left(state.since.elapsed(), *share)
+    )
 }
 
-/// Share of the whole work that is done.
-fn whole(phases: &[Phase], done: &[f64]) -> f64 {
-    let total: f64 = phases.iter().map(|phase| phase.seconds).sum();
-    let done: f64 = phases.iter().zip(done).map(|(p, d)| p.seconds * d).sum();
-    if total > 0.0 { done / total } else { 1.0 }
-}
-
-/// What is left if the rest goes as what is done went; nothing as long as that says little.
-fn left(elapsed: Duration, whole: f64) -> String {
-    if whole < 0.02 || elapsed < Duration::from_secs(2) {
+/// What is left of a stage if the rest of it goes as what is done went; nothing as long as that says little, or at
+/// the end.
+fn left(elapsed: Duration, share: f64) -> String {
+    if !(0.02..1.0).contains(&share) || elapsed < Duration::from_secs(2) {
         return String::new();
     }
-    let rest = elapsed.as_secs_f64() * (1.0 - whole) / whole;
-    format!(", about {} left", clock(Duration::from_secs_f64(rest)))
+    let rest = elapsed.as_secs_f64() * (1.0 - share) / share;
+    format!(
+        ", about {} left of it",
+        clock(Duration::from_secs_f64(rest))
+    )
 }
 
 /// A time as people read it.
-pub fn clock(time: Duration) -> String {
+fn clock(time: Duration) -> String {
     match time.as_secs_f64().round() as u64 {
         s @ 0..60 => format!("{s} s"),
         s @ 60..3600 => format!("{} min {} s", s / 60, s % 60),
@@ -200,58 +111,33 @@ pub fn clock(time: Duration) -> String {
 mod tests {
     use super::*;
 
-    fn two() -> Vec<Phase> {
-        let phase = |name: &str, seconds| Phase {
-            name: name.into(),
-            seconds,
+    #[test]
+    fn a_stage_begins_at_nothing_and_does_not_go_back() {
+        let job = Job::new(false);
+        let share = || job.state.lock().unwrap().share;
+        job.tell("elastic model of gear 1", 0.9, "");
+        job.tell("contact", 0.5, "");
+        job.tell("contact", 0.4, "");
+        assert_eq!(share(), 0.5);
+        job.tell("model of the fillets", 0.1, "");
+        assert_eq!(share(), 0.1);
+    }
+
+    #[test]
+    fn the_time_left_is_that_of_the_stage_at_work_whatever_went_before() {
+        let now = Instant::now();
+        let state = State {
+            stage: "model of the fillets of gear 1".into(),
+            since: now.checked_sub(Duration::from_secs(40)).unwrap(),
+            share: 0.2,
+            last_line: now,
         };
-        vec![phase("long", 30.0), phase("short", 10.0)]
-    }
-
-    #[test]
-    fn the_whole_is_weighed_by_estimated_times() {
-        assert!((whole(&two(), &[0.5, 0.0]) - 0.375).abs() < 1e-12);
-        assert!((whole(&two(), &[1.0, 0.5]) - 0.875).abs() < 1e-12);
-        assert_eq!(whole(&[], &[]), 1.0);
-    }
-
-    #[test]
-    fn a_phase_that_begins_ends_those_before_it_and_none_goes_back() {
-        let job = Progress::new(false).job(Plan {
-            phases: two(),
-            ..Plan::default()
-        });
-        job.set(0, 0.2, "");
-        job.set(1, 0.5, "");
-        job.set(1, 0.4, "");
-        assert_eq!(job.state.lock().unwrap().done, [1.0, 0.5]);
-    }
-
-    #[test]
-    fn fillets_have_phases_of_their_own_before_or_behind_the_contact() {
-        let plan = || Plan::new([1.0, 2.0], ("contact", 4.0));
-        let names = |plan: &Plan| -> Vec<String> {
-            let own = plan.phases.iter().skip(2);
-            own.map(|phase| phase.name.clone()).collect()
-        };
-        let fillets = [
-            "model of the fillets of gear 1",
-            "model of the fillets of gear 2",
-        ];
-        let (behind, between) = (
-            plan().then_fillets([8.0, 9.0]),
-            plan().with_fillets([8.0, 9.0]),
+        assert_eq!(
+            text(Duration::from_secs(100), &state, "3 of 15 solves"),
+            "after 1 min 40 s: model of the fillets of gear 1, 20 %, 3 of 15 solves, about 2 min 40 s left of it"
         );
-        assert_eq!(names(&behind), ["contact", fillets[0], fillets[1]]);
-        assert_eq!(names(&between), [fillets[0], fillets[1], "contact"]);
-        for (plan, done) in [
-            (behind, [1.0, 1.0, 1.0, 1.0, 0.5]),
-            (between, [1.0, 1.0, 1.0, 1.0, 0.25]),
-        ] {
-            let job = Progress::new(false).job(plan);
-            job.contact(0.25, "");
-            job.fillets(1, 0.5, "");
-            assert_eq!(job.state.lock().unwrap().done, done);
+        for share in [0.001, 1.0] {
+            assert_eq!(left(Duration::from_secs(10), share), "");
         }
     }
 
@@ -262,7 +148,5 @@ mod tests {
             [of(59), of(61), of(7260)],
             ["59 s", "1 min 1 s", "2 h 1 min"]
         );
-        assert_eq!(left(Duration::from_secs(10), 0.25), ", about 30 s left");
-        assert_eq!(left(Duration::from_secs(10), 0.001), "");
     }
 }

@@ -1,8 +1,9 @@
 //! Computed models kept in files of one folder of bounded size.
 //!
 //! The key of a model is the SHA-256 of what it is computed from: the mesh itself (nodes, elements, held
-//! surface, flank and its normals), the stiffness of an element, and how many teeth are asked for. So every
-//! setting and every constant of the code that shapes a model shapes its key, without a list to keep.
+//! surface, flank and its normals), the stiffness of an element, how many teeth are asked for, and [`VERSION`]. So every
+//! setting and constant that shapes the mesh shapes its key without a list to keep; for what is done with the mesh
+//! the version stands.
 //!
 //! File: magic line, key, length of the body, SHA-256 of the body, body; little endian. A file that is cut,
 //! altered or of another version is recomputed and replaced, with a note; it never gives a result. A
@@ -21,8 +22,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Changes with the layout of the file and with what is computed from the mesh.
+/// Changes with the layout of the file.
 const MAGIC: &[u8; 32] = b"gearmesh finite elements v0004\r\n";
+
+/// Changes with what is computed of a mesh: a method, or a constant that no mesh shows, such as how many modes of the sides and
+/// Fourier indices are left out, or how the result is rounded. What was kept is then not found.
+const VERSION: u32 = 5;
 
 /// How many bytes of it all versions share: these tell a file of this cache from others.
 const COMMON: usize = MAGIC.len() - b"0004\r\n".len();
@@ -148,9 +153,22 @@ impl ModelCache {
         Ok(models.len())
     }
 
-    /// Whether `model` is there, sound or not.
-    pub(super) fn holds(&self, model: &Model, settings: &Settings) -> bool {
-        self.path(&key(model, settings.reach)).exists()
+    /// Whether the model of `gear` is there, sound or not, and that of the gear turned end for end if its body asks for it.
+    ///
+    /// # Errors
+    /// Those of a gear that cannot be meshed.
+    pub(super) fn holds(
+        &self,
+        gear: &Gear,
+        settings: &Settings,
+    ) -> Result<bool, FiniteElementError> {
+        for gear in gear.turned().iter().chain([gear]) {
+            let model = Model::new(gear, settings)?;
+            if !self.path(&key(&model, settings.reach)).exists() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     fn path(&self, key: &[u8; 32]) -> PathBuf {
@@ -285,11 +303,11 @@ fn key(model: &Model, reach: usize) -> [u8; 32] {
     key_of(model, reach, b"")
 }
 
-/// The key of what is computed of `model` beside its compliance: `what`, with everything it depends on that
+/// The key of what is computed of `model` beside its compliance: `what`, with every node it depends on that
 /// [`Model::identify`] does not tell.
 pub(super) fn key_of(model: &Model, reach: usize, what: &[u8]) -> [u8; 32] {
     let mut hash = Sha256::new();
-    hash.update(MAGIC);
+    hash.update(VERSION.to_le_bytes());
     hash.update((reach as u64).to_le_bytes());
     model.identify(&mut |bytes| hash.update(bytes));
     hash.update(what);

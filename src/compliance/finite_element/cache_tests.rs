@@ -118,6 +118,60 @@ fn a_constant_of_the_code_that_moves_one_node_gives_another_key() {
 }
 
 #[test]
+fn constants_that_no_mesh_shows_belong_to_one_version() {
+    use super::super::{harmonics, influence, root_stress, side_modes};
+    // Whoever changes one of them here gives VERSION another number, too: else models of before are found.
+    let constants = [
+        side_modes::LEFT_OUT,
+        harmonics::TOLERANCE,
+        influence::LARGEST,
+        root_stress::LARGEST,
+    ];
+    assert_eq!(
+        (VERSION, constants),
+        (5, [1e-8, 1e-8, 1_073_741_824.0, 32_000.0])
+    );
+}
+
+#[test]
+fn the_version_is_part_of_the_key() {
+    let model = Model::new(&gear(), &settings()).unwrap();
+    let mut without = Sha256::new();
+    without.update(1u64.to_le_bytes());
+    model.identify(&mut |bytes| without.update(bytes));
+    let mut with = Sha256::new();
+    with.update(VERSION.to_le_bytes());
+    with.update(1u64.to_le_bytes());
+    model.identify(&mut |bytes| with.update(bytes));
+    let own = key(&model, 1);
+    assert_eq!(own[..], with.finalize()[..]);
+    assert_ne!(own[..], without.finalize()[..]);
+}
+
+#[test]
+fn a_pair_is_kept_once_both_models_are() {
+    let directory = tempfile::tempdir().unwrap();
+    let cache = cache(directory.path());
+    let other = Gear {
+        teeth: 21,
+        ..gear()
+    };
+    let pair = crate::gear::PairGeometry {
+        gears: [gear(), other.clone()],
+        center_distance: 0.1,
+    };
+    let kept = || {
+        let found = super::super::PairCompliance::is_kept(&pair, &settings(), &cache);
+        found.unwrap()
+    };
+    assert!(!kept());
+    get_from(&gear(), &cache);
+    assert!(!kept());
+    get_from(&other, &cache);
+    assert!(kept());
+}
+
+#[test]
 fn a_solid_model_takes_a_third_of_its_numbers() {
     let directory = tempfile::tempdir().unwrap();
     let solid = Settings {

@@ -10,6 +10,7 @@ use super::assembly::LowerTriangle;
 use super::dense::{add_gram, add_product, factor, solve};
 use super::dissection::Part;
 use super::fronts::{Front, Fronts, positions};
+use super::memory;
 use nalgebra::DMatrix;
 use std::sync::{Mutex, PoisonError};
 
@@ -105,11 +106,9 @@ struct Assembled {
 impl Condensation<'_> {
     fn condensed(&self, columns: usize) -> Result<CondensedSector, FiniteElementError> {
         let numbers = self.fronts.numbers();
-        let mut memory: Vec<f64> = Vec::new();
-        (memory.try_reserve_exact(numbers)).map_err(|_| FiniteElementError::Memory)?;
-        drop(memory);
         // The sides are the own unknowns of the last front.
         let sides = self.fronts.last(self.a.column_starts.len() - 1, columns);
+        memory::check(size_of::<f64>() * numbers.max((sides.own + columns).pow(2)))?;
         let found = self.assembled(&sides)?;
         Ok(CondensedSector {
             sides: found.own,

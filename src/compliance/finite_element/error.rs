@@ -68,9 +68,17 @@ pub enum FiniteElementError {
         /// Radius of the crossing, mm.
         radius_mm: f64,
     },
-    /// Out of memory.
-    #[error("not enough memory for the finite-element model; choose a coarser refinement")]
-    Memory,
+    /// The model takes more memory than the system has left.
+    #[error(
+        "the finite-element model takes {needed_gb:.1} GB of memory, and {available_gb:.1} GB are available; choose a coarser \
+         refinement"
+    )]
+    Memory {
+        /// What it takes, GB.
+        needed_gb: f64,
+        /// What there is, GB.
+        available_gb: f64,
+    },
     /// The caller asked to stop.
     #[error("the computation was cancelled")]
     Cancelled,

@@ -62,10 +62,15 @@ impl FlankGrid {
         }
     }
 
+    /// Arc length from the form point at the length of roll `roll`, m.
+    pub fn arc(&self, roll: f64) -> f64 {
+        self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll)
+    }
+
     /// Kernel of a line at `roll`.
     fn kernel(&self, roll: f64) -> Kernel {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
-        let arc = self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll);
+        let arc = self.arc(roll);
         // Not wider than the distance to the tip edge, so that the load stays where it acts, down to what the
         // elements at the edge resolve.
         let least = self.edge_half_width().min(self.kernel_half_width);

@@ -9,7 +9,7 @@
 use std::f64::consts::PI;
 
 /// Largest error of a harmonic that is not solved over its value, for influences that decay exponentially.
-const TOLERANCE: f64 = 1e-8;
+pub(super) const TOLERANCE: f64 = 1e-8;
 /// Decays a over which that is tried, per tooth: from a body that moves as a whole to teeth that do not feel each other.
 const DECAYS: [f64; 2] = [0.01, 4.0];
 const TRIALS: usize = 24;

@@ -1,9 +1,7 @@
 //! The models of both gears of a pair.
 
 use super::cache::same_model;
-use super::{
-    Estimate, FiniteElementCompliance, FiniteElementError, ModelCache, Origin, Progress, Settings,
-};
+use super::{FiniteElementCompliance, FiniteElementError, ModelCache, Origin, Progress, Settings};
 use crate::gear::PairGeometry;
 use std::sync::Arc;
 
@@ -18,21 +16,17 @@ pub struct PairCompliance {
 }
 
 impl PairCompliance {
-    /// What [`PairCompliance::new`] will take for gear 1 and gear 2; nothing for a gear 2 that shares gear 1's model.
+    /// Whether `cache` holds both models, sound or not.
     ///
     /// # Errors
     /// Those of gears that cannot be meshed.
-    pub fn estimate(
+    pub fn is_kept(
         pair: &PairGeometry,
         settings: &Settings,
-        cache: Option<&ModelCache>,
-    ) -> Result<[Estimate; 2], FiniteElementError> {
-        let first = Estimate::new(&pair.gears[0], settings, cache)?;
-        let second = match same_model(&pair.gears, settings)? {
-            true => Estimate::default(),
-            false => Estimate::new(&pair.gears[1], settings, cache)?,
-        };
-        Ok([first, second])
+        cache: &ModelCache,
+    ) -> Result<bool, FiniteElementError> {
+        let [first, second] = &pair.gears;
+        Ok(cache.holds(first, settings)? && cache.holds(second, settings)?)
     }
 
     /// Computes both models, or reads them from the cache if there is one. `progress` is

@@ -27,19 +27,23 @@ pub struct RootStress {
     /// Unit of each column, Pa/N (plane strain: Pa m/N).
     pub(super) scales: Vec<f32>,
     pub(super) reach: usize,
+    /// Distance from a load within which stress is left out of the largest one, m.
+    local: f64,
     /// Tangent to the centre line at which the standards look, rad.
     tangent: f64,
 }
 
 /// Strips of one gear as loads on the nodes of its flanks.
 #[derive(Debug, Clone)]
-pub struct SpreadStrips(Vec<(i32, Weights)>);
+pub struct SpreadStrips(Vec<(Strip, Weights)>);
 
 /// Stress in the root of one tooth beside its loaded flank.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootField<'a> {
     fillet: &'a FilletGrid,
     tangent: f64,
+    /// At each place along the face how many places along the profile, from the middle of the space, no load is beside.
+    clear: Vec<usize>,
     /// Largest principal stress at each place along the face (outer) and along the profile, Pa, tension positive.
     principal: Vec<f64>,
 }
@@ -76,7 +80,10 @@ const FILLET_OVER_FLANK: f64 = 0.8;
 /// Elements along the flank over those of the level.
 const FLANK_OVER_FLANK: f64 = 1.5;
 /// Units in the largest entry of a column: 2e-5 of it are the rounding.
-const LARGEST: f64 = 32_000.0;
+pub(super) const LARGEST: f64 = 32_000.0;
+/// Over the normal module: width over which the kernel of level normal spreads a line load. So near to a load the stress is that of its
+/// spreading: under the concentrated load at a tip corner it has no limit as the kernel becomes narrower.
+const LOCAL_OVER_MODULE: f64 = 0.45;
 /// Half-width of the load kernel over the element: what the kernel needs to be resolved.
 const KERNEL_OVER_ELEMENT: f64 = 1.25;
 
@@ -100,6 +107,7 @@ impl RootStress {
             map: Vec::new(),
             scales: Vec::new(),
             reach,
+            local: LOCAL_OVER_MODULE * model.gear.normal_module,
             tangent: match model.gear.kind {
                 GearKind::External => 30f64.to_radians(),
                 GearKind::Ring => 60f64.to_radians(),
@@ -134,7 +142,7 @@ impl RootStress {
 
     /// Strips of this gear, ready for [`RootStress::of_tooth_under`] any forces.
     pub fn spread(&self, strips: &[Strip]) -> SpreadStrips {
-        let spread = |strip: &Strip| (strip.tooth, self.loads.weights(strip));
+        let spread = |strip: &Strip| (*strip, self.loads.weights(strip));
         SpreadStrips(strips.iter().map(spread).collect())
     }
 
@@ -155,11 +163,11 @@ impl RootStress {
         let (nodes, points) = (self.loads.len(), COMPONENTS * self.fillet.len());
         let mut stress = vec![0.0; points];
         let mut forces = vec![vec![0.0; nodes]; 2 * self.reach + 1];
-        for ((of_tooth, weights), force) in strips.0.iter().zip(loads) {
+        for ((strip, weights), force) in strips.0.iter().zip(loads) {
             if *force == 0.0 {
                 continue;
             }
-            let away = tooth - of_tooth;
+            let away = tooth - strip.tooth;
             if away.unsigned_abs() as usize > self.reach {
                 return Err(BeyondModel {
                     distance: away.unsigned_abs() as usize,
@@ -185,11 +193,34 @@ impl RootStress {
             let (mean, half) = (0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1]));
             mean + half.hypot(s[2])
         });
+        let loaded = strips.0.iter().zip(loads);
+        let beside = loaded.filter(|((strip, _), force)| strip.tooth == tooth && **force > 0.0);
+        let beside: Vec<&Strip> = beside.map(|((strip, _), _)| strip).collect();
         Ok(RootField {
             fillet: &self.fillet,
             tangent: self.tangent,
+            clear: self
+                .fillet
+                .z
+                .iter()
+                .map(|z| self.clear(*z, &beside))
+                .collect(),
             principal: principal.collect(),
         })
+    }
+
+    /// How many places along the profile at `z` lie farther than `local` from the `loaded` strips of this tooth; at least the one in the
+    /// middle of the space.
+    fn clear(&self, z: f64, loaded: &[&Strip]) -> usize {
+        let lowest = loaded.iter().filter_map(|strip| {
+            let nearest = z.clamp(strip.z[0], strip.z[1]);
+            let along = (nearest - strip.z[0]) / (strip.z[1] - strip.z[0]);
+            let roll = strip.roll[0] + along * (strip.roll[1] - strip.roll[0]);
+            let square = self.local.powi(2) - (z - nearest).powi(2);
+            (square > 0.0).then(|| self.loads.arc(roll) - square.sqrt())
+        });
+        let lowest = lowest.fold(f64::INFINITY, f64::min);
+        self.fillet.arcs.partition_point(|arc| *arc < lowest).max(1)
     }
 }
 
@@ -212,7 +243,8 @@ impl RootField<'_> {
         })
     }
 
-    /// Where the largest principal stress is largest. Between the places along the profile by a parabola.
+    /// Where the largest principal stress is largest, but for places within 0.45 normal modules of a load on the flank of this tooth: there
+    /// it is local, and without limit under a corner. Between the places along the profile by a parabola.
     pub fn largest(&self) -> RootPoint {
         let places = (0..self.fillet.z.len()).map(|number| self.largest_at(number));
         places.fold(LEAST, larger)
@@ -222,9 +254,10 @@ impl RootField<'_> {
     pub fn largest_at(&self, number: usize) -> RootPoint {
         let n = self.fillet.radii.len();
         let stress = &self.principal[number * n..(number + 1) * n];
-        let top = (0..n).max_by(|a, b| stress[*a].total_cmp(&stress[*b]));
+        let clear = self.clear[number];
+        let top = (0..clear).max_by(|a, b| stress[*a].total_cmp(&stress[*b]));
         let i = top.unwrap_or(0);
-        if i == 0 || i + 1 == n {
+        if i == 0 || i + 1 == clear {
             return self.at_arc(number, self.fillet.arcs[i]);
         }
         let at = |k: usize| {
@@ -242,7 +275,7 @@ impl RootField<'_> {
     }
 
     /// Largest over the face at the place of the fillet whose tangent makes 30 degrees (ring: 60) with the centre
-    /// line of the tooth. None if the fillet has no such place.
+    /// line of the tooth, but for what [`RootField::largest`] leaves out, unless that is all of it. None if the fillet has no such place.
     pub fn at_tangent(&self) -> Option<RootPoint> {
         let fillet = self.fillet;
         let after = (1..fillet.arcs.len()).rev().find(|&i| {
@@ -251,8 +284,14 @@ impl RootField<'_> {
         let t = (self.tangent - fillet.tangents[after])
             / (fillet.tangents[after - 1] - fillet.tangents[after]);
         let arc = fillet.arcs[after] + t * (fillet.arcs[after - 1] - fillet.arcs[after]);
-        let places = (0..fillet.z.len()).map(|number| self.at_arc(number, arc));
-        Some(places.fold(LEAST, larger))
+        let is_clear = |number: usize| after < self.clear[number];
+        let anywhere = !(0..fillet.z.len()).any(is_clear);
+        let places = (0..fillet.z.len()).filter(|number| anywhere || is_clear(*number));
+        Some(
+            places
+                .map(|number| self.at_arc(number, arc))
+                .fold(LEAST, larger),
+        )
     }
 
     /// Parabola through the three places nearest to `arc`.

@@ -9,8 +9,8 @@ use super::root_stress::RootStress;
 use super::{FiniteElementError, ModelCache, Origin, Progress, Settings, Stage};
 use crate::gear::{Flank, Gear, PairGeometry};
 
-/// Changes with what is computed of the mesh beside its compliance.
-const WHAT: &[u8] = b"root stress 1";
+/// What is computed of the mesh beside its compliance.
+const WHAT: &[u8] = b"root stress";
 
 impl RootStress {
     /// As [`RootStress::new`], by way of `cache` if there is one.

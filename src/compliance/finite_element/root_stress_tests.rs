@@ -161,6 +161,31 @@ fn stresses_add_up_and_neighbours_count() {
 }
 
 #[test]
+fn largest_stress_does_not_follow_the_width_of_a_corner_load_beside_the_fillet() {
+    let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
+    let wide = settings(Refinement::Coarse, false);
+    let mut narrow = wide;
+    narrow.discretization.flank_element *= 0.5;
+    narrow.discretization.kernel_half_width *= 0.5;
+    let [wide, narrow] = [wide, narrow].map(|settings| {
+        let model = RootStress::new(&gear, &settings, &|_, _| true).unwrap();
+        let corner = Strip {
+            tooth: 0,
+            z: [0.0, 1e-3],
+            roll: [model.loads.form_roll + 0.5e-3; 2],
+        };
+        let even = (strip(&gear, 0, 42e-3), 2000.0);
+        let field = model.of_tooth(0, &[even, (corner, 600.0)]).unwrap();
+        let anywhere = field.principal.iter().copied().fold(0.0, f64::max);
+        (field.largest(), anywhere)
+    });
+    // Beside the corner there is no limit.
+    assert!(narrow.1 > 1.3 * wide.1, "{wide:?} {narrow:?}");
+    let ratio = narrow.0.stress / wide.0.stress;
+    assert!((ratio - 1.0).abs() < 0.02, "{wide:?} {narrow:?}");
+}
+
+#[test]
 fn a_kept_map_is_the_computed_one_and_a_spoilt_file_is_computed_anew() {
     let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
     let settings = settings(Refinement::Coarse, true);

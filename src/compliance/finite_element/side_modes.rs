@@ -10,7 +10,7 @@ use crate::random::Random;
 use nalgebra::DMatrix;
 
 /// What is left out of G over its largest product with a vector of the same random numbers.
-const LEFT_OUT: f64 = 1e-8;
+pub(super) const LEFT_OUT: f64 = 1e-8;
 /// Modes that are sought at a time.
 const BLOCK: usize = 64;
 

@@ -337,11 +337,20 @@ impl LocalContact {
         -0.5 * self.c * (u + 1.0)
     }
 
-    /// Hertz pressure, Pa, of the force `f`, N, where that is more than any flank carries
-    /// ([`LARGEST_HALF_WIDTH_OVER_RADIUS`]).
+    /// Pressure, Pa, of the force `f`, N, where that is more than any flank carries
+    /// ([`LARGEST_HALF_WIDTH_OVER_RADIUS`]): [`LocalContact::pressure`], and where contact reaches a tip edge that of Hertz.
     pub fn overload(&self, f: f64) -> Option<f64> {
-        let half_width = (self.kappa * f.max(0.0) / self.length).sqrt();
-        (half_width > LARGEST_HALF_WIDTH_OVER_RADIUS * self.radius).then(|| self.hertz_pressure(f))
+        // b / R = pi c p, with b² = kappa w and kappa = 2 c R.
+        let most = LARGEST_HALF_WIDTH_OVER_RADIUS / (std::f64::consts::PI * self.c);
+        let hertz = self.hertz_pressure(f);
+        let w = f.max(0.0) / self.length;
+        let at_relief = self.knee_under(w).map(|knee| knee.pressure(w));
+        // Whether contact reaches an edge takes longer to find than all else.
+        if hertz.max(at_relief.unwrap_or(0.0)) <= most {
+            return None;
+        }
+        let pressure = self.pressure(f).unwrap_or(hertz);
+        (pressure > most).then_some(pressure)
     }
 
     /// Law of the start of a relief that the line load `w` (N/m) reaches.
@@ -378,9 +387,8 @@ impl LocalContact {
         self.c * w * (self.log_reference - other.log_reference)
     }
 
-    /// Largest pressure, Pa, under the force `f`, N: that of the half-ellipse 2 w / (pi b) with the spread of the pressure,
-    /// which is Hertz's inside one parabola; at a sharp kink itself pressure has no bound. None where
-    /// contact reaches a tip edge, where it has none either.
+    /// Largest pressure, Pa, under the force `f`, N: Hertz's inside one parabola, else [`Knee::pressure`]. None where
+    /// contact reaches a tip edge, where it has no bound.
     pub fn pressure(&self, f: f64) -> Option<f64> {
         if self.reaches_edge(f) {
             return None;
@@ -393,7 +401,7 @@ impl LocalContact {
     pub fn pressure_at_relief(&self, w: f64) -> Option<f64> {
         let knee = self.knee_under(w)?;
         let bounded = !self.reaches_edge(w * self.length);
-        bounded.then(|| 2.0 / std::f64::consts::PI * w / knee.half_width(w))
+        bounded.then(|| knee.pressure(w))
     }
 
     /// Whether contact may reach the start of a relief.
@@ -431,6 +439,34 @@ mod tests {
     use approx::assert_relative_eq;
 
     const STEEL: f64 = (1.0 - 0.09) / 206e9;
+
+    #[test]
+    fn overload_is_judged_on_the_pressure_that_is_reported() {
+        let law = |profile: &GapProfile| {
+            let body = LocalBody {
+                plane_compliance: STEEL,
+                reference_length: 0.6e-3,
+                corner: Corner::NONE,
+            };
+            LocalContact::new([body; 2], profile, 1e-3)
+        };
+        let most = 0.15 / (4.0 * STEEL);
+        let plain = law(&far());
+        let steep = [(0.0, 1.0, 0.2, 0.0), (1.0, 1.0, 0.0, 0.0)];
+        let steep = law(&GapProfile::relieved(-0.1, 1.0 / 7e-3, steep));
+        let mut judged = [0; 2];
+        for step in 1..200 {
+            let f = 60.0 * f64::from(step);
+            for law in [&plain, &steep] {
+                let pressure = law.pressure(f).unwrap();
+                assert_eq!(law.overload(f), (pressure > most).then_some(pressure));
+                judged[usize::from(pressure > most)] += 1;
+            }
+            // The parabola alone would carry it.
+            assert!(steep.pressure(f) > plain.pressure(f));
+        }
+        assert!(judged[0] > 100 && judged[1] > 100, "{judged:?}");
+    }
 
     /// Parabola of the radius 7 mm, far from edges.
     fn far() -> GapProfile {

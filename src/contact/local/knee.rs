@@ -226,8 +226,15 @@ impl Knee {
         }
     }
 
+    /// Largest pressure under the line load `w` (N/m), Pa: that of the half-ellipse of the same load and the same mean square
+    /// distance from its middle. At a sharp kink pressure has no bound; this is what it is at one that is rounded over one
+    /// to one and a quarter half-widths of the contact.
+    pub fn pressure(&self, w: f64) -> f64 {
+        2.0 / std::f64::consts::PI * w / self.half_width(w)
+    }
+
     /// Half-width of the half-ellipse that is spread as the pressure under the line load `w` (N/m) is, m.
-    pub fn half_width(&self, w: f64) -> f64 {
+    fn half_width(&self, w: f64) -> f64 {
         let spread = match self.around(w, |node| node.load) {
             Err(last) => last.spread,
             Ok([a, b]) => {
@@ -284,9 +291,9 @@ mod tests {
         ]
     }
 
-    /// Line load and root mean square spread of the pressure at the penetration `x` (m), by pressures that are constant on
+    /// Line load, root mean square spread and largest value of the pressure at the penetration `x` (m), by pressures that are constant on
     /// `n` cells within `range` and fulfil the conditions of contact in their middles.
-    fn by_cells(profile: &GapProfile, x: f64, range: [f64; 2], n: usize) -> [f64; 2] {
+    fn by_cells(profile: &GapProfile, x: f64, range: [f64; 2], n: usize) -> [f64; 3] {
         let h = (range[1] - range[0]) / n as f64;
         let at = |i: usize| range[0] + (i as f64 + 0.5) * h;
         // Integral of ln(L / abs(t)) from -inf on, so that a cell is a difference.
@@ -307,7 +314,8 @@ mod tests {
                     let of = |(p, &i): (&f64, &usize)| p * h * (at(i) - from).powi(power);
                     pressure.iter().zip(&on).map(of).sum::<f64>() / load
                 };
-                return [load, (mean(2, mean(1, 0.0)) + h * h / 12.0).sqrt()];
+                let spread = (mean(2, mean(1, 0.0)) + h * h / 12.0).sqrt();
+                return [load, spread, pressure.max()];
             }
             // Those that pull least may press once others are open.
             let most = pulls.iter().map(|&r| pressure[r]).fold(0.0, f64::min);
@@ -323,11 +331,33 @@ mod tests {
             for x in [2e-6, 4e-6] {
                 let [low, high]: [f64; 2] = [-0.3e-3, 0.3e-3];
                 let range = [low.max(profile.edges[0]), high];
-                let [load, spread] = by_cells(&profile, x, range, 300);
+                let [load, spread, _] = by_cells(&profile, x, range, 300);
                 assert_relative_eq!(law.at(x)[0], load, max_relative = 3e-3);
                 let half_width = law.half_width(law.at(x)[0]);
                 assert_relative_eq!(half_width, 2.0 * spread, max_relative = 1e-2);
             }
+        }
+    }
+
+    #[test]
+    fn the_pressure_is_that_of_a_kink_rounded_over_one_to_one_and_a_quarter_half_widths() {
+        for (at, slope) in [(0.05e-3, 0.012), (0.02e-3, 0.003), (0.0, 0.006)] {
+            let none = (1.0, 1.0, 0.0, 0.0);
+            let relieved = |reliefs| GapProfile::relieved(0.0, RADIUS.recip(), reliefs);
+            let sharp = law(&relieved([(at, 1.0, slope, 0.0), none]));
+            let w = 400e3;
+            let half_width = (2.0 * C * RADIUS * w).sqrt();
+            // A parabola in place of the kink, over `share` of the half-width; its pressure under w.
+            let rounded = |share: f64| {
+                let length = share * half_width;
+                let bend = slope / length;
+                let [from, to] = [at - 0.5 * length, at + 0.5 * length];
+                let profile = relieved([(from, 1.0, 0.0, bend), (to, 1.0, 0.0, -bend)]);
+                let [load, _, pressure] = by_cells(&profile, 4e-6, [-0.35e-3, 0.35e-3], 350);
+                pressure / sharp.pressure(load)
+            };
+            let [narrow, wide] = [0.9, 1.3].map(rounded);
+            assert!(narrow > 1.0 && wide < 1.0, "{at} {slope}: {narrow} {wide}");
         }
     }
 

@@ -62,7 +62,7 @@ fn steeply_relieved_flanks_touch_below_the_nominal_line() {
     let moved = at.roll[0] - found.roll[0];
     let expected = radius * theta * gear.base_radius() / at.roll[0];
     assert!((moved / expected - 1.0).abs() < 1e-6, "{moved} {expected}");
-    let nominal = relief.removal(at.roll[0]) / cos;
+    let nominal = relief.piece(at.roll[0]).removal / cos;
     let less = nominal - found.gap;
     assert!(
         (less / (0.5 * theta * theta * radius) - 1.0).abs() < 1e-6,

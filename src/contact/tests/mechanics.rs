@@ -247,6 +247,33 @@ fn unusable_numbers_are_refused_by_name() {
 }
 
 #[test]
+fn a_strip_whose_gap_or_arm_is_not_a_number_fails_the_solve() {
+    let (pair, solver) = shipped().next().unwrap();
+    let torque = pair.operating.nominal_torque;
+    let damage: [fn(&mut PositionProblem, usize); 3] = [
+        |problem, i| problem.candidates[i].gap = [f64::NAN; 4],
+        |problem, i| problem.candidates[i].gap[2] = f64::NAN,
+        |problem, i| problem.arm[i] = f64::NAN,
+    ];
+    let approach = solver.position(Flank::Drive, 0.2, 0.0).unwrap();
+    let approach = approach.solve_torque(torque, 0.0, None).unwrap().approach;
+    for damage in damage {
+        for approach in [approach, -1e-3] {
+            let mut problem = solver.position(Flank::Drive, 0.2, 0.0).unwrap();
+            let middle = problem.candidates.len() / 2;
+            damage(&mut problem, middle);
+            for result in [
+                problem.solve_torque(torque, 0.0, None),
+                problem.solve_approach(approach, 0.0, None),
+            ] {
+                let failed = matches!(result, Err(ContactError::NotConverged { .. }));
+                assert!(failed, "{:?}", result.map(|r| r.loa_force));
+            }
+        }
+    }
+}
+
+#[test]
 fn loads_that_no_tooth_can_carry_are_refused_with_their_torque() {
     let (pair, _) = shipped().next().unwrap();
     let settings = ContactSettings {

@@ -14,3 +14,4 @@ mod sliding;
 mod stations;
 mod symmetry;
 mod teeth;
+mod tilt;

@@ -4,7 +4,7 @@ use super::*;
 use crate::gear::Flank;
 
 /// A pair file with both gears' entries, external 20 / 31 or internal 20 / 61, every modification on.
-fn text(meshing: &str, helix_deg: f64, swap: bool) -> String {
+pub(super) fn text(meshing: &str, helix_deg: f64, swap: bool) -> String {
     let gear = |teeth: u32, held: &str, relief: f64, slope: f64| {
         format!(
             r#"{{ "teeth": {teeth}, "profile_shift": 0.2, "face_width_mm": 18.0, {held},

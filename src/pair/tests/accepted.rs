@@ -155,3 +155,24 @@ fn the_coast_flank_needs_its_own_table_with_a_lead_slope_or_shifted_faces() {
         assert!(!pair.coast_mirrors_drive(), "{patch}");
     }
 }
+
+#[test]
+fn teeth_that_do_not_fit_the_centre_distance_are_noted() {
+    let noted = |patch: &str, words: &str| {
+        let pair = Pair::from_json(&patched(HELICAL, patch)).unwrap_or_else(|e| panic!("{e}"));
+        pair.warnings.iter().any(|note| note.contains(words))
+    };
+    // 0.384 is what the centre distance of 98 mm asks for; the file has 0.35.
+    let large = r#"{"gear2": {"profile_shift": 0.15}}"#;
+    assert!(noted(
+        large,
+        "x1 + x2 = 0.450, and 0.384 leaves no backlash there"
+    ));
+    assert!(!noted(
+        r#"{"gear2": {"profile_shift": 0.1}}"#,
+        "no backlash there"
+    ));
+    let loose = r#"{"gear2": {"profile_shift": -0.2}, "backlash_um": null}"#;
+    assert!(noted(loose, "is out of proportion"));
+    assert!(!noted(r#"{"backlash_um": null}"#, "is out of proportion"));
+}

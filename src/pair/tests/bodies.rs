@@ -108,31 +108,14 @@ fn bodies_that_cannot_be_are_refused_with_field_value_and_remedy() {
     for [patch, field, value, problem] in CASES {
         refused(with(patch), field, value, problem);
     }
-    for (patch, field, value, problem) in [
-        (
-            r#"{"gear2": {"web_thickness_mm": 5}}"#,
-            "gear2.web_thickness_mm",
-            "5",
-            "ring",
-        ),
-        (
-            r#"{"gear2": {"rim_foundation_n_per_mm3": 0}}"#,
-            "gear2.rim_foundation_n_per_mm3",
-            "0",
-            "outside",
-        ),
-        (
-            r#"{"gear2": {"rim_foundation_n_per_mm3": 1e10}}"#,
-            "gear2.rim_foundation_n_per_mm3",
-            "10000000000",
-            "outside",
-        ),
-    ] {
-        refused(
-            Pair::from_json(&patched(INTERNAL, patch)),
-            field,
-            value,
-            problem,
-        );
+    #[rustfmt::skip]
+    let rings = [
+        (r#"{"gear2": {"web_thickness_mm": 5}}"#, "gear2.web_thickness_mm", "5", "ring"),
+        (r#"{"gear2": {"rim_foundation_n_per_mm3": 0}}"#, "gear2.rim_foundation_n_per_mm3", "0", "outside"),
+        (r#"{"gear2": {"rim_foundation_n_per_mm3": 1e10}}"#, "gear2.rim_foundation_n_per_mm3", "10000000000", "outside"),
+    ];
+    for (patch, field, value, problem) in rings {
+        let pair = Pair::from_json(&patched(INTERNAL, patch));
+        refused(pair, field, value, problem);
     }
 }

@@ -141,31 +141,16 @@ fn a_topography_that_is_none_is_refused_by_line_or_size() {
     let good = samples("roll_mm,z_mm,removal_um", |r, z, um| {
         format!("{r},{z},{um}\n")
     });
+    #[rustfmt::skip]
     let cases = [
-        (
-            good.replace("removal_um", "deviation"),
-            "has the columns roll_mm,z_mm,deviation",
-        ),
-        (
-            "roll_mm,z_mm,removal_um\n".into(),
-            "has a header and no points",
-        ),
-        (
-            good.replacen("5.5,0,", "5.5,zero,", 1),
-            "line 3: z_mm = zero: not a finite number",
-        ),
-        (
-            good.replacen("5.5,5,", "5.5,0,", 1),
-            "line 4: its point stands in an earlier line",
-        ),
-        (
-            good.lines().take(20).collect::<Vec<_>>().join("\n"),
-            "has 18 points, and 4 x 5 lines",
-        ),
-        (
-            good.replacen("5.5,0,", "-5.5,0,", 1),
-            "line 3: lies outside of involute and face",
-        ),
+        (good.replace("removal_um", "deviation"), "has the columns roll_mm,z_mm,deviation"),
+        ("roll_mm,z_mm,removal_um\n".into(), "has a header and no points"),
+        (good.replacen("5.5,0,", "5.5,zero,", 1), "line 3: z_mm = zero: not a finite number"),
+        (good.replacen("5.5,0,", "5.5,zero,", 1) .replace('\n', "\r\n"), "line 3: z_mm = zero: not a finite number"),
+        (good.replace(',', ";"), "has semicolons between its columns"),
+        (good.replacen("5.5,5,", "5.5,0,", 1), "line 4: its point stands in an earlier line"),
+        (good.lines().take(20).collect::<Vec<_>>().join("\n"), "has 18 points, and 4 x 5 lines"),
+        (good.replacen("5.5,0,", "-5.5,0,", 1), "line 3: lies outside of involute and face"),
         (
             samples("roll_mm,z_mm,removal_um", |r, z, um| {
                 format!("{},{z},{um}\n", 1e-3 * r)

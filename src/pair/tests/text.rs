@@ -35,15 +35,12 @@ fn lines_and_columns_are_those_of_the_file_with_its_comments() {
 
 #[test]
 fn a_misspelt_field_is_told_of_its_neighbour() {
+    #[rustfmt::skip]
     let slips = [
         ("helix_angle_deg", "helix_deg", "helix_angle_deg"),
         ("normal_module_mm", "modul_mm", "normal_module_mm"),
         ("normal_module_mm", "m_n", "normal_module_mm"),
-        (
-            "center_distance_mm",
-            "centre_distance_mm",
-            "center_distance_mm",
-        ),
+        ("center_distance_mm", "centre_distance_mm", "center_distance_mm"),
         ("face_width_mm", "facewidth_mm", "face_width_mm"),
         ("face_width_mm", "b", "face_width_mm"),
         ("teeth", "z", "teeth"),
@@ -66,13 +63,11 @@ fn a_misspelt_field_is_told_of_its_neighbour() {
 
 #[test]
 fn a_field_in_the_wrong_place_is_told_of_the_right_one() {
+    #[rustfmt::skip]
     let cases = [
         (r#"{"face_width_mm": 25}"#, "`gear1` and `gear2`"),
         (r#"{"nominal_torque_nm": 25}"#, "`operating`"),
-        (
-            r#"{"gear1": {"helix_angle_deg": 25}}"#,
-            "outside of the gears",
-        ),
+        (r#"{"gear1": {"helix_angle_deg": 25}}"#, "outside of the gears"),
     ];
     for (patch, told) in cases {
         let (_, message) = form(&patched(PAPER, patch));
@@ -84,32 +79,45 @@ fn a_field_in_the_wrong_place_is_told_of_the_right_one() {
 }
 
 #[test]
+fn a_unit_in_common_does_not_make_a_name() {
+    let told = |name: &str| {
+        form(&patched(
+            PAPER,
+            &format!(r#"{{"gear1": {{"{name}": 70}}}}"#),
+        ))
+        .1
+    };
+    let root = told("root_diameter_mm");
+    assert!(
+        root.contains("did you mean `dedendum_coefficient`?"),
+        "{root}"
+    );
+    let reference = told("reference_diameter_mm");
+    assert!(!reference.contains("did you mean"), "{reference}");
+    let outside = told("outside_diameter_mm");
+    assert!(outside.contains("`tip_diameter_mm`"), "{outside}");
+}
+
+#[test]
+fn a_file_that_is_no_text_is_told_by_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = |bytes: &[u8]| {
+        let path = folder.path().join("pair.fmu");
+        std::fs::write(&path, bytes).unwrap();
+        Pair::read(&path).unwrap_err().to_string()
+    };
+    assert!(told(b"PK\x03\x04\xff").contains("an archive, such as an FMU"));
+    assert!(told(b"\xff\xfe{").contains("no text in UTF-8"));
+}
+
+#[test]
 fn a_decimal_comma_is_told_by_field_and_number() {
+    #[rustfmt::skip]
     let cases = [
-        (
-            "\"normal_module_mm\": 4.0",
-            "\"normal_module_mm\": 4,0",
-            "normal_module_mm",
-            "write 4.0 with a point",
-        ),
-        (
-            "\"tip_diameter_mm\": 90.315",
-            "\"tip_diameter_mm\": 90,315",
-            "gear1.tip_diameter_mm",
-            "write 90.315 with a point",
-        ),
-        (
-            "\"normal_module_mm\": 4.0",
-            "\"normal_module_mm\": \"4,5\"",
-            "normal_module_mm",
-            "without quotes: 4.5",
-        ),
-        (
-            "[-3.0, 3.0]",
-            "[-3,0, 3,0]",
-            "operating.misalignment_mrad",
-            "decimal point",
-        ),
+        ("\"normal_module_mm\": 4.0", "\"normal_module_mm\": 4,0", "normal_module_mm", "write 4.0 with a point"),
+        ("\"tip_diameter_mm\": 90.315", "\"tip_diameter_mm\": 90,315", "gear1.tip_diameter_mm", "write 90.315 with a point"),
+        ("\"normal_module_mm\": 4.0", "\"normal_module_mm\": \"4,5\"", "normal_module_mm", "without quotes: 4.5"),
+        ("[-3.0, 3.0]", "[-3,0, 3,0]", "operating.misalignment_mrad", "decimal point"),
     ];
     for (good, bad, name, told) in cases {
         let text = PAPER.replacen(good, bad, 1);
@@ -136,6 +144,11 @@ const MISTYPED: &[[&str; 3]] = &[
     [r#"{"gear1": 20}"#, "gear1", "`20`; fields in braces, { ... } is expected"],
     [r#"{"gear1": {"tip_relief": {"start": "tip"}}}"#, "gear1.tip_relief.start", "`pitch_point`"],
     [r#"{"gear1": {"tip_relief": {"shape": "parabola"}}}"#, "gear1.tip_relief.shape", "did you mean \"parabolic\"?"],
+    [r#"{"gear1": {"tip_relief": {"start": 47.2}}}"#, "gear1.tip_relief.start", "give { \"diameter_mm\": 47.2 }"],
+    [r#"{"gear1": {"tip_relief": {"start": "diameter_mm"}}}"#, "gear1.tip_relief.start.diameter_mm", "such as { \"diameter_mm\": 88.0 }"],
+    [r#"{"meshing": 1}"#, "meshing", "`1`; one of the names of this field in double quotes"],
+    [r#"{"gear2": {"tooth_errors": {"drive_flank": {"pitch_class": "6"}}}}"#, "gear2.tooth_errors.drive_flank.pitch_class", "write it without quotes: 6"],
+    [r#"{"gear2": {"tooth_errors": {"drive_flank": {"pitch_class": 600}}}}"#, "gear2.tooth_errors.drive_flank.pitch_class", "a whole number, 0 to 255 is expected"],
     [r#"{"operating": {"misalignment_mrad": [1]}}"#, "operating.misalignment_mrad", "[lowest, highest]"],
     [r#"{"operating": {"misalignment_mrad": 1}}"#, "operating.misalignment_mrad", "[lowest, highest] is expected"],
     [r#"{"tip_corner_contact": "on"}"#, "tip_corner_contact", "true or false is expected"],
@@ -147,7 +160,16 @@ fn a_value_of_another_kind_is_told_without_the_words_of_a_parser() {
         let (at, message) = form(&patched(PAPER, patch));
         assert_eq!(at, *field, "{message}");
         assert!(message.contains(told), "{message}");
-        for jargon in ["f64", "u32", "struct", "invalid type", "EOF"] {
+        for jargon in [
+            "f64",
+            "u32",
+            "u8",
+            "struct",
+            "variant",
+            "JSON",
+            "invalid type",
+            "EOF",
+        ] {
             assert!(!message.contains(jargon), "{message}");
         }
     }
@@ -155,30 +177,15 @@ fn a_value_of_another_kind_is_told_without_the_words_of_a_parser() {
 
 #[test]
 fn text_that_is_no_json_is_told_by_line_and_column() {
+    #[rustfmt::skip]
     let cases = [
-        (
-            PAPER.replacen("4.0,", "NaN,", 1),
-            "normal_module_mm",
-            "no value that JSON knows",
-        ),
-        (
-            PAPER.replacen("4.0,", "1e999,", 1),
-            "normal_module_mm",
-            "out of range",
-        ),
+        (PAPER.replacen("4.0,", "NaN,", 1), "normal_module_mm", "no value that JSON knows"),
+        (PAPER.replacen("4.0,", "1e999,", 1), "normal_module_mm", "out of range"),
         (PAPER.replacen("4.0,", "4.0", 1), ".", "expected `,`"),
-        (
-            PAPER.replacen("\"meshing\"", "meshing", 1),
-            ".",
-            "in double quotes is expected",
-        ),
+        (PAPER.replacen("\"meshing\"", "meshing", 1), ".", "in double quotes is expected"),
         (format!("{PAPER} {{}}"), ".", "after the closing bracket"),
         (PAPER[..100].to_owned(), ".", "double quote"),
-        (
-            PAPER[..PAPER.len() - 2].to_owned(),
-            ".",
-            "may have been cut",
-        ),
+        (PAPER[..PAPER.len() - 2].to_owned(), ".", "may have been cut"),
         ("/* open".to_owned(), ".", "no fields"),
         (String::new(), ".", "gearmesh new"),
     ];

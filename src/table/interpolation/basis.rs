@@ -3,7 +3,6 @@
 //! de Boor, A Practical Guide to Splines (revised edition, 2001), chapters IX and X.
 
 use super::lanes::{Registers, Two};
-use nalgebra::DMatrix;
 
 /// `N` neighbouring basis functions at one point: values and derivatives by the coordinate.
 #[derive(Debug, Clone, Copy)]
@@ -305,12 +304,12 @@ impl<const N: usize> Basis<N> {
 
     /// Row that takes coefficients to where the continuation beyond the lower (0) or upper (1) `end` of a
     /// bounded axis has levelled out.
-    pub fn far_end(&self, end: usize) -> DMatrix<f64> {
+    pub fn far_end(&self, end: usize) -> Vec<f64> {
         let (edge, sign) = [(self.low, -1.0), (self.high, 1.0)][end];
         let w = self.inside(edge);
-        let mut row = DMatrix::zeros(1, self.stored());
+        let mut row = vec![0.0; self.stored()];
         for k in 0..N {
-            row[(0, w.first + k)] = w.value[k] + sign * 2.0 * self.guard[end] * w.slope[k];
+            row[w.first + k] = w.value[k] + sign * 2.0 * self.guard[end] * w.slope[k];
         }
         row
     }

@@ -8,7 +8,6 @@
 use super::basis::Basis;
 use super::fit::Block;
 use crate::table::TableError;
-use nalgebra::DMatrix;
 
 /// A guard halved this often is shorter than any coordinate can tell: never reached, since spans are positive
 /// and forces increase strictly within the range (`fit::make_increasing`).
@@ -41,10 +40,10 @@ pub fn limit<const N: usize>(
     if least <= 0.0 {
         return Err(TableError::TooCoarse { least_m: least });
     }
-    let legal = |along_c: Option<DMatrix<f64>>, along_m: Option<DMatrix<f64>>| {
+    let legal = |along_c: Option<Vec<f64>>, along_m: Option<Vec<f64>>| {
         let at = |block: &Block| {
-            let on = |b: &Block, axis, matrix: &Option<DMatrix<f64>>| {
-                matrix.as_ref().map(|w| b.transformed(axis, w))
+            let on = |b: &Block, axis, row: &Option<Vec<f64>>| {
+                row.as_ref().map(|row| b.combined(axis, row))
             };
             let first = on(block, 0, &along_c);
             let first = first.as_ref().unwrap_or(block);

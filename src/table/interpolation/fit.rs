@@ -2,7 +2,6 @@
 
 use super::basis::{Basis, Ends, Weights};
 use crate::table::TableError;
-use nalgebra::DMatrix;
 
 /// A dense array over (centre distance, misalignment, displacement, mesh position), the last index fastest.
 #[derive(Debug, Clone)]
@@ -34,19 +33,27 @@ impl Block {
             .flat_map(move |outer| (0..stride).map(move |inner| outer * n * stride + inner))
     }
 
-    /// The block with `matrix` (rows: new length) applied along `axis`.
-    pub fn transformed(&self, axis: usize, matrix: &DMatrix<f64>) -> Block {
+    /// The block with every line along `axis` summed, weighted by `row`.
+    pub fn combined(&self, axis: usize, row: &[f64]) -> Block {
+        self.mapped(axis, 1, |line| {
+            vec![row.iter().zip(line).map(|(w, x)| w * x).sum()]
+        })
+    }
+
+    /// The block with every line along `axis` taken by `map` to one of the length `length`.
+    fn mapped(&self, axis: usize, length: usize, map: impl Fn(Vec<f64>) -> Vec<f64>) -> Block {
         let mut lengths = self.lengths;
-        lengths[axis] = matrix.nrows();
+        lengths[axis] = length;
         let mut out = Block::zeros(lengths);
         let stride = self.stride(axis);
         for (from, to) in self.lines(axis).zip(out.lines(axis)) {
-            for (i, row) in matrix.row_iter().enumerate() {
-                out.values[to + i * stride] = row
-                    .iter()
-                    .enumerate()
-                    .map(|(j, m)| m * self.values[from + j * stride])
-                    .sum();
+            let line = self.values[from..].iter().step_by(stride);
+            let line = map(line.take(self.lengths[axis]).copied().collect());
+            for (value, place) in line
+                .into_iter()
+                .zip(out.values[to..].iter_mut().step_by(stride))
+            {
+                *place = value;
             }
         }
         out
@@ -87,42 +94,210 @@ pub fn breaks(nodes: &[f64], degree: usize, ends: Ends) -> Vec<f64> {
     }
 }
 
-/// Coefficients from values at `nodes`: the inverse of the collocation matrix, with the repeated
-/// (periodic) or zero (onset) coefficients appended or put before.
-pub fn stored_from_values<const N: usize>(
+/// From values at nodes to the coefficients of the spline through them.
+pub struct Fit {
+    /// Zero coefficients before the onset.
+    pad: usize,
+    /// Coefficients, those included and those that a period repeats.
+    stored: usize,
+    collocation: Banded,
+}
+
+impl Fit {
+    /// Through values at `nodes`; an axis that is not there has one value, its own coefficient.
+    ///
+    /// # Errors
+    /// Nodes through which no spline passes; `name` is the field that holds them.
+    pub fn new<const N: usize>(
+        basis: &Basis<N>,
+        nodes: &[f64],
+        ends: Ends,
+        name: &str,
+    ) -> Result<Fit, TableError> {
+        Ok(Fit {
+            pad: padding::<N>(basis, ends),
+            stored: if basis.present() { basis.stored() } else { 1 },
+            collocation: collocation(basis, nodes, ends, |i, j| (i, j), name)?,
+        })
+    }
+
+    /// Stored coefficients of the spline with `values` at the nodes.
+    pub fn coefficients(&self, values: &[f64]) -> Vec<f64> {
+        let found = self.collocation.solved(values);
+        let repeated = found.iter().cycle().copied();
+        let zeros = std::iter::repeat_n(0.0, self.pad);
+        zeros.chain(repeated).take(self.stored).collect()
+    }
+
+    /// `block` with every line along `axis` taken from values at nodes to coefficients.
+    pub fn along(&self, axis: usize, block: &Block) -> Block {
+        block.mapped(axis, self.stored, |line| self.coefficients(&line))
+    }
+}
+
+/// Factors of the values at `nodes` that give the value at `x` of the spline through them.
+///
+/// # Errors
+/// As [`Fit::new`].
+pub fn row_at<const N: usize>(
     basis: &Basis<N>,
     nodes: &[f64],
     ends: Ends,
+    x: f64,
     name: &str,
-) -> Result<DMatrix<f64>, TableError> {
-    if !basis.present() {
-        return Ok(DMatrix::identity(1, 1));
+) -> Result<Vec<f64>, TableError> {
+    let transposed = collocation(basis, nodes, ends, |i, j| (j, i), name)?;
+    let mut weights = vec![0.0; nodes.len()];
+    for (j, w) in functions(basis, nodes.len(), ends, x) {
+        weights[j] += w;
     }
+    Ok(transposed.solved(&weights))
+}
+
+/// Functions before the onset, which have no coefficient.
+fn padding<const N: usize>(basis: &Basis<N>, ends: Ends) -> usize {
+    match ends {
+        Ends::Onset if basis.present() => N - 1,
+        _ => 0,
+    }
+}
+
+/// The functions at `x` by the numbers of their coefficients, `n` of them, and their values.
+fn functions<const N: usize>(
+    basis: &Basis<N>,
+    n: usize,
+    ends: Ends,
+    x: f64,
+) -> impl Iterator<Item = (usize, f64)> {
+    let pad = padding(basis, ends);
+    let Weights { first, value, .. } = if basis.present() {
+        basis.inside(x)
+    } else {
+        Weights::constant()
+    };
+    let places = (first..).map(move |j| Some(j.checked_sub(pad)? % n));
+    places.zip(value).filter_map(|(j, w)| Some((j?, w)))
+}
+
+/// The functions (columns) at the nodes (rows); `place` may exchange the two.
+fn collocation<const N: usize>(
+    basis: &Basis<N>,
+    nodes: &[f64],
+    ends: Ends,
+    place: impl Fn(usize, usize) -> (usize, usize),
+    name: &str,
+) -> Result<Banded, TableError> {
     let n = nodes.len();
-    let pad = if ends == Ends::Onset { N - 1 } else { 0 };
-    let mut collocation = DMatrix::zeros(n, n);
+    let mut entries = Vec::with_capacity(n * N);
     for (i, &x) in nodes.iter().enumerate() {
-        let Weights { first, value, .. } = basis.inside(x);
-        for (k, w) in value.iter().enumerate() {
-            // Functions before the onset have no coefficient.
-            if let Some(j) = (first + k).checked_sub(pad) {
-                collocation[(i, j % n)] += w;
-            }
-        }
+        entries.extend(functions(basis, n, ends, x).map(|(j, w)| (place(i, j), w)));
     }
-    let inverse = collocation.try_inverse().ok_or_else(|| {
+    Banded::factored(n, &entries).ok_or_else(|| {
         TableError::field(
             name,
             format!("{nodes:?}"),
             "no spline passes through these nodes",
             "space them more evenly",
         )
-    })?;
-    let mut stored = DMatrix::zeros(basis.stored(), n);
-    for row in pad..basis.stored() {
-        stored.row_mut(row).copy_from(&inverse.row((row - pad) % n));
+    })
+}
+
+/// A square matrix with entries near the diagonal, and near the corners beside it, after Gaussian elimination with
+/// partial pivoting. Rows and columns stand in the order 0, n - 1, 1, n - 2, ..: so the corners come near the diagonal.
+struct Banded {
+    n: usize,
+    /// Diagonals below the main one, and above it together with those that pivoting fills.
+    below: usize,
+    above: usize,
+    /// Row by row from `below` before the diagonal on: factors of the elimination, then what it left.
+    rows: Vec<f64>,
+    /// The row that changed places with each.
+    pivots: Vec<usize>,
+}
+
+/// Where row or column `j` of `n` stands in a [`Banded`].
+fn folded(n: usize, j: usize) -> usize {
+    if 2 * j < n {
+        2 * j
+    } else {
+        2 * (n - 1 - j) + 1
     }
-    Ok(stored)
+}
+
+impl Banded {
+    /// The sum of `entries`; `None`: it is singular.
+    fn factored(n: usize, entries: &[((usize, usize), f64)]) -> Option<Banded> {
+        let places = || (entries.iter()).map(|&((i, j), w)| (folded(n, i), folded(n, j), w));
+        let below = places().map(|(i, j, _)| i.saturating_sub(j)).max()?;
+        let above = places().map(|(i, j, _)| j.saturating_sub(i)).max()? + below;
+        let mut a = Banded {
+            n,
+            below,
+            above,
+            rows: vec![0.0; n * (below + above + 1)],
+            pivots: Vec::with_capacity(n),
+        };
+        for (i, j, w) in places() {
+            *a.at(i, j) += w;
+        }
+        for k in 0..n {
+            let (rows, columns) = (k..n.min(k + below + 1), k..n.min(k + above + 1));
+            let pivot = rows.clone().max_by(|&i, &j| {
+                let [x, y] = [i, j].map(|i| a.at(i, k).abs());
+                x.total_cmp(&y)
+            })?;
+            let divisor = *a.at(pivot, k);
+            if divisor == 0.0 || !divisor.is_finite() {
+                return None;
+            }
+            a.pivots.push(pivot);
+            for j in columns.clone().filter(|_| pivot != k) {
+                let upper = *a.at(k, j);
+                *a.at(k, j) = std::mem::replace(a.at(pivot, j), upper);
+            }
+            for i in rows.skip(1) {
+                *a.at(i, k) /= divisor;
+                let factor = *a.at(i, k);
+                for j in columns.clone().skip(1) {
+                    let above = *a.at(k, j);
+                    *a.at(i, j) -= factor * above;
+                }
+            }
+        }
+        Some(a)
+    }
+
+    fn at(&mut self, i: usize, j: usize) -> &mut f64 {
+        &mut self.rows[i * (self.below + self.above) + self.below + j]
+    }
+
+    /// The solution with the right-hand side `b`.
+    fn solved(&self, b: &[f64]) -> Vec<f64> {
+        let (n, width) = (self.n, self.below + self.above);
+        let row = |i: usize, columns: std::ops::Range<usize>| {
+            let begin = i * width + self.below;
+            &self.rows[begin + columns.start..begin + columns.end]
+        };
+        let mut x = vec![0.0; n];
+        for (j, b) in b.iter().enumerate() {
+            x[folded(n, j)] = *b;
+        }
+        for k in 0..n {
+            x.swap(k, self.pivots[k]);
+            for i in k + 1..n.min(k + self.below + 1) {
+                x[i] -= row(i, k..k + 1)[0] * x[k];
+            }
+        }
+        for k in (0..n).rev() {
+            let columns = k..n.min(k + self.above + 1);
+            let [diagonal, after @ ..] = row(k, columns) else {
+                continue;
+            };
+            let known: f64 = after.iter().zip(&x[k + 1..]).map(|(a, x)| a * x).sum();
+            x[k] = (x[k] - known) / diagonal;
+        }
+        (0..n).map(|j| x[folded(n, j)]).collect()
+    }
 }
 
 /// Makes `line` non-negative and non-decreasing with the least change in the mean square: pool
@@ -206,14 +381,77 @@ mod tests {
         assert_eq!(line, [0.25, 1.875, 2.125, 2.5]);
     }
 
+    /// Nodes in [0, 1), at most three times as far apart here as there.
+    fn uneven(n: usize) -> Vec<f64> {
+        let mut random = crate::random::Random::new(n as u64);
+        let steps: Vec<f64> = (0..n).map(|_| random.within([0.5, 1.5])).collect();
+        let sum: f64 = steps.iter().sum();
+        let nodes = steps.iter().scan(0.0, |at, s| {
+            *at += s / sum;
+            Some(*at - s / sum)
+        });
+        nodes.collect()
+    }
+
+    #[test]
+    fn a_fit_is_the_inverse_of_its_collocation_matrix() {
+        for n in 5..40 {
+            for ends in [Ends::Bounded, Ends::Onset, Ends::Periodic] {
+                let mut nodes = uneven(n);
+                if ends == Ends::Onset {
+                    nodes.iter_mut().for_each(|x| *x += 0.5 / n as f64);
+                }
+                let basis = Basis::<4>::new(&breaks(&nodes, 3, ends), ends);
+                let mut dense = nalgebra::DMatrix::<f64>::zeros(n, n);
+                for (i, &x) in nodes.iter().enumerate() {
+                    functions(&basis, n, ends, x).for_each(|(j, w)| dense[(i, j)] += w);
+                }
+                let values: Vec<f64> = nodes.iter().map(|x| (7.0 * x).sin()).collect();
+                let inverse = dense.try_inverse().unwrap();
+                let expected = &inverse * nalgebra::DVector::from_column_slice(&values);
+                let found = Fit::new(&basis, &nodes, ends, "x").unwrap();
+                let found = found.coefficients(&values);
+                let pad = padding(&basis, ends);
+                for (k, x) in found.iter().enumerate() {
+                    let right = k.checked_sub(pad).map_or(0.0, |k| expected[k % n]);
+                    assert_abs_diff_eq!(*x, right, epsilon = 1e-13);
+                }
+                let row = row_at(&basis, &nodes, ends, 0.3, "x").unwrap();
+                let at: f64 = row.iter().zip(&values).map(|(w, y)| w * y).sum();
+                let w = basis.inside(0.3);
+                let along: f64 = (0..4).map(|k| w.value[k] * found[w.first + k]).sum();
+                assert_abs_diff_eq!(at, along, epsilon = 1e-13);
+            }
+        }
+    }
+
+    /// As many as the checks of tables admit; a dense matrix would have 1e8 entries.
+    #[test]
+    fn ten_thousand_nodes_are_fitted_at_once() {
+        let nodes = uneven(10_000);
+        let basis = Basis::<4>::new(&breaks(&nodes, 3, Ends::Periodic), Ends::Periodic);
+        let values: Vec<f64> = nodes
+            .iter()
+            .map(|x| (std::f64::consts::TAU * x).sin())
+            .collect();
+        let before = std::time::Instant::now();
+        let fit = Fit::new(&basis, &nodes, Ends::Periodic, "mesh_position").unwrap();
+        let found = fit.coefficients(&values);
+        assert!(before.elapsed().as_secs_f64() < 1.0);
+        for (x, y) in nodes.iter().zip(&values) {
+            let w = basis.inside(*x);
+            let at: f64 = (0..4).map(|k| w.value[k] * found[w.first + k]).sum();
+            assert_abs_diff_eq!(at, *y, epsilon = 1e-13);
+        }
+    }
+
     #[test]
     fn onset_spline_reproduces_a_cubic_and_its_integral() {
         let nodes = [0.05, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0];
         let b = breaks(&nodes, 3, Ends::Onset);
         let force = Basis::<4>::new(&b, Ends::Onset);
-        let matrix = stored_from_values(&force, &nodes, Ends::Onset, "u").unwrap();
-        let data = nalgebra::DVector::from_iterator(7, nodes.iter().map(|x| x * x * x));
-        let coefficients: Vec<f64> = (matrix * data).iter().copied().collect();
+        let fit = Fit::new(&force, &nodes, Ends::Onset, "u").unwrap();
+        let coefficients = fit.coefficients(&nodes.map(|x| x * x * x));
         let potential = Basis::<5>::new(&b, Ends::Onset);
         let integral = integrated(&coefficients, &b, 3);
         assert_eq!(integral.len(), potential.stored());

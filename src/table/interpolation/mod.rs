@@ -21,7 +21,7 @@ mod tensor;
 
 pub(crate) use basis::{Basis, Ends};
 pub(crate) use compiled::ANY;
-pub(crate) use fit::{Block, breaks, stored_from_values};
+pub(crate) use fit::{Block, Fit, breaks, row_at};
 pub(crate) use kernel::{Coefficients, over_displacement};
 pub(crate) use lanes::{Two, widest};
 pub(crate) use tensor::axis_basis;

@@ -1,7 +1,7 @@
 //! Constant load: a secant stiffness over (C, M, PMC), paper (21)-(22).
 
 use super::basis::{Basis, Ends};
-use super::fit::{Block, breaks, stored_from_values};
+use super::fit::{Block, Fit, breaks};
 use super::frame::Frame;
 use super::kernel::{Coefficients, Jet, field};
 use super::lanes::{Registers, Two};
@@ -30,19 +30,18 @@ impl<const N: usize> Secant<N> {
         let mut m = axis_basis::<N>(&axes.misalignment, Ends::Bounded);
         let p = axis_basis::<N>(&axes.mesh_position, Ends::Periodic);
         let along = [
-            stored_from_values(
+            Fit::new(
                 &c,
                 &axes.center_distance_offset,
                 Ends::Bounded,
                 "center_distance_offset_m",
             )?,
-            stored_from_values(&m, &axes.misalignment, Ends::Bounded, "misalignment_rad")?,
-            stored_from_values(&p, &axes.mesh_position, Ends::Periodic, "mesh_position")?,
+            Fit::new(&m, &axes.misalignment, Ends::Bounded, "misalignment_rad")?,
+            Fit::new(&p, &axes.mesh_position, Ends::Periodic, "mesh_position")?,
         ];
         let fit = |b: Block| {
-            b.transformed(0, &along[0])
-                .transformed(1, &along[1])
-                .transformed(3, &along[2])
+            let [c, m, p] = &along;
+            p.along(3, &m.along(1, &c.along(0, &b)))
         };
         let stiffness = fit(at.fields);
         let row = stiffness.stride(2);
@@ -143,9 +142,9 @@ fn at_force(grid: &FlankGrid, loa_force: f64) -> Result<AtForce, TableError> {
     let nodes = &grid.axes.displacement_fraction;
     let u_breaks = breaks(nodes, 3, Ends::Onset);
     let basis = Basis::<4>::new(&u_breaks, Ends::Onset);
-    let matrix = stored_from_values(&basis, nodes, Ends::Onset, "displacement_fraction")?;
-    let force = grid.force_block().transformed(2, &matrix);
-    let moment = grid.moment_block().map(|b| b.transformed(2, &matrix));
+    let fit = Fit::new(&basis, nodes, Ends::Onset, "displacement_fraction")?;
+    let force = fit.along(2, &grid.force_block());
+    let moment = grid.moment_block().map(|b| fit.along(2, &b));
     let fields = grid.field_block();
     let at = |block: &Block, start: usize, u: f64| {
         let w = basis.inside(u);

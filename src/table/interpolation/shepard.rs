@@ -7,7 +7,7 @@
 //! looked for at many points when the table is made ([`Checks::minimum_slope`]), not prevented.
 
 use super::basis::{Basis, Ends};
-use super::fit::{Block, breaks, integrated, make_monotone, stored_from_values};
+use super::fit::{Block, Fit, breaks, integrated, make_monotone};
 use super::frame::{Frame, Framed};
 use super::jet::{Jet4, PAIR};
 use super::kernel::Jet;
@@ -43,10 +43,9 @@ impl<const K: usize> Shepard<K> {
         let u_nodes = &grid.axes.displacement_fraction;
         let u_breaks = breaks(u_nodes, 3, Ends::Onset);
         let force_basis = Basis::<4>::new(&u_breaks, Ends::Onset);
-        let matrix =
-            stored_from_values(&force_basis, u_nodes, Ends::Onset, "displacement_fraction")?;
+        let fit = Fit::new(&force_basis, u_nodes, Ends::Onset, "displacement_fraction")?;
         let u = Basis::<5>::new(&u_breaks, Ends::Onset);
-        let force = grid.force_block().transformed(2, &matrix);
+        let force = fit.along(2, &grid.force_block());
         let top = grid.top_force();
         let mut checks = Checks::default();
         let line_of = |block: &Block, start: usize| -> Vec<f64> {
@@ -93,7 +92,7 @@ impl<const K: usize> Shepard<K> {
         }
         let lever = match grid.moment_block() {
             Some(block) if K == 2 => {
-                let fitted = block.transformed(2, &matrix);
+                let fitted = fit.along(2, &block);
                 let mut out = Block::zeros(lengths);
                 for ((from, data), to) in fitted.lines(2).zip(block.lines(2)).zip(shape.lines(2)) {
                     out.values[to] = line_of(&fitted, from)[3] / mean_force[3];

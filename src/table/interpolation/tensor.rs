@@ -7,7 +7,7 @@
 //! and the other gradients are its derivatives.
 
 use super::basis::{Basis, Ends};
-use super::fit::{Block, breaks, integrated, make_increasing, stored_from_values};
+use super::fit::{Block, Fit, breaks, integrated, make_increasing};
 use super::frame::{Frame, Framed};
 use super::kernel::{Coefficients, Jet, over_displacement};
 use super::lanes::Registers;
@@ -45,27 +45,27 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         let mut m = axis_basis::<N>(&axes.misalignment, Ends::Bounded);
         let p = axis_basis::<N>(&axes.mesh_position, Ends::Periodic);
         let along = [
-            stored_from_values(
+            Fit::new(
                 &c,
                 &axes.center_distance_offset,
                 Ends::Bounded,
                 "center_distance_offset_m",
             )?,
-            stored_from_values(&m, &axes.misalignment, Ends::Bounded, "misalignment_rad")?,
-            stored_from_values(
+            Fit::new(&m, &axes.misalignment, Ends::Bounded, "misalignment_rad")?,
+            Fit::new(
                 &force_basis,
                 &axes.displacement_fraction,
                 Ends::Onset,
                 "displacement_fraction",
             )?,
-            stored_from_values(&p, &axes.mesh_position, Ends::Periodic, "mesh_position")?,
+            Fit::new(&p, &axes.mesh_position, Ends::Periodic, "mesh_position")?,
         ];
         let fit = |block: Block, u_axis: bool| {
-            along.iter().enumerate().fold(block, |b, (axis, matrix)| {
+            along.iter().enumerate().fold(block, |b, (axis, fit)| {
                 if axis == 2 && !u_axis {
                     b
                 } else {
-                    b.transformed(axis, matrix)
+                    fit.along(axis, &b)
                 }
             })
         };

@@ -5,7 +5,7 @@
 
 use super::pairs::MOST;
 use crate::table::TableError;
-use crate::table::interpolation::{Basis, Ends, Two, axis_basis, stored_from_values};
+use crate::table::interpolation::{Basis, Ends, Fit, Two, axis_basis};
 
 /// Part of itself by which the compliance changes at most beyond an end of the misalignments.
 const BEYOND: f64 = 0.5;
@@ -31,18 +31,11 @@ impl Coupling {
     pub fn new(misalignments: &[f64], rows: &[Vec<f64>]) -> Result<Self, TableError> {
         let basis = axis_basis(misalignments, Ends::Bounded);
         let name = "teeth.axes.misalignment_rad";
-        let matrix = stored_from_values(&basis, misalignments, Ends::Bounded, name)?;
-        let fit = |values: &Vec<f64>| {
-            let coefficient = |row: usize| {
-                let terms = values.iter().enumerate();
-                terms.map(|(k, value)| matrix[(row, k)] * value).sum()
-            };
-            (0..matrix.nrows()).map(coefficient).collect()
-        };
+        let fit = Fit::new(&basis, misalignments, Ends::Bounded, name)?;
         let ends = [0, misalignments.len() - 1];
         let mut coupling = Coupling {
             basis,
-            coefficients: rows.iter().map(fit).collect(),
+            coefficients: rows.iter().map(|row| fit.coefficients(row)).collect(),
         };
         for (end, node) in ends.into_iter().enumerate() {
             for [value, slope, _] in coupling.at(misalignments[node]) {

@@ -125,6 +125,12 @@ const AGAIN: &str = "make the tables again with `gearmesh tables --teeth`";
 const LARGEST_ERROR: f64 = 0.1;
 
 impl TeethRecord {
+    /// Whether the teeth of a gear differ.
+    pub fn tells_apart(&self) -> bool {
+        let mut gears = self.drive_errors.iter().chain(&self.coast_errors);
+        gears.any(|errors| *errors != GearTeethRecord::default())
+    }
+
     /// Refuses teeth that tooth pairs one by one do not tell apart.
     ///
     /// # Errors

@@ -29,12 +29,16 @@ const PLACES: f64 = 32.0;
 /// end to the other.
 const BEYOND: f64 = 3.0;
 
+/// Nodes of a tooth pair's displacement, and how much denser they are at its first touch: of pairs that share a load unevenly,
+/// or lose contact, some bear little, and all of the approach of the pair depends on them under small loads.
+const DISPLACEMENTS: (usize, f64) = (12, 2.4);
+
 /// Nodes for `coverage` but for the places, whose nodes follow from the pair: 12 displacements, 5 centre distances and 17
 /// misalignments.
 pub fn default_teeth_axes(coverage: &Coverage) -> Axes {
     let range = |r: Option<[f64; 2]>, n, grading| r.map_or(vec![0.0], |r| graded(r, n, grading));
     Axes {
-        displacement_fraction: displacement_nodes(12, 1.6),
+        displacement_fraction: displacement_nodes(DISPLACEMENTS.0, DISPLACEMENTS.1),
         center_distance_offset: range(coverage.center_distance_offset, 5, 0.0),
         misalignment: range(coverage.misalignment, 17, 2.0),
         mesh_position: vec![0.0],

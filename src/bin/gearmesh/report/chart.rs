@@ -20,44 +20,13 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
 }
 
-/// What stands at the axes.
-pub struct Axes<'a> {
-    /// Horizontal axis, with its unit.
-    pub x: &'a str,
-    /// Vertical axis, with its unit.
-    pub y: &'a str,
-    /// Whether the vertical axis starts at zero.
-    pub from_zero: bool,
-    /// Least height of the vertical axis, in its unit: what is smaller is no more than rounding.
-    pub least: f64,
-}
-
-impl<'a> Axes<'a> {
-    /// As high as the curves.
-    pub fn new(x: &'a str, y: &'a str) -> Self {
-        Axes {
-            x,
-            y,
-            from_zero: false,
-            least: 0.0,
-        }
-    }
-
-    /// Starting at zero.
-    pub fn starting_at_zero(self) -> Self {
-        Axes {
-            from_zero: true,
-            ..self
-        }
-    }
-
-    /// At least `height`.
-    pub fn least(self, height: f64) -> Self {
-        Axes {
-            least: height,
-            ..self
-        }
-    }
+/// The vertical axis; what is smaller than the height given, in its unit, is no more than rounding.
+#[derive(Clone, Copy)]
+pub enum Height {
+    /// As high as the curves, at least this.
+    Curves(f64),
+    /// From zero, at least to this.
+    FromZero(f64),
 }
 
 /// Lowest and highest of `values`, widened by 5 % and to a height of `least` at least.
@@ -69,13 +38,18 @@ fn range(values: impl Iterator<Item = f64>, least: f64) -> std::ops::Range<f64> 
     low - margin..high + margin
 }
 
-/// Draws `curves` into an SVG element.
-pub fn line_chart(axes: &Axes, curves: &[Curve]) -> Result<String, Error> {
+/// Draws `curves` into an SVG element; `labels` stand at the axes.
+pub fn line_chart(
+    [x_label, y_label]: [&str; 2],
+    height: Height,
+    curves: &[Curve],
+) -> Result<String, Error> {
     let points = || curves.iter().flat_map(|c| c.points.iter());
     let x_low = points().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let x_high = points().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max);
-    let mut y_range = range(points().map(|p| p.1), axes.least);
-    if axes.from_zero {
+    let (Height::Curves(least) | Height::FromZero(least)) = height;
+    let mut y_range = range(points().map(|p| p.1), least);
+    if let Height::FromZero(_) = height {
         y_range.start = 0.0;
     }
     let [x_digits, y_digits] = [digits(&(x_low..x_high)), digits(&y_range)];
@@ -96,8 +70,8 @@ pub fn line_chart(axes: &Axes, curves: &[Curve]) -> Result<String, Error> {
             .y_labels(8)
             .x_label_formatter(&|x| fixed(*x, x_digits))
             .y_label_formatter(&|y| fixed(*y, y_digits))
-            .x_desc(axes.x)
-            .y_desc(axes.y)
+            .x_desc(x_label)
+            .y_desc(y_label)
             .axis_desc_style(font(13))
             .label_style(font(13))
             .draw()?;

@@ -7,7 +7,7 @@ use gearmesh::friction::{Loss, Sliding, loss_factor_of, ohlendorf};
 use gearmesh::pair::Pair;
 use gearmesh::words::rounded;
 
-use super::chart::{Axes, Curve, line_chart};
+use super::chart::{Curve, Height, line_chart};
 use super::map::{View, cells, map};
 use super::page::Page;
 use crate::Error;
@@ -69,7 +69,8 @@ pub fn losses(
             100.0 * (1.0 - loss.efficiency)
         })?,
         line_chart(
-            &Axes::new("torque on gear 1 (N m)", "loss factor").starting_at_zero(),
+            ["torque on gear 1 (N m)", "loss factor"],
+            Height::FromZero(0.0),
             &[
                 curve("by the load share", &|cycle| {
                     loss_factor_of(g, Sliding::mean(&cycle.sliding).distance)

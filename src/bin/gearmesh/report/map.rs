@@ -32,6 +32,19 @@ impl Patch {
     }
 }
 
+impl Patch {
+    /// Its corners, moved outwards by `by` along the axes.
+    fn widened(&self, by: [f64; 2]) -> Vec<(f64, f64)> {
+        let [a, _, b, _] = self.corners;
+        let middle = (0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1));
+        let out = |at: f64, middle: f64, by: f64| at + by.copysign(at - middle);
+        let corners = self.corners.iter();
+        corners
+            .map(|(x, y)| (out(*x, middle.0, by[0]), out(*y, middle.1, by[1])))
+            .collect()
+    }
+}
+
 /// Patches around the points of an even grid: `values` in rows over `x`, one row for each of `y`.
 pub fn cells(x: &[f64], y: &[f64], values: impl Iterator<Item = f64>) -> Vec<Patch> {
     let points = y.iter().flat_map(|y| x.iter().map(move |x| (*x, *y)));
@@ -118,13 +131,19 @@ pub fn map(title: &str, view: &View, mut patches: Vec<Patch>, top: f64) -> Resul
             .axis_desc_style(font(12))
             .label_style(font(12))
             .draw()?;
+        // A pixel of the drawing: rounded to these, patches side by side would leave gaps.
+        let (width, height) = chart.plotting_area().dim_in_pixel();
+        let pixel = [
+            (view.x.end - view.x.start) / f64::from(width),
+            (view.y.end - view.y.start) / f64::from(height),
+        ];
         chart.draw_series(patches.into_iter().map(|patch| {
             let colour = if patch.apart {
                 APART
             } else {
                 shade(patch.value / top)
             };
-            Polygon::new(patch.corners.to_vec(), colour.filled())
+            Polygon::new(patch.widened(pixel), colour.filled())
         }))?;
 
         let mut scale = ChartBuilder::on(&bar)
@@ -169,6 +188,33 @@ mod tests {
         assert_eq!(patches[4].value, 4.0);
         assert_eq!(patches[4].corners[0], (1.5, 15.0));
         assert_eq!(patches[4].corners[2], (2.5, 25.0));
+    }
+
+    #[test]
+    fn patches_side_by_side_leave_no_gap() {
+        // Steps that fall on pixels with a rounding of their own.
+        let patches = (0..40).map(|i| {
+            let [low, high] = [i, i + 1].map(|i| f64::from(i) * (1.0 / 40.0));
+            let high = high - 1e-15;
+            Patch::rectangle([0.0, 1.0], [low, high], 1.0)
+        });
+        let view = View {
+            x: 0.0..1.0,
+            y: 0.0..1.0,
+            labels: ["x", "y", "value"],
+        };
+        let svg = map("", &view, patches.collect(), 1.0).unwrap();
+        let mut rows: Vec<(i32, i32)> = (svg.split("<polygon").skip(1))
+            .map(|polygon| {
+                let points = polygon.split("points=\"").nth(1).unwrap();
+                let points = points.split('"').next().unwrap().split_whitespace();
+                let y = points.map(|p| p.split_once(',').unwrap().1.parse::<i32>().unwrap());
+                y.fold((i32::MAX, i32::MIN), |(a, b), y| (a.min(y), b.max(y)))
+            })
+            .collect();
+        rows.sort_unstable();
+        assert_eq!(rows.len(), 40);
+        assert!(rows.windows(2).all(|w| w[1].0 < w[0].1), "{rows:?}");
     }
 
     #[test]

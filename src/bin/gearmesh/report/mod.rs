@@ -9,9 +9,9 @@ mod pressure;
 mod roots;
 mod survey;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use chart::{Axes, Curve, line_chart};
+use chart::{Curve, Height, line_chart};
 use clap::Args;
 use gearmesh::contact::{ContactResult, LoadCase, MeshCycle};
 use gearmesh::gear::Flank;
@@ -23,7 +23,7 @@ use pressure::Quantity;
 
 use crate::Error;
 use crate::limits;
-use crate::model::{Model, ModelArgs};
+use crate::model::{Model, ModelArgs, widen};
 use crate::output;
 use crate::pair_summary::pair_summary;
 
@@ -80,25 +80,22 @@ pub struct Report {
 impl Report {
     /// Solves, draws and writes.
     pub fn run(self) -> Result<(), Error> {
-        limits::positions(self.positions)?;
-        limits::largest_speed(self.largest_speed_rpm)?;
+        limits::within("positions", self.positions, 1..=limits::MOST_POSITIONS)?;
+        limits::within("largest-speed-rpm", self.largest_speed_rpm, 1.0..=1e6)?;
         let mut pair = self.model.applied_to(Pair::read(&self.pair)?);
         for &torque in &self.torques_nm {
             limits::torque("torques-nm", torque)?;
-            // The largest torque decides how wide a contact the elastic model resolves.
-            let largest = &mut pair.operating.maximum_torque;
-            *largest = largest.max(torque);
+            widen(&mut pair, torque, [0.0; 2], [0.0; 2]);
         }
-        output::check_writable(&self.output, &[&self.pair])?;
+        let read: Vec<&Path> = (self.tables.iter().chain([&self.pair]))
+            .map(PathBuf::as_path)
+            .collect();
+        output::check_writable(&self.output, &read)?;
         if let Some(folder) = &self.figures {
             output::make_folder("--figures", folder)?;
         }
         self.model.use_threads()?;
-        let mut plan = self.model.plan(&pair, "static contact")?;
-        if self.root_stress {
-            plan = plan.then_fillets(self.model.fillet_seconds(&pair)?);
-        }
-        let job = self.model.progress().job(plan);
+        let job = self.model.job();
         let model = self.model.solver(&pair, &job)?;
         let cycles = self.cycles(&pair, &model)?;
 
@@ -218,10 +215,7 @@ impl Report {
             .map(|&tau| {
                 let lines = pressure::contact_lines(&model.solver, nominal, tau)?;
                 let label = format!("z (mm), mesh position {tau}");
-                line_chart(
-                    &Axes::new(&label, "pressure (MPa)").starting_at_zero(),
-                    &lines,
-                )
+                line_chart([&label, "pressure (MPa)"], Height::FromZero(0.0), &lines)
             })
             .collect::<Result<Vec<_>, Error>>()?;
         page.pictures(&charts);
@@ -254,52 +248,45 @@ fn over_cycle(cycles: &[(f64, MeshCycle)], value: impl Fn(&ContactResult) -> f64
 }
 
 fn curves(page: &mut Page, pair: &Pair, cycles: &[(f64, MeshCycle)]) -> Result<(), Error> {
-    let over = |y| Axes::new("mesh position", y);
-    page.section(
+    let mut chart = |label: &str, height: Height, curves: &[Curve], heading: &str, note: &str| {
+        page.section(heading, note);
+        page.pictures(&[line_chart(["mesh position", label], height, curves)?]);
+        Ok::<(), Error>(())
+    };
+    let mut ste = over_cycle(cycles, |r| r.approach * 1e6);
+    for (curve, (_, cycle)) in ste.iter_mut().zip(cycles) {
+        let mean = 1e6 * cycle.mean_ste();
+        curve.points.iter_mut().for_each(|p| p.1 -= mean);
+    }
+    chart(
+        "STE less its mean (um)",
+        Height::Curves(LEAST_ERROR),
+        &ste,
         "Static transmission error about its mean",
         "On the line of action at mid-face, over one mesh cycle, less the mean of the cycle, which the table below has. At \
          mesh position 0 a tooth pair touches at the pitch point.",
-    );
-    let mut ste = over_cycle(cycles, |r| r.approach * 1e6);
-    for (curve, (_, cycle)) in ste.iter_mut().zip(cycles) {
-        curve
-            .points
-            .iter_mut()
-            .for_each(|p| p.1 -= 1e6 * cycle.mean_ste());
-    }
-    page.pictures(&[line_chart(
-        &over("STE less its mean (um)").least(LEAST_ERROR),
-        &ste,
-    )?]);
-
-    page.section(
+    )?;
+    chart(
+        "stiffness (N/um)",
+        Height::FromZero(0.0),
+        &over_cycle(cycles, |r| r.tangent.force_by_approach * 1e-6),
         "Mesh stiffness",
         "Tangent stiffness dF/d(STE) under the load, on the line of action.",
-    );
-    let stiffness = over_cycle(cycles, |r| r.tangent.force_by_approach * 1e-6);
-    page.pictures(&[line_chart(
-        &over("stiffness (N/um)").starting_at_zero(),
-        &stiffness,
-    )?]);
-
-    page.section(
+    )?;
+    chart(
+        "share of the load",
+        Height::FromZero(0.0),
+        &cycles.iter().map(load_share).collect::<Vec<_>>(),
         "Load share of one tooth pair",
         "Of the pair that touches at the pitch point at mesh position 0, from the start of its contact to the end.",
-    );
-    let share: Vec<Curve> = cycles.iter().map(load_share).collect();
-    page.pictures(&[line_chart(
-        &over("share of the load").starting_at_zero(),
-        &share,
-    )?]);
-
-    page.section(
+    )?;
+    chart(
+        "z_c (mm)",
+        Height::Curves(LEAST_PLACE * 1e3 * pair.geometry.face_overlap().1),
+        &over_cycle(cycles, |r| r.contact_z * 1e3),
         "Contact position along the face",
         "Axial position of the resultant force, from gear 1's z = 0 face. The axis shows a tenth of the common face at least.",
-    );
-    let z = over_cycle(cycles, |r| r.contact_z * 1e3);
-    let least = LEAST_PLACE * 1e3 * pair.geometry.face_overlap().1;
-    page.pictures(&[line_chart(&over("z_c (mm)").least(least), &z)?]);
-    Ok(())
+    )
 }
 
 /// Share of one tooth pair as it moves through the mesh: pair k at position tau is pair 0 at tau + k.
@@ -329,39 +316,46 @@ fn load_share((torque, cycle): &(f64, MeshCycle)) -> Curve {
 }
 
 fn table(page: &mut Page, cycles: &[(f64, MeshCycle)]) {
+    let notes = cycles.iter().filter_map(|(torque, cycle)| {
+        let note = cycle.note_on_segments()?;
+        Some(format!(" {}: {note}.", torque_in_words(*torque)))
+    });
+    let notes: String = notes.collect();
     page.section(
         "In numbers",
-        "STE on the line of action; pressure after Hertz inside the flanks. Where contact reaches a sharp tip edge \
-         pressure has no bound: there the load per length of contact line, with the gear whose edge it is.",
+        &format!(
+            "STE on the line of action; pressure after Hertz inside the flanks. Where contact reaches a sharp tip edge \
+             pressure has no bound: there the load per length of contact line, with the gear whose edge it is.{notes}"
+        ),
     );
-    let rows: Vec<Vec<String>> = cycles
-        .iter()
-        .map(|(torque, cycle)| {
-            vec![
-                format!("{torque:.1}"),
-                format!("{:.3}", cycle.mean_ste() * 1e6),
-                format!("{:.3}", cycle.peak_to_peak_ste() * 1e6),
-                format!("{:.3}", cycle.mean_contact_z() * 1e3),
-                format!("{:.0}", cycle.max_pressure() * 1e-6),
-                cycle.edge_load().map_or("none".into(), |edge| {
-                    format!("{:.0} (gear {})", edge.line_load * 1e-3, edge.gear + 1)
-                }),
-                format!("{:.1e}", cycle.kkt_residual()),
-            ]
-        })
-        .collect();
-    page.table(
-        &[
-            "torque (N m)",
-            "mean STE (um)",
-            "p-p STE (um)",
-            "mean z_c (mm)",
-            "max. flank pressure (MPa)",
-            "tip edge (N/mm)",
-            "KKT residual",
-        ],
-        &rows,
-    );
+    type Cell = fn(f64, &MeshCycle) -> String;
+    let columns: [(&str, Cell); 7] = [
+        ("torque (N m)", |torque, _| format!("{torque:.1}")),
+        ("mean STE (um)", |_, c| format!("{:.3}", c.mean_ste() * 1e6)),
+        ("p-p STE (um)", |_, c| {
+            format!("{:.3}", c.peak_to_peak_ste() * 1e6)
+        }),
+        ("mean z_c (mm)", |_, c| {
+            format!("{:.3}", c.mean_contact_z() * 1e3)
+        }),
+        ("max. flank pressure (MPa)", |_, c| {
+            format!("{:.0}", c.max_pressure() * 1e-6)
+        }),
+        ("tip edge (N/mm)", |_, c| {
+            c.edge_load().map_or("none".into(), |edge| {
+                format!("{:.0} (gear {})", edge.line_load * 1e-3, edge.gear + 1)
+            })
+        }),
+        ("KKT residual", |_, c| format!("{:.1e}", c.kkt_residual())),
+    ];
+    let row = |(torque, cycle): &(f64, MeshCycle)| {
+        columns
+            .iter()
+            .map(|(_, cell)| cell(*torque, cycle))
+            .collect()
+    };
+    let rows: Vec<Vec<String>> = cycles.iter().map(row).collect();
+    page.table(&columns.map(|(head, _)| head), &rows);
 }
 
 /// Maps on one common scale, that of the contact inside the flanks.

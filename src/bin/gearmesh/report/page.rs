@@ -4,14 +4,6 @@ use std::fmt::Write;
 
 use super::picture;
 
-/// Beside the styles of the pictures.
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;max-width:64rem;margin:2rem auto;padding:0 1rem;\
-color-scheme:light dark;color:var(--ink);background:var(--paper)}h1{font-size:1.6rem}\
-h2{font-size:1.2rem;margin-top:2.2rem}svg{max-width:100%;height:auto}.wide{overflow-x:auto}\
-pre{background:var(--panel);padding:1rem;overflow-x:auto;font-size:.85rem}.row{display:flex;flex-wrap:wrap}\
-p.note{color:var(--soft)}table{border-collapse:collapse}td,th{padding:.2rem .8rem;text-align:right;\
-border-bottom:1px solid var(--rule)}";
-
 /// A page under construction.
 pub struct Page {
     title: String,
@@ -97,13 +89,12 @@ impl Page {
 
     /// The finished page.
     pub fn finish(self) -> String {
-        let title = escape(&self.title);
-        let style = picture::style();
         format!(
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\n\
-             <meta name=\"viewport\" content=\"width=device-width\"><style>{style}{STYLE}</style></head><body>\n\
-             <h1>{title}</h1>\n{}</body></html>\n",
-            self.body
+            include_str!("page.html"),
+            title = escape(&self.title),
+            pictures = picture::style(),
+            style = include_str!("page.css"),
+            body = self.body
         )
     }
 }

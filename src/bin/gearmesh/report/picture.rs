@@ -1,8 +1,8 @@
 //! Pictures as SVG in the colours of the page, light or dark.
 //!
 //! They are drawn in pixels of [`FINE`] to the CSS pixel, since plotters rounds to whole ones, and in colours that stand for
-//! a part of the picture: ink, or the n-th curve. The page has a style for each of these, and a picture in a file of its own
-//! brings them along.
+//! a part of the picture: ink, or the n-th curve. In place of each comes that of a light page, and a class, for which the page
+//! has a style where it is dark; a picture in a file of its own brings these along.
 
 use std::ops::Range;
 
@@ -19,17 +19,19 @@ const CURVES: usize = 6;
 /// Text, axes and grid.
 pub const INK: RGBColor = RGBColor(0, 0, 0);
 
-/// Styles of a light and of a dark page: paper, ink, soft text, panels, rules, then the curves.
-const THEMES: [[&str; 5 + CURVES]; 2] = [
+/// Colours of the pictures on a light and on a dark page: paper, ink, then the curves. The light ones are attributes, since
+/// many programs know no style sheets; the dark ones are styles.
+const THEMES: [[&str; 2 + CURVES]; 2] = [
     [
-        "#fff", "#222", "#555", "#f6f6f4", "#ddd", "#0072b2", "#d55e00", "#009e73", "#cc79a7",
-        "#56b4e9", "#5a5a5a",
+        "#fff", "#222", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#5a5a5a",
     ],
     [
-        "#17191c", "#e4e4e0", "#aaa", "#222529", "#3a3d42", "#5aaee8", "#f2924a", "#35c99a",
-        "#e79fc6", "#9fd8fa", "#b4b4b4",
+        "#17191c", "#e4e4e0", "#5aaee8", "#f2924a", "#35c99a", "#e79fc6", "#9fd8fa", "#b4b4b4",
     ],
 ];
+
+/// Their names in the classes of style sheets.
+const CLASSES: [&str; 2 + CURVES] = ["p", "i", "0", "1", "2", "3", "4", "5"];
 
 /// `n` pixels of the page in pixels of the drawing.
 pub fn px(n: u32) -> u32 {
@@ -60,26 +62,15 @@ pub fn curve_colour(i: usize) -> RGBColor {
     RGBColor(1, 2, 250 - (i % CURVES) as u8)
 }
 
-/// Rules for the styles of both themes.
+/// Styles of the pictures.
 pub fn style() -> String {
-    let rules = |theme: &[&str; 5 + CURVES]| {
-        let [paper, ink, soft, panel, rule, curves @ ..] = theme;
-        let curves: String = (0..)
-            .zip(curves)
-            .map(|(i, colour)| format!("--c{i}:{colour};"))
-            .collect();
-        format!(
-            ":root{{--paper:{paper};--ink:{ink};--soft:{soft};--panel:{panel};--rule:{rule};{curves}}}"
-        )
-    };
-    let uses: String = (0..CURVES)
-        .map(|i| format!(".f{i}{{fill:var(--c{i})}}.s{i}{{stroke:var(--c{i})}}"))
+    let dark: String = (CLASSES.iter().zip(THEMES[1]))
+        .map(|(class, colour)| {
+            format!("svg .f{class}{{fill:{colour}}}svg .s{class}{{stroke:{colour}}}")
+        })
         .collect();
     format!(
-        "{}@media(prefers-color-scheme:dark){{{}}}svg .fi{{fill:var(--ink)}}svg .si{{stroke:var(--ink)}}{uses}\
-         svg polygon,svg rect{{shape-rendering:crispEdges}}",
-        rules(&THEMES[0]),
-        rules(&THEMES[1])
+        "@media(prefers-color-scheme:dark){{{dark}}}svg polygon,svg rect{{shape-rendering:crispEdges}}"
     )
 }
 
@@ -97,22 +88,19 @@ pub fn picture(
     Ok(themed(&svg, size))
 }
 
-/// `svg` with styles in place of colours, and the size that it is shown in.
+/// `svg` with classes beside the colours of a light page, and the size that it is shown in.
 fn themed(svg: &str, (width, height): (u32, u32)) -> String {
     let drawn = format!("width=\"{}\" height=\"{}\"", px(width), px(height));
     let mut svg = svg.replacen(&drawn, &format!("width=\"{width}\" height=\"{height}\""), 1);
-    let mut style = |colour: RGBColor, class: &str| {
-        let RGBColor(r, g, b) = colour;
+    let curves = (0..CURVES).map(curve_colour);
+    let drawn = std::iter::once(INK).chain(curves);
+    for ((RGBColor(r, g, b), class), colour) in drawn.zip(&CLASSES[1..]).zip(&THEMES[0][1..]) {
         for (attribute, prefix) in [("fill", 'f'), ("stroke", 's')] {
             svg = svg.replace(
                 &format!("{attribute}=\"#{r:02X}{g:02X}{b:02X}\""),
-                &format!("class=\"{prefix}{class}\""),
+                &format!("{attribute}=\"{colour}\" class=\"{prefix}{class}\""),
             );
         }
-    };
-    style(INK, "i");
-    for i in 0..CURVES {
-        style(curve_colour(i), &i.to_string());
     }
     svg
 }
@@ -121,8 +109,9 @@ fn themed(svg: &str, (width, height): (u32, u32)) -> String {
 pub fn document(svg: &str) -> String {
     match svg.split_once('>') {
         Some((open, rest)) => format!(
-            "{open}>\n<style>{}</style>\n<rect width=\"100%\" height=\"100%\" style=\"fill:var(--paper)\"/>{rest}",
-            style()
+            "{open}>\n<style>{}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"{}\" class=\"fp\"/>{rest}",
+            style(),
+            THEMES[0][0]
         ),
         None => svg.to_owned(),
     }
@@ -140,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_has_no_ink_of_its_own_and_a_file_of_it_a_background() {
+    fn a_picture_has_colours_without_style_sheets_and_a_file_of_it_a_background() {
         let svg = picture((100, 50), |area| {
             let line = [(0, 0), (700, 300)];
             area.draw(&PathElement::new(line, curve_colour(1).stroke_width(2)))?;
@@ -153,12 +142,14 @@ mod tests {
             "{svg}"
         );
         assert!(
-            svg.contains("class=\"s1\"") && svg.contains("class=\"fi\""),
+            svg.contains("stroke=\"#d55e00\" class=\"s1\"")
+                && svg.contains("fill=\"#222\" class=\"fi\""),
             "{svg}"
         );
         assert!(!svg.contains("#000000"), "{svg}");
         let file = document(&svg);
         assert!(file.starts_with("<svg") && file.contains("prefers-color-scheme:dark"));
-        assert!(file.find("var(--paper)\"/>") < file.find("class=\"s1\""));
+        assert!(!file.contains("var("), "{file}");
+        assert!(file.find("fill=\"#fff\" class=\"fp\"/>") < file.find("class=\"s1\""));
     }
 }

@@ -7,7 +7,7 @@ use gearmesh::contact::{ContactSolver, CycleInput, GearRoots, MeshCycle};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 
-use super::chart::{Axes, Curve, line_chart};
+use super::chart::{Curve, Height, line_chart};
 use super::map::{Patch, View, map};
 use super::page::Page;
 use super::torque_in_words;
@@ -48,7 +48,8 @@ pub fn roots(
     let charts = curves.iter().enumerate().map(|(i, curves)| {
         let label = format!("root stress of gear {} (MPa)", i + 1);
         line_chart(
-            &Axes::new("mesh position of the tooth", &label).starting_at_zero(),
+            ["mesh position of the tooth", &label],
+            Height::FromZero(0.0),
             curves,
         )
     });

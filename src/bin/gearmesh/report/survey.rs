@@ -4,7 +4,7 @@ use gearmesh::contact::{ContactError, ContactSolver, CycleInput, LoadCase, MeshC
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 
-use super::chart::{Axes, Curve, line_chart};
+use super::chart::{Curve, Height, line_chart};
 use super::map::{View, cells, map};
 use super::page::Page;
 use super::torque_in_words;
@@ -83,8 +83,11 @@ pub fn survey(
     let aligned: Vec<LoadCase> = torques.iter().map(|torque| case(*torque, 0.0)).collect();
     let aligned = cycles(solver, &aligned, POSITIONS)?;
     let chart = |x: &str, curves: &[Curve]| {
-        let axes = Axes::new(x, "amplitude of the STE (um)");
-        line_chart(&axes.starting_at_zero().least(LEAST_TOP), curves)
+        line_chart(
+            [x, "amplitude of the STE (um)"],
+            Height::FromZero(LEAST_TOP),
+            curves,
+        )
     };
     page.pictures(&[chart(
         "torque on gear 1 (N m)",

@@ -8,6 +8,7 @@ use gearmesh::gear::PairGeometry;
 use serde::Deserialize;
 
 use crate::Error;
+use crate::limits;
 use crate::output;
 
 /// How shafts and housing bend, beside the misalignment.
@@ -43,13 +44,7 @@ impl DeflectionArgs {
         if self.bow_um == 0.0 {
             return Ok(None);
         }
-        if self.bow_um.is_nan() || self.bow_um.abs() > LARGEST_UM {
-            let bow = self.bow_um;
-            return Err(format!(
-                "--bow-um = {bow}: give a value from -{LARGEST_UM} to {LARGEST_UM}"
-            )
-            .into());
-        }
+        limits::within("bow-um", self.bow_um, -LARGEST_UM..=LARGEST_UM)?;
         let (low, width) = geometry.face_overlap();
         Ok(Some(Deflection::bow(
             self.bow_um * 1e-6,
@@ -59,7 +54,8 @@ impl DeflectionArgs {
 }
 
 fn curve(path: &Path) -> Result<Deflection, Error> {
-    let text = output::read_text(path)?;
+    // The reader counts a line only at its \n, after the place of the next one.
+    let text = output::read_text(path)?.replace("\r\n", "\n");
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))

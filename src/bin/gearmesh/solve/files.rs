@@ -2,14 +2,16 @@
 //!
 //! docs/contact-results.md has every column.
 
-use std::fmt::Display;
 use std::path::Path;
 
-use gearmesh::contact::MeshCycle;
+use gearmesh::compliance::finite_element::RootPoint;
+use gearmesh::contact::{MeshCycle, StripLoad};
 use gearmesh::gear::PairGeometry;
 
 use super::report::Report;
+use super::roots::{Place, Roots};
 use crate::Error;
+use crate::columns::{Column, column, maybe};
 use crate::output;
 
 /// Names of the files in the folder, in the order in which they are written; those from [`ALWAYS`] on only where root
@@ -44,16 +46,32 @@ pub fn write(
     cycles: &[MeshCycle],
     reports: &[Report],
 ) -> Result<(), Error> {
+    let mut pairs: Vec<i32> = reports.iter().flat_map(|r| r.tooth_pairs.clone()).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    let at = |r, count| (0..count).map(move |i| (r, i));
+    let position = || reports.iter().map(|r| (r, at(r, r.mesh_position.len())));
+    let station = reports.iter().map(|r| (r, at(r, r.face_z_mm.len())));
+    let strip = reports.iter().zip(cycles.iter().map(|cycle| {
+        let positions = cycle.mesh_position.iter().zip(&cycle.loads);
+        positions.flat_map(|(tau, strips)| strips.iter().map(|strip| (*tau, strip)))
+    }));
     let mut tables = vec![
-        distribution(geometry, cycles, reports)?,
-        positions(reports)?,
-        stiffness(geometry, reports)?,
-        face_load(reports)?,
-        summary(cycles, reports)?,
+        csv(&distribution(geometry), strip)?,
+        csv(&positions(&pairs), position())?,
+        csv(&stiffness(geometry), position())?,
+        csv(&face_load(), station)?,
+        csv(&summary(), reports.iter().map(|r| (r, [r])))?,
     ];
     if reports.iter().any(|report| report.roots.is_some()) {
-        tables.push(roots(reports)?);
-        tables.push(root_field(reports)?);
+        let teeth = reports
+            .iter()
+            .map(|r| (r, r.roots.iter().flat_map(|of| &of.rows)));
+        tables.push(csv(&roots(), teeth)?);
+        let points = reports
+            .iter()
+            .map(|r| (r, r.roots.iter().flat_map(Roots::largest_fields)));
+        tables.push(csv(&root_field(), points)?);
     }
     for (name, table) in NAMES.iter().zip(tables) {
         output::write_whole(&folder.join(name), &table)?;
@@ -61,282 +79,186 @@ pub fn write(
     Ok(())
 }
 
-/// Rows of a CSV file, each beginning with its load.
-struct Table(csv::Writer<Vec<u8>>);
-
-impl Table {
-    fn new(columns: &[&str]) -> Result<Table, Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(["torque_nm", "misalignment_mrad"].iter().chain(columns))?;
-        Ok(Table(writer))
-    }
-
-    fn row(&mut self, load: &Report, values: &[&dyn Display]) -> Result<(), Error> {
-        let load: [&dyn Display; 2] = [&load.torque_nm, &load.misalignment_mrad];
-        let fields = load.iter().chain(values).map(ToString::to_string);
-        Ok(self.0.write_record(fields)?)
-    }
-
-    fn finish(self) -> Result<Vec<u8>, Error> {
-        Ok(self.0.into_inner()?)
-    }
-}
-
-/// A number where there is one.
-struct Maybe(Option<f64>);
-
-impl Display for Maybe {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.map_or(Ok(()), |value| value.fmt(f))
-    }
-}
-
-/// Line load, pressure and gap of every strip.
-fn distribution(
-    geometry: &PairGeometry,
-    cycles: &[MeshCycle],
-    reports: &[Report],
+/// A CSV file of the rows of every load, each after its load.
+fn csv<'a, T, Rows: IntoIterator<Item = T>>(
+    columns: &[Column<T>],
+    loads: impl Iterator<Item = (&'a Report, Rows)>,
 ) -> Result<Vec<u8>, Error> {
-    let mut table = Table::new(&[
-        "mesh_position",
-        "tooth_pair",
-        "z_mm",
-        "roll1_mm",
-        "roll2_mm",
-        "diameter1_mm",
-        "diameter2_mm",
-        "force_n",
-        "line_load_n_per_mm",
-        "pressure_mpa",
-        "edge_line_load_n_per_mm",
-        "gap_um",
-    ])?;
-    let cos_beta_b = geometry.base_helix_angle().cos();
-    for (cycle, report) in cycles.iter().zip(reports) {
-        for (position, strips) in cycle.mesh_position.iter().zip(&cycle.loads) {
-            for strip in strips {
-                let diameter = |i: usize| 2e3 * geometry.gears[i].radius_at_roll(strip.roll[i]);
-                table.row(
-                    report,
-                    &[
-                        position,
-                        &strip.tooth_pair,
-                        &(500.0 * (strip.z[0] + strip.z[1])),
-                        &(1e3 * strip.roll[0]),
-                        &(1e3 * strip.roll[1]),
-                        &diameter(0),
-                        &diameter(1),
-                        &strip.force,
-                        &(1e-3 * strip.line_load(cos_beta_b)),
-                        &(1e-6 * strip.pressure),
-                        &strip.edge.map_or(0.0, |edge| 1e-3 * edge.line_load),
-                        &(1e6 * strip.gap),
-                    ],
-                )?;
-            }
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let names = columns.iter().map(|column| column.name.as_str());
+    writer.write_record(["torque_nm", "misalignment_mrad"].into_iter().chain(names))?;
+    for (load, rows) in loads {
+        let load = [load.torque_nm, load.misalignment_mrad].map(|value| value.to_string());
+        for row in rows {
+            let fields = columns.iter().map(|column| column.field(&row));
+            writer.write_record(load.iter().cloned().chain(fields))?;
         }
     }
-    table.finish()
+    Ok(writer.into_inner()?)
 }
 
-/// One row per position, and the share of every tooth pair that any of the loads has.
-fn positions(reports: &[Report]) -> Result<Vec<u8>, Error> {
-    let mut pairs: Vec<i32> = reports
-        .iter()
-        .flat_map(|r| &r.tooth_pairs)
-        .copied()
-        .collect();
-    pairs.sort_unstable();
-    pairs.dedup();
-    let shares: Vec<String> = pairs.iter().map(|k| format!("load_share_{k}")).collect();
-    let fixed = [
-        "mesh_position",
-        "ste_loa_um",
-        "contact_z_mm",
-        "maximum_pressure_mpa",
-        "edge_line_load_n_per_mm",
-        "mesh_stiffness_loa_n_per_m",
+/// Line load, pressure and gap of a strip at a mesh position.
+fn distribution(geometry: &PairGeometry) -> Vec<Column<'_, (f64, &StripLoad)>> {
+    type Row<'a> = (f64, &'a StripLoad);
+    let cos_beta_b = geometry.base_helix_angle().cos();
+    let diameter = |i: usize| move |(_, s): &Row| 2e3 * geometry.gears[i].radius_at_roll(s.roll[i]);
+    vec![
+        column("mesh_position", |(tau, _): &Row| *tau),
+        column("tooth_pair", |(_, s): &Row| s.tooth_pair.into()),
+        column("z_mm", |(_, s): &Row| 500.0 * (s.z[0] + s.z[1])),
+        column("roll1_mm", |(_, s): &Row| 1e3 * s.roll[0]),
+        column("roll2_mm", |(_, s): &Row| 1e3 * s.roll[1]),
+        column("diameter1_mm", diameter(0)),
+        column("diameter2_mm", diameter(1)),
+        column("force_n", |(_, s): &Row| s.force),
+        column("line_load_n_per_mm", move |(_, s): &Row| {
+            1e-3 * s.line_load(cos_beta_b)
+        }),
+        column("pressure_mpa", |(_, s): &Row| 1e-6 * s.pressure),
+        column("edge_line_load_n_per_mm", |(_, s): &Row| {
+            s.edge.map_or(0.0, |edge| 1e-3 * edge.line_load)
+        }),
+        column("gap_um", |(_, s): &Row| 1e6 * s.gap),
+    ]
+}
+
+/// A report and the number of a position or station in it.
+type At<'a> = (&'a Report, usize);
+
+/// The cycle position by position, with the shares of the tooth pairs `pairs`.
+pub fn positions(pairs: &[i32]) -> Vec<Column<'_, At<'_>>> {
+    let mut columns = vec![
+        column("mesh_position", |(r, i): &At| r.mesh_position[*i]).shown(
+            "mesh",
+            "position",
+            9,
+            Some(4),
+        ),
+        column("ste_loa_um", |(r, i): &At| r.ste_loa_um[*i]).shown("STE (loa)", "um", 11, Some(4)),
+        column("contact_z_mm", |(r, i): &At| r.contact_z_mm[*i]).shown("z_c", "mm", 9, Some(4)),
+        column("maximum_pressure_mpa", |(r, i): &At| {
+            r.maximum_pressure_mpa[*i]
+        })
+        .shown("p_max", "MPa", 9, Some(1)),
+        column("edge_line_load_n_per_mm", |(r, i): &At| {
+            r.edge_line_load_n_per_mm[*i]
+        })
+        .shown("tip edge", "N/mm", 9, Some(1)),
+        column("mesh_stiffness_loa_n_per_m", |(r, i): &At| {
+            r.mesh_stiffness_loa_n_per_m[*i]
+        }),
     ];
-    let columns: Vec<&str> = fixed
-        .into_iter()
-        .chain(shares.iter().map(String::as_str))
-        .collect();
-    let mut table = Table::new(&columns)?;
-    for r in reports {
-        for i in 0..r.mesh_position.len() {
-            let share = |k: &i32| {
-                let at = r.tooth_pairs.iter().position(|pair| pair == k);
-                at.map_or(0.0, |at| r.load_share[i][at])
-            };
-            let shares: Vec<f64> = pairs.iter().map(share).collect();
-            let mut values: Vec<&dyn Display> = vec![
-                &r.mesh_position[i],
-                &r.ste_loa_um[i],
-                &r.contact_z_mm[i],
-                &r.maximum_pressure_mpa[i],
-                &r.edge_line_load_n_per_mm[i],
-                &r.mesh_stiffness_loa_n_per_m[i],
-            ];
-            values.extend(shares.iter().map(|share| share as &dyn Display));
-            table.row(r, &values)?;
-        }
-    }
-    table.finish()
+    columns.extend(pairs.iter().map(|k| {
+        let share = move |(r, i): &At| {
+            let at = r.tooth_pairs.iter().position(|pair| pair == k);
+            at.map_or(0.0, |at| r.load_share[*i][at])
+        };
+        column(format!("load_share_{k}"), share).shown(format!("pair {k}"), "share", 8, Some(4))
+    }));
+    columns
 }
 
 /// Mesh stiffness over the phase, as rotor programs take it.
-fn stiffness(geometry: &PairGeometry, reports: &[Report]) -> Result<Vec<u8>, Error> {
-    let mut table = Table::new(&[
-        "mesh_position",
-        "phase_rad",
-        "gear1_angle_deg",
-        "stiffness_loa_n_per_m",
-        "stiffness_normal_n_per_m",
-        "torsional_stiffness_gear1_nm_per_rad",
-    ])?;
+fn stiffness(geometry: &PairGeometry) -> Vec<Column<'_, At<'_>>> {
     let gear = &geometry.gears[0];
     let cos_beta_b = geometry.base_helix_angle().cos();
-    for r in reports {
-        for (position, k) in r.mesh_position.iter().zip(&r.mesh_stiffness_loa_n_per_m) {
-            table.row(
-                r,
-                &[
-                    position,
-                    &(std::f64::consts::TAU * position),
-                    &(360.0 * position / gear.z()),
-                    k,
-                    &(k / (cos_beta_b * cos_beta_b)),
-                    &(k * gear.base_radius() * gear.base_radius()),
-                ],
-            )?;
-        }
-    }
-    table.finish()
-}
-
-fn face_load(reports: &[Report]) -> Result<Vec<u8>, Error> {
-    let mut table = Table::new(&["z_mm", "face_load_n_per_mm"])?;
-    for r in reports {
-        for (z, load) in r.face_z_mm.iter().zip(&r.face_load_n_per_mm) {
-            table.row(r, &[z, load])?;
-        }
-    }
-    table.finish()
-}
-
-/// Root stress of every tooth under load at every position.
-fn roots(reports: &[Report]) -> Result<Vec<u8>, Error> {
-    let mut table = Table::new(&[
-        "mesh_position",
-        "gear",
-        "tooth_pair",
-        "load_share",
-        "root_stress_mpa",
-        "z_mm",
-        "diameter_mm",
-        "tangent_deg",
-        "root_stress_at_tangent_mpa",
-        "at_tangent_z_mm",
-    ])?;
-    for report in reports {
-        for row in report.roots.iter().flat_map(|roots| &roots.rows) {
-            table.row(
-                report,
-                &[
-                    &row.mesh_position,
-                    &row.gear,
-                    &row.tooth_pair,
-                    &row.load_share,
-                    &row.stress_mpa,
-                    &row.z_mm,
-                    &row.diameter_mm,
-                    &row.tangent_deg,
-                    &Maybe(row.at_tangent_mpa),
-                    &Maybe(row.at_tangent_z_mm),
-                ],
-            )?;
-        }
-    }
-    table.finish()
-}
-
-/// The fillets of the teeth with the largest root stress of either gear.
-fn root_field(reports: &[Report]) -> Result<Vec<u8>, Error> {
-    let mut table = Table::new(&[
-        "gear",
-        "mesh_position",
-        "tooth_pair",
-        "z_mm",
-        "diameter_mm",
-        "tangent_deg",
-        "root_stress_mpa",
-    ])?;
-    for report in reports {
-        for roots in report.roots.iter() {
-            for (largest, field) in roots.largest.iter().zip(&roots.fields) {
-                let Some(largest) = largest else { continue };
-                for point in field.iter().flatten() {
-                    table.row(
-                        report,
-                        &[
-                            &largest.gear,
-                            &largest.mesh_position,
-                            &largest.tooth_pair,
-                            &(1e3 * point.z),
-                            &(2e3 * point.radius),
-                            &point.tangent.to_degrees(),
-                            &(1e-6 * point.stress),
-                        ],
-                    )?;
-                }
-            }
-        }
-    }
-    table.finish()
-}
-
-/// One row per load; harmonics that the positions cannot tell apart stay empty.
-fn summary(cycles: &[MeshCycle], reports: &[Report]) -> Result<Vec<u8>, Error> {
-    let mut columns: Vec<String> = [
-        "mean_ste_loa_um",
-        "peak_to_peak_ste_loa_um",
-        "maximum_pressure_mpa",
-        "edge_line_load_n_per_mm",
-        "face_load_factor",
-        "mean_mesh_stiffness_loa_n_per_m",
+    let rb = gear.base_radius();
+    let k = |(r, i): &At| r.mesh_stiffness_loa_n_per_m[*i];
+    vec![
+        column("mesh_position", |(r, i): &At| r.mesh_position[*i]),
+        column("phase_rad", |(r, i): &At| {
+            std::f64::consts::TAU * r.mesh_position[*i]
+        }),
+        column("gear1_angle_deg", |(r, i): &At| {
+            360.0 * r.mesh_position[*i] / gear.z()
+        }),
+        column("stiffness_loa_n_per_m", k),
+        column("stiffness_normal_n_per_m", move |at: &At| {
+            k(at) / (cos_beta_b * cos_beta_b)
+        }),
+        column("torsional_stiffness_gear1_nm_per_rad", move |at: &At| {
+            k(at) * rb * rb
+        }),
     ]
-    .map(str::to_owned)
-    .to_vec();
-    for (of, unit) in [("ste", "loa_um"), ("mesh_stiffness", "loa_n_per_m")] {
-        for order in 1..=gearmesh::contact::HARMONICS {
-            columns.push(format!("{of}_harmonic_{order}_{unit}"));
-            columns.push(format!("{of}_phase_{order}_rad"));
+}
+
+fn face_load<'r>() -> Vec<Column<'static, At<'r>>> {
+    vec![
+        column("z_mm", |(r, i): &At| r.face_z_mm[*i]),
+        column("face_load_n_per_mm", |(r, i): &At| r.face_load_n_per_mm[*i]),
+    ]
+}
+
+/// Root stress of a tooth under load at a position.
+fn roots<'r>() -> Vec<Column<'static, &'r Place>> {
+    type Row<'a> = &'a Place;
+    vec![
+        column("mesh_position", |p: &Row| p.mesh_position),
+        column("gear", |p: &Row| p.gear as f64),
+        column("tooth_pair", |p: &Row| p.tooth_pair.into()),
+        column("load_share", |p: &Row| p.load_share),
+        column("root_stress_mpa", |p: &Row| p.stress_mpa),
+        column("z_mm", |p: &Row| p.z_mm),
+        column("diameter_mm", |p: &Row| p.diameter_mm),
+        column("tangent_deg", |p: &Row| p.tangent_deg),
+        maybe("root_stress_at_tangent_mpa", |p: &Row| p.at_tangent_mpa),
+        maybe("at_tangent_z_mm", |p: &Row| p.at_tangent_z_mm),
+    ]
+}
+
+/// The fillet of a tooth with the largest root stress of its gear.
+fn root_field<'r>() -> Vec<Column<'static, (&'r Place, &'r RootPoint)>> {
+    type Row<'a> = (&'a Place, &'a RootPoint);
+    vec![
+        column("gear", |(tooth, _): &Row| tooth.gear as f64),
+        column("mesh_position", |(tooth, _): &Row| tooth.mesh_position),
+        column("tooth_pair", |(tooth, _): &Row| tooth.tooth_pair.into()),
+        column("z_mm", |(_, point): &Row| 1e3 * point.z),
+        column("diameter_mm", |(_, point): &Row| 2e3 * point.radius),
+        column("tangent_deg", |(_, point): &Row| point.tangent.to_degrees()),
+        column("root_stress_mpa", |(_, point): &Row| 1e-6 * point.stress),
+    ]
+}
+
+/// One load; harmonics that the positions cannot tell apart stay empty.
+fn summary<'r>() -> Vec<Column<'static, &'r Report>> {
+    type Row<'a> = &'a Report;
+    let mut columns = vec![
+        column("mean_ste_loa_um", |r: &Row| r.mean_ste_loa_um),
+        column("peak_to_peak_ste_loa_um", |r: &Row| {
+            r.peak_to_peak_ste_loa_um
+        }),
+        column("maximum_pressure_mpa", |r: &Row| r.largest_pressure()),
+        column("edge_line_load_n_per_mm", |r: &Row| r.largest_edge_load()),
+        column("face_load_factor", |r: &Row| r.face_load_factor),
+        column("mean_mesh_stiffness_loa_n_per_m", |r: &Row| {
+            r.mean_mesh_stiffness_loa_n_per_m
+        }),
+    ];
+    type List = fn(&Report) -> &[Option<f64>];
+    let harmonics: [(_, _, List, List); 2] = [
+        (
+            "ste",
+            "loa_um",
+            |r| &r.harmonics_loa_um,
+            |r| &r.harmonics_phase_rad,
+        ),
+        (
+            "mesh_stiffness",
+            "loa_n_per_m",
+            |r| &r.mesh_stiffness_harmonics_loa_n_per_m,
+            |r| &r.mesh_stiffness_harmonics_phase_rad,
+        ),
+    ];
+    for (of, unit, amplitude, phase) in harmonics {
+        for i in 0..gearmesh::contact::HARMONICS {
+            let order = i + 1;
+            let amplitude = move |r: &Row| amplitude(r)[i];
+            columns.push(maybe(format!("{of}_harmonic_{order}_{unit}"), amplitude));
+            columns.push(maybe(format!("{of}_phase_{order}_rad"), move |r: &Row| {
+                phase(r)[i]
+            }));
         }
     }
-    let mut table = Table::new(&columns.iter().map(String::as_str).collect::<Vec<_>>())?;
-    for (cycle, r) in cycles.iter().zip(reports) {
-        let amplitudes = r.harmonics_loa_um.iter();
-        let amplitudes = amplitudes.chain(&r.mesh_stiffness_harmonics_loa_n_per_m);
-        let phases = r.harmonics_phase_rad.iter();
-        let phases = phases.chain(&r.mesh_stiffness_harmonics_phase_rad);
-        let harmonics: Vec<Maybe> = amplitudes
-            .zip(phases)
-            .flat_map(|(a, p)| [Maybe(*a), Maybe(*p)])
-            .collect();
-        let (pressure, edge) = (
-            cycle.max_pressure() * 1e-6,
-            cycle.edge_load().map_or(0.0, |edge| edge.line_load * 1e-3),
-        );
-        let mut values: Vec<&dyn Display> = vec![
-            &r.mean_ste_loa_um,
-            &r.peak_to_peak_ste_loa_um,
-            &pressure,
-            &edge,
-            &r.face_load_factor,
-            &r.mean_mesh_stiffness_loa_n_per_m,
-        ];
-        values.extend(harmonics.iter().map(|h| h as &dyn Display));
-        table.row(r, &values)?;
-    }
-    table.finish()
+    columns
 }

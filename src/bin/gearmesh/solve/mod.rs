@@ -8,37 +8,20 @@ mod text;
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gearmesh::contact::{CycleInput, Deflection, GearRoots, LoadCase, MeshCycle};
-use gearmesh::gear;
+use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use serde::Serialize;
 
 use crate::limits;
 use crate::losses::{Losses, SpeedArgs};
-use crate::model::{Fillets, Model, ModelArgs};
-use crate::output::{self, Listing};
+use crate::model::{Fillets, Model, ModelArgs, widen};
+use crate::output::{self, Listing, rows};
 use deflection::DeflectionArgs;
 use report::Report;
 use roots::Roots;
-
-/// The loaded flank of gear 1 on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Flank {
-    /// In contact when gear 1 turns in its + sense and drives
-    Drive,
-    /// The other one
-    Coast,
-}
-
-impl From<Flank> for gear::Flank {
-    fn from(flank: Flank) -> Self {
-        match flank {
-            Flank::Drive => gear::Flank::Drive,
-            Flank::Coast => gear::Flank::Coast,
-        }
-    }
-}
 
 /// Solve the static contact over the mesh cycle, for one load or for every torque with every misalignment.
 #[derive(Debug, Args)]
@@ -62,8 +45,8 @@ pub struct Solve {
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true, default_values_t = [0.0])]
     misalignment_mrad: Vec<f64>,
 
-    /// Loaded flank of gear 1
-    #[arg(long, value_enum, default_value_t = Flank::Drive)]
+    /// Loaded flank of gear 1; drive: in contact when gear 1 turns in its + sense and drives; coast: the other one
+    #[arg(long, default_value = "drive", value_parser = PossibleValuesParser::new(["drive", "coast"]).map(flank))]
     flank: Flank,
 
     #[command(flatten)]
@@ -94,6 +77,13 @@ pub struct Solve {
     model: ModelArgs,
 }
 
+fn flank(name: String) -> Flank {
+    match name.as_str() {
+        "coast" => Flank::Coast,
+        _ => Flank::Drive,
+    }
+}
+
 /// Cycles and what it took to solve them.
 struct Solved {
     model: Model,
@@ -114,7 +104,7 @@ struct Matrix<'a> {
 impl Solve {
     /// Solves and prints.
     pub fn run(self) -> Result<(), crate::Error> {
-        limits::positions(self.positions)?;
+        limits::within("positions", self.positions, 1..=limits::MOST_POSITIONS)?;
         let mut pair = self.model.applied_to(Pair::read(&self.pair)?);
         let cases = self.cases(&pair)?;
         let deflection = self.deflection.read(&pair.geometry)?;
@@ -122,13 +112,26 @@ impl Solve {
             files::check(folder, self.root_stress)?;
         }
         let input = CycleInput {
-            flank: self.flank.into(),
+            flank: self.flank,
             torque: cases[0].torque,
             center_distance_offset: self.center_distance_offset_um * 1e-6,
             misalignment: cases[0].misalignment,
             positions: self.positions,
         };
-        self.widen(&mut pair, &cases, deflection.as_ref());
+        let bent = deflection.as_ref().map_or(0.0, |deflection| {
+            let (low, width) = pair.geometry.face_overlap();
+            let [least, largest] = deflection.range([low, low + width], 0.0);
+            (largest - least) / width
+        });
+        for LoadCase {
+            torque,
+            misalignment,
+        } in &cases
+        {
+            // A deflection gathers the load as the misalignment of its range does.
+            let tilts = [misalignment - bent, misalignment + bent];
+            widen(&mut pair, *torque, tilts, [input.center_distance_offset; 2]);
+        }
         self.model.use_threads()?;
         let solved = |pair: &Pair| self.solve(pair, &input, &cases, deflection.as_ref());
         let Solved {
@@ -159,7 +162,7 @@ impl Solve {
             (_, [report]) if self.json => serde_json::to_string_pretty(report)? + "\n",
             _ if self.json => serde_json::to_string_pretty(&Matrix { cases: &reports })? + "\n",
             ([cycle], [report]) => text::one(&pair, (&model, &fillets), &input, cycle, report),
-            _ => text::many(&pair, (&model, &fillets), &input, &cycles, &reports),
+            _ => text::many(&pair, (&model, &fillets), &input, &reports),
         };
         if self.estimate_error {
             let other = solved(&ModelArgs::reference(&pair))?;
@@ -176,23 +179,30 @@ impl Solve {
             [] => &nominal[..],
             given => given,
         };
-        limits::center_distance_offset(
+        let offset = self.center_distance_offset_um;
+        limits::within(
             "center-distance-offset-um",
-            self.center_distance_offset_um,
+            offset,
+            limits::CENTER_DISTANCE_OFFSETS,
         )?;
         let mut cases = Vec::new();
         for &torque in torques {
             limits::torque("torque-nm", torque)
                 .map_err(|error| format!("{error}; for the other flank say `--flank coast`"))?;
             for &misalignment in &self.misalignment_mrad {
-                limits::misalignment("misalignment-mrad", misalignment)?;
+                limits::within("misalignment-mrad", misalignment, limits::MISALIGNMENTS)?;
                 cases.push(LoadCase {
                     torque,
                     misalignment: misalignment * 1e-3,
                 });
             }
         }
-        limits::cases(cases.len())?;
+        // More results would not fit into memory.
+        limits::within(
+            "torque-nm times --misalignment-mrad",
+            cases.len(),
+            1..=10_000,
+        )?;
         Ok(cases)
     }
 
@@ -204,11 +214,7 @@ impl Solve {
         cases: &[LoadCase],
         deflection: Option<&Deflection>,
     ) -> Result<Solved, crate::Error> {
-        let mut plan = self.model.plan(pair, "static contact")?;
-        if self.root_stress {
-            plan = plan.then_fillets(self.model.fillet_seconds(pair)?);
-        }
-        let job = self.model.progress().job(plan);
+        let job = self.model.job();
         let mut model = self.model.solver(pair, &job)?;
         if let Some(deflection) = deflection {
             model.solver = model.solver.with_deflection(deflection.clone());
@@ -216,7 +222,11 @@ impl Solve {
         let total = self.positions * cases.len();
         let told = |share: f64| {
             let done = (share * total as f64).round();
-            job.contact(share, &format!("{done} of {total} solves"));
+            job.tell(
+                "static contact",
+                share,
+                &format!("{done} of {total} solves"),
+            );
         };
         let cycles = MeshCycle::solve_all(&model.solver, input, cases, &told)?;
         let fillets = match self.root_stress {
@@ -239,30 +249,6 @@ impl Solve {
             roots,
         })
     }
-
-    /// Widens the ranges of the pair file to what is asked here: they decide how wide a contact the elastic
-    /// model resolves and how far tip corners are followed.
-    fn widen(&self, pair: &mut Pair, cases: &[LoadCase], deflection: Option<&Deflection>) {
-        let include = |range: &mut [f64; 2], value: f64| {
-            *range = [range[0].min(value), range[1].max(value)];
-        };
-        let (low, width) = pair.geometry.face_overlap();
-        let bent = deflection.map_or(0.0, |deflection| {
-            let [least, largest] = deflection.range([low, low + width]);
-            (largest - least) / width
-        });
-        let operating = &mut pair.operating;
-        for case in cases {
-            operating.maximum_torque = operating.maximum_torque.max(case.torque);
-            // A deflection gathers the load as the misalignment of its range does.
-            include(&mut operating.misalignment, case.misalignment - bent);
-            include(&mut operating.misalignment, case.misalignment + bent);
-        }
-        include(
-            &mut operating.center_distance_offset,
-            self.center_distance_offset_um * 1e-6,
-        );
-    }
 }
 
 /// `input` at the load of `case`.
@@ -281,42 +267,41 @@ fn largest_stresses(roots: &[Option<[GearRoots; 2]>]) -> Vec<[f64; 2]> {
     roots.iter().flatten().map(of).collect()
 }
 
-/// The largest of `ratios` less 1, in words.
-fn worst(ratios: impl Iterator<Item = f64>) -> String {
-    let worst = ratios
-        .map(|ratio| ratio - 1.0)
+/// How far the first of a pair of results is from the second where they differ most, in words.
+fn worst(results: impl Iterator<Item = (f64, f64)>) -> String {
+    let shares = results.map(|(a, b)| a / b - 1.0);
+    let worst = shares
+        .filter(|share| share.is_finite())
         .max_by(|a, b| a.abs().total_cmp(&b.abs()));
-    format!("{:+.2} %", 100.0 * worst.unwrap_or(f64::NAN))
+    worst.map_or("none to tell: it is zero".into(), |worst| {
+        format!("{:+.2} %", 100.0 * worst)
+    })
 }
 
 /// How far `cycles` and `stresses` of the roots are from those of `other` refinement, at the load where they differ most.
 fn difference(other: &Solved, cycles: &[MeshCycle], stresses: &[[f64; 2]]) -> String {
     let largest = |of: fn(&MeshCycle) -> f64| {
         let both = cycles.iter().zip(&other.cycles);
-        worst(both.map(|(a, b)| of(a) / of(b)))
+        worst(both.map(|(a, b)| (of(a), of(b))))
     };
     let model = &other.model;
     let mut rows = Listing::default();
-    rows.row("compared with", &model.description)
-        .row("mean STE", largest(MeshCycle::mean_ste))
-        .row("peak-to-peak STE", largest(MeshCycle::peak_to_peak_ste));
+    rows! { rows;
+        "compared with" => "{}", model.description;
+        "mean STE" => "{}", largest(MeshCycle::mean_ste);
+        "peak-to-peak STE" => "{}", largest(MeshCycle::peak_to_peak_ste);
+    }
     if other.fillets.is_some() {
         let others = largest_stresses(&other.roots);
         for i in 0..2 {
             let both = stresses.iter().zip(&others);
-            let ratios = worst(both.map(|(a, b)| a[i] / b[i]));
-            rows.row(format!("root stress of gear {}", i + 1), ratios);
+            let largest = worst(both.map(|(a, b)| (a[i], b[i])));
+            rows.row(format!("root stress of gear {}", i + 1), largest);
         }
     }
-    rows.row(
-        "time for its elastic model",
-        format!("{:.3} s, {}", model.compliance_seconds, model.origin),
-    );
-    if let Some(fillets) = &other.fillets {
-        rows.row(
-            "time for its model of the fillets",
-            format!("{:.3} s, {}", fillets.seconds, fillets.origin),
-        );
+    rows! { rows; "time for its elastic model" => "{:.3} s, {}", model.compliance_seconds, model.origin; }
+    if let Some(f) = &other.fillets {
+        rows! { rows; "time for its model of the fillets" => "{:.3} s, {}", f.seconds, f.origin; }
     }
     format!("\nestimated error, from the difference to another refinement\n{rows}")
 }

@@ -61,7 +61,7 @@ pub struct Report {
     /// Wall clock of the contact solves.
     pub solve_seconds: f64,
     /// What is to be known of the results, one sentence each; empty where there is nothing.
-    pub notes: Vec<&'static str>,
+    pub notes: Vec<String>,
 }
 
 impl Report {
@@ -121,8 +121,28 @@ impl Report {
             losses,
             roots: None,
             solve_seconds: cycle.solve_seconds,
-            notes: pair.note_on_teeth().into_iter().collect(),
+            notes: (pair.note_on_teeth().map(String::from).into_iter())
+                .chain(cycle.note_on_segments())
+                .collect(),
         }
+    }
+}
+
+impl Report {
+    /// Of the whole cycle, MPa.
+    pub fn largest_pressure(&self) -> f64 {
+        self.maximum_pressure_mpa
+            .iter()
+            .copied()
+            .fold(0.0, f64::max)
+    }
+
+    /// Of the whole cycle, N/mm; zero where no contact reaches a tip edge.
+    pub fn largest_edge_load(&self) -> f64 {
+        self.edge_line_load_n_per_mm
+            .iter()
+            .copied()
+            .fold(0.0, f64::max)
     }
 }
 

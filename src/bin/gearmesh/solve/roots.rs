@@ -8,8 +8,7 @@ use gearmesh::gear::{NominalRootStress, PairGeometry};
 use gearmesh::words::rounded;
 use serde::Serialize;
 
-use super::report::Report;
-use crate::output::Listing;
+use crate::output::{Listing, rows};
 
 /// What `--root-stress` adds to a report: one of everything for gear 1 and gear 2.
 #[derive(Debug, Serialize)]
@@ -119,13 +118,28 @@ impl Roots {
     /// Adds itself to `rows` of the text for one load.
     pub fn list(&self, rows: &mut Listing) {
         for (i, (largest, nominal)) in self.largest.iter().zip(&self.iso_6336_3).enumerate() {
-            let words = largest.as_ref().map_or("none".into(), Place::words);
-            rows.row(format!("root stress of gear {}", i + 1), words);
-            let words = nominal
-                .as_ref()
-                .map_or("beyond the standard (rim or notch)".into(), Nominal::words);
-            rows.row("  ISO 6336-3 sigma_F0", words);
+            let beyond = "beyond the standard (rim or notch)";
+            rows! { rows;
+                format!("root stress of gear {}", i + 1) => "{}", largest.as_ref().map_or("none".into(), Place::words);
+                "  ISO 6336-3 sigma_F0" => "{}", nominal.as_ref().map_or(beyond.into(), Nominal::words);
+            }
         }
+    }
+
+    /// The points of the fillets of the teeth of `largest`, each after its tooth.
+    pub fn largest_fields(&self) -> impl Iterator<Item = (&Place, &RootPoint)> {
+        let gears = self.largest.iter().zip(&self.fields);
+        let loaded = gears.filter_map(|(tooth, field)| Some((tooth.as_ref()?, field)));
+        loaded.flat_map(|(tooth, field)| field.iter().flatten().map(move |point| (tooth, point)))
+    }
+
+    /// The largest stress of gear `i`, MPa, anywhere in its fillets or at the standard tangent.
+    pub fn largest_over_cycle(&self, i: usize, at_tangent: bool) -> f64 {
+        let stress = match at_tangent {
+            true => &self.root_stress_at_tangent_mpa[i],
+            false => &self.root_stress_mpa[i],
+        };
+        stress.iter().copied().fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
@@ -178,47 +192,4 @@ impl Nominal {
             self.sigma_f0_mpa, self.y_f, self.y_s, self.y_beta, self.y_b
         )
     }
-}
-
-/// The largest root stress of every load, a line for each.
-pub fn table(reports: &[Report]) -> String {
-    let mut text = format!(
-        "\n{:>9} {:>12} {:>13} {:>13} {:>13} {:>13}\n{:>9} {:>12} {:>13} {:>13} {:>13} {:>13}\n",
-        "torque",
-        "misalignment",
-        "root stress 1",
-        "at tangent 1",
-        "root stress 2",
-        "at tangent 2",
-        "N m",
-        "mrad",
-        "MPa",
-        "MPa",
-        "MPa",
-        "MPa"
-    );
-    for report in reports {
-        let _ = write!(
-            text,
-            "{:>9} {:>12}",
-            rounded(report.torque_nm),
-            report.misalignment_mrad
-        );
-        for roots in report.roots.iter() {
-            let both = roots
-                .root_stress_mpa
-                .iter()
-                .zip(&roots.root_stress_at_tangent_mpa);
-            for stress in both.flat_map(|(largest, tangent)| [largest, tangent]) {
-                let largest = stress.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                let _ = write!(text, " {largest:>13.1}");
-            }
-        }
-        text.push('\n');
-    }
-    text.push_str(
-        "\nroot stress: largest principal stress in the fillets of a gear over the mesh cycle; at tangent: the same at the\n\
-         30 degree tangent (ring: 60 degrees).\n",
-    );
-    text
 }

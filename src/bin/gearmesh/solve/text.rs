@@ -4,11 +4,13 @@ use std::fmt::Write;
 
 use gearmesh::contact::{CycleInput, MeshCycle};
 use gearmesh::pair::Pair;
-use gearmesh::words::{count, fixed, rounded};
+use gearmesh::words::{count, rounded};
 
+use super::files::positions;
 use super::report::Report;
+use crate::columns::{Column, column, maybe, table};
 use crate::model::{Fillets, Model};
-use crate::output::Listing;
+use crate::output::{Listing, rows};
 
 /// One cycle, position by position.
 pub fn one(
@@ -25,38 +27,8 @@ pub fn one(
         state(input),
         rounded(input.misalignment * 1e3),
     );
-    let _ = write!(
-        text,
-        "{:>9} {:>11} {:>9} {:>9} {:>9}",
-        "mesh", "STE (loa)", "z_c", "p_max", "tip edge"
-    );
-    for k in &report.tooth_pairs {
-        let _ = write!(text, " {:>8}", format!("pair {k}"));
-    }
-    let _ = write!(
-        text,
-        "\n{:>9} {:>11} {:>9} {:>9} {:>9}",
-        "position", "um", "mm", "MPa", "N/mm"
-    );
-    for _ in &report.tooth_pairs {
-        let _ = write!(text, " {:>8}", "share");
-    }
-    text.push('\n');
-    for i in 0..report.mesh_position.len() {
-        let _ = write!(
-            text,
-            "{:>9.4} {:>11} {:>9} {:>9.1} {:>9.1}",
-            report.mesh_position[i],
-            fixed(report.ste_loa_um[i], 4),
-            fixed(report.contact_z_mm[i], 4),
-            report.maximum_pressure_mpa[i],
-            report.edge_line_load_n_per_mm[i]
-        );
-        for share in &report.load_share[i] {
-            let _ = write!(text, " {share:>8.4}");
-        }
-        text.push('\n');
-    }
+    let at_positions = (0..report.mesh_position.len()).map(|i| (report, i));
+    text += &table(&positions(&report.tooth_pairs), at_positions);
     text.push_str(
         "\nSTE: static transmission error on the line of action at mid-face, from unmodified flanks that just touch.\n\
          z_c: axial position of the resulting force, from the z = 0 face of gear 1.\n\
@@ -68,76 +40,66 @@ pub fn one(
         .iter()
         .map(|h| h.map_or("-".into(), |h| format!("{h:.4}")))
         .collect();
+    let edge = cycle.edge_load().map_or("none".into(), |edge| {
+        let [line_load, z] = [edge.line_load * 1e-3, edge.z * 1e3];
+        format!(
+            "{line_load:.1} N/mm, gear {} at z = {z:.2} mm",
+            edge.gear + 1
+        )
+    });
     let mut rows = Listing::default();
-    rows.row("mean STE", format!("{:.4} um", report.mean_ste_loa_um))
-        .row(
-            "peak-to-peak STE",
-            format!("{:.4} um", report.peak_to_peak_ste_loa_um),
-        )
-        .row(
-            "largest flank pressure",
-            format!("{:.1} MPa", cycle.max_pressure() * 1e-6),
-        )
-        .row(
-            "largest line load at a tip edge",
-            cycle.edge_load().map_or("none".into(), |edge| {
-                format!(
-                    "{:.1} N/mm, gear {} at z = {:.2} mm",
-                    edge.line_load * 1e-3,
-                    edge.gear + 1,
-                    edge.z * 1e3
-                )
-            }),
-        )
-        .row("harmonics 1 to 10", format!("{} um", harmonics.join(" ")))
-        .row(
-            "mesh stiffness",
-            format!(
-                "{:.4e} N/m in the mean, tangent, on the line of action",
-                report.mean_mesh_stiffness_loa_n_per_m
-            ),
-        )
-        .row(
-            "face load factor K_Hbeta",
-            format!("{:.3}", report.face_load_factor),
-        )
-        .row(
-            "transverse contact ratio",
-            format!("{:.4}", report.transverse_contact_ratio),
-        )
-        .row("overlap ratio", format!("{:.4}", report.overlap_ratio));
+    rows! { rows;
+        "mean STE" => "{:.4} um", report.mean_ste_loa_um;
+        "peak-to-peak STE" => "{:.4} um", report.peak_to_peak_ste_loa_um;
+        "largest flank pressure" => "{:.1} MPa", report.largest_pressure();
+        "largest line load at a tip edge" => "{edge}";
+        "harmonics 1 to 10" => "{} um", harmonics.join(" ");
+        "mesh stiffness" => "{:.4e} N/m in the mean, tangent, on the line of action", report.mean_mesh_stiffness_loa_n_per_m;
+        "face load factor K_Hbeta" => "{:.3}", report.face_load_factor;
+        "transverse contact ratio" => "{:.4}", report.transverse_contact_ratio;
+        "overlap ratio" => "{:.4}", report.overlap_ratio;
+    }
     report.losses.list(&mut rows);
     if let Some(roots) = &report.roots {
         roots.list(&mut rows);
     }
-    rows.row(
-        "largest KKT residual",
-        format!("{:.1e}", cycle.kkt_residual()),
-    );
+    rows! { rows; "largest KKT residual" => "{:.1e}", cycle.kkt_residual(); }
     times(&mut rows, models, report.solve_seconds);
     let _ = write!(text, "\n{rows}");
-    text + &notes(pair)
+    text + &notes(std::slice::from_ref(report))
 }
 
 /// What was used, and what it took; `contact` the time of the contact, s.
 fn times(rows: &mut Listing, (model, fillets): (&Model, &Option<Fillets>), contact: f64) {
-    rows.row("elastic model", &model.description).row(
-        "time for the elastic model",
-        format!("{:.3} s, {}", model.compliance_seconds, model.origin),
-    );
-    if let Some(fillets) = fillets {
-        rows.row(
-            "time for the model of the fillets",
-            format!("{:.3} s, {}", fillets.seconds, fillets.origin),
-        );
+    rows! { rows;
+        "elastic model" => "{}", model.description;
+        "time for the elastic model" => "{:.3} s, {}", model.compliance_seconds, model.origin;
     }
-    rows.row("time for the contact", format!("{contact:.3} s"));
+    if let Some(f) = fillets {
+        rows! { rows; "time for the model of the fillets" => "{:.3} s, {}", f.seconds, f.origin; }
+    }
+    rows! { rows; "time for the contact" => "{contact:.3} s"; }
 }
 
-/// What is to be known of the results.
-fn notes(pair: &Pair) -> String {
-    let note = pair.note_on_teeth();
-    note.map_or(String::new(), |note| format!("\nnote: {note}\n"))
+/// What is to be known of the results, each sentence with the loads that it is about if it is not about all.
+fn notes(reports: &[Report]) -> String {
+    let mut text = String::new();
+    let mut told: Vec<&str> = vec![];
+    for note in reports.iter().flat_map(|report| &report.notes) {
+        if told.contains(&note.as_str()) {
+            continue;
+        }
+        told.push(note);
+        let about = reports.iter().filter(|report| report.notes.contains(note));
+        let about: Vec<String> = about
+            .map(|r| format!("{} N m, {} mrad", rounded(r.torque_nm), r.misalignment_mrad))
+            .collect();
+        let _ = match about.len() < reports.len() {
+            true => writeln!(text, "\nnote: {note} ({})", about.join("; ")),
+            false => writeln!(text, "\nnote: {note}"),
+        };
+    }
+    text
 }
 
 /// Flank and centre distance, which all loads of a run share.
@@ -156,63 +118,64 @@ pub fn many(
     pair: &Pair,
     models: (&Model, &Option<Fillets>),
     input: &CycleInput,
-    cycles: &[MeshCycle],
     reports: &[Report],
 ) -> String {
+    type Row<'a> = &'a Report;
+    let width = pair.geometry.face_overlap().1;
+    let stiffness = move |r: &Row| r.mean_mesh_stiffness_loa_n_per_m / width * 1e-9;
+    let mut columns: Vec<Column<Row>> = loads();
+    columns.extend([
+        column("mean", |r: &Row| r.mean_ste_loa_um).shown("mean STE", "um", 9, Some(4)),
+        column("swing", |r: &Row| r.peak_to_peak_ste_loa_um).shown("p-p STE", "um", 9, Some(4)),
+        maybe("first", |r: &Row| r.harmonics_loa_um[0]).shown("1st harm.", "um", 9, Some(4)),
+        column("pressure", |r: &Row| r.largest_pressure()).shown("p_max", "MPa", 9, Some(1)),
+        column("edge", |r: &Row| r.largest_edge_load()).shown("tip edge", "N/mm", 9, Some(1)),
+        column("stiffness", stiffness).shown("stiffness", "N/(mm um)", 10, Some(3)),
+        column("factor", |r: &Row| r.face_load_factor).shown("K_Hbeta", "", 8, Some(3)),
+    ]);
     let number = count(reports.len(), "load");
     let mut text = format!(
-        "{}: {number}, {}\n\n\
-         {:>9} {:>12} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10} {:>8}\n\
-         {:>9} {:>12} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10} {:>8}\n",
-        pair.name,
-        state(input),
-        "torque",
-        "misalignment",
-        "mean STE",
-        "p-p STE",
-        "1st harm.",
-        "p_max",
-        "tip edge",
-        "stiffness",
-        "K_Hbeta",
-        "N m",
-        "mrad",
-        "um",
-        "um",
-        "um",
-        "MPa",
-        "N/mm",
-        "N/(mm um)",
-        "",
-    );
-    let width = pair.geometry.face_overlap().1;
-    for (cycle, report) in cycles.iter().zip(reports) {
-        let first = report.harmonics_loa_um[0];
-        let _ = writeln!(
-            text,
-            "{:>9} {:>12} {:>9} {:>9} {:>9} {:>9.1} {:>9.1} {:>10.3} {:>8.3}",
-            rounded(report.torque_nm),
-            report.misalignment_mrad,
-            fixed(report.mean_ste_loa_um, 4),
-            fixed(report.peak_to_peak_ste_loa_um, 4),
-            first.map_or("-".into(), |h| fixed(h, 4)),
-            cycle.max_pressure() * 1e-6,
-            cycle.edge_load().map_or(0.0, |edge| edge.line_load * 1e-3),
-            report.mean_mesh_stiffness_loa_n_per_m / width * 1e-9,
-            report.face_load_factor,
-        );
-    }
-    text.push_str(
-        "\nSTE: static transmission error on the line of action at mid-face; p_max: largest flank pressure; tip edge: largest\n\
+        "{}: {number}, {}\n\n{}\n\
+         STE: static transmission error on the line of action at mid-face; p_max: largest flank pressure; tip edge: largest\n\
          line load there; stiffness: mean of the cycle, tangent, on the line of action, per face width; K_Hbeta: largest over\n\
          mean load along the face.\n",
+        pair.name,
+        state(input),
+        table(&columns, reports),
     );
     if reports.iter().any(|report| report.roots.is_some()) {
-        text.push_str(&super::roots::table(reports));
+        text += &root_stress(reports);
     }
     let seconds: f64 = reports.iter().map(|report| report.solve_seconds).sum();
     let mut rows = Listing::default();
     times(&mut rows, models, seconds);
     let _ = write!(text, "\n{rows}");
-    text + &notes(pair)
+    text + &notes(reports)
+}
+
+/// What tells the loads apart.
+fn loads<'r>() -> Vec<Column<'static, &'r Report>> {
+    type Row<'a> = &'a Report;
+    vec![
+        column("torque", |r: &Row| r.torque_nm).shown("torque", "N m", 9, None),
+        column("tilt", |r: &Row| r.misalignment_mrad).shown("misalignment", "mrad", 12, None),
+    ]
+}
+
+/// The largest root stress of every load, a line for each.
+fn root_stress(reports: &[Report]) -> String {
+    let mut columns = loads();
+    for i in 0..2 {
+        for (head, at_tangent) in [("root stress", false), ("at tangent", true)] {
+            let value =
+                move |r: &&Report| Some(r.roots.as_ref()?.largest_over_cycle(i, at_tangent));
+            columns.push(maybe(head, value).shown(format!("{head} {}", i + 1), "MPa", 13, Some(1)));
+        }
+    }
+    format!(
+        "\n{}\n\
+         root stress: largest principal stress in the fillets of a gear over the mesh cycle; at tangent: the same at the\n\
+         30 degree tangent (ring: 60 degrees).\n",
+        table(&columns, reports)
+    )
 }

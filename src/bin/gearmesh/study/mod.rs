@@ -22,9 +22,9 @@ use sha2::{Digest, Sha256};
 
 use crate::Error;
 use crate::limits;
-use crate::model::{Model, ModelArgs};
+use crate::model::{Model, ModelArgs, widen};
 use crate::output;
-use samples::Sample;
+use samples::{Outcome, Sample, Solved};
 use statistics::Statistics;
 use variation::{Asked, Variation};
 
@@ -47,7 +47,7 @@ pub struct Study {
 
     /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile slope and helix slope of both gears are drawn within its
     /// f_HaT and f_HbT about the values in the file
-    #[arg(long, value_name = "CLASS")]
+    #[arg(long, value_name = "CLASS", value_parser = class)]
     iso_1328_class: Option<u8>,
 
     /// Number of samples
@@ -113,37 +113,47 @@ struct Bench<'a> {
     positions: usize,
 }
 
+/// A tolerance class of ISO 1328-1.
+fn class(text: &str) -> Result<u8, String> {
+    let class = text.parse().ok().filter(|c| tolerance::CLASSES.contains(c));
+    class.ok_or_else(|| "give a class from 1 to 11, a bare number".into())
+}
+
 impl Study {
     /// Solves the samples, writes, and prints the spread.
     pub fn run(self) -> Result<(), Error> {
-        limits::positions(self.positions)?;
-        limits::samples(self.samples)?;
-        if let Some(class) = self
-            .iso_1328_class
-            .filter(|c| !tolerance::CLASSES.contains(c))
-        {
-            return Err(format!("--iso-1328-class = {class}: give a class from 1 to 11").into());
-        }
+        // The first harmonic over the cycle takes three.
+        limits::within("positions", self.positions, 3..=limits::MOST_POSITIONS)?;
+        limits::within("samples", self.samples, 1..=1_000_000)?;
         let draft = PairDraft::read(&self.pair)?;
         let mut pair = self.model.applied_to(draft.pair()?);
         let torque = self.torque_nm.unwrap_or(pair.operating.nominal_torque);
         limits::torque("torque-nm", torque)?;
         let variations = Variation::all(&self.vary, self.iso_1328_class, &draft, &pair, torque)?;
         check(&variations, &draft, &pair)?;
-        widen(&mut pair, &variations, torque);
+        let range = |field: &str, unit: f64, drawn: f64| {
+            let varied = variations.iter().find(|v| v.field == field);
+            varied.map_or([drawn; 2], |v| [v.low * unit, v.high * unit])
+        };
+        widen(
+            &mut pair,
+            torque.max(range("torque_nm", 1.0, torque)[1]),
+            range("misalignment_mrad", 1e-3, 0.0),
+            range("center_distance_offset_um", 1e-6, 0.0),
+        );
 
         let folder = &self.output;
         output::make_folder("--output", folder)?;
         let [table, summary, page] =
             ["samples.csv", "study.json", "study.html"].map(|name| folder.join(name));
         for path in [&table, &summary, &page] {
-            output::check_writable(path, &[])?;
+            output::check_writable(path, &[&self.pair])?;
         }
         let identity = self.identity(&pair, &variations, torque);
-        let names = samples::names(self.root_stress);
+        let outcomes = samples::outcomes(self.root_stress);
         let mut done = match self.restart {
             true => Vec::new(),
-            false => earlier(&table, &summary, &variations, names, &identity)?,
+            false => earlier(&table, &summary, &variations, outcomes, &identity)?,
         };
         // More samples than asked for now stay in the table.
         let wanted: Vec<usize> = (0..=self.samples)
@@ -164,11 +174,7 @@ impl Study {
         write_json(&summary, &all)?;
 
         self.model.use_threads()?;
-        let mut plan = self.model.plan(&pair, "static contact of the samples")?;
-        if self.root_stress {
-            plan = plan.with_fillets(self.model.fillet_seconds(&pair)?);
-        }
-        let job = self.model.progress().job(plan);
+        let job = self.model.job();
         let model = self.model.solver(&pair, &job)?;
         let roots = match self.root_stress {
             true => Some(self.model.fillets(&pair, FLANK, &job)?.maps),
@@ -192,17 +198,17 @@ impl Study {
                     let sample = bench.sample(number, self.seed);
                     let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
                     let told = format!("{done} of {} samples", wanted.len());
-                    job.contact(done as f64 / wanted.len() as f64, &told);
+                    job.tell("samples", done as f64 / wanted.len() as f64, &told);
                     sample
                 })
                 .collect();
             done.extend(solved);
             done.sort_by_key(|sample| sample.number);
-            samples::write(&table, &variations, names, &done)?;
+            samples::write(&table, &variations, outcomes, &done)?;
         }
         drop(job);
 
-        let statistics = spread(&done, names)?;
+        let statistics = spread(&done, outcomes)?;
         let refused = done.iter().filter(|s| s.outcome.is_err()).count();
         write_json(
             &summary,
@@ -213,8 +219,8 @@ impl Study {
                 ..all
             },
         )?;
-        let text = text::text(&bench, self.seed, &done, &statistics);
-        let html = page::page(&name, &text, names, &done)?;
+        let text = text::text(&bench, self.seed, &done, outcomes, &statistics);
+        let html = page::page(&name, &text, outcomes, &done)?;
         output::write_whole(&page, html.as_bytes())?;
         output::print(&text)?;
         Ok(())
@@ -244,7 +250,7 @@ fn earlier(
     table: &Path,
     summary: &Path,
     variations: &[Variation],
-    names: &[&str],
+    outcomes: &[Outcome],
     identity: &str,
 ) -> Result<Vec<Sample>, Error> {
     if !summary.exists() {
@@ -260,7 +266,7 @@ fn earlier(
         )
         .into());
     }
-    samples::read(table, variations, names)
+    samples::read(table, variations, outcomes)
 }
 
 fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
@@ -273,15 +279,21 @@ fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
 fn check(variations: &[Variation], draft: &PairDraft, pair: &Pair) -> Result<(), Error> {
     for v in variations {
         let option = format!("vary {}", v.field);
+        let mut acts = false;
         for value in [v.low, v.high] {
             let limit = match v.field.as_str() {
                 "torque_nm" => Some(limits::torque(&option, value)),
-                "misalignment_mrad" => Some(limits::misalignment(&option, value)),
-                "center_distance_offset_um" => Some(limits::center_distance_offset(&option, value)),
+                "misalignment_mrad" => Some(limits::within(&option, value, limits::MISALIGNMENTS)),
+                "center_distance_offset_um" => Some(limits::within(
+                    &option,
+                    value,
+                    limits::CENTER_DISTANCE_OFFSETS,
+                )),
                 _ => None,
             };
             if let Some(limit) = limit {
                 limit?;
+                acts = true;
                 continue;
             }
             let mut changed = draft.clone();
@@ -305,26 +317,19 @@ fn check(variations: &[Variation], draft: &PairDraft, pair: &Pair) -> Result<(),
                 )
                 .into());
             }
+            acts |= found.microgeometry.flank(FLANK) != pair.microgeometry.flank(FLANK);
+        }
+        if !acts {
+            return Err(format!(
+                "--vary {}: no result of a study depends on it, which takes the drive flank at the torque, misalignment and centre \
+                 distance of the command line; vary modifications of that flank, torque_nm, misalignment_mrad or \
+                 center_distance_offset_um",
+                v.field
+            )
+            .into());
         }
     }
     Ok(())
-}
-
-/// Widens the operating range to what is varied.
-fn widen(pair: &mut Pair, variations: &[Variation], torque: f64) {
-    let operating = &mut pair.operating;
-    operating.maximum_torque = operating.maximum_torque.max(torque);
-    for v in variations {
-        let include = |range: &mut [f64; 2], scale: f64| {
-            *range = [range[0].min(v.low * scale), range[1].max(v.high * scale)];
-        };
-        match v.field.as_str() {
-            "torque_nm" => operating.maximum_torque = operating.maximum_torque.max(v.high),
-            "misalignment_mrad" => include(&mut operating.misalignment, 1e-3),
-            "center_distance_offset_um" => include(&mut operating.center_distance_offset, 1e-6),
-            _ => {}
-        }
-    }
 }
 
 impl Bench<'_> {
@@ -378,14 +383,17 @@ impl Bench<'_> {
         let face = cycle.face_load([low, low + width], settings.stations, cos_beta_b);
         let roots = self.roots.as_ref();
         let roots = roots.map(|models| cycle.root_stress(&solver, &input, models));
-        let roots = roots.transpose()?;
-        let results = samples::results(&cycle, face.face_load_factor(), roots.as_ref());
-        Ok(results.into_iter().map(rounded).collect())
+        let solved = Solved {
+            face_load_factor: face.face_load_factor(),
+            roots: roots.transpose()?,
+            cycle,
+        };
+        Ok(solved.results().into_iter().map(rounded).collect())
     }
 }
 
 /// Statistics of every result over the samples that were solved.
-fn spread(done: &[Sample], names: &[&'static str]) -> Result<Vec<Statistics>, Error> {
+fn spread(done: &[Sample], outcomes: &[Outcome]) -> Result<Vec<Statistics>, Error> {
     let as_drawn = done.iter().find(|s| s.number == 0);
     let (nominal, drawn) = match as_drawn.map(|s| (&s.outcome, &s.fields)) {
         Some((Ok(results), fields)) => (results, fields),
@@ -400,12 +408,12 @@ fn spread(done: &[Sample], names: &[&'static str]) -> Result<Vec<Statistics>, Er
     if fields.is_empty() {
         return Err("no sample could be solved; samples.csv says why".into());
     }
-    Ok(names
+    Ok(outcomes
         .iter()
         .enumerate()
-        .map(|(k, name)| {
+        .map(|(k, outcome)| {
             let values: Vec<f64> = solved().map(|(_, results)| results[k]).collect();
-            Statistics::new(name, (nominal[k], drawn), &values, &fields)
+            Statistics::new(outcome.name, (nominal[k], drawn), &values, &fields)
         })
         .collect())
 }

@@ -1,22 +1,18 @@
 //! The study as one HTML page: the spread in numbers and as cumulative distributions.
 
-use super::samples::Sample;
+use super::samples::{Outcome, Sample};
 use super::statistics::ascending;
 use crate::Error;
-use crate::report::chart::{Axes, Curve, line_chart};
+use crate::report::chart::{Curve, Height, line_chart};
 use crate::report::page::Page;
 
-/// Results that are drawn, with what stands at their axis.
-const DRAWN: [(&str, &str); 5] = [
-    ("peak_to_peak_ste_loa_um", "p-p STE (um)"),
-    ("maximum_pressure_mpa", "largest flank pressure (MPa)"),
-    ("face_load_factor", "K_Hbeta"),
-    ("root_stress_1_mpa", "root stress of gear 1 (MPa)"),
-    ("root_stress_2_mpa", "root stress of gear 2 (MPa)"),
-];
-
-/// The page of `samples` with the results `names`; `text` is what the command prints.
-pub fn page(name: &str, text: &str, names: &[&str], samples: &[Sample]) -> Result<String, Error> {
+/// The page of `samples` with the results `outcomes`; `text` is what the command prints.
+pub fn page(
+    name: &str,
+    text: &str,
+    outcomes: &[Outcome],
+    samples: &[Sample],
+) -> Result<String, Error> {
     let mut page = Page::new(&format!("Tolerance study: {name}"));
     page.section(
         "In numbers",
@@ -28,10 +24,8 @@ pub fn page(name: &str, text: &str, names: &[&str], samples: &[Sample]) -> Resul
         "Share of the samples up to a value; the vertical line is the pair as drawn.",
     );
     let mut charts = Vec::new();
-    for (result, x) in DRAWN {
-        let Some(k) = names.iter().position(|name| *name == result) else {
-            continue;
-        };
+    for (k, outcome) in outcomes.iter().enumerate() {
+        let Some((_, x)) = outcome.head else { continue };
         let of = |drawn: bool| -> Vec<f64> {
             let chosen = samples.iter().filter(|s| (s.number == 0) == drawn);
             chosen
@@ -61,8 +55,8 @@ pub fn page(name: &str, text: &str, names: &[&str], samples: &[Sample]) -> Resul
                     .collect(),
             },
         ];
-        let axes = Axes::new(x, "share of the samples (%)").starting_at_zero();
-        charts.push(line_chart(&axes, &curves)?);
+        let labels = [x, "share of the samples (%)"];
+        charts.push(line_chart(labels, Height::FromZero(0.0), &curves)?);
     }
     page.pictures(&charts);
     Ok(page.finish())

@@ -8,22 +8,84 @@ use super::variation::Variation;
 use crate::Error;
 use crate::output;
 
-/// Results of a sample, with their units; the last ones stand there only if they are asked for.
-const RESULTS: [&str; 8] = [
-    "peak_to_peak_ste_loa_um",
-    "mean_ste_loa_um",
-    "harmonic_1_loa_um",
-    "maximum_pressure_mpa",
-    "edge_line_load_n_per_mm",
-    "face_load_factor",
-    "root_stress_1_mpa",
-    "root_stress_2_mpa",
+/// A result of a sample.
+pub struct Outcome {
+    /// With its unit.
+    pub name: &'static str,
+    /// Above its correlations, and at the axis of its distribution, where they are shown.
+    pub head: Option<(&'static str, &'static str)>,
+    value: fn(&Solved) -> f64,
+}
+
+/// What a sample is solved for.
+pub struct Solved {
+    pub cycle: MeshCycle,
+    pub face_load_factor: f64,
+    /// Where it is asked for.
+    pub roots: Option<[GearRoots; 2]>,
+}
+
+/// The results; the last two only where root stress is asked for.
+const OUTCOMES: [Outcome; 8] = [
+    outcome(
+        "peak_to_peak_ste_loa_um",
+        Some(("p-p STE", "p-p STE (um)")),
+        |s| s.cycle.peak_to_peak_ste() * 1e6,
+    ),
+    outcome("mean_ste_loa_um", None, |s| s.cycle.mean_ste() * 1e6),
+    outcome("harmonic_1_loa_um", None, |s| {
+        s.cycle.harmonics()[0].map_or(f64::NAN, |h| h.amplitude * 1e6)
+    }),
+    outcome(
+        "maximum_pressure_mpa",
+        Some(("pressure", "largest flank pressure (MPa)")),
+        |s| s.cycle.max_pressure() * 1e-6,
+    ),
+    outcome("edge_line_load_n_per_mm", None, |s| {
+        s.cycle
+            .edge_load()
+            .map_or(0.0, |edge| edge.line_load * 1e-3)
+    }),
+    outcome("face_load_factor", Some(("K_Hbeta", "K_Hbeta")), |s| {
+        s.face_load_factor
+    }),
+    outcome(
+        "root_stress_1_mpa",
+        Some(("root 1", "root stress of gear 1 (MPa)")),
+        |s| s.root_stress(0),
+    ),
+    outcome(
+        "root_stress_2_mpa",
+        Some(("root 2", "root stress of gear 2 (MPa)")),
+        |s| s.root_stress(1),
+    ),
 ];
 
+const fn outcome(
+    name: &'static str,
+    head: Option<(&'static str, &'static str)>,
+    value: fn(&Solved) -> f64,
+) -> Outcome {
+    Outcome { name, head, value }
+}
+
 /// The results of a study with or without the largest root stress of both gears.
-pub fn names(root_stress: bool) -> &'static [&'static str] {
+pub fn outcomes(root_stress: bool) -> &'static [Outcome] {
     let roots = if root_stress { 0 } else { 2 };
-    &RESULTS[..RESULTS.len() - roots]
+    &OUTCOMES[..OUTCOMES.len() - roots]
+}
+
+impl Solved {
+    /// In the order of [`outcomes`].
+    pub fn results(&self) -> Vec<f64> {
+        let outcomes = outcomes(self.roots.is_some()).iter();
+        outcomes.map(|outcome| (outcome.value)(self)).collect()
+    }
+
+    fn root_stress(&self, i: usize) -> f64 {
+        let largest = self.roots.as_ref().and_then(|gears| gears[i].largest());
+        largest.map_or(0.0, |tooth| tooth.largest.stress * 1e-6)
+    }
 }
 
 /// One sample.
@@ -33,38 +95,19 @@ pub struct Sample {
     pub number: usize,
     /// Values of the varied fields.
     pub fields: Vec<f64>,
-    /// Those of [`names`], or why there are none.
+    /// Those of [`outcomes`], or why there are none.
     pub outcome: Result<Vec<f64>, String>,
-}
-
-/// The results of a mesh cycle, with the largest stress in its `roots`.
-pub fn results(
-    cycle: &MeshCycle,
-    face_load_factor: f64,
-    roots: Option<&[GearRoots; 2]>,
-) -> Vec<f64> {
-    let stress = |gear: &GearRoots| gear.largest().map_or(0.0, |tooth| tooth.largest.stress);
-    let contact = [
-        cycle.peak_to_peak_ste() * 1e6,
-        cycle.mean_ste() * 1e6,
-        cycle.harmonics()[0].map_or(f64::NAN, |h| h.amplitude * 1e6),
-        cycle.max_pressure() * 1e-6,
-        cycle.edge_load().map_or(0.0, |edge| edge.line_load * 1e-3),
-        face_load_factor,
-    ];
-    let roots = roots.into_iter().flatten().map(|gear| stress(gear) * 1e-6);
-    contact.into_iter().chain(roots).collect()
 }
 
 /// Writes `samples` to the CSV file `path`: number, fields, results, and what went wrong if something did.
 pub fn write(
     path: &Path,
     variations: &[Variation],
-    names: &[&str],
+    outcomes: &[Outcome],
     samples: &[Sample],
 ) -> Result<(), Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(header(variations, names))?;
+    writer.write_record(header(variations, outcomes))?;
     for sample in samples {
         let mut row = vec![sample.number.to_string()];
         row.extend(sample.fields.iter().map(f64::to_string));
@@ -74,7 +117,7 @@ pub fn write(
                 row.push(String::new());
             }
             Err(error) => {
-                row.extend(names.iter().map(|_| String::new()));
+                row.extend(outcomes.iter().map(|_| String::new()));
                 row.push(error.clone());
             }
         }
@@ -87,7 +130,11 @@ pub fn write(
 ///
 /// # Errors
 /// A file of another form.
-pub fn read(path: &Path, variations: &[Variation], names: &[&str]) -> Result<Vec<Sample>, Error> {
+pub fn read(
+    path: &Path,
+    variations: &[Variation],
+    outcomes: &[Outcome],
+) -> Result<Vec<Sample>, Error> {
     if !path.exists() {
         return Ok(Vec::new());
     }
@@ -100,7 +147,7 @@ pub fn read(path: &Path, variations: &[Variation], names: &[&str]) -> Result<Vec
     };
     let text = output::read_text(path)?;
     let mut reader = csv::Reader::from_reader(text.as_bytes());
-    if reader.headers()?.iter().ne(header(variations, names)) {
+    if reader.headers()?.iter().ne(header(variations, outcomes)) {
         return Err(wrong("columns of another study"));
     }
     let mut samples = Vec::new();
@@ -112,9 +159,9 @@ pub fn read(path: &Path, variations: &[Variation], names: &[&str]) -> Result<Vec
             value.map_err(|_| wrong(&format!("`{}` is no number", text(i))))
         };
         let first = 1 + variations.len();
-        let error = text(first + names.len());
+        let error = text(first + outcomes.len());
         let outcome = if error.is_empty() {
-            let results = (first..first + names.len()).map(number);
+            let results = (first..first + outcomes.len()).map(number);
             Ok(results.collect::<Result<_, _>>()?)
         } else {
             Err(error.to_owned())
@@ -128,10 +175,13 @@ pub fn read(path: &Path, variations: &[Variation], names: &[&str]) -> Result<Vec
     Ok(samples)
 }
 
-fn header<'a>(variations: &'a [Variation], names: &'a [&str]) -> impl Iterator<Item = &'a str> {
+fn header<'a>(
+    variations: &'a [Variation],
+    outcomes: &'a [Outcome],
+) -> impl Iterator<Item = &'a str> {
     let fields = variations.iter().map(|v| v.field.as_str());
     (["sample"].into_iter().chain(fields))
-        .chain(names.iter().copied())
+        .chain(outcomes.iter().map(|outcome| outcome.name))
         .chain(["error"])
 }
 
@@ -149,8 +199,8 @@ mod tests {
             high: 1.0,
         };
         let variations = [of("a"), of("b")];
-        let names = names(false);
-        assert_eq!(read(&path, &variations, names).unwrap(), []);
+        let found = outcomes(false);
+        assert_eq!(read(&path, &variations, found).unwrap(), []);
         let samples = [
             Sample {
                 number: 0,
@@ -163,11 +213,11 @@ mod tests {
                 outcome: Err("too much, \"far\"".into()),
             },
         ];
-        write(&path, &variations, names, &samples).unwrap();
-        assert_eq!(read(&path, &variations, names).unwrap(), samples);
+        write(&path, &variations, found, &samples).unwrap();
+        assert_eq!(read(&path, &variations, found).unwrap(), samples);
         for refused in [
-            read(&path, &variations[..1], names),
-            read(&path, &variations, super::names(true)),
+            read(&path, &variations[..1], found),
+            read(&path, &variations, outcomes(true)),
         ] {
             let error = refused.unwrap_err().to_string();
             assert!(error.contains("another study"), "{error}");

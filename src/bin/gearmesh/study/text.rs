@@ -5,21 +5,18 @@ use std::fmt::Write;
 use gearmesh::words::{count, fixed, shown};
 
 use super::Bench;
-use super::samples::Sample;
+use super::samples::{Outcome, Sample};
 use super::statistics::Statistics;
 use crate::output::Listing;
 
-/// Results whose correlation is printed, with what stands above it.
-const CORRELATED: [(&str, &str); 5] = [
-    ("peak_to_peak_ste_loa_um", "p-p STE"),
-    ("maximum_pressure_mpa", "pressure"),
-    ("face_load_factor", "K_Hbeta"),
-    ("root_stress_1_mpa", "root 1"),
-    ("root_stress_2_mpa", "root 2"),
-];
-
 /// Spread of the results of `done` and their correlation with the varied fields.
-pub fn text(bench: &Bench, seed: u64, done: &[Sample], statistics: &[Statistics]) -> String {
+pub fn text(
+    bench: &Bench,
+    seed: u64,
+    done: &[Sample],
+    outcomes: &[Outcome],
+    statistics: &[Statistics],
+) -> String {
     let refused = done.iter().filter(|s| s.outcome.is_err()).count();
     let mut text = format!(
         "{}: {}, {refused} refused, seed {seed}\n",
@@ -31,45 +28,35 @@ pub fn text(bench: &Bench, seed: u64, done: &[Sample], statistics: &[Statistics]
         rows.row(&v.field, format!("{} to {}, even", v.low, v.high));
     }
     let _ = write!(text, "\n{rows}\n");
+    let mut line = |first: &str, cells: &mut dyn Iterator<Item = String>| {
+        let cells: String = cells.map(|cell| format!(" {cell:>9}")).collect();
+        let _ = writeln!(text, "{first:<26}{cells}");
+    };
     let heads = ["as drawn", "mean", "5 %", "median", "95 %", "largest"];
-    let _ = write!(text, "{:<26}", "");
-    for head in heads {
-        let _ = write!(text, " {head:>9}");
-    }
-    text.push('\n');
+    line("", &mut heads.into_iter().map(String::from));
     for s in statistics {
-        let _ = write!(text, "{:<26}", s.result);
-        for value in [
-            s.nominal,
-            s.mean,
-            s.percentile_5,
-            s.median,
-            s.percentile_95,
-            s.largest,
-        ] {
-            let digits = if value.abs() < 100.0 { 3 } else { 0 };
-            let _ = write!(text, " {:>9}", fixed(value, digits));
-        }
-        text.push('\n');
+        let low = [s.nominal, s.mean, s.percentile_5];
+        let values = low
+            .into_iter()
+            .chain([s.median, s.percentile_95, s.largest]);
+        let digits = |value: f64| if value.abs() < 100.0 { 3 } else { 0 };
+        line(
+            s.result,
+            &mut values.map(|value| fixed(value, digits(value))),
+        );
     }
-    let correlated: Vec<(&Statistics, &str)> = (statistics.iter())
-        .filter_map(|s| {
-            let known = CORRELATED.iter().find(|(result, _)| *result == s.result);
-            Some((s, known?.1))
-        })
+    let heads = outcomes.iter().map(|outcome| outcome.head);
+    let correlated: Vec<(&Statistics, &str)> = (statistics.iter().zip(heads))
+        .filter_map(|(s, head)| Some((s, head?.0)))
         .collect();
     let mut correlations = |head: &str, of: fn(&Statistics) -> &[f64]| {
-        let _ = write!(text, "\n{head:<26}");
-        for (_, result) in &correlated {
-            let _ = write!(text, " {result:>9}");
-        }
-        text.push('\n');
+        let heads = correlated.iter().map(|(_, head)| head.to_string());
+        line(&format!("\n{head:<26}"), &mut heads.into_iter());
         for (k, v) in bench.variations.iter().enumerate() {
-            let _ = write!(text, "{:<26}", v.field);
-            for (s, _) in &correlated {
-                let _ = write!(text, " {:>9}", fixed(of(s)[k], 2));
-            }
-            text.push('\n');
+            line(
+                &v.field,
+                &mut correlated.iter().map(|(s, _)| fixed(of(s)[k], 2)),
+            );
         }
     };
     correlations("correlation with", |s| &s.correlation);

@@ -14,20 +14,18 @@ use gearmesh::pair::Pair;
 use gearmesh::table::plan::{Coverage, default_axes, tilt};
 use gearmesh::table::source::WatchedSolver;
 use gearmesh::table::sweep::Watch;
-use gearmesh::table::{TableFile, TeethRecord, default_root_stress_axes, default_teeth_axes};
+use gearmesh::table::{TableFile, TeethRecord};
 
 use crate::Error;
 use crate::model::ModelArgs;
 use crate::output;
-use crate::preflight::{self, Load, preflight};
-use records::{default_grid, drive_flank, root_stress, sliding, teeth, within};
+use crate::pair_summary::at_build;
+use crate::preflight::{corners, preflight};
+use records::{at_run_time, default_grid, drive_flank, root_stress, sliding, teeth, within};
 use words::settings;
 
 /// Random operating points at which the default grid is measured.
 const HELD_OUT_POINTS: usize = 1000;
-
-/// Places of a tooth pair that are likely: some three base pitches.
-const PLACES: usize = 96;
 
 /// Compute the tables of a pair.
 #[derive(Debug, Args)]
@@ -101,6 +99,8 @@ pub struct Made {
     root_stress_seconds: f64,
     /// Likewise of tooth pairs one by one.
     teeth_seconds: f64,
+    /// What is to be known of the pair, one line each: its teeth against the drawing, and its notes.
+    about_pair: Vec<String>,
     /// What is to be known where the teeth of the pair differ, which tables do not hold.
     note_on_teeth: Option<&'static str>,
 }
@@ -128,11 +128,12 @@ pub fn compute(
     }
     crate::output::check_writable(output, &[path])?;
     args.use_threads()?;
-    let coverage = coverage(&pair, grid);
-    let load = load(&pair, &coverage, grid);
-    let job = preflight(&pair, args, &coverage, load)?;
+    let coverage = coverage(&pair, [!grid.no_center_distance, !grid.no_misalignment]);
+    let likely = likely_solves(&pair, &coverage, grid);
+    let job = args.job();
+    preflight(&pair, args, &coverage, &job)?;
     let model = args.solver(&pair, &job)?;
-    preflight::corners(&model.solver, &pair, &coverage)?;
+    corners(&model.solver, &pair, &coverage)?;
     let begin = Instant::now();
 
     let cancel = AtomicBool::new(false);
@@ -143,9 +144,13 @@ pub fn compute(
         if done == total {
             before.fetch_add(total, Ordering::Relaxed);
         }
-        let likely = load.solves.max(all);
+        let likely = likely.max(all);
         let share = all as f64 / likely as f64;
-        job.contact(share, &format!("{all} of about {likely} solves"));
+        job.tell(
+            "static contact",
+            share,
+            &format!("{all} of about {likely} solves"),
+        );
     };
     let watch = Watch {
         progress: &told,
@@ -182,17 +187,19 @@ pub fn compute(
         None
     };
     let root_stress_seconds = begin.elapsed().as_secs_f64();
-    let contact = if contact || grid.teeth {
+    let wants_contact = contact;
+    let mut contact = if contact || grid.teeth {
         let solver = args.at_run_time(model.solver.clone());
-        Some((contact, ContactFile::new(&pair, &solver)?))
+        Some(ContactFile::new(&pair, &solver)?)
     } else {
         None
     };
+    if wants_contact && let Some(contact) = &mut contact {
+        contact.error = Some(at_run_time(&pair, &model, contact, args)?);
+    }
     let begin = Instant::now();
     let teeth = match &contact {
-        Some((_, contact)) if grid.teeth => {
-            Some(teeth(&pair, &model, &coverage, tilt, contact, args)?)
-        }
+        Some(contact) if grid.teeth => Some(teeth(&pair, &model, &coverage, tilt, contact, args)?),
         _ => None,
     };
     let teeth_seconds = begin.elapsed().as_secs_f64();
@@ -213,11 +220,12 @@ pub fn compute(
     file.seal();
     Ok(Made {
         file,
-        contact: contact.and_then(|(wanted, contact)| wanted.then_some(contact)),
+        contact: contact.filter(|_| wants_contact),
         elastic_model: format!(
             "{}, {:.1} s, {}",
             model.description, model.compliance_seconds, model.origin
         ),
+        about_pair: at_build(&pair),
         note_on_teeth: pair.note_on_teeth(),
         contact_seconds,
         root_stress_seconds,
@@ -225,39 +233,22 @@ pub fn compute(
     })
 }
 
-/// How much is likely to be solved: the default grid with the points it is measured at, and three times as much where
-/// the grid is sought.
-fn load(pair: &Pair, coverage: &Coverage, grid: &GridArgs) -> Load {
+/// How many solves are likely: the default grid with the points it is measured at, and three times as many where the grid is
+/// sought.
+fn likely_solves(pair: &Pair, coverage: &Coverage, grid: &GridArgs) -> usize {
     let [nc, nm, nu, np] = default_axes(coverage).lengths();
     let flanks = if pair.coast_mirrors_drive() { 1 } else { 2 };
     let grids = if grid.max_error.is_some() { 3 } else { 1 };
-    let of = |grid: usize| flanks * (grids * grid + HELD_OUT_POINTS);
-    let roots = || {
-        let rb = pair.geometry.gears[0].base_radius();
-        let [nc, nm, nf, np] = default_root_stress_axes(coverage, rb).lengths();
-        // Without a force there is nothing to solve.
-        [nc * np, nc * nm * (nf - 1) * np].map(|nodes| flanks * (nodes + HELD_OUT_POINTS))
-    };
-    let teeth = || {
-        let [nc, nm, nu, _] = default_teeth_axes(coverage).lengths();
-        let np = PLACES;
-        [nc * np, nc * nm * (nu + 1) * np].map(|nodes| flanks * nodes)
-    };
-    Load {
-        positions: of(nc * np),
-        solves: of(nc * nm * (nu + 1) * np),
-        root_stress: grid.root_stress.then(roots),
-        teeth: grid.teeth.then(teeth),
-    }
+    flanks * (grids * nc * nm * (nu + 1) * np + HELD_OUT_POINTS)
 }
 
-/// The ranges of the pair file, less the dimensions that are not asked for.
-fn coverage(pair: &Pair, grid: &GridArgs) -> Coverage {
-    let wanted = |range: [f64; 2], off: bool| (!off && range[0] < range[1]).then_some(range);
+/// The ranges of the pair file, those of centre distance and misalignment where they are `wanted`.
+fn coverage(pair: &Pair, wanted: [bool; 2]) -> Coverage {
+    let of = |wanted: bool, range: [f64; 2]| (wanted && range[0] < range[1]).then_some(range);
     let operating = &pair.operating;
     Coverage {
-        center_distance_offset: wanted(operating.center_distance_offset, grid.no_center_distance),
-        misalignment: wanted(operating.misalignment, grid.no_misalignment),
+        center_distance_offset: of(wanted[0], operating.center_distance_offset),
+        misalignment: of(wanted[1], operating.misalignment),
         nominal_torque: operating.nominal_torque,
         maximum_torque: operating.maximum_torque,
     }

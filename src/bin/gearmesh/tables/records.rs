@@ -2,10 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use gearmesh::contact::ContactFile;
+use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
-use gearmesh::table::plan::{Coverage, default_axes, measure, misalignments, table_within};
+use gearmesh::table::plan::{
+    Coverage, default_axes, measure, measure_at_run_time, misalignments, table_within,
+};
 use gearmesh::table::source::WatchedSolver;
 use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{
@@ -17,7 +19,12 @@ use gearmesh::table::{
 use super::HELD_OUT_POINTS;
 use crate::Error;
 use crate::model::{Model, ModelArgs};
-use crate::progress::Plan;
+
+/// Random operating points at which contact at run time is measured.
+const RUN_TIME_POINTS: usize = 32;
+
+/// Most stations of the contact that it is measured against; a solve on 400 takes seconds.
+const MOST_STATIONS: usize = 200;
 
 /// Of the drive flank: the default grid, or one whose error stays below `max_error`, with its error.
 pub(super) fn drive_flank(
@@ -106,9 +113,7 @@ pub(super) fn root_stress(
     let rb = pair.geometry.gears[0].base_radius();
     let axes = default_root_stress_axes(coverage, rb);
     let of = |flank| {
-        let job = args.progress().job(
-            Plan::new([0.0; 2], ("root stress", 0.0)).with_fillets(args.fillet_seconds(pair)?),
-        );
+        let job = args.job();
         let models = &args.fillets(pair, flank, &job)?.maps;
         drop(job);
         let sweep = RootStressSweep {
@@ -160,17 +165,45 @@ pub(super) fn teeth(
     })
 }
 
+/// How far `contact` is over the whole range of the pair file from the static contact on more stations.
+pub(super) fn at_run_time(
+    pair: &Pair,
+    model: &Model,
+    contact: &ContactFile,
+    args: &ModelArgs,
+) -> Result<InterpolationError, Error> {
+    let settings = args.contact_settings(pair);
+    let usual = ContactSettings::for_pair(pair).stations;
+    let own = settings.stations;
+    let finer = ContactSettings {
+        // Twice as many, but no more than are solved in seconds.
+        stations: (2 * own.max(usual)).min(MOST_STATIONS).max(own),
+        ..settings
+    };
+    let solver = ContactSolver::new(pair, model.compliance.clone(), finer)?;
+    let coverage = super::coverage(pair, [true; 2]);
+    watched(args, "error of contact at run time", |watch| {
+        let of =
+            |flank| measure_at_run_time(&solver, contact, flank, &coverage, RUN_TIME_POINTS, watch);
+        let drive = of(Flank::Drive)?;
+        Ok(match contact.coast {
+            Some(_) => drive.with(of(Flank::Coast)?),
+            None => drive,
+        })
+    })
+}
+
 /// `work` with its progress shown as that of `what`.
 fn watched<R>(
     args: &ModelArgs,
     what: &'static str,
     work: impl FnOnce(&Watch) -> Result<R, Error>,
 ) -> Result<R, Error> {
-    let job = args.progress().job(Plan::new([0.0; 2], (what, 1.0)));
+    let job = args.job();
     work(&Watch {
         progress: &|done, total| {
             let told = format!("{done} of {total} solves");
-            job.contact(done as f64 / total as f64, &told);
+            job.tell(what, done as f64 / total as f64, &told);
         },
         cancel: &AtomicBool::new(false),
     })

@@ -6,6 +6,7 @@ use gearmesh::table::TableFile;
 use gearmesh::table::source::SolveQuality;
 
 use super::Made;
+use crate::accuracy;
 use crate::flank_summary::modifications;
 use crate::model::{Model, ModelArgs};
 use crate::output::Listing;
@@ -24,6 +25,9 @@ impl std::fmt::Display for Made {
             self.contact_seconds,
             solves_in_words(&self.file)
         )?;
+        for line in &self.about_pair {
+            write!(f, "\n  {line}")?;
+        }
         if let Some(root_stress) = &self.file.root_stress {
             write!(
                 f,
@@ -47,17 +51,25 @@ impl std::fmt::Display for Made {
                 )?;
             }
         }
+        if let Some(contact) = &self.contact {
+            let error = accuracy::at_run_time(contact.error.as_ref());
+            write!(f, "\n  contact at run time: {error}")?;
+        }
         if let Some(note) = self.note_on_teeth {
-            let takes = match (&self.file.teeth, &self.contact) {
-                (Some(_), Some(_)) => "teeth` and `contact` take",
-                (Some(_), None) => "teeth` takes",
-                (None, Some(_)) => "contact` takes",
-                (None, None) => return write!(f, "\n  note: {note}"),
+            let table = "`stiffnessModel = table` takes all teeth as alike";
+            let words = match (&self.file.teeth, &self.contact) {
+                (Some(_), Some(_)) => format!(
+                    "units start with `stiffnessModel = teeth`, which takes the tooth errors, as `contact` does; {table}"
+                ),
+                (Some(_), None) => format!(
+                    "units start with `stiffnessModel = teeth`, which takes the tooth errors; {table}"
+                ),
+                (None, Some(_)) => {
+                    format!("{table}; `stiffnessModel = contact` takes the tooth errors")
+                }
+                (None, None) => note.to_owned(),
             };
-            write!(
-                f,
-                "\n  note: `stiffnessModel = table` takes all teeth as alike; `stiffnessModel = {takes} the tooth errors"
-            )?;
+            write!(f, "\n  note: {words}")?;
         }
         Ok(())
     }

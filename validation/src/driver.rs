@@ -1,0 +1,432 @@
+//! A small driver for numerical experiments with the element: two gears on bearings, imposed speeds
+//! or torques, integrators, and a co-simulation loop.
+//!
+//! Each gear is a rigid body, axisymmetric about its axis. Its state holds the position of the centre
+//! of mass, the orientation as a unit quaternion, the velocity and the angular momentum about the centre of
+//! mass, all in the world frame, so the equations have no inertia terms:
+//!
+//! ```text
+//! p' = v,   q' = w q / 2,   m v' = force,   L' = moment,   w = L/J_t + (1/J_p - 1/J_t) (L . a) a
+//! ```
+//!
+//! with J_p about the axis a and J_t across it. A gear without a bearing gets neither force nor moment but about its axis.
+
+use gearmesh::element::{Element, ElementError, Inputs, InputsChange, Latch, Motion, MotionChange, Outputs};
+use gearmesh::gear::PairGeometry;
+use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use std::sync::Arc;
+
+/// Numbers per gear: position 3, quaternion w x y z 4, velocity 3, angular momentum 3.
+pub const GEAR_STATES: usize = 13;
+/// Numbers of both gears.
+pub const STATES: usize = 2 * GEAR_STATES;
+/// State of both gears.
+pub type State = [f64; STATES];
+
+/// State of one gear, taken apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GearState {
+    /// Position of the centre of mass, m, W.
+    pub p: Vector3<f64>,
+    /// Orientation R_WG.
+    pub q: UnitQuaternion<f64>,
+    /// Velocity of the centre of mass, m/s.
+    pub v: Vector3<f64>,
+    /// Angular momentum about the centre of mass, kg m^2/s, W.
+    pub l: Vector3<f64>,
+}
+
+/// Gear `i` (0 or 1) of `state`.
+pub fn gear_state(state: &State, i: usize) -> GearState {
+    let s = &state[i * GEAR_STATES..(i + 1) * GEAR_STATES];
+    GearState {
+        p: Vector3::new(s[0], s[1], s[2]),
+        q: UnitQuaternion::new_normalize(Quaternion::new(s[3], s[4], s[5], s[6])),
+        v: Vector3::new(s[7], s[8], s[9]),
+        l: Vector3::new(s[10], s[11], s[12]),
+    }
+}
+
+/// Put gear `i` (0 or 1) into `state`.
+pub fn set_gear_state(state: &mut State, i: usize, gear: &GearState) {
+    let s = &mut state[i * GEAR_STATES..(i + 1) * GEAR_STATES];
+    s[0..3].copy_from_slice(gear.p.as_slice());
+    s[3] = gear.q.w;
+    s[4..7].copy_from_slice(gear.q.imag().as_slice());
+    s[7..10].copy_from_slice(gear.v.as_slice());
+    s[10..13].copy_from_slice(gear.l.as_slice());
+}
+
+/// What moves or loads a gear about its axis.
+#[derive(Clone)]
+pub enum Spin {
+    /// Free, under a torque f(t, spin rate in rad/s), N m, that works on the twist about world z (half-way
+    /// between both axes where the gear is tilted), so that a constant one has a potential.
+    Torque(Arc<dyn Fn(f64, f64) -> f64 + Send + Sync>),
+    /// The spin rate is imposed: f(t), rad/s.
+    Speed(Arc<dyn Fn(f64) -> f64 + Send + Sync>),
+}
+
+impl Spin {
+    /// Free under a constant torque, N m.
+    pub fn torque(torque: f64) -> Self {
+        Spin::Torque(Arc::new(move |_, _| torque))
+    }
+
+    /// Turning at a constant rate, rad/s.
+    pub fn speed(speed: f64) -> Self {
+        Spin::Speed(Arc::new(move |_| speed))
+    }
+}
+
+/// Springs and dampers between a gear and its rest position, on which it moves in six freedoms.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Bearing {
+    /// Along world x, y, z, N/m and N s/m.
+    pub stiffness: [f64; 3],
+    pub damping: f64,
+    /// Of the tilt, N m/rad and N m s/rad.
+    pub tilt_stiffness: f64,
+    pub tilt_damping: f64,
+}
+
+/// Mass, kg, and moments of inertia about and across the axis, kg m^2, of every gear: those behind the paper's Table 2.
+pub const MASS: f64 = 0.8;
+pub const INERTIA: f64 = 4.213e-4;
+pub const TRANSVERSE_INERTIA: f64 = 0.6 * INERTIA;
+
+/// One gear as a rigid body.
+#[derive(Clone)]
+pub struct Gear {
+    /// Centre of mass on the axis from the z = 0 face, m.
+    pub center_of_mass: f64,
+    /// Rest position of the origin, m, W; the axis at rest is world z.
+    pub origin: Vector3<f64>,
+    /// Without one it only spins.
+    pub bearing: Option<Bearing>,
+    pub spin: Spin,
+}
+
+impl Gear {
+    /// Gear `i` of `pair`, which only spins.
+    pub fn new(pair: &PairGeometry, i: usize, spin: Spin) -> Self {
+        let origin = Vector3::new(pair.center_distance, 0.0, pair.gears[1].face_offset) * i as f64;
+        Self { center_of_mass: 0.0, origin, bearing: None, spin }
+    }
+
+    fn rest(&self) -> Vector3<f64> {
+        self.origin + Vector3::z() * self.center_of_mass
+    }
+}
+
+/// Two gears coupled by an element.
+#[derive(Clone)]
+pub struct Scene {
+    pub element: Element,
+    /// Its phase zeros.
+    pub latch: Latch,
+    pub gears: [Gear; 2],
+}
+
+impl Scene {
+    /// A scene that starts in the element's nominal pose, with its latch taken there.
+    pub fn new(element: Element, gears: [Gear; 2]) -> Result<Self, ElementError> {
+        let latch = element.latch(&element.nominal_inputs())?;
+        Ok(Self { element, latch, gears })
+    }
+
+    /// At rest, apart from imposed speeds, with zero angles.
+    pub fn rest(&self) -> State {
+        let mut state = [0.0; STATES];
+        for (i, gear) in self.gears.iter().enumerate() {
+            let spin = match &gear.spin {
+                Spin::Torque(_) => 0.0,
+                Spin::Speed(f) => f(0.0),
+            };
+            let (q, l) = (UnitQuaternion::identity(), Vector3::z() * (spin * INERTIA));
+            set_gear_state(&mut state, i, &GearState { p: gear.rest(), q, v: Vector3::zeros(), l });
+        }
+        state
+    }
+
+    /// `state` with gear `i` turned about its axis by `angle` (rad) and spinning at `rate` (rad/s).
+    pub fn with_spin(&self, state: &State, i: usize, angle: f64, rate: f64) -> State {
+        let mut out = *state;
+        let mut g = gear_state(state, i);
+        g.q *= UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        let a = g.q * Vector3::z();
+        g.l += a * (INERTIA * rate - g.l.dot(&a));
+        set_gear_state(&mut out, i, &g);
+        out
+    }
+
+    /// Angular velocity of gear `i`, rad/s, W.
+    pub fn angular_velocity(&self, t: f64, i: usize, g: &GearState) -> Vector3<f64> {
+        let gear = &self.gears[i];
+        let a = g.q * Vector3::z();
+        let along = g.l.dot(&a);
+        let spin = match &gear.spin {
+            Spin::Torque(_) => along / INERTIA,
+            Spin::Speed(f) => f(t),
+        };
+        let across = (g.l - a * along) / TRANSVERSE_INERTIA;
+        if gear.bearing.is_some() { a * spin + across } else { a * spin }
+    }
+
+    /// The element's inputs at `state`; the carrier is the world.
+    pub fn inputs(&self, t: f64, state: &State) -> Inputs {
+        Inputs {
+            gears: [0, 1].map(|i| {
+                let g = gear_state(state, i);
+                let w = self.angular_velocity(t, i, &g);
+                let r = *g.q.to_rotation_matrix().matrix();
+                let arm = r.column(2) * -self.gears[i].center_of_mass;
+                Motion { p: g.p + arm, r, v: g.v + w.cross(&arm), w }
+            }),
+            carrier: Motion::default(),
+        }
+    }
+
+    /// Contact loads at `state`.
+    pub fn contact(&self, t: f64, state: &State) -> Result<Outputs, ElementError> {
+        self.element.evaluate(&self.latch, &self.inputs(t, state))
+    }
+
+    /// Rates of `state` with the contact's `force` and `moment` (about each gear's origin) given.
+    pub fn rates(&self, t: f64, state: &State, force: &[Vector3<f64>; 2], moment: &[Vector3<f64>; 2]) -> State {
+        let mut rates = [0.0; STATES];
+        for (i, gear) in self.gears.iter().enumerate() {
+            let g = gear_state(state, i);
+            let w = self.angular_velocity(t, i, &g);
+            let a = g.q * Vector3::z();
+            let mut total = force[i];
+            let mut about = moment[i] - (a * gear.center_of_mass).cross(&force[i]);
+            if let Spin::Torque(f) = &gear.spin {
+                about += (a + Vector3::z()) / (1.0 + a.z) * f(t, w.dot(&a));
+            }
+            if let Some(b) = &gear.bearing {
+                total -= Vector3::from(b.stiffness).component_mul(&(g.p - gear.rest())) + g.v * b.damping;
+                about += a.cross(&Vector3::z()) * b.tilt_stiffness - (w - a * w.dot(&a)) * b.tilt_damping;
+            } else {
+                total = Vector3::zeros();
+                about = a * about.dot(&a);
+            }
+            if matches!(gear.spin, Spin::Speed(_)) {
+                about -= a * about.dot(&a);
+            }
+            let turn = Quaternion::from_imag(w * 0.5) * g.q.quaternion();
+            let s = &mut rates[i * GEAR_STATES..(i + 1) * GEAR_STATES];
+            s[0..3].copy_from_slice(g.v.as_slice());
+            s[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+            s[7..10].copy_from_slice((total / MASS).as_slice());
+            s[10..13].copy_from_slice(about.as_slice());
+        }
+        rates
+    }
+
+    /// Rates of `state` at `t`.
+    pub fn coupled_rates(&self, t: f64, state: &State) -> Result<State, ElementError> {
+        let out = self.contact(t, state)?;
+        Ok(self.rates(t, state, &out.force, &out.moment))
+    }
+
+    /// Kinetic energy, energy of the bearings and elastic energy of the mesh, J.
+    pub fn energy(&self, t: f64, state: &State) -> Result<f64, ElementError> {
+        let mut energy = self.contact(t, state)?.energy;
+        for (i, gear) in self.gears.iter().enumerate() {
+            let g = gear_state(state, i);
+            let a = g.q * Vector3::z();
+            let w = self.angular_velocity(t, i, &g);
+            let spin = w.dot(&a);
+            let across = (w - a * spin).norm_squared();
+            energy += 0.5 * (MASS * g.v.norm_squared() + TRANSVERSE_INERTIA * across + INERTIA * spin * spin);
+            if let Some(b) = &gear.bearing {
+                let displacement = g.p - gear.rest();
+                energy += 0.5 * displacement.dot(&Vector3::from(b.stiffness).component_mul(&displacement));
+                // Moment a × z times the stiffness is the gradient of 1 - a . z = |a - z|^2 / 2.
+                energy += 0.5 * b.tilt_stiffness * (a - Vector3::z()).norm_squared();
+            }
+        }
+        Ok(energy)
+    }
+}
+
+/// Angle of rotation about world z (twist of the swing-twist decomposition), [-pi, pi).
+pub fn twist(q: &UnitQuaternion<f64>) -> f64 {
+    let angle = 2.0 * q.k.atan2(q.w);
+    angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round()
+}
+
+/// Fixed-step integrator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Velocities first, then positions with the new velocities; first order, symplectic.
+    SemiImplicitEuler,
+    /// Classical Runge-Kutta, fourth order.
+    RungeKutta4,
+}
+
+impl Method {
+    /// `state` one step `h` (s) after `t`.
+    pub fn step(self, scene: &Scene, t: f64, state: &State, h: f64) -> Result<State, ElementError> {
+        match self {
+            Method::SemiImplicitEuler => {
+                let rates = scene.coupled_rates(t, state)?;
+                Ok(drift(scene, t, &kick(state, &rates, h), h))
+            }
+            Method::RungeKutta4 => runge_kutta_4(t, state, h, |t, y| scene.coupled_rates(t, y)),
+        }
+    }
+}
+
+/// One classical Runge-Kutta step of y' = f(t, y).
+fn runge_kutta_4<E>(t: f64, y: &State, h: f64, f: impl Fn(f64, &State) -> Result<State, E>) -> Result<State, E> {
+    let ahead = |k: &State, h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
+    let k1 = f(t, y)?;
+    let k2 = f(t + 0.5 * h, &ahead(&k1, 0.5 * h))?;
+    let k3 = f(t + 0.5 * h, &ahead(&k2, 0.5 * h))?;
+    let k4 = f(t + h, &ahead(&k3, h))?;
+    Ok(std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])))
+}
+
+/// Velocities and angular momenta advanced by `h` at fixed positions.
+fn kick(state: &State, rates: &State, h: f64) -> State {
+    let mut out = *state;
+    for i in 0..2 {
+        for k in 7..GEAR_STATES {
+            out[i * GEAR_STATES + k] += h * rates[i * GEAR_STATES + k];
+        }
+    }
+    out
+}
+
+/// Positions advanced by `h` at fixed velocities and angular momenta; the rotation with the angular
+/// velocity half-way, which changes with the axis.
+fn drift(scene: &Scene, t: f64, state: &State, h: f64) -> State {
+    let mut out = *state;
+    for i in 0..2 {
+        let mut g = gear_state(state, i);
+        let start = scene.angular_velocity(t, i, &g);
+        let mut half = g;
+        half.q = UnitQuaternion::from_scaled_axis(start * (0.5 * h)) * g.q;
+        let w = scene.angular_velocity(t + 0.5 * h, i, &half);
+        g.q = UnitQuaternion::from_scaled_axis(w * h) * g.q;
+        g.p += g.v * h;
+        set_gear_state(&mut out, i, &g);
+    }
+    out
+}
+
+/// Order in which a master lets both sides step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Master {
+    /// The element first: the gears step from t to t + H under the loads of the motion at t.
+    Sequential,
+    /// Both at once: the gears step from t to t + H under the loads of the motion at t - H.
+    Parallel,
+}
+
+/// What crosses the boundary besides values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extrapolation {
+    /// Loads are held.
+    Hold,
+    /// The element moves its inputs on inside its step by their velocities (input derivatives) to the
+    /// middle of the interval over which its loads will act, and the loads are held.
+    Inputs,
+    /// Loads run on linearly with their time derivatives (output derivatives), taken by the exact
+    /// gradient along the velocities.
+    Outputs,
+}
+
+/// Loads on both gears at time `at`, and their rates.
+#[derive(Debug, Clone, Copy, Default)]
+struct Loads {
+    at: f64,
+    force: [Vector3<f64>; 2],
+    moment: [Vector3<f64>; 2],
+    force_rate: [Vector3<f64>; 2],
+    moment_rate: [Vector3<f64>; 2],
+}
+
+/// A running co-simulation.
+pub struct Coupling<'a> {
+    scene: &'a Scene,
+    master: Master,
+    extrapolation: Extrapolation,
+    /// Communication step H, s.
+    step: f64,
+    /// Runge-Kutta steps of the gears within one communication step.
+    substeps: usize,
+    /// Time, s.
+    pub time: f64,
+    /// State of the gears.
+    pub state: State,
+    loads: Loads,
+}
+
+impl<'a> Coupling<'a> {
+    /// Start at `state` and time zero, with communication step `step` (s) that the gears' own integrator
+    /// divides into `substeps`.
+    pub fn new(
+        scene: &'a Scene,
+        (master, extrapolation): (Master, Extrapolation),
+        state: State,
+        step: f64,
+        substeps: usize,
+    ) -> Result<Self, ElementError> {
+        let loads = Loads::default();
+        let mut coupling = Self { scene, master, extrapolation, step, substeps, time: 0.0, state, loads };
+        coupling.loads = coupling.element()?;
+        Ok(coupling)
+    }
+
+    /// One communication step.
+    pub fn advance(&mut self) -> Result<(), ElementError> {
+        let new = self.element()?;
+        let loads = match self.master {
+            Master::Sequential => new,
+            Master::Parallel => self.loads,
+        };
+        let h = self.step / self.substeps as f64;
+        for n in 0..self.substeps {
+            self.state = runge_kutta_4(self.time + n as f64 * h, &self.state, h, |t, y| {
+                let ahead = t - loads.at;
+                let run = |x: &[Vector3<f64>; 2], rate: &[Vector3<f64>; 2]| [0, 1].map(|i| x[i] + rate[i] * ahead);
+                let [force, moment] = [run(&loads.force, &loads.force_rate), run(&loads.moment, &loads.moment_rate)];
+                Ok::<_, ElementError>(self.scene.rates(t, y, &force, &moment))
+            })?;
+        }
+        self.time += self.step;
+        self.loads = new;
+        Ok(())
+    }
+
+    /// The element's answer to the motion now.
+    fn element(&self) -> Result<Loads, ElementError> {
+        let (element, latch) = (&self.scene.element, &self.scene.latch);
+        let mut inputs = self.scene.inputs(self.time, &self.state);
+        if self.extrapolation == Extrapolation::Inputs {
+            let ahead = match self.master {
+                Master::Sequential => 0.5 * self.step,
+                Master::Parallel => 1.5 * self.step,
+            };
+            for m in &mut inputs.gears {
+                m.p += m.v * ahead;
+                m.r = Rotation3::new(m.w * ahead).matrix() * m.r;
+            }
+        }
+        let out = element.evaluate(latch, &inputs)?;
+        let mut loads = Loads { at: self.time, force: out.force, moment: out.moment, ..Loads::default() };
+        if self.extrapolation == Extrapolation::Outputs {
+            let along = |m: &Motion| MotionChange { p: m.v, rotation: m.w, ..MotionChange::default() };
+            let velocities = InputsChange { gears: inputs.gears.each_ref().map(along), ..InputsChange::default() };
+            let slopes = element.directional_derivative(latch, &inputs, &velocities)?;
+            for i in 0..2 {
+                let part = |k: usize| Vector3::from_column_slice(&slopes[6 * i + k..][..3]);
+                (loads.force_rate[i], loads.moment_rate[i]) = (part(0), part(3));
+            }
+        }
+        Ok(loads)
+    }
+}

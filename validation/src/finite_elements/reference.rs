@@ -1,0 +1,127 @@
+//! Whole contact against scripts/contact_reference.py: relief, crowning, misalignment, centre distance, helix, wide faces.
+
+use crate::page::{Page, largest, mean, range, verdict};
+use crate::setup::solver;
+use crate::{Context, Result, in_repository, row};
+use gearmesh::compliance::finite_element::Settings;
+use gearmesh::contact::ContactSettings;
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+#[derive(Deserialize)]
+struct Data {
+    cases: BTreeMap<String, Case>,
+}
+
+#[derive(Deserialize)]
+struct Case {
+    title: String,
+    pair: serde_json::Value,
+    #[serde(default)]
+    plane_strain: bool,
+    center_distance_offset_um: f64,
+    /// Torque, N m, and misalignment, mrad.
+    loads: Vec<[f64; 2]>,
+    positions: Vec<Position>,
+}
+
+/// By load.
+#[derive(Deserialize)]
+struct Position {
+    mesh_position: f64,
+    ste_um: Vec<f64>,
+    /// Where the resultant crosses the pitch plane; where the data do not tell it, they tell the centroid.
+    #[serde(default)]
+    contact_z_mm: Vec<f64>,
+    #[serde(default)]
+    centroid_z_mm: Vec<f64>,
+    flank_pressure_mpa: Vec<Option<f64>>,
+}
+
+/// Found here and expected at every position of one load.
+#[derive(Default, Clone)]
+struct Compared {
+    ste: Vec<[f64; 2]>,
+    contact_z: Vec<[f64; 2]>,
+    pressure: Vec<[f64; 2]>,
+}
+
+pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+    let data: Data =
+        serde_json::from_str(&std::fs::read_to_string(in_repository("tests/data/contact_reference.json"))?)?;
+    let (mut rows, mut missed) = (vec![], vec![]);
+    for (name, case) in data.cases.iter().take(if context.quick { 1 } else { usize::MAX }) {
+        eprintln!("    {name}: {}", case.title);
+        for ([torque, misalignment], c) in case.loads.iter().zip(compare(context, case)?) {
+            let [here, there] = [0, 1].map(|i| c.ste.iter().map(|both| both[i]).collect::<Vec<_>>());
+            let of_mean = mean(&here) / mean(&there) - 1.0;
+            let [swing, swing_there] =
+                [&here, &there].map(|all| range(all.iter().copied())).map(|[low, high]| high - low);
+            let of_z = largest(c.contact_z.iter().map(|[a, b]| a - b));
+            let of_pressure = largest(c.pressure.iter().map(|[a, b]| a / b - 1.0));
+            let of_each = largest(c.ste.iter().map(|[a, b]| a / b - 1.0));
+            let of_swing = (swing - swing_there).abs() > f64::max(0.02 * swing_there, 0.05);
+            if of_mean.abs() > 0.007 || of_swing || of_z.abs() > 0.05 || of_pressure.abs() > 0.03 {
+                missed.push(format!("{} at {torque} N m, {misalignment} mrad", case.title));
+            }
+            let percent = |x: f64| format!("{:+.2}", 100.0 * x);
+            rows.push(row![
+                case.title,
+                c.ste.len(),
+                torque,
+                misalignment,
+                format!("{:.3} / {swing_there:.3}", mean(&there)),
+                percent(of_mean),
+                format!("{} ({:+.3} um)", percent(swing / swing_there - 1.0), swing - swing_there),
+                percent(of_each),
+                format!("{of_z:+.3}"),
+                match c.pressure.len() {
+                    0 => String::new(),
+                    n => format!("{:+.1} ({n})", 100.0 * of_pressure),
+                },
+            ]);
+        }
+    }
+    let of_which = if missed.is_empty() { String::new() } else { format!(" for {}", missed.join("; ")) };
+    page.part("reference-aim", &format!("Aim: {}{of_which}.", verdict(missed.is_empty())))?;
+    let head = [
+        "case",
+        "positions",
+        "N m",
+        "mrad",
+        "mean / p-p",
+        "mean %",
+        "p-p %",
+        "largest %",
+        "z_c, mm",
+        "flank pressure %",
+    ];
+    page.table("reference", &head, &rows)
+}
+
+/// Every load of a case.
+fn compare(context: &Context, case: &Case) -> Result<Vec<Compared>> {
+    let pair = Pair::from_json(&case.pair.to_string())?;
+    let settings = Settings { plane_strain: case.plane_strain, ..Settings::for_pair(&pair) };
+    let mut contact = ContactSettings::for_pair(&pair);
+    if case.plane_strain {
+        contact.stations = 1;
+    }
+    let solver = solver(&pair, &context.models.get(&pair, &settings)?, contact)?;
+    let mut all = vec![Compared::default(); case.loads.len()];
+    for at in &case.positions {
+        let problem = solver.position(Flank::Drive, at.mesh_position, 1e-6 * case.center_distance_offset_um)?;
+        for (i, ([torque, misalignment], c)) in case.loads.iter().zip(&mut all).enumerate() {
+            let result = problem.solve_torque(*torque, 1e-3 * misalignment, None)?;
+            c.ste.push([1e6 * result.approach, at.ste_um[i]]);
+            c.contact_z.push(match at.contact_z_mm.get(i) {
+                Some(there) => [1e3 * result.contact_z, *there],
+                None => [1e3 * problem.load_centroid(&result), at.centroid_z_mm[i]],
+            });
+            c.pressure.extend(at.flank_pressure_mpa[i].map(|there| [1e-6 * result.max_pressure, there]));
+        }
+    }
+    Ok(all)
+}

@@ -1,0 +1,40 @@
+//! Measures what docs/ says of gearmesh, and writes the tables and figures of its pages.
+//!
+//! A page is prose with generated parts between comments; a chapter measures something and replaces its parts:
+//! `cargo run --release --package gearmesh-validation -- --help`.
+
+pub mod contact_at_run_time;
+pub mod driver;
+pub mod finite_elements;
+pub mod page;
+pub mod plot;
+pub mod setup;
+pub mod speed_accuracy;
+pub mod stability;
+pub mod timing;
+
+use std::path::PathBuf;
+
+/// Whatever a measurement may fail with.
+pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error + Send + Sync>>;
+
+/// What every chapter is run with.
+#[derive(Default)]
+pub struct Context {
+    /// Fewer points and coarser elements: for trying out, not for the record.
+    pub quick: bool,
+    /// The interpreter that has fmpy.
+    pub python: String,
+    /// Elastic models computed so far in this run.
+    pub models: setup::Models,
+    /// Pair and samples that the chapters on speed share.
+    pub samples: std::cell::OnceCell<speed_accuracy::Sampled>,
+}
+
+/// Measures something and replaces its parts of the page.
+pub type Chapter = fn(&Context, &mut page::Page) -> Result<()>;
+
+/// `path` of the repository, wherever the program is started.
+pub fn in_repository(path: &str) -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(path)
+}

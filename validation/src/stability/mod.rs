@@ -1,0 +1,120 @@
+//! The page on stability: energy, nonlinear motion with known answers, co-simulation, hard cases, continuity.
+
+pub mod continuity;
+pub mod cosimulation;
+pub mod energy;
+pub mod experiment;
+mod hard;
+pub mod oscillator;
+pub mod rattle;
+
+use crate::setup::{Setup, shipped, shipped_at};
+use crate::{Chapter, Result};
+use gearmesh::contact::ContactSettings;
+use gearmesh::element::{Element, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel};
+use gearmesh::gear::PairGeometry;
+use gearmesh::pair::Refinement;
+use gearmesh::table::Table;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::sync::Arc;
+
+/// In the order of the page.
+pub const CHAPTERS: [(&str, Chapter); 6] = [
+    ("energy", energy::report),
+    ("oscillator", oscillator::report),
+    ("rattle", rattle::report),
+    ("cosimulation", cosimulation::report),
+    ("hard-cases", hard::report),
+    ("continuity", continuity::report),
+];
+
+/// Backlash of the elements on real tables, m.
+const BACKLASH: f64 = 80e-6;
+
+/// A pair with its table over all four dimensions.
+pub struct Real {
+    pub name: &'static str,
+    pub geometry: PairGeometry,
+    pub table: Arc<Table>,
+}
+
+impl Real {
+    /// An external pair on its shipped table, and an internal one.
+    pub fn pairs() -> Result<[Self; 2]> {
+        let table = Table::from_json(include_str!("../../../resources/tables/palermo2013.json"))?;
+        let name = "palermo2013";
+        let external = Self { name, geometry: shipped(name)?.geometry, table: Arc::new(table) };
+        Ok([external, Self::coarse("planet-ring-27-84")?])
+    }
+
+    /// The shipped pair `name` with a table made here, on coarse finite elements and a grid that takes seconds.
+    pub fn coarse(name: &'static str) -> Result<Self> {
+        let pair = shipped_at(name, Refinement::Coarse)?;
+        let contact = ContactSettings::for_pair(&pair);
+        let setup = Setup::new(pair, contact)?;
+        let table = setup.table(&setup.even_samples([8, 5, 9, 12])?)?;
+        Ok(Self { name, geometry: setup.pair.geometry, table })
+    }
+
+    /// The element with all effects on, undamped.
+    pub fn element(
+        &self,
+        formulation: Formulation,
+        interpolation: Interpolation,
+        flank: LoadedFlank,
+    ) -> Result<Element> {
+        let parameters = Parameters {
+            stiffness_model: StiffnessModel::Table,
+            formulation,
+            interpolation,
+            backlash: Some(BACKLASH),
+            ..undamped(flank)
+        };
+        Ok(Element::new(&self.geometry, &parameters, Some(self.table.clone()))?)
+    }
+
+    /// Its backlash on the line of action, m.
+    fn gap(&self) -> f64 {
+        BACKLASH * self.geometry.operating_pressure_angle(self.geometry.center_distance).cos()
+    }
+}
+
+/// No damping, else the defaults.
+fn undamped(loaded_flank: LoadedFlank) -> Parameters {
+    Parameters { loaded_flank, damping: 0.0, ..Parameters::default() }
+}
+
+/// Rotation by `angle` about z.
+fn spin(angle: f64) -> Matrix3<f64> {
+    Rotation3::from_axis_angle(&Vector3::z_axis(), angle).into_inner()
+}
+
+/// Gear 1 turned by `angle`, gear 2 moved by `shift`.
+fn pose(element: &Element, angle: f64, shift: Vector3<f64>) -> Inputs {
+    let mut inputs = element.nominal_inputs();
+    inputs.gears[0].r = spin(angle);
+    inputs.gears[1].p += shift;
+    inputs
+}
+
+/// Angle of gear 2 over that of gear 1 in mesh.
+fn ratio(pair: &PairGeometry) -> f64 {
+    -pair.e() * pair.gears[0].z() / pair.gears[1].z()
+}
+
+/// What so many bisections leave between the values inside, where `holds`, and outside.
+fn last_that_holds(
+    [mut inside, mut outside]: [f64; 2],
+    bisections: usize,
+    mut holds: impl FnMut(f64) -> Result<bool>,
+) -> Result<[f64; 2]> {
+    for _ in 0..bisections {
+        let middle = 0.5 * (inside + outside);
+        if holds(middle)? {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    Ok([inside, outside])
+}

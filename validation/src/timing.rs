@@ -1,0 +1,123 @@
+//! Times of short functions on a machine that does other things, too, and what machine that is.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Rounds per comparison; each round runs every candidate once, so that a slow moment hits all of them.
+pub const ROUNDS: usize = 41;
+
+/// Least time of one run, s: far above the clock's resolution, far below a scheduler's slice.
+const RUN_SECONDS: f64 = 4e-4;
+
+/// Something to time: a name and a run over a fixed number of evaluations.
+pub struct Candidate<'a> {
+    evaluations: usize,
+    run: Box<dyn FnMut() + 'a>,
+}
+
+impl<'a> Candidate<'a> {
+    /// Evaluates `f` at each of `points`.
+    pub fn over<T, R>(points: &'a [T], mut f: impl FnMut(&T) -> R + 'a) -> Self {
+        let run = move || {
+            for x in points {
+                let _ = black_box(f(black_box(x)));
+            }
+        };
+        Candidate { evaluations: points.len(), run: Box::new(run) }
+    }
+}
+
+/// Median time of one evaluation of every candidate, ns, measured in turns.
+pub fn medians(candidates: &mut [Candidate]) -> Vec<f64> {
+    let repeats: Vec<usize> = candidates
+        .iter_mut()
+        .map(|c| {
+            (c.run)();
+            let begin = Instant::now();
+            (c.run)();
+            (RUN_SECONDS / begin.elapsed().as_secs_f64().max(1e-9)).ceil() as usize
+        })
+        .collect();
+    let mut times = vec![Vec::with_capacity(ROUNDS); candidates.len()];
+    for _ in 0..ROUNDS {
+        for ((c, &n), times) in candidates.iter_mut().zip(&repeats).zip(&mut times) {
+            // Not timed: brings back to the caches what the others have driven out.
+            (c.run)();
+            let begin = Instant::now();
+            for _ in 0..n {
+                (c.run)();
+            }
+            let seconds = begin.elapsed().as_secs_f64();
+            times.push(1e9 * seconds / (n * c.evaluations) as f64);
+        }
+    }
+    times.into_iter().map(median).collect()
+}
+
+/// The middle one of `values`.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Result and duration of `f`, s.
+pub fn timed<T>(f: impl FnOnce() -> T) -> (T, f64) {
+    let begin = Instant::now();
+    let value = f();
+    (value, begin.elapsed().as_secs_f64())
+}
+
+/// One paragraph: processor, clock, cores, load, compiler.
+pub fn description() -> String {
+    let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
+    let cpu_info = read("/proc/cpuinfo");
+    let field = |name: &str| {
+        cpu_info
+            .lines()
+            .find(|l| l.starts_with(name))
+            .and_then(|l| l.split_once(':'))
+            .map_or("unknown", |(_, v)| v.trim())
+            .to_owned()
+    };
+    let processors = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
+    let flags = field("flags");
+    let has = |flag: &str| flags.split(' ').any(|f| f == flag);
+    let vectors: Vec<&str> = ["avx", "fma", "avx2", "avx512f"].into_iter().filter(|f| has(f)).collect();
+    let load = read("/proc/loadavg");
+    let load = load.split(' ').next().unwrap_or("unknown").to_owned();
+    let compiler = std::process::Command::new("rustc").arg("--version").output().map_or_else(
+        |_| "rustc of unknown version".to_owned(),
+        |o| String::from_utf8_lossy(&o.stdout).trim().to_owned(),
+    );
+    format!(
+        "Machine: {} (model {}, stepping {}), {} processors to this process, {:.2} GHz by a chain of \
+         dependent multiplications during the run, vector instructions {}; the code is compiled for the \
+         baseline of {} by {compiler}. Other work on the machine when the report was begun: load average \
+         {load} over one minute.",
+        field("model name"),
+        field("model\t"),
+        field("stepping"),
+        processors,
+        clock(),
+        vectors.join(", "),
+        std::env::consts::ARCH,
+    )
+}
+
+/// Clock, GHz: a 64-bit multiplication takes three cycles on x86-64 since 2008 and on current ARM cores.
+fn clock() -> f64 {
+    const MULTIPLICATIONS: u32 = 300_000;
+    (0..31)
+        .map(|_| {
+            let begin = Instant::now();
+            let mut x = black_box(3_u64);
+            let factor = black_box(0x9E37_79B9_7F4A_7C15);
+            for _ in 0..MULTIPLICATIONS {
+                // Of the value itself, so that the chain is not folded into a power.
+                x = x.wrapping_mul(factor) | 1;
+            }
+            black_box(x);
+            3.0 * f64::from(MULTIPLICATIONS) / begin.elapsed().as_secs_f64() / 1e9
+        })
+        .fold(0.0, f64::max)
+}

@@ -24,9 +24,6 @@ const TOLERANCE: f64 = 1e-10;
 /// Parabolas that a gap without a topography may pass: reliefs of both flanks begin at four places at most.
 const MOST_PIECES: usize = 6;
 
-/// Points at which a gap that need not be convex is looked at before the search.
-const SAMPLES: usize = 64;
-
 /// The closest points of two flanks in one transverse section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosestPoint {
@@ -189,62 +186,6 @@ impl<'a> Flanks<'a> {
         Some([rates(rolls[0]), rates(rolls[1])])
     }
 
-    /// Slope over s of both removals along the line of action at the lengths of roll `rolls`.
-    fn removal_slope(&self, rolls: [f64; 2]) -> f64 {
-        let of = |i: usize| {
-            let gear = &self.geometry.gears[i];
-            self.roll_by_s[i] * self.microgeometry[i].slope(gear, rolls[i], self.z[i])
-        };
-        self.per_cos * (of(0) + of(1))
-    }
-
-    /// dg/ds.
-    fn slope(&self, s: f64) -> f64 {
-        self.at.slope + s * self.curvature + self.removal_slope(self.rolls(s))
-    }
-
-    /// The part of `range` in which the gap is least, for flanks that need not be convex.
-    fn least_of(&self, range: [f64; 2]) -> [f64; 2] {
-        let step = (range[1] - range[0]) / SAMPLES as f64;
-        let at = |k: usize| range[0] + step * k as f64;
-        let least = (0..=SAMPLES).min_by(|&a, &b| self.gap(at(a)).total_cmp(&self.gap(at(b))));
-        let k = least.unwrap_or(0);
-        [at(k.saturating_sub(1)), at((k + 1).min(SAMPLES))]
-    }
-
-    /// Zero of dg/ds in `range`, or the end at which g is least.
-    fn closest(&self, range: [f64; 2]) -> f64 {
-        let [mut low, mut high] = range;
-        if self.slope(high) <= 0.0 {
-            return high;
-        }
-        if self.slope(low) >= 0.0 {
-            return low;
-        }
-        let mut s = 0.0f64.clamp(low, high);
-        let tolerance = TOLERANCE / self.curvature;
-        while high - low > tolerance {
-            let slope = self.slope(s);
-            if slope > 0.0 {
-                high = s;
-            } else {
-                low = s;
-            }
-            // The curvature of the flanks outweighs that of reliefs, but for their kinks.
-            let newton = s - slope / self.curvature;
-            let next = if low < newton && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            if (next - s).abs() <= 0.1 * tolerance {
-                return next;
-            }
-            s = next;
-        }
-        s
-    }
-
     /// Whether nothing moves the closest point off the nominal line.
     fn is_nominal(&self) -> bool {
         self.microgeometry.iter().all(|m| !m.has_profile())
@@ -338,10 +279,65 @@ impl<'a> Flanks<'a> {
         }
         let range = self.range();
         if self.microgeometry.iter().any(|m| m.topography.is_some()) {
-            return self.gap_at(self.closest(self.least_of(range)));
+            return self.least_of_cubics(range);
         }
         self.least_of_parabolas(range)
-            .unwrap_or_else(|| self.gap_at(self.closest(range)))
+            .unwrap_or_else(|| self.least_of_cubics(range))
+    }
+
+    /// Where both flanks come closest, from cubic to cubic of a gap that need not be convex.
+    fn least_of_cubics(&self, [low, high]: [f64; 2]) -> LeastGap {
+        let by_s = self.roll_by_s;
+        // Convex removals lie above their tangent at s = 0, a topography changes no faster than its bound: as far as both can
+        // make up for the curvature of the flanks.
+        let mut fall = self.at.slope.abs();
+        for (i, m) in self.microgeometry.iter().enumerate() {
+            let steepness = m
+                .topography
+                .as_ref()
+                .map_or(0.0, |t| t.steepness(self.z[i]));
+            let slope = m.slope(&self.geometry.gears[i], self.at.roll[i], self.z[i]);
+            fall += self.per_cos * by_s[i].abs() * (2.0 * steepness + slope.abs());
+        }
+        let room = 2.0 * fall / self.curvature;
+        let (mut from, high) = (low.max(-room), high.min(room));
+        let mut least = self.gap_at(from);
+        while from < high {
+            // Just beyond the line where the last cubic ended.
+            let at = from + TOLERANCE / self.curvature;
+            let rolls = self.rolls(at);
+            let [mut gap, mut slope, mut bend, mut twist] = [0.0; 4];
+            let mut end = high;
+            for (i, m) in self.microgeometry.iter().enumerate() {
+                let piece = m.piece(&self.geometry.gears[i], rolls[i], self.z[i]);
+                gap += self.per_cos * piece.removal;
+                slope += self.per_cos * by_s[i] * piece.slope;
+                bend += self.per_cos * by_s[i] * by_s[i] * piece.curvature;
+                twist += self.per_cos * by_s[i].powi(3) * piece.curvature_slope;
+                let upwards = usize::from(by_s[i] > 0.0);
+                end = end.min((piece.range[upwards] - self.at.roll[i]) / by_s[i]);
+            }
+            gap += self.at.separation + at * (self.at.slope + 0.5 * at * self.curvature);
+            slope += self.at.slope + at * self.curvature;
+            bend += self.curvature;
+            let end = end.max(at);
+            // The root of slope + bend t + twist t² / 2 at which the gap is least, in a form that no twist of zero spoils.
+            let root = (bend * bend - 2.0 * twist * slope).sqrt();
+            let valley = at - 2.0 * slope / (bend + root);
+            for s in [valley, end] {
+                let t = s - at;
+                let here = gap + t * (slope + 0.5 * t * (bend + t * twist / 3.0));
+                if from <= s && s <= end && here < least.gap {
+                    least = LeastGap {
+                        gap: here,
+                        s,
+                        removal: None,
+                    };
+                }
+            }
+            from = end;
+        }
+        least
     }
 
     /// Where both flanks come closest.

@@ -102,7 +102,7 @@ fn onset(
             // Not a number under a law without energy.
             pressed
                 - if way > 0.0 {
-                    (0.999 * way).max(3.0 * NEAR)
+                    (0.99 * way).max(3.0 * NEAR)
                 } else {
                     f64::NAN
                 }

@@ -87,7 +87,7 @@ impl Microgeometry {
             + self
                 .topography
                 .as_ref()
-                .map_or(0.0, |f| f.evaluate(roll, z)[1])
+                .map_or(0.0, |f| f.piece(roll, z).slope)
     }
 
     /// Curvature over the length of roll without the reliefs, m per m²; that of a topography by its second difference over
@@ -101,7 +101,7 @@ impl Microgeometry {
             + self.topography.as_ref().map_or(0.0, bend)
     }
 
-    /// [`Microgeometry::removal`] and its derivatives by the length of roll at `roll` and at `z`; of a topography the first.
+    /// [`Microgeometry::removal`] and its derivatives by the length of roll at `roll` and at `z`.
     #[inline]
     pub fn piece(&self, gear: &Gear, roll: f64, z: f64) -> ProfilePiece {
         let mut piece = self.profile_piece(roll);
@@ -113,10 +113,10 @@ impl Microgeometry {
             add(slope.evaluate(roll, along_face(gear, z)));
         }
         add([self.lead_removal(gear, z), 0.0]);
-        if let Some(topography) = &self.topography {
-            add(topography.evaluate(roll, z));
+        match &self.topography {
+            Some(topography) => piece.and(topography.piece(roll, z)),
+            None => piece,
         }
-        piece
     }
 
     /// What depends on the length of roll alone, about `roll` (m); `None` for flanks of which more than that and the lead

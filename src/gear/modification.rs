@@ -65,6 +65,7 @@ impl ProfileRelief {
             removal: self.amount * removal,
             slope: steepness * slope,
             curvature: steepness / length * curvature,
+            curvature_slope: 0.0,
             range,
         }
     }
@@ -83,7 +84,7 @@ impl ProfileRelief {
     }
 }
 
-/// What is taken off a flank about one length of roll, at one place along the face: a parabola.
+/// What is taken off a flank about one length of roll, at one place along the face: a parabola, with a topography a cubic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProfilePiece {
     /// Removal there, m.
@@ -92,7 +93,9 @@ pub struct ProfilePiece {
     pub slope: f64,
     /// The slope of that, m/m².
     pub curvature: f64,
-    /// Lengths of roll between which all this is one parabola, m.
+    /// The slope of that, m/m³: zero without a topography.
+    pub curvature_slope: f64,
+    /// Lengths of roll between which all this is one polynomial, m.
     pub range: [f64; 2],
 }
 
@@ -103,6 +106,7 @@ impl Default for ProfilePiece {
             removal: 0.0,
             slope: 0.0,
             curvature: 0.0,
+            curvature_slope: 0.0,
             range: [f64::NEG_INFINITY, f64::INFINITY],
         }
     }
@@ -116,6 +120,7 @@ impl ProfilePiece {
             removal: self.removal + other.removal,
             slope: self.slope + other.slope,
             curvature: self.curvature + other.curvature,
+            curvature_slope: self.curvature_slope + other.curvature_slope,
             range: [
                 self.range[0].max(other.range[0]),
                 self.range[1].min(other.range[1]),

@@ -1,5 +1,6 @@
 //! A flank given point by point: removal over the length of roll and the face.
 
+use super::modification::ProfilePiece;
 use serde::{Deserialize, Serialize};
 
 /// Why a grid is no topography.
@@ -34,6 +35,9 @@ pub struct Topography {
     /// Row by row over z.
     nodes: Vec<Node>,
     largest: f64,
+    /// Bounds of the slope over the length of roll within the range of z, m/m, and of its slope over z at its ends, 1/m.
+    #[serde(skip)]
+    steepest: [f64; 2],
 }
 
 /// A [`Topography`] as it is read from the file of a unit.
@@ -60,6 +64,7 @@ impl TryFrom<Stored> for Topography {
             return Err(TopographyError::NotAscending);
         }
         Ok(Topography {
+            steepest: steepest(&rolls, &zs, &nodes),
             rolls,
             zs,
             nodes,
@@ -112,6 +117,7 @@ impl Topography {
         let all = || removal.iter().flatten().copied();
         let (least, most) = (all().fold(0.0, f64::min), all().fold(0.0, f64::max));
         Ok(Topography {
+            steepest: steepest(&rolls, &zs, &nodes),
             rolls,
             zs,
             nodes,
@@ -157,28 +163,94 @@ impl Topography {
         [least, largest]
     }
 
-    /// Removal at the length of roll `roll` and at `z`, m.
-    pub fn removal(&self, roll: f64, z: f64) -> f64 {
-        self.evaluate(roll, z)[0]
+    /// Bound of the slope over the length of roll at `z` (m), m/m, for every length of roll.
+    pub fn steepness(&self, z: f64) -> f64 {
+        let [_, [low, high]] = self.range();
+        let beyond = (low - z).max(z - high).max(0.0);
+        self.steepest[0] + beyond * self.steepest[1]
     }
 
-    /// Removal and its derivative by the length of roll.
-    pub fn evaluate(&self, roll: f64, z: f64) -> [f64; 2] {
-        let (i, over_roll) = weights(&self.rolls, roll);
+    /// Removal at the length of roll `roll` and at `z`, m.
+    pub fn removal(&self, roll: f64, z: f64) -> f64 {
+        self.piece(roll, z).removal
+    }
+
+    /// Removal and its derivatives by the length of roll at the length of roll `roll` and at `z`, m: a cubic from line to
+    /// line of the grid, beyond it a straight line.
+    pub fn piece(&self, roll: f64, z: f64) -> ProfilePiece {
         let (j, over_z) = weights(&self.zs, z);
-        let mut sum = [0.0; 2];
-        for (a, at_roll) in over_roll.iter().enumerate() {
-            for (b, at_z) in over_z.iter().enumerate() {
-                let [f, by_roll, by_z, mixed] = self.nodes[(i + a) * self.zs.len() + j + b];
-                let value = f * at_z.value[0] + by_z * at_z.slope[0];
-                let slope = by_roll * at_z.value[0] + mixed * at_z.slope[0];
-                for (d, sum) in sum.iter_mut().enumerate() {
-                    *sum += value * at_roll.value[d] + slope * at_roll.slope[d];
-                }
+        // Removal and its slope on line i.
+        let line = |i: usize| {
+            let mut sum = [0.0; 2];
+            for (b, [value, slope]) in over_z.iter().enumerate() {
+                let [f, by_roll, by_z, mixed] = self.nodes[i * self.zs.len() + j + b];
+                sum[0] += f * value + by_z * slope;
+                sum[1] += by_roll * value + mixed * slope;
+            }
+            sum
+        };
+        let last = self.rolls.len() - 1;
+        let straight = |i: usize, range: [f64; 2]| {
+            let [removal, slope] = line(i);
+            ProfilePiece {
+                removal: removal + slope * (roll - self.rolls[i]),
+                slope,
+                range,
+                ..ProfilePiece::default()
+            }
+        };
+        if roll < self.rolls[0] {
+            return straight(0, [f64::NEG_INFINITY, self.rolls[0]]);
+        }
+        if roll >= self.rolls[last] {
+            return straight(last, [self.rolls[last], f64::INFINITY]);
+        }
+        let i = cell(&self.rolls, roll);
+        let range = [self.rolls[i], self.rolls[i + 1]];
+        let [[f, slope], [f_end, slope_end]] = [line(i), line(i + 1)];
+        let (h, x) = (range[1] - range[0], roll - range[0]);
+        let chord = (f_end - f) / h;
+        // f + x (slope + x (bend + x twist)).
+        let bend = (3.0 * chord - 2.0 * slope - slope_end) / h;
+        let twist = (slope + slope_end - 2.0 * chord) / (h * h);
+        ProfilePiece {
+            removal: f + x * (slope + x * (bend + x * twist)),
+            slope: slope + x * (2.0 * bend + 3.0 * x * twist),
+            curvature: 2.0 * bend + 6.0 * x * twist,
+            curvature_slope: 6.0 * twist,
+            range,
+        }
+    }
+}
+
+/// Bounds of the slope over the length of roll and, at both ends of `zs`, of its slope over z: a polynomial lies between the
+/// least and the largest of its Bernstein coefficients.
+fn steepest(rolls: &[f64], zs: &[f64], nodes: &[Node]) -> [f64; 2] {
+    // Of the slope of the cubic between values f and slopes m at both ends of a cell of length h.
+    let largest = |h: f64, f: [f64; 2], m: [f64; 2]| {
+        let middle = 3.0 * (f[1] - f[0]) / h - m[0] - m[1];
+        m[0].abs().max(m[1].abs()).max(middle.abs())
+    };
+    let at = |i: usize, j: usize| nodes[i * zs.len() + j];
+    let mut bounds = [0.0f64; 2];
+    for i in 0..rolls.len() - 1 {
+        let h = rolls[i + 1] - rolls[i];
+        for j in 0..zs.len() - 1 {
+            let third = (zs[j + 1] - zs[j]) / 3.0;
+            for (node, by) in [(j, 0.0), (j, third), (j + 1, -third), (j + 1, 0.0)] {
+                let ends = [at(i, node), at(i + 1, node)];
+                let f = ends.map(|[f, _, by_z, _]| f + by * by_z);
+                let m = ends.map(|[_, by_roll, _, mixed]| by_roll + by * mixed);
+                bounds[0] = bounds[0].max(largest(h, f, m));
             }
         }
-        sum
+        for j in [0, zs.len() - 1] {
+            let ends = [at(i, j), at(i + 1, j)];
+            let f = ends.map(|[_, _, by_z, _]| by_z);
+            bounds[1] = bounds[1].max(largest(h, f, ends.map(|[.., mixed]| mixed)));
+        }
     }
+    bounds
 }
 
 /// Ends of the [`PARTS`] between `low` and `high` and the lines between them.
@@ -191,32 +263,30 @@ fn places(lines: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
     parts.chain([high]).collect()
 }
 
-/// Weights of one node, each with its derivative.
-struct Weight {
-    value: [f64; 2],
-    slope: [f64; 2],
+/// The cell of `nodes` in which `x` lies, the first or the last one outside.
+fn cell(nodes: &[f64], x: f64) -> usize {
+    nodes
+        .partition_point(|&node| node <= x)
+        .clamp(1, nodes.len() - 1)
+        - 1
 }
 
-/// The cell of `x` and the cubic Hermite weights of both its nodes; outside the tangent at the end.
-fn weights(nodes: &[f64], x: f64) -> (usize, [Weight; 2]) {
-    let last = nodes.len() - 1;
-    let i = nodes.partition_point(|&node| node <= x).clamp(1, last) - 1;
+/// The cell of `x`, and of both its nodes the weights of value and slope in the cubic Hermite interpolation; outside on the
+/// tangent at the end.
+fn weights(nodes: &[f64], x: f64) -> (usize, [[f64; 2]; 2]) {
+    let i = cell(nodes, x);
     let h = nodes[i + 1] - nodes[i];
     let inside = x.clamp(nodes[i], nodes[i + 1]);
+    let beyond = x - inside;
     let t = (inside - nodes[i]) / h;
     let s = 1.0 - t;
-    let cubic = |t: f64, s: f64, sign: f64| Weight {
-        value: [s * s * (1.0 + 2.0 * t), -sign * 6.0 * s * t / h],
-        slope: [sign * h * t * s * s, s * (s - 2.0 * t)],
+    let node = |t: f64, s: f64, sign: f64| {
+        [
+            s * s * (1.0 + 2.0 * t) - sign * 6.0 * s * t / h * beyond,
+            sign * h * t * s * s + s * (s - 2.0 * t) * beyond,
+        ]
     };
-    let both = [cubic(t, s, 1.0), cubic(s, t, -1.0)];
-    let beyond = x - inside;
-    let go_on = |[f, d]: [f64; 2]| [f + d * beyond, d];
-    let both = both.map(|w| Weight {
-        value: go_on(w.value),
-        slope: go_on(w.slope),
-    });
-    (i, both)
+    (i, [node(t, s, 1.0), node(s, t, -1.0)])
 }
 
 /// Slopes at `x` of the parabolas through each value and its neighbours.
@@ -273,7 +343,7 @@ mod tests {
             for j in 0..=20 {
                 let (r, z) = (6e-3 + 0.4e-3 * f64::from(i), 1.2e-3 * f64::from(j));
                 assert_abs_diff_eq!(flank.removal(r, z), f(r, z), epsilon = 1e-18);
-                assert_abs_diff_eq!(flank.evaluate(r, z)[1], by_roll(r, z), epsilon = 1e-14);
+                assert_abs_diff_eq!(flank.piece(r, z).slope, by_roll(r, z), epsilon = 1e-14);
             }
         }
     }
@@ -284,9 +354,9 @@ mod tests {
         let flank = sampled(|r, z| 1e-6 * ((9e3 * r).sin() + (7e2 * z).cos()).round());
         for &roll in &ROLLS {
             for z in [0.0, 3e-3, 5e-3, 20e-3] {
-                let [low, high] = [-1e-12, 1e-12].map(|d| flank.evaluate(roll + d, z));
-                assert_abs_diff_eq!(low[0], high[0], epsilon = 1e-13);
-                assert_abs_diff_eq!(low[1], high[1], epsilon = 1e-9);
+                let [low, high] = [-1e-12, 1e-12].map(|d| flank.piece(roll + d, z));
+                assert_abs_diff_eq!(low.removal, high.removal, epsilon = 1e-13);
+                assert_abs_diff_eq!(low.slope, high.slope, epsilon = 1e-9);
             }
         }
     }
@@ -295,9 +365,38 @@ mod tests {
     fn beyond_the_grid_the_flank_goes_on_straight() {
         let flank = sampled(|r, z| r * r + 0.1 * r * z);
         for z in [-1e-3, 12e-3, 30e-3] {
-            let [end, slope] = flank.evaluate(14e-3, z);
-            assert_abs_diff_eq!(flank.removal(17e-3, z), end + 3e-3 * slope, epsilon = 1e-18);
-            assert_abs_diff_eq!(flank.evaluate(17e-3, z)[1], slope, epsilon = 1e-15);
+            let end = flank.piece(14e-3, z);
+            let beyond = flank.piece(17e-3, z);
+            assert_abs_diff_eq!(
+                beyond.removal,
+                end.removal + 3e-3 * end.slope,
+                epsilon = 1e-18
+            );
+            assert_abs_diff_eq!(beyond.slope, end.slope, epsilon = 1e-15);
+        }
+    }
+
+    #[test]
+    fn no_slope_exceeds_its_bound_and_the_derivatives_are_those_of_the_slope() {
+        let flank = sampled(|r, z| 1e-6 * ((9e3 * r).sin() + (7e2 * z).cos()).round());
+        for z in [-2e-3, 0.0, 3e-3, 11e-3, 24e-3, 27e-3] {
+            let bound = flank.steepness(z);
+            let mut largest = 0.0f64;
+            for k in 0..=200 {
+                let roll = 5.5e-3 + 0.045e-3 * f64::from(k);
+                let [low, here, high] = [-1e-7, 0.0, 1e-7].map(|d| flank.piece(roll + d, z));
+                largest = largest.max(here.slope.abs());
+                if here.range[0] < roll - 1e-7 && roll + 1e-7 < here.range[1] {
+                    let numeric = [high.slope - low.slope, high.curvature - low.curvature];
+                    let [curvature, slope] = numeric.map(|change| change / 2e-7);
+                    assert_abs_diff_eq!(here.curvature, curvature, epsilon = 1e-6);
+                    assert_abs_diff_eq!(here.curvature_slope, slope, epsilon = 1e-3);
+                }
+            }
+            assert!(
+                largest <= bound && bound < 3.0 * largest,
+                "{largest} {bound}"
+            );
         }
     }
 

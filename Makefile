@@ -14,18 +14,18 @@ export PYTHON
 
 all: build
 
-# Python packages, and libclang for bindgen, under .venv.
+# Python packages under .venv.
 setup: $(VENV)/.complete
 
-$(VENV)/.bindgen: requirements-bindgen.txt scripts/setup.sh
-	scripts/setup.sh --bindgen
-	touch $@
-
-$(VENV)/.complete: $(VENV)/.bindgen requirements.txt
+$(VENV)/.complete: requirements.txt scripts/setup.sh
 	scripts/setup.sh
 
+# libclang, for the standard's header in tests.
+$(VENV)/.bindgen: requirements-bindgen.txt scripts/setup.sh | $(VENV)/.complete
+	scripts/setup.sh --bindgen
+
 # Those that only tests use.
-$(VENV)/.tests-complete: $(VENV)/.complete requirements-test.txt
+$(VENV)/.tests-complete: $(VENV)/.complete $(VENV)/.bindgen requirements-test.txt
 	scripts/setup.sh requirements-test.txt
 	touch $@
 
@@ -42,7 +42,7 @@ $(VENV)/.examples-complete: $(VENV)/.tests-complete $(VENV)/bin/fmi-sim requirem
 	touch $@
 
 # The command target/release/gearmesh and the FMU's library beside it.
-build: $(VENV)/.bindgen
+build:
 	$(CARGO) build --release
 
 # What the lints need beside what a build needs, said before any work.
@@ -52,7 +52,7 @@ tools:
 	@$(CARGO) clippy --version >/dev/null 2>&1 || { echo "make: clippy is missing: rustup component add clippy (Debian: apt install rust-clippy)" >&2; exit 1; }
 
 # Cheapest first. The lints share their compiled dependencies, and so do build and tests.
-lint: tools setup
+lint: tools setup $(VENV)/.bindgen
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --release --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --release --lib --no-default-features -- -D warnings
@@ -96,7 +96,7 @@ report: examples
 examples: build $(VENV)/.examples-complete
 	for example in $(DRIVELINES); do $(VENV)/bin/python -m examples.drivelines.$$example || exit 1; done
 
-bench: setup
+bench: setup $(VENV)/.bindgen
 	$(CARGO) bench
 
 # Instructions per evaluation against those recorded in benches/instructions.json.

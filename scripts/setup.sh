@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# setup.sh [LIST...] makes .venv: for bindgen two links that .cargo/config.toml names, .venv/libclang (the shared
-# library that comes with the Python package `libclang`) and .venv/c-include (the C compiler's own headers), then
-# the pinned Python packages of requirements.txt and of further LISTs and the package in python/.
-# setup.sh --bindgen makes the former alone, which is all that cargo waits for. Safe to call again.
+# setup.sh [LIST...] makes .venv with the pinned Python packages of requirements.txt and of further LISTs and the
+# package in python/.
+# setup.sh --bindgen makes what `cargo test` needs for bindgen: two links that .cargo/config.toml names, .venv/libclang
+# (the shared library that comes with the Python package `libclang`) and .venv/c-include (the C compiler's own headers).
+# Safe to call again.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -48,7 +49,7 @@ install() {
         fail "the packages of $1 could not be installed: see pip's message above"
 }
 
-if [ ! -e "$venv/.bindgen" ] || [ requirements-bindgen.txt -nt "$venv/.bindgen" ]; then
+if [ "${1:-}" = --bindgen ]; then
     echo "setup: libclang into $venv, a few seconds"
     install requirements-bindgen.txt
     native=$("$venv/bin/python" -c 'import pathlib, clang; print(pathlib.Path(clang.__file__).resolve().parent / "native")')
@@ -58,8 +59,8 @@ if [ ! -e "$venv/.bindgen" ] || [ requirements-bindgen.txt -nt "$venv/.bindgen" 
     ln -sfn "$native" "$venv/libclang"
     ln -sfn "$headers" "$venv/c-include"
     touch "$venv/.bindgen"
+    exit 0
 fi
-[ "${1:-}" != --bindgen ] || exit 0
 
 echo "setup: Python packages into $venv, a quarter of a minute at the first time"
 for list in requirements.txt "$@"; do

@@ -64,7 +64,7 @@ fn instantiate(uri: &CStr, guid: &CStr, kind: fmi2Type) -> fmi2Component {
             kind,
             guid.as_ptr(),
             uri.as_ptr(),
-            &callbacks,
+            ptr::from_ref(&callbacks).cast(),
             fmi2False as fmi2Boolean,
             fmi2True as fmi2Boolean,
         )

@@ -85,7 +85,7 @@ impl Host {
                 kind,
                 guid.as_ptr(),
                 uri.as_ptr(),
-                &callbacks,
+                ptr::from_ref(&callbacks).cast(),
                 off,
                 on,
             )
@@ -243,7 +243,7 @@ impl Host {
                 22 => fmi2EnterEventMode(c),
                 23 => {
                     let mut info = std::mem::zeroed::<fmi2EventInfo>();
-                    fmi2NewDiscreteStates(c, &mut info)
+                    fmi2NewDiscreteStates(c, ptr::from_mut(&mut info).cast())
                 }
                 24 => {
                     let [mut event, mut terminate] = [0; 2];

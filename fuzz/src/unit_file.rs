@@ -101,9 +101,9 @@ pub fn outputs(instance: &mut Instance) {
         .iter()
         .filter(|v| v.causality == Causality::Output && v.kind == Kind::Real);
     for variable in outputs {
-        let reference = std::iter::once(variable.value_reference);
+        let reference = [variable.value_reference];
         let finite = |value: f64| assert!(value.is_finite(), "{} = {value}", variable.name);
-        if let Err(refusal) = instance.get_real(reference, finite) {
+        if let Err(refusal) = instance.get_real(&reference, finite) {
             assert!(!refusal.message.is_empty());
         }
     }

@@ -9,7 +9,6 @@
 
 use super::constants::Constants;
 use super::scalar::Scalar;
-use crate::gear::PairGeometry;
 
 /// Factor on the potential and its slopes.
 pub(crate) struct Engagement<T> {
@@ -21,65 +20,6 @@ pub(crate) struct Engagement<T> {
     pub by_axial_position: T,
     /// The factor is below one, or the gears share another part of their faces than the stiffness is for.
     pub leaving: bool,
-}
-
-/// Centre distances between which the teeth come out of mesh, m.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Reach {
-    /// Where the factor is zero: farther out for external pairs, nearer for internal ones. Below the distance at
-    /// which the base circles touch: it never gets there.
-    pub none: f64,
-    /// 1 / (where the factor starts to fall - `none`), 1/m.
-    pub per_span: f64,
-}
-
-impl Reach {
-    /// From the lengths of the path of contact at the centre distances of `pair`.
-    pub(crate) fn new(pair: &PairGeometry) -> Self {
-        let nominal = pair.center_distance;
-        let half = 0.5 * pair.transverse_contact_ratio(nominal).min(1.0);
-        // Outwards: external gears part, internal ones come together until the base circles touch.
-        let end = if pair.e() > 0.0 {
-            2.0 * nominal
-        } else {
-            pair.base_radius_sum() * (1.0 + 1e-9)
-        };
-        // Share of half the path that is left at the end; of many internal pairs some, of those with few teeth
-        // between them all of it.
-        let left = (pair.transverse_contact_ratio(end) / half).max(0.0);
-        if left >= 1.0 {
-            // No centre distance lies below that of the base circles.
-            return Self {
-                none: 0.0,
-                per_span: 1.0 / pair.base_radius_sum(),
-            };
-        }
-        let full = crossing(pair, half, nominal, end);
-        // Where some is left the factor is to be as much at the end, so that no pair falls steeply there.
-        let none = if left > 0.0 {
-            (end - left * full) / (1.0 - left)
-        } else {
-            crossing(pair, 0.0, nominal, end)
-        };
-        Self {
-            none,
-            per_span: 1.0 / (full - none),
-        }
-    }
-}
-
-/// Where the transverse contact ratio falls to `ratio` between `near`, where it is above that, and `far`.
-fn crossing(pair: &PairGeometry, ratio: f64, near: f64, far: f64) -> f64 {
-    let (mut inside, mut outside) = (near, far);
-    for _ in 0..60 {
-        let middle = 0.5 * (inside + outside);
-        if pair.transverse_contact_ratio(middle) > ratio {
-            inside = middle;
-        } else {
-            outside = middle;
-        }
-    }
-    0.5 * (inside + outside)
 }
 
 /// Engagement at centre distance `c` with c2 at the axial position `lambda` in gear 2's frame.

@@ -3,12 +3,12 @@
 use super::constants::{Constants, FLANKS};
 use super::engagement::engagement;
 use super::error::ElementError;
-use super::flank::{FlankLoad, along_approach};
+use super::flank::{FlankLoad, along_approach, root_stress};
 use super::friction::Rubbing;
+use super::law::Workspace;
 use super::map::{Coordinates, Map, Placed};
 use super::motion::{Inputs, Latch, Motion, Outputs};
 use super::paper::Carried;
-use super::root_stress::root_stress;
 use super::scalar::{Scalar, fraction, whole_turns, wrap};
 use super::{Element, Formulation};
 use crate::gear::teeth::Counts;
@@ -127,6 +127,7 @@ pub(crate) fn evaluate<T: Scalar>(
     latch: &Latch<T>,
     inputs: &Inputs,
     stiffness_slopes: bool,
+    workspace: &mut Workspace,
 ) -> Result<Solution<T>, ElementError> {
     let k = &el.constants;
     let pose = match pose(el, inputs)? {
@@ -173,7 +174,7 @@ pub(crate) fn evaluate<T: Scalar>(
             flank.misalignment,
             flank.mesh_position,
         ];
-        let response = law.respond(coordinates, counts, stiffness_slopes)?;
+        let response = law.respond(coordinates, counts, stiffness_slopes, &mut workspace.0[i])?;
         out_of_range |= response.out_of_range;
         flank.press(&response, &mesh);
         if flank.elastic.re() <= 0.0 {

@@ -12,8 +12,9 @@ use super::dual::Dual;
 use super::error::ElementError;
 use super::evaluate::{Mesh, evaluate};
 use super::flank::along_approach;
+use super::law::Workspace;
 use super::map::{Coordinates, Spatial};
-use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch};
+use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, row};
 use super::{Element, Formulation, check};
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -99,7 +100,13 @@ impl Element {
         inputs: &Inputs,
         jacobian: &mut Jacobian,
     ) -> Result<(), ElementError> {
-        self.slopes(Some(latch), inputs, true, jacobian)
+        self.slopes(
+            Some(latch),
+            inputs,
+            true,
+            jacobian,
+            &mut Workspace::default(),
+        )
     }
 
     /// As [`Element::jacobian`]; without `latch` with phases that follow the pose ([`Element::latch`]), and with the row of
@@ -113,13 +120,16 @@ impl Element {
         inputs: &Inputs,
         stiffness_slopes: bool,
         jacobian: &mut Jacobian,
+        workspace: &mut Workspace,
     ) -> Result<(), ElementError> {
         check::inputs(inputs, self.with_carrier())?;
         match self.parameters.formulation {
             Formulation::Conjugate => {
-                self.slopes_over::<6>(latch, inputs, stiffness_slopes, jacobian)
+                self.slopes_over::<6>(latch, inputs, stiffness_slopes, jacobian, workspace)
             }
-            Formulation::Paper => self.slopes_over::<9>(latch, inputs, stiffness_slopes, jacobian),
+            Formulation::Paper => {
+                self.slopes_over::<9>(latch, inputs, stiffness_slopes, jacobian, workspace)
+            }
         }
     }
 
@@ -130,15 +140,16 @@ impl Element {
         inputs: &Inputs,
         stiffness_slopes: bool,
         jacobian: &mut Jacobian,
+        workspace: &mut Workspace,
     ) -> Result<(), ElementError> {
         let latch = match latch {
             Some(latch) => Latch {
                 tooth_angle: latch.tooth_angle.into(),
                 mesh_position: latch.mesh_position.into(),
             },
-            None => super::latch::latch(self, inputs)?,
+            None => super::start::latch(self, inputs)?,
         };
-        let solution = evaluate::<Dual<N>>(self, &latch, inputs, stiffness_slopes)?;
+        let solution = evaluate::<Dual<N>>(self, &latch, inputs, stiffness_slopes, workspace)?;
         let columns = &mut jacobian.data.0;
         let rows = solution.outputs.to_array();
         for lane in 0..6 {
@@ -169,9 +180,6 @@ impl Element {
         inputs: &Inputs,
         columns: &mut Columns,
     ) {
-        const TRANSMISSION_ERROR_RATE: usize = 16;
-        const TANGENTIAL: usize = 20;
-        const NORMAL: usize = 21;
         let k = &self.constants;
         let map = &mesh.map;
         let c = mesh.center_distance.re;
@@ -190,14 +198,12 @@ impl Element {
                 .eps[0];
             let unit = unit(&map.loads(&along_approach(flank.sign, flank.damping_arm.re, 1.0)));
             let scalars = [
-                (TANGENTIAL, -damper * cos_phi),
-                (NORMAL, -damper * k.per_cos_beta_b),
+                (row::TANGENTIAL_FORCE, -damper * cos_phi),
+                (row::NORMAL_FORCE, -damper * k.per_cos_beta_b),
             ];
             unit.add(columns, &unit.times(-damper), &scalars);
         }
         if let Some(friction) = &self.friction {
-            const POWER: usize = 26;
-            const COEFFICIENT: usize = 27;
             // Of gear 1 against the line of centres.
             let spin = unit(&map.loads(&Coordinates {
                 mesh_angle: -1.0,
@@ -207,14 +213,17 @@ impl Element {
                 let Some(rubbing) = rubbing else { continue };
                 let slopes = friction.by_velocities(rubbing);
                 let unit = unit(&slopes.row);
-                let by_speed = [(POWER, -slopes.power_by_speed)];
+                let by_speed = [(row::FRICTION_POWER, -slopes.power_by_speed)];
                 unit.add(columns, &unit.times(-slopes.by_speed), &by_speed);
                 let shown = if i == mesh.shown {
                     -slopes.coefficient_by_spin
                 } else {
                     0.0
                 };
-                let by_spin = [(POWER, -slopes.power_by_spin), (COEFFICIENT, shown)];
+                let by_spin = [
+                    (row::FRICTION_POWER, -slopes.power_by_spin),
+                    (row::FRICTION_COEFFICIENT, shown),
+                ];
                 spin.add(columns, &unit.times(-slopes.by_spin), &by_spin);
             }
         }
@@ -224,7 +233,7 @@ impl Element {
             center_distance: elongation * sign * k.per_base_sum,
             ..along_approach(sign, 0.0, sign * c * k.per_base_sum)
         }));
-        unit.add(columns, &[], &[(TRANSMISSION_ERROR_RATE, -1.0)]);
+        unit.add(columns, &[], &[(row::TRANSMISSION_ERROR_RATE, -1.0)]);
     }
 }
 
@@ -296,7 +305,6 @@ impl Unit {
 
 /// Columns of gear 1's pose at rest: moved alike, gears (and carrier) keep their scalars, and the vectors move along.
 fn by_gear_1(columns: &mut Columns, values: &[f64; CONTINUOUS_OUTPUTS], inputs: &Inputs) {
-    const POINT: usize = 12;
     let [g1, g2] = &inputs.gears;
     let apart = g2.p - g1.p;
     for axis in 0..3 {
@@ -310,10 +318,10 @@ fn by_gear_1(columns: &mut Columns, values: &[f64; CONTINUOUS_OUTPUTS], inputs: 
             // Less the change e_axis x apart of what is held fixed in the other columns.
             turned[row] = apart[last] * x[row] - apart[next] * y[row] - turn[row] - carrier[row];
         }
-        translated[POINT + axis] += 1.0;
-        for first in (0..=POINT).step_by(3) {
+        translated[row::CONTACT_POINT + axis] += 1.0;
+        for first in (0..=row::CONTACT_POINT).step_by(3) {
             // e_axis x vector.
-            let origin = if first == POINT {
+            let origin = if first == row::CONTACT_POINT {
                 g1.p
             } else {
                 Vector3::zeros()

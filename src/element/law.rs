@@ -2,15 +2,14 @@
 
 use super::error::ElementError;
 use super::scalar::{Scalar, lift};
+use crate::contact::{ContactError, ContactFile, RuntimeContact, Warm};
 use crate::gear::Flank;
 use crate::gear::teeth::Counts;
-use crate::table::{
-    COORDINATES, Effects, FlankTable, Potential, Query, Table, TableError, TeethFlank,
-};
+use crate::table::{COORDINATES, Effects, FlankTable, Potential, Query, Table, TableError};
 use std::sync::Arc;
 
-/// Anything that gives the potential W(delta, C, M, PMC) of a loaded flank: the interpolated table,
-/// or a closed form in tests and experiments.
+/// A law of a caller for [`super::Element::with_laws`]: the potential W(delta, C, M, PMC) of a loaded flank, say a closed
+/// form in tests and experiments.
 ///
 /// `W` is zero, with all derivatives, while the flank does not touch; `Query` is in the flank's own
 /// sense (coast tables: M > 0 still means more penetration at larger z).
@@ -51,71 +50,30 @@ impl Elasticity for FlankTable {
     }
 }
 
-/// One flank of a pair's table.
-struct TableFlank {
-    table: Arc<Table>,
-    flank: Flank,
+/// What gives the potential of one flank.
+#[derive(Clone)]
+enum Source {
+    /// Spring of this stiffness on the line of action, N/m.
+    Linear(f64),
+    /// A flank of the pair's table.
+    Table(Arc<Table>, Flank),
+    /// The same, tooth pair by tooth pair.
+    Teeth(Arc<Table>, Flank),
+    /// A static contact solve.
+    Contact(Arc<RuntimeContact>),
+    /// That of a caller.
+    Custom(Arc<dyn Elasticity>),
 }
 
-impl Elasticity for TableFlank {
-    #[inline]
-    fn evaluate(&self, query: &Query, _: Counts, want_hessian: bool) -> Result<Potential, String> {
-        Ok(self.table.flank(self.flank).0.evaluate(query, want_hessian))
-    }
-}
-
-/// Tooth pairs of one flank of a pair's table.
-struct TableTeeth {
-    table: Arc<Table>,
-    flank: Flank,
-}
-
-impl TableTeeth {
-    #[inline]
-    fn teeth(&self) -> Option<&TeethFlank> {
-        Some(self.table.teeth(self.flank)?.0)
-    }
-}
-
-impl Elasticity for TableTeeth {
-    fn evaluate(
-        &self,
-        query: &Query,
-        counts: Counts,
-        want_hessian: bool,
-    ) -> Result<Potential, String> {
-        Ok(self.teeth().map_or(Potential::default(), |teeth| {
-            teeth.evaluate(query, counts, want_hessian)
-        }))
-    }
-
-    fn tells_teeth_apart(&self) -> bool {
-        self.teeth().is_some_and(TeethFlank::tells_teeth_apart)
-    }
-}
-
-/// Linear spring on the line of action.
-struct Linear {
-    /// N/m on the line of action.
-    stiffness: f64,
-}
-
-impl Elasticity for Linear {
-    fn evaluate(&self, query: &Query, _: Counts, _: bool) -> Result<Potential, String> {
-        let mut w = Potential::default();
-        if query.delta > 0.0 {
-            w.gradient[0] = self.stiffness * query.delta;
-            w.value = 0.5 * w.gradient[0] * query.delta;
-            w.hessian[0][0] = self.stiffness;
-        }
-        Ok(w)
-    }
-}
+/// Where the next evaluation of an element starts from: the contact forces of the last one, by flank. It saves time and changes
+/// results by no more than rounding. Whoever evaluates in a loop keeps one.
+#[derive(Debug, Clone, Default)]
+pub struct Workspace(pub(crate) [Warm; 2]);
 
 /// Law of one flank as the formulations use it.
 #[derive(Clone)]
 pub(crate) struct Law {
-    surface: Arc<dyn Elasticity>,
+    source: Source,
     mirrored: bool,
     tells_teeth_apart: bool,
     effects: Effects,
@@ -136,36 +94,56 @@ pub(crate) struct Response<T> {
 impl Law {
     /// Linear spring of `stiffness` N/m on the line of action.
     pub(crate) fn linear(stiffness: f64, effects: Effects) -> Self {
-        Self::new(Arc::new(Linear { stiffness }), false, effects)
+        Self {
+            source: Source::Linear(stiffness),
+            mirrored: false,
+            tells_teeth_apart: false,
+            effects,
+        }
     }
 
     /// `flank` of the pair's table, with the effects that it was made for.
-    pub(crate) fn of_table(table: &Arc<Table>, flank: Flank) -> Self {
-        let (mirrored, effects) = (table.flank(flank).1, *table.effects());
-        let table = table.clone();
-        Self::new(Arc::new(TableFlank { table, flank }), mirrored, effects)
-    }
-
-    /// `flank` of the pair's table, tooth pair by tooth pair.
     ///
     /// # Errors
-    /// The table was not asked for them.
-    pub(crate) fn of_teeth(table: &Arc<Table>, flank: Flank) -> Result<Self, TableError> {
-        let (_, mirrored) = table.teeth(flank).ok_or(TableError::MissingTeeth)?;
-        let (table, effects) = (table.clone(), *table.effects());
-        Ok(Self::new(
-            Arc::new(TableTeeth { table, flank }),
+    /// Tooth pairs are among the effects and the table does not have them.
+    pub(crate) fn table(table: &Arc<Table>, flank: Flank) -> Result<Self, TableError> {
+        let effects = *table.effects();
+        if !effects.teeth {
+            return Ok(Self {
+                mirrored: table.flank(flank).1,
+                source: Source::Table(table.clone(), flank),
+                tells_teeth_apart: false,
+                effects,
+            });
+        }
+        let (teeth, mirrored) = table.teeth(flank).ok_or(TableError::MissingTeeth)?;
+        Ok(Self {
+            tells_teeth_apart: teeth.tells_teeth_apart(),
+            source: Source::Teeth(table.clone(), flank),
             mirrored,
             effects,
-        ))
+        })
     }
 
-    /// Any law; `mirrored` for the coast flank of a pair whose table holds the drive flank alone.
-    pub(crate) fn new(surface: Arc<dyn Elasticity>, mirrored: bool, effects: Effects) -> Self {
+    /// `flank` of `file`, or the drive flank mirrored where that is all it holds.
+    pub(crate) fn contact(file: &ContactFile, flank: Flank, effects: Effects) -> Option<Self> {
+        let own = file.flank(flank);
+        Some(Self {
+            mirrored: own.is_none(),
+            source: Source::Contact(Arc::new(own.or_else(|| file.flank(Flank::Drive))?)),
+            tells_teeth_apart: true,
+            effects,
+        })
+    }
+
+    /// `flank` of the laws of a caller.
+    pub(crate) fn custom(laws: &FlankLaws, flank: Flank, effects: Effects) -> Self {
+        let coast = laws.coast.as_ref().filter(|_| flank == Flank::Coast);
+        let law = coast.unwrap_or(&laws.drive);
         Self {
-            tells_teeth_apart: surface.tells_teeth_apart(),
-            surface,
-            mirrored,
+            source: Source::Custom(law.clone()),
+            mirrored: flank == Flank::Coast && coast.is_none(),
+            tells_teeth_apart: law.tells_teeth_apart(),
             effects,
         }
     }
@@ -182,6 +160,7 @@ impl Law {
         coordinates: [T; COORDINATES],
         counts: Counts,
         stiffness_slopes: bool,
+        warm: &mut Warm,
     ) -> Result<Response<T>, ElementError> {
         let mut q = coordinates;
         if !self.effects.center_distance {
@@ -194,7 +173,7 @@ impl Law {
             q[2] = -q[2];
         }
         let at = [q[0].re(), q[1].re(), q[2].re(), q[3].re()];
-        let w = self.ask(at, counts, T::CARRIES)?;
+        let w = self.potential(at, counts, T::CARRIES, warm)?;
         let mut gradient = [T::from(0.0); COORDINATES];
         for (i, g) in gradient.iter_mut().enumerate() {
             *g = lift(w.gradient[i], &w.hessian[i], &q);
@@ -211,7 +190,7 @@ impl Law {
         let stiffness = if T::CARRIES && w.gradient[0] > 0.0 {
             let slopes = match w.stiffness_gradient {
                 Some(slopes) => slopes,
-                None if stiffness_slopes => self.stiffness_gradient(at, counts)?,
+                None if stiffness_slopes => self.stiffness_gradient(at, counts, warm)?,
                 None => [f64::NAN; COORDINATES],
             };
             lift(w.hessian[0][0], &slopes, &q)
@@ -238,14 +217,46 @@ impl Law {
     }
 
     #[inline]
-    fn ask(
+    fn potential(
         &self,
         at: [f64; COORDINATES],
         counts: Counts,
         want_hessian: bool,
+        warm: &mut Warm,
     ) -> Result<Potential, ElementError> {
-        let w = self.surface.evaluate(&query(at), counts, want_hessian);
-        w.map_err(ElementError::NoPotential)
+        let [delta, center_distance_offset, misalignment, mesh_position] = at;
+        let query = Query {
+            delta,
+            center_distance_offset,
+            misalignment,
+            mesh_position,
+        };
+        match &self.source {
+            Source::Linear(stiffness) => {
+                let mut w = Potential::default();
+                if delta > 0.0 {
+                    w.gradient[0] = stiffness * delta;
+                    w.value = 0.5 * w.gradient[0] * delta;
+                    w.hessian[0][0] = *stiffness;
+                }
+                Ok(w)
+            }
+            Source::Table(table, flank) => Ok(table.flank(*flank).0.evaluate(&query, want_hessian)),
+            Source::Teeth(table, flank) => {
+                let teeth = table.teeth(*flank);
+                Ok(teeth.map_or(Potential::default(), |(teeth, _)| {
+                    teeth.evaluate(&query, counts, want_hessian)
+                }))
+            }
+            Source::Contact(contact) => contact_potential(contact, at, counts, want_hessian, warm)
+                .map_err(|error| {
+                    let reason = format!("stiffnessModel = contact finds no loads: {error}");
+                    ElementError::NoPotential(reason)
+                }),
+            Source::Custom(law) => law
+                .evaluate(&query, counts, want_hessian)
+                .map_err(ElementError::NoPotential),
+        }
     }
 
     /// Gradient of the tangent stiffness by central differences, for laws that do not know it. Only the
@@ -254,6 +265,7 @@ impl Law {
         &self,
         at: [f64; COORDINATES],
         counts: Counts,
+        warm: &mut Warm,
     ) -> Result<[f64; COORDINATES], ElementError> {
         const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
         let mut slope = [0.0; COORDINATES];
@@ -262,7 +274,7 @@ impl Law {
             for (side, sign) in side.iter_mut().zip([1.0, -1.0]) {
                 let mut x = at;
                 x[i] += sign * STEP[i];
-                *side = self.ask(x, counts, false)?.hessian[0][0];
+                *side = self.potential(x, counts, false, warm)?.hessian[0][0];
             }
             *slope = (side[0] - side[1]) / (2.0 * STEP[i]);
         }
@@ -270,11 +282,78 @@ impl Law {
     }
 }
 
-fn query(x: [f64; COORDINATES]) -> Query {
-    Query {
-        delta: x[0],
-        center_distance_offset: x[1],
-        misalignment: x[2],
-        mesh_position: x[3],
+/// Steps of the central differences of the contact's slopes by centre distance, m, and by mesh position.
+const CONTACT_STEPS: [(usize, f64); 2] = [(1, 1e-7), (3, 1e-4)];
+
+/// The potential of a static contact solve at the coordinates `at`.
+///
+/// # Errors
+/// No solve succeeds.
+fn contact_potential(
+    contact: &RuntimeContact,
+    at: [f64; COORDINATES],
+    counts: Counts,
+    want_hessian: bool,
+    warm: &mut Warm,
+) -> Result<Potential, ContactError> {
+    let here = contact.potential(at, counts, warm)?;
+    let mut out = Potential {
+        value: here.energy,
+        gradient: here.gradient,
+        out_of_range: here.out_of_range,
+        ..Potential::default()
+    };
+    out.hessian[0][0] = here.tangent.force_by_approach;
+    if !want_hessian || here.gradient[0] == 0.0 {
+        return Ok(out);
+    }
+    out.hessian[0][2] = here.tangent.force_by_misalignment;
+    out.hessian[2][0] = here.tangent.force_by_misalignment;
+    out.hessian[2][2] = here.tangent.moment_by_misalignment;
+    for (axis, step) in CONTACT_STEPS {
+        let mut side = |sign: f64| {
+            let mut x = at;
+            x[axis] += sign * step;
+            contact.potential(x, counts, warm).map(|w| w.gradient)
+        };
+        let (up, down) = (side(1.0)?, side(-1.0)?);
+        for i in 0..COORDINATES {
+            let slope = (up[i] - down[i]) / (2.0 * step);
+            // Both mixed slopes of both axes are found: the last one counts for either.
+            out.hessian[i][axis] = slope;
+            out.hessian[axis][i] = slope;
+        }
+    }
+    Ok(out)
+}
+
+#[cfg(all(test, feature = "preprocess"))]
+mod tests {
+    use super::*;
+    use crate::contact::ContactSettings;
+    use crate::element::Parameters;
+    use crate::pair::Pair;
+    use crate::testing::coarse_solver;
+
+    #[test]
+    fn a_pose_that_no_solve_finds_says_why() {
+        let text = include_str!("../../resources/pairs/palermo2013.json");
+        let pair = Pair::from_json(text).unwrap();
+        let settings = ContactSettings {
+            stations: 4,
+            ..ContactSettings::default()
+        };
+        let file = ContactFile::new(&pair, &coarse_solver(&pair, settings)).unwrap();
+        let parameters = Parameters::default();
+        let effects = parameters.table_effects(&pair.geometry);
+        let drive = Law::contact(&file, Flank::Drive, effects).unwrap();
+        let at = |offset| {
+            let at = [1e-5, offset, 0.0, 0.2];
+            drive.potential(at, [0; 2], true, &mut Warm::default())
+        };
+        assert!(at(0.0).unwrap().gradient[0] > 0.0);
+        // Nearer than the base circles allow.
+        let error = at(-0.02).unwrap_err().to_string();
+        assert!(error.contains("no path of contact"), "{error}");
     }
 }

@@ -25,8 +25,9 @@
 //! would meet the tooth behind, which is refused.
 //!
 //! Known limits: gears are rigid apart from the mesh; misalignment to first order, tilts up to 0.1 rad
-//! and meaningful within the table's range; errors of teeth with [`StiffnessModel::Teeth`] and [`StiffnessModel::Contact`] alone. But for the laws of a
-//! caller an evaluation neither allocates nor remembers; the phase zeros are the caller's [`Latch`].
+//! and meaningful within the table's range; errors of teeth with [`StiffnessModel::Teeth`] and [`StiffnessModel::Contact`] alone.
+//! An evaluation remembers nothing: phase zeros ([`Latch`]) and where a contact solve starts ([`Workspace`]) are the
+//! caller's. It allocates under contact at run time alone.
 
 mod check;
 mod constants;
@@ -37,13 +38,11 @@ mod evaluate;
 mod flank;
 mod friction;
 mod jacobian;
-mod latch;
 mod law;
 mod map;
 mod motion;
 mod paper;
 mod parameters;
-mod root_stress;
 mod scalar;
 mod start;
 
@@ -51,7 +50,9 @@ pub use crate::table::Interpolation;
 pub use dual::Dual;
 pub use error::{Body, ElementError};
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
-pub use law::{Elasticity, FlankLaws};
+pub use law::{Elasticity, FlankLaws, Workspace};
+#[cfg(test)]
+pub(crate) use motion::row;
 pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 pub use scalar::Scalar;
@@ -81,6 +82,7 @@ mod tests_tables;
 #[cfg(test)]
 mod tests_teeth;
 
+use crate::contact::ContactFile;
 use crate::gear::PairGeometry;
 use crate::table::Table;
 use crate::words::number;
@@ -122,12 +124,23 @@ impl Element {
         laws: &FlankLaws,
     ) -> Result<Self, ElementError> {
         let effects = parameters.table_effects(pair);
-        let drive = Law::new(laws.drive.clone(), false, effects);
-        let coast = match &laws.coast {
-            Some(own) => Law::new(own.clone(), false, effects),
-            None => Law::new(laws.drive.clone(), true, effects),
-        };
-        Self::build(pair, parameters, [drive, coast])
+        let laws = FLANKS.map(|flank| Law::custom(laws, flank, effects));
+        Self::build(pair, parameters, laws)
+    }
+
+    /// The element of `pair` with `parameters` under static contact at run time, that of `file`.
+    ///
+    /// # Errors
+    /// As [`Element::with_laws`].
+    pub fn with_contact(
+        pair: &PairGeometry,
+        parameters: &Parameters,
+        file: &ContactFile,
+    ) -> Result<Self, ElementError> {
+        let effects = parameters.table_effects(pair);
+        let [drive, coast] =
+            FLANKS.map(|flank| Law::contact(file, flank, effects).ok_or(ElementError::NoContact));
+        Self::build(pair, parameters, [drive?, coast?])
     }
 
     /// The element of `pair` with `parameters`; `table` is needed for [`StiffnessModel::Table`]. A table
@@ -159,13 +172,8 @@ impl Element {
                                  in full; give a torque of the table",
                     });
                 }
-                let laws = if wanted.teeth {
-                    let [drive, coast] = FLANKS.map(|flank| Law::of_teeth(&table, flank));
-                    [drive?, coast?]
-                } else {
-                    FLANKS.map(|flank| Law::of_table(&table, flank))
-                };
-                let mut element = Self::build(pair, parameters, laws)?;
+                let [drive, coast] = FLANKS.map(|flank| Law::table(&table, flank));
+                let mut element = Self::build(pair, parameters, [drive?, coast?])?;
                 element.friction = Friction::new(pair, parameters, &table);
                 element.root_stress = parameters.root_stress.then(|| table.clone());
                 element.largest_force =
@@ -210,20 +218,10 @@ impl Element {
         })
     }
 
-    /// The element with another damping (the one tunable parameter), N s/m, tangential.
-    ///
-    /// # Errors
-    /// A negative or non-finite value.
-    pub fn with_damping(&self, damping: f64) -> Result<Self, ElementError> {
-        let parameters = Parameters {
-            damping,
-            ..self.parameters
-        };
-        parameters.check()?;
-        let mut element = self.clone();
-        element.parameters = parameters;
-        element.damper = self::damper(&parameters, &self.constants);
-        Ok(element)
+    /// Sets the damping (the one tunable parameter), N s/m, tangential, >= 0.
+    pub fn set_damping(&mut self, damping: f64) {
+        self.parameters.damping = damping;
+        self.damper = self::damper(&self.parameters, &self.constants);
     }
 
     /// The parameters it was made with.
@@ -252,23 +250,27 @@ impl Element {
         }
     }
 
-    /// Phase zeros for a simulation that starts at `inputs`.
+    /// Loads and diagnostics at `inputs`. Pure; contact at run time starts from nothing, see [`Element::evaluate_from`].
     ///
     /// # Errors
-    /// A pose without meaning; with [`PhaseReference::Absolute`], teeth that overlap.
-    pub fn latch(&self, inputs: &Inputs) -> Result<Latch, ElementError> {
-        check::inputs(inputs, self.with_carrier())?;
-        latch::latch(self, inputs)
+    /// A pose without meaning (see [`ElementError`]), or at which a law has no potential. Gears out of reach of one another
+    /// are no error: they feel no force.
+    pub fn evaluate(&self, latch: &Latch, inputs: &Inputs) -> Result<Outputs, ElementError> {
+        self.evaluate_from(latch, inputs, &mut Workspace::default())
     }
 
-    /// Loads and diagnostics at `inputs`. Pure; no allocation, but for the laws of a caller.
+    /// As [`Element::evaluate`], faster under contact at run time, from `workspace` of the last evaluation.
     ///
     /// # Errors
-    /// A pose without meaning (see [`ElementError`]), or at which a law of a caller has no potential. Gears out of reach of one another are no error:
-    /// they feel no force.
-    pub fn evaluate(&self, latch: &Latch, inputs: &Inputs) -> Result<Outputs, ElementError> {
+    /// As [`Element::evaluate`].
+    pub fn evaluate_from(
+        &self,
+        latch: &Latch,
+        inputs: &Inputs,
+        workspace: &mut Workspace,
+    ) -> Result<Outputs, ElementError> {
         check::inputs(inputs, self.with_carrier())?;
-        Ok(evaluate::evaluate(self, latch, inputs, false)?.outputs)
+        Ok(evaluate::evaluate(self, latch, inputs, false, workspace)?.outputs)
     }
 
     fn with_carrier(&self) -> bool {

@@ -1,12 +1,16 @@
-//! Poses that make no mesh, in words: a simulation does not start from them, and the log tells of those that it comes to
-//! later.
+//! The start of a simulation: phase zeros from the initial pose, and the poses that make no mesh, with what would be right.
 
-use super::constants::Constants;
+use super::constants::{Constants, FLANKS};
 use super::engagement::{face_overlap, is_shifted, radial_share};
 use super::error::ElementError;
-use super::evaluate::{evaluate, pose};
+use super::evaluate::{Pose, evaluate, pose};
+use super::law::{Law, Workspace};
 use super::motion::{Inputs, Latch, Outputs};
-use super::{Element, START_FORCE};
+use super::parameters::PhaseReference;
+use super::scalar::{Scalar, fraction, lift, wrap};
+use super::{Element, START_FORCE, check};
+use crate::contact::Warm;
+use crate::gear::teeth::Counts;
 use crate::table::Table;
 use crate::words::fixed;
 
@@ -58,19 +62,29 @@ impl Covered {
 const WRONG_UNIT: f64 = 100.0;
 
 impl Element {
-    /// Refuses `inputs`, with the phases of `latch`, as the start of a simulation where they can be no mesh: gears out of
-    /// reach of one another, or teeth that jam with more than any load of the tables.
+    /// Phase zeros for a simulation that starts at `inputs`.
     ///
     /// # Errors
-    /// Such a pose, with its values and what would be right; a pose without meaning.
-    pub fn check_start(&self, latch: &Latch, inputs: &Inputs) -> Result<(), ElementError> {
+    /// A pose without meaning; with [`PhaseReference::Absolute`], teeth that overlap.
+    pub fn latch(&self, inputs: &Inputs) -> Result<Latch, ElementError> {
+        check::inputs(inputs, self.with_carrier())?;
+        latch(self, inputs)
+    }
+
+    /// As [`Element::latch`], where `inputs` can be a mesh.
+    ///
+    /// # Errors
+    /// As there; gears out of reach of one another, and teeth that jam with more than any load of the tables: the pose with its
+    /// values and what would be right.
+    pub fn start(&self, inputs: &Inputs) -> Result<Latch, ElementError> {
+        let latch = self.latch(inputs)?;
         let apart = self.apart(inputs)?;
         if !apart.is_empty() {
             return Err(ElementError::NoMesh {
                 reasons: apart.join("; "),
             });
         }
-        let solution = evaluate::<f64>(self, latch, inputs, false)?;
+        let solution = evaluate::<f64>(self, &latch, inputs, false, &mut Workspace::default())?;
         let pressed = solution.mesh.map_or(0.0, |mesh| {
             let [drive, coast] = mesh.flanks.map(|flank| flank.elastic);
             drive.max(coast)
@@ -86,7 +100,7 @@ impl Element {
                 });
             }
         }
-        Ok(())
+        Ok(latch)
     }
 
     /// What puts the pose `inputs`, which gave `outputs`, out of range ([`Outputs::out_of_range`]), each with its value and
@@ -224,4 +238,164 @@ fn center_distance(k: &Constants, c: f64) -> String {
 fn faces(k: &Constants, lambda: f64) -> (f64, f64) {
     let [(low, _), (high, _)] = face_overlap(k, lambda);
     (low, high)
+}
+
+/// Base pitches by which the start pose stays short of contact, so that rounding does not decide whether the paper's
+/// damper, which acts at once, is at work.
+const ROUNDING: f64 = 2e-14;
+
+/// The latch that `element` takes from `inputs`.
+pub(crate) fn latch<T: Scalar>(
+    element: &Element,
+    inputs: &Inputs,
+) -> Result<Latch<T>, ElementError> {
+    let Ok(pose) = pose(element, inputs)? else {
+        return Err(ElementError::OutOfReach);
+    };
+    match element.parameters.phase_reference {
+        PhaseReference::FromInitialPose => from_initial_pose(element, &pose),
+        PhaseReference::Absolute => absolute(element, &pose),
+    }
+}
+
+/// The phases with which the pose is the one where the reference flank is about to carry.
+fn from_initial_pose<T: Scalar>(
+    element: &Element,
+    pose: &Pose<T>,
+) -> Result<Latch<T>, ElementError> {
+    /// Of the central differences, m and rad: small against a tooth, large against the 1e-16 m to which the onset is
+    /// known.
+    const STEP: f64 = 1e-6;
+    let k = &element.constants;
+    let i = element.reference_flank;
+    let s = FLANKS[i].sign();
+    let mesh_position = element.parameters.mesh_phase / k.pitch_angle;
+    let law = element.laws[i].as_ref().ok_or(ElementError::OutOfReach)?;
+    // The pair of teeth 0 touches where the mesh position is 0.
+    let counts = [mesh_position.floor() as i64; 2];
+    let mut warm = Warm::default();
+    let mut touching = |[offset, misalignment]: [f64; 2], start| {
+        let at = [offset, misalignment, fraction(mesh_position)];
+        onset(element, law, at, counts, start, &mut warm)
+    };
+    let q = [
+        pose.coordinates.center_distance - k.center_distance,
+        pose.misalignment(i),
+    ];
+    let at = q.map(T::re);
+    let found = touching(at, 0.0)?;
+    let mut slopes = [0.0; 2];
+    for (axis, slope) in slopes.iter_mut().enumerate() {
+        if !T::CARRIES || !law.follows()[axis] {
+            continue;
+        }
+        let mut beside = |step: f64| {
+            let mut x = at;
+            x[axis] += step;
+            touching(x, found + STEP)
+        };
+        *slope = (beside(STEP)? - beside(-STEP)?) / (2.0 * STEP);
+    }
+    let elongation = lift(found, &slopes, &q) - pose.lever * q[1];
+    Ok(Latch {
+        tooth_angle: (elongation + pose.coordinates.half_gap) * (s * k.tooth_angle_per)
+            - pose.coordinates.turn * k.tooth_angle_per,
+        mesh_position: (-pose.mesh_position(k, i) + mesh_position) * s,
+    })
+}
+
+/// The largest elongation, m, at which a flank carries nothing at this centre distance offset (m), misalignment and mesh position,
+/// within half a base pitch about zero, where the force rises; `start` (m) is looked at first.
+///
+/// Energy, force and stiffness are those of a power of the distance to the onset, the more so the nearer it is: they tell the
+/// distance, so that a few evaluations are enough. Where they mislead, bisection goes on.
+fn onset(
+    element: &Element,
+    law: &Law,
+    [offset, misalignment, mesh_position]: [f64; 3],
+    counts: Counts,
+    start: f64,
+    warm: &mut Warm,
+) -> Result<f64, ElementError> {
+    /// First step, m, in search of a load: reliefs are larger, so that none is met by chance far inside.
+    const FIRST: f64 = 1e-6;
+    /// To which the onset is found, m: a hundredth of the rounding of microns.
+    const NEAR: f64 = 1e-17;
+    /// Evaluations after which bisection takes over.
+    const MOST: usize = 20;
+    let quarter = 0.25 * element.constants.base_pitch;
+    let (mut free, mut pressed) = (-quarter, quarter);
+    let (mut next, mut step) = (start, FIRST);
+    for tried in 0.. {
+        let w = law.respond(
+            [next, offset, misalignment, mesh_position],
+            counts,
+            false,
+            warm,
+        )?;
+        let force = w.gradient[0];
+        let guess = if force > 0.0 {
+            pressed = next;
+            let way = w.energy / force / (1.0 - w.energy / force * (w.stiffness / force));
+            // Not a number under a law without energy.
+            pressed
+                - if way > 0.0 {
+                    (0.99 * way).max(3.0 * NEAR)
+                } else {
+                    f64::NAN
+                }
+        } else {
+            free = next;
+            step *= 4.0;
+            if pressed < quarter {
+                pressed
+            } else {
+                free + step
+            }
+        };
+        let middle = 0.5 * (free + pressed);
+        // Two neighbouring numbers, or nothing but rounding of the zero between them.
+        if middle == free || middle == pressed || pressed - free < 4.0 * NEAR {
+            break;
+        }
+        let helps = free < guess && guess < pressed && tried < MOST;
+        next = if helps { guess } else { middle };
+    }
+    Ok(free - ROUNDING * element.constants.base_pitch)
+}
+
+/// The phases of the body frames, unless the teeth overlap there by more than a load of the table brings about.
+fn absolute<T: Scalar>(element: &Element, pose: &Pose<T>) -> Result<Latch<T>, ElementError> {
+    let k = &element.constants;
+    let latch = Latch {
+        tooth_angle: T::from(0.0),
+        mesh_position: T::from(0.0),
+    };
+    let q = &pose.coordinates;
+    let per_tooth = k.per_tooth_angle;
+    let x = wrap(q.turn.re() / per_tooth) * per_tooth;
+    let offset = q.center_distance.re() - k.center_distance;
+    let scale = element.law_scale(k.base_sum / q.center_distance.re());
+    for (i, law) in element.laws.iter().enumerate() {
+        let Some(law) = law else { continue };
+        let s = FLANKS[i].sign();
+        let misalignment = pose.misalignment(i).re();
+        let delta = s * x - q.half_gap.re() + pose.lever.re() * misalignment;
+        let position = fraction(pose.mesh_position(k, i).re());
+        let counts = pose.counts(k, i, &latch);
+        let at = [delta * scale, offset, misalignment, position];
+        let warm = &mut Warm::default();
+        let force = law.respond(at, counts, false, warm)?.gradient[0];
+        if force > element.largest_force {
+            let at = [offset, misalignment, position];
+            let touching = onset(element, law, at, counts, 0.0, warm)?;
+            return Err(ElementError::TeethOverlap {
+                overlap_um: 1e6 * (delta - touching),
+                force_kn: 1e-3 * force,
+                largest_kn: 1e-3 * element.largest_force,
+                turn_rad: -s * (delta - touching) / k.rb[0],
+            });
+        }
+    }
+    Ok(latch)
 }

@@ -91,7 +91,13 @@ fn phases_are_found_and_derivatives_made_with_few_questions_to_the_law() {
     let mut jacobian = Jacobian::zeros();
     // The derivative of the stiffness alone takes eight more under a law that does not know it.
     let mut slopes = |latch: Option<&Latch>, stiffness| {
-        let made = element.slopes(latch, &inputs, stiffness, &mut jacobian);
+        let made = element.slopes(
+            latch,
+            &inputs,
+            stiffness,
+            &mut jacobian,
+            &mut Workspace::default(),
+        );
         made.unwrap();
         let stiffness = index::MESH_STIFFNESS - index::GEAR1_FORCE_1;
         let numbers =

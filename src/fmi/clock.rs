@@ -1,6 +1,6 @@
 //! Communication points.
 
-use super::report::Refusal;
+use super::Refusal;
 
 /// Units in the last place by which the host's communication point may differ from ours. We take the
 /// host's own point at every step, so differences do not add up: what is left is one addition of the

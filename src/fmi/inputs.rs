@@ -1,24 +1,51 @@
-//! The inputs as poses and velocities of the bodies.
+//! The inputs: their values, how they move over a communication step, and the motions of the bodies that they give.
+//!
+//! An input whose derivatives the host gave (fmi2SetRealInputDerivatives) follows its Taylor polynomial over the coming
+//! step, whether its value was set before them or after; it stays where the polynomial ends. With `extrapolatePoses` a
+//! body whose pose has no derivatives moves on with its velocity inputs; that moves the body, not its inputs ([`Drift`]).
+
+use std::collections::BTreeMap;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 
-use super::layout::{
-    ANGLES, ANGULAR_VELOCITY, BODIES, BODY_INPUTS, POSITION, QUATERNION, VELOCITY, body_of,
-};
-use super::report::Refusal;
-use super::settings::Orientation;
+use super::Refusal;
+use super::parameters::Orientation;
 use super::variables::VARIABLES;
-use crate::element::Motion;
+use crate::element::{BODY_COLUMNS, Motion};
 use crate::words::number;
+
+/// The bodies as the names of their variables begin, in the order of their inputs.
+pub const BODIES: [&str; 3] = ["gear1", "gear2", "carrier"];
+/// Inputs of one body, all Real; body `b` has the variables from `b * BODY_INPUTS` on.
+pub const BODY_INPUTS: usize = 16;
+/// Number of inputs; they are the first variables.
+pub const INPUTS: usize = BODIES.len() * BODY_INPUTS;
+/// Offset of the position, 3 inputs, among those of a body.
+pub const POSITION: usize = 0;
+/// Of the Cardan angles, 3 inputs.
+pub const ANGLES: usize = 3;
+/// Of the quaternion w x y z, 4 inputs.
+pub const QUATERNION: usize = 6;
+/// Of the velocity, 3 inputs.
+pub const VELOCITY: usize = 10;
+/// Of the angular velocity, 3 inputs.
+pub const ANGULAR_VELOCITY: usize = 13;
+
+/// Highest order of input derivatives that is taken.
+pub const MAXIMUM_ORDER: usize = 3;
+
+/// Derivatives of order 1, 2, .. of one input.
+type Derivatives = [f64; MAXIMUM_ORDER];
 
 /// Departure of a quaternion's length from 1 above which it is refused. Integrators and linear
 /// interpolation between orientations 10 degrees apart stay below.
-pub const QUATERNION_TOLERANCE: f64 = 1e-2;
+const QUATERNION_TOLERANCE: f64 = 1e-2;
 
-/// How far a body has moved beyond its pose inputs: `extrapolatePoses` moves bodies, never inputs.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Drift {
-    /// Way of the origin, m, world axes.
+/// How far a body has moved beyond its pose inputs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Drift {
+    /// Displacement of the origin, m, world axes.
     moved: [f64; 3],
     /// Rotation in world axes, a unit quaternion w x y z.
     turned: [f64; 4],
@@ -26,14 +53,18 @@ pub struct Drift {
     from_angles: bool,
 }
 
-/// Values of all inputs, and how far the bodies have gone beyond them.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+/// Values and derivatives of all inputs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct InputValues {
-    /// In the order of the variables.
-    value: Vec<f64>,
     /// By body.
-    drift: Vec<Option<Drift>>,
-    drifting: bool,
+    values: [[f64; BODY_INPUTS]; BODIES.len()],
+    /// Time derivatives at the current communication point, by input, where the host gave some.
+    derivatives: BTreeMap<usize, Derivatives>,
+    /// Whether the step is done that the derivatives were given for.
+    derivatives_spent: bool,
+    /// By body.
+    drift: [Option<Drift>; BODIES.len()],
 }
 
 /// Sizes above which the rounding of a number alone moves the teeth.
@@ -47,7 +78,7 @@ pub struct Resolution {
 
 impl Resolution {
     /// Of a gear with `teeth` teeth `pitch` metres apart. Tables resolve a thousandth of the
-    /// elongation under load, which is about a thousandth of a pitch: a number whose own rounding is
+    /// penetration under load, which is about a thousandth of a pitch: a number whose own rounding is
     /// more than a millionth of a pitch says nothing to them.
     pub fn new(teeth: f64, pitch: f64) -> Self {
         const SHARE: f64 = 1e-6 / f64::EPSILON;
@@ -59,46 +90,28 @@ impl Resolution {
 }
 
 impl InputValues {
-    /// The inputs with these values.
-    pub fn new(value: Vec<f64>) -> Self {
+    /// The inputs with these values, constant.
+    pub fn new(values: [f64; INPUTS]) -> Self {
         Self {
-            value,
-            drift: vec![None; BODIES.len()],
-            drifting: false,
+            values: std::array::from_fn(|body| {
+                std::array::from_fn(|k| values[body * BODY_INPUTS + k])
+            }),
+            derivatives: BTreeMap::new(),
+            derivatives_spent: false,
+            drift: [None; BODIES.len()],
         }
-    }
-
-    /// Whether these are values for `count` inputs, all of them finite.
-    pub fn fits(&self, count: usize) -> bool {
-        let sizes = (self.value.len(), self.drift.len());
-        sizes == (count, BODIES.len()) && self.finite().is_ok()
     }
 
     /// Value of input `i`.
     pub fn get(&self, i: usize) -> f64 {
-        self.value[i]
+        self.values.as_flattened()[i]
     }
 
     /// Sets input `i`: a body whose position or orientation (the one in use) is set stands there.
     #[inline]
     pub fn set(&mut self, i: usize, value: f64) {
-        self.value[i] = value;
-        if self.drifting {
-            self.stop(i);
-        }
-    }
-
-    /// Sets the inputs from `first` on; see [`InputValues::set`].
-    pub fn set_block(&mut self, first: usize, values: &[f64]) {
-        let block = first..first + values.len();
-        self.value[block.clone()].copy_from_slice(values);
-        if self.drifting {
-            block.for_each(|i| self.stop(i));
-        }
-    }
-
-    fn stop(&mut self, i: usize) {
-        let Some(drift) = &mut self.drift[body_of(i)] else {
+        self.values.as_flattened_mut()[i] = value;
+        let Some(drift) = &mut self.drift[i / BODY_INPUTS] else {
             return;
         };
         match i % BODY_INPUTS {
@@ -109,13 +122,60 @@ impl InputValues {
         }
     }
 
-    /// Changes the value of input `i` without stopping the body: it goes on along its polynomial.
-    pub fn advance(&mut self, i: usize, by: f64) {
-        self.value[i] += by;
+    /// Sets the derivative of `order` (1 to [`MAXIMUM_ORDER`]) of input `i` for the coming step.
+    pub fn set_derivative(&mut self, i: usize, order: usize, value: f64) {
+        if std::mem::take(&mut self.derivatives_spent) {
+            self.derivatives.clear();
+        }
+        self.derivatives.entry(i).or_default()[order - 1] = value;
     }
 
-    /// Moves a body on by a way (m) and a rotation vector (rad), both in world axes.
-    pub fn move_body(
+    /// The inputs `h` s later, at the end of a communication step; `None`: they are constant. `extrapolated` are the
+    /// bodies that move on with their velocities.
+    pub fn after(
+        &self,
+        h: f64,
+        orientation: Orientation,
+        extrapolated: std::ops::Range<usize>,
+    ) -> Option<Self> {
+        if self.derivatives.is_empty() && extrapolated.is_empty() {
+            return None;
+        }
+        let mut end = self.clone();
+        if end.derivatives_spent {
+            end.derivatives.clear();
+        }
+        for body in extrapolated {
+            let pose = body * BODY_INPUTS..body * BODY_INPUTS + VELOCITY;
+            if end.derivatives.range(pose).next().is_none() {
+                let [way, turn] = [VELOCITY, ANGULAR_VELOCITY]
+                    .map(|offset| Vector3::from_fn(|k, _| end.integral(body, offset + k, h)));
+                end.move_body(body, way, turn, orientation);
+            }
+        }
+        let values = end.values.as_flattened_mut();
+        for (i, derivatives) in &mut end.derivatives {
+            values[*i] += taylor(derivatives, h) * h;
+            for k in 0..MAXIMUM_ORDER - 1 {
+                derivatives[k] += taylor(&derivatives[k + 1..], h) * h;
+            }
+        }
+        end.derivatives_spent = true;
+        Some(end)
+    }
+
+    fn derivatives(&self, i: usize) -> Derivatives {
+        self.derivatives.get(&i).copied().unwrap_or_default()
+    }
+
+    /// Integral of an input of `body` over `h` s.
+    fn integral(&self, body: usize, offset: usize, h: f64) -> f64 {
+        let [d1, d2, d3] = self.derivatives(body * BODY_INPUTS + offset);
+        h * (self.values[body][offset] + h / 2.0 * (d1 + h / 3.0 * (d2 + h / 4.0 * d3)))
+    }
+
+    /// Moves a body on by a displacement (m) and a rotation vector (rad), both in world axes.
+    fn move_body(
         &mut self,
         body: usize,
         way: Vector3<f64>,
@@ -130,185 +190,184 @@ impl InputValues {
             turned: [1.0, 0.0, 0.0, 0.0],
             from_angles: orientation == Orientation::Angles,
         });
-        self.drifting = true;
-        let q = UnitQuaternion::from_scaled_axis(turn).into_inner() * unit(&drift.turned);
+        let q = UnitQuaternion::from_scaled_axis(turn).into_inner() * quaternion(&drift.turned);
         let q = q.normalize();
         drift.moved = (Vector3::from(drift.moved) + way).into();
         drift.turned = [q.w, q.i, q.j, q.k];
     }
 
-    /// All values are finite; else the index of an input that is not.
-    pub fn finite(&self) -> Result<(), usize> {
-        let bad = |(i, body): (usize, &Option<Drift>)| {
-            let drift = body.as_ref()?;
-            let all = drift.moved.iter().chain(&drift.turned);
-            all.copied()
-                .any(|x| !x.is_finite())
-                .then_some(i * BODY_INPUTS + VELOCITY)
-        };
-        let value = self.value.iter().position(|x| !x.is_finite());
-        let drift = || self.drift.iter().enumerate().find_map(bad);
-        value.or_else(drift).map_or(Ok(()), Err)
+    /// Refuses numbers that are not finite, and derivatives of what is no input.
+    ///
+    /// # Errors
+    /// The input to look at.
+    pub fn check(&self) -> Result<(), usize> {
+        let mut derivatives = self.derivatives.iter();
+        let bad = derivatives.find(|(i, d)| **i >= INPUTS || d.iter().any(|x| !x.is_finite()));
+        if let Some((i, _)) = bad {
+            return Err((*i).min(INPUTS - 1));
+        }
+        let bad = |x: &f64| !x.is_finite();
+        for (body, drift) in self.drift.iter().enumerate() {
+            if drift.is_some_and(|d| d.moved.iter().chain(&d.turned).any(bad)) {
+                return Err(body * BODY_INPUTS + VELOCITY);
+            }
+        }
+        self.values
+            .as_flattened()
+            .iter()
+            .position(bad)
+            .map_or(Ok(()), Err)
     }
 
-    /// The largest input in size, for messages.
+    /// The largest input in size, with its index.
     pub fn largest(&self) -> (usize, f64) {
-        let sizes = self.value.iter().copied().enumerate();
+        let sizes = self.values.as_flattened().iter().copied().enumerate();
         sizes
             .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
             .unwrap_or((0, 0.0))
     }
 
-    fn vector(&self, i: usize) -> Vector3<f64> {
-        Vector3::new(self.value[i], self.value[i + 1], self.value[i + 2])
+    fn vector(&self, body: usize, offset: usize) -> Vector3<f64> {
+        Vector3::from_fn(|k, _| self.values[body][offset + k])
     }
 
-    fn quaternion(&self, i: usize) -> Quaternion<f64> {
-        let v = &self.value;
-        Quaternion::new(v[i], v[i + 1], v[i + 2], v[i + 3])
+    fn quaternion(&self, body: usize) -> Quaternion<f64> {
+        let v = &self.values[body][QUATERNION..VELOCITY];
+        Quaternion::new(v[0], v[1], v[2], v[3])
     }
 
-    /// Velocity of a body's origin and its angular velocity.
-    pub fn velocities(&self, body: usize) -> [Vector3<f64>; 2] {
-        let first = BODIES[body].first;
-        [VELOCITY, ANGULAR_VELOCITY].map(|at| self.vector(first + at))
+    /// Rates of a body in the order of the columns of [`crate::element::Jacobian`]: velocity and angular velocity, which
+    /// are those of its pose, then their own derivatives.
+    pub fn rates(&self, body: usize) -> [Vector3<f64>; BODY_COLUMNS / 3] {
+        let acceleration = |offset: usize| {
+            Vector3::from_fn(|k, _| self.derivatives(body * BODY_INPUTS + offset + k)[0])
+        };
+        [
+            self.vector(body, VELOCITY),
+            self.vector(body, ANGULAR_VELOCITY),
+            acceleration(VELOCITY),
+            acceleration(ANGULAR_VELOCITY),
+        ]
     }
 
-    /// Writes the motion of a body, as the element takes it, into `motion`: in place, since it is large and wanted in every
-    /// step.
+    /// Motion of a body as the element takes it.
     ///
     /// # Errors
     /// A quaternion in use whose length is not 1 within [`QUATERNION_TOLERANCE`]; angles and positions
     /// beyond `resolution`.
-    pub fn write_motion(
+    #[inline]
+    pub fn motion(
         &self,
         body: usize,
         orientation: Orientation,
         resolution: Resolution,
-        motion: &mut Motion,
-    ) -> Result<(), Refusal> {
-        let first = BODIES[body].first;
-        motion.r = self.rotation(body, orientation, resolution.angle)?;
-        self.resolved(first + POSITION, resolution.position, "m")?;
-        motion.p = self.vector(first + POSITION);
-        motion.v = self.vector(first + VELOCITY);
-        motion.w = self.vector(first + ANGULAR_VELOCITY);
-        if let Some(drift) = &self.drift[body] {
-            motion.p += Vector3::from(drift.moved);
-            motion.r = turned(drift) * motion.r;
-        }
-        Ok(())
-    }
-
-    fn rotation(
-        &self,
-        body: usize,
-        orientation: Orientation,
-        largest: f64,
-    ) -> Result<Matrix3<f64>, Refusal> {
-        let first = BODIES[body].first;
-        match orientation {
+    ) -> Result<Motion, Refusal> {
+        let r = match orientation {
             Orientation::Angles => {
-                self.resolved(first + ANGLES, largest, "rad")?;
-                Ok(cardan(&self.vector(first + ANGLES)))
+                let limit = resolution.angle;
+                cardan(&self.resolved(body, ANGLES, limit, "rad", "take off whole turns")?)
             }
             Orientation::Quaternion => {
-                let q = self.quaternion(first + QUATERNION);
+                let q = self.quaternion(body);
                 let length = q.norm();
                 let is_unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE; // never for NaN
                 if !is_unit {
                     return Err(Refusal::discard(format!(
                         "{}.quaternion has the length {}; it must be 1 within \
                          {QUATERNION_TOLERANCE}: normalise it, or set orientationInput = angles",
-                        BODIES[body].name,
+                        BODIES[body],
                         number(length)
                     )));
                 }
                 let q = UnitQuaternion::new_unchecked(q / length);
-                Ok(q.to_rotation_matrix().into_inner())
+                q.to_rotation_matrix().into_inner()
             }
+        };
+        let (limit, remedy) = (resolution.position, "put the origin of the world nearer");
+        let mut motion = Motion {
+            p: self.resolved(body, POSITION, limit, "m", remedy)?,
+            r,
+            v: self.vector(body, VELOCITY),
+            w: self.vector(body, ANGULAR_VELOCITY),
+        };
+        if let Some(drift) = &self.drift[body] {
+            motion.p += Vector3::from(drift.moved);
+            motion.r = drift.rotation() * motion.r;
         }
+        Ok(motion)
     }
 
-    /// Three inputs from `i` on are small enough for their rounding not to matter.
-    fn resolved(&self, i: usize, largest: f64, unit: &str) -> Result<(), Refusal> {
-        let v = self.vector(i);
-        if v.abs().sum() <= largest {
-            return Ok(());
-        }
-        let Some(k) = v.iter().position(|x| x.abs() > largest) else {
-            return Ok(());
-        };
-        let remedy = match unit {
-            "rad" => "take off whole turns",
-            _ => "put the origin of the world nearer",
+    /// Three inputs of a body, refused where their rounding alone would matter.
+    fn resolved(
+        &self,
+        body: usize,
+        offset: usize,
+        limit: f64,
+        unit: &str,
+        remedy: &str,
+    ) -> Result<Vector3<f64>, Refusal> {
+        let v = self.vector(body, offset);
+        let Some(k) = v.iter().position(|x| x.abs() > limit) else {
+            return Ok(v);
         };
         Err(Refusal::discard(format!(
-            "{} = {} {unit}: above {largest:.1e} {unit} its own rounding moves the teeth by more \
+            "{} = {} {unit}: above {limit:.1e} {unit} its own rounding moves the teeth by more \
              than the table resolves; {remedy}",
-            VARIABLES[i + k].name,
+            VARIABLES[body * BODY_INPUTS + offset + k].name,
             number(v[k])
         )))
     }
 
-    /// What a change of input `i` at unit rate does to its body: which of small translation, small
-    /// rotation (both world axes), velocity and angular velocity changes, and how.
-    pub fn direction(&self, i: usize, orientation: Orientation) -> (Part, Vector3<f64>) {
-        let (body, k) = (body_of(i), i % BODY_INPUTS);
-        let first = BODIES[body].first;
-        let unit = |at: usize| Vector3::ith(k - at, 1.0);
-        let drifted = |rotation: Vector3<f64>| match &self.drift[body] {
-            Some(drift) => turned(drift) * rotation,
-            None => rotation,
-        };
-        match (k, orientation) {
-            (POSITION..ANGLES, _) => (Part::Translation, unit(POSITION)),
+    /// What a change of input `i` at unit rate does to its body: the first of the three columns of
+    /// [`crate::element::Jacobian`], and the change there, world axes.
+    pub fn direction(&self, i: usize, orientation: Orientation) -> (usize, Vector3<f64>) {
+        let (body, k) = (i / BODY_INPUTS, i % BODY_INPUTS);
+        let unit = |offset: usize| Vector3::ith(k - offset, 1.0);
+        let (column, change) = match (k, orientation) {
+            (POSITION..ANGLES, _) => (0, unit(POSITION)),
             (ANGLES..QUATERNION, Orientation::Angles) => {
-                let axes = cardan_axes(&self.vector(first + ANGLES));
-                (
-                    Part::Rotation,
-                    drifted(axes.column(k - ANGLES).into_owned()),
-                )
+                let axes = cardan_axes(&self.vector(body, ANGLES));
+                (3, axes.column(k - ANGLES).into_owned())
             }
             (QUATERNION..VELOCITY, Orientation::Quaternion) => {
-                let q = self.quaternion(first + QUATERNION);
-                let mut dq = Quaternion::new(0.0, 0.0, 0.0, 0.0);
-                match k - QUATERNION {
-                    0 => dq.w = 1.0,
-                    c => dq.coords[c - 1] = 1.0,
-                }
+                let q = self.quaternion(body);
+                let dq = quaternion(&std::array::from_fn(|c| {
+                    f64::from(u8::from(c == k - QUATERNION))
+                }));
                 // Vector part of 2 dq q*; the change of length is its scalar part.
-                let rate = (dq * q.conjugate()) * (2.0 / q.norm_squared());
-                (Part::Rotation, drifted(rate.imag()))
+                (3, ((dq * q.conjugate()) * (2.0 / q.norm_squared())).imag())
             }
-            (VELOCITY..ANGULAR_VELOCITY, _) => (Part::Velocity, unit(VELOCITY)),
-            (ANGULAR_VELOCITY.., _) => (Part::AngularVelocity, unit(ANGULAR_VELOCITY)),
+            (VELOCITY..ANGULAR_VELOCITY, _) => (6, unit(VELOCITY)),
+            (ANGULAR_VELOCITY.., _) => (9, unit(ANGULAR_VELOCITY)),
             // The orientation that is not in use.
-            _ => (Part::Rotation, Vector3::zeros()),
-        }
+            _ => (3, Vector3::zeros()),
+        };
+        let change = match &self.drift[body] {
+            Some(drift) if column == 3 => drift.rotation() * change,
+            _ => change,
+        };
+        (body * BODY_COLUMNS + column, change)
     }
 }
 
-/// Part of a body's motion that an input acts on, in the order of the element's freedoms.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
-    /// Small displacement of the origin, world.
-    Translation,
-    /// Small rotation vector, world.
-    Rotation,
-    /// Velocity of the origin.
-    Velocity,
-    /// Angular velocity.
-    AngularVelocity,
+impl Drift {
+    fn rotation(&self) -> Matrix3<f64> {
+        let q = UnitQuaternion::new_unchecked(quaternion(&self.turned));
+        q.to_rotation_matrix().into_inner()
+    }
 }
 
-fn unit([w, x, y, z]: &[f64; 4]) -> Quaternion<f64> {
+fn quaternion([w, x, y, z]: &[f64; 4]) -> Quaternion<f64> {
     Quaternion::new(*w, *x, *y, *z)
 }
 
-fn turned(drift: &Drift) -> Matrix3<f64> {
-    let q = UnitQuaternion::new_unchecked(unit(&drift.turned));
-    q.to_rotation_matrix().into_inner()
+/// d1 + d2 h/2! + d3 h^2/3! + ...
+fn taylor(derivatives: &[f64], h: f64) -> f64 {
+    derivatives
+        .iter()
+        .enumerate()
+        .rev()
+        .fold(0.0, |sum, (k, d)| (sum * h + d) / (k as f64 + 1.0))
 }
 
 /// Rx(a1) Ry(a2) Rz(a3).
@@ -337,5 +396,221 @@ fn cardan_axes(a: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 #[cfg(test)]
-#[path = "inputs_tests.rs"]
-mod tests;
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+    use nalgebra::Rotation3;
+    use std::f64::consts::FRAC_PI_2;
+
+    const FINE: Resolution = Resolution {
+        angle: 1e9,
+        position: 1e9,
+    };
+
+    fn values() -> InputValues {
+        let mut inputs = InputValues::new([0.0; INPUTS]);
+        for body in 0..BODIES.len() {
+            inputs.set(body * BODY_INPUTS + QUATERNION, 1.0);
+        }
+        inputs
+    }
+
+    fn pose(inputs: &InputValues, orientation: Orientation) -> Motion {
+        inputs.motion(0, orientation, FINE).unwrap()
+    }
+
+    #[test]
+    fn angles_turn_about_x_then_the_new_y_then_the_new_z() {
+        let a = Vector3::new(0.3, -0.4, 5.0);
+        let product = Rotation3::from_axis_angle(&Vector3::x_axis(), a.x)
+            * Rotation3::from_axis_angle(&Vector3::y_axis(), a.y)
+            * Rotation3::from_axis_angle(&Vector3::z_axis(), a.z);
+        assert_abs_diff_eq!(cardan(&a), product.into_inner(), epsilon = 1e-15);
+    }
+
+    #[test]
+    fn a_moved_body_goes_as_a_rigid_body_and_its_inputs_stay_even_at_90_degrees() {
+        let turn = Vector3::new(0.02, -0.01, 0.4);
+        let way = Vector3::new(1e-3, 2e-3, 3e-3);
+        for a in [[2e-3, -1e-3, 0.7], [0.0, FRAC_PI_2, 0.0]].map(Vector3::from) {
+            let q = UnitQuaternion::from_matrix(&cardan(&a));
+            let mut inputs = values();
+            for k in 0..3 {
+                inputs.set(ANGLES + k, a[k]);
+            }
+            for (k, c) in [q.w, q.i, q.j, q.k].into_iter().enumerate() {
+                inputs.set(QUATERNION + k, c);
+            }
+            let set = inputs.values;
+            for orientation in [Orientation::Angles, Orientation::Quaternion] {
+                let mut moved = inputs.clone();
+                for _ in 0..2 {
+                    moved.move_body(0, way, turn, orientation);
+                }
+                assert_eq!(moved.values, set);
+                let there = pose(&moved, orientation);
+                let exact = Rotation3::new(2.0 * turn).into_inner() * cardan(&a);
+                assert_abs_diff_eq!(there.r, exact, epsilon = 1e-15);
+                assert_abs_diff_eq!(there.p, 2.0 * way, epsilon = 1e-18);
+                // Setting one angle takes the orientation back, not the position; and the other way.
+                let first = if orientation == Orientation::Angles {
+                    ANGLES
+                } else {
+                    QUATERNION
+                };
+                let mut set_anew = moved.clone();
+                set_anew.set(first, inputs.get(first));
+                assert_abs_diff_eq!(pose(&set_anew, orientation).r, cardan(&a), epsilon = 1e-15);
+                assert_eq!(pose(&set_anew, orientation).p, there.p);
+                moved.set(POSITION, 0.0);
+                assert_eq!(pose(&moved, orientation).p, Vector3::zeros());
+                assert_eq!(pose(&moved, orientation).r, there.r);
+            }
+        }
+    }
+
+    #[test]
+    fn directions_of_orientation_inputs_are_small_rotations_of_the_world() {
+        let mut inputs = values();
+        let a = [0.1, -0.2, 2.0];
+        let q = UnitQuaternion::from_matrix(&cardan(&Vector3::from(a))).into_inner() * 1.003;
+        for (k, x) in a.into_iter().chain([q.w, q.i, q.j, q.k]).enumerate() {
+            inputs.set(ANGLES + k, x);
+        }
+        let step = 1e-6;
+        for (from, count, orientation) in [
+            (ANGLES, 3, Orientation::Angles),
+            (QUATERNION, 4, Orientation::Quaternion),
+        ] {
+            for drift in [Vector3::zeros(), Vector3::new(0.3, 0.2, -0.5)] {
+                let mut inputs = inputs.clone();
+                inputs.move_body(0, Vector3::zeros(), drift, orientation);
+                for i in from..from + count {
+                    let (column, rotation) = inputs.direction(i, orientation);
+                    assert_eq!(column, 3);
+                    let at = |sign: f64| {
+                        let mut moved = inputs.clone();
+                        moved.values[0][i] += sign * step;
+                        pose(&moved, orientation).r
+                    };
+                    let r = pose(&inputs, orientation).r;
+                    let skew = (at(1.0) - at(-1.0)) / (2.0 * step) * r.transpose();
+                    let found = Vector3::new(skew.m32, skew.m13, skew.m21);
+                    assert_abs_diff_eq!(found, rotation, epsilon = 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_quaternion_far_from_unit_length_is_refused_by_name() {
+        let mut inputs = values();
+        let second = |inputs: &InputValues| inputs.motion(1, Orientation::Quaternion, FINE);
+        inputs.set(BODY_INPUTS + QUATERNION, 1.004);
+        let r = second(&inputs).unwrap().r;
+        assert_abs_diff_eq!(r, Matrix3::identity(), epsilon = 1e-15);
+        inputs.set(BODY_INPUTS + QUATERNION, 1.1);
+        let error = second(&inputs).unwrap_err();
+        assert!(
+            error
+                .message
+                .starts_with("gear2.quaternion has the length 1.1")
+        );
+        assert!(inputs.motion(1, Orientation::Angles, FINE).is_ok());
+    }
+
+    #[test]
+    fn numbers_whose_rounding_moves_the_teeth_are_refused_by_name() {
+        let (teeth, pitch) = (20.0, 12e-3);
+        let resolution = Resolution::new(teeth, pitch);
+        // Rounding of the largest angle and coordinate, in pitches.
+        let turn = resolution.angle * f64::EPSILON * teeth / std::f64::consts::TAU;
+        let way = resolution.position * f64::EPSILON / pitch;
+        assert_abs_diff_eq!(turn, 1e-6, epsilon = 1e-15);
+        assert_abs_diff_eq!(way, 1e-6, epsilon = 1e-15);
+        let mut inputs = values();
+        let ask = |inputs: &InputValues| inputs.motion(0, Orientation::Angles, resolution);
+        inputs.set(ANGLES + 2, 0.99 * resolution.angle);
+        assert!(ask(&inputs).is_ok());
+        inputs.set(ANGLES + 2, 6e12);
+        let said = ask(&inputs).unwrap_err().message;
+        assert!(
+            said.starts_with("gear1.angles[3] = 6000000000000 rad"),
+            "{said}"
+        );
+        assert!(
+            inputs
+                .motion(0, Orientation::Quaternion, resolution)
+                .is_ok()
+        );
+        inputs.set(ANGLES + 2, 0.0);
+        inputs.set(POSITION + 1, -1e9);
+        let said = ask(&inputs).unwrap_err().message;
+        assert!(
+            said.starts_with("gear1.position[2] = -1000000000 m"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn the_inputs_of_a_body_are_its_block() {
+        for (body, name) in BODIES.iter().enumerate() {
+            for (offset, last) in [
+                (POSITION, "position[1]"),
+                (ANGLES, "angles[1]"),
+                (QUATERNION, "quaternion[1]"),
+                (VELOCITY, "velocity[1]"),
+                (ANGULAR_VELOCITY, "angularVelocity[1]"),
+                (BODY_INPUTS - 1, "angularVelocity[3]"),
+            ] {
+                let variable = &VARIABLES[body * BODY_INPUTS + offset];
+                assert_eq!(variable.name, format!("{name}.{last}"));
+            }
+        }
+    }
+
+    fn step(inputs: &InputValues, h: f64, extrapolated: std::ops::Range<usize>) -> InputValues {
+        inputs.after(h, Orientation::Angles, extrapolated).unwrap()
+    }
+
+    #[test]
+    fn an_input_follows_its_polynomial_over_one_step() {
+        let p = |t: f64| 2.0 + 3.0 * t - 0.5 * t * t + 4.0 * t * t * t;
+        let mut inputs = values();
+        inputs.set_derivative(0, 1, 3.0);
+        inputs.set_derivative(0, 2, -1.0);
+        inputs.set_derivative(0, 3, 24.0);
+        inputs.set(0, p(0.0));
+        let mut inputs = step(&inputs, 0.75, 0..0);
+        assert_abs_diff_eq!(inputs.get(0), p(0.75), epsilon = 1e-14);
+        inputs.set_derivative(1, 1, 1.0);
+        let inputs = step(&inputs, 1.0, 0..0);
+        assert_abs_diff_eq!(inputs.get(0), p(0.75), epsilon = 1e-14);
+        let inputs = step(&inputs, 1.0, 0..0);
+        assert!(inputs.after(1.0, Orientation::Angles, 0..0).is_none());
+    }
+
+    #[test]
+    fn a_body_moves_by_the_integral_of_its_velocity_until_the_host_gives_its_pose_a_rate() {
+        let mut inputs = values();
+        inputs.set(VELOCITY, 2.0);
+        inputs.set_derivative(VELOCITY, 1, 6.0);
+        let moved = step(&inputs, 0.5, 0..1);
+        let p = pose(&moved, Orientation::Angles).p;
+        assert_abs_diff_eq!(p.x, 2.0 * 0.5 + 3.0 * 0.25, epsilon = 1e-15);
+        assert_eq!(moved.get(POSITION), 0.0);
+        inputs.set_derivative(POSITION, 1, 1.0);
+        assert_eq!(
+            pose(&step(&inputs, 0.5, 0..1), Orientation::Angles).p.x,
+            0.5
+        );
+    }
+
+    #[test]
+    fn derivatives_that_overflow_are_found_by_their_input() {
+        let mut inputs = values();
+        inputs.set_derivative(7, 3, 1e308);
+        assert_eq!(inputs.check(), Ok(()));
+        assert_eq!(step(&inputs, 1e3, 0..0).check(), Err(7));
+    }
+}

@@ -1,113 +1,135 @@
-//! One instance of the unit: what the functions of the interface do, in safe Rust.
+//! One instance of the FMU: what the functions of the interface do, in safe Rust.
+//!
+//! Outputs and their derivatives are a pure function of inputs, parameters and phase zeros. They are made when they are
+//! asked for and kept until one of these changes ([`Instance::changed`]), so that hosts may set and get in any order, value
+//! by value, and go back in time.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
+use nalgebra::SVector;
+
 use super::clock::Clock;
-use super::co_simulation::CoSimulation;
-use super::inputs::InputValues;
-use super::layout::inputs;
+use super::inputs::{BODIES, INPUTS, InputValues, MAXIMUM_ORDER, Resolution};
 use super::lifecycle::{Function, Interface, State};
-use super::report::{Event, Refusal, Severity};
+use super::parameters::Settings;
 use super::resources::Resources;
-use super::snapshot::Snapshot;
-use super::stored::Stored;
-use super::unit::Unit;
-use super::values::{Value, accept, find};
-use super::variables::{Causality, Kind, VARIABLES, Variability, Variable, index_of};
+use super::state::InstanceState;
+use super::variables::{
+    Causality, FIRST_PARAMETER, Kind, VARIABLES, Variability, Variable, check_finite, check_value,
+    find, index, index_of, output_row,
+};
+use super::{Event, Refusal, Severity};
+use crate::element::{
+    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Element, Formulation, Inputs, Jacobian, Outputs, Workspace,
+};
 use crate::words::number;
 
-/// One instance of the unit.
+/// One instance of the FMU.
 pub struct Instance {
-    state: State,
-    unit: Unit,
-    simulation: Simulation,
-    pub(super) stored: Stored,
-    /// Whether the outputs last looked at were out of range, for the log.
-    was_out_of_range: bool,
-    /// How often they left it, for the log.
+    pub(super) resources: Arc<Resources>,
+    pub(super) state: InstanceState,
+    /// States that the host keeps, by handle; they go with the instance.
+    pub(super) stored: HashMap<usize, InstanceState>,
+    /// Those of the parameters in `state`.
+    settings: Settings,
+    /// Made with the settings when it is first needed.
+    element: Option<Element>,
+    workspace: Workspace,
+    /// What the teeth resolve of the motion of each body.
+    resolution: [Resolution; BODIES.len()],
+    /// Of the bodies, at the last look at the inputs.
+    motions: Inputs,
+    /// At the present state, if they were asked for.
+    outputs: Option<Evaluated>,
+    slopes: Box<Jacobian>,
+    slopes_made: SlopesMade,
+    /// How often the gears left the range, for the log.
     departures: usize,
     /// The step that was discarded last, from its point over its size, s, and the inputs that it was tried with.
     discarded: Option<([f64; 2], InputValues)>,
     events: Vec<Event>,
 }
 
+struct Evaluated {
+    all: Outputs,
+    /// The FMU's, in the order of their variables.
+    rows: [f64; CONTINUOUS_OUTPUTS],
+}
+
+/// What of the derivatives is that of the present state.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+enum SlopesMade {
+    None,
+    /// All but the row of the stiffness.
+    WithoutStiffness,
+    All,
+}
+
+/// A direction in the space of the motions of gear 1, gear 2 and carrier, as the columns of [`Jacobian`].
+type Direction = SVector<f64, { BODIES.len() * BODY_COLUMNS }>;
+
 /// Warnings that the gears have left the range, of one instance.
 const MOST_WARNINGS: usize = 100;
 
-/// What goes beyond the unit.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(super) enum Simulation {
-    CoSimulation(CoSimulation),
-    /// The host integrates; there are no states and nothing depends on time.
-    ModelExchange(Clock),
-}
+/// In SI units; beyond it lies no position, angle or speed of a gear.
+const OUT_OF_PROPORTION: f64 = 1e12;
 
-impl Simulation {
-    fn new(interface: Interface) -> Self {
-        let clock = Clock::default();
-        match interface {
-            Interface::ModelExchange => Simulation::ModelExchange(clock),
-            Interface::CoSimulation => Simulation::CoSimulation(CoSimulation {
-                clock,
-                polynomials: Default::default(),
-            }),
-        }
-    }
-
-    fn interface(&self) -> Interface {
-        match self {
-            Simulation::CoSimulation(_) => Interface::CoSimulation,
-            Simulation::ModelExchange(_) => Interface::ModelExchange,
-        }
-    }
-
-    fn clock(&mut self) -> &mut Clock {
-        match self {
-            Simulation::CoSimulation(co_simulation) => &mut co_simulation.clock,
-            Simulation::ModelExchange(clock) => clock,
-        }
-    }
-}
+/// Order of the output derivatives that are offered.
+const OUTPUT_ORDER: i32 = 1;
 
 impl Instance {
     /// A new instance of the unit with these resources.
     pub fn new(resources: Arc<Resources>, interface: Interface) -> Self {
+        let pair = &resources.unit.geometry;
+        let [z1, z2] = [pair.gears[0].z(), pair.gears[1].z()];
+        let of_teeth = |teeth: f64| Resolution::new(teeth, pair.base_pitch());
+        let carrier = Resolution {
+            position: f64::INFINITY, // of no consequence, see `look`
+            ..of_teeth(z1.max(z2))
+        };
         Self {
-            state: State::Instantiated,
-            unit: Unit::new(resources),
-            simulation: Simulation::new(interface),
-            stored: Stored::default(),
-            was_out_of_range: false,
+            resolution: [of_teeth(z1), of_teeth(z2), carrier],
+            state: InstanceState {
+                interface,
+                state: State::Instantiated,
+                clock: Clock::default(),
+                inputs: InputValues::new(resources.starts.inputs),
+                parameters: resources.starts.parameters,
+                latch: None,
+                out_of_range: false,
+            },
+            stored: HashMap::new(),
+            settings: resources.starts.settings.clone(),
+            element: None,
+            workspace: Workspace::default(),
+            motions: Inputs::default(),
+            outputs: None,
+            slopes: Box::new(Jacobian::zeros()),
+            slopes_made: SlopesMade::None,
             departures: 0,
             discarded: None,
             events: Vec::new(),
+            resources,
         }
     }
 
     /// Current state of its life.
     pub fn state(&self) -> State {
-        self.state
+        self.state.state
     }
 
-    /// What packing put beside the library.
-    pub(super) fn resources(&self) -> &Arc<Resources> {
-        self.unit.resources()
+    /// Current communication point, s; model exchange: the time last set.
+    pub fn time(&self) -> f64 {
+        self.state.clock.time()
     }
 
     /// After a call that was refused with `severity`: fmi2Error and fmi2Fatal have states of their own.
     pub fn fail(&mut self, severity: Severity) {
         match severity {
-            Severity::Error => self.state = State::Error,
-            Severity::Fatal => self.state = State::Fatal,
+            Severity::Error => self.state.state = State::Error,
+            Severity::Fatal => self.state.state = State::Fatal,
             Severity::Warning | Severity::Discard => {}
-        }
-    }
-
-    /// Current communication point, s; model exchange: the time last set.
-    pub fn time(&self) -> f64 {
-        match &self.simulation {
-            Simulation::CoSimulation(co_simulation) => co_simulation.clock.time(),
-            Simulation::ModelExchange(clock) => clock.time(),
         }
     }
 
@@ -121,18 +143,18 @@ impl Instance {
     /// # Errors
     /// Names the state and where the function is allowed, or the interface it belongs to.
     pub fn admit(&self, function: Function, name: &str) -> Result<(), Refusal> {
-        let interface = self.simulation.interface();
+        let interface = self.state.interface;
         if let Some(other) = function.interface().filter(|i| *i != interface) {
             return Err(Refusal::error(format!(
                 "{name} belongs to {other:?}; this instance was made for {interface:?}"
             )));
         }
-        if function.is_allowed(self.state) {
+        if function.is_allowed(self.state()) {
             return Ok(());
         }
         Err(Refusal::error(format!(
             "{name} is not allowed in the state {:?}; it is in {}",
-            self.state,
+            self.state(),
             function.allowed_names()
         )))
     }
@@ -140,47 +162,100 @@ impl Instance {
     /// fmi2SetupExperiment.
     ///
     /// # Errors
-    /// As `Clock::setup`.
+    /// Times that are not finite or in the wrong order.
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
-        self.simulation.clock().setup(start, stop)
+        self.state.clock.setup(start, stop)
+    }
+
+    /// fmi2SetTime.
+    ///
+    /// # Errors
+    /// A time that is not finite.
+    pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
+        self.state.clock.set(time)
     }
 
     /// fmi2EnterInitializationMode, fmi2EnterEventMode, fmi2EnterContinuousTimeMode, fmi2Terminate.
     pub fn enter(&mut self, state: State) {
-        self.state = state;
+        self.state.state = state;
     }
 
     /// fmi2ExitInitializationMode: makes the element and takes the phases of the teeth.
     ///
     /// # Errors
-    /// Parameters or poses that make no mesh.
+    /// Parameters or poses that make no mesh; phases are as before.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
-        let taken = self.unit.take_phases();
-        self.settled(taken)?;
+        let outcome = self.take_phases();
+        if outcome.is_err() {
+            self.state.latch = None;
+            self.changed();
+        }
+        let (center_distance, mesh_position) = self.settled(outcome)?;
         self.watch_range();
-        self.state = match self.simulation.interface() {
+        self.state.state = match self.state.interface {
             Interface::CoSimulation => State::StepComplete,
             Interface::ModelExchange => State::EventMode,
         };
-        let (time, name) = (self.time(), &self.resources().unit.name);
-        let said: Vec<_> = self.unit.present().map(|outputs| {
-            Event::Told(format!(
-                "initialized at t = {time} s: pair {name}, centre distance {} m, mesh position {}",
-                outputs.all.center_distance, outputs.all.mesh_position
-            ))
-        }).collect();
-        self.events.extend(said);
+        self.events.push(Event::Info(format!(
+            "initialized at t = {} s: pair {}, centre distance {center_distance} m, mesh position {mesh_position}",
+            self.time(),
+            self.resources.unit.name
+        )));
         Ok(())
+    }
+
+    /// Takes the phases of the present pose. Centre distance and mesh position there.
+    fn take_phases(&mut self) -> Result<(f64, f64), Refusal> {
+        self.look()?;
+        let element = made(&mut self.element, &self.resources, &self.settings)?;
+        self.state.latch = Some(element.start(&self.motions)?);
+        self.changed();
+        let outputs = &self.outputs()?.all;
+        Ok((outputs.center_distance, outputs.mesh_position))
     }
 
     /// fmi2Reset: as after fmi2Instantiate; stored states stay valid.
     pub fn reset(&mut self) {
-        self.state = State::Instantiated;
-        self.unit = Unit::new(self.unit.resources().clone());
-        self.simulation = Simulation::new(self.simulation.interface());
-        self.was_out_of_range = false;
+        *self = Self {
+            stored: std::mem::take(&mut self.stored),
+            departures: self.departures,
+            events: vec![Event::Info("reset".into())],
+            ..Self::new(self.resources.clone(), self.state.interface)
+        };
+    }
+
+    /// Goes to a state of this unit.
+    ///
+    /// # Errors
+    /// A state that no instance of this unit and interface has made; nothing is changed.
+    pub(super) fn go_to(&mut self, state: InstanceState) -> Result<(), Refusal> {
+        let settings = state.check(self.state.interface)?;
+        self.configure(settings);
+        self.state = state;
         self.discarded = None;
-        self.events.push(Event::Told("reset".into()));
+        self.changed();
+        Ok(())
+    }
+
+    /// Inputs, parameters or phase zeros have changed: what was made of them is stale.
+    #[inline]
+    fn changed(&mut self) {
+        self.outputs = None;
+        self.slopes_made = SlopesMade::None;
+    }
+
+    /// Takes other settings. An element in which only the damping differs is kept: it is tunable, and tables are large.
+    fn configure(&mut self, settings: Settings) {
+        if settings == self.settings {
+            return;
+        }
+        let damping = settings.element.damping;
+        self.settings.element.damping = damping;
+        match &mut self.element {
+            Some(element) if settings == self.settings => element.set_damping(damping),
+            _ => self.element = None,
+        }
+        self.settings = settings;
     }
 
     /// fmi2SetReal; all or none.
@@ -189,33 +264,7 @@ impl Instance {
     /// Unknown references, wrong types, values that are not finite or outside their range, variables
     /// that may not be set now.
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
-        const FUNCTION: &str = "fmi2SetReal";
-        let inputs = inputs();
-        let items = references.iter().copied().zip(values.iter().copied());
-        // Inputs are Real, always settable and unbounded (tested in `variables`); most hosts set all of them in
-        // every step, as one block.
-        if let Some(block) = block(references)
-            && block.end <= inputs
-            && all_finite(values)
-        {
-            self.unit.inputs_mut().set_block(block.start, values);
-            return Ok(());
-        }
-        for (reference, value) in items.clone() {
-            self.acceptable(FUNCTION, Kind::Real, reference, value)?;
-        }
-        let mut parameters = Vec::new();
-        let values = self.unit.inputs_mut();
-        for (reference, value) in items {
-            match index_of(reference) {
-                Some(i) if i < inputs => values.set(i, value),
-                Some(i) => parameters.push((i, Value::Real(value))),
-                None => {}
-            }
-        }
-        parameters
-            .into_iter()
-            .try_for_each(|(i, value)| self.unit.set_parameter(i, value))
+        self.set("fmi2SetReal", Kind::Real, references, |k| values[k])
     }
 
     /// fmi2SetInteger, which serves enumerations, too, and fmi2SetBoolean, with 0 and 1; all or none.
@@ -226,33 +275,53 @@ impl Instance {
         &mut self,
         function: &str,
         kind: Kind,
-        items: impl Iterator<Item = (u32, i32)>,
+        references: &[u32],
+        values: &[i32],
     ) -> Result<(), Refusal> {
-        let accepted = items
-            .map(|(reference, value)| self.acceptable(function, kind, reference, f64::from(value)));
-        for (i, value) in accepted.collect::<Result<Vec<_>, _>>()? {
-            self.unit.set_parameter(i, value)?;
+        self.set(function, kind, references, |k| f64::from(values[k]))
+    }
+
+    fn set(
+        &mut self,
+        function: &str,
+        kind: Kind,
+        references: &[u32],
+        value: impl Fn(usize) -> f64,
+    ) -> Result<(), Refusal> {
+        let mut parameters = None;
+        for (k, &reference) in references.iter().enumerate() {
+            let value = value(k);
+            // Most hosts set all inputs in every step: they are Real, always settable and unbounded (tested in `variables`).
+            if index_of(reference).is_some_and(|i| i < INPUTS)
+                && kind == Kind::Real
+                && value.is_finite()
+            {
+                continue;
+            }
+            let i = find(function, kind, reference)?;
+            self.check_settable(function, &VARIABLES[i])?;
+            check_value(function, &VARIABLES[i], value)?;
+            parameters.get_or_insert(self.state.parameters)[i - FIRST_PARAMETER] = value;
         }
+        if let Some(parameters) = parameters {
+            self.configure(Settings::new(function, &parameters)?);
+            self.state.parameters = parameters;
+        }
+        for (k, &reference) in references.iter().enumerate() {
+            if let Some(i) = index_of(reference).filter(|i| *i < INPUTS) {
+                self.state.inputs.set(i, value(k));
+            }
+        }
+        self.changed();
         Ok(())
     }
 
-    /// Index and value of a variable that may be set to `number` now.
-    fn acceptable(
-        &self,
-        function: &str,
-        kind: Kind,
-        reference: u32,
-        number: f64,
-    ) -> Result<(usize, Value), Refusal> {
-        let i = find(function, kind, reference)?;
-        self.settable(function, &VARIABLES[i])?;
-        Ok((i, accept(function, &VARIABLES[i], number)?))
-    }
-
-    fn settable(&self, function: &str, variable: &Variable) -> Result<(), Refusal> {
-        let name = variable.name;
-        let initial = matches!(self.state, State::Instantiated | State::InitializationMode);
-        let integrating = self.state == State::ContinuousTimeMode;
+    fn check_settable(&self, function: &str, variable: &Variable) -> Result<(), Refusal> {
+        let initial = matches!(
+            self.state(),
+            State::Instantiated | State::InitializationMode
+        );
+        let integrating = self.state() == State::ContinuousTimeMode;
         let reason = match (variable.causality, variable.variability) {
             (Causality::Input, _) => return Ok(()),
             (Causality::Parameter, Variability::Tunable) if !integrating => return Ok(()),
@@ -265,14 +334,8 @@ impl Instance {
             }
             (Causality::Output, _) => "is an output and cannot be set",
         };
+        let name = variable.name;
         Err(Refusal::error(format!("{function}: {name} {reason}")))
-    }
-
-    /// What fmi2GetReal reads, if it is a block of outputs that are at hand.
-    pub fn outputs_at_hand(&self, references: &[u32]) -> Option<&[f64]> {
-        let block = block(references)?;
-        let (first, values) = self.unit.at_hand()?;
-        values.get(block.start.checked_sub(first)?..block.end - first)
     }
 
     /// fmi2GetReal: calls `put` with each value.
@@ -281,14 +344,14 @@ impl Instance {
     /// Unknown references, wrong types; inputs or parameters at which there are no outputs.
     pub fn get_real(
         &mut self,
-        references: impl Iterator<Item = u32>,
+        references: &[u32],
         mut put: impl FnMut(f64),
     ) -> Result<(), Refusal> {
-        for reference in references {
-            put(self.value("fmi2GetReal", Kind::Real, reference)?.number());
+        for &reference in references {
+            put(self.value("fmi2GetReal", Kind::Real, reference)?);
         }
         // In Initialization Mode poses may be on their way to the start.
-        if self.state != State::InitializationMode {
+        if self.state() != State::InitializationMode {
             self.watch_range();
         }
         Ok(())
@@ -302,89 +365,265 @@ impl Instance {
         &mut self,
         function: &str,
         kind: Kind,
-        references: impl Iterator<Item = u32>,
+        references: &[u32],
         mut put: impl FnMut(i32),
     ) -> Result<(), Refusal> {
-        for reference in references {
-            put(match self.value(function, kind, reference)? {
-                Value::Integer(x) => x,
-                Value::Boolean(x) => i32::from(x),
-                Value::Real(x) => x as i32,
-            });
+        for &reference in references {
+            put(self.value(function, kind, reference)? as i32);
         }
         Ok(())
     }
 
-    fn value(&mut self, function: &str, kind: Kind, reference: u32) -> Result<Value, Refusal> {
+    #[inline]
+    fn value(&mut self, function: &str, kind: Kind, reference: u32) -> Result<f64, Refusal> {
         let i = find(function, kind, reference)?;
-        let value = self.unit.get(i);
-        self.settled(value)
+        if i < INPUTS {
+            return Ok(self.state.inputs.get(i));
+        }
+        match output_row(i) {
+            None => Ok(self.state.parameters[i - FIRST_PARAMETER]),
+            Some(row) => {
+                let value = self.outputs().map(|outputs| outputs.rows[row]);
+                self.settled(value)
+            }
+        }
     }
 
     /// A solver or master may try points at which there are no outputs, and go elsewhere when they are discarded; in
     /// Initialization Mode there is no elsewhere.
     fn settled<T>(&self, outcome: Result<T, Refusal>) -> Result<T, Refusal> {
-        outcome.map_err(|refusal| match (self.state, refusal.severity) {
+        outcome.map_err(|refusal| match (self.state(), refusal.severity) {
             (State::InitializationMode, Severity::Discard) => Refusal::error(refusal.message),
             _ => refusal,
         })
     }
 
-    /// fmi2GetDirectionalDerivative; see `Unit::directional_derivative`.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn directional_derivative(
-        &mut self,
-        unknown: &[u32],
-        known: impl Iterator<Item = (u32, f64)>,
-    ) -> Result<Vec<f64>, Refusal> {
-        let all = self.unit.directional_derivative(unknown, known);
-        self.settled(all)
+    /// Takes the motions that the element looks at from the inputs.
+    fn look(&mut self) -> Result<(), Refusal> {
+        let (inputs, orientation) = (&self.state.inputs, self.settings.orientation);
+        for body in 0..2 {
+            self.motions.gears[body] = inputs.motion(body, orientation, self.resolution[body])?;
+        }
+        if self.uses_carrier() {
+            self.motions.carrier = inputs.motion(2, orientation, self.resolution[2])?;
+            // The position and velocity of its origin cancel out; gear 1's are those that cost no rounding.
+            let gear = &self.motions.gears[0];
+            (self.motions.carrier.p, self.motions.carrier.v) = (gear.p, gear.v);
+        }
+        Ok(())
     }
 
-    /// The co-simulation; `admit` lets none of its functions in without one.
-    fn co_simulation(&mut self) -> Result<(&mut CoSimulation, &mut Unit), Refusal> {
-        match &mut self.simulation {
-            Simulation::CoSimulation(co_simulation) => Ok((co_simulation, &mut self.unit)),
-            Simulation::ModelExchange(_) => {
-                Err(Refusal::error("the instance was made for model exchange"))
+    fn uses_carrier(&self) -> bool {
+        self.settings.element.formulation == Formulation::Paper
+    }
+
+    /// Outputs at the present state; before phases are taken, with those of the present pose.
+    fn outputs(&mut self) -> Result<&Evaluated, Refusal> {
+        if self.outputs.is_none() {
+            self.look()?;
+            let element = made(&mut self.element, &self.resources, &self.settings)?;
+            let latch = match self.state.latch {
+                Some(latch) => latch,
+                None => element.latch(&self.motions)?,
+            };
+            let all = element.evaluate_from(&latch, &self.motions, &mut self.workspace)?;
+            let rows = all.to_array();
+            if let Some(row) = rows.iter().position(|x| !x.is_finite()) {
+                return Err(self.not_finite("", row));
             }
+            self.outputs = Some(Evaluated { all, rows });
+        }
+        Ok(self.outputs.as_ref().expect("made above"))
+    }
+
+    /// Of the output in `row`, or of `what` of it.
+    fn not_finite(&self, what: &str, row: usize) -> Refusal {
+        let what = format!("{what}{} is not finite", VARIABLES[INPUTS + row].name);
+        match self.state.inputs.largest() {
+            (i, size) if size.abs() > OUT_OF_PROPORTION => overflow(&self.state.inputs, i, &what),
+            _ => Refusal::error(format!(
+                "{what}, though no input is out of proportion: check the parameters and the unit's tables"
+            )),
         }
     }
 
-    /// fmi2SetRealInputDerivatives; see `CoSimulation::set_input_derivatives`.
+    /// fmi2GetDirectionalDerivative: derivatives of the `unknown` outputs, in their order, along the
+    /// change that `seeds` gives of the inputs `known`. Exact for the formulation in
+    /// use; in Initialization Mode the phases of the teeth follow the pose, and the derivatives with
+    /// them. Inputs that the formulation does not look at change nothing. In Initialization Mode Real parameters
+    /// are among what is known, too: by differences of the outputs, good to some eight digits.
     ///
     /// # Errors
-    /// As there.
+    /// References that are no outputs, inputs or such parameters, seeds that are not finite, inputs at
+    /// which there are no outputs.
+    pub fn directional_derivative(
+        &mut self,
+        unknown: &[u32],
+        known: &[u32],
+        seeds: &[f64],
+    ) -> Result<Vec<f64>, Refusal> {
+        let slopes = self.along_seeds(unknown, known, seeds);
+        self.settled(slopes)
+    }
+
+    fn along_seeds(
+        &mut self,
+        unknown: &[u32],
+        known: &[u32],
+        seeds: &[f64],
+    ) -> Result<Vec<f64>, Refusal> {
+        const FUNCTION: &str = "fmi2GetDirectionalDerivative";
+        let rows = rows(FUNCTION, unknown)?;
+        let mut direction = Direction::zeros();
+        let mut by_parameters = [0.0; CONTINUOUS_OUTPUTS];
+        for (&reference, &seed) in known.iter().zip(seeds) {
+            let i = find(FUNCTION, Kind::Real, reference)?;
+            let name = VARIABLES[i].name;
+            check_finite(FUNCTION, &format!("the seed of {name}"), seed)?;
+            if i < INPUTS {
+                let (column, change) = self.state.inputs.direction(i, self.settings.orientation);
+                let mut columns = direction.fixed_rows_mut::<3>(column);
+                columns += change * seed;
+            } else if output_row(i).is_some() {
+                return Err(Refusal::error(format!("{FUNCTION}: {name} is no input")));
+            } else if self.state.latch.is_some() {
+                return Err(Refusal::error(format!(
+                    "{FUNCTION}: {name} is no input; by parameters there are derivatives in Initialization Mode alone"
+                )));
+            } else {
+                let slopes = self.by_parameter(i)?;
+                for (sum, slope) in by_parameters.iter_mut().zip(slopes) {
+                    *sum += slope * seed;
+                }
+            }
+        }
+        let mut slopes = self.along(&rows, &direction)?;
+        for (slope, row) in slopes.iter_mut().zip(rows) {
+            *slope += by_parameters[row];
+        }
+        Ok(slopes)
+    }
+
+    /// Derivatives of the outputs by the Real parameter `i`: by differences, from one side where the other is no value of
+    /// it.
+    fn by_parameter(&self, i: usize) -> Result<[f64; CONTINUOUS_OUTPUTS], Refusal> {
+        /// Of the larger one of value and nominal value.
+        const STEP: f64 = 1e-5;
+        let value = self.state.parameters[i - FIRST_PARAMETER];
+        let step = STEP * value.abs().max(VARIABLES[i].nominal);
+        let with = |x: f64| -> Result<_, Refusal> {
+            let mut other = Self::new(self.resources.clone(), self.state.interface);
+            let mut state = self.state.clone();
+            state.parameters[i - FIRST_PARAMETER] = x;
+            other.go_to(state)?;
+            Ok((x, other.outputs()?.rows))
+        };
+        let (high, above) = with(value + step).or_else(|_| with(value))?;
+        let (low, below) = with(value - step).or_else(|_| with(value))?;
+        Ok(std::array::from_fn(|row| {
+            (above[row] - below[row]) / (high - low)
+        }))
+    }
+
+    /// Derivatives of the outputs `rows` along `direction`. Before phases are taken those follow the pose.
+    fn along(&mut self, rows: &[usize], direction: &Direction) -> Result<Vec<f64>, Refusal> {
+        const STIFFNESS: usize = index::MESH_STIFFNESS - INPUTS;
+        let needed = match rows.contains(&STIFFNESS) {
+            true => SlopesMade::All,
+            false => SlopesMade::WithoutStiffness,
+        };
+        if self.slopes_made < needed {
+            self.slopes_made = SlopesMade::None;
+            self.look()?;
+            let element = made(&mut self.element, &self.resources, &self.settings)?;
+            element.slopes(
+                self.state.latch.as_ref(),
+                &self.motions,
+                needed == SlopesMade::All,
+                &mut self.slopes,
+                &mut self.workspace,
+            )?;
+            self.slopes_made = needed;
+        }
+        let slopes: &Jacobian = &self.slopes;
+        let slopes = slopes * direction;
+        let slope = |&row: &usize| match slopes[row] {
+            slope if slope.is_finite() => Ok(slope),
+            _ => Err(self.not_finite("the derivative of ", row)),
+        };
+        rows.iter().map(slope).collect()
+    }
+
+    /// fmi2SetRealInputDerivatives, as (value reference, order, value); all or none.
+    ///
+    /// # Errors
+    /// Unknown references, variables that are no inputs, orders beyond 1 to 3, values
+    /// that are not finite.
     pub fn set_input_derivatives(
         &mut self,
-        items: impl Iterator<Item = (u32, i32, f64)>,
+        items: impl Iterator<Item = (u32, i32, f64)> + Clone,
     ) -> Result<(), Refusal> {
-        self.co_simulation()?.0.set_input_derivatives(items)
+        const FUNCTION: &str = "fmi2SetRealInputDerivatives";
+        for (reference, order, value) in items.clone() {
+            let i = find(FUNCTION, Kind::Real, reference)?;
+            let name = VARIABLES[i].name;
+            if i >= INPUTS {
+                return Err(Refusal::error(format!("{FUNCTION}: {name} is no input")));
+            }
+            if !usize::try_from(order).is_ok_and(|o| (1..=MAXIMUM_ORDER).contains(&o)) {
+                return Err(Refusal::error(format!(
+                    "{FUNCTION}: order {order} of {name}; orders 1 to {MAXIMUM_ORDER} are taken"
+                )));
+            }
+            check_finite(FUNCTION, &format!("derivative {order} of {name}"), value)?;
+        }
+        for (reference, order, value) in items {
+            if let Some(i) = index_of(reference) {
+                self.state.inputs.set_derivative(i, order as usize, value);
+            }
+        }
+        Ok(())
     }
 
-    /// fmi2GetRealOutputDerivatives; see `CoSimulation::output_derivatives`.
+    /// fmi2GetRealOutputDerivatives: time derivatives of the outputs at the current communication
+    /// point, of the first order. Poses change with the velocity inputs, which are
+    /// their derivatives, and velocities with the input derivatives that the host gave.
     ///
     /// # Errors
-    /// As there.
+    /// References that are no outputs, another order than 1, inputs at which there are no outputs.
     pub fn output_derivatives(
         &mut self,
-        items: impl Iterator<Item = (u32, i32)> + Clone,
+        references: &[u32],
+        orders: &[i32],
     ) -> Result<Vec<f64>, Refusal> {
-        let (co_simulation, unit) = self.co_simulation()?;
-        co_simulation.output_derivatives(unit, items)
+        const FUNCTION: &str = "fmi2GetRealOutputDerivatives";
+        if let Some(order) = orders.iter().find(|order| **order != OUTPUT_ORDER) {
+            return Err(Refusal::error(format!(
+                "{FUNCTION}: order {order}; order {OUTPUT_ORDER} is offered"
+            )));
+        }
+        let mut direction = Direction::zeros();
+        for body in 0..BODIES.len() {
+            for (k, rate) in self.state.inputs.rates(body).iter().enumerate() {
+                let column = body * BODY_COLUMNS + 3 * k;
+                direction.fixed_rows_mut::<3>(column).copy_from(rate);
+            }
+        }
+        self.along(&rows(FUNCTION, references)?, &direction)
     }
 
-    /// fmi2DoStep; see `CoSimulation::step`.
+    /// fmi2DoStep from the communication `point` over `step`, s: moves the inputs to the end of the step and evaluates
+    /// there. A step that is refused changes nothing.
     ///
     /// # Errors
-    /// As there. A step that is discarded for its inputs, and tried again as it was, is an error: it would be tried for ever.
+    /// A step that is not positive, does not start where the last one ended, or passes the stop time;
+    /// inputs at which there are no outputs. A step that is discarded for its inputs, and tried again as it was, is an
+    /// error: it would be tried for ever.
     pub fn do_step(&mut self, point: f64, step: f64) -> Result<(), Refusal> {
-        let (co_simulation, unit) = self.co_simulation()?;
-        if let Err(mut refusal) = co_simulation.step(unit, point, step) {
+        let clock = self.state.clock.after(point, step)?;
+        if let Err(mut refusal) = self.advance(step) {
             if refusal.severity == Severity::Discard {
-                let tried = Some(([point, step], unit.inputs().clone()));
+                let tried = Some(([point, step], self.state.inputs.clone()));
                 if self.discarded == tried {
                     refusal.severity = Severity::Error;
                 }
@@ -392,121 +631,104 @@ impl Instance {
             }
             return Err(refusal);
         }
+        self.state.clock = clock;
         self.watch_range();
         Ok(())
     }
 
-    /// Says when the gears leave the range where outputs are to be trusted, and when they come back.
+    fn advance(&mut self, step: f64) -> Result<(), Refusal> {
+        let extrapolated = match (self.settings.extrapolate_poses, self.uses_carrier()) {
+            (false, _) => 0..0,
+            (true, false) => 0..2,
+            (true, true) => 0..3,
+        };
+        let orientation = self.settings.orientation;
+        let Some(end) = self.state.inputs.after(step, orientation, extrapolated) else {
+            return self.outputs().map(drop);
+        };
+        if let Err(i) = end.check() {
+            let what = "fmi2DoStep: an input overflows within the step";
+            return Err(overflow(&self.state.inputs, i, what));
+        }
+        let before = std::mem::replace(&mut self.state.inputs, end);
+        self.changed();
+        let outcome = self.outputs().map(drop);
+        if outcome.is_err() {
+            self.state.inputs = before;
+        }
+        outcome
+    }
+
+    /// Reports when the gears leave the range where outputs are to be trusted, and when they come back.
     fn watch_range(&mut self) {
-        let is_out = self.unit.present().any(|outputs| outputs.all.out_of_range);
-        if is_out == self.was_out_of_range {
+        let present = self.outputs.as_ref();
+        let out_of_range = present.filter(|o| o.all.out_of_range).map(|o| o.all);
+        if out_of_range.is_some() == self.state.out_of_range {
             return;
         }
-        self.was_out_of_range = is_out;
+        self.state.out_of_range = out_of_range.is_some();
         let time = number(self.time());
+        let Some(outputs) = out_of_range else {
+            let text = format!("t = {time} s: in range again");
+            return self.events.push(Event::Info(text));
+        };
+        let reasons = self.out_of_range(&outputs).unwrap_or_default();
         // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
-        self.events.push(match self.unit.out_of_range() {
-            Some(reasons) => {
-                self.departures += 1;
-                match self.departures {
-                    ..=MOST_WARNINGS => {
-                        Event::Warned(format!("t = {time} s: out of range: {reasons}"))
-                    }
-                    n if n == MOST_WARNINGS + 1 => Event::Warned(format!(
-                        "t = {time} s: out of range for the {n}th time: no more warnings of this follow"
-                    )),
-                    _ => return,
-                }
-            }
-            None if is_out => Event::Told(format!(
-                "t = {time} s: the load left the range of the table"
-            )),
-            None => Event::Told(format!("t = {time} s: in range again")),
-        });
-    }
-
-    /// fmi2SetTime.
-    ///
-    /// # Errors
-    /// A time that is not finite.
-    pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
-        self.simulation.clock().set(time)
-    }
-
-    /// All that a later result depends on.
-    pub(super) fn snapshot(&self) -> Snapshot {
-        Snapshot {
-            state: self.state,
-            simulation: self.simulation.clone(),
-            point: self.unit.point(),
-            out_of_range: self.was_out_of_range,
+        if reasons.is_empty() {
+            let text = format!("t = {time} s: the load left the range of the table");
+            return self.events.push(Event::Info(text));
         }
-    }
-
-    /// Refuses a snapshot that no instance of this unit and interface has made.
-    ///
-    /// # Errors
-    /// What does not fit.
-    pub(super) fn check(&self, snapshot: &Snapshot) -> Result<(), Refusal> {
-        let own = self.simulation.interface();
-        let found = snapshot.simulation.interface();
-        if found != own {
-            return Err(Refusal::error(format!(
-                "the stored state belongs to {found:?}; this instance was made for {own:?}"
-            )));
-        }
-        snapshot.point.settings()?;
-        let fits = match snapshot.state {
-            State::Instantiated | State::InitializationMode | State::Error => true,
-            State::StepComplete => own == Interface::CoSimulation && snapshot.point.has_phases(),
-            State::EventMode | State::ContinuousTimeMode => {
-                own == Interface::ModelExchange && snapshot.point.has_phases()
-            }
-            State::Terminated => snapshot.point.has_phases(),
-            State::Fatal => false,
+        self.departures += 1;
+        let text = match self.departures {
+            ..=MOST_WARNINGS => format!("t = {time} s: out of range: {reasons}"),
+            n if n == MOST_WARNINGS + 1 => format!(
+                "t = {time} s: out of range for the {n}th time: no more warnings of this follow"
+            ),
+            _ => return,
         };
-        let follows = match &snapshot.simulation {
-            Simulation::CoSimulation(co_simulation) => co_simulation.polynomials.fits(inputs()),
-            Simulation::ModelExchange(_) => true,
-        };
-        if fits && follows {
-            return Ok(());
-        }
-        Err(Refusal::error(format!(
-            "the stored state is {:?} with phases, or with derivatives of inputs, that no {own:?} of this unit has",
-            snapshot.state
-        )))
+        self.events.push(Event::Warning(text));
     }
 
-    /// Back to a snapshot of this unit.
-    ///
-    /// # Errors
-    /// A snapshot of the other interface, or one that does not fit; nothing is changed.
-    pub(super) fn go_to(&mut self, snapshot: &Snapshot) -> Result<(), Refusal> {
-        self.check(snapshot)?;
-        self.unit.go_to(&snapshot.point)?;
-        self.state = snapshot.state;
-        self.simulation = snapshot.simulation.clone();
-        self.was_out_of_range = snapshot.out_of_range;
-        self.discarded = None;
-        Ok(())
+    /// What puts the pose of `outputs` out of range; empty where it is the load alone.
+    fn out_of_range(&mut self, outputs: &Outputs) -> Result<String, Refusal> {
+        self.look()?;
+        let element = made(&mut self.element, &self.resources, &self.settings)?;
+        Ok(element.out_of_range(&self.motions, outputs)?)
     }
 }
 
-/// Indices of variables whose references follow one another, within inputs or within outputs.
-fn block(references: &[u32]) -> Option<std::ops::Range<usize>> {
-    let first = *references.first()?;
-    // Without a branch for each, so that the compiler takes several at once.
-    let places = references.iter().zip(0..);
-    let differ = places.fold(0, |d, (&r, k)| d | (r ^ first.wrapping_add(k)));
-    let (start, end) = (index_of(first)?, index_of(*references.last()?)? + 1);
-    (differ == 0 && end == start + references.len()).then_some(start..end)
+/// The element in `slot`, made there if there is none.
+fn made<'a>(
+    slot: &'a mut Option<Element>,
+    resources: &Resources,
+    settings: &Settings,
+) -> Result<&'a Element, Refusal> {
+    if slot.is_none() {
+        *slot = Some(resources.element(&settings.element)?);
+    }
+    Ok(slot.as_ref().expect("made above"))
 }
 
-/// Whether all of `values` are finite, several at once.
-fn all_finite(values: &[f64]) -> bool {
-    // One more than the exponent of what is not finite carries into the sign.
-    const EXPONENT: u64 = 0x7ff << 52;
-    let carries = |x: &f64| (x.to_bits() & EXPONENT) + (1 << 52);
-    values.iter().fold(0, |any, x| any | carries(x)) >> 63 == 0
+/// Numbers so large that nothing can be computed; `i` is the input to look at.
+fn overflow(inputs: &InputValues, i: usize, what: &str) -> Refusal {
+    Refusal::discard(format!(
+        "{what}: check {} = {}, its derivatives and the parameters for numbers out of all proportion",
+        VARIABLES[i].name,
+        number(inputs.get(i))
+    ))
 }
+
+/// Rows of the outputs with these references.
+fn rows(function: &str, references: &[u32]) -> Result<Vec<usize>, Refusal> {
+    let row = |&reference: &u32| {
+        let i = find(function, Kind::Real, reference)?;
+        output_row(i).ok_or_else(|| {
+            Refusal::error(format!("{function}: {} is no output", VARIABLES[i].name))
+        })
+    };
+    references.iter().map(row).collect()
+}
+
+#[cfg(test)]
+#[path = "instance_tests.rs"]
+mod tests;

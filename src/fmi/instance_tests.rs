@@ -1,12 +1,8 @@
-//! Poses that can be no mesh: refused at the start, told once each time they are come to.
+//! Poses that can be no mesh: refused at the start, reported once each time they are entered. Steps, derivatives.
 
-use std::sync::Arc;
-
-use super::instance::Instance;
-use super::lifecycle::{Interface, State};
-use super::report::{Event, Refusal, Severity};
-use super::resources::{Resources, UNIT_VERSION, UnitFile};
-use super::variables::{VARIABLES, index};
+use super::*;
+use crate::fmi::resources::{UNIT_VERSION, UnitFile};
+use crate::fmi::variables::index_by_name;
 use crate::gear::PairGeometry;
 use crate::table::TableFile;
 
@@ -145,8 +141,8 @@ fn gears_lifted_apart_later_are_told_once_each_time() {
         instance.do_step(time, 1e-6).unwrap();
         time += 1e-6;
         warnings.extend(instance.take_events().into_iter().filter_map(|e| match e {
-            Event::Warned(text) => Some(text),
-            Event::Told(_) => None,
+            Event::Warning(text) => Some(text),
+            Event::Info(_) => None,
         }));
     }
     assert_eq!(warnings.len(), 2, "{warnings:?}");
@@ -165,23 +161,23 @@ fn what_lies_outside_the_tables_is_told_with_what_they_cover() {
     let said = instance.take_events();
     let range = format!("mrad (tables {low:.3} to {high:.3})");
     assert!(
-        matches!(&said[..], [Event::Warned(text), ..] if text.contains(&range)),
+        matches!(&said[..], [Event::Warning(text), ..] if text.contains(&range)),
         "{said:?}"
     );
 }
 
 fn get(instance: &mut Instance, i: usize) -> f64 {
     let mut value = f64::NAN;
-    let reference = std::iter::once(VARIABLES[i].value_reference);
-    instance.get_real(reference, |x| value = x).unwrap();
+    let reference = VARIABLES[i].value_reference;
+    instance.get_real(&[reference], |x| value = x).unwrap();
     value
 }
 
 fn warnings(instance: &mut Instance) -> Vec<String> {
     let events = instance.take_events().into_iter();
     let warned = events.filter_map(|event| match event {
-        Event::Warned(text) => Some(text),
-        Event::Told(_) => None,
+        Event::Warning(text) => Some(text),
+        Event::Info(_) => None,
     });
     warned.collect()
 }
@@ -215,15 +211,15 @@ fn the_range_flag_goes_with_the_state() {
     let nominal = geometry.center_distance;
     let mut instance = start(geometry, Some(tables));
     instance.exit_initialization().unwrap();
-    let within = instance.snapshot();
+    let within = instance.state.clone();
     set(&mut instance, index::GEAR2_POSITION_1, nominal + 10e-3);
     instance.do_step(0.0, 1e-6).unwrap();
     assert_eq!(warnings(&mut instance).len(), 1);
-    let beyond = instance.snapshot();
-    instance.go_to(&within).unwrap();
+    let beyond = instance.state.clone();
+    instance.go_to(within).unwrap();
     instance.do_step(0.0, 1e-6).unwrap();
     assert_eq!(instance.take_events(), [], "it never left the range");
-    instance.go_to(&beyond).unwrap();
+    instance.go_to(beyond).unwrap();
     set(&mut instance, index::GEAR2_POSITION_1, nominal + 11e-3);
     instance.do_step(1e-6, 1e-6).unwrap();
     assert_eq!(instance.take_events(), [], "it has been out before");
@@ -280,10 +276,9 @@ fn a_pose_that_cannot_be_discards_the_step_and_the_same_again_is_an_error() {
 #[test]
 fn in_initialization_mode_there_are_derivatives_by_real_parameters() {
     let mut instance = start(paper().0, None);
-    let absolute = (VARIABLES[index::PHASE_REFERENCE].value_reference, 2);
-    let item = std::iter::once(absolute);
-    let kind = super::variables::Kind::Integer;
-    instance.set_discrete("set", kind, item).unwrap();
+    let absolute = VARIABLES[index::PHASE_REFERENCE].value_reference;
+    let chosen = instance.set_discrete("set", Kind::Integer, &[absolute], &[2]);
+    chosen.unwrap();
     // At zero angles a tooth faces a tooth.
     let turn = -std::f64::consts::PI / 20.0;
     set(&mut instance, index::GEAR1_ANGLES_3, turn + 1e-4);
@@ -296,8 +291,8 @@ fn in_initialization_mode_there_are_derivatives_by_real_parameters() {
     assert!(values[0] > 1000.0);
     let references = outputs.map(|i| VARIABLES[i].value_reference);
     let along = |instance: &mut Instance, i: usize| {
-        let known = std::iter::once((VARIABLES[i].value_reference, 2.0));
-        instance.directional_derivative(&references, known)
+        let known = VARIABLES[i].value_reference;
+        instance.directional_derivative(&references, &[known], &[2.0])
     };
     let stiffness = get(&mut instance, index::CONSTANT_STIFFNESS);
     let found = along(&mut instance, index::CONSTANT_STIFFNESS).unwrap();
@@ -311,9 +306,9 @@ fn in_initialization_mode_there_are_derivatives_by_real_parameters() {
     // A fixed parameter is none of the things that change later.
     let count = VARIABLES
         .iter()
-        .filter(|v| v.causality == super::variables::Causality::Parameter);
-    for v in count.filter(|v| v.kind == super::variables::Kind::Real) {
-        let i = super::variables::index_by_name(v.name).unwrap();
+        .filter(|v| v.causality == Causality::Parameter);
+    for v in count.filter(|v| v.kind == Kind::Real) {
+        let i = index_by_name(v.name).unwrap();
         let slopes = along(&mut instance, i).unwrap();
         assert!(
             slopes.iter().all(|x| x.is_finite()),

@@ -88,7 +88,7 @@ pub enum Function {
 }
 
 /// What an instance was made for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Interface {
     /// fmi2CoSimulation.
     CoSimulation,

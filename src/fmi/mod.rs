@@ -1,36 +1,81 @@
 //! The FMI 2.0 unit around the element.
 //!
 //! ```text
-//! host ── c_interface ── instance ─┬─ co_simulation ── unit ── mesh ── element
-//!         pointers,      state     │  clock, inputs    pure function of inputs,
-//!         panics, log    machine   └─ model exchange   parameters and phases
+//! host ── c_interface ── instance ─┬─ inputs ── element
+//!         pointers,      life and  ├─ parameters, variables (modelDescription.xml)
+//!         panics, log    cache     └─ state: inputs, parameters, phase zeros, clock
 //! ```
 //!
-//! [`variables`] is generated from modelDescription.xml, and [`layout`] alone knows how many bodies and
-//! meshes there are; [`resources`] reads what packing put beside
-//! the library. In the product only [`c_interface`] and the vector registers of the table's kernel
-//! (src/table/interpolation/lanes.rs) have unsafe code; the tests that call the interface as C does
-//! (c_interface_tests.rs here and tests/c_interface.rs) need it for that, and nothing else may have any.
+//! [`variables`] is generated from modelDescription.xml; [`resources`] reads what packing put into the archive. In the
+//! product only [`c_interface`] and the vector registers of the table's kernel (src/table/interpolation/lanes.rs) have
+//! unsafe code; the tests that call the interface as C does need it for that.
 
-mod boundary;
 pub mod c_interface;
 mod clock;
-mod co_simulation;
-pub mod contact_law;
-mod inputs;
+pub mod header;
+pub mod inputs;
 pub mod instance;
-#[cfg(test)]
-mod instance_tests;
-pub mod layout;
 pub mod lifecycle;
-mod location;
-mod mesh;
-mod polynomials;
-pub mod report;
+pub mod parameters;
 pub mod resources;
-pub mod settings;
-mod snapshot;
-mod stored;
-pub(crate) mod unit;
-pub mod values;
+mod state;
 pub mod variables;
+
+use crate::element::ElementError;
+
+/// Status of a call that did not just succeed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// fmi2Warning.
+    Warning,
+    /// fmi2Discard: not available, state unchanged.
+    Discard,
+    /// fmi2Error.
+    Error,
+    /// fmi2Fatal.
+    Fatal,
+}
+
+/// A call that is refused, with the reason.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct Refusal {
+    /// Status to return.
+    pub severity: Severity,
+    /// Names the field, the value and the remedy.
+    pub message: String,
+}
+
+impl Refusal {
+    /// fmi2Error with `message`.
+    pub fn error(message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Error,
+            message: message.into(),
+        }
+    }
+
+    /// fmi2Discard with `message`.
+    pub fn discard(message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Discard,
+            message: message.into(),
+        }
+    }
+}
+
+/// Where the element has no outputs, the host may try elsewhere.
+impl From<ElementError> for Refusal {
+    fn from(error: ElementError) -> Self {
+        Refusal::discard(error.to_string())
+    }
+}
+
+/// A message of a call that succeeded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Event {
+    /// In the category logEvents.
+    Info(String),
+    /// The outputs are not to be trusted from here on.
+    Warning(String),
+}

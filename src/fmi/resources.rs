@@ -4,20 +4,21 @@
 //! one unit in a process share one copy.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use serde::{Deserialize, Serialize};
+use url::Url;
 
-use super::contact_law;
-use super::layout::{MESHES, inputs};
-use super::location;
-use super::report::{Refusal, refuse};
-use super::settings::Settings;
-use super::variables::{index_by_name, template_starts};
+use super::Refusal;
+use super::inputs::INPUTS;
+use super::parameters::Settings;
+use super::variables::{FIRST_PARAMETER, PARAMETERS, index_by_name, template_starts};
 use crate::contact::ContactFile;
-use crate::element::{Element, Parameters, StiffnessModel};
+use crate::element::{Element, ElementError, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
 use crate::table::{Effects, GeometryRecord, Table, TableError, TableFile};
 
@@ -66,13 +67,15 @@ pub struct Resources {
     made: Mutex<Vec<Weak<Table>>>,
 }
 
-/// Start values of all variables that have some.
+/// Start values of all inputs and parameters.
 #[derive(Debug, Clone)]
 pub struct Starts {
     /// Of the inputs, in their order.
-    pub inputs: Vec<f64>,
-    /// Of the parameters of each mesh.
-    pub settings: Vec<Settings>,
+    pub inputs: [f64; INPUTS],
+    /// Of the parameters, in their order.
+    pub parameters: [f64; PARAMETERS],
+    /// Those of the parameters.
+    pub settings: Settings,
 }
 
 impl Starts {
@@ -87,13 +90,12 @@ impl Starts {
                 .ok_or_else(|| format!("a start value for {name}, which is no variable"))?;
             starts[i] = *value;
         }
-        let settings = MESHES.iter().map(|mesh| {
-            Settings::of_starts(mesh.parameters, |i| starts[i])
-                .map_err(|v| format!("the start value of {} is none of its values", v.name))
-        });
+        let parameters = std::array::from_fn(|k| starts[FIRST_PARAMETER + k]);
+        let settings = Settings::new("start values", &parameters);
         Ok(Self {
-            settings: settings.collect::<Result<_, _>>()?,
-            inputs: starts[..inputs()].to_vec(),
+            inputs: std::array::from_fn(|i| starts[i]),
+            parameters,
+            settings: settings.map_err(|refusal| refusal.message)?,
         })
     }
 }
@@ -133,17 +135,16 @@ impl Resources {
         if let (StiffnessModel::Contact, Some(contact)) =
             (parameters.stiffness_model, &self.contact)
         {
-            let laws = contact_law::laws(contact);
-            return Element::with_laws(geometry, parameters, &laws).map_err(refuse);
+            return Ok(Element::with_contact(geometry, parameters, contact)?);
         }
         let table = match (&self.tables, parameters.stiffness_model) {
             (Some(file), StiffnessModel::Table | StiffnessModel::Teeth) => {
                 let effects = parameters.table_effects(geometry);
-                Some(self.table(file, effects).map_err(|e| refuse(e.into()))?)
+                Some(self.table(file, effects).map_err(ElementError::from)?)
             }
             _ => None,
         };
-        Element::new(geometry, parameters, table).map_err(refuse)
+        Ok(Element::new(geometry, parameters, table)?)
     }
 
     /// One table in memory for all who ask for the same `effects`, while one of them still holds it.
@@ -153,45 +154,6 @@ impl Resources {
             Table::with_effects(file.clone(), effects).map(Arc::new)
         })
     }
-}
-
-/// Why the resources cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum ResourceError {
-    /// Not a location this machine can open.
-    #[error("resource location '{uri}': {reason}; pass the file URI of the unpacked resources")]
-    Location {
-        /// As the host gave it.
-        uri: String,
-        /// What is wrong with it.
-        reason: &'static str,
-    },
-    /// A file cannot be read.
-    #[error("cannot read {path}: {source}; unpack the whole archive and pass its resources")]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        source: std::io::Error,
-    },
-    /// A file has not the contents that packing wrote.
-    #[error("{path}: {reason}; pack the unit again")]
-    Contents {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        reason: String,
-    },
-    /// modelDescription.xml and the resources come from different units.
-    #[error("the host passed GUID {given}, but {path} belongs to {found}; unpack the unit again")]
-    Guid {
-        /// As the host gave it.
-        given: String,
-        /// In the resources.
-        found: String,
-        /// The file.
-        path: PathBuf,
-    },
 }
 
 /// Units in use, so that the instances of one unit share its table.
@@ -227,12 +189,12 @@ fn shared<T, E>(
 /// Reads the resources at `location` (a file URI) and compares their GUID with `guid`.
 ///
 /// # Errors
-/// [`ResourceError`] if the location is no local folder, a file is missing or altered, or the GUID
-/// is not the host's.
-pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, ResourceError> {
-    let folder = location::folder(location).map_err(|reason| ResourceError::Location {
-        uri: location.to_owned(),
-        reason,
+/// A location that is no local folder, a file that is missing or altered, a GUID that is not the host's.
+pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, Refusal> {
+    let folder = folder(location).map_err(|reason| {
+        Refusal::error(format!(
+            "resource location '{location}': {reason}; pass the file URI of the unpacked resources"
+        ))
     })?;
     let suits = |unit: &Resources| unit.unit.guid == guid && unit.folder == folder;
     shared(&LOADED, suits, || {
@@ -240,6 +202,34 @@ pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, ResourceError>
         resources.folder = folder.clone();
         Ok(Arc::new(resources))
     })
+}
+
+/// The folder a host means by `location` on this machine: that of a file URI (RFC 8089), or an absolute path
+/// as it is, since some hosts pass one.
+///
+/// # Errors
+/// What is wrong with the location.
+fn folder(location: &str) -> Result<PathBuf, &'static str> {
+    // First: to a URL, the drive of a path on Windows is a scheme.
+    if Path::new(location).is_absolute() {
+        return Ok(location.into());
+    }
+    let url = Url::parse(location).map_err(|_| "it is neither a file URI nor an absolute path")?;
+    if url.scheme() != "file" {
+        return Err("it is not a file URI");
+    }
+    url.to_file_path()
+        .or_else(|()| on_the_current_drive(&url))
+        .map_err(|()| "it names no folder of this machine")
+}
+
+/// On Windows a path without a drive is one of the current drive, as a host in wine gives it.
+fn on_the_current_drive(url: &Url) -> Result<PathBuf, ()> {
+    if url.host().is_some() {
+        return Err(());
+    }
+    let here = Url::from_directory_path(std::env::current_dir().map_err(drop)?)?;
+    here.join(url.path()).map_err(drop)?.to_file_path()
 }
 
 /// Forgets units that no instance uses, so that a library that is unloaded leaves no memory behind.
@@ -251,47 +241,45 @@ pub fn release() {
     }
 }
 
-fn read(folder: &Path, guid: &str) -> Result<Resources, ResourceError> {
+fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
     let path = folder.join(UNIT_FILE);
-    let unit = parse_unit(&read_text(&path)?).map_err(|reason| ResourceError::Contents {
-        path: path.clone(),
-        reason,
-    })?;
+    let text = read_text(&path)?;
+    let unit = parse_unit(&text).map_err(|reason| unusable(&path, reason))?;
     if unit.guid != guid {
-        return Err(ResourceError::Guid {
-            given: guid.to_owned(),
-            found: unit.guid,
-            path,
-        });
+        return Err(Refusal::error(format!(
+            "the host passed GUID {guid}, but {} belongs to {}; unpack the unit again",
+            path.display(),
+            unit.guid
+        )));
     }
-    let path = folder.join(TABLES_FILE);
-    let tables = if path.exists() {
-        let refuse = |reason: String| ResourceError::Contents {
-            path: path.clone(),
-            reason,
-        };
-        let tables =
-            TableFile::from_json(&read_text(&path)?).map_err(|error| refuse(error.to_string()))?;
-        let geometry = tables.geometry.pair_geometry();
-        if geometry.map_err(|error| refuse(error.to_string()))? != unit.geometry {
-            return Err(refuse(format!("the tables are not those of {UNIT_FILE}")));
+    let tables = folder.join(TABLES_FILE);
+    let tables = match tables.exists() {
+        true => Some(parse_tables(&read_text(&tables)?, &unit).map_err(|e| unusable(&tables, e))?),
+        false => None,
+    };
+    let contact = folder.join(CONTACT_FILE);
+    let contact = match contact.exists() {
+        true => {
+            let read = ContactFile::from_bytes(&read_bytes(&contact)?);
+            Some(read.map_err(|reason| unusable(&contact, reason))?)
         }
-        Some(tables)
-    } else {
-        None
+        false => None,
     };
-    let path = folder.join(CONTACT_FILE);
-    let contact = if path.exists() {
-        let bytes = read_bytes(&path)?;
-        let contact = ContactFile::from_bytes(&bytes);
-        Some(contact.map_err(|reason| ResourceError::Contents { path, reason })?)
-    } else {
-        None
-    };
-    Resources::new(unit, tables, contact).map_err(|reason| ResourceError::Contents {
-        path: folder.join(UNIT_FILE),
-        reason,
-    })
+    Resources::new(unit, tables, contact).map_err(|reason| unusable(&path, reason))
+}
+
+/// A file that has not the contents that packing wrote.
+fn unusable(path: &Path, reason: impl Display) -> Refusal {
+    Refusal::error(format!("{}: {reason}; pack the unit again", path.display()))
+}
+
+fn parse_tables(text: &str, unit: &UnitFile) -> Result<TableFile, String> {
+    let tables = TableFile::from_json(text).map_err(|error| error.to_string())?;
+    let geometry = tables.geometry.pair_geometry();
+    if geometry.map_err(|error| error.to_string())? != unit.geometry {
+        return Err(format!("the tables are not those of {UNIT_FILE}"));
+    }
+    Ok(tables)
 }
 
 /// Reads the text of a [`UNIT_FILE`].
@@ -315,28 +303,26 @@ pub fn parse_unit(text: &str) -> Result<UnitFile, String> {
 const LARGEST: u64 = 1 << 30;
 
 /// The bytes of a file. What is none is not opened: a pipe would never answer.
-fn read_bytes(path: &Path) -> Result<Vec<u8>, ResourceError> {
-    let refuse = |source| ResourceError::Read {
-        path: path.to_owned(),
-        source,
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Refusal> {
+    let refuse = |error: io::Error| {
+        Refusal::error(format!(
+            "cannot read {}: {error}; unpack the whole archive and pass its resources",
+            path.display()
+        ))
     };
     let found = fs::metadata(path).map_err(refuse)?;
-    let reason = match found.len() {
-        _ if !found.is_file() => "it is no file".to_owned(),
-        length if length > LARGEST => format!("{length} bytes, more than {LARGEST}"),
-        _ => return fs::read(path).map_err(refuse),
-    };
-    Err(ResourceError::Contents {
-        path: path.to_owned(),
-        reason,
-    })
+    match found.len() {
+        _ if !found.is_file() => Err(unusable(path, "it is no file")),
+        length if length > LARGEST => Err(unusable(
+            path,
+            format!("{length} bytes, more than {LARGEST}"),
+        )),
+        _ => fs::read(path).map_err(refuse),
+    }
 }
 
-fn read_text(path: &Path) -> Result<String, ResourceError> {
-    String::from_utf8(read_bytes(path)?).map_err(|error| ResourceError::Contents {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    })
+fn read_text(path: &Path) -> Result<String, Refusal> {
+    String::from_utf8(read_bytes(path)?).map_err(|error| unusable(path, error))
 }
 
 #[cfg(test)]
@@ -413,7 +399,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_pair_that_no_pair_file_gives_is_refused_by_field() {
-        let unit = on_table([8, 1, 1, 6], &[]).resources().unit.clone();
+        let unit = on_table([8, 1, 1, 6], &[]).resources.unit.clone();
         let text = serde_json::to_string(&unit).unwrap();
         assert_eq!(parse_unit(&text).unwrap(), unit);
         let teeth = text.replace("\"teeth\":20", "\"teeth\":0");
@@ -465,8 +451,8 @@ pub(super) mod tests {
                 Kind::Enumeration => Kind::Integer,
                 other => other,
             };
-            let item = std::iter::once((v.value_reference, value as i32));
-            instance.set_discrete("set", kind, item).unwrap();
+            let set = instance.set_discrete("set", kind, &[v.value_reference], &[value as i32]);
+            set.unwrap();
         }
         instance
     }
@@ -474,7 +460,7 @@ pub(super) mod tests {
     #[test]
     fn instances_of_one_unit_share_tables_and_leave_none_behind() {
         let first = on_table([8, 1, 5, 6], &[]);
-        let resources = first.resources().clone();
+        let resources = first.resources.clone();
         let table = |misalignment| {
             let effects = Effects {
                 misalignment,
@@ -534,7 +520,7 @@ pub(super) mod tests {
         let force = VARIABLES[index::MESH_TANGENTIAL_FORCE].value_reference;
         let mut loa = 0.0;
         instance
-            .get_real(std::iter::once(force), |x| loa = x / phi.cos())
+            .get_real(&[force], |x| loa = x / phi.cos())
             .unwrap();
         let force = loa;
         assert!(exact.gradient[0] > 50.0);
@@ -544,5 +530,52 @@ pub(super) mod tests {
             "{force} N, exact {} N",
             exact.gradient[0]
         );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn every_legal_file_uri_leads_to_its_folder() {
+        for (uri, path) in [
+            ("file:///tmp/fmu/resources", "/tmp/fmu/resources"),
+            ("file:/tmp/fmu/resources", "/tmp/fmu/resources"),
+            ("FILE://localhost/tmp/a", "/tmp/a"),
+            ("file:///tmp/with%20space/a", "/tmp/with space/a"),
+            ("file:///tmp/with space/a", "/tmp/with space/a"),
+            ("file:///tmp/%C3%BCml%c3%a4ut", "/tmp/ümläut"),
+            ("file:///tmp/ümläut", "/tmp/ümläut"),
+            ("file:///tmp/100%25/a+b", "/tmp/100%/a+b"),
+            ("/tmp/plain path", "/tmp/plain path"),
+            ("/tmp/100%25", "/tmp/100%25"),
+        ] {
+            assert_eq!(folder(uri).as_deref(), Ok(Path::new(path)), "{uri}");
+        }
+    }
+
+    #[cfg(windows)]
+    #[test]
+    fn every_legal_file_uri_leads_to_its_folder() {
+        for (uri, path) in [
+            ("file:///C:/a%20b/r", "C:\\a b\\r"),
+            ("file:/C:/a/r", "C:\\a\\r"),
+            ("file:///c|/a/r", "C:\\a\\r"),
+            ("file://server/share/r", "\\\\server\\share\\r"),
+            ("C:\\a\\r", "C:\\a\\r"),
+        ] {
+            assert_eq!(folder(uri).as_deref(), Ok(Path::new(path)), "{uri}");
+        }
+        let found = folder("file:///a%20b/r").unwrap();
+        assert!(
+            found.is_absolute() && found.ends_with("a b\\r"),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn a_location_that_is_no_local_folder_is_refused() {
+        for uri in ["", "http://host/a", "relative/path"] {
+            assert!(folder(uri).is_err(), "{uri}");
+        }
+        #[cfg(unix)]
+        assert!(folder("file://server/share").is_err());
     }
 }

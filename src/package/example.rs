@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use super::PackageError;
 use crate::element::LoadedFlank;
-use crate::fmi::layout::{ANGLES, ANGULAR_VELOCITY, BODIES, MESHES, QUATERNION, inputs};
-use crate::fmi::report::Refusal;
+use crate::fmi::Refusal;
+use crate::fmi::inputs::{ANGLES, ANGULAR_VELOCITY, BODY_INPUTS, INPUTS, QUATERNION};
+use crate::fmi::instance::Instance;
+use crate::fmi::lifecycle::Interface;
 use crate::fmi::resources::Resources;
-use crate::fmi::unit::Unit;
 use crate::fmi::variables::{STOP_TIME, VARIABLES, index};
 
 /// Mesh cycles in the default experiment; the torque rises over the first.
@@ -26,11 +27,16 @@ const ROWS: usize = 64;
 /// # Errors
 /// Start values that make no mesh, with the reason that a host would get.
 pub(super) fn signals(resources: &Arc<Resources>) -> Result<Option<String>, PackageError> {
-    let mut unit = Unit::new(resources.clone());
-    unit.take_phases().map_err(refused)?;
+    let mut unit = Instance::new(resources.clone(), Interface::CoSimulation);
+    unit.exit_initialization().map_err(refused)?;
+    let inputs: Vec<u32> = VARIABLES[..INPUTS]
+        .iter()
+        .map(|v| v.value_reference)
+        .collect();
+    let moment = VARIABLES[index::GEAR1_MOMENT_3].value_reference;
     let geometry = &resources.unit.geometry;
     let starts = &resources.starts.inputs;
-    let parameters = &resources.starts.settings[0].element;
+    let parameters = &resources.starts.settings.element;
     let wanted = parameters.nominal_torque;
     let [z1, z2] = [0, 1].map(|i| geometry.gears[i].z());
     let turn = CYCLES as f64 * TAU / z1;
@@ -45,10 +51,12 @@ pub(super) fn signals(resources: &Arc<Resources>) -> Result<Option<String>, Pack
         let spin1 = turn * i as f64 / steps as f64;
         let spin2 = |behind: f64| geometry.e() * (sense * behind - z1 / z2 * spin1);
         let mut torque = |behind: f64| -> Result<f64, PackageError> {
-            unit.inputs_mut()
-                .set_block(0, &turned(starts, [spin1, spin2(behind)]));
-            let moment = unit.get(index::GEAR1_MOMENT_3).map_err(refused)?;
-            Ok(-sense * moment.number())
+            let values = turned(starts, [spin1, spin2(behind)]);
+            unit.set_real(&inputs, &values).map_err(refused)?;
+            let mut torque = 0.0;
+            unit.get_real(&[moment], |x| torque = -sense * x)
+                .map_err(refused)?;
+            Ok(torque)
         };
         // From a thousandth of a pitch up: far beyond the load of a table its continuation bends.
         let (mut low, mut high) = (0.0, 1e-3 * TAU / z2);
@@ -78,7 +86,7 @@ fn table(starts: &[f64], rows: &[[f64; 2]]) -> String {
     let steps = rows.len() - 1;
     let interval = STOP_TIME / steps as f64;
     let mut out = String::from("time");
-    for v in &VARIABLES[..inputs()] {
+    for v in &VARIABLES[..INPUTS] {
         let _ = write!(out, ",{}", v.name);
     }
     out.push('\n');
@@ -87,8 +95,9 @@ fn table(starts: &[f64], rows: &[[f64; 2]]) -> String {
         // Slopes of the polygon that hosts make of the rows, mean of both sides.
         let (before, after) = (i.saturating_sub(1), (i + 1).min(steps));
         let span = (after - before) as f64 * interval;
-        for (gear, first) in gears().into_iter().enumerate() {
-            values[first + ANGULAR_VELOCITY + 2] += (rows[after][gear] - rows[before][gear]) / span;
+        for gear in 0..2 {
+            values[gear * BODY_INPUTS + ANGULAR_VELOCITY + 2] +=
+                (rows[after][gear] - rows[before][gear]) / span;
         }
         let _ = write!(out, "{:?}", i as f64 * STOP_TIME / steps as f64);
         for value in values {
@@ -99,15 +108,11 @@ fn table(starts: &[f64], rows: &[[f64; 2]]) -> String {
     out
 }
 
-/// First input of either gear.
-fn gears() -> [usize; 2] {
-    MESHES[0].gears.map(|body| BODIES[body].first)
-}
-
 /// `starts` with both gears turned on by `spins`, in angles and in quaternions.
 fn turned(starts: &[f64], spins: [f64; 2]) -> Vec<f64> {
     let mut inputs = starts.to_vec();
-    for (spin, first) in spins.into_iter().zip(gears()) {
+    for (gear, spin) in spins.into_iter().enumerate() {
+        let first = gear * BODY_INPUTS;
         inputs[first + ANGLES + 2] += spin;
         // About the gear's own axis: from the right.
         let (sin, cos) = (0.5 * spin).sin_cos();

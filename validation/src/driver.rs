@@ -11,9 +11,10 @@
 //!
 //! with J_p about the axis a and J_t across it. A gear without a bearing gets neither force nor moment but about its axis.
 
-use gearmesh::element::{Element, ElementError, Inputs, InputsChange, Latch, Motion, MotionChange, Outputs};
+use gearmesh::element::{Element, ElementError, Inputs, InputsChange, Latch, Motion, MotionChange, Outputs, Workspace};
 use gearmesh::gear::PairGeometry;
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use std::cell::RefCell;
 use std::sync::Arc;
 
 /// Numbers per gear: position 3, quaternion w x y z 4, velocity 3, angular momentum 3.
@@ -126,13 +127,15 @@ pub struct Scene {
     /// Its phase zeros.
     pub latch: Latch,
     pub gears: [Gear; 2],
+    /// Of the last evaluation of the contact.
+    workspace: RefCell<Workspace>,
 }
 
 impl Scene {
     /// A scene that starts in the element's nominal pose, with its latch taken there.
     pub fn new(element: Element, gears: [Gear; 2]) -> Result<Self, ElementError> {
         let latch = element.latch(&element.nominal_inputs())?;
-        Ok(Self { element, latch, gears })
+        Ok(Self { element, latch, gears, workspace: RefCell::default() })
     }
 
     /// At rest, apart from imposed speeds, with zero angles.
@@ -189,7 +192,7 @@ impl Scene {
 
     /// Contact loads at `state`.
     pub fn contact(&self, t: f64, state: &State) -> Result<Outputs, ElementError> {
-        self.element.evaluate(&self.latch, &self.inputs(t, state))
+        self.element.evaluate_from(&self.latch, &self.inputs(t, state), &mut self.workspace.borrow_mut())
     }
 
     /// Rates of `state` with the contact's `force` and `moment` (about each gear's origin) given.

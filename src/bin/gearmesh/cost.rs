@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use gearmesh::element::{Element, Inputs, Latch, Parameters, PhaseReference};
+use gearmesh::element::{Element, Inputs, Latch, Parameters, PhaseReference, Workspace};
 use gearmesh::fmi::resources::{self, Resources};
 use gearmesh::package;
 use gearmesh::storage::uninterrupted;
@@ -33,7 +33,7 @@ pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
     // From any pose: where teeth stand counts for no cost.
     let parameters = Parameters {
         phase_reference: PhaseReference::FromInitialPose,
-        ..resources.starts.settings[0].element
+        ..resources.starts.settings.element
     };
     let element = resources.element(&parameters).map_err(|e| e.to_string())?;
     let latch = element.latch(&element.nominal_inputs())?;
@@ -42,11 +42,12 @@ pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
     };
     let poses = poses(&element, &resources, spin);
     let mut next = poses.iter().cycle();
+    let mut workspace = Workspace::default();
     let mut run = |count: usize| {
         let begin = Instant::now();
         for inputs in next.by_ref().take(count) {
             // Poses around one that was evaluated.
-            let _ = black_box(element.evaluate(&latch, black_box(inputs)));
+            let _ = black_box(element.evaluate_from(&latch, black_box(inputs), &mut workspace));
         }
         begin.elapsed()
     };

@@ -9,7 +9,6 @@ use crate::timing::{median, timed};
 use crate::{Context, Result, row};
 use gearmesh::contact::{ContactFile, ContactSettings};
 use gearmesh::element::{Element, LoadedFlank, Parameters, StiffnessModel};
-use gearmesh::fmi::contact_law;
 use gearmesh::pair::Refinement;
 use gearmesh::table::{Table, TeethSweep, default_teeth_axes};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -120,7 +119,7 @@ fn contact(refinement: Refinement) -> Result<(Setup, ContactFile)> {
 fn by_contact(setup: &Setup, file: &ContactFile) -> Result<Element> {
     let parameters =
         Parameters { stiffness_model: StiffnessModel::Contact, loaded_flank: LoadedFlank::Drive, ..everything(setup) };
-    Ok(Element::with_laws(&setup.pair.geometry, &parameters, &contact_law::laws(file))?)
+    Ok(Element::with_contact(&setup.pair.geometry, &parameters, file)?)
 }
 
 /// Constant stiffness, tables with one effect more each, and tooth pair by tooth pair, all teeth alike.

@@ -111,7 +111,9 @@ fn motion(
     let sense = pair.e();
     let load = Spin::Torque(Arc::new(move |t, _| sense * torque(t)));
     let gears = [Gear::new(pair, 0, Spin::speed(0.0)), Gear::new(pair, 1, load)];
-    let scene = Scene::new(subject.element.with_damping(DAMPING)?, gears)?;
+    let mut element = subject.element.clone();
+    element.set_damping(DAMPING);
+    let scene = Scene::new(element, gears)?;
     let turn = sense * delta / pair.gears[1].base_radius();
     let mut y = scene.with_spin(&scene.rest(), 1, turn, 0.0);
     let mut n = 0;

@@ -1,14 +1,9 @@
 //! Generates the FMU's variable table from modelDescription.xml, its one source, so that the
-//! library and the file that hosts read cannot drift. What the public checkers of FMUs miss is
-//! refused here, at compile time.
+//! library and the file that hosts read cannot drift. tests/python/test_model_description.py holds the rules that the file
+//! keeps.
 
-#[path = "build/checks.rs"]
-mod checks;
-#[path = "build/emit.rs"]
-mod emit;
-
-use std::collections::{HashMap, HashSet};
 use std::error::Error;
+use std::fmt::Write as _;
 use std::path::Path;
 use std::{env, fs};
 
@@ -17,9 +12,6 @@ use roxmltree::{Document, Node};
 const SOURCE: &str = "modelDescription.xml";
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
-
-/// Enumeration types in their order: name and items.
-type Enumerations = Vec<(String, Vec<String>)>;
 
 fn main() {
     println!("cargo::rerun-if-changed={SOURCE}");
@@ -48,38 +40,12 @@ fn main() {
 fn generate() -> Result<()> {
     let text = fs::read_to_string(SOURCE)?;
     let document = Document::parse(&text)?;
-    let root = document.root_element();
-    let version = env::var("CARGO_PKG_VERSION")?;
-    if root.attribute("version") != Some(version.as_str()) {
-        return Err(format!("version is not that of Cargo.toml, {version}").into());
-    }
-    let units = units(root)?;
-    let enumerations = enumerations(root)?;
-    let variables = variables(root, &units, &enumerations)?;
-    checks::check_blocks(&variables)?;
-    checks::check_structure(root, &variables)?;
-    checks::check_capabilities(root)?;
-    let code = emit::emit(root, &variables, &enumerations)?;
-    let out = env::var("OUT_DIR")?;
-    fs::write(Path::new(&out).join("model_description.rs"), code)?;
+    let code = emit(document.root_element())?;
+    fs::write(
+        Path::new(&env::var("OUT_DIR")?).join("model_description.rs"),
+        code,
+    )?;
     Ok(())
-}
-
-/// One ScalarVariable with its checked attributes.
-struct Variable {
-    name: String,
-    reference: u32,
-    kind: String,
-    causality: String,
-    variability: String,
-    start: Option<f64>,
-    start_range: Option<(usize, usize)>,
-    min: Option<f64>,
-    max: Option<f64>,
-    nominal: f64,
-    unit: String,
-    enumeration: Option<String>,
-    description: String,
 }
 
 fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Result<Node<'a, 'i>> {
@@ -97,143 +63,123 @@ fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str> {
         .ok_or_else(|| format!("<{}> has no {name}", node.tag_name().name()).into())
 }
 
-/// Unit names, each with its display units.
-fn units(root: Node) -> Result<HashMap<String, Vec<String>>> {
-    let mut units = HashMap::new();
-    for unit in elements(child(root, "UnitDefinitions")?) {
-        let name = attribute(unit, "name")?.to_owned();
-        let display = elements(unit)
-            .filter(|n| n.has_tag_name("DisplayUnit"))
-            .map(|n| attribute(n, "name").map(str::to_owned))
-            .collect::<Result<_>>()?;
-        if units.insert(name.clone(), display).is_some() {
-            return Err(format!("unit {name} is defined twice").into());
+/// `gear1.position[1]` -> `GEAR1_POSITION_1`, `mesh.contactZ` -> `MESH_CONTACT_Z`.
+fn constant(name: &str) -> String {
+    let mut out = String::new();
+    for c in name.chars() {
+        match c {
+            '.' | '[' => out.push('_'),
+            ']' => {}
+            c if c.is_ascii_uppercase() => out.extend(['_', c]),
+            c => out.push(c.to_ascii_uppercase()),
         }
     }
-    Ok(units)
+    out
 }
 
-/// The enumeration types; items count from 1 without gaps.
-fn enumerations(root: Node) -> Result<Enumerations> {
-    elements(child(root, "TypeDefinitions")?)
-        .map(|simple| {
-            let name = attribute(simple, "name")?;
-            let items = elements(child(simple, "Enumeration")?)
-                .enumerate()
-                .map(|(i, item)| {
-                    if attribute(item, "value")?.parse::<usize>()? != i + 1 {
-                        return Err(format!("items of {name} do not count from 1").into());
-                    }
-                    Ok(attribute(item, "name")?.to_owned())
-                })
-                .collect::<Result<_>>()?;
-            Ok((name.to_owned(), items))
-        })
-        .collect()
+/// `input` -> `Input`.
+fn variant(word: &str) -> String {
+    word[..1].to_ascii_uppercase() + &word[1..]
 }
 
-fn variables(
-    root: Node,
-    units: &HashMap<String, Vec<String>>,
-    enumerations: &Enumerations,
-) -> Result<Vec<Variable>> {
-    let variables = elements(child(root, "ModelVariables")?)
-        .map(|node| {
-            let name = attribute(node, "name")?;
-            variable(node, units, enumerations).map_err(|e| format!("{name}: {e}").into())
-        })
-        .collect::<Result<Vec<_>>>()?;
-    let (mut names, mut references) = (HashSet::new(), HashSet::new());
-    for v in &variables {
-        if !names.insert(v.name.as_str()) {
-            return Err(format!("{}: the name is used twice", v.name).into());
-        }
-        if !references.insert(v.reference) {
-            let reference = v.reference;
-            return Err(format!("{}: value reference {reference} is used twice", v.name).into());
-        }
+/// The code that `fmi::variables` includes.
+fn emit(root: Node) -> Result<String> {
+    let mut code = String::from("// Generated by build.rs from modelDescription.xml.\n");
+    let experiment = child(root, "DefaultExperiment")?;
+    // What packing writes, by the place of the attribute's value.
+    for (name, element, key) in [
+        ("MODEL_NAME_RANGE", root, "modelName"),
+        ("GUID_RANGE", root, "guid"),
+        ("DESCRIPTION_RANGE", root, "description"),
+        ("STEP_SIZE_RANGE", experiment, "stepSize"),
+    ] {
+        let range = element
+            .attribute_node(key)
+            .ok_or_else(|| format!("no {key}"))?
+            .range_value();
+        let (from, to) = (range.start, range.end);
+        writeln!(code, "const {name}: (usize, usize) = ({from}, {to});")?;
     }
-    Ok(variables)
-}
-
-fn variable(
-    node: Node,
-    units: &HashMap<String, Vec<String>>,
-    enumerations: &Enumerations,
-) -> Result<Variable> {
-    let typed = elements(node).next().ok_or("has no type")?;
-    let kind = typed.tag_name().name();
-    let (causality, variability) = (
-        attribute(node, "causality")?,
-        attribute(node, "variability")?,
+    let stop: f64 = attribute(experiment, "stopTime")?.parse()?;
+    writeln!(
+        code,
+        "/// End of the default experiment, which starts at 0, s.\npub const STOP_TIME: f64 = {stop:?};"
+    )?;
+    let identifier = attribute(child(root, "CoSimulation")?, "modelIdentifier")?;
+    writeln!(
+        code,
+        "/// Model identifier, the base name of the library in the archive.\n\
+         pub const MODEL_IDENTIFIER: &str = {identifier:?};"
+    )?;
+    let categories: Vec<&str> = elements(child(root, "LogCategories")?)
+        .map(|n| attribute(n, "name"))
+        .collect::<Result<_>>()?;
+    writeln!(
+        code,
+        "/// Log categories in the order of modelDescription.xml.\n\
+         pub const LOG_CATEGORIES: [&str; {}] = {categories:?};\n\
+         /// Index of each variable in [`VARIABLES`].\n\
+         pub mod index {{\n    #![allow(missing_docs)]",
+        categories.len()
+    )?;
+    let variables: Vec<Node> = elements(child(root, "ModelVariables")?).collect();
+    for (i, v) in variables.iter().enumerate() {
+        let name = constant(attribute(*v, "name")?);
+        writeln!(code, "    pub const {name}: usize = {i};")?;
+    }
+    code.push_str(
+        "}\n/// All variables in the order of modelDescription.xml.\n\
+         pub static VARIABLES: &[Variable] = &[\n",
     );
-    let number = |name: &str| -> Result<Option<f64>> {
-        Ok(match typed.attribute(name) {
+    for v in variables {
+        writeln!(code, "    {},", variable(root, v)?)?;
+    }
+    code.push_str("];\n");
+    Ok(code)
+}
+
+/// One ScalarVariable as an expression.
+fn variable(root: Node, node: Node) -> Result<String> {
+    let name = attribute(node, "name")?;
+    let typed = elements(node).next().ok_or("a variable has no type")?;
+    let kind = typed.tag_name().name();
+    let number = |key: &str| -> Result<Option<f64>> {
+        Ok(match typed.attribute(key) {
             None => None,
-            Some("false") if kind == "Boolean" => Some(0.0),
-            Some("true") if kind == "Boolean" => Some(1.0),
+            Some("false") => Some(0.0),
+            Some("true") => Some(1.0),
             Some(text) => Some(
-                text.parse::<f64>()
-                    .map_err(|_| format!("{name} is not a number"))?,
+                text.parse()
+                    .map_err(|_| format!("{name}: {key} is no number"))?,
             ),
         })
     };
-    let (start, mut min, mut max) = (number("start")?, number("min")?, number("max")?);
-    checks::check_role(
-        causality,
-        variability,
-        node.attribute("initial"),
-        start.is_some(),
-    )?;
-    if variability == "continuous" && kind != "Real" {
-        return Err("only a Real is continuous".into());
-    }
-    let unit = typed.attribute("unit").unwrap_or("");
-    if kind == "Real" {
-        let display = units
-            .get(unit)
-            .ok_or("its unit is missing or not defined")?;
-        if let Some(name) = typed.attribute("displayUnit")
-            && !display.iter().any(|d| d == name)
-        {
-            return Err(format!("display unit {name} is not defined").into());
-        }
-        if !unit.is_ascii() || !typed.attribute("displayUnit").is_none_or(str::is_ascii) {
-            return Err("units are spelled in ASCII: importers read no others".into());
-        }
-        if number("nominal")?.is_none_or(|n| n <= 0.0) {
-            return Err("a Real needs a positive nominal".into());
+    let mut items: Vec<&str> = Vec::new();
+    if let Some(declared) = typed.attribute("declaredType") {
+        let mut types = elements(child(root, "TypeDefinitions")?);
+        let declared = types.find(|t| t.attribute("name") == Some(declared));
+        let declared = declared.ok_or_else(|| format!("{name}: its type is not defined"))?;
+        for item in elements(child(declared, "Enumeration")?) {
+            items.push(attribute(item, "name")?);
         }
     }
-    let enumeration = typed.attribute("declaredType");
-    if kind == "Enumeration" {
-        let (_, items) = enumerations
-            .iter()
-            .find(|(name, _)| Some(name.as_str()) == enumeration)
-            .ok_or("its enumeration is not defined")?;
-        (min, max) = (Some(1.0), Some(items.len() as f64));
-    }
-    if let Some(start) = start
-        && (min.is_some_and(|m| start < m) || max.is_some_and(|m| start > m))
-    {
-        return Err(format!("start {start} lies outside min and max").into());
-    }
-    Ok(Variable {
-        name: attribute(node, "name")?.to_owned(),
-        reference: attribute(node, "valueReference")?.parse()?,
-        kind: kind.to_owned(),
-        causality: causality.to_owned(),
-        variability: variability.to_owned(),
-        start,
-        start_range: typed.attribute_node("start").map(|a| {
-            let range = a.range_value();
-            (range.start, range.end)
-        }),
-        min,
-        max,
-        nominal: number("nominal")?.unwrap_or(1.0),
-        unit: unit.to_owned(),
-        enumeration: enumeration.map(str::to_owned),
-        description: attribute(node, "description")?.to_owned(),
-    })
+    let (min, max) = match items.len() {
+        0 => (number("min")?, number("max")?),
+        count => (Some(1.0), Some(count as f64)),
+    };
+    let start_range = typed.attribute_node("start").map(|a| a.range_value());
+    Ok(format!(
+        "Variable {{ name: {name:?}, value_reference: {}, kind: Kind::{kind}, \
+         causality: Causality::{}, variability: Variability::{}, start: {:?}, min: {min:?}, \
+         max: {max:?}, nominal: {:?}, unit: {:?}, items: &{items:?}, description: {:?}, \
+         start_range: {:?} }}",
+        attribute(node, "valueReference")?,
+        variant(attribute(node, "causality")?),
+        variant(attribute(node, "variability")?),
+        number("start")?,
+        number("nominal")?.unwrap_or(1.0),
+        typed.attribute("unit").unwrap_or(""),
+        attribute(node, "description")?,
+        start_range.map(|range| (range.start, range.end)),
+    ))
 }

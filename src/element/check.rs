@@ -1,7 +1,7 @@
 //! Poses that have no meaning are refused here.
 
 use super::constants::Constants;
-use super::error::{Body, ElementError};
+use super::error::ElementError;
 use super::motion::{Inputs, Motion};
 
 /// Departure from an orthonormal right-handed matrix above which an orientation is refused.
@@ -9,15 +9,15 @@ const ROTATION_TOLERANCE: f64 = 1e-6;
 
 /// All inputs finite, both orientations rotations; the carrier only if `with_carrier`.
 pub(crate) fn inputs(inputs: &Inputs, with_carrier: bool) -> Result<(), ElementError> {
-    motion(Body::Gear1, &inputs.gears[0])?;
-    motion(Body::Gear2, &inputs.gears[1])?;
+    motion("gear1", &inputs.gears[0])?;
+    motion("gear2", &inputs.gears[1])?;
     if with_carrier {
-        motion(Body::Carrier, &inputs.carrier)?;
+        motion("carrier", &inputs.carrier)?;
     }
     Ok(())
 }
 
-fn motion(body: Body, m: &Motion) -> Result<(), ElementError> {
+fn motion(body: &'static str, m: &Motion) -> Result<(), ElementError> {
     // One comparison on the usual path: a sum is finite only if all its terms are.
     let total = m.p.sum() + m.v.sum() + m.w.sum() + m.r.sum();
     if !total.is_finite() {
@@ -60,8 +60,8 @@ fn motion(body: Body, m: &Motion) -> Result<(), ElementError> {
 
 /// The axes of `body` and `reference`, whose unit vectors have the product `cosine`, run alike.
 pub(crate) fn tilt(
-    body: Body,
-    reference: Body,
+    body: &'static str,
+    reference: &'static str,
     cosine: f64,
     limit: f64,
 ) -> Result<(), ElementError> {
@@ -76,32 +76,23 @@ pub(crate) fn tilt(
     Ok(())
 }
 
-/// What the centre distance `c` allows.
+/// Whether there is a line of action at the centre distance `c`; false: no tooth is within reach of another.
 ///
 /// # Errors
 /// Base circles without a common tangent, except for an internal pair pulled apart so far that its
 /// teeth have already left each other.
-pub(crate) fn center_distance(k: &Constants, c: f64) -> Result<Distance, ElementError> {
+pub(crate) fn has_line_of_action(k: &Constants, c: f64) -> Result<bool, ElementError> {
     if c > k.base_sum {
-        return Ok(Distance::HasLineOfAction);
+        return Ok(true);
     }
     let apart = k.e < 0.0 && k.reach.none > k.base_sum * (1.0 + 1e-6);
     // The direction O1 -> O2 must be more than rounding.
     if apart && c > 1e-6 * k.center_distance {
-        return Ok(Distance::OutOfReach);
+        return Ok(false);
     }
     Err(ElementError::NoLineOfAction {
         center_distance_mm: 1e3 * c,
         limit_mm: 1e3 * k.base_sum,
         nominal_m: k.center_distance,
     })
-}
-
-/// Answer of [`center_distance`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Distance {
-    /// The usual case.
-    HasLineOfAction,
-    /// No line of action, and no tooth within reach of another.
-    OutOfReach,
 }

@@ -1,26 +1,5 @@
 //! What the element refuses.
 
-/// A gear, for messages.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Body {
-    /// Gear 1.
-    Gear1,
-    /// Gear 2.
-    Gear2,
-    /// The carrier (paper's formulation alone).
-    Carrier,
-}
-
-impl std::fmt::Display for Body {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Body::Gear1 => "gear1",
-            Body::Gear2 => "gear2",
-            Body::Carrier => "carrier",
-        })
-    }
-}
-
 use crate::words::{fixed, number};
 
 /// Why an element cannot be made, or has no meaning at a pose.
@@ -52,8 +31,8 @@ pub enum ElementError {
         "{body}: {quantity} is not finite; every position and velocity must be a finite number"
     )]
     NotFinite {
-        /// Which body.
-        body: Body,
+        /// Which body: gear1, gear2 or carrier.
+        body: &'static str,
         /// position, orientation, velocity or angular velocity.
         quantity: &'static str,
     },
@@ -62,8 +41,8 @@ pub enum ElementError {
         "{body}: the orientation is no rotation (it departs from an orthonormal, right-handed matrix by {departure:.1e}); normalise the quaternion or rebuild the matrix"
     )]
     NotARotation {
-        /// Which body.
-        body: Body,
+        /// Which body: gear1, gear2 or carrier.
+        body: &'static str,
         /// Largest departure of lengths and products of the columns.
         departure: f64,
     },
@@ -72,10 +51,10 @@ pub enum ElementError {
         "the axis of {body} is tilted by {tilt_deg:.3} deg against {reference}; the element holds up to {limit_deg:.1} deg and both z axes must point alike"
     )]
     Tilt {
-        /// Which body.
-        body: Body,
+        /// Which body: gear1, gear2 or carrier.
+        body: &'static str,
         /// The body it is measured against.
-        reference: Body,
+        reference: &'static str,
         /// Angle between both z axes, degrees.
         tilt_deg: f64,
         /// The largest one allowed, degrees.

@@ -112,7 +112,7 @@ impl<T: Scalar> Map<T> {
         let frame = LineFrame::<T>::new(gears, station)?;
         let w = k.pitch_fraction;
         let c = frame.c;
-        if check::center_distance(k, c.re())? == check::Distance::OutOfReach {
+        if !check::has_line_of_action(k, c.re())? {
             let point = Vector3::new(c * w, T::from(0.0), T::from(station));
             return Ok(Placed::Far(frame.to_world(&point), c));
         }

@@ -48,7 +48,7 @@ mod start;
 
 pub use crate::table::Interpolation;
 pub use dual::Dual;
-pub use error::{Body, ElementError};
+pub use error::ElementError;
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
 pub use law::{Elasticity, FlankLaws, Workspace};
 #[cfg(test)]

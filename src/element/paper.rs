@@ -10,7 +10,7 @@
 
 use super::check;
 use super::constants::{Constants, TILT_LIMIT};
-use super::error::{Body, ElementError};
+use super::error::ElementError;
 use super::flank::FlankLoad;
 use super::map::{Coordinates, Spatial};
 use super::motion::{Inputs, Motion};
@@ -28,11 +28,11 @@ struct Relative<T> {
 }
 
 fn relative<T: Scalar>(
-    body: Body,
+    body: &'static str,
     gear: &Motion,
     carrier: &Motion,
 ) -> Result<Relative<T>, ElementError> {
-    let moves = if body == Body::Gear2 { 1.0 } else { 0.0 };
+    let moves = if body == "gear2" { 1.0 } else { 0.0 };
     let zero = Vector3::zeros();
     let between = gear.p - carrier.p;
     let p = |i: usize| {
@@ -47,7 +47,7 @@ fn relative<T: Scalar>(
         })
     };
     let a: Vector3<T> = Vector3::new(r(0, 2), r(1, 2), r(2, 2));
-    check::tilt(body, Body::Carrier, a.z.re(), TILT_LIMIT)?;
+    check::tilt(body, "carrier", a.z.re(), TILT_LIMIT)?;
     Ok(Relative {
         p: Vector3::new(p(0), p(1), p(2)),
         a,
@@ -76,11 +76,11 @@ impl<T: Scalar> Carried<T> {
     /// # Errors
     /// Gears that are tilted against the carrier, base circles without a common tangent in its plane.
     pub(crate) fn new(k: &Constants, inputs: &Inputs) -> Result<Self, ElementError> {
-        let g1 = relative::<T>(Body::Gear1, &inputs.gears[0], &inputs.carrier)?;
-        let g2 = relative::<T>(Body::Gear2, &inputs.gears[1], &inputs.carrier)?;
+        let g1 = relative::<T>("gear1", &inputs.gears[0], &inputs.carrier)?;
+        let g2 = relative::<T>("gear2", &inputs.gears[1], &inputs.carrier)?;
         let d = g2.p - g1.p;
         let c = (d.x * d.x + d.y * d.y).sqrt();
-        check::center_distance(k, c.re())?;
+        check::has_line_of_action(k, c.re())?;
         let (zero, one) = (T::from(0.0), T::from(1.0));
         let [theta1, theta2, gamma, _] = angles(
             [g1.twist[0], g2.twist[0], d.y, zero],

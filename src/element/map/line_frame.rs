@@ -17,7 +17,7 @@
 use super::Spatial;
 use crate::element::check;
 use crate::element::constants::TILT_LIMIT;
-use crate::element::error::{Body, ElementError};
+use crate::element::error::ElementError;
 use crate::element::motion::Motion;
 use crate::element::scalar::{Scalar, lift};
 use nalgebra::Vector3;
@@ -49,7 +49,7 @@ impl<T: Scalar> LineFrame<T> {
     pub(super) fn new([g1, g2]: &[Motion; 2], station: f64) -> Result<Self, ElementError> {
         let [z, a2] = [g1.r.column(2).into_owned(), g2.r.column(2).into_owned()];
         let bz = z.dot(&a2);
-        check::tilt(Body::Gear2, Body::Gear1, bz, TILT_LIMIT)?;
+        check::tilt("gear2", "gear1", bz, TILT_LIMIT)?;
         let per_bz = 1.0 / bz;
         let relative = g2.p - g1.p;
         let lambda = (station - relative.dot(&z)) * per_bz;

@@ -2,7 +2,7 @@
 //!
 //! An input whose derivatives the host gave (fmi2SetRealInputDerivatives) follows its Taylor polynomial over the coming
 //! step, whether its value was set before them or after; it stays where the polynomial ends. With `extrapolatePoses` a
-//! body whose pose has no derivatives moves on with its velocity inputs; that moves the body, not its inputs ([`Drift`]).
+//! body whose pose has no derivatives moves on with its velocity inputs; that moves the body, not its inputs.
 
 use std::collections::BTreeMap;
 
@@ -253,7 +253,7 @@ impl InputValues {
     /// Motion of a body as the element takes it.
     ///
     /// # Errors
-    /// A quaternion in use whose length is not 1 within [`QUATERNION_TOLERANCE`]; angles and positions
+    /// A quaternion in use whose length is not 1 within `QUATERNION_TOLERANCE`; angles and positions
     /// beyond `resolution`.
     #[inline]
     pub fn motion(

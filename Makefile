@@ -43,7 +43,7 @@ $(VENV)/.examples-complete: $(VENV)/.tests-complete $(VENV)/bin/fmi-sim requirem
 
 # The command target/release/gearmesh and the FMU's library beside it.
 build:
-	$(CARGO) build --release
+	$(CARGO) build --release --package gearmesh --package gearmesh-command
 
 # What the lints need beside what a build needs, said before any work.
 .PHONY: tools
@@ -55,7 +55,6 @@ tools:
 lint: tools setup $(VENV)/.bindgen
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --release --workspace --all-targets -- -D warnings
-	$(CARGO) clippy --release --lib --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --workspace --no-deps
 	$(VENV)/bin/python scripts/licenses.py --check
 

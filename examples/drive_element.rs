@@ -5,8 +5,8 @@
 //! act about each gear's own origin. `cargo run --release --example drive_element`
 
 use gearmesh::element::{Element, Parameters, StiffnessModel};
-use gearmesh::pair::Pair;
 use gearmesh::table::Table;
+use gearmesh_preprocessor::pair;
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ const LOAD: f64 = 100.0; // N m, on gear 2: against its motion
 const STEP: f64 = 2e-7; // s
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let pair = Pair::read("resources/pairs/palermo2013.json")?;
+    let pair = pair::read("resources/pairs/palermo2013.json")?;
     let tables = std::fs::read_to_string("resources/tables/palermo2013.json")?;
     let parameters = Parameters {
         stiffness_model: StiffnessModel::Table,

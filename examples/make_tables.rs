@@ -4,17 +4,18 @@
 //! distance, the misalignment and the mesh position; one node leaves an axis out.
 //! `cargo run --release --example make_tables [TABLES.json]`; `gearmesh tables` plans its own grid and says what it does.
 
-use gearmesh::compliance::finite_element::{PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
-use gearmesh::pair::{Pair, Refinement};
-use gearmesh::table::plan::{displacement_nodes, mesh_positions};
-use gearmesh::table::sweep::{Watch, sweep};
+use gearmesh::pair::Refinement;
 use gearmesh::table::{Axes, Query, Table, TableFile};
+use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
+use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::table::plan::{displacement_nodes, mesh_positions};
+use gearmesh_preprocessor::table::sweep::{Watch, sweep};
 use std::sync::atomic::AtomicBool;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut pair = Pair::read("resources/pairs/palermo2013.json")?;
+    let mut pair = pair::read("resources/pairs/palermo2013.json")?;
     pair.refinement = Refinement::Coarse;
     let settings = Settings::for_pair(&pair);
     let models = PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true)?;

@@ -4,17 +4,18 @@
 //! takes both; one position of the cycle, loaded by a torque, gives the static transmission error, the force, where it acts
 //! along the face, and how tooth pairs share it. `cargo run --release --example static_contact [PAIR.json]`
 
-use gearmesh::compliance::finite_element::{PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
+use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
+use gearmesh_preprocessor::pair;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let shipped = "resources/pairs/palermo2013.json".to_owned();
     let path = std::env::args().nth(1).unwrap_or(shipped);
     let pair = Pair {
         refinement: Refinement::Coarse, // seconds; errors of each level stand in docs/finite-elements.md
-        ..Pair::read(path)?
+        ..pair::read(path)?
     };
 
     // The elastic models take nearly all of the time. A ModelCache in place of None keeps them.

@@ -1,6 +1,6 @@
 """Code of the FMU's library by the crate it comes from, as a table for docs/release.md.
 
-    cargo build --release --lib --no-default-features
+    cargo build --release --package gearmesh
     python scripts/library_crates.py target/release/libgearmesh.so
 
 Reads the symbols by binutils' nm, so the library must not be stripped. Code that a generic function of one crate

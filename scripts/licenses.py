@@ -15,10 +15,9 @@ ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "resources" / "documentation" / "third-party.txt"
 # Nothing that only builds or tests.
 TREE = ["tree", "--locked", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"]
-# The unit alone: neither the command nor its preprocessing.
-LIBRARY = ["--no-default-features"]
+LIBRARY = ["--package", "gearmesh"]
 # On whatever platform.
-COMMAND = ["--target", "all"]
+COMMAND = ["--package", "gearmesh-command", "--target", "all"]
 NAMES = ("LICENSE", "LICENCE", "COPYING", "NOTICE", "UNLICENSE")
 
 
@@ -30,7 +29,7 @@ def linked(selection):
     """(name, version) of every crate in the library or the command but our own."""
     lines = cargo(*TREE, *selection).split("\n")
     found = {tuple(line.split()[:2]) for line in lines if line}
-    return sorted((name, version[1:]) for name, version in found if name != "gearmesh")
+    return sorted((name, version[1:]) for name, version in found if not name.startswith("gearmesh"))
 
 
 def texts(folder, terms):

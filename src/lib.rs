@@ -2,7 +2,7 @@
 //!
 //! An FMI 2.0 unit takes the poses and velocities of two meshing gears and returns contact force,
 //! moment and contact point. Behind it stand tables of static transmission error and shuttling
-//! that this crate computes by three-dimensional static tooth contact, after Palermo, Mundo, Hadjit,
+//! that `gearmesh-preprocessor` computes by three-dimensional static tooth contact, after Palermo, Mundo, Hadjit,
 //! Desmet (2013), "Multibody element for spur and helical gear meshing based on detailed
 //! three-dimensional contact calculations", Mechanism and Machine Theory 62, 13-30.
 //!
@@ -20,10 +20,9 @@
 //!                                             force, moment, contact point
 //! ```
 //!
-//! The preprocessing half never imports the element, the element never imports the contact
-//! solver: the table joins them, and for contact at run time `fmi`. The FMU's library is built from `gear`,
-//! `friction`, `contact` (solve alone), `table`, `element` and `fmi`; the rest stands behind the feature
-//! `preprocess`.
+//! This crate is the FMU's library: `gear`, `friction`, `contact`, evaluation of tables, `element` and `fmi`. The element never
+//! imports the contact solver: the table joins them, and for contact at run time `fmi`. Pair files, finite elements, the sweep of tables
+//! and packing are `gearmesh-preprocessor`, which depends on this crate; `gearmesh-command` is the program over both.
 //!
 //! # Symbols
 //!
@@ -61,18 +60,11 @@ mod f64x4;
 pub mod fmi;
 pub mod friction;
 pub mod gear;
-#[cfg(feature = "preprocess")]
-pub mod package;
-#[cfg(feature = "preprocess")]
 pub mod pair;
 pub mod random;
-#[cfg(feature = "preprocess")]
-pub mod storage;
 pub mod table;
 // Test code that is shared with tests/ names the library.
 #[cfg(test)]
 extern crate self as gearmesh;
 
-#[cfg(all(test, feature = "preprocess"))]
-mod testing;
 pub mod words;

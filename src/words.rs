@@ -74,7 +74,7 @@ pub fn number(value: f64) -> String {
 }
 
 /// `bytes` in hexadecimal digits.
-pub(crate) fn hex(bytes: &[u8]) -> String {
+pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 

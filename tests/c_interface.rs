@@ -214,7 +214,9 @@ fn loading_and_unloading_leaves_no_byte_behind() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let libraries = gearmesh::package::libraries_beside(&std::env::current_exe().unwrap()).unwrap();
+    let libraries =
+        gearmesh_preprocessor::package::libraries_beside(&std::env::current_exe().unwrap())
+            .unwrap();
     let library = &libraries[0];
     // With tables, since these are what instances share.
     let (unit, guid) = (tabulated(folder.path()), CString::new(GUID).unwrap());

@@ -1,11 +1,10 @@
 //! Whole contact against an independent finite-element program without any Hertz formula, `scripts/contact_reference.py`
 //! (`tests/data/contact_reference.json` says how it works), tip edges that bear load included, and a second one.
-#![cfg(feature = "preprocess")]
-
-use gearmesh::compliance::finite_element::{PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
+use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
+use gearmesh_preprocessor::pair;
 use serde_json::Value;
 
 /// Values of one load at all positions: found and expected.
@@ -28,7 +27,7 @@ fn reference(name: &str) -> (Pair, Value) {
     };
     let all: Value = serde_json::from_str(text).unwrap();
     let case = all["cases"][name].clone();
-    (Pair::from_json(&case["pair"].to_string()).unwrap(), case)
+    (pair::from_json(&case["pair"].to_string()).unwrap(), case)
 }
 
 /// What is compared at one load: found and expected over the mesh positions; empty where the data do not tell it.

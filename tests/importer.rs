@@ -1,18 +1,19 @@
 //! A packed unit driven by the importer of the crate `fmi`: a host of another family than fmpy.
 
+use gearmesh_preprocessor::pair;
 use std::path::Path;
 
 use ::fmi::fmi2::import::Fmi2Import;
 use ::fmi::fmi2::instance::{CoSimulation, Common};
 use ::fmi::traits::FmiStatus;
 use gearmesh::fmi::variables::{VARIABLES, index};
-use gearmesh::package::{self, Contents, Starts};
 use gearmesh::pair::Pair;
+use gearmesh_preprocessor::package::{self, Contents, Starts};
 
 /// Packs the unit of a shipped pair, with constant stiffness, into `folder` and imports it.
 fn import(pair: &str, folder: &Path) -> (Pair, Fmi2Import) {
     let file = format!("{}/resources/pairs/{pair}.json", env!("CARGO_MANIFEST_DIR"));
-    let pair = Pair::read(file).unwrap();
+    let pair = pair::read(file).unwrap();
     let starts = Starts::constant_stiffness(&pair.geometry, pair.operating.nominal_torque);
     let contents = Contents {
         name: &pair.name,

@@ -389,12 +389,18 @@ fn run(uri: &CStr, kind: fmi2Type, seed: u64, calls: usize) -> (u64, Accepted) {
 }
 
 /// The paper's pair with all that a unit may hold, made on coarse finite elements by the command, unpacked into `folder`.
-#[cfg(feature = "preprocess")]
 fn complete(folder: &std::path::Path) -> gearmesh::fmi::resources::UnitFile {
     use std::io::Read;
     let fmu = folder.join("all.fmu");
     let root = env!("CARGO_MANIFEST_DIR");
-    let mut build = std::process::Command::new(env!("CARGO_BIN_EXE_gearmesh"));
+    let program = std::env::current_exe().unwrap();
+    let program = program.ancestors().nth(2).unwrap().join("gearmesh");
+    assert!(
+        program.exists(),
+        "no {}: build the workspace first",
+        program.display()
+    );
+    let mut build = std::process::Command::new(program);
     build
         .args([
             "build",
@@ -443,9 +449,7 @@ fn random_calls_end_in_answers_or_refusals_and_the_same_ones_twice() {
             1..3,
         ),
     ];
-    #[cfg(feature = "preprocess")]
     let full = tempfile::tempdir().unwrap();
-    #[cfg(feature = "preprocess")]
     uris.push((units::resources(full.path(), &complete(full.path())), 1..5));
     for (number, (uri, levels)) in uris.iter().enumerate() {
         for kind in [fmi2Type_fmi2CoSimulation, fmi2Type_fmi2ModelExchange] {

@@ -3,12 +3,11 @@
 //!
 //! `GEARMESH_SWEEP=60 cargo test --release --test realistic_pairs` goes through so many gear bodies, each with
 //! five sets of modifications, loads and settings of the solver.
-#![cfg(feature = "preprocess")]
-
-use gearmesh::compliance::finite_element::{ModelCache, PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
+use gearmesh_preprocessor::finite_element::{ModelCache, PairCompliance, Settings};
+use gearmesh_preprocessor::pair;
 use serde_json::{Value, json};
 
 /// Bodies without `GEARMESH_SWEEP`.
@@ -77,7 +76,7 @@ fn variant(n: usize, v: usize) -> Result<(Pair, f64), String> {
         "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [-2.0, 2.0],
     });
     // The torque at which one contact line over the face has this Hertz pressure at the pitch point.
-    let pair = Pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
+    let pair = pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
     let g = &pair.geometry;
     let pressure = between(k, 12, 0.3e9, 2.5e9);
     let curvature: f64 = (0..2)
@@ -95,7 +94,7 @@ fn variant(n: usize, v: usize) -> Result<(Pair, f64), String> {
     file["operating"]["nominal_torque_nm"] = torque.into();
     file["operating"]["maximum_torque_nm"] = torque.into();
     file["tip_corner_contact"] = (k % 3 != 1).into();
-    let pair = Pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
+    let pair = pair::from_json(&file.to_string()).map_err(|error| error.to_string())?;
     Ok((pair, between(k, 13, -2e-3, 2e-3)))
 }
 
@@ -173,7 +172,7 @@ fn the_smallest_pair_bears_its_largest_load_at_the_ends_of_what_its_fields_allow
         let mut file = smallest_pair();
         file["compliance"] = json!({ "refinement": "coarse" });
         change(&mut file);
-        let pair = Pair::from_json(&file.to_string()).unwrap();
+        let pair = pair::from_json(&file.to_string()).unwrap();
         let settings = Settings::for_pair(&pair);
         let models = PairCompliance::new(&pair.geometry, &settings, None, &|_, _, _| true);
         let [first, second] = models.unwrap().gears;

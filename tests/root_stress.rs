@@ -1,15 +1,15 @@
 //! Stress in the tooth root against independent finite elements and beside ISO 6336-3.
 //!
 //! `tests/data/root_stress.json` comes from `scripts/root_stress_reference.py`, which says how.
-#![cfg(feature = "preprocess")]
 
 #[path = "common/gears.rs"]
 mod gears;
 
 use gearmesh::compliance::Strip;
-use gearmesh::compliance::finite_element::{RootStress, Settings};
-use gearmesh::gear::{Gear, GearKind, NominalRootStress, PairGeometry};
+use gearmesh::gear::{Gear, GearKind, PairGeometry};
 use gearmesh::pair::Refinement;
+use gearmesh_preprocessor::NominalRootStress;
+use gearmesh_preprocessor::finite_element::{RootStress, Settings};
 use serde_json::Value;
 
 const DATA: &str = include_str!("data/root_stress.json");

@@ -1,14 +1,12 @@
 //! The tables that are shipped: whole, monotone, as accurate as they say, and of the pairs beside them.
-#![cfg(feature = "preprocess")]
-
 use gearmesh::compliance::ToothCompliance;
-use gearmesh::compliance::finite_element::{PairCompliance, Settings};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
-use gearmesh::table::plan::{Coverage, measure};
-use gearmesh::table::sweep::Watch;
 use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
+use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
+use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::table::plan::{Coverage, measure};
+use gearmesh_preprocessor::table::sweep::Watch;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -27,7 +25,7 @@ fn each_has_its_pairs_geometry_and_range_and_the_error_that_was_asked_for() {
     for name in PAIRS {
         // Reading verifies the checksum.
         let file = TableFile::read(resource("tables", name)).unwrap();
-        let pair = Pair::read(resource("pairs", name)).unwrap();
+        let pair = pair::read(resource("pairs", name)).unwrap();
         assert_eq!(file.name, pair.name);
         assert_eq!(
             file.geometry.pair_geometry().unwrap(),
@@ -109,7 +107,7 @@ fn force_never_falls_over_the_displacement() {
 #[test]
 fn each_agrees_with_fresh_solutions_within_its_stated_error() {
     for name in PAIRS {
-        let pair = Pair::read(resource("pairs", name)).unwrap();
+        let pair = pair::read(resource("pairs", name)).unwrap();
         let file = TableFile::read(resource("tables", name)).unwrap();
         let settings = Settings::for_pair(&pair);
         let compliance =

@@ -1,18 +1,21 @@
 //! Claims about tooth pairs one by one (`stiffnessModel = teeth`), on a real pair with coarse finite elements.
 
-use gearmesh::compliance::finite_element::{PairCompliance, Settings};
 use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver, Warm};
 use gearmesh::gear::tolerance::random_index_errors;
 use gearmesh::gear::{Flank, OwnFlank, PairTeeth, Runout, ToothErrors, WeakTooth};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
 use gearmesh::table::CouplingRecord::{self, Apart, Each, Same};
-use gearmesh::table::plan::{Coverage, displacement_nodes, measure, mesh_positions};
-use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{
     Axes, COORDINATES, Effects, FlankTable, Interpolation, Load, Potential, Query, TableFile,
-    TeethFlank, TeethRecord, TeethSweep, default_teeth_axes,
+    TeethFlank, TeethRecord,
 };
+use gearmesh_preprocessor::contact::contact_file;
+use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
+use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::table::plan::{Coverage, displacement_nodes, measure, mesh_positions};
+use gearmesh_preprocessor::table::sweep::{Watch, sweep};
+use gearmesh_preprocessor::table::{TeethSweep, default_teeth_axes};
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 
@@ -37,7 +40,7 @@ struct Ready {
 
 static READY: LazyLock<Ready> = LazyLock::new(|| {
     let text = include_str!("../resources/pairs/palermo2013.json");
-    let mut pair = Pair::from_json(text).unwrap();
+    let mut pair = pair::from_json(text).unwrap();
     pair.teeth = teeth(&pair);
     let settings = ContactSettings {
         stations: 12,
@@ -54,7 +57,7 @@ static READY: LazyLock<Ready> = LazyLock::new(|| {
         nominal_torque: pair.operating.nominal_torque,
         maximum_torque: pair.operating.maximum_torque,
     };
-    let contact = ContactFile::new(&pair, &solver).unwrap();
+    let contact = contact_file(&pair, &solver).unwrap();
     let record = TeethSweep {
         solver: &solver,
         contact: &contact,
@@ -236,7 +239,7 @@ fn under_small_loads_the_transmission_error_is_that_of_contact_at_run_time() {
 
 /// The record of a pair file and its error of the force, on coarse finite elements with few nodes.
 fn stated_error(text: &str) -> (TeethRecord, f64) {
-    let mut pair = Pair::from_json(text).unwrap();
+    let mut pair = pair::from_json(text).unwrap();
     pair.refinement = Refinement::Coarse;
     let elements = Settings::for_pair(&pair);
     let models = PairCompliance::new(&pair.geometry, &elements, None, &|_, _, _| true);
@@ -258,7 +261,7 @@ fn stated_error(text: &str) -> (TeethRecord, f64) {
     };
     let record = TeethSweep {
         solver: &solver,
-        contact: &ContactFile::new(&pair, &solver).unwrap(),
+        contact: &contact_file(&pair, &solver).unwrap(),
         coverage: &coverage,
         coast_mirrors_drive: true,
     }

@@ -3,10 +3,10 @@
 use gearmesh::element::{
     Element, Formulation, Inputs, InputsChange, Jacobian, LoadedFlank, Parameters, StiffnessModel,
 };
-use gearmesh::pair::Pair;
 use gearmesh::random::Random;
 use gearmesh::table::samples::Spring;
 use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
+use gearmesh_preprocessor::pair;
 use nalgebra::{Rotation3, Vector3};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -137,7 +137,7 @@ impl std::fmt::Display for Ask {
 }
 
 fn element(parameters: &Parameters, ask: Ask) -> Run {
-    let pair = Pair::from_json(include_str!("../../resources/pairs/palermo2013.json"))
+    let pair = pair::from_json(include_str!("../../resources/pairs/palermo2013.json"))
         .expect("a shipped pair");
     let grid = Spring::grid([10, 9, 9, 32]);
     let file = TableFile::new(

@@ -3,16 +3,18 @@
 //! An input is the head of a file. Influence matrices of a file that is accepted, as many as the head asks for, stand behind
 //! it, and its checksum is put right.
 
+use gearmesh_preprocessor::contact::contact_file;
+use gearmesh_preprocessor::pair;
 use std::sync::{Arc, LazyLock};
 
-use gearmesh::compliance::finite_element::{PairCompliance, Settings};
 use gearmesh::contact::{CondensedFlank, ContactFile, ContactSettings, ContactSolver, Warm};
 use gearmesh::fmi::resources::Resources;
 use gearmesh::gear::{
     EndRelief, Flank, Microgeometry, OwnFlank, ProfileSlope, ReliefShape, Runout, ToothErrors,
     Topography, WeakTooth,
 };
-use gearmesh::pair::{Pair, Refinement};
+use gearmesh::pair::Refinement;
+use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
 use serde::Deserialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -34,7 +36,7 @@ const BEFORE: [usize; 3] = [32, 64, 72];
 /// Those of the solver.
 static FILES: LazyLock<[ContactFile; 2]> = LazyLock::new(|| {
     let text = include_str!("../../resources/pairs/palermo2013.json");
-    let mut helical = Pair::from_json(text).expect("a shipped pair");
+    let mut helical = pair::from_json(text).expect("a shipped pair");
     let removal: Vec<Vec<f64>> = (0..4)
         .map(|i| (0..3).map(|j| 1e-6 * f64::from(i * j)).collect())
         .collect();
@@ -80,7 +82,7 @@ static FILES: LazyLock<[ContactFile; 2]> = LazyLock::new(|| {
         }],
     };
     let text = include_str!("../../resources/pairs/planet-ring-27-84.json");
-    let mut ring = Pair::from_json(text).expect("a shipped pair");
+    let mut ring = pair::from_json(text).expect("a shipped pair");
     ring.operating.center_distance_offset = [0.0; 2];
     [helical, ring].map(|mut pair| {
         pair.refinement = Refinement::Coarse;
@@ -92,7 +94,7 @@ static FILES: LazyLock<[ContactFile; 2]> = LazyLock::new(|| {
         let models = PairCompliance::new(&pair.geometry, &elements, None, &|_, _, _| true);
         let [first, second] = models.expect("elastic models").gears;
         let solver = ContactSolver::new(&pair, [first, second], settings);
-        ContactFile::new(&pair, &solver.expect("a solver")).expect("a contact")
+        contact_file(&pair, &solver.expect("a solver")).expect("a contact")
     })
 });
 

@@ -1,8 +1,9 @@
 //! Pair files: refused by field, or a pair that can be meshed.
 
 use gearmesh::gear::ToothProfile;
-use gearmesh::package::Starts;
 use gearmesh::pair::Pair;
+use gearmesh_preprocessor::package::Starts;
+use gearmesh_preprocessor::pair;
 
 use super::{Target, change};
 
@@ -27,7 +28,7 @@ pub fn check(data: &[u8]) -> bool {
     let Ok(text) = str::from_utf8(data) else {
         return false;
     };
-    match Pair::from_json(text) {
+    match pair::from_json(text) {
         Ok(pair) => {
             assert_sound(&pair);
             true

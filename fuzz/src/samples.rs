@@ -1,7 +1,7 @@
 //! Samples for `import`: refused by line, or tables that give numbers.
 
 use gearmesh::table::TableFile;
-use gearmesh::table::import::{COLUMNS, import_csv};
+use gearmesh_preprocessor::table::import::{COLUMNS, import_csv};
 
 use super::{Target, change, gears::spur_pair, tables};
 

@@ -1,5 +1,6 @@
 //! The file of a unit with its pair and start values: refused, or a unit that goes with numbers, or refuses to.
 
+use gearmesh_preprocessor::pair;
 use std::sync::Arc;
 
 use gearmesh::fmi::instance::Instance;
@@ -7,7 +8,6 @@ use gearmesh::fmi::lifecycle::{Function, Interface};
 use gearmesh::fmi::resources::{Resources, UNIT_VERSION, UnitFile, parse_unit};
 use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index};
 use gearmesh::gear::PairGeometry;
-use gearmesh::pair::Pair;
 
 use super::{Target, change};
 
@@ -19,7 +19,7 @@ pub const TARGET: Target = Target {
             include_str!("../../resources/pairs/helical-25-47.json"),
             include_str!("../../resources/pairs/planet-ring-27-84.json"),
         ];
-        let geometry = |text| Pair::from_json(text).expect("a shipped pair").geometry;
+        let geometry = |text| pair::from_json(text).expect("a shipped pair").geometry;
         let units = pairs.map(|text| unit("constant", geometry(text), &[]));
         units
             .map(|unit| serde_json::to_vec(&unit).expect("JSON"))

@@ -81,7 +81,7 @@ def manifest(version: str) -> None:
 def main() -> None:
     platforms.require()
     began = time.monotonic()
-    version = tomllib.loads((ROOT / "Cargo.toml").read_text())["package"]["version"]
+    version = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
     platforms.build_linux()
     platforms.build_windows()
     shutil.rmtree(DIST, ignore_errors=True)

@@ -16,8 +16,8 @@ from .tools import ROOT, output, run
 PROGRAM = "gearmesh"
 # Neither symbols nor line tables: nobody debugs what was downloaded, and they are most of the size.
 STRIPPED = ["--release", "--locked", "--config", 'profile.release.strip="symbols"']
-# The command first: cargo leaves a library with everything of the command in it beside, which the unit's own replaces.
-PARTS = (["--bin", PROGRAM], ["--lib", "--no-default-features"])
+# One by one: what the command asks of crates that both use is none of the library's.
+PARTS = (["--package", "gearmesh-command"], ["--package", "gearmesh"])
 
 
 @dataclass(frozen=True)

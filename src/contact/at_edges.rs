@@ -14,7 +14,6 @@ use super::complementarity::Solution;
 use super::local::LocalContact;
 use super::position::PositionProblem;
 use super::result::{EdgeLoad, larger};
-#[cfg(feature = "preprocess")]
 use super::{
     candidates::{Candidate, ContactLines},
     numbers::PairNumbers,
@@ -25,7 +24,6 @@ use super::{
 const PLACES: [f64; POINTS] = [-0.375, -0.125, 0.125, 0.375];
 
 /// Halvings in the search for the place at which the contact line comes to an edge: to a micrometre of face.
-#[cfg(feature = "preprocess")]
 const BISECTIONS: usize = 12;
 
 /// A place of a strip near a tip edge, part of its length from its middle, and the law there.
@@ -69,7 +67,6 @@ impl Sample<'_> {
 
 impl PositionProblem {
     /// Makes the laws of the places of strips near tip edges, which lie on `lines` at the mesh position `tau`.
-    #[cfg(feature = "preprocess")]
     pub(super) fn look_at_edges(
         &mut self,
         numbers: &PairNumbers,

@@ -4,7 +4,6 @@ use super::closest::{Flanks, LeastGap};
 use super::four::Four;
 use super::local::GapProfile;
 use super::transverse::{TransversePoint, TransverseSection};
-#[cfg(feature = "preprocess")]
 use crate::compliance::Strip;
 use crate::f64x4::F64x4;
 use crate::gear::teeth::{Counts, Passing};
@@ -131,7 +130,6 @@ pub(super) enum Middle {
     /// Nothing.
     Sought,
     /// That it may lie beyond the reach of contact, where it is taken as if it lay at its end.
-    #[cfg_attr(not(feature = "preprocess"), allow(dead_code))]
     Held,
 }
 
@@ -141,7 +139,6 @@ const SHORTEST: f64 = 1e-9;
 
 impl ContactLines<'_> {
     /// All candidates at the mesh position `tau`, tooth pair by tooth pair, ascending in z.
-    #[cfg(feature = "preprocess")]
     pub fn candidates(&self, tau: f64) -> Vec<Candidate> {
         self.pairs(tau, 0.0)
             .flat_map(|k| self.of_pair(tau, k))
@@ -149,13 +146,11 @@ impl ContactLines<'_> {
     }
 
     /// Those of tooth pair `k` alone.
-    #[cfg(feature = "preprocess")]
     pub fn of_pair(&self, tau: f64, k: i32) -> impl Iterator<Item = Candidate> {
         (0..self.stations).filter_map(move |station| self.strip(tau, (k, station)))
     }
 
     /// Mesh positions between which tooth pair 0 comes within the reach of contact.
-    #[cfg(feature = "preprocess")]
     pub fn passage(&self) -> [f64; 2] {
         let numbers = self.section.numbers();
         let tilt = 0.5 * numbers.face[1] * numbers.tan_beta_b;
@@ -249,7 +244,6 @@ impl ContactLines<'_> {
     }
 
     /// Whole strips, those up to `margin` (m, along the path) beyond the reach of contact, too, as if they lay at its end.
-    #[cfg(feature = "preprocess")]
     pub fn strips_beyond(&self, tau: f64, margin: f64) -> Vec<Candidate> {
         let [first, last] = self.section.reach();
         let mut all = vec![];
@@ -421,21 +415,18 @@ impl ContactLines<'_> {
 
     /// The strip of tooth pair `k` with the ends `z` at the mesh position `tau` in the canonical coordinates of gear 1 and
     /// gear 2; `held` as it was made.
-    #[cfg(feature = "preprocess")]
     pub fn seen_by_gears(&self, tau: f64, (k, z): (i32, [f64; 2]), held: bool) -> [Strip; 2] {
         let ends = z.map(|z| self.flanks(tau, k, z, held).closest_point());
         [0, 1].map(|i| self.canonical(i, k, z, [ends[0].roll[i], ends[1].roll[i]]))
     }
 
     /// See [`PairGeometry::is_mirrored`].
-    #[cfg(feature = "preprocess")]
     pub fn is_mirrored(&self, i: usize) -> bool {
         self.geometry.is_mirrored(self.flank, i)
     }
 
     /// The strip as gear `i` sees it once it is mirrored so. Tooth pair k lies k pitches ahead in the sense of
     /// rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k and -k.
-    #[cfg(feature = "preprocess")]
     fn canonical(&self, i: usize, k: i32, z: [f64; 2], roll: [f64; 2]) -> Strip {
         let gear = &self.geometry.gears[i];
         let tooth = if i == 0 { k } else { -k };
@@ -454,17 +445,5 @@ impl ContactLines<'_> {
                 roll,
             }
         }
-    }
-
-    /// z in gear 1's frame of the canonical coordinate `z` of gear `i`, m.
-    #[cfg(feature = "preprocess")]
-    pub fn z_in_frame(&self, i: usize, z: f64) -> f64 {
-        let gear = &self.geometry.gears[i];
-        let own = if self.is_mirrored(i) {
-            gear.face_width - z
-        } else {
-            z
-        };
-        gear.face_offset + own
     }
 }

@@ -124,7 +124,6 @@ impl Cholesky {
     ///
     /// # Errors
     /// The index of the first pivot that is not positive.
-    #[cfg(any(test, feature = "preprocess"))]
     pub fn factor(&mut self, n: usize, entry: impl Fn(usize, usize) -> f64) -> Result<(), usize> {
         self.factor_rows(n, |i, row| {
             (i..n).zip(row).for_each(|(j, place)| *place = entry(j, i));

@@ -341,7 +341,6 @@ impl<'a> Flanks<'a> {
     }
 
     /// Where both flanks come closest.
-    #[cfg(feature = "preprocess")]
     pub fn closest_point(&self) -> ClosestPoint {
         self.closest_point_at(&self.least_gap())
     }

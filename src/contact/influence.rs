@@ -1,17 +1,13 @@
 //! How strips give way to each other's forces, divided between bulk and local contact.
 
-#[cfg(feature = "preprocess")]
 use super::candidates::Candidate;
 
-#[cfg(feature = "preprocess")]
 use super::local::{
     Piece,
     constants::{SMOOTHING_OVER_LAYER, SMOOTHING_OVER_REFERENCE},
     divide,
 };
-#[cfg(feature = "preprocess")]
 use super::numbers::PairNumbers;
-#[cfg(feature = "preprocess")]
 use crate::compliance::{BeyondModel, Strip, ToothCompliance};
 
 /// Influence of strips on each other and what completes it.
@@ -23,7 +19,6 @@ pub struct Influence {
     pub lengths: [Vec<f64>; 2],
 }
 
-#[cfg(feature = "preprocess")]
 impl Influence {
     /// Of `candidates`, as the gears see them in `seen`, by the elastic models `compliance`; the local contact asks for the reference length
     /// `wanted`, m.

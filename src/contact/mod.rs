@@ -27,57 +27,39 @@ mod cholesky;
 mod closest;
 mod complementarity;
 mod condensed;
-#[cfg(feature = "preprocess")]
-mod cycle_data;
-#[cfg(feature = "preprocess")]
 mod deflection;
 mod error;
 mod file;
 mod four;
 mod influence;
-pub(crate) mod local;
-#[cfg(feature = "preprocess")]
-mod mesh_cycle;
+mod local;
 mod near;
 mod numbers;
 mod position;
 mod pressure;
-#[cfg(feature = "preprocess")]
 mod reach;
 mod result;
-#[cfg(feature = "preprocess")]
-mod root_stress;
 mod runtime;
 mod setup;
-#[cfg(feature = "preprocess")]
 mod sliding;
-#[cfg(feature = "preprocess")]
 mod solver;
-#[cfg(feature = "preprocess")]
 mod tooth_pairs;
 mod transverse;
 mod warm;
 
 pub use candidates::Candidate;
 pub use complementarity::MAXIMUM_ITERATIONS;
-pub use condensed::CondensedFlank;
-#[cfg(feature = "preprocess")]
-pub use cycle_data::{FaceLoad, HARMONICS, Harmonic, harmonics};
-#[cfg(feature = "preprocess")]
+pub use condensed::{CondensedFlank, CondensedNode};
 pub use deflection::Deflection;
 pub use error::{ContactError, OperatingPoint, Prescribed};
 pub use file::ContactFile;
-#[cfg(feature = "preprocess")]
-pub use mesh_cycle::{CycleInput, ENOUGH_SEGMENTS, LoadCase, MeshCycle};
+pub use local::widest_contact;
 pub use position::PositionProblem;
 pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
-#[cfg(feature = "preprocess")]
-pub use root_stress::{GearRoots, PositionRoots, ToothRoot};
 pub use runtime::{ContactPotential, RuntimeContact};
 pub use setup::{ContactSettings, ContactSetup};
-#[cfg(feature = "preprocess")]
 pub use solver::ContactSolver;
 pub use warm::Warm;
 
-#[cfg(all(test, feature = "preprocess"))]
+#[cfg(test)]
 mod tests;

@@ -200,8 +200,7 @@ impl PositionProblem {
     ///
     /// # Errors
     /// What the solve itself can refuse.
-    #[cfg(feature = "preprocess")]
-    pub(crate) fn solve_beyond(
+    pub fn solve_beyond(
         &self,
         prescribed: Prescribed,
         misalignment: f64,

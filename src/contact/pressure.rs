@@ -7,7 +7,6 @@ use super::candidates::POINTS;
 use super::local::{LocalContact, PointLoads};
 use super::position::PositionProblem;
 use super::result::EdgeLoad;
-#[cfg(feature = "preprocess")]
 use super::{
     candidates::{Candidate, ContactLines},
     numbers::PairNumbers,
@@ -22,7 +21,6 @@ pub(super) type Beside = Option<Box<[LocalContact; PLACES.len()]>>;
 
 impl PositionProblem {
     /// Makes the laws beside the middles of the strips, which lie on `lines` at the mesh position `tau`.
-    #[cfg(feature = "preprocess")]
     pub(super) fn look_beside(
         &mut self,
         numbers: &PairNumbers,

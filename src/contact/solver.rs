@@ -116,7 +116,7 @@ impl ContactSolver {
 
     /// The same pair with tip edges followed up to the approach `reach`, m.
     #[must_use]
-    pub(crate) fn followed_to(mut self, reach: f64) -> ContactSolver {
+    pub fn followed_to(mut self, reach: f64) -> ContactSolver {
         self.setup.reach = reach;
         self
     }
@@ -244,6 +244,24 @@ impl ContactSolver {
         problem.look_beside(&self.numbers, lines, tau);
         problem.look_at_edges(&self.numbers, lines, tau);
         Ok(problem)
+    }
+
+    /// Strips at the mesh position `tau` in [0, 1), each by its tooth pair and its ends (m in gear 1's frame), as gear 1 and gear 2 see them.
+    ///
+    /// # Errors
+    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
+    pub fn seen_by_gears(
+        &self,
+        flank: Flank,
+        tau: f64,
+        center_distance_offset: f64,
+        strips: impl Iterator<Item = (i32, [f64; 2])>,
+    ) -> Result<Vec<[Strip; 2]>, ContactError> {
+        let section = self.section(center_distance_offset)?;
+        let lines = self.setup.lines(flank, &section);
+        Ok(strips
+            .map(|strip| lines.seen_by_gears(tau, strip, false))
+            .collect())
     }
 
     /// What the contact knows without the elastic models.

@@ -11,7 +11,7 @@ impl ContactSolver {
     ///
     /// # Errors
     /// [`ContactError::OutOfMesh`] where teeth cannot meet.
-    pub(crate) fn passage(
+    pub fn passage(
         &self,
         flank: Flank,
         center_distance_offset: f64,
@@ -24,7 +24,7 @@ impl ContactSolver {
     ///
     /// # Errors
     /// As there; [`ContactError::OutOfMesh`] where it is not within reach.
-    pub(crate) fn tooth_pair(
+    pub fn tooth_pair(
         &self,
         flank: Flank,
         place: f64,
@@ -41,7 +41,7 @@ impl ContactSolver {
     ///
     /// # Errors
     /// As [`ContactSolver::passage`].
-    pub(crate) fn first_touch(
+    pub fn first_touch(
         &self,
         flank: Flank,
         place: f64,

@@ -326,34 +326,3 @@ fn contact_potential(
     }
     Ok(out)
 }
-
-#[cfg(all(test, feature = "preprocess"))]
-mod tests {
-    use super::*;
-    use crate::contact::ContactSettings;
-    use crate::element::Parameters;
-    use crate::pair::Pair;
-    use crate::testing::coarse_solver;
-
-    #[test]
-    fn a_pose_that_no_solve_finds_says_why() {
-        let text = include_str!("../../resources/pairs/palermo2013.json");
-        let pair = Pair::from_json(text).unwrap();
-        let settings = ContactSettings {
-            stations: 4,
-            ..ContactSettings::default()
-        };
-        let file = ContactFile::new(&pair, &coarse_solver(&pair, settings)).unwrap();
-        let parameters = Parameters::default();
-        let effects = parameters.table_effects(&pair.geometry);
-        let drive = Law::contact(&file, Flank::Drive, effects).unwrap();
-        let at = |offset| {
-            let at = [1e-5, offset, 0.0, 0.2];
-            drive.potential(at, [0; 2], true, &mut Warm::default())
-        };
-        assert!(at(0.0).unwrap().gradient[0] > 0.0);
-        // Nearer than the base circles allow.
-        let error = at(-0.02).unwrap_err().to_string();
-        assert!(error.contains("no path of contact"), "{error}");
-    }
-}

@@ -77,8 +77,6 @@ mod tests_limits;
 mod tests_poses;
 #[cfg(test)]
 mod tests_root_stress;
-#[cfg(all(test, feature = "preprocess"))]
-mod tests_tables;
 #[cfg(test)]
 mod tests_teeth;
 

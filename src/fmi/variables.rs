@@ -68,7 +68,7 @@ pub struct Variable {
     /// Description as in modelDescription.xml.
     pub description: &'static str,
     /// Bytes of the start value in the template, for packing.
-    pub(crate) start_range: Option<(usize, usize)>,
+    pub start_range: Option<(usize, usize)>,
 }
 
 include!(concat!(env!("OUT_DIR"), "/model_description.rs"));
@@ -243,7 +243,7 @@ pub fn model_description(header: &Header, starts: &[(usize, f64)]) -> String {
 }
 
 /// Text inside an XML attribute or element.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

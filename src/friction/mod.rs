@@ -14,4 +14,7 @@ pub use loss::{Loss, loss_factor_of, ohlendorf};
 pub use sliding::{Sliding, TRANSITION_OVER_PITCH};
 
 #[cfg(test)]
+use crate::gear::samples as gears;
+#[cfg(test)]
+#[path = "../../tests/common/fzg.rs"]
 pub(crate) mod testing;

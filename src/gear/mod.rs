@@ -5,8 +5,6 @@
 //! the flank that faces the +theta sense.
 
 mod body;
-#[cfg(feature = "preprocess")]
-mod iso_6336_3;
 mod macrogeometry;
 mod microgeometry;
 mod modification;
@@ -22,8 +20,6 @@ mod topography;
 mod trochoid;
 
 pub use body::{Annulus, Body};
-#[cfg(feature = "preprocess")]
-pub use iso_6336_3::NominalRootStress;
 pub use macrogeometry::{Gear, GearKind, LEAST_WALL};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};
 pub use modification::{

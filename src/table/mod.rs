@@ -9,29 +9,17 @@
 //! dW/dC and dW/dPMC close the energy balance.
 
 mod check;
-#[cfg(feature = "preprocess")]
-mod choices;
 mod error;
 mod file;
 mod file_geometry;
 mod grid;
-#[cfg(feature = "preprocess")]
-pub mod import;
 mod interpolation;
 mod load_spline;
-#[cfg(feature = "preprocess")]
-mod load_sweep;
-#[cfg(feature = "preprocess")]
-pub mod plan;
 mod root_stress;
 mod runtime;
 pub mod samples;
 mod sliding;
-#[cfg(feature = "preprocess")]
-pub mod source;
 mod summary;
-#[cfg(feature = "preprocess")]
-pub mod sweep;
 mod teeth;
 
 pub use error::TableError;
@@ -42,15 +30,9 @@ pub(crate) use interpolation::widest;
 pub use interpolation::{Checks, FlankTable, Interpolation};
 pub use load_spline::{LoadAxes, LoadJet, LoadSpline, PerLoad};
 pub use root_stress::{RootStressError, RootStressRecord, RootStressSamples, RootStressTable};
-#[cfg(feature = "preprocess")]
-pub use root_stress::{RootStressSweep, default_root_stress_axes};
 pub use runtime::{Effects, Load, Table};
 pub use sliding::{FrictionRecord, SlidingSamples, SlidingTable};
-#[cfg(feature = "preprocess")]
-pub use sliding::{default_sliding_axes, sweep_sliding};
 pub use teeth::{Closing, CouplingRecord, GearTeethRecord, TeethFlank, TeethRecord, TeethTable};
-#[cfg(feature = "preprocess")]
-pub use teeth::{TeethSweep, default_teeth_axes};
 
 /// Where the table is asked, for one flank (coast flank: after mapping to its own table).
 #[derive(Debug, Clone, Copy, PartialEq)]

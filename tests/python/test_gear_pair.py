@@ -150,7 +150,7 @@ def test_an_interface_that_does_not_exist_is_refused_with_those_that_do(fmu):
 
 
 def test_the_version_is_that_of_the_project():
-    assert __version__ == tomllib.loads((ROOT / "Cargo.toml").read_text())["package"]["version"]
+    assert __version__ == tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
 
 
 def test_what_the_unit_logs_is_in_the_exception(fmu):

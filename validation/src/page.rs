@@ -2,7 +2,7 @@
 
 use crate::plot::Plot;
 use crate::{Result, in_repository};
-use gearmesh::storage::write_whole;
+use gearmesh_preprocessor::storage::write_whole;
 use std::path::{Path, PathBuf};
 
 /// Rows of a table beyond which it goes to a CSV file beside the page.

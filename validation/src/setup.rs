@@ -7,14 +7,17 @@ mod gears;
 use crate::page::even;
 use crate::{Result, in_repository};
 use gearmesh::compliance::ToothCompliance;
-use gearmesh::compliance::finite_element::{ModelCache, PairCompliance, Settings};
-use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver, CycleInput, MeshCycle};
+use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
 use gearmesh::gear::{Flank, GearKind, PairGeometry};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
-use gearmesh::table::plan::{Coverage, default_axes, displacement_nodes, mesh_positions};
-use gearmesh::table::sweep::{Watch, sweep};
 use gearmesh::table::{Axes, FlankGrid, Query, Table, TableFile};
+use gearmesh_preprocessor::contact::contact_file;
+use gearmesh_preprocessor::contact::{CycleInput, MeshCycle};
+use gearmesh_preprocessor::finite_element::{ModelCache, PairCompliance, Settings};
+use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::table::plan::{Coverage, default_axes, displacement_nodes, mesh_positions};
+use gearmesh_preprocessor::table::sweep::{Watch, sweep};
 use gears::{gear, paper_pair, thinned};
 use rayon::prelude::*;
 use std::cell::RefCell;
@@ -26,7 +29,7 @@ pub const SHIPPED: [&str; 5] = ["palermo2013", "palermo2013-unmodified", "fzg-c"
 
 /// The pair file resources/pairs/`name`.json.
 pub fn shipped(name: &str) -> Result<Pair> {
-    Ok(Pair::read(in_repository(&format!("resources/pairs/{name}.json")))?)
+    Ok(pair::read(in_repository(&format!("resources/pairs/{name}.json")))?)
 }
 
 /// The same at another level of refinement.
@@ -123,7 +126,7 @@ impl Setup {
     pub fn packed(name: &str) -> Result<(Self, ContactFile)> {
         let pair = shipped(name)?;
         let setup = Self::kept(pair)?;
-        let file = ContactFile::new(&setup.pair, &setup.solver.clone().at_run_time())?;
+        let file = contact_file(&setup.pair, &setup.solver.clone().at_run_time())?;
         Ok((setup, file))
     }
 

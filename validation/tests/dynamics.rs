@@ -7,7 +7,8 @@ mod gears;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use gearmesh::element::{Element, FlankLaws, Formulation, LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::gear::PairGeometry;
-use gearmesh::table::{FlankTable, Interpolation, samples::Spring};
+use gearmesh::table::samples::Spring;
+use gearmesh::table::{FlankTable, Interpolation};
 use gearmesh_validation::driver::{
     Bearing, Gear, INERTIA, Method, Scene, Spin, State, gear_state, set_gear_state, twist,
 };

@@ -17,9 +17,7 @@ mod rows;
 
 use serde::{Deserialize, Serialize};
 
-#[cfg(feature = "preprocess")]
-use super::{error::ContactError, solver::ContactSolver};
-#[cfg(feature = "preprocess")]
+use super::{error::ContactError, influence::Influence, solver::ContactSolver};
 use crate::gear::Flank;
 
 /// Influence of the strips of one flank at nodes.
@@ -47,34 +45,52 @@ pub struct CondensedFlank {
 pub type StripName = (i32, usize);
 
 /// Mesh positions of the nodes over a cycle.
-#[cfg(feature = "preprocess")]
 const POSITIONS: usize = 48;
 
-#[cfg(feature = "preprocess")]
+/// Strips of one node and their influence.
+pub struct CondensedNode {
+    strips: Vec<StripName>,
+    influence: Influence,
+}
+
 impl CondensedFlank {
-    /// Of `flank` with the elastic models of `solver`, at the centre distance offsets `offsets` (m).
+    /// Number of nodes at the centre distance offsets `offsets`.
+    pub fn node_count(offsets: &[f64]) -> usize {
+        offsets.len() * POSITIONS
+    }
+
+    /// Node `i` of `flank` with the elastic models of `solver`, at the centre distance offsets `offsets` (m). Nodes do not depend on
+    /// each other.
     ///
     /// # Errors
     /// As [`ContactSolver::position`].
-    pub fn new(
+    pub fn node(
         solver: &ContactSolver,
         flank: Flank,
         offsets: &[f64],
+        i: usize,
+    ) -> Result<CondensedNode, ContactError> {
+        let tau = (i % POSITIONS) as f64 / POSITIONS as f64;
+        // Two steps on either side of a position, and a little for rounding.
+        let margin = 2.1 / POSITIONS as f64;
+        let (strips, influence) = solver.influence(flank, tau, offsets[i / POSITIONS], margin)?;
+        Ok(CondensedNode { strips, influence })
+    }
+
+    /// Of all `nodes` in order, as [`CondensedFlank::node`] gives them for the same solver, flank and offsets.
+    ///
+    /// # Errors
+    /// As [`ContactSolver::position`].
+    pub fn from_nodes(
+        solver: &ContactSolver,
+        flank: Flank,
+        offsets: &[f64],
+        nodes: &[CondensedNode],
     ) -> Result<CondensedFlank, ContactError> {
-        use rayon::prelude::*;
-        let nodes = (0..offsets.len() * POSITIONS)
-            .into_par_iter()
-            .map(|i| {
-                let tau = (i % POSITIONS) as f64 / POSITIONS as f64;
-                // Two steps on either side of a position, and a little for rounding.
-                let margin = 2.1 / POSITIONS as f64;
-                solver.influence(flank, tau, offsets[i / POSITIONS], margin)
-            })
-            .collect::<Result<Vec<_>, _>>()?;
         let pairs = || {
             nodes
                 .iter()
-                .flat_map(|(strips, _)| strips.iter().map(|s| s.0))
+                .flat_map(|node| node.strips.iter().map(|s| s.0))
         };
         let first_pair = pairs().min().unwrap_or(0);
         let mut condensed = CondensedFlank {
@@ -90,7 +106,7 @@ impl CondensedFlank {
         };
         let size = condensed.node_size();
         condensed.values = vec![0.0; nodes.len() * size];
-        for (node, (strips, influence)) in nodes.iter().enumerate() {
+        for (node, CondensedNode { strips, influence }) in nodes.iter().enumerate() {
             let places: Vec<usize> = (strips.iter())
                 .filter_map(|&name| condensed.place(name, 0))
                 .collect();

@@ -7,10 +7,6 @@
 //! | [`KNEE_NODES`] | 10 | measured: line loads within 1e-3, at the knee of a relief within 5e-3 |
 //! | [`TOPOGRAPHY_OVER_RADIUS`] | 0.02 | Hertz: 1.1 GPa between steel flanks |
 //! | [`LEAST_CURVATURE`] | 0.1 | a topography that fits closer is no line contact |
-//! | [`KERNEL_OVER_HERTZ`] | 4 | derived from the kernel's reference length, 0.29 of its half-width |
-//! | [`WIDEST_KERNEL`] | 0.35 m_n | measured: docs/finite-elements.md |
-//! | [`EDGE_KERNEL_OVER_ELEMENT`] | 1.5 | measured: five Gauss points on half a kernel |
-//! | [`HALF_KERNEL_FROM_EDGE`] | 0.269 | derived: the kernel's mean logarithm |
 //! | [`REFERENCE_OVER_HERTZ`] | 1 | line loads to 2.25 times the estimate stay within the law |
 //! | [`SMOOTHING_OVER_LAYER`] | 1.5 | measured: least at which the bulk stays positive definite at all levels |
 //! | [`SMOOTHING_OVER_REFERENCE`] | 3 | derived: half-space under a load that alternates along the line |
@@ -21,9 +17,6 @@
 //! | [`MOST_STATIONS`], [`FEWEST_STATIONS`] | 40, 10 | measured: docs/finite-elements.md |
 //! | [`RUN_TIME_STATIONS`] | 22 | measured: docs/contact-at-run-time.md |
 //! | [`STRIP_OVER_WIDTH`] | 1 | a shorter strip is no line contact of its own |
-
-// One table for all of them; a library without the preprocessing needs a few.
-#![cfg_attr(not(feature = "preprocess"), allow(dead_code))]
 
 /// Half-width of contact over the reference length from which the law goes on along its tangent.
 ///
@@ -48,21 +41,6 @@ pub const TOPOGRAPHY_OVER_RADIUS: f64 = 0.02;
 /// Least curvature of a gap with a topography over that of the involutes. About the closest point of the flank no
 /// second difference of the gap is negative, but a hollow may fit the mate all over.
 pub const LEAST_CURVATURE: f64 = 0.1;
-
-/// Half-width of the kernel over that of the widest contact: the kernel's reference length, 0.29 of its
-/// half-width, then exceeds that of the contact, and the local contact adds to the bulk.
-pub const KERNEL_OVER_HERTZ: f64 = 4.0;
-
-/// Widest kernel in normal modules: up to it the sum of bulk and local contact does not depend on the width
-/// by more than 0.2 %.
-pub const WIDEST_KERNEL: f64 = 0.35;
-
-/// Half-width of the kernel at the tip edge over the element there: what the elements resolve.
-pub const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
-
-/// Distance from the edge at which a load gives way at a tip corner as one that half a kernel spreads from the edge on, over
-/// the half-width: half of exp of the mean of ln(x + y) over both.
-pub const HALF_KERNEL_FROM_EDGE: f64 = 0.269;
 
 /// Reference length aimed at over the half-width of the widest contact: with [`WIDTH_OVER_REFERENCE`] the law
 /// holds up to 2.25 times the line load that was estimated.

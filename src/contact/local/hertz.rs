@@ -405,13 +405,11 @@ impl LocalContact {
     }
 
     /// Whether contact may reach the start of a relief.
-    #[cfg(feature = "preprocess")]
     pub fn has_relief(&self) -> bool {
         self.relief.is_some()
     }
 
     /// Whether contact may reach a tip edge.
-    #[cfg(feature = "preprocess")]
     pub fn has_edge(&self) -> bool {
         self.edge.is_some()
     }

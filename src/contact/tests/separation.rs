@@ -1,9 +1,9 @@
 //! The closed form of the separation against flanks set up from formulation.md's signed distance.
 
+use super::plain_pair;
 use crate::contact::numbers::PairNumbers;
 use crate::contact::transverse::TransverseSection;
 use crate::gear::{Gear, PairGeometry, ToothProfile};
-use crate::pair::Pair;
 
 /// Signed distance G / cos beta_b of formulation.md from the involute of `gear` on the flank `sigma` in the
 /// plane zeta = 0, body coordinates.
@@ -64,15 +64,8 @@ fn closest(p: &PairGeometry, i: usize, xi: f64, ahead: f64) -> (f64, f64) {
 
 /// Pairs of every kind, the ring as gear 1 included.
 fn pairs() -> Vec<PairGeometry> {
-    let texts = [
-        include_str!("../../../resources/pairs/palermo2013.json"),
-        include_str!("../../../resources/pairs/helical-25-47.json"),
-        include_str!("../../../resources/pairs/planet-ring-27-84.json"),
-    ];
-    let mut pairs: Vec<PairGeometry> = texts
-        .iter()
-        .map(|text| Pair::from_json(text).unwrap().geometry)
-        .collect();
+    let names = ["palermo2013", "helical-25-47", "planet-ring-27-84"];
+    let mut pairs: Vec<PairGeometry> = names.iter().map(|name| plain_pair(name).geometry).collect();
     let mut swapped = pairs[2].clone();
     swapped.gears.swap(0, 1);
     pairs.push(swapped);
@@ -121,9 +114,7 @@ fn separation_is_the_signed_distance_of_the_tip_edge_from_the_mate() {
 
 #[test]
 fn separation_starts_quadratically_at_the_ends_of_the_path() {
-    let p = Pair::from_json(include_str!("../../../resources/pairs/palermo2013.json"))
-        .unwrap()
-        .geometry;
+    let p = plain_pair("palermo2013").geometry;
     let section = TransverseSection::new(
         &PairNumbers::new(&p),
         p.center_distance,

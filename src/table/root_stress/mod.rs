@@ -4,12 +4,6 @@
 //! where another tooth or end of the face takes the lead it has a kink, which the spline rounds off. It is the stress that
 //! is smooth over the load, not its ratio to it: edges and misalignment gather small loads.
 
-#[cfg(feature = "preprocess")]
-mod sweep;
-
-#[cfg(feature = "preprocess")]
-pub use sweep::{RootStressSweep, default_root_stress_axes};
-
 use super::load_spline::Columns;
 use super::{LoadAxes, LoadJet, LoadSpline, PerLoad, TableError};
 use serde::{Deserialize, Serialize};

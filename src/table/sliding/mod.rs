@@ -2,12 +2,6 @@
 //!
 //! The quantities of [`Sliding`] are ratios to the load, so that they have nodes of their own ([`LoadAxes`]).
 
-#[cfg(feature = "preprocess")]
-mod sweep;
-
-#[cfg(feature = "preprocess")]
-pub use sweep::{default_sliding_axes, sweep_sliding};
-
 use super::load_spline::Columns;
 use super::{LoadAxes, LoadJet, LoadSpline, PerLoad, TableError};
 use crate::friction::{FrictionLaw, Sliding};

@@ -8,21 +8,13 @@
 // Loops over a few tooth pairs and coordinates read best by index, in step through several arrays.
 #![allow(clippy::needless_range_loop)]
 
-#[cfg(feature = "preprocess")]
-mod alone;
 mod compliance;
 mod coupled;
-#[cfg(feature = "preprocess")]
-mod coupling;
 mod linear;
 mod pairs;
 mod record;
 mod runtime;
-#[cfg(feature = "preprocess")]
-mod sweep;
 
 pub use coupled::{Closing, TeethTable};
 pub use record::{CouplingRecord, GearTeethRecord, TeethRecord};
 pub use runtime::TeethFlank;
-#[cfg(feature = "preprocess")]
-pub use sweep::{TeethSweep, default_teeth_axes};

@@ -10,7 +10,8 @@ use crate::{Chapter, Result};
 use gearmesh::contact::{ContactFile, ContactSetup};
 use gearmesh::gear::{Flank, PairTeeth, ToothErrors};
 use gearmesh::pair::Pair;
-use gearmesh::table::{Effects, Interpolation, Load, TeethFlank, TeethRecord, TeethSweep, default_teeth_axes};
+use gearmesh::table::{Effects, Interpolation, Load, TeethFlank, TeethRecord};
+use gearmesh_preprocessor::table::{TeethSweep, default_teeth_axes};
 use std::sync::Arc;
 
 /// In the order of the page.

@@ -4,11 +4,11 @@
 use crate::page::{Page, fixed, largest, rms};
 use crate::setup::{Models, shipped_at, solver};
 use crate::{Context, Result, row};
-use gearmesh::compliance::finite_element::Settings;
 use gearmesh::contact::{ContactResult, ContactSettings};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Refinement;
 use gearmesh::random::Random;
+use gearmesh_preprocessor::finite_element::Settings;
 
 /// Stations, and the share of a strip's own contact in what changes along it; the first is what the others are held against.
 const CASES: [(usize, f64); 5] = [(160, 0.45), (40, 1.0), (20, 0.45), (22, 0.45), (40, 0.45)];

@@ -9,9 +9,9 @@ use gearmesh::contact::Warm;
 use gearmesh::gear::Flank;
 use gearmesh::gear::tolerance::random_index_errors;
 use gearmesh::random::Random;
-use gearmesh::table::plan::default_axes;
-use gearmesh::table::sweep::sweep;
 use gearmesh::table::{CouplingRecord, FlankTable, Interpolation, Query, TeethFlank, TeethRecord};
+use gearmesh_preprocessor::table::plan::default_axes;
+use gearmesh_preprocessor::table::sweep::sweep;
 use std::sync::Arc;
 
 pub fn report(context: &Context, page: &mut Page) -> Result<()> {

@@ -5,10 +5,10 @@ use crate::page::{Page, fixed, percent, verdict};
 use crate::setup::{solver, ste};
 use crate::timing::timed;
 use crate::{Context, Result, row};
-use gearmesh::compliance::finite_element::{Discretization, FiniteElementCompliance, Settings};
 use gearmesh::compliance::{BeyondModel, Strip, ToothCompliance};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::pair::{Pair, Refinement};
+use gearmesh_preprocessor::finite_element::{Discretization, FiniteElementCompliance, Settings};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 

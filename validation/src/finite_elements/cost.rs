@@ -4,14 +4,15 @@ use crate::page::{Page, fixed, verdict};
 use crate::setup::{Setup, compute, quiet, shipped};
 use crate::timing::{median, timed};
 use crate::{Context, Result, in_repository, row};
-use gearmesh::compliance::finite_element::Settings;
 use gearmesh::contact::ContactResult;
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::table::Axes;
-use gearmesh::table::plan::{displacement_nodes, mesh_positions};
-use gearmesh::table::source::WatchedSolver;
-use gearmesh::table::sweep::sweep;
+use gearmesh_preprocessor::finite_element::Settings;
+use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::table::plan::{displacement_nodes, mesh_positions};
+use gearmesh_preprocessor::table::source::WatchedSolver;
+use gearmesh_preprocessor::table::sweep::sweep;
 use std::path::Path;
 use std::process::Command;
 
@@ -24,7 +25,7 @@ const LEVELS: [(&str, Refinement); 3] =
 /// Prints seconds, processor seconds, the largest memory (MB) and unknowns of the elastic models of the pair file `path`.
 pub fn measure(path: &str, level: &str) -> Result<()> {
     let (_, refinement) = *LEVELS.iter().find(|l| l.0 == level).ok_or("coarse, normal or fine")?;
-    let pair = Pair { refinement, ..Pair::read(path)? };
+    let pair = Pair { refinement, ..pair::read(path)? };
     let (models, seconds) = timed(|| compute(&pair, &Settings::for_pair(&pair)));
     let unknowns = models?.gears.iter().map(|g| g.cost().unknowns).max().unwrap_or(0);
     let status = std::fs::read_to_string("/proc/self/status")?;
@@ -139,7 +140,7 @@ fn changed_relief() -> Result<Vec<Vec<String>>> {
     let build = |pair: &serde_json::Value| -> Result<(String, f64)> {
         std::fs::write(&file, pair.to_string())?;
         // Read as the command reads it, so that a wrong change is not timed.
-        Pair::read(&file)?;
+        pair::read(&file)?;
         let mut command = Command::new(&program);
         command
             .arg("build")

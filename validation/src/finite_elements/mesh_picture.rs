@@ -1,8 +1,8 @@
 //! The mesh of one sector: its section, its tip edge enlarged, and the flank unrolled.
 
 use crate::Result;
-use gearmesh::compliance::finite_element::SectorMesh;
 use gearmesh::gear::Gear;
+use gearmesh_preprocessor::finite_element::SectorMesh;
 use plotters::prelude::*;
 
 const PANEL: u32 = 380;

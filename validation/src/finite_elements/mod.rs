@@ -12,9 +12,10 @@ use crate::page::{Page, fixed, percent};
 use crate::plot::{Plot, Series};
 use crate::setup::{SHIPPED, shipped, ste};
 use crate::{Chapter, Context, Result, row, timing};
-use gearmesh::compliance::finite_element::{SectorMesh, Settings};
 use gearmesh::contact::ContactSolver;
 use gearmesh::pair::{Pair, Refinement};
+use gearmesh_preprocessor::finite_element::{SectorMesh, Settings};
+use gearmesh_preprocessor::pair;
 
 /// In the order of the page.
 pub const CHAPTERS: [(&str, Chapter); 9] = [
@@ -61,7 +62,7 @@ impl Spur {
                      "tool_tip_radius_coefficient": {tool}, "bore_diameter_mm": {bore}}}"#
             )
         };
-        Ok(Pair::from_json(&format!(
+        Ok(pair::from_json(&format!(
             r#"{{"name": "spur", "meshing": "external", "normal_module_mm": {module_mm},
                  "normal_pressure_angle_deg": {pressure_angle_deg}, "helix_angle_deg": 0.0, "gear1": {}, "gear2": {},
                  "operating": {{"nominal_torque_nm": {}, "maximum_torque_nm": {},

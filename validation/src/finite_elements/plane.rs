@@ -4,10 +4,10 @@ use super::{Spur, thick_spur};
 use crate::page::{Page, fixed, largest, percent, verdict};
 use crate::setup::{solver, ste};
 use crate::{Context, Result, row};
-use gearmesh::compliance::finite_element::{Settings, centre_line_compliance};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
+use gearmesh_preprocessor::finite_element::{Settings, centre_line_compliance};
 
 /// Face of the pairs, mm; in plane strain any.
 const FACE: f64 = 10.0;

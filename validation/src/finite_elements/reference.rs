@@ -3,10 +3,10 @@
 use crate::page::{Page, largest, mean, range, verdict};
 use crate::setup::solver;
 use crate::{Context, Result, in_repository, row};
-use gearmesh::compliance::finite_element::Settings;
 use gearmesh::contact::ContactSettings;
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
+use gearmesh_preprocessor::finite_element::Settings;
+use gearmesh_preprocessor::pair;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -103,7 +103,7 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
 
 /// Every load of a case.
 fn compare(context: &Context, case: &Case) -> Result<Vec<Compared>> {
-    let pair = Pair::from_json(&case.pair.to_string())?;
+    let pair = pair::from_json(&case.pair.to_string())?;
     let settings = Settings { plane_strain: case.plane_strain, ..Settings::for_pair(&pair) };
     let mut contact = ContactSettings::for_pair(&pair);
     if case.plane_strain {

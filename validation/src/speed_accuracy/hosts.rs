@@ -3,7 +3,7 @@
 use super::Sampled;
 use crate::page::{Page, fixed};
 use crate::{Context, Result, in_repository, row};
-use gearmesh::package::{self, Contents, Library, Starts};
+use gearmesh_preprocessor::package::{self, Contents, Library, Starts};
 
 /// What benches/fmu_step.py prints; `empty` is of the unit that computes nothing.
 #[derive(serde::Deserialize)]

@@ -10,7 +10,9 @@ use crate::{Context, Result, row};
 use gearmesh::contact::{ContactFile, ContactSettings};
 use gearmesh::element::{Element, LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::pair::Refinement;
-use gearmesh::table::{Table, TeethSweep, default_teeth_axes};
+use gearmesh::table::Table;
+use gearmesh_preprocessor::contact::contact_file;
+use gearmesh_preprocessor::table::{TeethSweep, default_teeth_axes};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -112,7 +114,7 @@ fn contact(refinement: Refinement) -> Result<(Setup, ContactFile)> {
     let pair = shipped_at(PAIR, refinement)?;
     let settings = ContactSettings::for_pair(&pair);
     let setup = Setup::new(pair, settings)?;
-    let file = ContactFile::new(&setup.pair, &setup.solver.clone().at_run_time())?;
+    let file = contact_file(&setup.pair, &setup.solver.clone().at_run_time())?;
     Ok((setup, file))
 }
 

@@ -12,7 +12,8 @@ use gearmesh::element::{
     Element, FlankLaws, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel,
 };
 use gearmesh::gear::PairGeometry;
-use gearmesh::table::{FlankTable, samples::Spring};
+use gearmesh::table::FlankTable;
+use gearmesh::table::samples::Spring;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
 use std::sync::Arc;

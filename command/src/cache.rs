@@ -1,0 +1,120 @@
+//! `gearmesh cache`: the elastic models that are kept, and the options that say where.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use gearmesh::words::count;
+use gearmesh_preprocessor::finite_element::ModelCache;
+
+use crate::Error;
+use crate::output::{self, Listing};
+
+/// Where elastic models are kept.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Cache of elastic models")]
+pub struct CacheArgs {
+    /// Folder that keeps elastic models; a change of microgeometry, loads or misalignments alone finds its model
+    /// there [default: gearmesh in the user's cache folder]
+    #[arg(long, env = "GEARMESH_CACHE_DIR", hide_env_values = true)]
+    cache_dir: Option<PathBuf>,
+
+    /// Largest size of that folder in megabytes; the least recently used models make room for new ones
+    #[arg(
+        long,
+        env = "GEARMESH_CACHE_LIMIT_MB",
+        hide_env_values = true,
+        value_name = "MB",
+        default_value_t = ModelCache::DEFAULT_LIMIT / 1_000_000
+    )]
+    cache_limit_mb: u64,
+}
+
+impl CacheArgs {
+    /// The cache; None where the system names no folder for it.
+    pub fn cache(&self) -> Option<ModelCache> {
+        let variable = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+        let directory = (self.cache_dir.clone())
+            .or_else(|| variable("XDG_CACHE_HOME").map(|base| Path::new(&base).join("gearmesh")))
+            .or_else(|| variable("HOME").map(|home| Path::new(&home).join(".cache/gearmesh")))
+            .or_else(|| variable("LOCALAPPDATA").map(|base| Path::new(&base).join("gearmesh")))?;
+        let limit = self.cache_limit_mb.saturating_mul(1_000_000);
+        Some(ModelCache::new(directory, limit))
+    }
+}
+
+/// Show or empty the folder that keeps elastic models of teeth.
+#[derive(Debug, Args)]
+pub struct Cache {
+    /// Remove all models; other files stay
+    #[arg(long)]
+    clear: bool,
+
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+impl Cache {
+    /// Lists or removes the models.
+    pub fn run(self) -> Result<(), Error> {
+        let cache = self
+            .cache
+            .cache()
+            .ok_or("no folder for elastic models: name one with --cache-dir")?;
+        let folder = cache.directory().display();
+        let failed = |error| format!("{folder}: {error}; name another folder with --cache-dir");
+        let models = cache.models().map_err(failed)?;
+        let total = megabytes(models.iter().map(|model| model.bytes).sum());
+        if self.clear {
+            let removed = count(cache.clear().map_err(failed)?, "model");
+            let mut text = format!("{folder}: removed {removed}, {total}\n");
+            for path in cache.others().map_err(failed)? {
+                text += &format!("left {}, which is no model of this cache\n", path.display());
+            }
+            output::print(&text)?;
+            return Ok(());
+        }
+        let mut rows = Listing::default();
+        for model in models.iter().rev() {
+            let unused = model.used.elapsed().unwrap_or_default();
+            rows.row(
+                model.gear.as_deref().unwrap_or("model of another version"),
+                format!(
+                    "{}, last used {}",
+                    megabytes(model.bytes),
+                    ago(unused.as_secs())
+                ),
+            );
+        }
+        let number = count(models.len(), "elastic model");
+        let limit = megabytes(cache.limit());
+        output::print(&format!("{folder}: {number}, {total} of {limit}\n{rows}"))?;
+        Ok(())
+    }
+}
+
+fn megabytes(bytes: u64) -> String {
+    format!("{:.1} MB", bytes as f64 / 1e6)
+}
+
+fn ago(seconds: u64) -> String {
+    let (number, unit) = match seconds {
+        0..60 => return "just now".into(),
+        60..3600 => (seconds / 60, "minute"),
+        3600..86400 => (seconds / 3600, "hour"),
+        _ => (seconds / 86400, "day"),
+    };
+    format!("{} ago", count(number as usize, unit))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_told_in_the_largest_unit_that_fits() {
+        assert_eq!(ago(59), "just now");
+        assert_eq!(ago(60), "1 minute ago");
+        assert_eq!(ago(7200), "2 hours ago");
+        assert_eq!(ago(200_000), "2 days ago");
+    }
+}

@@ -1,0 +1,77 @@
+//! `gearmesh import SAMPLES.csv --pair PAIR.json -o TABLES.json`: tables from another contact program.
+
+use gearmesh_preprocessor::pair;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use gearmesh::table::TableFile;
+use gearmesh_preprocessor::table::import::import_csv;
+
+use crate::output;
+
+/// Make tables of the samples of another contact program.
+///
+/// CSV with a header and the columns torque_nm, mesh_position, center_distance_offset_um,
+/// misalignment_mrad, ste_loa_um, contact_z_mm; one row for every point of a full grid.
+#[derive(Debug, Args)]
+pub struct Import {
+    /// Samples of the drive flank
+    samples: PathBuf,
+
+    /// Pair file that the samples belong to
+    #[arg(long)]
+    pair: PathBuf,
+
+    /// Samples of the coast flank [default: the drive flank's, mirrored]
+    #[arg(long)]
+    coast: Option<PathBuf>,
+
+    /// Tables to write
+    #[arg(short, long)]
+    output: PathBuf,
+}
+
+impl Import {
+    /// Inverts the samples, writes and says what was made.
+    pub fn run(self) -> Result<(), crate::Error> {
+        let read = [Some(&self.pair), Some(&self.samples), self.coast.as_ref()];
+        let read: Vec<&Path> = read.into_iter().flatten().map(PathBuf::as_path).collect();
+        output::check_writable(&self.output, &read)?;
+        let pair = pair::read(&self.pair)?;
+        let read = |path: &PathBuf| -> Result<_, crate::Error> {
+            let place = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+            let text = output::read_text(path)?;
+            let imported = import_csv(&text, &pair.geometry).map_err(|e| place(&e))?;
+            let doubts = imported
+                .doubts(&pair.geometry, pair.operating.nominal_torque)
+                .map_err(|e| place(&e))?;
+            for doubt in doubts {
+                eprintln!("gearmesh: note: {}: {doubt}", path.display());
+            }
+            Ok(imported)
+        };
+        let drive = read(&self.samples)?;
+        let coast = self.coast.as_ref().map(read).transpose()?;
+        if coast.is_none() && !pair.coast_mirrors_drive() {
+            return Err(format!(
+                "{}: modifications or face offset make the flanks differ; give the samples of the coast \
+                 flank with --coast",
+                self.pair.display()
+            )
+            .into());
+        }
+        let file = TableFile::new(
+            &pair.name,
+            &format!("samples in {}", self.samples.display()),
+            &pair.geometry,
+            [pair.operating.nominal_torque, drive.maximum_torque],
+            &drive.grid,
+            coast.as_ref().map(|c| &c.grid),
+        );
+        file.check()?;
+        output::write_whole(&self.output, file.to_json().as_bytes())?;
+        let written = self.output.display();
+        output::print(&format!("Wrote {written}: {}\n", file.size_and_error()))?;
+        Ok(())
+    }
+}

@@ -1,0 +1,98 @@
+//! The command `gearmesh`: from the pair file to tables, an FMU and a report.
+//!
+//! One file per subcommand. Results go to standard output, progress and errors to standard error,
+//! and the exit status is 0 only when the whole thing was done.
+
+mod accuracy;
+mod build;
+mod cache;
+mod columns;
+mod cost;
+mod flank_summary;
+mod import;
+mod inspect;
+mod limits;
+mod losses;
+mod model;
+mod new;
+mod output;
+mod pack;
+mod pair_summary;
+mod preflight;
+mod progress;
+mod report;
+mod solve;
+mod study;
+mod tables;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use gearmesh_preprocessor::storage::uninterrupted;
+
+/// Gear contact for multibody and system simulation: static tooth contact, tables, FMI 2.0 units.
+#[derive(Debug, Parser)]
+#[command(name = "gearmesh", version, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    New(new::New),
+    Solve(solve::Solve),
+    Tables(tables::Tables),
+    Import(import::Import),
+    Build(build::Build),
+    Pack(pack::Pack),
+    Inspect(inspect::Inspect),
+    Report(report::Report),
+    Study(study::Study),
+    Cache(cache::Cache),
+}
+
+/// Any error of a subcommand; its chain is printed on one line.
+type Error = Box<dyn std::error::Error>;
+
+/// Exit status of a command that was stopped by the interrupt signal, as shells give it: 128 + SIGINT.
+const STOPPED: i32 = 130;
+
+/// From now on the signals to interrupt and to terminate end the process after the file that is being written.
+fn stop_on_signals() -> Result<(), Error> {
+    ctrlc::set_handler(|| {
+        uninterrupted(|| {
+            eprintln!("gearmesh: stopped; no unfinished file is left");
+            std::process::exit(STOPPED);
+        })
+    })
+    .map_err(|e| format!("cannot watch for Ctrl-C: {e}").into())
+}
+
+fn main() -> ExitCode {
+    // A value such as -10 is no option: it is for the option's own limits to refuse it.
+    let cli = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
+    let command = match Cli::from_arg_matches(&cli.get_matches()) {
+        Ok(cli) => cli.command,
+        Err(error) => error.exit(),
+    };
+    let result = stop_on_signals().and_then(|()| match command {
+        Command::New(command) => command.run(),
+        Command::Solve(command) => command.run(),
+        Command::Tables(command) => command.run(),
+        Command::Import(command) => command.run(),
+        Command::Build(command) => command.run(),
+        Command::Pack(command) => command.run(),
+        Command::Inspect(command) => command.run(),
+        Command::Report(command) => command.run(),
+        Command::Study(command) => command.run(),
+        Command::Cache(command) => command.run(),
+    });
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("gearmesh: error: {}", output::chain(error.as_ref()));
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,287 @@
+//! The options that choose how teeth are modelled, shared by the subcommands that solve contact.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use gearmesh::compliance::ToothCompliance;
+use gearmesh::contact::{ContactSettings, ContactSolver};
+use gearmesh::gear::Flank;
+use gearmesh::pair::{Pair, Refinement};
+use gearmesh_preprocessor::finite_element::{
+    ModelCache, Origin, PairCompliance, RootStress, Settings, Stage, pair_root_stress,
+};
+
+use crate::Error;
+use crate::cache::CacheArgs;
+use crate::limits;
+use crate::progress::Job;
+
+/// How teeth are modelled.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Model")]
+pub struct ModelArgs {
+    /// Fineness of the finite elements: coarse is quickest, fine for convergence studies [default: as the pair file says,
+    /// normal]
+    #[arg(long, value_parser = PossibleValuesParser::new(["coarse", "normal", "fine"]).map(refinement))]
+    refinement: Option<Refinement>,
+
+    /// Whether tip corners may touch outside the path of contact [default: as the pair file says, on]
+    #[arg(long, value_parser = PossibleValuesParser::new(["on", "off"]).map(|switch| switch == "on"))]
+    tip_corner_contact: Option<bool>,
+
+    /// Hold the axial displacement: every slice by itself, as in a two-dimensional calculation
+    #[arg(long)]
+    plane_strain: bool,
+
+    /// Stations along the face [default: 40, for contact at run time 22, fewer where one would be shorter than the widest contact]
+    #[arg(long)]
+    stations: Option<usize>,
+
+    /// Compute finite-element models anew and keep none, wherever GEARMESH_CACHE_DIR or --cache-dir would keep them
+    #[arg(long)]
+    no_cache: bool,
+
+    /// Threads to use, at most 1024 [default: one per core]
+    #[arg(long)]
+    threads: Option<usize>,
+
+    /// No progress on standard error
+    #[arg(short, long)]
+    quiet: bool,
+
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+/// A contact solver and what it took to make it.
+pub struct Model {
+    /// The solver.
+    pub solver: ContactSolver,
+    /// Seconds for the elastic models of both gears.
+    pub compliance_seconds: f64,
+    /// The elastic model in words.
+    pub description: String,
+    /// Where the elastic model came from and is kept, in words.
+    pub origin: String,
+    /// The elastic models of gear 1 and gear 2.
+    pub compliance: Compliance,
+}
+
+/// The models of the fillets of both gears and what it took to make them.
+pub struct Fillets {
+    /// Maps from loads to the stress in the roots of gear 1 and gear 2.
+    pub maps: [Arc<RootStress>; 2],
+    /// Seconds for both.
+    pub seconds: f64,
+    /// Where they came from and are kept, in words.
+    pub origin: String,
+}
+
+/// Elastic models of gear 1 and gear 2.
+pub type Compliance = [Arc<dyn ToothCompliance>; 2];
+
+impl ModelArgs {
+    /// The pair with the choices of the command line in place of those of the file.
+    pub fn applied_to(&self, mut pair: Pair) -> Pair {
+        pair.refinement = self.refinement.unwrap_or(pair.refinement);
+        pair.tip_corner_contact = self.tip_corner_contact.unwrap_or(pair.tip_corner_contact);
+        pair
+    }
+
+    /// The work of the command, as standard error shows it.
+    pub fn job(&self) -> Job {
+        Job::new(self.quiet)
+    }
+
+    /// Sets the number of threads. Once per run.
+    pub fn use_threads(&self) -> Result<(), Error> {
+        if let Some(threads) = self.threads {
+            // The largest machines have as many cores; each thread takes memory and time to start.
+            limits::within("threads", threads, 1..=1024)?;
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build_global()?;
+        }
+        Ok(())
+    }
+
+    /// Whether every slice stands by itself.
+    pub fn is_plane_strain(&self) -> bool {
+        self.plane_strain
+    }
+
+    /// The solver for `pair`, to which the command line has been applied, as part of `job`.
+    pub fn solver(&self, pair: &Pair, job: &Job) -> Result<Model, Error> {
+        // The influence matrix of more would not fit into memory.
+        let within = |stations| limits::within("stations", stations, 1..=1000);
+        self.stations.map_or(Ok(()), within)?;
+        let begin = Instant::now();
+        let cache = self.kept();
+        let told = told(job, "elastic model");
+        let settings = self.settings(pair);
+        let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &told)?;
+        note([&models.origins[0], &models.origins[1]]);
+        let [first, second] = models.gears;
+        let compliance: Compliance = [first, second];
+        let compliance_seconds = begin.elapsed().as_secs_f64();
+        Ok(Model {
+            solver: ContactSolver::new(pair, compliance.clone(), self.contact_settings(pair))?,
+            compliance_seconds,
+            description: self.description(pair),
+            origin: origin_in_words(&models.origins, cache.as_ref()),
+            compliance,
+        })
+    }
+
+    /// How the contact of `pair` is discretised.
+    pub fn contact_settings(&self, pair: &Pair) -> ContactSettings {
+        let settings = ContactSettings::for_pair(pair);
+        ContactSettings {
+            stations: self.stations.unwrap_or(settings.stations),
+            ..settings
+        }
+    }
+
+    /// The solver whose contact a unit solves at run time: on fewer stations than `solver`, but for a number that was asked for.
+    pub fn at_run_time(&self, solver: ContactSolver) -> ContactSolver {
+        match self.stations {
+            Some(_) => solver,
+            None => solver.at_run_time(),
+        }
+    }
+
+    /// Whether the elastic models of `pair` need not be computed.
+    pub fn are_kept(&self, pair: &Pair) -> Result<bool, Error> {
+        let Some(cache) = self.kept() else {
+            return Ok(false);
+        };
+        Ok(PairCompliance::is_kept(
+            &pair.geometry,
+            &self.settings(pair),
+            &cache,
+        )?)
+    }
+
+    fn settings(&self, pair: &Pair) -> Settings {
+        Settings {
+            plane_strain: self.plane_strain,
+            ..Settings::for_pair(pair)
+        }
+    }
+
+    /// The models of the fillets of `pair` loaded on `flank`, as part of `job`.
+    pub fn fillets(&self, pair: &Pair, flank: Flank, job: &Job) -> Result<Fillets, Error> {
+        let settings = self.settings(pair);
+        let cache = self.kept();
+        let told = told(job, "model of the fillets");
+        let begin = Instant::now();
+        let found = pair_root_stress(&pair.geometry, flank, &settings, cache.as_ref(), &told)?;
+        let seconds = begin.elapsed().as_secs_f64();
+        let [(first, a), (second, b)] = found;
+        let origins = [a, b];
+        note([&origins[0], &origins[1]]);
+        Ok(Fillets {
+            maps: [first, second],
+            seconds,
+            origin: origin_in_words(&origins, cache.as_ref()),
+        })
+    }
+
+    fn kept(&self) -> Option<ModelCache> {
+        self.cache.cache().filter(|_| !self.no_cache)
+    }
+
+    /// The pair with the refinement whose difference to that of `pair` tells the error: the next finer one
+    /// where it is cheap, else the next coarser one.
+    pub fn reference(pair: &Pair) -> Pair {
+        let mut other = pair.clone();
+        other.refinement = match pair.refinement {
+            Refinement::Normal => Refinement::Coarse,
+            Refinement::Coarse | Refinement::Fine => Refinement::Normal,
+        };
+        other
+    }
+
+    fn description(&self, pair: &Pair) -> String {
+        let mut words = format!("finite elements, {:?}", pair.refinement).to_lowercase();
+        if self.plane_strain {
+            words.push_str(", plane strain");
+        }
+        if !pair.tip_corner_contact {
+            words.push_str(", contact on the path only");
+        }
+        words
+    }
+}
+
+fn refinement(name: String) -> Refinement {
+    match name.as_str() {
+        "coarse" => Refinement::Coarse,
+        "fine" => Refinement::Fine,
+        _ => Refinement::Normal,
+    }
+}
+
+/// Widens the operating range of `pair` to `torque` (N m) and the ranges of `misalignment` (rad) and `center_distance_offset` (m):
+/// it decides how wide a contact the elastic model resolves and how far tip corners are followed.
+pub fn widen(
+    pair: &mut Pair,
+    torque: f64,
+    misalignment: [f64; 2],
+    center_distance_offset: [f64; 2],
+) {
+    let wider = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let o = &mut pair.operating;
+    o.maximum_torque = o.maximum_torque.max(torque);
+    o.misalignment = wider(o.misalignment, misalignment);
+    o.center_distance_offset = wider(o.center_distance_offset, center_distance_offset);
+}
+
+/// Tells `job` how far the model of a gear is that `model` names.
+fn told(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
+    move |gear, stage, share| {
+        let words = match stage {
+            Stage::Assembly => "stiffness of one tooth with its share of the body",
+            Stage::Condensation => "reducing it to its loaded flank",
+            Stage::Ring => "joining all teeth to the whole gear",
+        };
+        job.tell(&format!("{model} of gear {}: {words}", gear + 1), share, "");
+        true
+    }
+}
+
+/// Says where the cache did not help: a result is right without it, but it should not be slow in silence. Equal gears
+/// share one model.
+fn note([first, second]: [&Origin; 2]) {
+    for origin in std::iter::once(first).chain((second != first).then_some(second)) {
+        match origin {
+            Origin::Replaced(reason) => {
+                eprintln!("gearmesh: note: finite-element model computed anew: {reason}");
+            }
+            Origin::NotStored(reason) => {
+                eprintln!("gearmesh: note: finite-element model not kept: {reason}");
+            }
+            Origin::Computed | Origin::Stored | Origin::Loaded => {}
+        }
+    }
+}
+
+/// Where the models of both gears came from and are kept.
+fn origin_in_words(origins: &[Origin; 2], cache: Option<&ModelCache>) -> String {
+    let [first, second] = origins.each_ref().map(|origin| {
+        let of = match origin {
+            Origin::Loaded => "read from",
+            Origin::Stored | Origin::Replaced(_) => "computed and kept in",
+            Origin::Computed | Origin::NotStored(_) => return "computed".to_owned(),
+        };
+        let folder = cache.map(|cache| cache.directory().display());
+        format!("{of} {}", folder.map_or(String::new(), |d| d.to_string()))
+    });
+    if first == second {
+        first
+    } else {
+        format!("gear 1 {first}, gear 2 {second}")
+    }
+}

@@ -1,0 +1,201 @@
+//! `gearmesh new`: a pair file to start from, with a comment on every field.
+
+use gearmesh_preprocessor::pair;
+use std::path::PathBuf;
+
+use clap::Args;
+use gearmesh::pair::Pair;
+use gearmesh::words::rounded;
+
+use crate::output;
+
+/// Write a commented pair file to start from.
+///
+/// What is not asked for gets usual values: centre distance from the tooth numbers, backlash after ISO/TR
+/// 10064-2, profile shift where teeth would be undercut, faces centred on each other.
+#[derive(Debug, Args)]
+pub struct New {
+    /// Numbers of teeth of gear 1 and gear 2
+    #[arg(long, num_args = 2, value_names = ["Z1", "Z2"], required = true)]
+    teeth: Vec<u32>,
+
+    /// Normal module, mm
+    #[arg(long)]
+    module_mm: f64,
+
+    /// Face widths of gear 1 and gear 2, mm
+    #[arg(long, num_args = 2, value_names = ["B1", "B2"], required = true)]
+    face_width_mm: Vec<f64>,
+
+    /// Nominal torque on gear 1, N m
+    #[arg(long)]
+    torque_nm: f64,
+
+    /// Helix angle at the reference cylinder, degrees; > 0: gear 1 right-handed
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    helix_angle_deg: f64,
+
+    /// Normal pressure angle, degrees
+    #[arg(long, default_value_t = 20.0)]
+    pressure_angle_deg: f64,
+
+    /// Gear 2 is a ring
+    #[arg(long)]
+    internal: bool,
+
+    /// Name of the pair [default: that of the file]
+    #[arg(long)]
+    name: Option<String>,
+
+    /// Pair file to write; one that is there is not overwritten [default: standard output]
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+impl New {
+    /// Writes the file, once it is a pair that works.
+    pub fn run(self) -> Result<(), crate::Error> {
+        for (option, value) in [
+            ("module-mm", self.module_mm),
+            ("face-width-mm", self.face_width_mm[0]),
+            ("face-width-mm", self.face_width_mm[1]),
+            ("torque-nm", self.torque_nm),
+            ("helix-angle-deg", self.helix_angle_deg),
+            ("pressure-angle-deg", self.pressure_angle_deg),
+        ] {
+            if !value.is_finite() {
+                return Err(format!("--{option} = {value}: give a finite number").into());
+            }
+        }
+        // What is filled in follows from the pair without it.
+        let bare = pair::from_json(
+            &self
+                .text(0.0, "")
+                .replace("\"backlash_um\"", "// \"backlash_um\""),
+        )?;
+        let text = self.text(usual_backlash_um(&bare), &derived(&bare));
+        pair::from_json(&text)?;
+        let Some(path) = &self.output else {
+            return Ok(output::print(&text)?);
+        };
+        if path.exists() {
+            let there = path.display();
+            return Err(format!(
+                "--output = {there}: the file is there already; name another one, or remove it"
+            )
+            .into());
+        }
+        output::write_whole(path, text.as_bytes())?;
+        let path = path.display();
+        output::print(&format!(
+            "Wrote {path}; look at it with `gearmesh inspect {path}`\n"
+        ))?;
+        Ok(())
+    }
+
+    /// The file; `derived` is a comment on what follows from it.
+    fn text(&self, backlash_um: f64, derived: &str) -> String {
+        let [b1, b2] = [self.face_width_mm[0], self.face_width_mm[1]];
+        let [shift1, shift2] = self.profile_shifts();
+        let stem = self.output.as_deref().and_then(|path| path.file_stem());
+        let name = self.name.clone().unwrap_or_else(|| match stem {
+            Some(stem) => stem.to_string_lossy().into_owned(),
+            None => format!("pair-{}-{}", self.teeth[0], self.teeth[1]),
+        });
+        let [meshing, of_ring, held2] = match self.internal {
+            true => [
+                "internal",
+                " // a ring: of its fillet",
+                "\"rim_diameter_mm\": 0.0, // where the ring is held; default: root diameter + 7 modules",
+            ],
+            false => [
+                "external",
+                "",
+                "\"bore_diameter_mm\": 0.0, // where the body is held; default: half of the root diameter",
+            ],
+        };
+        let values = [
+            ("derived", derived.to_owned()),
+            ("meshing", meshing.to_owned()),
+            ("of_ring", of_ring.to_owned()),
+            ("held2", held2.to_owned()),
+            ("module", self.module_mm.to_string()),
+            ("alpha", self.pressure_angle_deg.to_string()),
+            ("beta", self.helix_angle_deg.to_string()),
+            ("backlash_um", format!("{backlash_um:.0}")),
+            ("offset", rounded(0.5 * (b1 - b2)).to_string()),
+            ("z1", self.teeth[0].to_string()),
+            ("z2", self.teeth[1].to_string()),
+            ("shift1", shift1.to_string()),
+            ("shift2", shift2.to_string()),
+            ("b1", b1.to_string()),
+            ("b2", b2.to_string()),
+            ("round", self.tool_tip_radius().to_string()),
+            ("torque", self.torque_nm.to_string()),
+            ("most", rounded(1.5 * self.torque_nm).to_string()),
+            // Last, since nobody knows what it holds.
+            ("name", serde_json::Value::from(name).to_string()),
+        ];
+        let template = include_str!("new.template.json").to_owned();
+        values.iter().fold(template, |text, (name, value)| {
+            text.replace(&format!("<{name}>"), value)
+        })
+    }
+
+    /// 0.38, or the largest twentieth that the tip of a rack with a dedendum of 1.25 modules has room for.
+    fn tool_tip_radius(&self) -> f64 {
+        let (sin, cos) = self.pressure_angle_deg.to_radians().sin_cos();
+        let room = (std::f64::consts::FRAC_PI_4 - 1.25 * sin / cos) * cos / (1.0 - sin);
+        if room >= 0.38 {
+            0.38
+        } else {
+            (20.0 * room).floor().max(0.0) / 20.0
+        }
+    }
+
+    /// Shifts that keep a rack of one module's addendum from undercutting: (z_min - z / cos³ beta) / z_min with
+    /// z_min = 2 / sin² alpha, rounded up to a twentieth. A ring takes the shift of its pinion, which leaves the
+    /// centre distance.
+    fn profile_shifts(&self) -> [f64; 2] {
+        let least = 2.0 / self.pressure_angle_deg.to_radians().sin().powi(2);
+        let cos = self.helix_angle_deg.to_radians().cos();
+        let shift = |teeth: u32| {
+            let short = 1.0 - f64::from(teeth) / cos.powi(3) / least;
+            ((20.0 * short).ceil() / 20.0).clamp(0.0, 1.0)
+        };
+        let first = shift(self.teeth[0]);
+        [
+            first,
+            if self.internal {
+                first
+            } else {
+                shift(self.teeth[1])
+            },
+        ]
+    }
+}
+
+/// Least backlash of ISO/TR 10064-2, Table 1, 2/3 (0.06 + 0.0005 a + 0.03 m_n) in mm normal to the flanks, as
+/// circumferential backlash in um, rounded up to ten.
+fn usual_backlash_um(pair: &Pair) -> f64 {
+    let g = &pair.geometry;
+    let (a, module) = (1e3 * g.center_distance, 1e3 * g.gears[0].normal_module);
+    let normal = 2.0 / 3.0 * (0.06 + 0.0005 * a + 0.03 * module);
+    let cosines = g.operating_pressure_angle(g.center_distance).cos() * g.base_helix_angle().cos();
+    // The pair file allows a quarter of a module.
+    10.0 * (100.0 * normal / cosines)
+        .ceil()
+        .min((25.0 * module).floor())
+}
+
+/// Comment on what follows from the pair.
+fn derived(pair: &Pair) -> String {
+    let g = &pair.geometry;
+    let c = g.center_distance;
+    format!(
+        "// Without backlash the centre distance is {:.4} mm; contact ratios {:.3} transverse, {:.3} overlap.\n",
+        1e3 * c,
+        g.transverse_contact_ratio(c),
+        g.overlap_ratio()
+    )
+}

@@ -1,0 +1,194 @@
+//! Text to standard output, whole files to disk, errors in one line.
+
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use gearmesh::words::{shown, shown_in_full};
+use gearmesh_preprocessor::storage;
+
+/// A file that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}; name a file in a folder that exists and can be written", path.display())]
+pub struct WriteError {
+    path: PathBuf,
+    source: io::Error,
+}
+
+/// Writes `bytes` to `path`, whole or not at all: see [`storage::write_whole`].
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    storage::write_whole(path, bytes).map_err(|source| WriteError::new(path, source))
+}
+
+/// Refuses `path` before the work whose result it shall take: where it cannot be written, and where it is one of the
+/// files `read`.
+pub fn check_writable(path: &Path, read: &[&Path]) -> Result<(), crate::Error> {
+    let known = |path: &Path| path.canonicalize().ok();
+    if let Some(here) = known(path)
+        && let Some(input) = read
+            .iter()
+            .find(|input| known(input).as_ref() == Some(&here))
+    {
+        let (path, input) = (path.display(), input.display());
+        return Err(format!("--output {path} is {input}, which is read: give another file").into());
+    }
+    storage::check_writable(path).map_err(|source| WriteError::new(path, source).into())
+}
+
+/// Makes the folder `path`, which `option` gives, if it is not there.
+pub fn make_folder(option: &str, path: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(path).map_err(|error| {
+        format!(
+            "{option} = {}: making this folder failed: {error}; name one that is there or can be made",
+            path.display()
+        )
+    })
+}
+
+impl WriteError {
+    fn new(path: &Path, source: io::Error) -> Self {
+        WriteError {
+            path: path.to_owned(),
+            source,
+        }
+    }
+}
+
+/// Longest text that is read, bytes: some hundred times the tables of a pair.
+const LONGEST_TEXT: u64 = 256 << 20;
+
+/// The text of tables or samples. A pair file has its own limit.
+pub fn read_text(path: &Path) -> Result<String, String> {
+    let failed = |error: &io::Error| unreadable(path, error);
+    let file = std::fs::File::open(path).map_err(|error| failed(&error))?;
+    let not_text = || {
+        format!(
+            "{}: neither text nor an archive; name a pair file, tables, samples or an FMU",
+            path.display()
+        )
+    };
+    let mut text = String::new();
+    // One byte more than allowed tells a longer file, even where no length is known.
+    match file.take(LONGEST_TEXT + 1).read_to_string(&mut text) {
+        Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(not_text()),
+        Err(error) => Err(failed(&error)),
+        Ok(length) if length as u64 > LONGEST_TEXT => Err(format!(
+            "{}: longer than {} MB, and tables or samples of a pair have a few; name another file, or give fewer \
+             samples",
+            path.display(),
+            LONGEST_TEXT >> 20
+        )),
+        Ok(_) => Ok(text),
+    }
+}
+
+/// What to say of a file that `error` keeps from being read.
+pub fn unreadable(path: &Path, error: &io::Error) -> String {
+    format!(
+        "cannot read {}: {error}; name a file that exists and that you may read",
+        path.display()
+    )
+}
+
+/// Prints `text` to standard output. A reader that has gone away (`gearmesh ... | head`) is no error.
+pub fn print(text: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        Err(error) => Err(io::Error::new(
+            error.kind(),
+            format!("cannot write to standard output: {error}; send it elsewhere, or make room"),
+        )),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// An error and its causes on one line. A cause whose text the line contains already is left out.
+pub fn chain(error: &dyn std::error::Error) -> String {
+    let mut line = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        let text = error.to_string();
+        if !line.contains(&text) {
+            line.push_str(": ");
+            line.push_str(&text);
+        }
+        cause = error.source();
+    }
+    line.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Adds rows `name => format, values;` to a [`Listing`].
+macro_rules! rows {
+    ($rows:expr; $($name:expr => $format:literal $(, $value:expr)*;)*) => {
+        $($rows.row($name, format!($format $(, $value)*));)*
+    };
+}
+pub(crate) use rows;
+
+/// Lines of `name  value unit` with the values aligned.
+#[derive(Debug, Default)]
+pub struct Listing {
+    rows: Vec<(String, String)>,
+}
+
+impl Listing {
+    /// Adds one row.
+    pub fn row(&mut self, name: impl Into<String>, value: impl Into<String>) -> &mut Self {
+        // Either may come from a file that somebody else wrote.
+        self.rows
+            .push((shown(&name.into()), shown_in_full(&value.into())));
+        self
+    }
+
+    /// All rows in one line.
+    pub fn in_one_line(&self) -> String {
+        let rows = self.rows.iter();
+        let rows: Vec<String> = rows
+            .map(|(name, value)| format!("{name} {value}"))
+            .collect();
+        rows.join("; ")
+    }
+}
+
+impl std::fmt::Display for Listing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let width = self
+            .rows
+            .iter()
+            .map(|(name, _)| name.chars().count())
+            .max()
+            .unwrap_or(0);
+        for (name, value) in &self.rows {
+            writeln!(f, "  {name:width$}  {value}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_in_a_missing_folder_is_refused_by_name() {
+        let error = write_whole(Path::new("/no/such/folder/out.json"), b"x").unwrap_err();
+        assert!(error.to_string().contains("/no/such/folder/out.json"));
+    }
+
+    #[test]
+    fn a_row_is_a_whole_sentence() {
+        let sentence = format!("{} against contact at run time", "more, ".repeat(60));
+        let mut rows = Listing::default();
+        rows.row("tooth pairs one by one", &sentence);
+        assert!(rows.to_string().contains(&sentence), "{rows}");
+    }
+
+    #[test]
+    fn a_chain_of_errors_is_one_line_and_says_nothing_twice() {
+        let inner = io::Error::other("disk\nfull");
+        let outer = WriteError::new("a.fmu".as_ref(), inner);
+        let line = chain(&outer);
+        assert_eq!(line.matches("disk full").count(), 1, "{line}");
+        assert!(!line.contains('\n'));
+    }
+}

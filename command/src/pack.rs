@@ -1,0 +1,122 @@
+//! `gearmesh pack`: tables or a pair, and the compiled library, into one .fmu file.
+
+use gearmesh_preprocessor::pair;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use gearmesh::contact::ContactFile;
+use gearmesh::table::TableFile;
+use gearmesh_preprocessor::package::{self, Contents, Library, Packed, Setting, Starts};
+
+use crate::inspect::is_tables;
+use crate::output;
+
+/// Pack tables, or a pair with constant stiffness, into an FMU.
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("source").required(true))]
+pub struct Pack {
+    /// Tables that `gearmesh tables` or `gearmesh import` wrote.
+    #[arg(long, group = "source")]
+    tables: Option<PathBuf>,
+    /// Pair file: the unit has constant stiffness and no tables.
+    #[arg(long, group = "source")]
+    pair: Option<PathBuf>,
+    #[command(flatten)]
+    unit: UnitArgs,
+}
+
+/// The unit to write.
+#[derive(Debug, Args)]
+pub struct UnitArgs {
+    /// FMU to write
+    #[arg(short, long)]
+    pub output: PathBuf,
+
+    /// Compiled library of the unit, once per platform [default: those beside this program]
+    #[arg(long)]
+    pub library: Vec<PathBuf>,
+
+    /// Start value of a parameter or input, such as damping=500 or interpolation=shepard; repeatable
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<Setting>,
+}
+
+impl Pack {
+    /// Packs and prints name, GUID and size.
+    pub fn run(self) -> Result<(), crate::Error> {
+        let UnitArgs {
+            output: path,
+            library,
+            set,
+        } = &self.unit;
+        let read = self.tables.iter().chain(&self.pair);
+        let read: Vec<&Path> = read.map(PathBuf::as_path).collect();
+        output::check_writable(path, &read)?;
+        let libraries = libraries(library)?;
+        let packed = if let Some(tables) = &self.tables {
+            let text = output::read_text(tables)?;
+            let file = TableFile::from_json(&text).map_err(|error| match is_tables(&text) {
+                true => crate::Error::from(error),
+                false => {
+                    let tables = tables.display();
+                    format!("--tables = {tables}: {error}; a pair file is packed by `--pair`")
+                        .into()
+                }
+            })?;
+            pack_tables(&file, None, &libraries, set, path)?
+        } else {
+            let pair = pair::read(self.pair.as_deref().unwrap_or("".as_ref()))?;
+            let starts = Starts::constant_stiffness(&pair.geometry, pair.operating.nominal_torque);
+            let contents = Contents {
+                name: &pair.name,
+                geometry: &pair.geometry,
+                tables: None,
+                contact: None,
+                starts: &starts.with(set),
+            };
+            package::pack(&contents, &libraries, path)?
+        };
+        output::print(&format!("{}\n", in_words(&packed, path)))?;
+        Ok(())
+    }
+}
+
+/// The unit that was `packed` into the file `path`, in one line.
+pub fn in_words(packed: &Packed, path: &Path) -> String {
+    format!(
+        "{}: {:.2} MB, GUID {}, runs on {}",
+        path.display(),
+        packed.bytes as f64 / 1e6,
+        packed.guid,
+        packed.platforms.join(" and ")
+    )
+}
+
+/// Packs the unit of these tables and of `contact` at run time with the start values of `settings`.
+pub fn pack_tables(
+    tables: &TableFile,
+    contact: Option<&ContactFile>,
+    libraries: &[Library],
+    settings: &[Setting],
+    output: &Path,
+) -> Result<Packed, crate::Error> {
+    let contents = Contents {
+        name: &tables.name,
+        geometry: &tables.geometry.pair_geometry()?,
+        tables: Some(tables),
+        contact,
+        starts: &Starts::of_tables(tables)?.with(settings),
+    };
+    Ok(package::pack(&contents, libraries, output)?)
+}
+
+/// The libraries at `paths`, or those beside this program if there are none.
+pub fn libraries(paths: &[PathBuf]) -> Result<Vec<Library>, crate::Error> {
+    if paths.is_empty() {
+        return Ok(package::libraries_beside(&std::env::current_exe()?)?);
+    }
+    Ok(paths
+        .iter()
+        .map(|p| Library::read(p))
+        .collect::<Result<_, _>>()?)
+}

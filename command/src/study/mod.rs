@@ -1,0 +1,422 @@
+//! `gearmesh study PAIR.json`: what tolerances do to transmission error, pressure and root stress.
+
+mod page;
+mod samples;
+mod statistics;
+mod text;
+mod variation;
+
+use gearmesh_preprocessor::pair;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use clap::Args;
+use gearmesh::contact::ContactSolver;
+use gearmesh::gear::{Flank, tolerance};
+use gearmesh::pair::Pair;
+use gearmesh::words::rounded;
+use gearmesh_preprocessor::contact::{CycleInput, MeshCycle};
+use gearmesh_preprocessor::finite_element::RootStress;
+use gearmesh_preprocessor::pair::PairDraft;
+use rayon::prelude::*;
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use crate::Error;
+use crate::limits;
+use crate::model::{Model, ModelArgs, widen};
+use crate::output;
+use samples::{Outcome, Sample, Solved};
+use statistics::Statistics;
+use variation::{Asked, Variation};
+
+/// The flank that is loaded.
+const FLANK: Flank = Flank::Drive;
+
+/// Draw samples of a pair within its tolerances and solve the mesh cycle of each.
+///
+/// Every sample is the same in every run with the same seed. A study that was stopped goes on where it was when it is
+/// started again.
+#[derive(Debug, Args)]
+pub struct Study {
+    /// Pair file
+    pair: PathBuf,
+
+    /// Field of the pair file, or torque_nm, misalignment_mrad or center_distance_offset_um, and the interval in which
+    /// it is drawn: FIELD=LOW..HIGH, or FIELD=+-TOLERANCE about the value in the file; repeatable
+    #[arg(long, value_name = "FIELD=INTERVAL")]
+    vary: Vec<Asked>,
+
+    /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile slope and helix slope of both gears are drawn within its
+    /// f_HaT and f_HbT about the values in the file
+    #[arg(long, value_name = "CLASS", value_parser = class)]
+    iso_1328_class: Option<u8>,
+
+    /// Number of samples
+    #[arg(long, default_value_t = 500)]
+    samples: usize,
+
+    /// Another seed draws other samples
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+
+    /// Torque on gear 1, N m, where it is not varied [default: the pair's nominal torque]
+    #[arg(long)]
+    torque_nm: Option<f64>,
+
+    /// Number of positions over the mesh cycle
+    #[arg(long, default_value_t = 32)]
+    positions: usize,
+
+    /// The largest root stress of both gears, too; its elastic model takes two to three times as long as that of the
+    /// contact
+    #[arg(long, conflicts_with = "plane_strain")]
+    root_stress: bool,
+
+    /// Folder for samples.csv, study.json and study.html; it is made if it is not there
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+
+    /// Leave out what the folder holds of an earlier run
+    #[arg(long)]
+    restart: bool,
+
+    #[command(flatten)]
+    model: ModelArgs,
+}
+
+/// `study.json`.
+#[derive(Debug, Serialize)]
+struct Summary<'a> {
+    pair: &'a str,
+    /// Of everything that the samples depend on.
+    identity: &'a str,
+    seed: u64,
+    /// Distribution of every field in its interval.
+    distribution: &'static str,
+    varied: &'a [Variation],
+    samples: usize,
+    refused: usize,
+    statistics: &'a [Statistics],
+    /// What is to be known of the results, one sentence each; empty where there is nothing.
+    notes: Vec<&'static str>,
+}
+
+/// Everything that solving a sample takes.
+struct Bench<'a> {
+    draft: PairDraft,
+    /// The pair as drawn, its operating range widened to what is varied.
+    pair: Pair,
+    model: Model,
+    /// Maps from loads to the stress in the roots, where it is wanted.
+    roots: Option<[Arc<RootStress>; 2]>,
+    variations: &'a [Variation],
+    torque: f64,
+    positions: usize,
+}
+
+/// A tolerance class of ISO 1328-1.
+fn class(text: &str) -> Result<u8, String> {
+    let class = text.parse().ok().filter(|c| tolerance::CLASSES.contains(c));
+    class.ok_or_else(|| "give a class from 1 to 11, a bare number".into())
+}
+
+impl Study {
+    /// Solves the samples, writes, and prints the spread.
+    pub fn run(self) -> Result<(), Error> {
+        // The first harmonic over the cycle takes three.
+        limits::within("positions", self.positions, 3..=limits::MOST_POSITIONS)?;
+        limits::within("samples", self.samples, 1..=1_000_000)?;
+        let draft = PairDraft::read(&self.pair)?;
+        let mut pair = self.model.applied_to(draft.pair()?);
+        let torque = self.torque_nm.unwrap_or(pair.operating.nominal_torque);
+        limits::torque("torque-nm", torque)?;
+        let variations = Variation::all(&self.vary, self.iso_1328_class, &draft, &pair, torque)?;
+        check(&variations, &draft, &pair)?;
+        let range = |field: &str, unit: f64, drawn: f64| {
+            let varied = variations.iter().find(|v| v.field == field);
+            varied.map_or([drawn; 2], |v| [v.low * unit, v.high * unit])
+        };
+        widen(
+            &mut pair,
+            torque.max(range("torque_nm", 1.0, torque)[1]),
+            range("misalignment_mrad", 1e-3, 0.0),
+            range("center_distance_offset_um", 1e-6, 0.0),
+        );
+
+        let folder = &self.output;
+        output::make_folder("--output", folder)?;
+        let [table, summary, page] =
+            ["samples.csv", "study.json", "study.html"].map(|name| folder.join(name));
+        for path in [&table, &summary, &page] {
+            output::check_writable(path, &[&self.pair])?;
+        }
+        let identity = self.identity(&pair, &variations, torque);
+        let outcomes = samples::outcomes(self.root_stress);
+        let mut done = match self.restart {
+            true => Vec::new(),
+            false => earlier(&table, &summary, &variations, outcomes, &identity)?,
+        };
+        // More samples than asked for now stay in the table.
+        let wanted: Vec<usize> = (0..=self.samples)
+            .filter(|n| !done.iter().any(|sample| sample.number == *n))
+            .collect();
+        let name = pair.name.clone();
+        let all = Summary {
+            pair: &name,
+            identity: &identity,
+            seed: self.seed,
+            distribution: "even",
+            varied: &variations,
+            samples: self.samples,
+            refused: 0,
+            statistics: &[],
+            notes: pair::note_on_teeth(&pair.teeth).into_iter().collect(),
+        };
+        write_json(&summary, &all)?;
+
+        self.model.use_threads()?;
+        let job = self.model.job();
+        let model = self.model.solver(&pair, &job)?;
+        let roots = match self.root_stress {
+            true => Some(self.model.fillets(&pair, FLANK, &job)?.maps),
+            false => None,
+        };
+        let bench = Bench {
+            draft,
+            pair,
+            model,
+            roots,
+            variations: &variations,
+            torque,
+            positions: self.positions,
+        };
+        let finished = AtomicUsize::new(0);
+        // A block at a time is written, so that little is lost by a kill.
+        for block in wanted.chunks(4 * rayon::current_num_threads()) {
+            let solved: Vec<Sample> = block
+                .par_iter()
+                .map(|&number| {
+                    let sample = bench.sample(number, self.seed);
+                    let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
+                    let told = format!("{done} of {} samples", wanted.len());
+                    job.tell("samples", done as f64 / wanted.len() as f64, &told);
+                    sample
+                })
+                .collect();
+            done.extend(solved);
+            done.sort_by_key(|sample| sample.number);
+            samples::write(&table, &variations, outcomes, &done)?;
+        }
+        drop(job);
+
+        let statistics = spread(&done, outcomes)?;
+        let refused = done.iter().filter(|s| s.outcome.is_err()).count();
+        write_json(
+            &summary,
+            &Summary {
+                samples: done.len() - 1,
+                refused,
+                statistics: &statistics,
+                ..all
+            },
+        )?;
+        let text = text::text(&bench, self.seed, &done, outcomes, &statistics);
+        let html = page::page(&name, &text, outcomes, &done)?;
+        output::write_whole(&page, html.as_bytes())?;
+        output::print(&text)?;
+        Ok(())
+    }
+
+    /// Hash of everything that the samples depend on.
+    fn identity(&self, pair: &Pair, variations: &[Variation], torque: f64) -> String {
+        let all = format!(
+            "{} {pair:?} {variations:?} {} {} {torque} {:?}",
+            env!("CARGO_PKG_VERSION"),
+            self.seed,
+            self.positions,
+            self.model.contact_settings(pair)
+        );
+        let roots = if self.root_stress { " root stress" } else { "" };
+        let plane = self.model.is_plane_strain();
+        let hash = Sha256::digest(format!("{all} {plane}{roots}"));
+        hash.iter()
+            .take(16)
+            .map(|byte| format!("{byte:02x}"))
+            .collect()
+    }
+}
+
+/// Samples of an earlier run of the same study in the files `table` and `summary`.
+fn earlier(
+    table: &Path,
+    summary: &Path,
+    variations: &[Variation],
+    outcomes: &[Outcome],
+    identity: &str,
+) -> Result<Vec<Sample>, Error> {
+    if !summary.exists() {
+        return Ok(Vec::new());
+    }
+    let found: serde_json::Value = serde_json::from_str(&output::read_text(summary)?)
+        .map_err(|error| format!("{}: {error}; begin anew with --restart", summary.display()))?;
+    if found["identity"] != identity {
+        return Err(format!(
+            "{}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with \
+             --restart",
+            summary.display()
+        )
+        .into());
+    }
+    samples::read(table, variations, outcomes)
+}
+
+fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
+    let text = serde_json::to_string_pretty(summary)? + "\n";
+    Ok(output::write_whole(path, text.as_bytes())?)
+}
+
+/// Refuses fields that there are not, values that the pair file may not have, and what changes the teeth
+/// themselves, before anything is computed.
+fn check(variations: &[Variation], draft: &PairDraft, pair: &Pair) -> Result<(), Error> {
+    for v in variations {
+        let option = format!("vary {}", v.field);
+        let mut acts = false;
+        for value in [v.low, v.high] {
+            let limit = match v.field.as_str() {
+                "torque_nm" => Some(limits::torque(&option, value)),
+                "misalignment_mrad" => Some(limits::within(&option, value, limits::MISALIGNMENTS)),
+                "center_distance_offset_um" => Some(limits::within(
+                    &option,
+                    value,
+                    limits::CENTER_DISTANCE_OFFSETS,
+                )),
+                _ => None,
+            };
+            if let Some(limit) = limit {
+                limit?;
+                acts = true;
+                continue;
+            }
+            let mut changed = draft.clone();
+            changed.set(&v.field, value)?;
+            let found = changed
+                .pair()
+                .map_err(|error| format!("--vary {}: {error}", v.field))?;
+            if found.teeth != pair.teeth {
+                return Err(format!(
+                    "--vary {}: a study takes all teeth as alike, so that it would change nothing; vary what all teeth have, \
+                     torque_nm, misalignment_mrad or center_distance_offset_um",
+                    v.field
+                )
+                .into());
+            }
+            if found.geometry != pair.geometry {
+                return Err(format!(
+                    "--vary {}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
+                     its own; vary modifications, torque_nm, misalignment_mrad or center_distance_offset_um",
+                    v.field
+                )
+                .into());
+            }
+            acts |= found.microgeometry.flank(FLANK) != pair.microgeometry.flank(FLANK);
+        }
+        if !acts {
+            return Err(format!(
+                "--vary {}: no result of a study depends on it, which takes the drive flank at the torque, misalignment and centre \
+                 distance of the command line; vary modifications of that flank, torque_nm, misalignment_mrad or \
+                 center_distance_offset_um",
+                v.field
+            )
+            .into());
+        }
+    }
+    Ok(())
+}
+
+impl Bench<'_> {
+    /// Sample `number`; 0 is the pair as drawn.
+    fn sample(&self, number: usize, seed: u64) -> Sample {
+        let fields = match number {
+            0 => {
+                let drawn = |v: &Variation| match v.field.as_str() {
+                    "torque_nm" => self.torque,
+                    field => self.draft.number(field).unwrap_or(0.0),
+                };
+                self.variations.iter().map(drawn).collect()
+            }
+            number => variation::draw(self.variations, seed, number),
+        };
+        Sample {
+            number,
+            outcome: self.solve(&fields).map_err(|error| error.to_string()),
+            fields,
+        }
+    }
+
+    fn solve(&self, fields: &[f64]) -> Result<Vec<f64>, Error> {
+        let mut input = CycleInput {
+            flank: FLANK,
+            torque: self.torque,
+            center_distance_offset: 0.0,
+            misalignment: 0.0,
+            positions: self.positions,
+        };
+        let mut draft = self.draft.clone();
+        for (v, value) in self.variations.iter().zip(fields) {
+            match v.field.as_str() {
+                "torque_nm" => input.torque = *value,
+                "misalignment_mrad" => input.misalignment = value * 1e-3,
+                "center_distance_offset_um" => input.center_distance_offset = value * 1e-6,
+                field => draft.set(field, *value)?,
+            }
+        }
+        let pair = Pair {
+            microgeometry: draft.pair()?.microgeometry,
+            ..self.pair.clone()
+        };
+        let compliance = self.model.compliance.clone();
+        let settings = *self.model.solver.settings();
+        let solver = ContactSolver::new(&pair, compliance, settings)?;
+        let cycle = MeshCycle::solve(&solver, &input)?;
+        let g = &pair.geometry;
+        let (low, width) = g.face_overlap();
+        let cos_beta_b = g.base_helix_angle().cos();
+        let face = cycle.face_load([low, low + width], settings.stations, cos_beta_b);
+        let roots = self.roots.as_ref();
+        let roots = roots.map(|models| cycle.root_stress(&solver, &input, models));
+        let solved = Solved {
+            face_load_factor: face.face_load_factor(),
+            roots: roots.transpose()?,
+            cycle,
+        };
+        Ok(solved.results().into_iter().map(rounded).collect())
+    }
+}
+
+/// Statistics of every result over the samples that were solved.
+fn spread(done: &[Sample], outcomes: &[Outcome]) -> Result<Vec<Statistics>, Error> {
+    let as_drawn = done.iter().find(|s| s.number == 0);
+    let (nominal, drawn) = match as_drawn.map(|s| (&s.outcome, &s.fields)) {
+        Some((Ok(results), fields)) => (results, fields),
+        Some((Err(error), _)) => return Err(format!("the pair as drawn: {error}").into()),
+        None => return Err("the pair as drawn was not solved; begin anew with --restart".into()),
+    };
+    let solved = || {
+        let drawn = done.iter().filter(|s| s.number > 0);
+        drawn.filter_map(|s| Some((&s.fields[..], s.outcome.as_ref().ok()?)))
+    };
+    let fields: Vec<&[f64]> = solved().map(|(fields, _)| fields).collect();
+    if fields.is_empty() {
+        return Err("no sample could be solved; samples.csv says why".into());
+    }
+    Ok(outcomes
+        .iter()
+        .enumerate()
+        .map(|(k, outcome)| {
+            let values: Vec<f64> = solved().map(|(_, results)| results[k]).collect();
+            Statistics::new(outcome.name, (nominal[k], drawn), &values, &fields)
+        })
+        .collect())
+}

@@ -1,0 +1,60 @@
+//! The elastic models of a pair condensed to what a solve at run time needs.
+
+use std::sync::Arc;
+
+use gearmesh::contact::{CondensedFlank, ContactError, ContactFile, ContactSetup, ContactSolver};
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use rayon::prelude::*;
+
+/// The contact of `flank` with the elastic models of `solver`, at the centre distance offsets `offsets` (m).
+///
+/// # Errors
+/// As [`ContactSolver::position`].
+pub fn condensed_flank(
+    solver: &ContactSolver,
+    flank: Flank,
+    offsets: &[f64],
+) -> Result<CondensedFlank, ContactError> {
+    let nodes = (0..CondensedFlank::node_count(offsets))
+        .into_par_iter()
+        .map(|i| CondensedFlank::node(solver, flank, offsets, i))
+        .collect::<Result<Vec<_>, _>>()?;
+    CondensedFlank::from_nodes(solver, flank, offsets, &nodes)
+}
+
+/// The contact of `pair` with the elastic models of `solver`, its condensed models at the middle and the ends
+/// of the range of centre distances.
+///
+/// # Errors
+/// As [`condensed_flank`]; a pair whose tip corners are not followed.
+pub fn contact_file(pair: &Pair, solver: &ContactSolver) -> Result<ContactFile, ContactError> {
+    let settings = solver.settings();
+    if !settings.tip_corner_contact {
+        return Err(ContactError::Setting {
+            field: "tip_corner_contact",
+            value: 0.0,
+            remedy: "contact at run time follows tip corners: set it to true",
+        });
+    }
+    let [low, high] = pair.operating.center_distance_offset;
+    let offsets = if low < high {
+        vec![low, 0.5 * (low + high), high]
+    } else {
+        vec![0.0]
+    };
+    let flank = |flank| condensed_flank(solver, flank, &offsets).map(Arc::new);
+    Ok(ContactFile {
+        setup: Arc::new(ContactSetup {
+            teeth: pair.teeth.clone(),
+            ..solver.setup().clone()
+        }),
+        drive: flank(Flank::Drive)?,
+        coast: if pair.coast_mirrors_drive() && pair.teeth.are_alike() {
+            None
+        } else {
+            Some(flank(Flank::Coast)?)
+        },
+        error: None,
+    })
+}

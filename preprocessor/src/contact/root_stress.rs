@@ -1,0 +1,236 @@
+//! Stress in the tooth roots at a position and over a mesh cycle that are solved.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::mesh_cycle::{CycleInput, MeshCycle};
+use crate::finite_element::{RootField, RootPoint, RootStress, SpreadStrips};
+use gearmesh::compliance::Strip;
+use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
+use gearmesh::gear::{Flank, PairGeometry};
+
+/// Stress in the root of one tooth at one mesh position. z of its points is in gear 1's frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToothRoot {
+    /// Number of the mesh position in the cycle.
+    pub position: usize,
+    /// The tooth pair that the tooth belongs to.
+    pub tooth_pair: i32,
+    /// Where the largest principal stress is largest.
+    pub largest: RootPoint,
+    /// The same at the 30 degree tangent (ring: 60 degrees); None if the fillet has none.
+    pub at_tangent: Option<RootPoint>,
+}
+
+/// Stress in the roots of one gear over the cycle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GearRoots {
+    /// Every tooth under load at every position.
+    pub teeth: Vec<ToothRoot>,
+    /// The place of `teeth` with the largest stress; None without load.
+    pub largest: Option<usize>,
+    /// The fillet of that tooth there: along the face (ascending in gear 1's frame) the points along the profile, from
+    /// the middle of the space to the start of the involute.
+    pub field: Vec<Vec<RootPoint>>,
+}
+
+impl GearRoots {
+    /// The tooth with the largest stress.
+    pub fn largest(&self) -> Option<&ToothRoot> {
+        self.teeth.get(self.largest?)
+    }
+
+    /// Largest stress at each of `positions`, Pa; 0 without load. `of` picks it.
+    pub fn over_cycle(&self, positions: usize, of: impl Fn(&ToothRoot) -> Option<f64>) -> Vec<f64> {
+        let mut out: Vec<Option<f64>> = vec![None; positions];
+        for tooth in &self.teeth {
+            let here = &mut out[tooth.position];
+            if let Some(stress) = of(tooth) {
+                *here = Some(here.map_or(stress, |other| stress.max(other)));
+            }
+        }
+        out.into_iter().map(|s| s.unwrap_or(0.0)).collect()
+    }
+}
+
+/// Strips of both gears at one position of the mesh, and what their loads do to the roots.
+pub struct PositionRoots<'a> {
+    models: &'a [Arc<RootStress>; 2],
+    /// The strips as each gear sees them.
+    strips: [SpreadStrips; 2],
+    /// The tooth pair of each, ascending.
+    tooth_pairs: Vec<i32>,
+    center_distance_offset: f64,
+}
+
+impl<'a> PositionRoots<'a> {
+    /// Of all strips of `problem`, the one of `solver` at this flank, mesh position and centre distance offset (m);
+    /// `models` are those of gear 1 and gear 2 for this flank.
+    ///
+    /// # Errors
+    /// As [`ContactSolver::position`].
+    pub fn new(
+        solver: &ContactSolver,
+        problem: &PositionProblem,
+        (flank, mesh_position, center_distance_offset): (Flank, f64, f64),
+        models: &'a [Arc<RootStress>; 2],
+    ) -> Result<Self, ContactError> {
+        let tau = mesh_position - mesh_position.floor();
+        let strips = problem.candidates().iter().map(|c| (c.tooth_pair, c.z));
+        Self::of_strips(solver, (flank, tau, center_distance_offset), strips, models)
+    }
+
+    fn of_strips(
+        solver: &ContactSolver,
+        (flank, tau, center_distance_offset): (Flank, f64, f64),
+        strips: impl Iterator<Item = (i32, [f64; 2])>,
+        models: &'a [Arc<RootStress>; 2],
+    ) -> Result<Self, ContactError> {
+        let strips: Vec<_> = strips.collect();
+        let tooth_pairs = strips.iter().map(|(k, _)| *k).collect();
+        let seen = solver.seen_by_gears(flank, tau, center_distance_offset, strips.into_iter())?;
+        let of_gear = |i: usize| {
+            let seen: Vec<Strip> = seen.iter().map(|strip| strip[i]).collect();
+            models[i].spread(&seen)
+        };
+        Ok(PositionRoots {
+            models,
+            strips: [of_gear(0), of_gear(1)],
+            tooth_pairs,
+            center_distance_offset,
+        })
+    }
+
+    /// The tooth pairs with a force among `forces`, N, on the strips.
+    fn under_load(&self, forces: &[f64]) -> Vec<i32> {
+        let strips = self.tooth_pairs.iter().zip(forces);
+        let mut pairs: Vec<i32> = strips.filter(|(_, f)| **f > 0.0).map(|(k, _)| *k).collect();
+        pairs.dedup();
+        pairs
+    }
+
+    /// The fillet of gear `i` + 1 on its tooth of `tooth_pair` under `forces`, N, on the strips.
+    fn field(
+        &self,
+        i: usize,
+        tooth_pair: i32,
+        forces: &[f64],
+    ) -> Result<RootField<'_>, ContactError> {
+        let tooth = if i == 0 { tooth_pair } else { -tooth_pair };
+        let field = self.models[i].of_tooth_under(tooth, &self.strips[i], forces);
+        field.map_err(|model| ContactError::BeyondModel {
+            center_distance_offset_um: 1e6 * self.center_distance_offset,
+            model,
+        })
+    }
+
+    /// Largest principal stress in the roots of gear 1 and gear 2 under the load of `result`, a solution of the problem
+    /// it was made of: over face and fillet of every tooth under load, Pa; 0 without load.
+    ///
+    /// # Errors
+    /// [`ContactError::BeyondModel`] where more teeth bear load than the models hold.
+    pub fn largest(&self, result: &ContactResult) -> Result<[f64; 2], ContactError> {
+        let mut largest = [0.0f64; 2];
+        for pair in self.under_load(&result.forces) {
+            for (i, largest) in largest.iter_mut().enumerate() {
+                let field = self.field(i, pair, &result.forces)?;
+                *largest = largest.max(field.largest().stress);
+            }
+        }
+        Ok(largest)
+    }
+}
+
+impl MeshCycle {
+    /// Stress in the roots of gear 1 and gear 2 under the loads of this cycle, which `solver` solved for `input`; `models` are
+    /// those of gear 1 and gear 2.
+    ///
+    /// # Errors
+    /// [`ContactError::BeyondModel`] where more teeth bear load than the models hold.
+    pub fn root_stress(
+        &self,
+        solver: &ContactSolver,
+        input: &CycleInput,
+        models: &[Arc<RootStress>; 2],
+    ) -> Result<[GearRoots; 2], ContactError> {
+        let positions: Vec<(PositionRoots, Vec<f64>)> = (&self.mesh_position, &self.loads)
+            .into_par_iter()
+            .map(|(tau, strips)| {
+                let loaded = || strips.iter().filter(|strip| strip.force > 0.0);
+                let at = (input.flank, *tau, input.center_distance_offset);
+                let strips = loaded().map(|strip| (strip.tooth_pair, strip.z));
+                let roots = PositionRoots::of_strips(solver, at, strips, models)?;
+                Ok((roots, loaded().map(|strip| strip.force).collect()))
+            })
+            .collect::<Result<_, ContactError>>()?;
+        let [first, second] = [0, 1].map(|i| of_gear(solver, input, i, &positions));
+        Ok([first?, second?])
+    }
+}
+
+fn of_gear(
+    solver: &ContactSolver,
+    input: &CycleInput,
+    i: usize,
+    positions: &[(PositionRoots, Vec<f64>)],
+) -> Result<GearRoots, ContactError> {
+    let field = |position: usize, tooth_pair: i32| {
+        let (roots, forces) = &positions[position];
+        roots.field(i, tooth_pair, forces)
+    };
+    let placed = |point: RootPoint| RootPoint {
+        z: z_in_frame(solver.geometry(), input.flank, i, point.z),
+        ..point
+    };
+    let teeth: Vec<(usize, i32)> = positions
+        .iter()
+        .enumerate()
+        .flat_map(|(position, (roots, forces))| {
+            let pairs = roots.under_load(forces);
+            pairs.into_iter().map(move |pair| (position, pair))
+        })
+        .collect();
+    let teeth = teeth
+        .into_par_iter()
+        .map(|(position, tooth_pair)| {
+            let field = field(position, tooth_pair)?;
+            Ok(ToothRoot {
+                position,
+                tooth_pair,
+                largest: placed(field.largest()),
+                at_tangent: field.at_tangent().map(placed),
+            })
+        })
+        .collect::<Result<Vec<ToothRoot>, ContactError>>()?;
+    let stress = |tooth: &ToothRoot| tooth.largest.stress;
+    let largest = (0..teeth.len()).max_by(|a, b| stress(&teeth[*a]).total_cmp(&stress(&teeth[*b])));
+    let field = match largest.map(|at| &teeth[at]) {
+        Some(tooth) => {
+            let field = field(tooth.position, tooth.tooth_pair)?;
+            let along_face = 0..field.z().len();
+            let mut rows: Vec<Vec<RootPoint>> = along_face
+                .map(|number| field.profile(number).map(placed).collect())
+                .collect();
+            rows.sort_by(|a, b| a[0].z.total_cmp(&b[0].z));
+            rows
+        }
+        None => Vec::new(),
+    };
+    Ok(GearRoots {
+        teeth,
+        largest,
+        field,
+    })
+}
+
+/// z in gear 1's frame of the canonical coordinate `z` of gear `i`, m.
+fn z_in_frame(geometry: &PairGeometry, flank: Flank, i: usize, z: f64) -> f64 {
+    let gear = &geometry.gears[i];
+    let own = if geometry.is_mirrored(flank, i) {
+        gear.face_width - z
+    } else {
+        z
+    };
+    gear.face_offset + own
+}

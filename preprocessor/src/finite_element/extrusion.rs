@@ -1,0 +1,375 @@
+//! The section swept along the helix.
+//!
+//! Loads on the flank are felt the more evenly along the face the deeper one looks below the root (Saint-Venant), so the
+//! layers of the tooth are merged in rows that lie deep enough ([`Layers::of_rows`]). Where a row of thin layers
+//! meets one of thick layers, nodes of the thin ones lie within a side of a thick element and move as that side does
+//! ([`Mesh::hanging`]): the displacement stays continuous.
+
+use super::element::{QUAD8, shape};
+use super::layers::Layers;
+use super::mesh::{FlankNode, Mesh};
+use super::outline::Outline;
+use super::section::Section;
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+
+/// A plane across the axis: the end of a layer, `of` empty, or halfway between the ends of some layers.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+struct Plane {
+    of: Range<usize>,
+}
+
+impl Plane {
+    fn end(layer: usize) -> Plane {
+        Plane { of: layer..layer }
+    }
+
+    fn middle(of: &Range<usize>) -> Plane {
+        Plane { of: of.clone() }
+    }
+}
+
+/// The mesh while it grows, with its nodes by node of the section and plane.
+struct Extrusion<'a> {
+    section: &'a Section,
+    stations: &'a [f64],
+    twist: f64,
+    held: HashSet<usize>,
+    numbers: HashMap<(usize, Plane), usize>,
+    mesh: Mesh,
+}
+
+impl Mesh {
+    /// The section swept through `along`, turned by `twist` rad per metre (tan beta_b / rb; right-handed), without
+    /// what lies outside of rim, web and hub.
+    pub fn extruded(
+        section: &Section,
+        outline: &Outline,
+        along: &Layers,
+        twist: f64,
+        foundation: Option<f64>,
+    ) -> Mesh {
+        let mut extrusion = Extrusion {
+            section,
+            stations: &along.stations,
+            twist,
+            held: section.held.iter().copied().collect(),
+            numbers: HashMap::new(),
+            mesh: Mesh {
+                dimension: 3,
+                ..Mesh::default()
+            },
+        };
+        let rows = along.of_rows(&section.row_depths);
+        extrusion.add_elements(along, &rows);
+        for (upper, layers) in rows.windows(2).enumerate() {
+            if layers[0] != layers[1] {
+                extrusion.hang(upper, &layers[0], &layers[1]);
+            }
+        }
+        extrusion.find_sides();
+        extrusion.find_surface(outline, &along.face);
+        extrusion.mesh.rested_on(foundation)
+    }
+}
+
+impl Extrusion<'_> {
+    /// Place of a plane, m.
+    fn z(&self, plane: &Plane) -> f64 {
+        0.5 * (self.stations[plane.of.start] + self.stations[plane.of.end])
+    }
+
+    /// Number of the node `node` of the section on `plane`; a new one if there is none yet.
+    fn number(&mut self, node: usize, plane: Plane) -> usize {
+        let z = self.z(&plane);
+        let mesh = &mut self.mesh;
+        *self.numbers.entry((node, plane)).or_insert_with(|| {
+            let [r, theta] = self.section.nodes[node];
+            let angle = theta + self.twist * z;
+            mesh.points.push([r * angle.cos(), r * angle.sin(), z]);
+            mesh.angles.push(angle);
+            mesh.held.push(self.held.contains(&node));
+            mesh.points.len() - 1
+        })
+    }
+
+    /// Elements of all layers, those of the row r below the root in the layers `rows[r]`.
+    fn add_elements(&mut self, along: &Layers, rows: &[Vec<Range<usize>>]) {
+        let section = self.section;
+        let thin = along.single();
+        for (quad, cell) in section.quads.iter().zip(&section.cells) {
+            let layers = Section::row_below_root(*cell).and_then(|row| rows.get(row));
+            for layer in layers.unwrap_or(&thin) {
+                // Layers are merged in full discs alone.
+                if !along.holds(section.part(*cell), layer.start) {
+                    continue;
+                }
+                for end in [layer.start, layer.end] {
+                    for node in quad {
+                        let number = self.number(*node, Plane::end(end));
+                        self.mesh.elements.push(number);
+                    }
+                }
+                for node in &quad[..4] {
+                    let number = self.number(*node, Plane::middle(layer));
+                    self.mesh.elements.push(number);
+                }
+                self.mesh.cells.push([cell[0], cell[1], layer.start as i32]);
+            }
+        }
+    }
+
+    /// Hangs the nodes between the row `upper` with the layers `thin` and the next one with `thick` ones.
+    fn hang(&mut self, upper: usize, thin: &[Range<usize>], thick: &[Range<usize>]) {
+        let section = self.section;
+        let quads_of = |row: usize| {
+            let all = section.quads.iter().zip(&section.cells);
+            all.filter(move |(_, cell)| Section::row_below_root(**cell) == Some(row))
+                .map(|(quad, _)| quad)
+        };
+        let above: HashSet<usize> = quads_of(upper).flatten().copied().collect();
+        for quad in quads_of(upper + 1) {
+            let edges = (0..4).map(|k| [quad[k], quad[(k + 1) % 4], quad[4 + k]]);
+            for edge in edges.filter(|edge| edge.iter().all(|node| above.contains(node))) {
+                for side in thick {
+                    let within = thin
+                        .iter()
+                        .filter(|layer| side.start <= layer.start && layer.end <= side.end);
+                    for layer in within.filter(|layer| *layer != side) {
+                        self.hang_on(edge, side, Plane::middle(layer));
+                        if layer.end < side.end {
+                            self.hang_on(edge, side, Plane::end(layer.end));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Hangs the nodes that lie on `plane` within the side over `edge` (both corners, then the middle) and `layers`.
+    fn hang_on(&mut self, [a, b, middle]: [usize; 3], layers: &Range<usize>, plane: Plane) {
+        let ends = [layers.start, layers.end].map(|end| self.stations[end]);
+        let zeta = (2.0 * self.z(&plane) - ends[0] - ends[1]) / (ends[1] - ends[0]);
+        for (node, xi) in [(a, -1.0), (b, 1.0), (middle, 0.0)] {
+            let Some(at) = self.numbers.get(&(node, plane.clone())).copied() else {
+                continue;
+            };
+            let mut carriers = Vec::new();
+            let mut place = [0.0; 3];
+            for c in &QUAD8 {
+                let share = shape(2, c, &[xi, zeta, 0.0]).0;
+                if share == 0.0 {
+                    continue;
+                }
+                let of = match c[0] {
+                    0.0 => middle,
+                    x if x < 0.0 => a,
+                    _ => b,
+                };
+                let plane = match c[1] {
+                    0.0 => Plane::middle(layers),
+                    x if x < 0.0 => Plane::end(layers.start),
+                    _ => Plane::end(layers.end),
+                };
+                let carrier = self.number(of, plane);
+                carriers.push((carrier, share));
+                for (sum, x) in place.iter_mut().zip(self.mesh.points[carrier]) {
+                    *sum += share * x;
+                }
+            }
+            // Where the side has it, so that the elements fit without a gap.
+            self.mesh.points[at] = place;
+            self.mesh.angles[at] = place[1].atan2(place[0]);
+            self.mesh.hanging.insert(at, carriers);
+        }
+    }
+
+    /// Nodes of both sides of the sector, plane by plane.
+    fn find_sides(&mut self) {
+        let mut planes: Vec<Plane> = self
+            .numbers
+            .keys()
+            .map(|(_, plane)| plane.clone())
+            .collect();
+        planes.sort_by(|a, b| {
+            let order = self.z(a).total_cmp(&self.z(b));
+            order.then((a.of.start, a.of.end).cmp(&(b.of.start, b.of.end)))
+        });
+        planes.dedup();
+        for plane in planes {
+            for (side, nodes) in self.mesh.sides.iter_mut().zip(&self.section.sides) {
+                let there = nodes
+                    .iter()
+                    .filter_map(|node| self.numbers.get(&(*node, plane.clone())).copied());
+                side.extend(there.filter(|at| !self.mesh.hanging.contains_key(at)));
+            }
+        }
+    }
+
+    /// Nodes of the loaded flank and of the fillet beside it, in the layers `face`.
+    fn find_surface(&mut self, outline: &Outline, face: &Range<usize>) {
+        let section = self.section;
+        let ends = (face.clone())
+            .flat_map(|layer| [Plane::end(layer), Plane::middle(&(layer..layer + 1))]);
+        for plane in ends.chain([Plane::end(face.end)]) {
+            let at = |node: usize| self.numbers.get(&(node, plane.clone())).copied();
+            let fillet = section.fillet.iter().map(|(node, _)| *node);
+            self.mesh.fillet.extend(fillet.filter_map(at));
+            for (node, arc) in &section.flank {
+                let Some(number) = at(*node) else {
+                    continue;
+                };
+                // The surface contains the helix direction (0, r twist, 1).
+                let [n_r, n_t] = outline.normal(*arc);
+                let n_z = -n_t * section.nodes[*node][0] * self.twist;
+                let norm = n_z.hypot(1.0);
+                self.mesh.flank.push(FlankNode {
+                    node: number,
+                    normal: [n_r / norm, n_t / norm, n_z / norm],
+                });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::finite_element::dissection::Elimination;
+    use crate::finite_element::model::Model;
+    use crate::finite_element::{Discretization, Settings, assembly, element};
+    use crate::samples;
+    use approx::assert_relative_eq;
+    use gearmesh::gear::{Body, Gear, GearKind, ToothProfile};
+    use gearmesh::pair::Refinement;
+
+    /// Gears whose deep rows have merged layers: without and with helix, and a ring.
+    fn gears() -> [Gear; 3] {
+        [(0.0, 0.0), (30.0, 0.0), (20.0, 15e-3)].map(|(helix, ring)| {
+            let kind = match ring > 0.0 {
+                true => GearKind::Ring,
+                false => GearKind::External,
+            };
+            let mut gear = samples::gear(kind, 30, 1.0, helix, 0.0);
+            gear.face_width = 82e-3;
+            gear.held_radius = match kind {
+                GearKind::External => 0.5 * gear.root_radius(),
+                GearKind::Ring => gear.held_radius + ring,
+            };
+            gear
+        })
+    }
+
+    /// Few nodes on the flank are enough here, in layers thin enough to be merged.
+    fn settings() -> Settings {
+        let mut settings = Settings::new(Refinement::Coarse, 1);
+        let normal = Discretization::of(Refinement::Normal);
+        settings.discretization = Discretization {
+            flank_element: 0.5,
+            layer: normal.layer,
+            end_layer: normal.end_layer,
+            ..settings.discretization
+        };
+        settings
+    }
+
+    fn model(gear: &Gear) -> Model {
+        Model::new(gear, &settings()).unwrap()
+    }
+
+    #[test]
+    fn even_strain_has_its_energy_across_the_rows_where_layers_merge() {
+        let (young, poisson) = (206e9, 0.3);
+        let (lambda, mu) = element::lame(young, poisson);
+        // Displacement gradient: stretches, shears and a rotation.
+        let g = [[1e-4, 3e-4, -3e-4], [-1e-4, -3e-4, 1e-4], [4e-4, 0.0, 3e-4]];
+        let trace: f64 = (0..3).map(|i| g[i][i]).sum();
+        let both = |i: usize, j: usize| 0.5 * (g[i][j] + g[j][i]);
+        let squares: f64 = (0..9).map(|k| both(k / 3, k % 3).powi(2)).sum();
+        let density = 0.5 * lambda * trace * trace + mu * squares;
+        for gear in gears() {
+            let mut mesh = model(&gear).mesh;
+            assert!(mesh.hanging.len() > 20, "{}", mesh.hanging.len());
+            mesh.held.fill(false);
+            let order = Elimination::new(&mesh).order;
+            let first = assembly::number_unknowns(&mesh, &order);
+            let k = assembly::assemble(&mesh, &order, [young, poisson]);
+            let mut u = vec![0.0; 3 * order.len()];
+            for node in &order {
+                let (sin, cos) = mesh.angles[*node].sin_cos();
+                let p = mesh.points[*node];
+                let [x, y, z] = g.map(|row| row.iter().zip(p).map(|(a, b)| a * b).sum::<f64>());
+                u[first[*node]..][..3].copy_from_slice(&[cos * x + sin * y, cos * y - sin * x, z]);
+            }
+            let mut energy = 0.0;
+            for column in 0..u.len() {
+                for at in k.column_starts[column]..k.column_starts[column + 1] {
+                    let share = if k.rows[at] == column { 0.5 } else { 1.0 };
+                    energy += share * u[column] * k.values[at] * u[k.rows[at]];
+                }
+            }
+            let (volume, _) = mesh.volume_and_quality();
+            assert_relative_eq!(energy, density * volume, max_relative = 1e-9);
+        }
+    }
+
+    #[test]
+    fn merged_layers_change_what_flanks_give_by_less_than_a_part_in_three_thousand() {
+        for gear in gears() {
+            let merged = model(&gear);
+            let sizes = settings().discretization;
+            let outline = Outline::new(&ToothProfile::new(&gear).unwrap());
+            let section = Section {
+                row_depths: Vec::new(),
+                ..Section::new(&outline, &sizes.section(gear.normal_module))
+            };
+            let twist = gear.base_helix_angle().tan() / gear.base_radius();
+            let layers = Layers::new(&gear, &sizes);
+            let split = Model {
+                mesh: Mesh::extruded(&section, &outline, &layers, twist, None),
+                ..model(&gear)
+            };
+            assert!(split.mesh.hanging.is_empty());
+            assert!(split.mesh.cells.len() > merged.mesh.cells.len());
+            let [merged, split] = [merged, split].map(|m| m.solve(1, &|_, _| true).unwrap().0);
+            for (merged, split) in merged.iter().zip(&split) {
+                let error = (merged - split).amax();
+                assert!(error < 3e-4 * split.amax(), "{}", error / split.amax());
+                let (even, all) = ((merged - split).sum(), split.sum());
+                assert!(even.abs() < 3e-4 * all, "{}", even / all);
+            }
+        }
+    }
+
+    #[test]
+    fn flank_and_fillet_lie_where_the_outline_has_them_with_a_web_too() {
+        let disc = samples::gear(GearKind::External, 60, 1.0, 20.0, 0.0);
+        let webbed = Gear {
+            body: Some(Body {
+                rim_radius: disc.root_radius() - 8e-3,
+                web: [8e-3, 14e-3],
+                hub_radius: 30e-3,
+                hub: [-5e-3, 30e-3],
+            }),
+            ..disc.clone()
+        };
+        for gear in [disc, webbed] {
+            let mesh = model(&gear).mesh;
+            let radius = |node: usize| mesh.points[node][0].hypot(mesh.points[node][1]);
+            let on_face = |node: usize| (-1e-12..25e-3 + 1e-12).contains(&mesh.points[node][2]);
+            assert!(mesh.fillet.len() > 50 && mesh.flank.len() > 50);
+            for node in &mesh.fillet {
+                let r = radius(*node);
+                assert!(
+                    gear.root_radius() - 1e-9 < r && r < gear.reference_radius() + 1e-9,
+                    "{r}"
+                );
+                assert!(on_face(*node));
+            }
+            for flank in &mesh.flank {
+                let r = radius(flank.node);
+                assert!(r < gear.tip_radius + 1e-9 && on_face(flank.node), "{r}");
+            }
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! The grid of nodes on the loaded flank, and strips as weights on it.
+
+use super::element::{GAUSS3, QUAD8, shape};
+use super::kernel::{EDGE_KERNEL_OVER_ELEMENT, HALF_KERNEL_FROM_EDGE};
+use super::outline::Outline;
+use crate::finite_element::kernel::{GAUSS5, Kernel};
+use gearmesh::compliance::Strip;
+use std::collections::BTreeMap;
+
+/// Weights of the flank nodes that share the force on a strip (they sum to one) and, since loads and
+/// displacements are treated alike, average the displacement of the strip.
+pub(super) type Weights = Vec<(usize, f64)>;
+
+/// Faces of the elements along the loaded flank: arc length of their ends by z of their ends. A plane
+/// model has a single station and faces that are lines.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FlankGrid {
+    /// Ends of the elements along the profile, arc length, m, ascending.
+    pub arcs: Vec<f64>,
+    /// Ends of the layers, m, ascending; a single one in plane strain.
+    pub stations: Vec<f64>,
+    /// Roll length at arc length zero, m.
+    pub form_roll: f64,
+    /// kappa / (2 rb), 1/m: arc = this * (roll² - form_roll²).
+    pub arc_per_roll_squared: f64,
+    /// Half-width of the kernel, m.
+    pub kernel_half_width: f64,
+}
+
+impl FlankGrid {
+    /// Grid of the flank nodes' arc lengths `arcs` (corner, mid-edge, corner, ...).
+    pub fn new(outline: &Outline, arcs: &[f64], stations: &[f64], half_width: f64) -> FlankGrid {
+        FlankGrid {
+            arcs: arcs.iter().step_by(2).copied().collect(),
+            stations: stations.to_vec(),
+            form_roll: outline.form_roll,
+            arc_per_roll_squared: outline.kappa / (2.0 * outline.base_radius),
+            kernel_half_width: half_width,
+        }
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        let (elements, layers) = (self.arcs.len() - 1, self.stations.len() - 1);
+        (layers + 1) * (2 * elements + 1) + layers * (elements + 1)
+    }
+
+    /// Thickest layer, m; none in plane strain.
+    pub fn thickest_layer(&self) -> f64 {
+        let layers = self.stations.windows(2).map(|ends| ends[1] - ends[0]);
+        layers.fold(0.0, f64::max)
+    }
+
+    /// Number of the node at half steps `i` along the profile and `k` along z; not both odd.
+    fn node(&self, i: usize, k: usize) -> usize {
+        let elements = self.arcs.len() - 1;
+        let base = (k / 2) * (3 * elements + 2);
+        if k.is_multiple_of(2) {
+            base + i
+        } else {
+            base + 2 * elements + 1 + i / 2
+        }
+    }
+
+    /// Arc length from the form point at the length of roll `roll`, m.
+    pub fn arc(&self, roll: f64) -> f64 {
+        self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll)
+    }
+
+    /// Kernel of a line at `roll`.
+    fn kernel(&self, roll: f64) -> Kernel {
+        let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
+        let arc = self.arc(roll);
+        // Not wider than the distance to the tip edge, so that the load stays where it acts, down to what the
+        // elements at the edge resolve.
+        let least = self.edge_half_width().min(self.kernel_half_width);
+        let half_width = (edges[1] - arc).clamp(least, self.kernel_half_width);
+        Kernel::new(half_width, arc, edges)
+    }
+
+    /// Half-width of the kernel at the tip edge, m: one and a half of the element there.
+    fn edge_half_width(&self) -> f64 {
+        let last = self.arcs.len() - 1;
+        EDGE_KERNEL_OVER_ELEMENT * (self.arcs[last] - self.arcs[last - 1])
+    }
+
+    /// As [`gearmesh::compliance::ToothCompliance::corner_resolution`].
+    pub fn edge_resolution(&self) -> f64 {
+        HALF_KERNEL_FROM_EDGE * self.edge_half_width().min(self.kernel_half_width)
+    }
+
+    /// Reference length of the kernel at the middle of `strip`, m.
+    pub fn reference_length(&self, strip: &Strip) -> f64 {
+        self.kernel(0.5 * (strip.roll[0] + strip.roll[1]))
+            .reference_length()
+    }
+
+    /// Weights of `strip`.
+    pub fn weights(&self, strip: &Strip) -> Weights {
+        let length = strip.z[1] - strip.z[0];
+        let mut sum = BTreeMap::new();
+        for (layer, low, high) in cells(&self.stations, strip.z) {
+            for (x, weight) in GAUSS3 {
+                let share = 0.5 * (1.0 + x);
+                let z = low + share * (high - low);
+                let along = (z - strip.z[0]) / length;
+                let roll = strip.roll[0] + along * (strip.roll[1] - strip.roll[0]);
+                let part = 0.5 * weight * (high - low) / length;
+                self.spread(layer, z, roll, part, &mut sum);
+            }
+        }
+        sum.into_iter().collect()
+    }
+
+    /// Adds `part` of a unit load at `z` and `roll`.
+    fn spread(&self, layer: usize, z: f64, roll: f64, part: f64, sum: &mut BTreeMap<usize, f64>) {
+        let kernel = self.kernel(roll);
+        let plane = self.stations.len() == 1;
+        for (element, low, high) in cells(&self.arcs, kernel.support()) {
+            for (x, weight) in GAUSS5 {
+                let arc = low + x * (high - low);
+                let load = part * weight * (high - low) * kernel.density(arc);
+                let xi = local(arc, &self.arcs, element);
+                if plane {
+                    for (i, value) in line3(xi).into_iter().enumerate() {
+                        *sum.entry(2 * element + i).or_insert(0.0) += load * value;
+                    }
+                    continue;
+                }
+                let zeta = local(z, &self.stations, layer);
+                for c in &QUAD8 {
+                    let half = |center: f64| (1.0 + center) as usize;
+                    let node = self.node(2 * element + half(c[0]), 2 * layer + half(c[1]));
+                    let value = shape(2, c, &[xi, zeta, 0.0]).0;
+                    *sum.entry(node).or_insert(0.0) += load * value;
+                }
+            }
+        }
+    }
+}
+
+/// Quadratic shape functions of a line with the nodes -1, 0, 1.
+fn line3(xi: f64) -> [f64; 3] {
+    [0.5 * xi * (xi - 1.0), 1.0 - xi * xi, 0.5 * xi * (xi + 1.0)]
+}
+
+/// Local coordinate in [-1, 1] of `x` in cell `i` of `ends`.
+fn local(x: f64, ends: &[f64], i: usize) -> f64 {
+    2.0 * (x - ends[i]) / (ends[i + 1] - ends[i]) - 1.0
+}
+
+/// Cells of `ends` that `range` touches, as (cell, low, high) with the limits cut to the cell; what lies
+/// outside by rounding belongs to the outermost cells. With a single end there is one cell, the range.
+fn cells(ends: &[f64], range: [f64; 2]) -> Vec<(usize, f64, f64)> {
+    let count = ends.len() - 1;
+    if count == 0 {
+        return vec![(0, range[0], range[1])];
+    }
+    let cell = |x: f64| ends.partition_point(|end| *end <= x).clamp(1, count) - 1;
+    let (first, last) = (cell(range[0]), cell(range[1]));
+    (first..=last)
+        .map(|i| {
+            let low = if i == first { range[0] } else { ends[i] };
+            let high = if i == last { range[1] } else { ends[i + 1] };
+            (i, low, high)
+        })
+        .filter(|(_, low, high)| high > low)
+        .collect()
+}

@@ -1,0 +1,233 @@
+//! Finite-element compliance of one gear: all teeth, rim and web down to the held surface.
+//!
+//! ```text
+//!  gear::ToothProfile ─> outline ─> section ─> mesh ─> assembly ─> condensation ─> cyclic ─> influence
+//!                        by arc     one tooth   along   sparse      Cholesky,       whole      of flank
+//!                        length     sector      helix   stiffness   sides left      ring       nodes
+//! ```
+//!
+//! One tooth sector is meshed with 20-node hexahedra (plane strain: 8-node quadrilaterals) and reduced
+//! to the displacements of its two sides and of the loaded flank; the ring of equal sectors then follows
+//! by a Fourier transform, so that every tooth of the gear is a real one at the cost of one. The result
+//! are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on
+//! the flank nodes of tooth 0.
+//!
+//! A [`Strip`] is a line load spread across its contact line by a smooth kernel (`kernel`); weights f
+//! on the flank nodes give the influence f_i^T C f_j. It contains the kernel's own local displacement, and
+//! [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact
+//! does not depend on the kernel's width.
+
+mod assembly;
+mod cache;
+mod condensation;
+mod cyclic;
+mod dense;
+mod dissection;
+mod element;
+mod error;
+mod extrusion;
+mod fillet;
+mod flank;
+mod fronts;
+mod grading;
+mod harmonics;
+mod influence;
+mod kernel;
+mod layers;
+mod memory;
+mod mesh;
+mod model;
+mod outline;
+mod pair;
+mod root_stress;
+mod root_stress_cache;
+mod section;
+mod sector;
+mod settings;
+mod side_modes;
+
+pub use cache::{CachedModel, ModelCache, Origin};
+pub use error::FiniteElementError;
+pub use model::{Cost, Stage};
+pub use pair::PairCompliance;
+pub use root_stress::{RootField, RootPoint, RootStress, SpreadStrips};
+pub use root_stress_cache::pair_root_stress;
+pub use sector::{SectorMesh, centre_line_compliance};
+pub use settings::{Discretization, Settings};
+
+use flank::{FlankGrid, Weights};
+use gearmesh::compliance::{BeyondModel, Strip, ToothCompliance};
+use gearmesh::gear::Gear;
+use influence::Influence;
+use model::Model;
+use nalgebra::DMatrix;
+
+/// Progress of a computation: called with the stage and the share of it that is done; returns false to
+/// stop with [`FiniteElementError::Cancelled`].
+pub type Progress<'a> = dyn Fn(Stage, f64) -> bool + Sync + 'a;
+
+/// Finite-element model of one gear, reduced to its loaded flank.
+#[derive(Debug, Clone)]
+pub struct FiniteElementCompliance {
+    grid: FlankGrid,
+    /// C_k, m/N (plane strain: m²/N, per force per metre of depth): rows tooth k, columns tooth 0.
+    influence: Influence,
+    plane_strain: bool,
+    /// Of the base helix; plane strain alone needs it.
+    cos_base_helix: f64,
+    cost: Cost,
+    /// The gear turned end for end, if its body is another one then.
+    turned: Option<Box<FiniteElementCompliance>>,
+}
+
+impl FiniteElementCompliance {
+    /// Computes the model of `gear`; microgeometry plays no part.
+    ///
+    /// # Errors
+    /// [`FiniteElementError`]: no usable tooth, too thin a rim, memory, or cancelled by `progress`.
+    pub fn new(
+        gear: &Gear,
+        settings: &Settings,
+        progress: &Progress<'_>,
+    ) -> Result<Self, FiniteElementError> {
+        Self::with_turned(gear, |gear| {
+            Self::compute(Model::new(gear, settings)?, settings, progress)
+        })
+    }
+
+    /// The model that `one` gives of `gear`, with that of the gear turned end for end if its body asks for it.
+    fn with_turned(
+        gear: &Gear,
+        mut one: impl FnMut(&Gear) -> Result<Self, FiniteElementError>,
+    ) -> Result<Self, FiniteElementError> {
+        let mut model = one(gear)?;
+        if let Some(turned) = gear.turned() {
+            let turned = one(&turned)?;
+            for (sum, more) in model.cost.seconds.iter_mut().zip(turned.cost.seconds) {
+                *sum += more;
+            }
+            model.turned = Some(Box::new(turned));
+        }
+        Ok(model)
+    }
+
+    fn compute(
+        model: Model,
+        settings: &Settings,
+        progress: &Progress<'_>,
+    ) -> Result<Self, FiniteElementError> {
+        let (influence, cost) = model.solve(settings.reach, progress)?;
+        let influence = Influence::new(&influence);
+        Ok(Self::from_parts(model, influence, cost, settings))
+    }
+
+    fn from_parts(model: Model, influence: Influence, cost: Cost, settings: &Settings) -> Self {
+        FiniteElementCompliance {
+            cos_base_helix: model.gear.base_helix_angle().cos(),
+            grid: model.grid,
+            influence,
+            plane_strain: settings.plane_strain,
+            cost,
+            turned: None,
+        }
+    }
+
+    /// What the computation took.
+    pub fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
+    /// Largest difference of tooth numbers that [`ToothCompliance::bulk`] accepts.
+    pub fn reach(&self) -> usize {
+        self.influence.teeth() - 1
+    }
+
+    /// Factor of the influence of strip `j` on strip `i` beyond that of their weights.
+    fn slice_factor(&self, a: &Strip, b: &Strip) -> f64 {
+        if !self.plane_strain {
+            return 1.0;
+        }
+        // Independent slices: strips act on each other as far as they lie in the same slices. The force
+        // per length of contact line is cos beta_b times that per metre of depth; so is the displacement
+        // along the flank normal seen from the transverse plane, but one of the two factors is left
+        // to the shorter path of the line load, as the local contact of `ToothCompliance` counts it.
+        let overlap = (a.z[1].min(b.z[1]) - a.z[0].max(b.z[0])).max(0.0);
+        let lengths = (a.z[1] - a.z[0]) * (b.z[1] - b.z[0]);
+        self.cos_base_helix * overlap / lengths
+    }
+}
+
+impl ToothCompliance for FiniteElementCompliance {
+    fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
+        let weights: Vec<Weights> = strips.iter().map(|s| self.grid.weights(s)).collect();
+        let mut teeth: Vec<i32> = strips.iter().map(|s| s.tooth).collect();
+        teeth.sort_unstable();
+        teeth.dedup();
+        if let (Some(first), Some(last)) = (teeth.first(), teeth.last()) {
+            let distance = last.abs_diff(*first) as usize;
+            if distance > self.reach() {
+                return Err(BeyondModel {
+                    distance,
+                    reach: self.reach(),
+                });
+            }
+        }
+        let mut matrix = DMatrix::zeros(strips.len(), strips.len());
+        let mut displacement = vec![0.0; self.grid.len()];
+        for (j, load) in weights.iter().enumerate() {
+            for tooth in teeth.iter().filter(|t| **t >= strips[j].tooth) {
+                let offset = (tooth - strips[j].tooth) as usize;
+                displacement.fill(0.0);
+                for (node, weight) in load {
+                    let weight = weight * self.influence.unit();
+                    let column = self.influence.column(offset, *node);
+                    for (u, c) in displacement.iter_mut().zip(column) {
+                        *u += weight * f64::from(*c);
+                    }
+                }
+                for (i, response) in weights.iter().enumerate() {
+                    if strips[i].tooth != *tooth || (offset == 0 && i < j) {
+                        continue;
+                    }
+                    let value: f64 = response
+                        .iter()
+                        .map(|(node, w)| w * displacement[*node])
+                        .sum();
+                    let value = value * self.slice_factor(&strips[i], &strips[j]);
+                    matrix[(i, j)] = value;
+                    matrix[(j, i)] = value;
+                }
+            }
+        }
+        Ok(matrix)
+    }
+
+    fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
+        strips
+            .iter()
+            .map(|s| self.grid.reference_length(s))
+            .collect()
+    }
+
+    fn turned(&self) -> Option<&dyn ToothCompliance> {
+        let turned: &dyn ToothCompliance = self.turned.as_deref()?;
+        Some(turned)
+    }
+
+    fn corner_resolution(&self) -> f64 {
+        self.grid.edge_resolution()
+    }
+
+    fn lengthwise_resolution(&self) -> f64 {
+        self.grid.thickest_layer()
+    }
+}
+
+#[cfg(test)]
+mod body_tests;
+#[cfg(test)]
+mod closure_tests;
+#[cfg(test)]
+mod contact_tests;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,403 @@
+//! Stress in the tooth root as a linear map from the loads on strips of the flanks.
+//!
+//! A model of its own beside [`super::FiniteElementCompliance`]: the same elements, condensation and ring, refined along
+//! the fillet and coarser on the flank, whose loads the root feels by their resultants. The stress at the points of the
+//! fillet ([`super::fillet`]) are functionals of the displacement; carried along as columns beside the loads they give
+//! the map without a backward solution (reciprocity).
+
+use super::condensation::{self, LoadColumn};
+use super::dissection::Elimination;
+use super::fillet::{COMPONENTS, FilletGrid};
+use super::flank::{FlankGrid, Weights};
+use super::model::Model;
+use super::settings::Settings;
+use super::{FiniteElementError, Progress, Stage, assembly, cyclic};
+use gearmesh::compliance::{BeyondModel, Strip};
+use gearmesh::gear::{Gear, GearKind};
+use nalgebra::DMatrix;
+
+/// Stress in the tooth roots of one gear per load on its flanks.
+#[derive(Debug, Clone)]
+pub struct RootStress {
+    pub(super) loads: FlankGrid,
+    pub(super) fillet: FilletGrid,
+    /// For each difference of tooth numbers (loaded tooth to root) from -reach to reach and each flank node a column: for each
+    /// point of the fillet its [`COMPONENTS`], in units of the column.
+    pub(super) map: Vec<i16>,
+    /// Unit of each column, Pa/N (plane strain: Pa m/N).
+    pub(super) scales: Vec<f32>,
+    pub(super) reach: usize,
+    /// Distance from a load within which stress is left out of the largest one, m.
+    local: f64,
+    /// Tangent to the centre line at which the standards look, rad.
+    tangent: f64,
+}
+
+/// Strips of one gear as loads on the nodes of its flanks.
+#[derive(Debug, Clone)]
+pub struct SpreadStrips(Vec<(Strip, Weights)>);
+
+/// Stress in the root of one tooth beside its loaded flank.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RootField<'a> {
+    fillet: &'a FilletGrid,
+    tangent: f64,
+    /// At each place along the face how many places along the profile, from the middle of the space, no load is beside.
+    clear: Vec<usize>,
+    /// Largest principal stress at each place along the face (outer) and along the profile, Pa, tension positive.
+    principal: Vec<f64>,
+}
+
+/// A point of the fillet and the largest principal stress there.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RootPoint {
+    /// Largest principal stress, Pa, tension positive.
+    pub stress: f64,
+    /// Along the face, m from the z = 0 face of the gear as [`Strip`] counts it.
+    pub z: f64,
+    /// Distance from the axis, m.
+    pub radius: f64,
+    /// Angle between the fillet's tangent plane and the tooth's centre line, rad.
+    pub tangent: f64,
+}
+
+impl Settings {
+    /// The same level for the stress in the root: fine along the fillet, coarse on the flank.
+    #[must_use]
+    pub fn for_root_stress(&self) -> Settings {
+        let mut settings = *self;
+        let sizes = &mut settings.discretization;
+        sizes.involute_element = None;
+        sizes.fillet_element = Some(sizes.flank_element * FILLET_OVER_FLANK);
+        sizes.flank_element *= FLANK_OVER_FLANK;
+        sizes.kernel_half_width = KERNEL_OVER_ELEMENT * sizes.flank_element;
+        settings
+    }
+}
+
+/// Elements along the fillet over those of the level along the flank.
+const FILLET_OVER_FLANK: f64 = 0.8;
+/// Elements along the flank over those of the level.
+const FLANK_OVER_FLANK: f64 = 1.5;
+/// Units in the largest entry of a column: 2e-5 of it are the rounding.
+pub(super) const LARGEST: f64 = 32_000.0;
+/// Over the normal module: width over which the kernel of level normal spreads a line load. So near to a load the stress is that of its
+/// spreading: under the concentrated load at a tip corner it has no limit as the kernel becomes narrower.
+const LOCAL_OVER_MODULE: f64 = 0.45;
+/// Half-width of the load kernel over the element: what the kernel needs to be resolved.
+const KERNEL_OVER_ELEMENT: f64 = 1.25;
+
+impl RootStress {
+    /// Computes the map of `gear`; `settings` from [`Settings::for_root_stress`].
+    ///
+    /// # Errors
+    /// As [`super::FiniteElementCompliance::new`].
+    pub fn new(
+        gear: &Gear,
+        settings: &Settings,
+        progress: &Progress<'_>,
+    ) -> Result<Self, FiniteElementError> {
+        Model::new(gear, settings)?.root_stress(settings.reach, progress)
+    }
+
+    fn with(model: &Model, fillet: FilletGrid, reach: usize) -> RootStress {
+        RootStress {
+            loads: model.grid.clone(),
+            fillet,
+            map: Vec::new(),
+            scales: Vec::new(),
+            reach,
+            local: LOCAL_OVER_MODULE * model.gear.normal_module,
+            tangent: match model.gear.kind {
+                GearKind::External => 30f64.to_radians(),
+                GearKind::Ring => 60f64.to_radians(),
+            },
+        }
+    }
+
+    /// What the mesh alone tells; the map is still to come.
+    pub(super) fn without_map(model: &Model, reach: usize) -> RootStress {
+        // Where the points lie does not depend on how the unknowns are numbered.
+        let (fillet, _) = model.fillet(&vec![0; model.mesh.points.len()]);
+        RootStress::with(model, fillet, reach)
+    }
+
+    /// Largest difference of tooth numbers between a load and a root.
+    pub fn reach(&self) -> usize {
+        self.reach
+    }
+
+    /// Stress in the root of `tooth` under normal forces, N, on strips of this gear (plane strain: N per m of face).
+    ///
+    /// # Errors
+    /// [`BeyondModel`] for a loaded strip farther away than [`RootStress::reach`].
+    pub fn of_tooth(
+        &self,
+        tooth: i32,
+        loads: &[(Strip, f64)],
+    ) -> Result<RootField<'_>, BeyondModel> {
+        let (strips, forces): (Vec<Strip>, Vec<f64>) = loads.iter().copied().unzip();
+        self.of_tooth_under(tooth, &self.spread(&strips), &forces)
+    }
+
+    /// Strips of this gear, ready for [`RootStress::of_tooth_under`] any forces.
+    pub fn spread(&self, strips: &[Strip]) -> SpreadStrips {
+        let spread = |strip: &Strip| (*strip, self.loads.weights(strip));
+        SpreadStrips(strips.iter().map(spread).collect())
+    }
+
+    /// As [`RootStress::of_tooth`], under the normal forces `loads`, N, on `strips`.
+    ///
+    /// # Errors
+    /// As there.
+    ///
+    /// # Panics
+    /// With another number of loads than of strips.
+    pub fn of_tooth_under(
+        &self,
+        tooth: i32,
+        strips: &SpreadStrips,
+        loads: &[f64],
+    ) -> Result<RootField<'_>, BeyondModel> {
+        assert_eq!(strips.0.len(), loads.len(), "a load for each strip");
+        let (nodes, points) = (self.loads.len(), COMPONENTS * self.fillet.len());
+        let mut stress = vec![0.0; points];
+        let mut forces = vec![vec![0.0; nodes]; 2 * self.reach + 1];
+        for ((strip, weights), force) in strips.0.iter().zip(loads) {
+            if *force == 0.0 {
+                continue;
+            }
+            let away = tooth - strip.tooth;
+            if away.unsigned_abs() as usize > self.reach {
+                return Err(BeyondModel {
+                    distance: away.unsigned_abs() as usize,
+                    reach: self.reach,
+                });
+            }
+            let forces = &mut forces[(away + self.reach as i32) as usize];
+            for (node, weight) in weights {
+                forces[*node] += weight * force;
+            }
+        }
+        let columns = self.map.chunks(points);
+        for ((force, scale), column) in forces.iter().flatten().zip(&self.scales).zip(columns) {
+            if *force == 0.0 {
+                continue;
+            }
+            let force = force * f64::from(*scale);
+            for (s, c) in stress.iter_mut().zip(column) {
+                *s += force * f64::from(*c);
+            }
+        }
+        let principal = stress.chunks(COMPONENTS).map(|s| {
+            let (mean, half) = (0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1]));
+            mean + half.hypot(s[2])
+        });
+        let loaded = strips.0.iter().zip(loads);
+        let beside = loaded.filter(|((strip, _), force)| strip.tooth == tooth && **force > 0.0);
+        let beside: Vec<&Strip> = beside.map(|((strip, _), _)| strip).collect();
+        Ok(RootField {
+            fillet: &self.fillet,
+            tangent: self.tangent,
+            clear: self
+                .fillet
+                .z
+                .iter()
+                .map(|z| self.clear(*z, &beside))
+                .collect(),
+            principal: principal.collect(),
+        })
+    }
+
+    /// How many places along the profile at `z` lie farther than `local` from the `loaded` strips of this tooth; at least the one in the
+    /// middle of the space.
+    fn clear(&self, z: f64, loaded: &[&Strip]) -> usize {
+        let lowest = loaded.iter().filter_map(|strip| {
+            let nearest = z.clamp(strip.z[0], strip.z[1]);
+            let along = (nearest - strip.z[0]) / (strip.z[1] - strip.z[0]);
+            let roll = strip.roll[0] + along * (strip.roll[1] - strip.roll[0]);
+            let square = self.local.powi(2) - (z - nearest).powi(2);
+            (square > 0.0).then(|| self.loads.arc(roll) - square.sqrt())
+        });
+        let lowest = lowest.fold(f64::INFINITY, f64::min);
+        self.fillet.arcs.partition_point(|arc| *arc < lowest).max(1)
+    }
+}
+
+impl RootField<'_> {
+    /// Places along the face, m.
+    pub fn z(&self) -> &[f64] {
+        &self.fillet.z
+    }
+
+    /// The largest principal stress at each place along the profile, from the middle of the space to the start of the
+    /// involute, at the place `number` along the face.
+    pub fn profile(&self, number: usize) -> impl Iterator<Item = RootPoint> {
+        let fillet = self.fillet;
+        let n = fillet.radii.len();
+        (0..n).map(move |i| RootPoint {
+            stress: self.principal[number * n + i],
+            z: fillet.z[number],
+            radius: fillet.radii[i],
+            tangent: fillet.tangents[i],
+        })
+    }
+
+    /// Where the largest principal stress is largest, but for places within 0.45 normal modules of a load on the flank of this tooth: there
+    /// it is local, and without limit under a corner. Between the places along the profile by a parabola.
+    pub fn largest(&self) -> RootPoint {
+        let places = (0..self.fillet.z.len()).map(|number| self.largest_at(number));
+        places.fold(LEAST, larger)
+    }
+
+    /// The same at the place `number` along the face.
+    pub fn largest_at(&self, number: usize) -> RootPoint {
+        let n = self.fillet.radii.len();
+        let stress = &self.principal[number * n..(number + 1) * n];
+        let clear = self.clear[number];
+        let top = (0..clear).max_by(|a, b| stress[*a].total_cmp(&stress[*b]));
+        let i = top.unwrap_or(0);
+        if i == 0 || i + 1 == clear {
+            return self.at_arc(number, self.fillet.arcs[i]);
+        }
+        let at = |k: usize| {
+            (
+                self.fillet.arcs[k] - self.fillet.arcs[i],
+                stress[k] - stress[i],
+            )
+        };
+        let ((x0, y0), (x2, y2)) = (at(i - 1), at(i + 1));
+        // Through (0, 0): y = a x + b x²; both neighbours lie lower, so that b < 0 and the top between them.
+        let b = (y0 / x0 - y2 / x2) / (x0 - x2);
+        let a = y0 / x0 - b * x0;
+        let away = if b < 0.0 { -0.5 * a / b } else { 0.0 };
+        self.at_arc(number, self.fillet.arcs[i] + away)
+    }
+
+    /// Largest over the face at the place of the fillet whose tangent makes 30 degrees (ring: 60) with the centre
+    /// line of the tooth, but for what [`RootField::largest`] leaves out, unless that is all of it. None if the fillet has no such place.
+    pub fn at_tangent(&self) -> Option<RootPoint> {
+        let fillet = self.fillet;
+        let after = (1..fillet.arcs.len()).rev().find(|&i| {
+            fillet.tangents[i] <= self.tangent && self.tangent < fillet.tangents[i - 1]
+        })?;
+        let t = (self.tangent - fillet.tangents[after])
+            / (fillet.tangents[after - 1] - fillet.tangents[after]);
+        let arc = fillet.arcs[after] + t * (fillet.arcs[after - 1] - fillet.arcs[after]);
+        let is_clear = |number: usize| after < self.clear[number];
+        let anywhere = !(0..fillet.z.len()).any(is_clear);
+        let places = (0..fillet.z.len()).filter(|number| anywhere || is_clear(*number));
+        Some(
+            places
+                .map(|number| self.at_arc(number, arc))
+                .fold(LEAST, larger),
+        )
+    }
+
+    /// Parabola through the three places nearest to `arc`.
+    fn at_arc(&self, number: usize, arc: f64) -> RootPoint {
+        let fillet = self.fillet;
+        let n = fillet.arcs.len();
+        let stress = &self.principal[number * n..(number + 1) * n];
+        let nearest = (0..n).min_by(|a, b| {
+            (fillet.arcs[*a] - arc)
+                .abs()
+                .total_cmp(&(fillet.arcs[*b] - arc).abs())
+        });
+        let i = nearest.unwrap_or(0).clamp(1, n - 2);
+        let three = [i - 1, i, i + 1];
+        let weights = three.map(|k| {
+            let others = three.iter().filter(|o| **o != k);
+            others
+                .map(|o| (arc - fillet.arcs[*o]) / (fillet.arcs[k] - fillet.arcs[*o]))
+                .product::<f64>()
+        });
+        let mean = |of: &[f64]| three.iter().zip(weights).map(|(k, w)| w * of[*k]).sum();
+        RootPoint {
+            stress: mean(stress),
+            z: fillet.z[number],
+            radius: mean(&fillet.radii),
+            tangent: mean(&fillet.tangents),
+        }
+    }
+}
+
+/// Below any point.
+const LEAST: RootPoint = RootPoint {
+    stress: f64::NEG_INFINITY,
+    z: 0.0,
+    radius: 0.0,
+    tangent: 0.0,
+};
+
+fn larger(a: RootPoint, b: RootPoint) -> RootPoint {
+    if b.stress > a.stress { b } else { a }
+}
+
+impl Model {
+    /// The map of this mesh.
+    pub fn root_stress(
+        self,
+        reach: usize,
+        progress: &Progress<'_>,
+    ) -> Result<RootStress, FiniteElementError> {
+        self.check()?;
+        if !progress(Stage::Assembly, 0.0) {
+            return Err(FiniteElementError::Cancelled);
+        }
+        let elimination = Elimination::new(&self.mesh);
+        let first = assembly::number_unknowns(&self.mesh, &elimination.order);
+        let mut columns = self.load_columns(&first);
+        let loads = columns.len();
+        let (fillet, observed) = self.fillet(&first);
+        columns.extend(observed);
+        let response = self.response(&elimination, &columns, loads, reach, progress)?;
+        let mut out = RootStress::with(&self, fillet, reach);
+        for column in response
+            .iter()
+            .flat_map(|tooth| (0..loads).map(|load| tooth.column(load)))
+        {
+            let largest = column.iter().fold(0.0f64, |m, s| m.max(s.abs()));
+            let scale = if largest > 0.0 {
+                largest / LARGEST
+            } else {
+                1.0
+            };
+            // The columns push outwards, flanks are pressed inwards.
+            out.map
+                .extend(column.iter().map(|s| (-s / scale).round() as i16));
+            out.scales.push(scale as f32);
+        }
+        Ok(out)
+    }
+
+    /// Points of the fillet, and the functionals of the stress there with the unknowns numbered by `first`.
+    fn fillet(&self, first: &[usize]) -> (FilletGrid, Vec<LoadColumn>) {
+        let twist = self.gear.base_helix_angle().tan() / self.gear.base_radius();
+        let along_face = (&self.grid.stations[..], twist);
+        let material = self.material();
+        FilletGrid::new(&self.mesh, &self.fillet_arcs, along_face, material, first)
+    }
+
+    fn response(
+        &self,
+        elimination: &Elimination,
+        columns: &[LoadColumn],
+        loads: usize,
+        reach: usize,
+        progress: &Progress<'_>,
+    ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
+        let stiffness = assembly::assemble(&self.mesh, &elimination.order, self.material());
+        let told = |share| progress(Stage::Condensation, share);
+        let parts = &elimination.parts;
+        let sector = condensation::condense_observed(&stiffness, parts, columns, loads, &told)?;
+        drop(stiffness);
+        cyclic::ring_response(&sector, loads, self.gear.teeth as usize, reach, &|share| {
+            progress(Stage::Ring, share)
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "root_stress_tests.rs"]
+mod tests;

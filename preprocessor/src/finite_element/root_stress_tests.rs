@@ -1,0 +1,216 @@
+use super::*;
+use crate::finite_element::{ModelCache, Origin};
+use crate::samples;
+use approx::{assert_abs_diff_eq, assert_relative_eq};
+use gearmesh::pair::Refinement;
+
+fn settings(refinement: Refinement, plane_strain: bool) -> Settings {
+    Settings {
+        plane_strain,
+        ..Settings::new(refinement, 1)
+    }
+    .for_root_stress()
+}
+
+fn strip(gear: &Gear, tooth: i32, radius: f64) -> Strip {
+    Strip {
+        tooth,
+        z: [0.0, gear.face_width],
+        roll: [gear.roll_length(radius); 2],
+    }
+}
+
+/// Largest stress and that at the 30 degree tangent under 100 N/mm at `radius`, MPa.
+fn plane(gear: &Gear, settings: &Settings, radius: f64) -> [f64; 2] {
+    let model = RootStress::new(gear, settings, &|_, _| true).unwrap();
+    let field = model.of_tooth(0, &[(strip(gear, 0, radius), 1e5)]).unwrap();
+    [field.largest(), field.at_tangent().unwrap()].map(|point| 1e-6 * point.stress)
+}
+
+#[test]
+fn every_level_is_near_a_mesh_four_times_as_fine_as_normal() {
+    let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
+    let mut finest = settings(Refinement::Fine, true);
+    finest.discretization.fillet_element = Some(0.025);
+    finest.discretization.flank_element = 0.06;
+    finest.discretization.kernel_half_width = 0.075;
+    for radius in [38.5e-3, 40e-3, 42e-3, 43.6e-3] {
+        let exact = plane(&gear, &finest, radius);
+        for (refinement, bound) in [
+            (Refinement::Coarse, 0.04),
+            (Refinement::Normal, 0.015),
+            (Refinement::Fine, 0.01),
+        ] {
+            let found = plane(&gear, &settings(refinement, true), radius);
+            for (found, exact) in found.iter().zip(exact) {
+                println!(
+                    "{refinement:?} r {radius}: {:+.2} %",
+                    100.0 * (found / exact - 1.0)
+                );
+                assert!((found / exact - 1.0).abs() < bound, "{found} {exact}");
+            }
+        }
+    }
+}
+
+#[test]
+fn functionals_that_are_loads_answer_with_the_influence() {
+    // The rectangular way through condensation and ring against the symmetric one, both ways round the gear.
+    let gear = samples::gear(GearKind::External, 13, 1.0, 0.0, 0.3);
+    let plane = Settings {
+        plane_strain: true,
+        ..Settings::new(Refinement::Coarse, 2)
+    };
+    let model = Model::new(&gear, &plane).unwrap();
+    let elimination = Elimination::new(&model.mesh);
+    let first = assembly::number_unknowns(&model.mesh, &elimination.order);
+    let mut columns = model.load_columns(&first);
+    let loads = columns.len();
+    let (influence, _) = model
+        .influence_of(&elimination, &columns, 2, &|_, _| true)
+        .unwrap();
+    columns.extend_from_within(..);
+    let response = model
+        .response(&elimination, &columns, loads, 2, &|_, _| true)
+        .unwrap();
+    let scale = influence[0].amax();
+    for (place, response) in response.iter().enumerate() {
+        let away = place as i32 - 2;
+        let known = &influence[away.unsigned_abs() as usize];
+        for (i, j) in (0..loads).flat_map(|i| (0..loads).map(move |j| (i, j))) {
+            let known = if away < 0 {
+                known[(j, i)]
+            } else {
+                known[(i, j)]
+            };
+            assert_abs_diff_eq!(response[(i, j)], known, epsilon = 1e-11 * scale);
+        }
+    }
+}
+
+/// Stress at all points of the fillet of `gear` under the displacement `u`, Pa.
+fn stress_under(gear: &Gear, u: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> {
+    let settings = Settings::new(Refinement::Coarse, 1).for_root_stress();
+    let model = Model::new(gear, &settings).unwrap();
+    let first: Vec<usize> = (0..model.mesh.points.len()).map(|node| 3 * node).collect();
+    let (_, functionals) = model.fillet(&first);
+    let values: Vec<f64> = functionals
+        .iter()
+        .map(|column| {
+            let at = |unknown: usize| {
+                let node = unknown / 3;
+                let [x, y, z] = u(model.mesh.points[node]);
+                let (sin, cos) = model.mesh.angles[node].sin_cos();
+                [cos * x + sin * y, cos * y - sin * x, z][unknown % 3]
+            };
+            column.iter().map(|(unknown, f)| f * at(*unknown)).sum()
+        })
+        .collect();
+    values.chunks(3).map(|s| [s[0], s[1], s[2]]).collect()
+}
+
+#[test]
+fn rigid_motion_leaves_no_stress_and_even_stretch_the_same_everywhere() {
+    let gear = samples::gear(GearKind::External, 23, 1.0, 25.0, 0.2);
+    let turn = [2e-4, -3e-4, 1e-4];
+    let rigid = |p: [f64; 3]| {
+        std::array::from_fn(|i| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            1e-5 + turn[j] * p[k] - turn[k] * p[j]
+        })
+    };
+    for s in stress_under(&gear, rigid).into_iter().flatten() {
+        // Beside E times the angles.
+        assert!(s.abs() < 1e-9 * gear.youngs_modulus * 1e-4, "{s}");
+    }
+    let even = gear.youngs_modulus / (1.0 - gear.poisson_ratio) * 1e-4;
+    for [s, b, shear] in stress_under(&gear, |p| p.map(|x| 1e-4 * x)) {
+        assert_relative_eq!(s, even, max_relative = 1e-9);
+        assert_relative_eq!(b, even, max_relative = 1e-9);
+        assert!(shear.abs() < 1e-9 * even);
+    }
+}
+
+#[test]
+fn stresses_add_up_and_neighbours_count() {
+    let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
+    let settings = settings(Refinement::Coarse, true);
+    let model = RootStress::new(&gear, &settings, &|_, _| true).unwrap();
+    let on = |tooth, force| (strip(&gear, tooth, 41e-3), force);
+    let at = |loads: &[(Strip, f64)]| model.of_tooth(0, loads).unwrap().at_tangent().unwrap();
+    // Uniaxial in the section: the largest principal stress is linear as long as it is the one along the profile.
+    let both = at(&[on(0, 1e5), on(1, 1e5)]).stress;
+    assert_relative_eq!(
+        both,
+        at(&[on(0, 5e4), on(1, 1e5), on(0, 5e4)]).stress,
+        max_relative = 1e-12
+    );
+    assert!((both - at(&[on(0, 1e5)]).stress).abs() > 1e-4 * both);
+    // A loaded tooth pulls at the fillet of the next one that it leans away from.
+    let largest = |tooth| {
+        model
+            .of_tooth(tooth, &[on(0, 1e5)])
+            .unwrap()
+            .largest()
+            .stress
+    };
+    let (own, next) = (largest(0), largest(1));
+    assert!(next > 0.05 * own && next < 0.3 * own, "{next} {own}");
+    let far = model.of_tooth(0, &[on(2, 1.0)]).unwrap_err();
+    assert_eq!((far.distance, far.reach), (2, 1));
+}
+
+#[test]
+fn largest_stress_does_not_follow_the_width_of_a_corner_load_beside_the_fillet() {
+    let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
+    let wide = settings(Refinement::Coarse, false);
+    let mut narrow = wide;
+    narrow.discretization.flank_element *= 0.5;
+    narrow.discretization.kernel_half_width *= 0.5;
+    let [wide, narrow] = [wide, narrow].map(|settings| {
+        let model = RootStress::new(&gear, &settings, &|_, _| true).unwrap();
+        let corner = Strip {
+            tooth: 0,
+            z: [0.0, 1e-3],
+            roll: [model.loads.form_roll + 0.5e-3; 2],
+        };
+        let even = (strip(&gear, 0, 42e-3), 2000.0);
+        let field = model.of_tooth(0, &[even, (corner, 600.0)]).unwrap();
+        let anywhere = field.principal.iter().copied().fold(0.0, f64::max);
+        (field.largest(), anywhere)
+    });
+    // Beside the corner there is no limit.
+    assert!(narrow.1 > 1.3 * wide.1, "{wide:?} {narrow:?}");
+    let ratio = narrow.0.stress / wide.0.stress;
+    assert!((ratio - 1.0).abs() < 0.02, "{wide:?} {narrow:?}");
+}
+
+#[test]
+fn a_kept_map_is_the_computed_one_and_a_spoilt_file_is_computed_anew() {
+    let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
+    let settings = settings(Refinement::Coarse, true);
+    let folder = tempfile::tempdir().unwrap();
+    let cache = ModelCache::new(folder.path(), ModelCache::DEFAULT_LIMIT);
+    let get = || RootStress::cached(&gear, &settings, Some(&cache), &|_, _| true).unwrap();
+    let ((computed, stored), (read, loaded)) = (get(), get());
+    assert_eq!((stored, loaded), (Origin::Stored, Origin::Loaded));
+    assert!(computed.map == read.map && computed.scales == read.scales);
+    let stress = |model: &RootStress| {
+        let field = model.of_tooth(0, &[(strip(&gear, 0, 41e-3), 1e5)]).unwrap();
+        field.largest()
+    };
+    assert_eq!(stress(&computed), stress(&read));
+    let kept = &cache.models().unwrap()[0];
+    assert!(
+        kept.gear
+            .as_ref()
+            .unwrap()
+            .starts_with("root stress, 20 teeth")
+    );
+    let mut bytes = std::fs::read(&kept.path).unwrap();
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    std::fs::write(&kept.path, bytes).unwrap();
+    let (again, origin) = get();
+    assert!(matches!(origin, Origin::Replaced(_)) && again.map == computed.map);
+}

@@ -1,0 +1,135 @@
+//! The mesh of one sector as it is, for pictures and studies.
+
+use super::dissection::Elimination;
+use super::element::{QUAD8, shape};
+use super::model::Model;
+use super::{FiniteElementError, Settings, assembly};
+use gearmesh::compliance::Strip;
+use gearmesh::gear::Gear;
+
+/// The transverse section of the mesh of one tooth, its centre line on the x axis, and the layers along the face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectorMesh {
+    /// Nodes, m.
+    pub nodes: Vec<[f64; 2]>,
+    /// 8-node quadrilaterals: corners, then the middles of the sides from the first corner on.
+    pub elements: Vec<[usize; 8]>,
+    /// Nodes of the loaded flank.
+    pub flank: Vec<usize>,
+    /// Ends of the layers of hexahedra, m from the z = 0 face.
+    pub stations: Vec<f64>,
+}
+
+impl SectorMesh {
+    /// The mesh on which [`super::FiniteElementCompliance::new`] computes.
+    ///
+    /// # Errors
+    /// As there: no usable tooth, too thin a rim; [`FiniteElementError::PlaneBody`] for a gear with a web.
+    pub fn new(gear: &Gear, settings: &Settings) -> Result<Self, FiniteElementError> {
+        let plane = Settings {
+            plane_strain: true,
+            ..*settings
+        };
+        let mesh = Model::new(gear, &plane)?.mesh;
+        let sizes = &settings.discretization;
+        Ok(SectorMesh {
+            nodes: mesh.points.iter().map(|p| [p[0], p[1]]).collect(),
+            elements: mesh
+                .connectivity()
+                .map(|nodes| std::array::from_fn(|i| nodes[i]))
+                .collect(),
+            flank: mesh.flank.iter().map(|f| f.node).collect(),
+            stations: sizes.stations(gear.face_width, gear.normal_module),
+        })
+    }
+}
+
+/// Compliance of a tooth in plane strain, m²/N: displacement along the load line where it crosses the tooth's
+/// centre line, per load and length of face, for a load on the involute at the radius `radius`, m. Bending, shear,
+/// base and body are in it, the contact is not.
+///
+/// # Errors
+/// As [`super::FiniteElementCompliance::new`]; [`FiniteElementError::NoCrossing`] if the load line does not cross
+/// the centre line within the gear.
+pub fn centre_line_compliance(
+    gear: &Gear,
+    settings: &Settings,
+    radius: f64,
+) -> Result<f64, FiniteElementError> {
+    let plane = Settings {
+        plane_strain: true,
+        ..*settings
+    };
+    let model = Model::new(gear, &plane)?;
+    let elimination = Elimination::new(&model.mesh);
+    let first = assembly::number_unknowns(&model.mesh, &elimination.order);
+    let roll = gear.roll_length(radius);
+    let strip = Strip {
+        tooth: 0,
+        z: [0.0, 1.0],
+        roll: [roll; 2],
+    };
+    let load = model
+        .grid
+        .weights(&strip)
+        .into_iter()
+        .flat_map(|(node, weight)| {
+            let flank = model.mesh.flank[node];
+            [0, 1].map(|d| (first[flank.node] + d, weight * flank.normal[d]))
+        })
+        .collect();
+    // Direction of the normal, from the x axis; the load line touches the base circle.
+    let pressure_angle = (roll / gear.base_radius()).atan();
+    let angle = gear.half_base_angle() - (roll / gear.base_radius() - pressure_angle);
+    let direction = angle + std::f64::consts::FRAC_PI_2 - pressure_angle;
+    let crossing = gear.base_radius() / direction.sin();
+    let observed = shape_functions_at(&model, crossing)
+        .ok_or(FiniteElementError::NoCrossing {
+            radius_mm: 1e3 * crossing,
+        })?
+        .into_iter()
+        .flat_map(|(node, n)| {
+            // Components in the node's own axes.
+            let turned = direction - model.mesh.angles[node];
+            [
+                (first[node], n * turned.cos()),
+                (first[node] + 1, n * turned.sin()),
+            ]
+        })
+        .collect();
+    let (influence, _) = model.influence_of(&elimination, &[load, observed], 0, &|_, _| true)?;
+    Ok(influence[0][(1, 0)])
+}
+
+/// Shape functions at the point (x, 0) of a plane mesh, by node; None outside of it.
+fn shape_functions_at(model: &Model, x: f64) -> Option<Vec<(usize, f64)>> {
+    let mesh = &model.mesh;
+    for nodes in mesh.connectivity() {
+        let at = mesh.coordinates(nodes);
+        let mut xi = [0.0; 3];
+        for _ in 0..20 {
+            let (mut p, mut j) = ([-x, 0.0], [[0.0; 2]; 2]);
+            for (c, at) in QUAD8.iter().zip(&at) {
+                let (n, g) = shape(2, c, &xi);
+                for d in 0..2 {
+                    p[d] += n * at[d];
+                    j[d][0] += g[0] * at[d];
+                    j[d][1] += g[1] * at[d];
+                }
+            }
+            let det = j[0][0] * j[1][1] - j[0][1] * j[1][0];
+            xi[0] -= (j[1][1] * p[0] - j[0][1] * p[1]) / det;
+            xi[1] -= (j[0][0] * p[1] - j[1][0] * p[0]) / det;
+            xi = xi.map(|v: f64| v.clamp(-2.0, 2.0));
+        }
+        if xi[0].abs() <= 1.0 + 1e-9 && xi[1].abs() <= 1.0 + 1e-9 {
+            let weights = nodes.iter().zip(&QUAD8);
+            return Some(
+                weights
+                    .map(|(node, c)| (*node, shape(2, c, &xi).0))
+                    .collect(),
+            );
+        }
+    }
+    None
+}

@@ -1,0 +1,218 @@
+use super::*;
+use crate::samples;
+use approx::assert_relative_eq;
+use gearmesh::gear::GearKind;
+use gearmesh::pair::Refinement;
+
+fn spur(teeth: u32, module: f64, bore_ratio: f64) -> Gear {
+    let mut gear = samples::gear(GearKind::External, teeth, 1.0, 0.0, 0.0);
+    gear = samples::with_module(gear, module);
+    gear.face_width = 6.0 * module;
+    gear.held_radius = bore_ratio * gear.root_radius();
+    gear
+}
+
+/// Settings of a plane model at `refinement`.
+fn plane(refinement: Refinement) -> Settings {
+    Settings {
+        plane_strain: true,
+        ..Settings::new(refinement, 2)
+    }
+}
+
+/// A kernel too narrow to matter, in place of a point load.
+fn nearly_point_load() -> Settings {
+    let mut settings = plane(Refinement::Fine);
+    settings.discretization.flank_element = 0.06;
+    settings.discretization.kernel_half_width = 0.06;
+    settings
+}
+
+#[test]
+fn tooth_compliance_in_plane_strain_is_that_of_two_independent_codes() {
+    // docs: bore = root radius / 1.4, module 1 mm, micrometres per N/mm.
+    for (teeth, radius, expected) in [
+        (17, 8.0023, 0.01626),
+        (17, 8.5, 0.02226),
+        (43, 21.5, 0.02085),
+        (43, 22.4434, 0.05411),
+    ] {
+        let gear = spur(teeth, 1e-3, 1.0 / 1.4);
+        let found = centre_line_compliance(&gear, &nearly_point_load(), 1e-3 * radius).unwrap();
+        assert_relative_eq!(1e9 * found, expected, max_relative = 5e-3);
+    }
+}
+
+/// Displacement of line loads at `radii` (m) on their own flank, Hertz contact of half-width 50 um
+/// included, m²/N.
+fn with_hertz(gear: &Gear, element: f64, kernel: f64, radii: &[f64]) -> Vec<f64> {
+    let mut settings = plane(Refinement::Normal);
+    settings.discretization.flank_element = element;
+    settings.discretization.kernel_half_width = kernel;
+    let model = FiniteElementCompliance::new(gear, &settings, &|_, _| true).unwrap();
+    let strips: Vec<Strip> = radii
+        .iter()
+        .map(|r| Strip {
+            tooth: 0,
+            z: [0.0, 1.0],
+            roll: [gear.roll_length(*r); 2],
+        })
+        .collect();
+    let bulk = model.bulk(&strips).unwrap();
+    let nu = gear.poisson_ratio;
+    let local = 2.0 * (1.0 - nu * nu) / (std::f64::consts::PI * gear.youngs_modulus);
+    let lengths = model.reference_lengths(&strips);
+    (0..radii.len())
+        .map(|i| bulk[(i, i)] + local * ((2.0 * lengths[i] / 50e-6).ln() + 0.5))
+        .collect()
+}
+
+#[test]
+fn kernel_width_from_0_3_to_1_mm_does_not_matter_to_a_pair() {
+    // 20/20 teeth, module 4 mm, tips at 44 mm, C = 80 mm: approach of both flanks at points of the path of
+    // contact. 0.2 %; within 0.7 mm of a tip edge 1 %, but not nearer to it than a third of the kernel's
+    // half-width: from there on the load stays behind (1.1 % at 0.2 mm with a kernel of 1 mm).
+    let gear = spur(20, 4e-3, 0.5);
+    let radii = [40e-3, 41e-3, 42e-3, 43.0e-3, 43.5e-3, 43.8e-3];
+    let both_rolls = 80e-3 * gear.normal_pressure_angle.sin();
+    let mates = radii.map(|r| gear.radius_at_roll(both_rolls - gear.roll_length(r)));
+    let approach = |kernel: f64| -> Vec<f64> {
+        let own = with_hertz(&gear, 0.05, kernel, &radii);
+        let mate = with_hertz(&gear, 0.05, kernel, &mates);
+        own.iter().zip(&mate).map(|(a, b)| a + b).collect()
+    };
+    let narrow = approach(0.075);
+    for (width, points) in [(0.1, 6), (0.15, 6), (0.25, 5)] {
+        for (i, (a, b)) in approach(width).iter().zip(&narrow).enumerate().take(points) {
+            let bar = if radii[i] < 43.2e-3 { 2e-3 } else { 1e-2 };
+            assert_relative_eq!(a, b, max_relative = bar);
+        }
+    }
+}
+
+#[test]
+fn normal_mesh_resolves_its_kernel() {
+    let gear = spur(20, 4e-3, 0.5);
+    let radii = [38e-3, 39e-3, 40e-3, 41e-3, 42e-3, 43.0e-3, 43.5e-3];
+    let reference = with_hertz(&gear, 0.03, 0.1, &radii);
+    let sizes = Discretization::of(Refinement::Normal);
+    let normal = with_hertz(&gear, sizes.flank_element, sizes.kernel_half_width, &radii);
+    for (a, b) in normal.iter().zip(&reference) {
+        assert_relative_eq!(a, b, max_relative = 1e-3);
+    }
+}
+
+#[test]
+fn loads_on_a_tooth_displace_the_other_way_round_alike() {
+    // C_k for tooth z - k is C_-k = C_k^T: Maxwell-Betti on the whole ring.
+    let gear = spur(17, 1e-3, 0.6);
+    let settings = Settings {
+        reach: 16,
+        ..plane(Refinement::Coarse)
+    };
+    let model = Model::new(&gear, &settings).unwrap();
+    let (influence, _) = model.solve(settings.reach, &|_, _| true).unwrap();
+    let scale = influence[1].amax();
+    for k in 1..17 {
+        let difference = &influence[k] - influence[17 - k].transpose();
+        assert!(difference.amax() < 1e-10 * scale);
+    }
+}
+
+#[test]
+fn influence_matrix_of_strips_on_three_teeth_is_positive_definite() {
+    let mut gear = spur(20, 4e-3, 0.5);
+    gear.helix_angle = 13f64.to_radians();
+    let settings = Settings::new(Refinement::Coarse, 2);
+    let model = FiniteElementCompliance::new(&gear, &settings, &|_, _| true).unwrap();
+    let tip = gear.roll_length(gear.tip_radius);
+    let strips: Vec<Strip> = (0..3)
+        .flat_map(|tooth| {
+            (0..30).map(move |i| {
+                let end = |k: i32| 24e-3 * f64::from(k) / 30.0;
+                let roll = |z: f64| tip - 1e-3 - 3e-3 * f64::from(tooth) - 0.2 * z;
+                Strip {
+                    tooth,
+                    z: [end(i), end(i + 1)],
+                    roll: [roll(end(i)), roll(end(i + 1))],
+                }
+            })
+        })
+        .collect();
+    let matrix = model.bulk(&strips).unwrap();
+    assert_eq!(matrix, matrix.transpose());
+    let least = matrix.symmetric_eigenvalues().min();
+    assert!(least > 0.0, "least eigenvalue {least:e} m/N");
+    let mut far = strips[0];
+    far.tooth = 3;
+    let refused = model.bulk(&[strips[0], far]);
+    let expected = BeyondModel {
+        distance: 3,
+        reach: 2,
+    };
+    assert_eq!(refused, Err(expected));
+}
+
+#[test]
+fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
+    // With nu = 0 nothing happens along z: the solid spur gear repeats its section.
+    let mut gear = spur(20, 4e-3, 0.5);
+    gear.poisson_ratio = 0.0;
+    let solid = Settings::new(Refinement::Coarse, 0);
+    let plane = Settings {
+        plane_strain: true,
+        ..solid
+    };
+    let roll = [gear.roll_length(41e-3); 2];
+    let solid = FiniteElementCompliance::new(&gear, &solid, &|_, _| true).unwrap();
+    let plane = FiniteElementCompliance::new(&gear, &plane, &|_, _| true).unwrap();
+    let whole = Strip {
+        tooth: 0,
+        z: [0.0, gear.face_width],
+        roll,
+    };
+    let part = Strip {
+        tooth: 0,
+        z: [3e-3, 5e-3],
+        roll,
+    };
+    let expected = plane.bulk(&[whole]).unwrap()[(0, 0)];
+    let matrix = solid.bulk(&[whole, part]).unwrap();
+    // Loads act along the normals at the nodes, and 20-node elements weigh those unevenly along z: an
+    // error of the square of the angle between neighbouring normals.
+    assert_relative_eq!(matrix[(0, 0)], expected, max_relative = 1e-4);
+    // The whole face moves evenly under it.
+    assert_relative_eq!(matrix[(0, 1)], expected, max_relative = 3e-4);
+}
+
+#[test]
+fn mirrored_strips_on_a_spur_gear_have_the_same_influence() {
+    let gear = spur(20, 4e-3, 0.5);
+    let model =
+        FiniteElementCompliance::new(&gear, &Settings::new(Refinement::Coarse, 1), &|_, _| true)
+            .unwrap();
+    let strips = |mirror: bool| -> Vec<Strip> {
+        [(0, 0.0, 1e-3), (0, 7e-3, 8.3e-3), (1, 2e-3, 2.7e-3)]
+            .map(|(tooth, low, high)| Strip {
+                tooth,
+                z: if mirror {
+                    [gear.face_width - high, gear.face_width - low]
+                } else {
+                    [low, high]
+                },
+                roll: [gear.roll_length(40e-3 + 1e-3 * f64::from(tooth)); 2],
+            })
+            .to_vec()
+    };
+    let difference = model.bulk(&strips(false)).unwrap() - model.bulk(&strips(true)).unwrap();
+    assert!(difference.amax() < 1e-9 * model.bulk(&strips(false)).unwrap().amax());
+}
+
+#[test]
+fn cancelling_stops_with_that_error() {
+    let gear = spur(20, 4e-3, 0.5);
+    let stopped = FiniteElementCompliance::new(&gear, &plane(Refinement::Coarse), &|stage, _| {
+        stage != Stage::Ring
+    });
+    assert!(matches!(stopped, Err(FiniteElementError::Cancelled)));
+}

@@ -1,0 +1,162 @@
+//! What a packed unit holds.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use zip::ZipArchive;
+
+use super::PackageError;
+use super::library::runs_on;
+use gearmesh::contact::ContactFile;
+use gearmesh::fmi::resources::{CONTACT_FILE, TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
+use gearmesh::table::InterpolationError;
+
+/// Longest file that is read from a unit, bytes: some hundred times the tables of a pair.
+const LONGEST_FILE: u64 = 256 << 20;
+
+/// Most files of a unit that is looked into; one of gearmesh has some twenty.
+const MOST_FILES: usize = 10_000;
+
+/// Unpacks the resources of the unit at `path` into `folder`, as a host would.
+///
+/// # Errors
+/// A file that cannot be read, or resources longer than any that this program packs.
+pub fn unpack_resources(path: &Path, folder: &Path) -> Result<(), PackageError> {
+    let mut archive = opened(path)?;
+    let names: Vec<String> = archive.file_names().map(str::to_owned).collect();
+    for name in names {
+        // Only what lies there itself: no name leads out of `folder`.
+        let Some(last) = name.strip_prefix("resources/").filter(|n| is_plain(n)) else {
+            continue;
+        };
+        let entry = archive
+            .by_name(&name)
+            .map_err(|e| PackageError::archive(path, e))?;
+        let target = folder.join(last);
+        let mut file = File::create(&target).map_err(|e| PackageError::file(&target, e))?;
+        let mut limited = entry.take(LONGEST_FILE + 1);
+        let length =
+            std::io::copy(&mut limited, &mut file).map_err(|e| PackageError::file(path, e))?;
+        if length > LONGEST_FILE {
+            return Err(PackageError::contents(path, too_long(&name)));
+        }
+    }
+    Ok(())
+}
+
+/// The archive at `path`, if it is no larger than a unit is.
+fn opened(path: &Path) -> Result<ZipArchive<File>, PackageError> {
+    let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
+    let archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
+    if archive.len() > MOST_FILES {
+        let problem = format!(
+            "holds {} files, and was not packed by gearmesh",
+            archive.len()
+        );
+        return Err(PackageError::contents(path, problem));
+    }
+    Ok(archive)
+}
+
+fn is_plain(name: &str) -> bool {
+    !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', ':'])
+}
+
+fn too_long(name: &str) -> String {
+    let longest = LONGEST_FILE >> 20;
+    format!("{name} unfolds into more than {longest} MB, and was not packed by gearmesh")
+}
+
+/// Contents of a packed unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inspection {
+    /// Name, GUID, pair and start values.
+    pub unit: UnitFile,
+    /// Text of the tables, if there are any.
+    pub tables: Option<String>,
+    /// How far contact at run time is from static contact on more stations, if that was measured.
+    pub contact_error: Option<InterpolationError>,
+    /// Platforms there are libraries for, in words, each with what its library needs.
+    pub platforms: Vec<String>,
+    /// Every file with its size in bytes.
+    pub files: Vec<(String, u64)>,
+}
+
+/// Reads the unit at `path`.
+///
+/// # Errors
+/// A file that cannot be read or is no unit that this program packed.
+pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
+    let mut archive = opened(path)?;
+    let mut files = Vec::new();
+    for i in 0..archive.len() {
+        let entry = archive
+            .by_index(i)
+            .map_err(|e| PackageError::archive(path, e))?;
+        files.push((entry.name().to_owned(), entry.size()));
+    }
+    let mut bytes = |name: &str| -> Result<Option<Vec<u8>>, PackageError> {
+        let mut entry = match archive.by_name(name) {
+            Ok(entry) => entry,
+            Err(zip::result::ZipError::FileNotFound) => return Ok(None),
+            Err(e) => return Err(PackageError::archive(path, e)),
+        };
+        let mut bytes = Vec::new();
+        // Few packed bytes may unfold into any number of them.
+        let length = (&mut entry)
+            .take(LONGEST_FILE + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|e| PackageError::file(path, e))?;
+        if length as u64 > LONGEST_FILE {
+            return Err(PackageError::contents(path, too_long(name)));
+        }
+        Ok(Some(bytes))
+    };
+    let faulty =
+        |name: &str, reason: String| PackageError::contents(path, format!("{name}: {reason}"));
+    let mut text = |name: &str| -> Result<Option<String>, PackageError> {
+        let text = bytes(name)?.map(String::from_utf8).transpose();
+        text.map_err(|_| faulty(name, "no text, and was not packed by gearmesh".into()))
+    };
+    let unit_name = format!("resources/{UNIT_FILE}");
+    let unit = text(&unit_name)?.ok_or_else(|| {
+        PackageError::contents(
+            path,
+            format!("has no {unit_name}; it was not packed by gearmesh"),
+        )
+    })?;
+    let unit = parse_unit(&unit)
+        .map_err(|reason| PackageError::contents(path, format!("{unit_name}: {reason}")))?;
+    let tables = text(&format!("resources/{TABLES_FILE}"))?;
+    let contact = format!("resources/{CONTACT_FILE}");
+    let contact_error = match bytes(&contact)? {
+        Some(found) => {
+            let found = ContactFile::from_bytes(&found);
+            found.map_err(|reason| faulty(&contact, reason))?.error
+        }
+        None => None,
+    };
+    let mut platforms = Vec::new();
+    for (name, _) in &files {
+        let Some((platform, _)) = name
+            .strip_prefix("binaries/")
+            .and_then(|name| name.split_once('/'))
+        else {
+            continue;
+        };
+        if name.ends_with('/') {
+            continue;
+        }
+        let library = bytes(name)?.unwrap_or_default();
+        platforms.push(runs_on(platform, &library));
+    }
+    platforms.sort();
+    Ok(Inspection {
+        unit,
+        tables,
+        contact_error,
+        platforms,
+        files,
+    })
+}

@@ -1,0 +1,321 @@
+//! Packing a pair, its tables and the compiled library into one .fmu file.
+//!
+//! One library serves every pair: what belongs to the pair travels in the resources. The same
+//! contents give the same bytes, and the GUID is that of the contents, so that two units with
+//! different tables never share one.
+
+mod archive;
+mod coupling;
+mod documentation;
+mod example;
+mod inspect;
+mod library;
+mod mass;
+mod settings;
+mod starts;
+mod stiffness;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+
+pub use coupling::{Coupling, DAMPING_RATIO};
+pub use documentation::start_in_words;
+pub use inspect::{Inspection, inspect, unpack_resources};
+pub use library::{Library, libraries_beside};
+pub use mass::Blank;
+pub use settings::{Setting, SettingError};
+pub use starts::{Starts, meshing_spin};
+pub use stiffness::{Stiffness, estimated_stiffness, theoretical_pair_stiffness};
+
+use gearmesh::contact::ContactFile;
+use gearmesh::fmi::resources::{
+    CONTACT_FILE, Resources, TABLES_FILE, UNIT_FILE, UNIT_VERSION, UnitFile,
+};
+use gearmesh::fmi::variables::{self, Header, MODEL_IDENTIFIER};
+use gearmesh::gear::PairGeometry;
+use gearmesh::table::TableFile;
+
+/// What goes into one unit.
+#[derive(Debug, Clone, Copy)]
+pub struct Contents<'a> {
+    /// Name of the pair.
+    pub name: &'a str,
+    /// The pair, SI.
+    pub geometry: &'a PairGeometry,
+    /// The tables; `None` for a unit of constant stiffness.
+    pub tables: Option<&'a TableFile>,
+    /// What contact at run time needs, for `stiffnessModel = contact`.
+    pub contact: Option<&'a ContactFile>,
+    /// Start values that belong to the pair.
+    pub starts: &'a Starts,
+}
+
+/// What was packed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Packed {
+    /// GUID of the unit.
+    pub guid: String,
+    /// Size of the file in bytes.
+    pub bytes: u64,
+    /// What it runs on, in words, by [`Library::runs_on`].
+    pub platforms: Vec<String>,
+}
+
+/// Why a unit could not be packed or read.
+#[derive(Debug, thiserror::Error)]
+pub enum PackageError {
+    /// A file cannot be read or written.
+    #[error("{path}: {source}; name a file that can be read, or a folder that can be written")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: std::io::Error,
+    },
+    /// The archive cannot be written or read.
+    #[error(
+        "{path}: {source}; name an FMU that `gearmesh pack` or `gearmesh build` wrote, or pack it again"
+    )]
+    Archive {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: zip::result::ZipError,
+    },
+    /// A file that is not what it should be.
+    #[error("{path}: {reason}")]
+    Contents {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// Start values that a host could not start with.
+    #[error("the unit does not start with these values: {reason}")]
+    Refused {
+        /// What the unit says.
+        reason: String,
+    },
+    /// A start value without meaning.
+    #[error("start value {name} = {value}: {remedy}")]
+    Start {
+        /// The variable.
+        name: &'static str,
+        /// The value.
+        value: f64,
+        /// What to do.
+        remedy: String,
+    },
+}
+
+impl PackageError {
+    fn file(path: &Path, source: std::io::Error) -> Self {
+        PackageError::File {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    fn archive(path: &Path, source: zip::result::ZipError) -> Self {
+        PackageError::Archive {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    fn contents(path: &Path, reason: impl Into<String>) -> Self {
+        PackageError::Contents {
+            path: path.to_owned(),
+            reason: reason.into(),
+        }
+    }
+}
+
+/// Packs `contents` with the compiled `libraries`, one per platform, into the file `out`.
+///
+/// The file appears whole or not at all.
+///
+/// # Errors
+/// Start values without meaning or that make no mesh, libraries that are none or of one platform twice,
+/// files that cannot be read or written.
+pub fn pack(
+    contents: &Contents,
+    libraries: &[Library],
+    out: &Path,
+) -> Result<Packed, PackageError> {
+    let starts = contents.starts.of_variables(contents.geometry)?;
+    let mut unit = UnitFile {
+        version: UNIT_VERSION,
+        guid: String::new(),
+        name: contents.name.to_owned(),
+        starts: starts
+            .iter()
+            .map(|&(i, value)| (variables::VARIABLES[i].name.to_owned(), value))
+            .collect(),
+        geometry: contents.geometry.clone(),
+    };
+    let coupling = contents.starts.coupling(contents.geometry);
+    let description = documentation::summary(&unit, contents.tables.is_some());
+    let tables = contents.tables.map(TableFile::to_json);
+    let contact = contents.contact.map(ContactFile::to_bytes);
+    unit.guid = guid(&unit, tables.as_deref(), contact.as_deref(), libraries);
+    let header = Header {
+        model_name: &unit.name,
+        guid: &unit.guid,
+        description: &description,
+        step_size: coupling.step(),
+    };
+    let mut files = vec![
+        (
+            "modelDescription.xml".to_owned(),
+            variables::model_description(&header, &starts).into_bytes(),
+        ),
+        ("model.png".to_owned(), documentation::PICTURE.to_vec()),
+        (
+            format!("resources/{UNIT_FILE}"),
+            unit_text(&unit).into_bytes(),
+        ),
+    ];
+    if let Some(tables) = tables {
+        files.push((format!("resources/{TABLES_FILE}"), tables.into_bytes()));
+    }
+    if let Some(contact) = contact {
+        files.push((format!("resources/{CONTACT_FILE}"), contact));
+    }
+    // The unit starts here as it will in a host.
+    let resources = Resources::new(unit, contents.tables.cloned(), contents.contact.cloned())
+        .map_err(|reason| PackageError::Refused { reason })?;
+    let resources = Arc::new(resources);
+    let example = example::signals(&resources)?;
+    let unit = &resources.unit;
+    files.extend(documentation::files(
+        unit,
+        contents.tables,
+        &coupling,
+        example,
+    ));
+    for (i, library) in libraries.iter().enumerate() {
+        if libraries[..i]
+            .iter()
+            .any(|other| other.platform == library.platform)
+        {
+            let reason = format!("a second library for {}; give one", library.platform);
+            return Err(PackageError::contents(&library.path, reason));
+        }
+        let (platform, extension) = (library.platform, library.extension());
+        files.push((
+            format!("binaries/{platform}/{MODEL_IDENTIFIER}.{extension}"),
+            library.bytes.clone(),
+        ));
+    }
+    let bytes = archive::write(&files, out)?;
+    Ok(Packed {
+        guid: unit.guid.clone(),
+        bytes,
+        platforms: libraries.iter().map(Library::runs_on).collect(),
+    })
+}
+
+fn unit_text(unit: &UnitFile) -> String {
+    // A struct of numbers, strings and string keys always serialises.
+    serde_json::to_string_pretty(unit).expect("a unit serialises") + "\n"
+}
+
+/// GUID of a unit: a hash over everything in it that decides how it behaves.
+fn guid(
+    unit: &UnitFile,
+    tables: Option<&str>,
+    contact: Option<&[u8]>,
+    libraries: &[Library],
+) -> String {
+    let mut hash = Sha256::new();
+    let mut add = |bytes: &[u8]| {
+        hash.update((bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    };
+    add(variables::TEMPLATE.as_bytes());
+    add(unit_text(unit).as_bytes());
+    add(tables.unwrap_or("").as_bytes());
+    if let Some(contact) = contact {
+        add(contact);
+    }
+    for library in libraries {
+        add(library.platform.as_bytes());
+        add(&library.bytes);
+    }
+    let hex = gearmesh::words::hex(&hash.finalize()[..16]);
+    let groups = [
+        &hex[..8],
+        &hex[8..12],
+        &hex[12..16],
+        &hex[16..20],
+        &hex[20..],
+    ];
+    format!("{{{}}}", groups.join("-"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::paper_pair;
+
+    #[test]
+    fn the_same_contents_give_the_same_file_and_others_another_guid() {
+        let folder = tempfile::tempdir().unwrap();
+        let geometry = paper_pair(1.0);
+        let pack = |name: &str, torque: f64| {
+            let starts = Starts::constant_stiffness(&geometry, torque);
+            let contents = Contents {
+                name,
+                geometry: &geometry,
+                tables: None,
+                contact: None,
+                starts: &starts,
+            };
+            let path = folder.path().join(format!("{name}{torque}.fmu"));
+            let packed = super::pack(&contents, &[], &path).unwrap();
+            (packed, std::fs::read(&path).unwrap(), path)
+        };
+        let (one, bytes, path) = pack("a", 100.0);
+        let (again, same, _) = pack("a", 100.0);
+        assert_eq!((&one, &bytes), (&again, &same));
+        assert_ne!(one.guid, pack("a", 101.0).0.guid);
+        assert_ne!(one.guid, pack("b", 100.0).0.guid);
+        let read = inspect(&path).unwrap();
+        assert_eq!(read.unit.guid, one.guid);
+        assert_eq!(read.unit.geometry, geometry);
+        assert!(read.tables.is_none() && read.platforms.is_empty());
+        assert!(
+            read.files
+                .iter()
+                .any(|(name, _)| name == "documentation/index.html")
+        );
+    }
+
+    #[test]
+    fn what_no_host_could_start_with_is_not_packed() {
+        let folder = tempfile::tempdir().unwrap();
+        let geometry = paper_pair(1.0);
+        for (setting, reason) in [
+            ("stiffnessModel=table", "table"),
+            ("gear2.position[1]=0.05", "centre distance"),
+            ("dampingOnset=0", "dampingOnset"),
+            ("dampingOnset=1e9", "dampingOnset = 1000000000"),
+        ] {
+            let starts = Starts::constant_stiffness(&geometry, 100.0);
+            let contents = Contents {
+                name: "a",
+                geometry: &geometry,
+                tables: None,
+                contact: None,
+                starts: &starts.with(&[setting.parse().unwrap()]),
+            };
+            let out = folder.path().join("a.fmu");
+            let error = super::pack(&contents, &[], &out).unwrap_err().to_string();
+            assert!(error.contains(reason), "{setting}: {error}");
+            assert!(!out.exists());
+        }
+    }
+}

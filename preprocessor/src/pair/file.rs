@@ -1,0 +1,311 @@
+//! The pair file as it is written: JSON, the unit in every name.
+//!
+//! These types say which fields there are and what is optional; [`super::Pair`] is the checked result
+//! in SI. Defaults that are plain numbers stand here, those that follow from other fields in
+//! `resolve.rs`.
+
+use gearmesh::pair::Refinement;
+use serde::{Deserialize, Serialize};
+
+pub use super::teeth::{IndexFile, ToothErrorsFile, ToothFile, ToothFlank};
+
+/// The whole file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PairFile {
+    /// Name of the pair, used for files and titles.
+    pub name: String,
+    /// Where the numbers come from; free text.
+    pub source: Option<String>,
+    /// External or internal.
+    pub meshing: Meshing,
+    /// Normal module.
+    pub normal_module_mm: f64,
+    /// Normal pressure angle of the basic rack, degrees.
+    pub normal_pressure_angle_deg: f64,
+    /// Helix angle at the reference cylinder, degrees; > 0: gear 1 right-handed. Default 0.
+    #[serde(default)]
+    pub helix_angle_deg: f64,
+    /// Default: the centre distance without backlash that follows from the profile shifts.
+    pub center_distance_mm: Option<f64>,
+    /// Circumferential backlash at the operating pitch circle and nominal centre distance, both gears
+    /// together. Default: what centre distance and profile shifts leave.
+    pub backlash_um: Option<f64>,
+    /// z of gear 2's z = 0 face minus gear 1's. Default 0.
+    pub face_offset_mm: Option<f64>,
+    /// Gear 1.
+    pub gear1: GearFile,
+    /// Gear 2.
+    pub gear2: GearFile,
+    /// Loads and deviations to be covered.
+    pub operating: OperatingFile,
+    /// Elastic model. Default: normal refinement.
+    #[serde(default)]
+    pub compliance: ComplianceFile,
+    /// Whether contact of tip corners outside the path of contact is counted. Default true.
+    #[serde(default = "yes")]
+    pub tip_corner_contact: bool,
+    /// Coefficient of friction. Default: the constant 0.05.
+    pub friction: Option<FrictionFile>,
+}
+
+/// `meshing` of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Meshing {
+    /// Two external gears.
+    External,
+    /// An external gear and a ring.
+    Internal,
+}
+
+/// A struct with the modifications of a flank after its own fields. One that is flattened into both would lose line and
+/// column of what is wrong in it.
+macro_rules! with_modifications {
+    ($(#[$doc:meta])* pub struct $name:ident { $($own:tt)* }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            $($own)*
+            /// Tip relief. Default none.
+            pub tip_relief: Option<ReliefFile>,
+            /// Root relief. Default none.
+            pub root_relief: Option<ReliefFile>,
+            /// Profile crowning: removal at both ends of the active profile. Default 0.
+            pub profile_crowning_um: Option<f64>,
+            /// Profile slope: removal at the tip minus that at the start of the active profile, -C_Ha. Default 0.
+            pub profile_slope_um: Option<f64>,
+            /// Bias: profile slope at z = face width minus that at z = 0. Default 0.
+            pub bias_um: Option<f64>,
+            /// Lead crowning: removal at both ends of the face. Default 0.
+            pub lead_crowning_um: Option<f64>,
+            /// Removal at the z = face width end minus that at z = 0, zero at mid-face. Default 0.
+            pub lead_slope_um: Option<f64>,
+            /// End relief at both ends. Default none.
+            pub end_relief: Option<EndReliefFile>,
+            /// End relief at z = 0 instead of `end_relief`.
+            pub lower_end_relief: Option<EndReliefFile>,
+            /// End relief at z = face width instead of `end_relief`.
+            pub upper_end_relief: Option<EndReliefFile>,
+            /// CSV file of a measured or designed flank, in addition to all others. Default none.
+            pub topography_file: Option<String>,
+        }
+
+        impl $name {
+            /// Its modifications alone.
+            pub fn modifications(&self) -> FlankFile {
+                let own = self.clone();
+                FlankFile {
+                    tip_relief: own.tip_relief, root_relief: own.root_relief, profile_crowning_um: own.profile_crowning_um,
+                    profile_slope_um: own.profile_slope_um, bias_um: own.bias_um, lead_crowning_um: own.lead_crowning_um,
+                    lead_slope_um: own.lead_slope_um, end_relief: own.end_relief,
+                    lower_end_relief: own.lower_end_relief, upper_end_relief: own.upper_end_relief,
+                    topography_file: own.topography_file,
+                }
+            }
+        }
+    };
+}
+
+with_modifications! {
+    /// One gear of the file.
+    pub struct GearFile {
+        /// Number of teeth, positive for a ring, too.
+        pub teeth: u32,
+        /// Profile shift coefficient; > 0 thickens teeth, widens the spaces of a ring. Default 0.
+        #[serde(default)]
+        pub profile_shift: f64,
+        /// Face width.
+        pub face_width_mm: f64,
+        /// Tip diameter (ring: inner). Default: from `addendum_coefficient`.
+        pub tip_diameter_mm: Option<f64>,
+        /// Diameter at which chamfer or rounding of the tips begins and the involute ends, d_Fa. Default: the tip
+        /// diameter.
+        pub tip_form_diameter_mm: Option<f64>,
+        /// Addendum over the normal module. Default 1.0; only without `tip_diameter_mm`.
+        pub addendum_coefficient: Option<f64>,
+        /// Dedendum of the basic rack over the normal module. Default 1.25.
+        #[serde(default = "default_dedendum")]
+        pub dedendum_coefficient: f64,
+        /// Tip radius of the tool (ring: radius of the fillet) over the normal module. Default 0.38.
+        #[serde(default = "default_tool_tip_radius")]
+        pub tool_tip_radius_coefficient: f64,
+        /// Bore, held rigidly; external gears only. Default: half of the root diameter.
+        pub bore_diameter_mm: Option<f64>,
+        /// Outer diameter, held rigidly; makes this gear the ring of an internal pair. Default for gear 2
+        /// of an internal pair: root diameter + 7 normal modules, a rim of 3.5 modules.
+        pub rim_diameter_mm: Option<f64>,
+        /// Radial thickness of the rim below the root circle; external gears, with `web_thickness_mm`. Default: a full
+        /// disc.
+        pub rim_thickness_mm: Option<f64>,
+        /// Axial thickness of the web.
+        pub web_thickness_mm: Option<f64>,
+        /// z of the middle of the web less mid-face. Default 0.
+        pub web_offset_mm: Option<f64>,
+        /// Outer diameter of the hub. Default: no hub, the web reaches the bore.
+        pub hub_diameter_mm: Option<f64>,
+        /// Axial length of the hub. Default: the face width.
+        pub hub_width_mm: Option<f64>,
+        /// z of the middle of the hub less mid-face. Default 0.
+        pub hub_offset_mm: Option<f64>,
+        /// Elastic foundation on which the outside of a ring rests, N/mm per mm² in every direction. Default: rigid.
+        pub rim_foundation_n_per_mm3: Option<f64>,
+        /// Young's modulus. Default 206 (steel).
+        #[serde(default = "default_youngs_modulus")]
+        pub youngs_modulus_gpa: f64,
+        /// Poisson ratio. Default 0.3 (steel).
+        #[serde(default = "default_poisson_ratio")]
+        pub poisson_ratio: f64,
+        /// Modifications of the drive flank instead of those of the gear.
+        pub drive_flank: Option<FlankFile>,
+        /// Modifications of the coast flank instead of those of the gear.
+        pub coast_flank: Option<FlankFile>,
+        /// Teeth that differ from each other. Default: all are alike.
+        pub tooth_errors: Option<ToothErrorsFile>,
+    }
+}
+
+with_modifications! {
+    /// Modifications of one flank: those of [`GearFile`], which it replaces one by one.
+    #[derive(Default)]
+    pub struct FlankFile {}
+}
+
+impl GearFile {
+    /// Every place at which modifications stand, with the start of the path of its fields.
+    pub fn flanks(&self) -> Vec<(&'static str, FlankFile)> {
+        let mut all = vec![("", self.modifications())];
+        for (prefix, flank) in [
+            ("drive_flank.", &self.drive_flank),
+            ("coast_flank.", &self.coast_flank),
+        ] {
+            all.extend(flank.clone().map(|flank| (prefix, flank)));
+        }
+        all
+    }
+}
+
+/// Tip or root relief of the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReliefFile {
+    /// Removal at the tip (root relief: at the start of the active profile).
+    pub amount_um: f64,
+    /// Where it starts. Default `pitch_point`.
+    #[serde(default)]
+    pub start: ReliefStart,
+    /// Growth. Default `linear`.
+    #[serde(default)]
+    pub shape: Shape,
+}
+
+/// `start` of a relief.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ReliefStart {
+    /// At the operating pitch circle of the nominal centre distance.
+    #[default]
+    PitchPoint,
+    /// At this diameter.
+    DiameterMm(f64),
+}
+
+/// `shape` of a relief.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shape {
+    /// In proportion to the distance from the start.
+    #[default]
+    Linear,
+    /// With its square.
+    Parabolic,
+    /// A circular arc that leaves the flank as a tangent.
+    Arc,
+}
+
+/// End relief of the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EndReliefFile {
+    /// Removal at the end of the face.
+    pub amount_um: f64,
+    /// Reach into the face from that end.
+    pub length_mm: f64,
+    /// Growth. Default `linear`.
+    #[serde(default)]
+    pub shape: Shape,
+}
+
+/// `operating` of the file. Ranges hold zero and count from the nominal state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OperatingFile {
+    /// Nominal torque on gear 1.
+    pub nominal_torque_nm: f64,
+    /// Highest torque on gear 1 that tables cover.
+    pub maximum_torque_nm: f64,
+    /// Lowest and highest deviation from the nominal centre distance.
+    pub center_distance_offset_um: [f64; 2],
+    /// Lowest and highest misalignment in the plane of action.
+    pub misalignment_mrad: [f64; 2],
+}
+
+/// `compliance` of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComplianceFile {
+    /// Mesh of the finite-element model. Default `normal`.
+    #[serde(default)]
+    pub refinement: Refinement,
+}
+
+/// `friction` of the file. Fields that the law does not ask for may be there.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionFile {
+    /// How the coefficient follows from load and speed. Default `constant`.
+    #[serde(default)]
+    pub law: FrictionLawFile,
+    /// `constant`: the coefficient. Default 0.05.
+    pub coefficient: Option<f64>,
+    /// Dynamic viscosity at the oil's temperature; required by `schlenk` and `xu_kahraman`.
+    pub dynamic_viscosity_mpa_s: Option<f64>,
+    /// `schlenk`: X_L of a gear oil: a mineral one 0.846, PAO and ester 0.65, polyglycol 0.585. Default 0.846.
+    pub lubricant_factor: Option<f64>,
+    /// Arithmetic mean roughness Ra of gear 1 and gear 2; required by `schlenk` and `xu_kahraman`.
+    pub roughness_ra_um: Option<[f64; 2]>,
+}
+
+/// `law` of the friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionLawFile {
+    /// The same everywhere.
+    #[default]
+    Constant,
+    /// Mean over the mesh, ISO/TR 14179-2.
+    Schlenk,
+    /// Local, Xu and Kahraman 2007.
+    XuKahraman,
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn default_dedendum() -> f64 {
+    1.25
+}
+
+fn default_tool_tip_radius() -> f64 {
+    0.38
+}
+
+fn default_youngs_modulus() -> f64 {
+    206.0
+}
+
+fn default_poisson_ratio() -> f64 {
+    0.3
+}

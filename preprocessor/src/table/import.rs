@@ -1,0 +1,435 @@
+//! Tables from samples of any other program: a CSV file of static solutions on a full grid of torque,
+//! mesh position, centre distance and misalignment.
+//!
+//! A sample gives the displacement under a load; the table wants the load at a displacement. Each
+//! line of samples over the torque is inverted by a monotone cubic (Fritsch and Carlson, SIAM J. Numer.
+//! Anal. 17 (1980) 238-246), so a line must rise strictly.
+
+use gearmesh::gear::PairGeometry;
+use gearmesh::table::{Axes, FlankGrid, TableError};
+use gearmesh::words::{rounded, shown};
+use std::collections::BTreeMap;
+
+/// Columns of the file, in any order in its header.
+pub const COLUMNS: [&str; 6] = [
+    "torque_nm",
+    "mesh_position",
+    "center_distance_offset_um",
+    "misalignment_mrad",
+    "ste_loa_um",
+    "contact_z_mm",
+];
+
+/// Force at the lowest node over that of a linear spring. With cells that end at 0, x/2, x, 4x the C2 spline
+/// that vanishes before 0 and is the linear spring k u beyond 4x is k times the sum of c_i (u - t_i)³ with
+/// c x² = 11/12, -40/21, 1, -1/84 (no cubic, no quadratic, no constant part beyond); at x it is 19/28 k x.
+const ROUNDED_ONSET: f64 = 19.0 / 28.0;
+
+/// One row, as in the file.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    line: u64,
+    values: [f64; 6],
+}
+
+/// What an import gives.
+#[derive(Debug)]
+pub struct Imported {
+    /// Samples on the table's grid.
+    pub grid: FlankGrid,
+    /// Largest torque, N m on gear 1.
+    pub maximum_torque: f64,
+}
+
+/// Stiffness of a tooth pair per length of contact line over Young's modulus: 14 N/(mm um) for steel (ISO 6336-1).
+const STIFFNESS_OVER_MODULUS: f64 = 0.07;
+
+/// Samples stiffer or softer than teeth by less than this factor may be meant, if they are odd.
+const ODD: f64 = 10.0;
+
+/// And beyond this one they are in another unit.
+const IMPOSSIBLE: f64 = 100.0;
+
+impl Imported {
+    /// What is odd about the samples for a pair with this geometry and nominal torque (N m on gear 1), one
+    /// sentence each.
+    ///
+    /// # Errors
+    /// Samples that no simulation can use: largest torque below the nominal one, an axis that leaves out the
+    /// nominal centre distance or parallel axes, or a stiffness that no teeth have.
+    pub fn doubts(
+        &self,
+        geometry: &PairGeometry,
+        nominal_torque: f64,
+    ) -> Result<Vec<String>, TableError> {
+        if self.maximum_torque < nominal_torque {
+            return Err(refused(format!(
+                "the largest torque_nm is {}, below the nominal torque of the pair file, {nominal_torque} N m; give \
+                 samples up to the torques that are to be simulated, or correct operating.nominal_torque_nm",
+                self.maximum_torque
+            )));
+        }
+        let axes = &self.grid.axes;
+        for (name, nodes, scale) in [
+            (COLUMNS[2], &axes.center_distance_offset, 1e6),
+            (COLUMNS[3], &axes.misalignment, 1e3),
+        ] {
+            let [low, high] = [nodes[0], nodes[nodes.len() - 1]].map(|node| rounded(node * scale));
+            if low > 0.0 || high < 0.0 {
+                return Err(refused(format!(
+                    "{name} runs from {low} to {high} and leaves out 0, the nominal state; give deviations from \
+                     nominal"
+                )));
+            }
+        }
+        let force = self.maximum_torque / geometry.gears[0].base_radius();
+        let nodes = self.grid.top_load_approach.len() as f64;
+        let travel = (self.grid.top_load_approach.iter().sum::<f64>()
+            - self.grid.no_load_approach.iter().sum::<f64>())
+            / nodes;
+        let modulus = geometry.gears.iter().map(|g| g.youngs_modulus);
+        let width = geometry.face_overlap().1;
+        let usual = STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min) * width;
+        let ratio = force / travel / usual;
+        let told = format!(
+            "ste_loa_um rises by {} um on average up to {} N m, {} times the stiffness usual for these teeth",
+            two_digits(1e6 * travel),
+            self.maximum_torque,
+            two_digits(ratio),
+        );
+        if !(IMPOSSIBLE.recip()..=IMPOSSIBLE).contains(&ratio) {
+            return Err(refused(format!(
+                "{told}; give the transmission error on the line of action in um, and the torque on gear 1 in N m"
+            )));
+        }
+        Ok((!(ODD.recip()..=ODD).contains(&ratio))
+            .then(|| format!("{told}; check units and pair file"))
+            .into_iter()
+            .collect())
+    }
+}
+
+/// Reads CSV text of the drive flank of `geometry`: header with [`COLUMNS`], then one row per sample;
+/// empty lines and lines that begin with # are skipped. `contact_z_mm` is where the resultant crosses the
+/// pitch plane, from gear 1's z = 0 face.
+///
+/// The no-load approach is the sample at torque 0, or the line through the two smallest torques taken to 0.
+/// `contact_z_mm` at torque 0 is not looked at.
+///
+/// Between that and the smallest torque above 0 the samples say nothing. The table has two nodes there, at a
+/// quarter and a sixteenth of that displacement. The lowest one takes 19/28 of the force that the line through the
+/// samples has there, which rounds the kink of the onset off below the other: a linear spring comes out exact
+/// from a quarter of the displacement at the smallest torque on.
+///
+/// # Errors
+/// Unknown or missing columns, numbers that are none, repeated or missing grid points, displacement that
+/// does not rise with the torque: each with line and values.
+pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, TableError> {
+    let rows = parse(text)?;
+    let axis = |k: usize| {
+        let mut values: Vec<f64> = rows.iter().map(|r| r.values[k]).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        values
+    };
+    let (torques, positions, offsets, misalignments) = (axis(0), axis(1), axis(2), axis(3));
+    let has_zero = torques[0] == 0.0;
+    let loads = torques.len() - usize::from(has_zero);
+    if torques[0] < 0.0 {
+        return Err(refused(format!(
+            "torque_nm = {}: a torque is not negative; give the loaded flank's samples only",
+            brief(torques[0])
+        )));
+    }
+    if loads < 4 {
+        return Err(refused(format!(
+            "torque_nm has {loads} values above 0; a cubic spline needs at least 4"
+        )));
+    }
+    let mut by_point: BTreeMap<[u64; 4], Row> = BTreeMap::new();
+    let key = |v: [f64; 4]| v.map(|x| (x + 0.0).to_bits());
+    for row in &rows {
+        let [t, p, c, m, ..] = row.values;
+        if let Some(first) = by_point.insert(key([t, p, c, m]), *row) {
+            return Err(refused(format!(
+                "line {}: the point {} stands in line {} already; leave one of them out",
+                row.line,
+                describe(row.values),
+                first.line
+            )));
+        }
+    }
+
+    check_on_face(&rows, geometry)?;
+    let z_ref = geometry.z_ref();
+    let base_radius = geometry.gears[0].base_radius();
+    let mut lines = Vec::new();
+    for &c in &offsets {
+        for &m in &misalignments {
+            for &p in &positions {
+                let mut line = Vec::with_capacity(torques.len());
+                for &t in &torques {
+                    let Some(row) = by_point.get(&key([t, p, c, m])) else {
+                        return Err(refused(format!(
+                            "no sample at {}; the grid must be complete",
+                            describe([t, p, c, m, 0.0, 0.0])
+                        )));
+                    };
+                    line.push(*row);
+                }
+                lines.push(invertible(&line, z_ref, base_radius)?);
+            }
+        }
+    }
+
+    // Displacement nodes where the samples lie on average, so that inversion has little to bridge.
+    let mean = |k: usize| {
+        let fraction = |l: &Line| (l.delta[k] - l.delta[0]) / (l.delta[loads] - l.delta[0]);
+        lines.iter().map(fraction).sum::<f64>() / lines.len() as f64
+    };
+    let mut fractions: Vec<f64> = (1..=loads).map(mean).collect();
+    fractions[loads - 1] = 1.0;
+    // Springs that start with a kink (linear ones) must not ring: the spline, which starts without,
+    // gets two more nodes below the smallest load to round the kink off within.
+    let smallest = fractions[0];
+    fractions.splice(0..0, [smallest / 16.0, smallest / 4.0]);
+    let (nm, np) = (misalignments.len(), positions.len());
+    let mut grid = FlankGrid {
+        axes: Axes {
+            displacement_fraction: fractions.clone(),
+            center_distance_offset: offsets.iter().map(|c| 1e-6 * c).collect(),
+            misalignment: misalignments.iter().map(|m| 1e-3 * m).collect(),
+            mesh_position: positions,
+        },
+        no_load_approach: lines.iter().map(|l| l.delta[0]).collect(),
+        top_load_approach: lines.iter().map(|l| l.delta[loads]).collect(),
+        loa_force: vec![],
+        moment: None,
+    };
+    let mut moment = vec![];
+    for block in lines.chunks(np) {
+        for (k, u) in fractions.iter().enumerate() {
+            for l in block {
+                let (mut force, lever) = l.at(l.delta[0] + u * (l.delta[loads] - l.delta[0]));
+                if k == 0 {
+                    force *= ROUNDED_ONSET;
+                }
+                grid.loa_force.push(force);
+                moment.push(force * lever);
+            }
+        }
+    }
+    grid.moment = Some(moment);
+    debug_assert_eq!(lines.len(), offsets.len() * nm * np);
+    grid.check("samples")?;
+    Ok(Imported {
+        grid,
+        maximum_torque: torques[torques.len() - 1],
+    })
+}
+
+/// `value` with two digits.
+fn two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
+
+fn refused(message: String) -> TableError {
+    TableError::Samples(message)
+}
+
+fn describe(v: [f64; 6]) -> String {
+    let name = |k: usize| format!("{} = {}", COLUMNS[k], brief(v[k]));
+    format!("{}, {}, {}, {}", name(0), name(1), name(2), name(3))
+}
+
+/// `value` in no more digits than a line has room for.
+fn brief(value: f64) -> String {
+    shown(&value.to_string())
+}
+
+/// How far off the face a resultant may be written for rounding, mm.
+const OFF_FACE_MM: f64 = 1e-3;
+
+/// Every load lies within the common face, so that the resultant crosses the pitch plane no farther beyond it than it may lie
+/// beside that plane times the slope of the contact lines.
+fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError> {
+    let (low, width) = geometry.face_overlap();
+    let path = geometry.base_pitch() * geometry.transverse_contact_ratio(geometry.center_distance);
+    let beyond = geometry.base_helix_angle().tan() * path;
+    let [low, high] = [low - beyond, low + width + beyond].map(|z| 1e3 * z);
+    let off = |r: &&Row| {
+        let z = r.values[5];
+        r.values[0] > 0.0 && (z < low - OFF_FACE_MM || z > high + OFF_FACE_MM)
+    };
+    match rows.iter().find(off) {
+        None => Ok(()),
+        Some(row) => Err(refused(format!(
+            "line {}: contact_z_mm = {} at {} lies off the common face of the gears: {low} to {high} mm from \
+             gear 1's z = 0 face can be; give from that face where the resultant crosses the pitch plane",
+            row.line,
+            brief(row.values[5]),
+            describe(row.values)
+        ))),
+    }
+}
+
+fn parse(text: &str) -> Result<Vec<Row>, TableError> {
+    // The reader counts a line only at its \n, after the place of the next one.
+    let text = text.replace("\r\n", "\n");
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes());
+    let names = reader.headers().map_err(unreadable)?.clone();
+    if names.is_empty() {
+        return Err(refused(format!(
+            "the file is empty; its header is {}",
+            COLUMNS.join(",")
+        )));
+    }
+    if let Some(unknown) = names.iter().find(|n| !COLUMNS.contains(n)) {
+        return Err(refused(format!(
+            "unknown column `{}`; the columns are {}",
+            shown(unknown),
+            COLUMNS.join(",")
+        )));
+    }
+    let mut order = [0; 6];
+    for (slot, name) in order.iter_mut().zip(COLUMNS) {
+        let found: Vec<usize> = (0..names.len()).filter(|&i| &names[i] == name).collect();
+        let [only] = found[..] else {
+            return Err(refused(format!(
+                "column `{name}` stands {} times in the header; it must stand once",
+                found.len()
+            )));
+        };
+        *slot = only;
+    }
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(unreadable)?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let mut values = [0.0; 6];
+        for (value, (&at, name)) in values.iter_mut().zip(order.iter().zip(COLUMNS)) {
+            let cell = &record[at];
+            *value = cell
+                .parse()
+                .ok()
+                .filter(|v: &f64| v.is_finite())
+                .ok_or_else(|| {
+                    let cell = shown(cell);
+                    refused(format!("line {line}: {name} = {cell}: not a finite number"))
+                })?;
+        }
+        rows.push(Row { line, values });
+    }
+    if rows.is_empty() {
+        return Err(refused(
+            "no rows after the header; give one for every point of the grid".into(),
+        ));
+    }
+    Ok(rows)
+}
+
+/// A row that is none, with its line.
+fn unreadable(error: csv::Error) -> TableError {
+    if let csv::ErrorKind::UnequalLengths {
+        pos: Some(at),
+        expected_len,
+        len,
+    } = error.kind()
+    {
+        return refused(format!(
+            "line {}: {len} values for {expected_len} columns",
+            at.line()
+        ));
+    }
+    refused(error.to_string())
+}
+
+/// Samples over the load at one point of the other coordinates, from the no-load approach on.
+struct Line {
+    delta: Vec<f64>,
+    force: Vec<f64>,
+    /// dF/d delta, limited so that the cubic is monotone.
+    slope: Vec<f64>,
+    /// z_c - z_ref.
+    lever: Vec<f64>,
+}
+
+fn invertible(rows: &[Row], z_ref: f64, base_radius: f64) -> Result<Line, TableError> {
+    for pair in rows.windows(2) {
+        let [low, high] = [pair[0], pair[1]];
+        if high.values[4] <= low.values[4] {
+            return Err(refused(format!(
+                "line {}: ste_loa_um = {} at {} is not above ste_loa_um = {} at torque_nm = {} (line {}); \
+                 the displacement must rise with the load, so correct or remove this sample",
+                high.line,
+                brief(high.values[4]),
+                describe(high.values),
+                brief(low.values[4]),
+                brief(low.values[0]),
+                low.line
+            )));
+        }
+    }
+    let mut delta: Vec<f64> = rows.iter().map(|r| 1e-6 * r.values[4]).collect();
+    let mut force: Vec<f64> = rows.iter().map(|r| r.values[0] / base_radius).collect();
+    let mut lever: Vec<f64> = rows.iter().map(|r| 1e-3 * r.values[5] - z_ref).collect();
+    if force[0] > 0.0 {
+        let touch = delta[0] - force[0] * (delta[1] - delta[0]) / (force[1] - force[0]);
+        delta.insert(0, touch);
+        force.insert(0, 0.0);
+        lever.insert(0, lever[0]);
+    }
+    let slope = monotone_slopes(&delta, &force);
+    Ok(Line {
+        delta,
+        force,
+        slope,
+        lever,
+    })
+}
+
+/// Slopes of parabolas through three neighbours, cut to what keeps the cubic monotone.
+fn monotone_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    let secant: Vec<f64> = (1..n)
+        .map(|i| (y[i] - y[i - 1]) / (x[i] - x[i - 1]))
+        .collect();
+    let h: Vec<f64> = (1..n).map(|i| x[i] - x[i - 1]).collect();
+    (0..n)
+        .map(|i| {
+            if i == 0 {
+                let s = secant[0] + h[0] / (h[0] + h[1]) * (secant[0] - secant[1]);
+                s.clamp(0.0, 3.0 * secant[0])
+            } else if i == n - 1 {
+                let (a, b) = (n - 3, n - 2);
+                let s = secant[b] + h[b] / (h[a] + h[b]) * (secant[b] - secant[a]);
+                s.clamp(0.0, 3.0 * secant[b])
+            } else {
+                let s = (secant[i - 1] * h[i] + secant[i] * h[i - 1]) / (h[i - 1] + h[i]);
+                s.min(3.0 * secant[i - 1]).min(3.0 * secant[i])
+            }
+        })
+        .collect()
+}
+
+impl Line {
+    /// Force and lever at a displacement inside the samples.
+    fn at(&self, delta: f64) -> (f64, f64) {
+        let n = self.delta.len();
+        let i = self.delta.partition_point(|&d| d <= delta).clamp(1, n - 1) - 1;
+        let h = self.delta[i + 1] - self.delta[i];
+        let t = (delta - self.delta[i]) / h;
+        let s = 1.0 - t;
+        let force = self.force[i] * s * s * (1.0 + 2.0 * t)
+            + self.force[i + 1] * t * t * (1.0 + 2.0 * s)
+            + h * t * s * (self.slope[i] * s - self.slope[i + 1] * t);
+        (force, self.lever[i] * s + self.lever[i + 1] * t)
+    }
+}
+
+#[cfg(test)]
+#[path = "import_tests.rs"]
+mod tests;

@@ -1,0 +1,230 @@
+//! Imports of a spring known by formula, and refusals.
+
+use super::*;
+use crate::samples::spur_pair;
+use gearmesh::table::{FlankTable, Interpolation, Query};
+use std::f64::consts::TAU;
+
+/// F = k(p) delta with k = 2e8 (1 + 0.2 cos 2 pi p) N/m, contact 1 mm above mid-face.
+fn stiffness(p: f64) -> f64 {
+    2e8 * (1.0 + 0.2 * (TAU * p).cos())
+}
+
+fn csv(torques: &[f64]) -> String {
+    let mut text = format!("# a spring\n{}\n", COLUMNS.join(","));
+    let rb = spur_pair().gears[0].base_radius();
+    for t in torques {
+        for i in 0..16 {
+            let p = f64::from(i) / 16.0;
+            text += &format!("{t},{p},0,0,{},13.5\n", 1e6 * t / rb / stiffness(p));
+        }
+    }
+    text
+}
+
+const TORQUES: [f64; 10] = [0.5, 2.0, 5.0, 10.0, 20.0, 40.0, 60.0, 90.0, 130.0, 200.0];
+
+#[test]
+fn a_linear_spring_comes_back_with_its_stiffness() {
+    for torques in [&TORQUES[..], &[&[0.0], &TORQUES[..]].concat()] {
+        let imported = import_csv(&csv(torques), &spur_pair()).unwrap();
+        assert_eq!(imported.maximum_torque, 200.0);
+        let table = FlankTable::new(&imported.grid, Interpolation::Spline).unwrap();
+        for i in 0..400 {
+            let p = 0.618 * f64::from(i) % 1.0;
+            let delta = 1e-6 + 15e-6 * f64::from(i) / 400.0;
+            let w = table.evaluate(
+                &Query {
+                    delta,
+                    center_distance_offset: 0.0,
+                    misalignment: 0.0,
+                    mesh_position: p,
+                },
+                false,
+            );
+            let force = stiffness(p) * delta;
+            let error = (w.gradient[0] - force).abs();
+            assert!(
+                error < 1e-4 * force,
+                "{} of {force} N at {delta}",
+                w.gradient[0]
+            );
+            let lever = w.gradient[2] / w.gradient[0];
+            assert!((lever - 1e-3).abs() < 1e-6, "lever {lever}");
+        }
+    }
+}
+
+#[test]
+fn the_lowest_load_node_makes_a_linear_spring_exact_beyond_the_rounded_onset() {
+    let imported = import_csv(&csv(&TORQUES), &spur_pair()).unwrap();
+    let grid = &imported.grid;
+    let span = |p: usize| grid.top_load_approach[p] - grid.no_load_approach[p];
+    let nodes = &grid.axes.displacement_fraction;
+    // Nodes at a sixteenth and a quarter of the displacement at 0.5 N m.
+    let smallest = 0.5 / 200.0;
+    approx::assert_relative_eq!(nodes[0], smallest / 16.0, max_relative = 1e-9);
+    approx::assert_relative_eq!(nodes[1], smallest / 4.0, max_relative = 1e-9);
+    for p in 0..16 {
+        let line = stiffness(p as f64 / 16.0) * nodes[0] * span(p);
+        approx::assert_relative_eq!(grid.loa_force[p], 19.0 / 28.0 * line, max_relative = 1e-9);
+    }
+    let table = FlankTable::new(grid, Interpolation::Spline).unwrap();
+    for p in 0..16 {
+        for share in [1.0, 1.7, 4.0, 50.0, 399.0] {
+            let mesh_position = p as f64 / 16.0;
+            let delta = grid.no_load_approach[p] + share * nodes[1] * span(p);
+            let q = Query {
+                delta,
+                center_distance_offset: 0.0,
+                misalignment: 0.0,
+                mesh_position,
+            };
+            let force = table.evaluate(&q, false).gradient[0];
+            let line = stiffness(mesh_position) * share * nodes[1] * span(p);
+            approx::assert_relative_eq!(force, line, max_relative = 1e-8);
+        }
+    }
+}
+
+#[test]
+fn a_byte_order_mark_quotes_spaces_and_empty_lines_change_nothing() {
+    let good = csv(&TORQUES);
+    let quoted = good.replacen("torque_nm,", "\"torque_nm\", ", 1);
+    let quoted = quoted.replacen("\n0.5,0,", "\r\n\r\n\"0.5\",\t0 ,", 1);
+    let quoted = format!("\u{feff}{quoted}\n\n");
+    let [plain, quoted] = [good, quoted].map(|text| import_csv(&text, &spur_pair()).unwrap());
+    assert_eq!(plain.grid, quoted.grid);
+}
+
+#[test]
+fn a_resultant_off_the_face_is_refused_with_the_face_and_one_on_its_edge_is_not() {
+    let good = csv(&TORQUES);
+    let with = |z: &str| import_csv(&good.replacen(",13.5", &format!(",{z}"), 1), &spur_pair());
+    for z in ["-0.01", "25.2", "13500"] {
+        let text = with(z).unwrap_err().to_string();
+        let value = format!("line 3: contact_z_mm = {z}");
+        assert!(
+            text.contains(&value) && text.contains("0 to 25 mm"),
+            "{text}"
+        );
+    }
+    for z in ["0", "25", "-0.0005", "25.0005"] {
+        with(z).unwrap();
+    }
+}
+
+#[test]
+fn samples_that_cannot_be_a_table_are_refused_by_line_and_value() {
+    let good = csv(&TORQUES);
+    let refused = |text: String| import_csv(&text, &spur_pair()).unwrap_err().to_string();
+    let lines: Vec<&str> = good.lines().collect();
+    let without = |i: usize| {
+        let mut l = lines.clone();
+        l.remove(i);
+        l.join("\n")
+    };
+    let missing = refused(without(20));
+    assert!(
+        missing.contains("no sample at torque_nm = 2, mesh_position = 0.125"),
+        "{missing}"
+    );
+    let twice = refused(format!("{good}{}\n", lines[5]));
+    assert!(
+        twice.contains("line 163") && twice.contains("line 6"),
+        "{twice}"
+    );
+    let falling = refused(good.replacen("2,0,0,0,", "2,0,0,0,-1e3,1\n#", 1));
+    assert!(
+        falling.contains("line 19: ste_loa_um = -1000")
+            && falling.contains("torque_nm = 2, mesh_position = 0,"),
+        "{falling}"
+    );
+    assert!(refused(good.replacen("13.5", "nan", 1)).contains("line 3: contact_z_mm = nan"));
+    let of_windows = good.replacen("13.5", "nan", 1).replace('\n', "\r\n");
+    assert!(refused(of_windows).contains("line 3: contact_z_mm = nan"));
+    assert!(
+        refused(good.replacen("mesh_position", "position", 1))
+            .contains("unknown column `position`")
+    );
+    assert!(refused(good.replacen("\n0.5,", "\n-0.5,", 1)).contains("torque_nm = -0.5"));
+    assert!(refused(csv(&TORQUES[..3])).contains("at least 4"));
+    assert!(refused(String::new()).contains("empty"));
+    assert!(refused(good.replacen("13.5", "13.5,1", 1)).contains("line 3: 7 values for 6 columns"));
+}
+
+/// What is said of a spring whose displacements are `scale` times those of [`csv`].
+fn doubts(scale: f64, nominal_torque: f64) -> Result<Vec<String>, String> {
+    let mut imported = import_csv(&csv(&TORQUES), &spur_pair()).unwrap();
+    for values in [
+        &mut imported.grid.no_load_approach,
+        &mut imported.grid.top_load_approach,
+    ] {
+        values.iter_mut().for_each(|v| *v *= scale);
+    }
+    let doubts = imported.doubts(&spur_pair(), nominal_torque);
+    doubts.map_err(|error| error.to_string())
+}
+
+#[test]
+fn samples_that_end_below_the_nominal_torque_are_refused() {
+    assert_eq!(doubts(1.0, 200.0), Ok(vec![]));
+    let error = doubts(1.0, 250.0).unwrap_err();
+    assert!(
+        error.contains("is 200, below the nominal torque of the pair file, 250 N m"),
+        "{error}"
+    );
+}
+
+#[test]
+fn transmission_errors_in_another_unit_are_refused_and_odd_ones_noted() {
+    // In metres, in millimetres, in nanometres.
+    for scale in [1e-6, 1e-3, 1e3] {
+        let error = doubts(scale, 100.0).unwrap_err();
+        assert!(error.contains("times the stiffness usual"), "{error}");
+        assert!(
+            error.contains("in um, and the torque on gear 1 in N m"),
+            "{error}"
+        );
+    }
+    // A spring of 0.544 of the usual stiffness, 0.07 x 206 GPa x 25 mm, twenty times as soft.
+    let notes = doubts(20.0, 100.0).unwrap();
+    assert!(
+        notes[0].contains("0.027 times the stiffness usual"),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn an_axis_without_the_nominal_state_is_refused() {
+    let mut imported = import_csv(&csv(&TORQUES), &spur_pair()).unwrap();
+    imported.grid.axes.misalignment = vec![1e-3, 1.5e-3, 2e-3, 3e-3];
+    let error = imported
+        .doubts(&spur_pair(), 100.0)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("misalignment_mrad runs from 1 to 3 and leaves out 0"),
+        "{error}"
+    );
+    imported.grid.axes.misalignment = vec![0.0];
+    imported.grid.axes.center_distance_offset = vec![-100e-6, -50e-6, -20e-6, -10e-6];
+    let error = imported
+        .doubts(&spur_pair(), 100.0)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("center_distance_offset_um runs from -100 to -10"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_number_of_many_digits_is_told_with_an_exponent() {
+    let text = csv(&TORQUES).replacen(",13.5\n", ",1e300\n", 1);
+    let error = import_csv(&text, &spur_pair()).unwrap_err().to_string();
+    assert!(error.contains("contact_z_mm = 1e300 at "), "{error}");
+    let text = csv(&TORQUES).replacen("0.5,0,", "0.5,1e-300,", 1);
+    let error = import_csv(&text, &spur_pair()).unwrap_err().to_string();
+    assert!(error.len() < 300, "{error}");
+}

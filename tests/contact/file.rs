@@ -1,0 +1,52 @@
+//! Contact at run time from the file in a unit.
+
+use super::*;
+use gearmesh::gear::Flank;
+use std::sync::Arc;
+
+#[test]
+fn sizes_that_do_not_fit_each_other_are_refused() {
+    let text = include_str!("../../resources/pairs/palermo2013.json");
+    let pair = pair::from_json(text).unwrap();
+    let settings = ContactSettings {
+        stations: 4,
+        ..ContactSettings::default()
+    };
+    let file = contact_file(&pair, &coarse_solver(&pair, settings)).unwrap();
+    assert!(ContactFile::from_bytes(&file.to_bytes()).is_ok());
+    let with = |change: &dyn Fn(&mut CondensedFlank, &mut ContactSetup)| {
+        let mut changed = file.clone();
+        let (drive, setup) = (
+            Arc::make_mut(&mut changed.drive),
+            Arc::make_mut(&mut changed.setup),
+        );
+        change(drive, setup);
+        ContactFile::from_bytes(&changed.to_bytes()).unwrap_err()
+    };
+    let said = with(&|drive, setup| {
+        (drive.pairs, drive.stations, setup.settings.stations) = (1, 1, 1);
+        drive.values.truncate(drive.value_count().unwrap());
+    });
+    assert!(said.contains("at least two strips"), "{said}");
+    let said = with(&|drive, _| drive.values.push(0.0));
+    assert!(said.contains("more values than"), "{said}");
+    let said = with(&|drive, _| drive.positions += 1);
+    assert!(said.contains("are not there"), "{said}");
+}
+
+#[test]
+fn a_pose_that_no_solve_finds_says_why() {
+    let text = include_str!("../../resources/pairs/palermo2013.json");
+    let pair = pair::from_json(text).unwrap();
+    let settings = ContactSettings {
+        stations: 4,
+        ..ContactSettings::default()
+    };
+    let file = contact_file(&pair, &coarse_solver(&pair, settings)).unwrap();
+    let drive = file.flank(Flank::Drive).unwrap();
+    let at = |offset| drive.potential([1e-5, offset, 0.0, 0.2], [0; 2], &mut Warm::default());
+    assert!(at(0.0).unwrap().gradient[0] > 0.0);
+    // Nearer than the base circles allow.
+    let said = at(-0.02).unwrap_err().to_string();
+    assert!(said.contains("no path of contact"), "{said}");
+}

@@ -1,0 +1,149 @@
+//! Stress in the tooth roots over mesh cycles.
+
+use super::*;
+use gearmesh::gear::Flank;
+use gearmesh::pair::Refinement;
+use gearmesh_preprocessor::contact::{CycleInput, GearRoots, LoadCase, MeshCycle};
+use gearmesh_preprocessor::finite_element::{RootStress, Settings, pair_root_stress};
+use std::sync::Arc;
+
+/// Two equal gears of opposite hand, 20 teeth, module 3 mm.
+fn pair(helix_deg: f64) -> Pair {
+    let gear =
+        r#"{ "teeth": 20, "profile_shift": 0.0, "face_width_mm": 18.0, "bore_diameter_mm": 24.0 }"#;
+    let text = format!(
+        r#"{{ "name": "roots", "meshing": "external", "normal_module_mm": 3.0,
+             "normal_pressure_angle_deg": 20.0, "helix_angle_deg": {helix_deg},
+             "gear1": {gear}, "gear2": {gear},
+             "operating": {{ "nominal_torque_nm": 100.0, "maximum_torque_nm": 150.0,
+               "center_distance_offset_um": [-20.0, 20.0], "misalignment_mrad": [-1.0, 1.0] }} }}"#
+    );
+    let mut pair = pair::from_json(&text).unwrap();
+    pair.refinement = Refinement::Coarse;
+    pair
+}
+
+fn models(pair: &Pair) -> [Arc<RootStress>; 2] {
+    let settings = Settings::for_pair(pair);
+    let found = pair_root_stress(&pair.geometry, Flank::Drive, &settings, None, &|_, _, _| {
+        true
+    })
+    .unwrap();
+    found.map(|(model, _)| model)
+}
+
+/// Roots of both gears at each of `cases` (torque, misalignment in rad).
+fn solve(pair: &Pair, flank: Flank, cases: &[(f64, f64)]) -> Vec<[GearRoots; 2]> {
+    // Under tip edges the arm is that about gear 1, which tells the gears apart.
+    let settings = ContactSettings {
+        stations: 16,
+        tip_corner_contact: false,
+        ..Default::default()
+    };
+    let solver = coarse_solver(pair, settings);
+    let models = models(pair);
+    let input = CycleInput {
+        flank,
+        torque: 100.0,
+        center_distance_offset: 0.0,
+        misalignment: 0.0,
+        positions: 8,
+    };
+    let loads: Vec<LoadCase> = cases
+        .iter()
+        .map(|&(torque, misalignment)| LoadCase {
+            torque,
+            misalignment,
+        })
+        .collect();
+    let cycles = MeshCycle::solve_all(&solver, &input, &loads, &|_| ()).unwrap();
+    cycles
+        .iter()
+        .map(|cycle| cycle.root_stress(&solver, &input, &models).unwrap())
+        .collect()
+}
+
+#[test]
+fn misalignment_moves_the_largest_stress_to_the_closing_side_whatever_hand_and_flank() {
+    for helix in [0.0, 15.0] {
+        let pair = pair(helix);
+        for flank in [Flank::Drive, Flank::Coast] {
+            let both = solve(&pair, flank, &[(100.0, 1e-3), (100.0, -1e-3)]);
+            for (roots, side) in both.iter().zip([1.0, -1.0]) {
+                for gear in roots {
+                    let top = gear.largest().unwrap().largest;
+                    assert!(side * (top.z - 9e-3) > 2e-3, "{helix} {flank:?} {}", top.z);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn equal_gears_see_the_same_stress_half_a_turn_apart_and_the_coast_flank_mirrors_it() {
+    for helix in [0.0, 15.0] {
+        let pair = pair(helix);
+        let [drive] = &solve(&pair, Flank::Drive, &[(100.0, 0.0)])[..] else {
+            panic!()
+        };
+        let [coast] = &solve(&pair, Flank::Coast, &[(100.0, 0.0)])[..] else {
+            panic!()
+        };
+        let over = |gear: &GearRoots| gear.over_cycle(8, |tooth| Some(tooth.largest.stress));
+        let (first, second) = (over(&drive[0]), over(&drive[1]));
+        let mirrored = over(&coast[0]);
+        for i in 0..8 {
+            // The pitch point of gear 1 at tau is that of gear 2 at -tau.
+            let other = second[(8 - i) % 8];
+            assert!(
+                (first[i] / other - 1.0).abs() < 1e-6,
+                "{first:?} {second:?}"
+            );
+            assert!(
+                (first[i] / mirrored[i] - 1.0).abs() < 1e-6,
+                "{first:?} {mirrored:?}"
+            );
+        }
+        let (a, b) = (drive[0].largest().unwrap(), drive[1].largest().unwrap());
+        assert!((a.largest.stress / b.largest.stress - 1.0).abs() < 1e-3);
+        assert!((a.largest.radius - b.largest.radius).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn the_field_holds_the_largest_stress_and_no_load_leaves_none() {
+    let pair = pair(0.0);
+    let [idle, loaded] = &solve(&pair, Flank::Drive, &[(0.0, 0.0), (100.0, 0.0)])[..] else {
+        panic!()
+    };
+    for (idle, loaded) in idle.iter().zip(loaded) {
+        assert!(idle.largest().is_none() && idle.teeth.is_empty() && idle.field.is_empty());
+        let stress = loaded.field.iter().flatten().map(|point| point.stress);
+        let (found, top) = (
+            stress.fold(0.0, f64::max),
+            loaded.largest().unwrap().largest.stress,
+        );
+        // The largest is between the points.
+        assert!(found <= top && found > 0.97 * top, "{found} {top}");
+        assert!(
+            loaded
+                .field
+                .windows(2)
+                .all(|rows| rows[0][0].z < rows[1][0].z)
+        );
+    }
+}
+
+#[test]
+fn more_torque_is_more_stress_at_every_position() {
+    let pair = pair(15.0);
+    let [half, full] = &solve(&pair, Flank::Drive, &[(50.0, 0.0), (100.0, 0.0)])[..] else {
+        panic!()
+    };
+    for (half, full) in half.iter().zip(full) {
+        let over = |gear: &GearRoots| gear.over_cycle(8, |tooth| Some(tooth.largest.stress));
+        for (half, full) in over(half).iter().zip(over(full)) {
+            assert!(*half > 0.3 * full && *half < 0.7 * full, "{half} {full}");
+        }
+    }
+}

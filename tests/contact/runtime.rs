@@ -1,0 +1,224 @@
+//! Contact at run time against the solve that tables come from, and against itself.
+
+use super::*;
+use gearmesh::gear::Flank;
+use gearmesh::random::Random;
+use std::sync::Arc;
+
+const PAIRS: [&str; 3] = [
+    include_str!("../../resources/pairs/palermo2013.json"),
+    include_str!("../../resources/pairs/fzg-c.json"),
+    include_str!("../../resources/pairs/planet-ring-27-84.json"),
+];
+
+/// A pair, its solver on coarse finite elements and its contact at run time on `flank`.
+fn ready(text: &str, flank: Flank) -> (Pair, ContactSolver, RuntimeContact) {
+    let pair = pair::from_json(text).unwrap();
+    let settings = ContactSettings {
+        stations: 16,
+        ..ContactSettings::default()
+    };
+    let solver = coarse_solver(&pair, settings).at_run_time();
+    let [low, high] = pair.operating.center_distance_offset;
+    let condensed = condensed_flank(&solver, flank, &[low, 0.5 * (low + high), high]).unwrap();
+    let setup = Arc::new(solver.setup().clone());
+    let contact = RuntimeContact::new(setup, Arc::new(condensed), flank);
+    (pair, solver, contact)
+}
+
+/// A point of the pair's range: approach, centre distance offset, misalignment, mesh position, and the solution.
+fn point(
+    pair: &Pair,
+    solver: &ContactSolver,
+    flank: Flank,
+    random: &mut Random,
+) -> ([f64; 4], ContactResult) {
+    // Differences stay within the range of the condensed model, whose ends are held beyond it.
+    let offset = random.within(pair.operating.center_distance_offset.map(|end| 0.999 * end));
+    let misalignment = random.within(pair.operating.misalignment);
+    let torque = random.within([0.1, 1.0]) * pair.operating.maximum_torque;
+    let tau = random.within([0.0, 1.0]);
+    let problem = solver.position(flank, tau, offset).unwrap();
+    let result = problem.solve_torque(torque, misalignment, None).unwrap();
+    ([result.approach, offset, misalignment, tau], result)
+}
+
+#[test]
+fn the_solve_at_run_time_is_that_of_the_tables() {
+    for (text, flank) in PAIRS
+        .into_iter()
+        .zip([Flank::Drive, Flank::Drive, Flank::Coast])
+    {
+        let (pair, solver, contact) = ready(text, flank);
+        let mut random = Random::new(3);
+        let half_face = 0.5 * pair.geometry.face_overlap().1;
+        let (mut square, mut largest, n) = (0.0, 0.0f64, 60);
+        for _ in 0..n {
+            let (at, result) = point(&pair, &solver, flank, &mut random);
+            let found = contact.potential(at, [0; 2], &mut Warm::default()).unwrap();
+            let force = found.gradient[0] / result.loa_force - 1.0;
+            let lever = (found.gradient[2] - result.moment) / (result.loa_force * half_face);
+            let error = force.abs().max(lever.abs());
+            square += error * error;
+            largest = largest.max(error);
+        }
+        let rms = (square / f64::from(n)).sqrt();
+        println!("{}: rms {rms:.2e}, largest {largest:.2e}", pair.name);
+        assert!(
+            rms < 1e-3 && largest < 5e-3,
+            "{}: {rms} {largest}",
+            pair.name
+        );
+    }
+}
+
+#[test]
+fn flanks_that_close_by_a_hair_are_solved_as_far_as_rounding_lets_them() {
+    let (_, _, contact) = ready(PAIRS[0], Flank::Coast);
+    for i in 0..12 {
+        let tau = 0.03 + f64::from(i) / 12.0;
+        let of = |approach: f64| {
+            let at = [approach, 0.0, 0.0, tau];
+            contact.potential(at, [0; 2], &mut Warm::default())
+        };
+        let (mut apart, mut touching) = (0.0, 20e-6);
+        while touching - apart > f64::EPSILON * touching {
+            let middle = 0.5 * (apart + touching);
+            match of(middle).unwrap().gradient[0] > 0.0 {
+                true => touching = middle,
+                false => apart = middle,
+            }
+        }
+        // A thousandth of the force of a micrometre would be far too much.
+        let force = of(touching).unwrap().gradient[0];
+        assert!(
+            (0.0..1e-3).contains(&force),
+            "{tau}: {force} N at {touching} m"
+        );
+    }
+}
+
+/// The gradient of the potential `of` at `at` against differences of its energy.
+pub(super) fn assert_loads_are_slopes(of: impl Fn([f64; 4]) -> ContactPotential, at: [f64; 4]) {
+    let here = of(at);
+    // Force times a tenth of the approach, over the step.
+    let work = here.gradient[0] * at[0].abs();
+    for (k, step) in [2e-9, 2e-8, 1e-7, 2e-5].into_iter().enumerate() {
+        let side = |h: f64| {
+            let mut x = at;
+            x[k] += h * step;
+            of(x).energy
+        };
+        let slope = (8.0 * (side(1.0) - side(-1.0)) - (side(2.0) - side(-2.0))) / (12.0 * step);
+        let error = (slope - here.gradient[k]).abs();
+        let bound = 1e-5 * here.gradient[k].abs() + 1e-9 * work / step;
+        assert!(error <= bound, "{k}: {slope} {}", here.gradient[k]);
+    }
+}
+
+#[test]
+fn loads_are_the_gradient_of_one_potential() {
+    for text in PAIRS {
+        let (pair, solver, contact) = ready(text, Flank::Drive);
+        let mut random = Random::new(4);
+        for _ in 0..6 {
+            let (at, _) = point(&pair, &solver, Flank::Drive, &mut random);
+            let of = |x: [f64; 4]| contact.potential(x, [0; 2], &mut Warm::default()).unwrap();
+            assert_loads_are_slopes(of, at);
+        }
+    }
+}
+
+#[test]
+fn a_warm_start_changes_nothing_but_rounding_and_cycles_follow_on_each_other() {
+    let (pair, solver, contact) = ready(PAIRS[0], Flank::Drive);
+    let mut random = Random::new(5);
+    let mut warm = Warm::default();
+    for _ in 0..30 {
+        let (at, _) = point(&pair, &solver, Flank::Drive, &mut random);
+        // Warm from wherever the last point was.
+        let walked = contact.potential(at, [0; 2], &mut warm).unwrap();
+        let cold = contact.potential(at, [0; 2], &mut Warm::default()).unwrap();
+        let mut next = at;
+        next[3] += 1.0;
+        let later = contact
+            .potential(next, [0; 2], &mut Warm::default())
+            .unwrap();
+        for k in [0, 2] {
+            let scale = cold.gradient[0] * [1.0, 0.0, 1e-2, 0.0][k];
+            assert!((walked.gradient[k] - cold.gradient[k]).abs() <= 1e-11 * scale);
+            assert!((later.gradient[k] - cold.gradient[k]).abs() <= 1e-9 * scale);
+        }
+    }
+    // A path in steps as small as those of a simulation, along which forces are moved on from pose to pose.
+    let (mut at, _) = point(&pair, &solver, Flank::Drive, &mut random);
+    for _ in 0..40 {
+        at = [1.002 * at[0], at[1], 0.999 * at[2], at[3] + 2e-3];
+        let walked = contact.potential(at, [0; 2], &mut warm).unwrap();
+        let cold = contact.potential(at, [0; 2], &mut Warm::default()).unwrap();
+        for k in [0, 2] {
+            let scale = cold.gradient[0] * [1.0, 0.0, 1e-2, 0.0][k];
+            assert!((walked.gradient[k] - cold.gradient[k]).abs() <= 1e-11 * scale);
+        }
+    }
+    // Out of contact there is nothing.
+    let apart = contact
+        .potential([-1e-4, 0.0, 0.0, 0.3], [0; 2], &mut warm)
+        .unwrap();
+    assert_eq!(
+        (apart, warm),
+        (ContactPotential::default(), Warm::default())
+    );
+}
+
+#[test]
+fn far_beyond_the_centre_distances_of_the_nodes_loads_are_still_numbers() {
+    for text in PAIRS {
+        let (_, _, contact) = ready(text, Flank::Drive);
+        for i in 0..40 {
+            let nearer = 5e-5 * f64::from(i);
+            // As at turned gears that are held: what is nearer closes the gap.
+            let at = [0.34 * nearer, -nearer, 1e-4, 0.07 * f64::from(i)];
+            let Ok(found) = contact.potential(at, [0; 2], &mut Warm::default()) else {
+                panic!("{at:?}");
+            };
+            let numbers = found.gradient.iter().chain([&found.energy]);
+            assert!(numbers.into_iter().all(|v| v.is_finite()), "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_pose_that_is_solved_is_solved_again_from_its_own_forces() {
+    // At some poses rounding leaves no whole step that lessens anything.
+    let text = r#"{ "name": "again", "meshing": "external", "normal_module_mm": 2.0, "normal_pressure_angle_deg": 20.0,
+        "helix_angle_deg": 20.0, "backlash_um": 50, "face_offset_mm": -1.0,
+        "gear1": { "teeth": 19, "face_width_mm": 20, "profile_shift": 0.2, "lead_crowning_um": 5,
+            "tip_relief": { "amount_um": 15, "start": "pitch_point", "shape": "linear" },
+            "drive_flank": { "lead_slope_um": 6, "bias_um": 4 },
+            "tooth_errors": { "drive_flank": { "pitch_class": 6, "seed": 2 }, "runout_um": 8 } },
+        "gear2": { "teeth": 41, "face_width_mm": 17, "profile_shift": 0.1,
+            "tooth_errors": { "drive_flank": { "pitch_class": 5 } } },
+        "operating": { "nominal_torque_nm": 60, "maximum_torque_nm": 120,
+            "center_distance_offset_um": [0, 0], "misalignment_mrad": [-1.5, 1.0] } }"#;
+    let pair = pair::from_json(text).unwrap();
+    let solver = coarse_solver(&pair, ContactSettings::for_pair(&pair)).at_run_time();
+    let contact = contact_file(&pair, &solver).unwrap();
+    let contact = contact.flank(Flank::Drive).unwrap();
+    let mut random = Random::new(2);
+    for _ in 0..6000 {
+        let at = [
+            random.within([0.0, 15e-6]),
+            0.0,
+            random.within([-5e-4, 5e-4]),
+            random.within([0.0, 100.0]),
+        ];
+        let mut warm = Warm::default();
+        let first = contact.potential(at, [0; 2], &mut warm).unwrap();
+        for _ in 0..3 {
+            let again = contact.potential(at, [0; 2], &mut warm).unwrap();
+            let difference = again.gradient[0] - first.gradient[0];
+            assert!(difference.abs() <= 1e-9 * first.gradient[0].abs());
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! Loss by the share of the load, against loss factors of another program.
+
+use super::*;
+use crate::fzg::{FZG, c14};
+use gearmesh::compliance::{BeyondModel, Strip, ToothCompliance};
+use gearmesh::friction::{FrictionLaw, Loss, Sliding, loss_factor_of};
+use gearmesh::gear::Flank;
+use nalgebra::DMatrix;
+use std::sync::Arc;
+
+/// Strips that do not know of each other: where forces are prescribed, no more is asked.
+struct Alone;
+
+impl ToothCompliance for Alone {
+    fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
+        Ok(DMatrix::identity(strips.len(), strips.len()) * 1e-8)
+    }
+
+    fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
+        vec![1e-3; strips.len()]
+    }
+}
+
+/// Sliding of a mesh cycle under the line load that rigid teeth share: the same on all contact lines.
+fn even_line_load(pair: &Pair) -> Vec<Sliding> {
+    let settings = ContactSettings {
+        tip_corner_contact: false,
+        stations: 200,
+        ..ContactSettings::default()
+    };
+    let solver = ContactSolver::new(pair, [Arc::new(Alone), Arc::new(Alone)], settings).unwrap();
+    let cos_beta_b = pair.geometry.base_helix_angle().cos();
+    (0..200)
+        .map(|i| {
+            let problem = solver
+                .position(Flank::Drive, (f64::from(i) + 0.5) / 200.0, 0.0)
+                .unwrap();
+            let forces: Vec<f64> = problem
+                .candidates()
+                .iter()
+                .map(|c| c.z[1] - c.z[0])
+                .collect();
+            let result = ContactResult {
+                loa_force: cos_beta_b * forces.iter().sum::<f64>(),
+                forces,
+                ..ContactResult::default()
+            };
+            solver.sliding(&problem, &result, &FrictionLaw::default())
+        })
+        .collect()
+}
+
+fn pair_of(geometry: gearmesh::gear::PairGeometry) -> Pair {
+    let paper = include_str!("../../resources/pairs/palermo2013-unmodified.json");
+    Pair {
+        geometry,
+        ..pair::from_json(paper).unwrap()
+    }
+}
+
+#[test]
+fn loss_factors_of_rigid_teeth_are_those_of_another_program() {
+    for (name, geometry, _, _, listed) in FZG.map(|data| data.pair()) {
+        let sliding = even_line_load(&pair_of(geometry.clone()));
+        let mean = Sliding::mean(&sliding);
+        let found = loss_factor_of(&geometry, mean.distance);
+        assert!(
+            (found / listed - 1.0).abs() < 6e-3,
+            "{name}: {found}, listed {listed}"
+        );
+        assert!((mean.weight - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_fzg_pair_loses_what_schlenks_coefficient_says() {
+    let geometry = c14();
+    let sliding = even_line_load(&pair_of(geometry.clone()));
+    let law = FrictionLaw::schlenk(13.28e-3, [0.4e-6, 0.31e-6], 0.846);
+    let spin = 1500.0 * std::f64::consts::TAU / 60.0;
+    let loss = Loss::new(&geometry, &law, [&sliding, &sliding], 200.0, spin);
+    assert!((loss.coefficient - 0.0449).abs() < 0.5e-4, "{loss:?}");
+    assert!((loss.power - 274.0).abs() < 1.0, "{loss:?}");
+    assert!(
+        (1.0 - loss.efficiency - 274.0 / (200.0 * spin)).abs() < 1e-4,
+        "{loss:?}"
+    );
+}

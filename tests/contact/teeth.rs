@@ -1,0 +1,422 @@
+//! Teeth that differ, in contact at run time.
+
+use super::runtime::assert_loads_are_slopes;
+use super::*;
+use gearmesh::gear::{
+    Flank, Microgeometry, OwnFlank, PairTeeth, Runout, ToothErrors, Topography, WeakTooth,
+};
+use gearmesh::random::Random;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+const HELICAL: &str = include_str!("../../resources/pairs/palermo2013.json");
+const SPUR: &str = include_str!("../../resources/pairs/fzg-c.json");
+
+/// A pair, its solver on coarse finite elements and what its drive flank is condensed to.
+struct Ready {
+    pair: Pair,
+    solver: ContactSolver,
+    condensed: Arc<CondensedFlank>,
+}
+
+impl Ready {
+    fn new(text: &str) -> Ready {
+        let pair = pair::from_json(text).unwrap();
+        let settings = ContactSettings {
+            stations: 12,
+            ..ContactSettings::default()
+        };
+        let solver = coarse_solver(&pair, settings);
+        let [low, high] = pair.operating.center_distance_offset;
+        let offsets = [low, 0.5 * (low + high), high];
+        let condensed = condensed_flank(&solver, Flank::Drive, &offsets).unwrap();
+        Ready {
+            pair,
+            solver,
+            condensed: Arc::new(condensed),
+        }
+    }
+
+    /// Its contact with the tooth errors of gear 1 and gear 2 on the drive flank.
+    fn contact(&self, drive: [ToothErrors; 2]) -> RuntimeContact {
+        let setup = ContactSetup {
+            teeth: PairTeeth {
+                drive,
+                ..PairTeeth::default()
+            },
+            ..self.solver.setup().clone()
+        };
+        RuntimeContact::new(Arc::new(setup), self.condensed.clone(), Flank::Drive)
+    }
+
+    fn alike(&self) -> RuntimeContact {
+        self.contact(Default::default())
+    }
+
+    /// What the tooth errors of `contact` add to the transmission error over a turn of gear 1, m, at `steps` positions of each
+    /// mesh cycle.
+    fn added(&self, contact: &RuntimeContact, steps: usize) -> Vec<f64> {
+        let (all, force) = (self.alike(), self.force());
+        let place = |i: usize| i as f64 / steps as f64;
+        let alike: Vec<f64> = (0..steps)
+            .map(|i| transmission_error(&all, force, place(i), 0))
+            .collect();
+        let cycles = i64::from(self.pair.geometry.gears[0].teeth);
+        let positions = (0..cycles).flat_map(|cycle| (0..steps).map(move |i| (cycle, i)));
+        positions
+            .map(|(cycle, i)| transmission_error(contact, force, place(i), cycle) - alike[i])
+            .collect()
+    }
+
+    fn force(&self) -> f64 {
+        self.pair.operating.nominal_torque / self.pair.geometry.gears[0].base_radius()
+    }
+
+    fn approach(&self) -> f64 {
+        transmission_error(&self.alike(), self.force(), 0.3, 0)
+    }
+}
+
+fn ask(contact: &RuntimeContact, at: [f64; 4], counts: [i64; 2]) -> ContactPotential {
+    contact.potential(at, counts, &mut Warm::default()).unwrap()
+}
+
+/// Approach under `force` at the mesh position `tau` of the mesh cycle `cycle`.
+fn transmission_error(contact: &RuntimeContact, force: f64, tau: f64, cycle: i64) -> f64 {
+    let mut warm = Warm::default();
+    let (mut low, mut high) = (-1e-4, 3e-4);
+    let mut approach = 3e-5;
+    for _ in 0..100 {
+        let found = contact
+            .potential([approach, 0.0, 0.0, tau], [cycle; 2], &mut warm)
+            .unwrap();
+        let missing = force - found.gradient[0];
+        if missing.abs() <= 1e-10 * force {
+            return approach;
+        }
+        if missing > 0.0 {
+            low = approach;
+        } else {
+            high = approach;
+        }
+        let newton = approach + missing / found.tangent.force_by_approach;
+        approach = if low < newton && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+    }
+    panic!("no approach for {force} N");
+}
+
+fn index(errors: Vec<f64>) -> ToothErrors {
+    ToothErrors {
+        index: errors,
+        ..ToothErrors::default()
+    }
+}
+
+fn runout(amount: f64, angle: f64) -> ToothErrors {
+    ToothErrors {
+        runout: Some(Runout { amount, angle }),
+        ..ToothErrors::default()
+    }
+}
+
+/// Amplitude of the shaft order `order` of a signal over one turn.
+fn amplitude(signal: &[f64], order: usize) -> f64 {
+    let n = signal.len() as f64;
+    let part = |f: fn(f64) -> f64| -> f64 {
+        let terms = signal.iter().enumerate();
+        terms
+            .map(|(i, x)| x * f(TAU * (order * i) as f64 / n) * 2.0 / n)
+            .sum()
+    };
+    part(f64::cos).hypot(part(f64::sin))
+}
+
+#[test]
+fn a_gear_whose_teeth_all_stand_out_alike_is_one_turned_ahead() {
+    // Around the pitch point of a relieved spur pair, where no tip edge bears, whose arm is another.
+    let ready = Ready::new(SPUR);
+    let approach = 0.5 * ready.approach();
+    let alike = ready.alike();
+    for gears in [[4e-6, 0.0], [0.0, 4e-6]] {
+        let contact = ready.contact([0, 1].map(|i| {
+            let teeth = ready.pair.geometry.gears[i].teeth as usize;
+            index(vec![gears[i]; teeth])
+        }));
+        for tau in [0.0, 0.05, 0.95] {
+            let at = [approach, 2e-5, 1e-4, tau];
+            let ahead = [approach + 4e-6, 2e-5, 1e-4, tau];
+            let [here, there] = [ask(&contact, at, [3, 5]), ask(&alike, ahead, [0; 2])];
+            for k in 0..4 {
+                let scale = there.gradient[k].abs() + 1e-3 * there.gradient[0];
+                let error = (here.gradient[k] - there.gradient[k]).abs();
+                assert!(error < 1e-8 * scale, "{k}: {here:?} {there:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn only_the_tooth_that_is_in_mesh_matters() {
+    let ready = Ready::new(SPUR);
+    let (approach, z) = (ready.approach(), ready.pair.geometry.gears[0].teeth);
+    let mut errors = vec![0.0; z as usize];
+    errors[5] = 5e-6;
+    let contact = ready.contact([index(errors), ToothErrors::default()]);
+    let alike = ask(&ready.alike(), [approach, 0.0, 0.0, 0.3], [0; 2]);
+    let mut touched = 0;
+    for cycle in 0..i64::from(z) {
+        let found = ask(&contact, [approach, 0.0, 0.0, 0.3], [cycle, 0]);
+        if found.gradient[0] != alike.gradient[0] {
+            assert!(found.gradient[0] > alike.gradient[0]);
+            touched += 1;
+        }
+    }
+    // A spur pair of contact ratio 1.4: it carries in one or two cycles of each revolution.
+    assert!((1..=2).contains(&touched), "{touched}");
+}
+
+#[test]
+fn loads_on_unequal_teeth_are_the_gradient_of_one_potential() {
+    for text in [HELICAL, SPUR] {
+        let ready = Ready::new(text);
+        let mut random = Random::new(77);
+        let drive = [0, 1].map(|i| {
+            let z = ready.pair.geometry.gears[i].teeth;
+            ToothErrors {
+                weak: (0..z)
+                    .step_by(2)
+                    .map(|tooth| WeakTooth { tooth, factor: 2.0 })
+                    .collect(),
+                index: (0..z).map(|_| random.within([-4e-6, 4e-6])).collect(),
+                ..runout(10e-6, 1.0)
+            }
+        });
+        let contact = ready.contact(drive);
+        let approach = ready.approach();
+        for cycle in 0..6 {
+            let at = [
+                approach + random.within([10e-6, 16e-6]),
+                random.within(ready.pair.operating.center_distance_offset),
+                random.within([-2e-4, 2e-4]),
+                random.within([0.1, 0.9]),
+            ];
+            let counts = [cycle, cycle + 3];
+            let here = ask(&contact, at, counts);
+            assert!(here.gradient[0] > 0.0);
+            assert_loads_are_slopes(|x| ask(&contact, x, counts), at);
+        }
+    }
+}
+
+#[test]
+fn one_mesh_cycle_follows_on_the_other() {
+    let ready = Ready::new(HELICAL);
+    let errors = (0..20).map(|j| 3e-6 * f64::from(j % 3)).collect();
+    let contact = ready.contact([index(errors), runout(20e-6, 0.5)]);
+    let approach = ready.approach();
+    for cycle in [0, 4, 19] {
+        let at = |tau| ask(&contact, [approach, 0.0, 0.0, tau], [cycle; 2]);
+        let end = at(1.0 - 1e-12);
+        let next = ask(&contact, [approach, 0.0, 0.0, 0.0], [cycle + 1; 2]);
+        // Counted on from a position beyond the cycle, too.
+        let same = at(1.0);
+        for k in 0..4 {
+            let scale = 1e-7 * (end.gradient[k].abs() + 1e-3 * end.gradient[0]);
+            assert!((end.gradient[k] - next.gradient[k]).abs() < scale);
+            assert_eq!(same.gradient[k], next.gradient[k]);
+        }
+    }
+}
+
+#[test]
+fn run_out_adds_its_eccentricity_at_the_shaft_order_and_leaves_the_mesh_orders() {
+    let ready = Ready::new(HELICAL);
+    let (z, steps) = (20usize, 8usize);
+    let contact = ready.contact([runout(14e-6, 0.7), ToothErrors::default()]);
+    let added = ready.added(&contact, steps);
+    for order in 0..=2 * z {
+        let expected = if order == 1 { 7e-6 } else { 0.0 };
+        // Tip edges see an eccentricity by their arm.
+        let found = amplitude(&added, order);
+        assert!((found - expected).abs() < 1e-9, "{order}: {found}");
+    }
+}
+
+/// To first order a tooth that stands out by E turns its gear back by the share of the stiffness that its pair has at the time, which
+/// tells the sidebands of a wave of index errors; shares of the load by the solver of the tables stand for those of the
+/// stiffness.
+#[test]
+fn a_wave_of_index_errors_has_the_sidebands_of_the_share_of_the_load() {
+    let ready = Ready::new(HELICAL);
+    let (z, steps, wave) = (20usize, 16usize, 0.05e-6);
+    let errors = (0..z)
+        .map(|j| wave * (TAU * j as f64 / z as f64).sin())
+        .collect();
+    let contact = ready.contact([index(errors), ToothErrors::default()]);
+    let torque = ready.pair.operating.nominal_torque;
+    let mut share = vec![];
+    for i in 0..steps {
+        let tau = i as f64 / steps as f64;
+        let problem = ready.solver.position(Flank::Drive, tau, 0.0).unwrap();
+        let result = problem.solve_torque(torque, 0.0, None).unwrap();
+        share.extend(
+            result
+                .load_share
+                .iter()
+                .map(|(k, part)| (tau + f64::from(*k), *part)),
+        );
+    }
+    let added = ready.added(&contact, steps);
+    let amplitude = |order: usize| amplitude(&added, order);
+    // The share over the way of one tooth pair, transformed.
+    let window = |order: f64| {
+        let part = |f: fn(f64) -> f64| -> f64 {
+            let terms = share.iter();
+            terms
+                .map(|(x, part)| part * f(TAU * order * x) / steps as f64)
+                .sum()
+        };
+        part(f64::cos).hypot(part(f64::sin))
+    };
+    for order in [1, z - 1, z + 1] {
+        let expected = wave * window(order as f64 / z as f64);
+        let found = amplitude(order);
+        println!("order {order}: {found:.3e} m, by the share {expected:.3e} m");
+        assert!(
+            (found - expected).abs() < 0.05 * wave,
+            "{order}: {found} {expected}"
+        );
+    }
+    for order in [0, 2, z / 2, z, 2 * z] {
+        assert!(
+            amplitude(order) < 0.01 * wave,
+            "{order}: {}",
+            amplitude(order)
+        );
+    }
+}
+
+#[test]
+fn a_weak_tooth_yields_more_while_it_carries() {
+    let ready = Ready::new(SPUR);
+    let weak = ToothErrors {
+        weak: vec![WeakTooth {
+            tooth: 3,
+            factor: 1.5,
+        }],
+        ..ToothErrors::default()
+    };
+    let contact = ready.contact([weak, ToothErrors::default()]);
+    let z = i64::from(ready.pair.geometry.gears[0].teeth);
+    let alike = transmission_error(&ready.alike(), ready.force(), 0.0, 0);
+    // At the pitch point one tooth pair of a spur gear carries all: tooth 0 in cycle 0, tooth -n in cycle n.
+    let share = ready.condensed.shares[0];
+    assert!((0.2..0.8).contains(&share), "{share}");
+    for cycle in 0..z {
+        let found = transmission_error(&contact, ready.force(), 0.0, cycle);
+        if (cycle + 3) % z == 0 {
+            let more = (found - alike) / alike;
+            // Half of the share, less what the local contact has of the deflection.
+            assert!(more > 0.1 * share && more < 0.5 * share, "{more} {share}");
+        } else {
+            assert!((found - alike).abs() < 1e-9 * alike, "{cycle}");
+        }
+    }
+}
+
+#[test]
+fn a_flank_of_its_own_that_is_lower_by_so_much_is_an_index_error() {
+    let ready = Ready::new(HELICAL);
+    let (approach, removal) = (ready.approach(), 2e-6);
+    let g = &ready.pair.geometry;
+    let nominal = &ready.pair.microgeometry.drive[1];
+    let rolls = vec![0.0, 0.01, 0.1];
+    let zs = vec![0.0, 0.01, 0.1];
+    let grid = Topography::new(rolls, zs, vec![vec![removal; 3]; 3]).unwrap();
+    let own = ToothErrors {
+        flanks: vec![OwnFlank {
+            tooth: 2,
+            microgeometry: Microgeometry {
+                topography: Some(Arc::new(grid)),
+                ..nominal.clone()
+            },
+        }],
+        ..ToothErrors::default()
+    };
+    let mut errors = vec![0.0; 20];
+    errors[2] = -removal / g.base_helix_angle().cos();
+    let own = ready.contact([ToothErrors::default(), own]);
+    let shifted = ready.contact([ToothErrors::default(), index(errors)]);
+    let mut differ = 0;
+    for cycle in 0..20 {
+        let at = [approach, 1e-5, 1e-4, 0.4];
+        let [a, b] = [&own, &shifted].map(|contact| ask(contact, at, [cycle; 2]));
+        for k in 0..4 {
+            let scale = b.gradient[k].abs() + 1e-3 * b.gradient[0];
+            assert!(
+                (a.gradient[k] - b.gradient[k]).abs() < 1e-5 * scale,
+                "{k}: {a:?} {b:?}"
+            );
+        }
+        let alike = ask(&ready.alike(), at, [0; 2]);
+        differ += usize::from((a.gradient[0] / alike.gradient[0] - 1.0).abs() > 1e-3);
+    }
+    assert!((1..=4).contains(&differ), "{differ}");
+}
+
+#[test]
+fn a_file_keeps_the_teeth_and_a_coast_flank_of_its_own_for_them() {
+    let ready = Ready::new(HELICAL);
+    assert!(ready.pair.coast_mirrors_drive());
+    let equal = contact_file(&ready.pair, &ready.solver).unwrap();
+    assert!(equal.coast.is_none());
+    let mut pair = ready.pair.clone();
+    pair.teeth.coast[1] = runout(14e-6, 0.7);
+    let file = contact_file(&pair, &ready.solver).unwrap();
+    assert_eq!(file.setup.teeth, pair.teeth);
+    let read = ContactFile::from_bytes(&file.to_bytes()).unwrap();
+    assert_eq!(read, file);
+    type Spoil = fn(&mut ContactSetup);
+    let spoilt: [(Spoil, &str); 4] = [
+        (|setup| setup.settings.stations -= 1, "stations of a flank"),
+        (|setup| setup.settings.stations = 0, "0 stations of"),
+        (
+            |setup| setup.teeth.drive[0].index = vec![1e-6; 3],
+            "3 index errors of",
+        ),
+        (
+            |setup| setup.geometry.gears[1].tip_radius = 1e6,
+            "stations of",
+        ),
+    ];
+    for (spoil, reason) in spoilt {
+        let mut other = file.clone();
+        spoil(Arc::make_mut(&mut other.setup));
+        let refused = ContactFile::from_bytes(&other.to_bytes()).unwrap_err();
+        assert!(refused.contains(reason), "{refused}");
+    }
+    // Nodes that do not hold the strips of a pose say so.
+    let mut few = file.clone();
+    let drive = Arc::make_mut(&mut few.drive);
+    drive.first_pair += 50;
+    let few = ContactFile::from_bytes(&few.to_bytes()).unwrap();
+    assert!(
+        ask(
+            &few.flank(Flank::Drive).unwrap(),
+            [2e-5, 0.0, 0.0, 0.3],
+            [0; 2]
+        )
+        .out_of_range
+    );
+    // The drive flank's teeth are alike, those of the coast flank are not.
+    let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| {
+        let contact = read.flank(flank).unwrap();
+        [0, 5].map(|cycle| ask(&contact, [2e-5, 0.0, 0.0, 0.3], [cycle; 2]).gradient[0])
+    });
+    assert_eq!(drive[0], drive[1]);
+    assert_ne!(coast[0], coast[1]);
+}

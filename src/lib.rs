@@ -62,9 +62,10 @@ pub mod friction;
 pub mod gear;
 pub mod pair;
 pub mod random;
+pub mod root;
 pub mod table;
+mod vector;
+pub mod words;
 // Test code that is shared with tests/ names the library.
 #[cfg(test)]
 extern crate self as gearmesh;
-
-pub mod words;

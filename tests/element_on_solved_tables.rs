@@ -9,9 +9,7 @@ use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::Refinement;
 use gearmesh::random::Random;
-use gearmesh::table::{
-    Axes, FrictionRecord, LoadAxes, RootStressRecord, RootStressTable, Table, TableFile,
-};
+use gearmesh::table::{Axes, FrictionRecord, LoadAxes, RootStressRecord, Table, TableFile};
 use gearmesh_preprocessor::contact::PositionRoots;
 use gearmesh_preprocessor::finite_element::{Settings, pair_root_stress};
 use gearmesh_preprocessor::pair;
@@ -274,7 +272,7 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
         ..every
     };
     let drive = roots.samples(&axes, &watch).unwrap();
-    let stress = RootStressTable::new(&axes, &drive, [true; 2]).unwrap();
+    let stress = drive.spline(&axes, [true; 2]).unwrap();
     let error = roots.measure(&coverage, &stress, 200, &watch).unwrap();
     assert!(error.rms < 0.01 && error.maximum < 0.05, "{error}");
     let mut file = TableFile::new("p", "test", geometry, [100.0, 200.0], &grid, None);

@@ -35,12 +35,9 @@ fn each_has_its_pairs_geometry_and_range_and_the_error_that_was_asked_for() {
         assert_eq!(file.maximum_torque_nm, pair.operating.maximum_torque);
         assert_eq!(file.nominal_torque_nm, pair.operating.nominal_torque);
         let ends = |axis: &[f64]| [axis[0], axis[axis.len() - 1]];
+        assert_eq!(ends(&file.axes.misalignment), pair.operating.misalignment);
         assert_eq!(
-            ends(&file.axes.misalignment_rad),
-            pair.operating.misalignment
-        );
-        assert_eq!(
-            ends(&file.axes.center_distance_offset_m),
+            ends(&file.axes.center_distance_offset),
             pair.operating.center_distance_offset
         );
         assert_eq!(file.coast.is_none(), pair.coast_mirrors_drive(), "{name}");
@@ -62,7 +59,7 @@ fn no_solve_of_theirs_came_near_a_limit_of_iterations() {
         let file = TableFile::read(resource("tables", name)).unwrap();
         let setting = |key: &str| file.solver[key].as_f64().unwrap();
         assert_eq!(file.solver["elastic_model"], "finite elements, normal");
-        let nodes = file.drive.loa_force_n.len() as f64;
+        let nodes = file.drive.loa_force.len() as f64;
         assert!(setting("contact_solves") > nodes, "{name}");
         assert!(
             setting("most_newton_steps") < 0.2 * setting("newton_steps_allowed"),
@@ -78,7 +75,7 @@ fn force_never_falls_over_the_displacement() {
         let table = Table::read(resource("tables", name)).unwrap();
         let axes = &table.file().axes;
         let top = table.file().drive_grid().top_force();
-        let (c, m) = (&axes.center_distance_offset_m, &axes.misalignment_rad);
+        let (c, m) = (&axes.center_distance_offset, &axes.misalignment);
         for flank in [Flank::Drive, Flank::Coast] {
             let (flank, _) = table.flank(flank);
             for n in 0..400 {

@@ -53,12 +53,11 @@ pub fn of_level(
                 ),
                 (
                     start(index::CENTER_DISTANCE_EFFECT) == 0.0
-                        && tables.axes.center_distance_offset_m.len() > 1,
+                        && tables.axes.center_distance_offset.len() > 1,
                     "centerDistanceEffect = false",
                 ),
                 (
-                    start(index::MISALIGNMENT_EFFECT) == 0.0
-                        && tables.axes.misalignment_rad.len() > 1,
+                    start(index::MISALIGNMENT_EFFECT) == 0.0 && tables.axes.misalignment.len() > 1,
                     "misalignmentEffect = false",
                 ),
             ];

@@ -73,7 +73,7 @@ pub fn formula(counts: [usize; 4]) -> TableFile {
         axes: file.axes.clone(),
         first_place: -1.0,
         last_place: 1.2,
-        coupling_m_per_n: CouplingRecord::Same(1e-10),
+        coupling_m_per_n: CouplingRecord(vec![vec![1e-10]]),
         drive: file.drive.clone(),
         coast: None,
         coast_coupling_m_per_n: None,
@@ -195,10 +195,10 @@ fn evaluate_at(table: &Table, flank: Flank, query: &Query) {
         assert!(jets.iter().all(all_finite), "{load:?} {jets:?}");
     };
     if let Some((sliding, _)) = table.sliding(flank) {
-        finite(&sliding.evaluate(load));
+        finite(&sliding.evaluate::<4>(load));
     }
     if let Some((stress, _)) = table.root_stress(flank) {
-        finite(&stress.evaluate(load));
+        finite(&stress.evaluate::<2>(load));
     }
 }
 

@@ -9,6 +9,7 @@
 //! fillet, taken from the outline with the fillet's arc as it is: that of the virtual spur ring, its teeth rounded to a whole
 //! number.
 
+use gearmesh::root::bisection;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, FRAC_PI_4, FRAC_PI_6, PI};
 
 use gearmesh::gear::{Gear, GearKind, PairGeometry, ToothProfile, involute};
@@ -185,19 +186,11 @@ fn drawn(gear: &Gear, contact_ratio: f64) -> Option<Section> {
     if excess(0.0) < 0.0 || excess(1.0) > 0.0 {
         return None;
     }
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if excess(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    let root = profile.fillet(low);
+    let t = bisection([0.0, 1.0], 60, |t| excess(t) > 0.0);
+    let root = profile.fillet(t);
     // Radius of curvature from three neighbours.
-    let step = 1e-3 * (1.0 - low).min(low).max(1e-3);
-    let [a, b] = [low - step, low + step].map(|t| profile.fillet(t));
+    let step = 1e-3 * (1.0 - t).min(t).max(1e-3);
+    let [a, b] = [t - step, t + step].map(|t| profile.fillet(t));
     let turned = (a.normal[0] * b.normal[1] - a.normal[1] * b.normal[0])
         .asin()
         .abs();

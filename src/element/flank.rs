@@ -5,7 +5,7 @@ use super::engagement::Engagement;
 use super::law::Response;
 use super::map::Coordinates;
 use super::scalar::{Scalar, lift};
-use crate::table::{Effects, Table};
+use crate::table::{Effects, LoadJet, Table};
 
 /// Damper on the line of action.
 #[derive(Debug, Clone, Copy)]
@@ -213,7 +213,7 @@ pub(crate) fn root_stress<T: Scalar>(
         };
         let offset = center_distance - k.center_distance;
         let q = load.table_coordinates(table.effects(), offset, mirrored);
-        let jets = stress.evaluate(q.map(T::re));
+        let jets: [LoadJet; 2] = stress.evaluate(q.map(T::re));
         for (largest, jet) in largest.iter_mut().zip(&jets) {
             let here = lift(jet.value, &jet.gradient, &q);
             if here.re() > largest.re() {

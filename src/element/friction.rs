@@ -17,7 +17,7 @@ use super::parameters::Parameters;
 use super::scalar::{Scalar, lift};
 use crate::friction::{Coefficient, FrictionLaw, LOWEST_ROLLING_SPEED};
 use crate::gear::PairGeometry;
-use crate::table::Table;
+use crate::table::{LoadJet, Table};
 use std::sync::Arc;
 
 /// Over the largest weight of a table: least one that the sliding distance is divided by, a hundred times what samples are
@@ -102,7 +102,7 @@ impl Friction {
         let (table, mirrored) = self.table.sliding(FLANKS[i])?;
         let offset = center_distance - k.center_distance;
         let q = load.table_coordinates(self.table.effects(), offset, mirrored);
-        let jets = table.evaluate(q.map(T::re));
+        let jets: [LoadJet; 4] = table.evaluate(q.map(T::re));
         let of = |row: usize| lift(jets[row].value, &jets[row].gradient, &q);
         let (share, distance, weight) = (of(0), of(2), of(3));
         let share_z = if mirrored { -of(1) } else { of(1) };

@@ -88,8 +88,7 @@ impl Element {
     /// Writes all partial derivatives of the continuous outputs at `inputs` into `jacobian`: in place, since copies of eight
     /// kilobytes are a share of the time. After an error its content has no meaning.
     ///
-    /// Exact; under a law that does not give [`Potential::stiffness_gradient`](crate::table::Potential),
-    /// the derivative of `stiffness` takes it by central differences. At the kinks of the law (first touch of constant
+    /// Exact, but for the derivative of `stiffness`, which is by central differences. At the kinks of the law (first touch of constant
     /// stiffness, the paper's clamped damping) it is that of the side the value is taken on.
     ///
     /// # Errors

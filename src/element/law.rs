@@ -116,7 +116,7 @@ impl Law {
                 effects,
             });
         }
-        let (teeth, mirrored) = table.teeth(flank).ok_or(TableError::MissingTeeth)?;
+        let (teeth, mirrored) = table.teeth(flank).ok_or(TableError::NO_TEETH)?;
         Ok(Self {
             tells_teeth_apart: teeth.tells_teeth_apart(),
             source: Source::Teeth(table.clone(), flank),
@@ -149,8 +149,8 @@ impl Law {
     }
 
     /// Potential at the coordinates (delta, C - C_nominal, M, PMC), effects that are off left out, with the mesh cycles that
-    /// passed on either gear. The derivatives of the stiffness are not numbers unless `stiffness_slopes` asks for them: under a
-    /// law that does not know them they cost eight evaluations.
+    /// passed on either gear. The derivatives of the stiffness are not numbers unless `stiffness_slopes` asks for them: they cost
+    /// two evaluations.
     ///
     /// # Errors
     /// The law has no potential there.
@@ -188,10 +188,9 @@ impl Law {
             gradient[2] = T::from(0.0);
         }
         let stiffness = if T::CARRIES && w.gradient[0] > 0.0 {
-            let slopes = match w.stiffness_gradient {
-                Some(slopes) => slopes,
-                None if stiffness_slopes => self.stiffness_gradient(at, counts, warm)?,
-                None => [f64::NAN; COORDINATES],
+            let slopes = match stiffness_slopes {
+                true => self.stiffness_gradient(at, counts, warm)?,
+                false => [f64::NAN; COORDINATES],
             };
             lift(w.hessian[0][0], &slopes, &q)
         } else {
@@ -259,8 +258,8 @@ impl Law {
         }
     }
 
-    /// Gradient of the tangent stiffness by central differences, for laws that do not know it. Only the
-    /// derivative of the output `mesh.stiffness` uses it.
+    /// Gradient of the tangent stiffness by central differences: of second derivatives over the approach, but of a contact
+    /// solve, whose second derivatives are differences themselves, of the stiffness over each coordinate.
     fn stiffness_gradient(
         &self,
         at: [f64; COORDINATES],
@@ -268,17 +267,25 @@ impl Law {
         warm: &mut Warm,
     ) -> Result<[f64; COORDINATES], ElementError> {
         const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
-        let mut slope = [0.0; COORDINATES];
-        for (i, slope) in slope.iter_mut().enumerate() {
-            let mut side = [0.0; 2];
-            for (side, sign) in side.iter_mut().zip([1.0, -1.0]) {
+        let is_contact = matches!(self.source, Source::Contact(_));
+        let mut slopes = |i: usize| -> Result<_, ElementError> {
+            let mut row = |sign: f64| {
                 let mut x = at;
                 x[i] += sign * STEP[i];
-                *side = self.potential(x, counts, false, warm)?.hessian[0][0];
+                Ok::<_, ElementError>(self.potential(x, counts, !is_contact, warm)?.hessian[0])
+            };
+            let (above, below) = (row(1.0)?, row(-1.0)?);
+            Ok(std::array::from_fn(|j| {
+                (above[j] - below[j]) / (2.0 * STEP[i])
+            }))
+        };
+        let mut gradient: [f64; COORDINATES] = slopes(0)?;
+        if is_contact {
+            for (i, slope) in gradient.iter_mut().enumerate().skip(1) {
+                *slope = slopes(i)?[0];
             }
-            *slope = (side[0] - side[1]) / (2.0 * STEP[i]);
         }
-        Ok(slope)
+        Ok(gradient)
     }
 }
 

@@ -41,8 +41,8 @@ impl Covered {
         };
         let axes = &file.axes;
         Self {
-            center_distance_offset: range(effects.center_distance, &axes.center_distance_offset_m),
-            misalignment: range(effects.misalignment, &axes.misalignment_rad),
+            center_distance_offset: range(effects.center_distance, &axes.center_distance_offset),
+            misalignment: range(effects.misalignment, &axes.misalignment),
             mirrored: file.coast.is_none(),
         }
     }

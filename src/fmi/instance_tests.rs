@@ -154,7 +154,7 @@ fn gears_lifted_apart_later_are_told_once_each_time() {
 fn what_lies_outside_the_tables_is_told_with_what_they_cover() {
     let (geometry, tables) = paper();
     let [low, high] =
-        [0, tables.axes.misalignment_rad.len() - 1].map(|i| 1e3 * tables.axes.misalignment_rad[i]);
+        [0, tables.axes.misalignment.len() - 1].map(|i| 1e3 * tables.axes.misalignment[i]);
     let mut instance = start(geometry, Some(tables));
     set(&mut instance, index::GEAR2_ANGLES_1, 4e-3);
     instance.exit_initialization().unwrap();

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! [`variables`] is generated from modelDescription.xml; [`resources`] reads what packing put into the archive. In the
-//! product only [`c_interface`] and the vector registers of the table's kernel (src/table/interpolation/lanes.rs) have
+//! product only [`c_interface`] and the vector registers of the table's kernel (src/vector.rs) have
 //! unsafe code; the tests that call the interface as C does need it for that.
 
 pub mod c_interface;

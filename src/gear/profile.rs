@@ -1,5 +1,6 @@
 //! The transverse section of one tooth: involute flank, fillet and root circle.
 
+use crate::root::bisection;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::ring_fillet::RingFillet;
@@ -218,16 +219,8 @@ impl ToothProfile {
         if above(self.form_radius()) >= 0.0 {
             return Some(self.involute_half_angle(self.gear.roll_length(radius)));
         }
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if above(self.fillet(middle).radius()) > 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        Some(self.fillet(0.5 * (low + high)).angle())
+        let t = bisection([0.0, 1.0], 60, |t| above(self.fillet(t).radius()) > 0.0);
+        Some(self.fillet(t).angle())
     }
 
     /// Thickness of the tooth at its tip circle, m, along the arc.

@@ -2,6 +2,7 @@
 
 use super::Gear;
 use crate::random::Random;
+use crate::root::bisection;
 
 /// Finest and coarsest flank tolerance class.
 pub const CLASSES: std::ops::RangeInclusive<u8> = 1..=11;
@@ -78,16 +79,9 @@ pub fn random_index_errors(gear: &Gear, class: u8, seed: u32) -> Vec<f64> {
         each.collect()
     };
     // The range grows with the wave.
-    let (mut low, mut high) = (0.0, total);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if range(&with(middle)) < total {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    let errors = with(low);
+    let errors = with(bisection([0.0, total], 60, |wave| {
+        range(&with(wave)) < total
+    }));
     let scale = (single / largest_pitch(&errors))
         .min(total / range(&errors))
         .min(1.0);

@@ -7,6 +7,7 @@
 //! the rack cuts last where its normal passes through the pitch point (law of gearing; Litvin and
 //! Fuentes, Gear Geometry and Applied Theory, 2004, ch. 6).
 
+use crate::root::bisection;
 use std::f64::consts::FRAC_PI_2;
 
 use super::Gear;
@@ -111,15 +112,6 @@ impl Trochoid {
                 cut.angle > gear.half_base_angle() - (t - t.atan())
             }
         };
-        let (mut low, mut high) = (alpha_n, FRAC_PI_2);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if outside(middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        high
+        bisection([alpha_n, FRAC_PI_2], 60, outside)
     }
 }

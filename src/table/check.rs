@@ -22,26 +22,18 @@ impl FlankGrid {
         axes.check()?;
         let [nc, nm, nu, np] = axes.lengths();
         let named = |name: &str| format!("{flank}.{name}");
-        check_values(
-            &named("no_load_approach_m"),
-            &self.no_load_approach,
-            nc * nm * np,
-        )?;
-        check_values(
-            &named("top_load_approach_m"),
-            &self.top_load_approach,
-            nc * nm * np,
-        )?;
-        check_values(&named("loa_force_n"), &self.loa_force, nc * nm * nu * np)?;
-        if let Some(moment) = &self.moment {
-            check_values(&named("moment_nm"), moment, nc * nm * nu * np)?;
+        let (columns, samples) = (nc * nm * np, nc * nm * nu * np);
+        let mut all = vec![
+            ("no_load_approach_m", &self.no_load_approach, columns),
+            ("top_load_approach_m", &self.top_load_approach, columns),
+            ("loa_force_n", &self.loa_force, samples),
+        ];
+        all.extend(self.moment.iter().map(|m| ("moment_nm", m, samples)));
+        for (name, values, length) in all {
+            check_values(&named(name), values, length)?;
         }
-        for (i, (low, high)) in self
-            .no_load_approach
-            .iter()
-            .zip(&self.top_load_approach)
-            .enumerate()
-        {
+        let ends = self.no_load_approach.iter().zip(&self.top_load_approach);
+        for (i, (low, high)) in ends.enumerate() {
             if high <= low {
                 return Err(TableError::field(
                     named(&format!("top_load_approach_m[{i}]")),
@@ -96,12 +88,16 @@ impl Axes {
             &[&[0.0], u.as_slice()].concat(),
             1e-6,
         )?;
-        check_axis(
-            "axes.center_distance_offset_m",
-            &self.center_distance_offset,
-        )?;
-        check_axis("axes.misalignment_rad", &self.misalignment)?;
-        check_axis("axes.mesh_position", &self.mesh_position)?;
+        for (name, nodes) in [
+            (
+                "axes.center_distance_offset_m",
+                &self.center_distance_offset,
+            ),
+            ("axes.misalignment_rad", &self.misalignment),
+            ("axes.mesh_position", &self.mesh_position),
+        ] {
+            check_axis(name, nodes)?;
+        }
         check_mesh_position("axes.mesh_position", &self.mesh_position)
     }
 }

@@ -49,40 +49,16 @@ pub enum TableError {
         /// Checksum of the content.
         expected: String,
     },
-    /// An effect is switched on whose axis the table lacks.
-    #[error(
-        "{effect} = true: the table has no axis `{axis}` (one value only); switch the effect off or make \
-         tables with this axis"
-    )]
-    MissingAxis {
-        /// FMU parameter.
-        effect: &'static str,
-        /// Axis in the file.
-        axis: &'static str,
+    /// A setting of the FMU asks for what the table lacks.
+    #[error("{setting}: the table {lacks}; {remedy}")]
+    Missing {
+        /// FMU parameter and its value.
+        setting: &'static str,
+        /// What is missing, as a predicate of the table.
+        lacks: &'static str,
+        /// What to do.
+        remedy: &'static str,
     },
-    /// Shuttling is switched on, and there is nothing to tell the axial position of the contact.
-    #[error(
-        "shuttlingEffect = true: the table has no moment_nm; switch the effect off or make tables with it"
-    )]
-    MissingMoment,
-    /// Friction is switched on, and nothing tells how the load slides.
-    #[error(
-        "friction = true: the table does not know how the load slides; switch friction off or make the tables \
-         with `gearmesh tables --friction`"
-    )]
-    MissingFriction,
-    /// Root stress is switched on, and the table does not hold it.
-    #[error(
-        "rootStress = true: the table does not hold the stress in the tooth roots; switch rootStress off or make the \
-         tables with `gearmesh tables --root-stress`"
-    )]
-    MissingRootStress,
-    /// Tooth pairs are wanted one by one, and the table does not hold them so.
-    #[error(
-        "stiffnessModel = teeth: the table does not hold tooth pairs one by one; set stiffnessModel = table or make the \
-         tables with `gearmesh tables --teeth`"
-    )]
-    MissingTeeth,
     /// External samples that cannot become a table.
     #[error("samples: {0}")]
     Samples(String),
@@ -100,6 +76,37 @@ pub enum TableError {
 }
 
 impl TableError {
+    pub(crate) const NO_CENTER_DISTANCE: Self = TableError::Missing {
+        setting: "centerDistanceEffect = true",
+        lacks: "has no axis `center_distance_offset_m` (one value only)",
+        remedy: "switch the effect off or make tables with this axis",
+    };
+    pub(crate) const NO_MISALIGNMENT: Self = TableError::Missing {
+        setting: "misalignmentEffect = true",
+        lacks: "has no axis `misalignment_rad` (one value only)",
+        remedy: "switch the effect off or make tables with this axis",
+    };
+    pub(crate) const NO_MOMENT: Self = TableError::Missing {
+        setting: "shuttlingEffect = true",
+        lacks: "has no moment_nm",
+        remedy: "switch the effect off or make tables with it",
+    };
+    pub(crate) const NO_FRICTION: Self = TableError::Missing {
+        setting: "friction = true",
+        lacks: "does not know how the load slides",
+        remedy: "switch friction off or make the tables with `gearmesh tables --friction`",
+    };
+    pub(crate) const NO_ROOT_STRESS: Self = TableError::Missing {
+        setting: "rootStress = true",
+        lacks: "does not hold the stress in the tooth roots",
+        remedy: "switch rootStress off or make the tables with `gearmesh tables --root-stress`",
+    };
+    pub(crate) const NO_TEETH: Self = TableError::Missing {
+        setting: "stiffnessModel = teeth",
+        lacks: "does not hold tooth pairs one by one",
+        remedy: "set stiffnessModel = table or make the tables with `gearmesh tables --teeth`",
+    };
+
     /// A [`TableError::Field`].
     pub(crate) fn field(
         field: impl Into<String>,

@@ -33,7 +33,7 @@ pub struct TableFile {
     pub generator: String,
     /// Where the samples come from, in words.
     pub source: String,
-    /// SHA-256 in hexadecimal of the file's content with this field empty.
+    /// SHA-256 in hexadecimal of the file's text with this field empty and without the end of its line.
     pub checksum_sha256: String,
     /// The pair.
     pub geometry: GeometryRecord,
@@ -46,11 +46,11 @@ pub struct TableFile {
     /// Error of the interpolation against the solver, where it was measured.
     pub interpolation_error: Option<InterpolationError>,
     /// Nodes.
-    pub axes: AxesRecord,
+    pub axes: Axes,
     /// Samples of the drive flank.
-    pub drive: FlankRecord,
+    pub drive: FlankGrid,
     /// Samples of the coast flank, if its microgeometry differs; otherwise it is the mirrored drive flank.
-    pub coast: Option<FlankRecord>,
+    pub coast: Option<FlankGrid>,
     /// How the load slides, for the effect `friction`; absent where it is not wanted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionRecord>,
@@ -78,48 +78,16 @@ pub struct InterpolationError {
     pub moment_maximum: f64,
 }
 
-/// Nodes; see [`Axes`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxesRecord {
-    /// Displacement between no-load and top-load approach, 0 to 1.
-    pub displacement_fraction: Vec<f64>,
-    /// Actual minus nominal centre distance.
-    pub center_distance_offset_m: Vec<f64>,
-    /// In the plane of action.
-    pub misalignment_rad: Vec<f64>,
-    /// In base pitches.
-    pub mesh_position: Vec<f64>,
-}
-
-/// Samples of one flank; see [`FlankGrid`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FlankRecord {
-    /// D0.
-    pub no_load_approach_m: Vec<f64>,
-    /// D1.
-    pub top_load_approach_m: Vec<f64>,
-    /// Transverse force on the line of action.
-    pub loa_force_n: Vec<f64>,
-    /// Force times (z_c - z_ref), z_c where the resultant crosses the pitch plane; null where it is not known.
-    pub moment_nm: Option<Vec<f64>>,
-}
-
 impl InterpolationError {
     /// Of errors of force and shuttling moment at random points, each relative to its nominal one.
     pub fn of(errors: &[[f64; 2]]) -> Self {
-        let rms = |k: usize| {
-            let squares: f64 = errors.iter().map(|e| e[k] * e[k]).sum();
-            (squares / errors.len() as f64).sqrt()
-        };
-        let maximum = |k: usize| errors.iter().map(|e| e[k].abs()).fold(0.0, f64::max);
+        let [force, moment] = [0, 1].map(|k| rms_and_largest(errors.iter().map(|e| e[k])));
         InterpolationError {
             points: errors.len(),
-            force_rms: rms(0),
-            force_maximum: maximum(0),
-            moment_rms: rms(1),
-            moment_maximum: maximum(1),
+            force_rms: force[0],
+            force_maximum: force[1],
+            moment_rms: moment[0],
+            moment_maximum: moment[1],
         }
     }
 
@@ -136,17 +104,14 @@ impl InterpolationError {
     }
 }
 
-impl FlankRecord {
-    /// From a grid in memory, rounded to decimals far below the error of interpolation: forces and moments
-    /// to a millionth of the largest at least, approaches to a ten-millionth. That halves the size on disk.
-    pub fn new(grid: &FlankGrid) -> Self {
-        FlankRecord {
-            no_load_approach_m: rounded(&grid.no_load_approach, 1e-7),
-            top_load_approach_m: rounded(&grid.top_load_approach, 1e-7),
-            loa_force_n: rounded(&grid.loa_force, 1e-6),
-            moment_nm: grid.moment.as_deref().map(|m| rounded(m, 1e-6)),
-        }
-    }
+/// Root of the mean square of `errors`, and the largest.
+pub fn rms_and_largest(errors: impl ExactSizeIterator<Item = f64> + Clone) -> [f64; 2] {
+    let squares: f64 = errors.clone().map(|e| e * e).sum();
+    let count = errors.len() as f64;
+    [
+        (squares / count).sqrt(),
+        errors.map(f64::abs).fold(0.0, f64::max),
+    ]
 }
 
 /// `values` to whole decimals that are at most `share` of the largest of them.
@@ -166,17 +131,6 @@ pub(super) fn rounded(values: &[f64], share: f64) -> Vec<f64> {
                 .map_or(*x, |r: f64| r + 0.0)
         })
         .collect()
-}
-
-impl From<&Axes> for AxesRecord {
-    fn from(axes: &Axes) -> Self {
-        AxesRecord {
-            displacement_fraction: axes.displacement_fraction.clone(),
-            center_distance_offset_m: axes.center_distance_offset.clone(),
-            misalignment_rad: axes.misalignment.clone(),
-            mesh_position: axes.mesh_position.clone(),
-        }
-    }
 }
 
 impl TableFile {
@@ -202,9 +156,9 @@ impl TableFile {
             maximum_torque_nm: maximum_torque,
             solver: BTreeMap::new(),
             interpolation_error: None,
-            axes: (&drive.axes).into(),
-            drive: FlankRecord::new(drive),
-            coast: coast.map(FlankRecord::new),
+            axes: drive.axes.clone(),
+            drive: drive.for_file(),
+            coast: coast.map(FlankGrid::for_file),
             friction: None,
             root_stress: None,
             teeth: None,
@@ -215,16 +169,8 @@ impl TableFile {
 
     /// Puts the checksum of the present content in. Call it after every change.
     pub fn seal(&mut self) {
-        self.checksum_sha256 = self.content_checksum();
-    }
-
-    fn content_checksum(&self) -> String {
-        let unsealed = TableFile {
-            checksum_sha256: String::new(),
-            ..self.clone()
-        };
-        let text = serde_json::to_string(&unsealed).expect("plain structs become JSON");
-        crate::words::hex(&Sha256::digest(text.as_bytes()))
+        self.checksum_sha256.clear();
+        self.checksum_sha256 = checksum(&self.to_json());
     }
 
     /// Reads and checks the text of a tables file.
@@ -256,7 +202,8 @@ impl TableFile {
             ));
         }
         let file: TableFile = serde_json::from_slice(text.as_bytes())?;
-        let expected = file.content_checksum();
+        let found = format!("{CHECKSUM}{}", file.checksum_sha256);
+        let expected = checksum(&text.replacen(&found, CHECKSUM, 1));
         if file.checksum_sha256 != expected {
             return Err(TableError::Checksum {
                 found: file.checksum_sha256,
@@ -280,7 +227,7 @@ impl TableFile {
     fn closes_helical_flanks_by_z(&self) -> bool {
         let is_helical = (self.geometry.pair_geometry())
             .is_ok_and(|geometry| geometry.base_helix_angle() != 0.0);
-        is_helical && (self.axes.misalignment_rad.len() > 1 || self.drive.moment_nm.is_some())
+        is_helical && (self.axes.misalignment.len() > 1 || self.drive.moment.is_some())
     }
 
     /// Reads and checks a tables file.
@@ -328,12 +275,12 @@ impl TableFile {
 
     /// Samples of the drive flank.
     pub fn drive_grid(&self) -> FlankGrid {
-        grid_on(&self.axes, &self.drive)
+        self.drive.on(&self.axes)
     }
 
     /// Samples of the coast flank, if it has its own.
     pub fn coast_grid(&self) -> Option<FlankGrid> {
-        self.coast.as_ref().map(|r| grid_on(&self.axes, r))
+        Some(self.coast.as_ref()?.on(&self.axes))
     }
 
     /// The text of the file.
@@ -342,20 +289,12 @@ impl TableFile {
     }
 }
 
-/// The grid of `record` on the nodes of `axes`.
-pub(super) fn grid_on(axes: &AxesRecord, record: &FlankRecord) -> FlankGrid {
-    FlankGrid {
-        axes: Axes {
-            displacement_fraction: axes.displacement_fraction.clone(),
-            center_distance_offset: axes.center_distance_offset_m.clone(),
-            misalignment: axes.misalignment_rad.clone(),
-            mesh_position: axes.mesh_position.clone(),
-        },
-        no_load_approach: record.no_load_approach_m.clone(),
-        top_load_approach: record.top_load_approach_m.clone(),
-        loa_force: record.loa_force_n.clone(),
-        moment: record.moment_nm.clone(),
-    }
+/// What stands before the checksum in the text.
+const CHECKSUM: &str = "\"checksum_sha256\":\"";
+
+/// The checksum of a file whose text is `unsealed`, its checksum empty.
+fn checksum(unsealed: &str) -> String {
+    crate::words::hex(&Sha256::digest(unsealed.trim_end().as_bytes()))
 }
 
 fn io(path: &Path, source: std::io::Error) -> TableError {

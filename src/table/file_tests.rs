@@ -64,8 +64,8 @@ fn tables_of_helical_gears_under_the_old_law_of_misalignment_are_refused_by_name
     assert_eq!(first(0.0, |_| ()).unwrap().version, 1);
     let without = first(1.0, |f| {
         let grid = Spring::grid([8, 1, 1, 6]);
-        (f.axes, f.drive) = ((&grid.axes).into(), FlankRecord::new(&grid));
-        f.drive.moment_nm = None;
+        (f.axes, f.drive) = (grid.axes.clone(), grid.for_file());
+        f.drive.moment = None;
     });
     assert_eq!(without.unwrap().version, 1);
 }
@@ -95,8 +95,8 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
     };
     assert!(refused(|f| f.version = 3).contains("version = 3"));
     assert!(refused(|f| f.format = "other".into()).contains("format = other"));
-    assert!(refused(|f| f.drive.loa_force_n[0] = -1.0).contains("drive.loa_force_n[0] = -1"));
-    assert!(refused(|f| f.drive.loa_force_n.clear()).contains("drive.loa_force_n = 0 values"));
+    assert!(refused(|f| f.drive.loa_force[0] = -1.0).contains("drive.loa_force_n[0] = -1"));
+    assert!(refused(|f| f.drive.loa_force.clear()).contains("drive.loa_force_n = 0 values"));
     assert!(refused(|f| f.axes.mesh_position[2] = 0.0).contains("axes.mesh_position[2] = 0"));
     assert!(refused(|f| f.nominal_torque_nm = -1.0).contains("nominal_torque_nm = -1"));
     // The record of root stress, by its name.
@@ -123,13 +123,13 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
         "{named}"
     );
     // Four such axes would have more samples than can be counted.
-    let long = refused(|f| f.axes.misalignment_rad = (0..65_536).map(f64::from).collect());
+    let long = refused(|f| f.axes.misalignment = (0..65_536).map(f64::from).collect());
     assert!(long.contains("at most 10000"), "{long}");
     // Cells at the ends of the spline, which lie outside the nodes: too narrow, they would take memory without bound.
     assert!(refused(|f| f.axes.displacement_fraction[0] = 1e-12).contains("0 and 0.000000000001"));
     assert!(refused(|f| f.axes.mesh_position[5] = 1.0 - 1e-12).contains("closer than 1e-5"));
     // JSON has no NaN: it is written as null and refused as no number.
-    assert!(refused(|f| f.drive.moment_nm.as_mut().unwrap()[1] = f64::NAN).contains("null"));
+    assert!(refused(|f| f.drive.moment.as_mut().unwrap()[1] = f64::NAN).contains("null"));
     assert!(
         TableFile::from_json("{}")
             .unwrap_err()

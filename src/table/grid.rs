@@ -1,7 +1,9 @@
 //! The grid of one flank in memory: axes and samples, before any interpolant.
 
-use super::TableError;
-use super::interpolation::{Basis, Block, Ends, breaks, row_at};
+use super::file::rounded;
+use super::interpolation::{Block, at_zero};
+use super::{Query, TableError};
+use serde::{Deserialize, Serialize};
 
 /// A coordinate of the grid, in the order of [`Axes::lengths`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,15 +18,30 @@ pub enum Axis {
     MeshPosition,
 }
 
+impl Axis {
+    /// Its name in files and messages.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Axis::CenterDistance => "center_distance_offset_m",
+            Axis::Misalignment => "misalignment_rad",
+            Axis::Displacement => "displacement_fraction",
+            Axis::MeshPosition => "mesh_position",
+        }
+    }
+}
+
 /// Nodes of the grid, SI. An axis with one node is not there: nothing depends on that coordinate.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Axes {
     /// u = (delta - D0) / (D1 - D0) with D0 the no-load and D1 the top-load approach; ascending,
     /// above 0, the last one 1. The force at u = 0 is zero by definition and not stored.
     pub displacement_fraction: Vec<f64>,
     /// Actual minus nominal centre distance, m.
+    #[serde(rename = "center_distance_offset_m")]
     pub center_distance_offset: Vec<f64>,
     /// Misalignment in the plane of action, rad.
+    #[serde(rename = "misalignment_rad")]
     pub misalignment: Vec<f64>,
     /// Mesh position, in [0, 1), periodic.
     pub mesh_position: Vec<f64>,
@@ -38,11 +55,6 @@ impl Axes {
             self.misalignment.len() > 1,
             self.mesh_position.len() > 1,
         ]
-    }
-
-    /// Number of axes there beside the displacement.
-    pub fn dimensions(&self) -> usize {
-        self.present().iter().filter(|p| **p).count()
     }
 
     /// Lengths in the order of the samples: centre distance, misalignment, displacement, mesh position.
@@ -68,24 +80,69 @@ impl Axes {
 
 /// Samples of one flank. Arrays run over (centre distance, misalignment, displacement, mesh position),
 /// the last index fastest; the approaches have no displacement index.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FlankGrid {
-    /// Nodes.
+    /// Nodes. Files hold them once for all flanks, see [`FlankGrid::on`]: they are empty where a flank is part of one.
+    #[serde(skip)]
     pub axes: Axes,
     /// D0: approach at which the first points touch, m, on the line of action at mid-face.
+    #[serde(rename = "no_load_approach_m")]
     pub no_load_approach: Vec<f64>,
     /// D1: approach at the top load, m.
+    #[serde(rename = "top_load_approach_m")]
     pub top_load_approach: Vec<f64>,
     /// Transverse force on the line of action, N.
+    #[serde(rename = "loa_force_n")]
     pub loa_force: Vec<f64>,
-    /// F_bt (z_c - z_ref), N m; `None` if shuttling is not wanted.
+    /// F_bt (z_c - z_ref), N m, z_c where the resultant crosses the pitch plane; `None` where it is not known or shuttling is
+    /// off.
+    #[serde(rename = "moment_nm")]
     pub moment: Option<Vec<f64>>,
 }
 
 impl FlankGrid {
+    /// These samples, part of a file, on its `axes`.
+    #[must_use]
+    pub fn on(&self, axes: &Axes) -> FlankGrid {
+        FlankGrid {
+            axes: axes.clone(),
+            ..self.clone()
+        }
+    }
+
+    /// The samples as part of a file, rounded to decimals far below the error of interpolation: forces and moments
+    /// to a millionth of the largest at least, approaches to a ten-millionth. That halves the size on disk.
+    #[must_use]
+    pub fn for_file(&self) -> FlankGrid {
+        FlankGrid {
+            axes: Axes::default(),
+            no_load_approach: rounded(&self.no_load_approach, 1e-7),
+            top_load_approach: rounded(&self.top_load_approach, 1e-7),
+            loa_force: rounded(&self.loa_force, 1e-6),
+            moment: self.moment.as_deref().map(|m| rounded(m, 1e-6)),
+        }
+    }
+
     /// Largest force in the table, N.
     pub fn top_force(&self) -> f64 {
         self.loa_force.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Where the sample at the index (centre distance, misalignment, displacement, mesh position) stands.
+    pub fn query(&self, [c, m, u, p]: [usize; 4]) -> Query {
+        let axes = &self.axes;
+        let column = (c * axes.misalignment.len() + m) * axes.mesh_position.len() + p;
+        let (low, high) = (
+            self.no_load_approach[column],
+            self.top_load_approach[column],
+        );
+        Query {
+            delta: low + axes.displacement_fraction[u] * (high - low),
+            center_distance_offset: axes.center_distance_offset[c],
+            misalignment: axes.misalignment[m],
+            mesh_position: axes.mesh_position[p],
+        }
     }
 
     pub(crate) fn force_block(&self) -> Block {
@@ -128,19 +185,20 @@ impl FlankGrid {
         if nm == 1 {
             return Ok(vec![0.0; nc]);
         }
-        let aligned = value_row(&self.axes.misalignment, "misalignment_rad")?;
-        Ok(first
-            .chunks(nm)
-            .flat_map(|row| {
-                let zero: f64 = row.iter().zip(aligned.iter()).map(|(f, w)| f * w).sum();
-                row.iter().map(move |f| f - zero).collect::<Vec<_>>()
-            })
+        let first = Block {
+            lengths: [nc, nm, 1, 1],
+            values: first,
+        };
+        let name = Axis::Misalignment.name();
+        let aligned = at_zero(&first, 1, &self.axes.misalignment, name)?;
+        let rows = first.values.chunks(nm).zip(aligned.values);
+        Ok(rows
+            .flat_map(|(row, zero)| row.iter().map(move |f| f - zero))
             .collect())
     }
 
-    /// The grid without `axis`, which the displacement fraction and the mesh position are not, at its value 0
-    /// (nominal centre distance, parallel axes), by the spline along this axis: at a node this is the plane of
-    /// samples itself.
+    /// The grid without `axis`, centre distance or misalignment, at its value 0 (nominal centre distance, parallel axes),
+    /// by the spline along this axis: at a node this is the plane of samples itself.
     ///
     /// # Errors
     /// 0 lies outside the axis.
@@ -149,21 +207,9 @@ impl FlankGrid {
         if nodes.len() == 1 {
             return Ok(self.clone());
         }
-        if let Some(k) = nodes.iter().position(|&x| x == 0.0) {
-            return Ok(self.with_nodes(axis, &[k]));
-        }
-        let name = match axis {
-            Axis::CenterDistance => "center_distance_offset_m",
-            Axis::Misalignment => "misalignment_rad",
-            Axis::Displacement => "displacement_fraction",
-            Axis::MeshPosition => "mesh_position",
-        };
-        let row = value_row(&nodes, name)?;
-        Ok(self.mapped(axis, vec![0.0], |values, lengths| {
-            let values = values.to_vec();
-            let block = Block { lengths, values };
-            block.combined(axis as usize, &row).values
-        }))
+        self.mapped(axis, vec![0.0], |block| {
+            at_zero(block, axis as usize, &nodes, axis.name())
+        })
     }
 
     /// The grid with only the nodes number `chosen`, ascending, along `axis`. The last displacement, the top
@@ -172,57 +218,42 @@ impl FlankGrid {
         let mut axes = self.axes.clone();
         let nodes = axes.along_mut(axis);
         let nodes = chosen.iter().map(|&k| nodes[k]).collect();
-        self.mapped(axis, nodes, |values, lengths| {
-            let stride: usize = lengths[axis as usize + 1..].iter().product();
-            values
-                .chunks(stride * lengths[axis as usize])
-                .flat_map(|block| chosen.iter().map(move |&i| &block[i * stride..][..stride]))
-                .flatten()
-                .copied()
-                .collect()
-        })
+        let pick = |block: &Block| -> Result<Block, std::convert::Infallible> {
+            Ok(block.mapped(axis as usize, chosen.len(), |line| {
+                chosen.iter().map(|&k| line[k]).collect()
+            }))
+        };
+        let Ok(grid) = self.mapped(axis, nodes, pick);
+        grid
     }
 
-    /// The grid with other `nodes` along `axis`; `map` takes samples and their lengths before to samples there.
-    fn mapped(
+    /// The grid with other `nodes` along `axis`; `map` takes samples to those there.
+    fn mapped<E>(
         &self,
         axis: Axis,
         nodes: Vec<f64>,
-        map: impl Fn(&[f64], [usize; 4]) -> Vec<f64>,
-    ) -> FlankGrid {
+        map: impl Fn(&Block) -> Result<Block, E>,
+    ) -> Result<FlankGrid, E> {
         let mut axes = self.axes.clone();
         *axes.along_mut(axis) = nodes;
         let full = self.axes.lengths();
         let [nc, nm, _, np] = full;
-        let approach = |values: &[f64]| match axis {
-            Axis::Displacement => values.to_vec(),
-            _ => map(values, [nc, nm, 1, np]),
+        let mapped = |values: &[f64], lengths| {
+            let values = values.to_vec();
+            Ok(map(&Block { lengths, values })?.values)
         };
-        FlankGrid {
+        let approach = |values: &[f64]| match axis {
+            Axis::Displacement => Ok(values.to_vec()),
+            _ => mapped(values, [nc, nm, 1, np]),
+        };
+        Ok(FlankGrid {
             axes,
-            no_load_approach: approach(&self.no_load_approach),
-            top_load_approach: approach(&self.top_load_approach),
-            loa_force: map(&self.loa_force, full),
-            moment: self.moment.as_deref().map(|m| map(m, full)),
-        }
+            no_load_approach: approach(&self.no_load_approach)?,
+            top_load_approach: approach(&self.top_load_approach)?,
+            loa_force: mapped(&self.loa_force, full)?,
+            moment: (self.moment.as_deref())
+                .map(|m| mapped(m, full))
+                .transpose()?,
+        })
     }
-}
-
-/// Factors of the samples along a bounded axis that give the spline's value at 0.
-pub(super) fn value_row(nodes: &[f64], name: &str) -> Result<Vec<f64>, TableError> {
-    if let Some(k) = nodes.iter().position(|&x| x == 0.0) {
-        let mut row = vec![0.0; nodes.len()];
-        row[k] = 1.0;
-        return Ok(row);
-    }
-    if !(nodes[0] < 0.0 && nodes[nodes.len() - 1] > 0.0) {
-        return Err(TableError::field(
-            name,
-            format!("{nodes:?}"),
-            "the nominal value 0 lies outside this axis, so its effect cannot be switched off",
-            "make tables whose range includes 0",
-        ));
-    }
-    let basis = Basis::<4>::new(&breaks(nodes, 3, Ends::Bounded), Ends::Bounded);
-    row_at(&basis, nodes, Ends::Bounded, 0.0, name)
 }

@@ -3,12 +3,12 @@
 //!
 //! One cubic spline serves every interpolation of the force, for the force itself is a coordinate here.
 
-use super::TableError;
 use super::check::{check_axis, check_mesh_position, check_values, too_few};
-use super::grid::value_row;
 use super::interpolation::{
-    ANY, Basis, Block, Coefficients, Ends, Fit, Two, axis_basis, breaks, over_displacement,
+    ANY, Basis, Block, Coefficients, Ends, Fit, at_zero, axis, over_displacement,
 };
+use super::{Axis, TableError};
+use crate::vector::Lanes;
 use serde::{Deserialize, Serialize};
 
 /// Nodes; an axis with one value is not there.
@@ -61,27 +61,16 @@ impl LoadAxes {
         quantities: PerLoad,
         flanks: [Option<Columns<'_>>; 2],
     ) -> Result<(), TableError> {
-        self.check(record, quantities)?;
-        let length = self.lengths().iter().product();
-        for (flank, columns) in ["drive", "coast"].into_iter().zip(flanks) {
-            for (name, values) in columns.into_iter().flatten() {
-                check_values(&format!("{record}.{flank}.{name}"), values, length)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn check(&self, record: &str, quantities: PerLoad) -> Result<(), TableError> {
         let named = |name: &str| format!("{record}.axes.{name}");
         for (name, nodes) in [
-            ("center_distance_offset_m", &self.center_distance_offset_m),
-            ("misalignment_rad", &self.misalignment_rad),
+            (Axis::CenterDistance.name(), &self.center_distance_offset_m),
+            (Axis::Misalignment.name(), &self.misalignment_rad),
             ("loa_force_n", &self.loa_force_n),
-            ("mesh_position", &self.mesh_position),
+            (Axis::MeshPosition.name(), &self.mesh_position),
         ] {
             check_axis(&named(name), nodes)?;
         }
-        check_mesh_position(&named("mesh_position"), &self.mesh_position)?;
+        check_mesh_position(&named(Axis::MeshPosition.name()), &self.mesh_position)?;
         let forces = &self.loa_force_n;
         if forces.len() < 4 {
             return Err(too_few(&named("loa_force_n"), forces.len()));
@@ -97,6 +86,12 @@ impl LoadAxes {
                 reason,
                 "make the tables again",
             ));
+        }
+        let length = self.lengths().iter().product();
+        for (flank, columns) in ["drive", "coast"].into_iter().zip(flanks) {
+            for (name, values) in columns.into_iter().flatten() {
+                check_values(&format!("{record}.{flank}.{name}"), values, length)?;
+            }
         }
         Ok(())
     }
@@ -122,15 +117,16 @@ pub struct LoadSpline {
 }
 
 impl LoadSpline {
-    /// Of the samples of each of the quantities on `axes`, cut at 0 along the axes of centre distance and misalignment that
-    /// are not wanted.
+    /// Of the samples of each of the `quantities` on `axes`, cut at 0 along the axes of centre distance and misalignment whose
+    /// effect is off.
     ///
     /// # Errors
     /// Nodes through which no spline passes; an axis to be cut that does not hold 0.
     pub fn new(
         axes: &LoadAxes,
-        (quantities, per_load): (&[&[f64]], PerLoad),
-        [center_distance, misalignment]: [bool; 2],
+        quantities: &[&[f64]],
+        per_load: PerLoad,
+        effects: [bool; 2],
     ) -> Result<Self, TableError> {
         let mut axes = axes.clone();
         let lengths = axes.lengths();
@@ -139,54 +135,35 @@ impl LoadSpline {
             values: values.to_vec(),
         };
         let mut blocks: Vec<Block> = quantities.iter().map(block).collect();
+        let [by_c, by_m] = [Axis::CenterDistance.name(), Axis::Misalignment.name()];
         let cut = [
-            (0, center_distance, &mut axes.center_distance_offset_m),
-            (1, misalignment, &mut axes.misalignment_rad),
+            (by_c, &mut axes.center_distance_offset_m),
+            (by_m, &mut axes.misalignment_rad),
         ];
-        for (axis, wanted, nodes) in cut {
-            if wanted || nodes.len() == 1 {
+        for (i, (name, nodes)) in cut.into_iter().enumerate() {
+            if effects[i] || nodes.len() == 1 {
                 continue;
             }
-            let row = value_row(
-                nodes,
-                ["center_distance_offset_m", "misalignment_rad"][axis],
-            )?;
             for block in &mut blocks {
-                *block = block.combined(axis, &row);
+                *block = at_zero(block, i, nodes, name)?;
             }
             *nodes = vec![0.0];
         }
-        let c = axis_basis(&axes.center_distance_offset_m, Ends::Bounded);
-        let m = axis_basis(&axes.misalignment_rad, Ends::Bounded);
-        let mut force = Basis::new(&breaks(&axes.loa_force_n, 3, Ends::Bounded), Ends::Bounded);
+        let (c, along_c) = axis(&axes.center_distance_offset_m, Ends::Bounded, by_c)?;
+        let (m, along_m) = axis(&axes.misalignment_rad, Ends::Bounded, by_m)?;
+        let (mut force, along_force) = axis(&axes.loa_force_n, Ends::Bounded, "loa_force_n")?;
         if per_load == PerLoad::Effect {
             force.guard = [f64::INFINITY; 2];
         }
-        let p = axis_basis(&axes.mesh_position, Ends::Periodic);
-        let along = [
-            (
-                &c,
-                &axes.center_distance_offset_m,
-                Ends::Bounded,
-                "center_distance_offset_m",
-            ),
-            (
-                &m,
-                &axes.misalignment_rad,
-                Ends::Bounded,
-                "misalignment_rad",
-            ),
-            (&force, &axes.loa_force_n, Ends::Bounded, "loa_force_n"),
-            (&p, &axes.mesh_position, Ends::Periodic, "mesh_position"),
-        ];
-        for (axis, (basis, nodes, ends, name)) in along.into_iter().enumerate() {
-            let fit = Fit::new(basis, nodes, ends, name)?;
-            for block in &mut blocks {
-                *block = fit.along(axis, block);
-            }
-        }
+        let by_p = Axis::MeshPosition.name();
+        let (p, along_p) = axis(&axes.mesh_position, Ends::Periodic, by_p)?;
+        let fits = [along_c, along_m, along_force, along_p];
+        let fitted = |block: Block| {
+            let along = |block: Block, (axis, fit): (usize, &Fit)| fit.along(axis, &block);
+            Coefficients::new(&fits.iter().enumerate().fold(block, along))
+        };
         Ok(LoadSpline {
-            quantities: blocks.iter().map(Coefficients::new).collect(),
+            quantities: blocks.into_iter().map(fitted).collect(),
             c,
             m,
             force,
@@ -194,22 +171,32 @@ impl LoadSpline {
         })
     }
 
-    /// The quantities, in their order, at the transverse force (N) on the line of action, centre distance offset (m),
-    /// misalignment (rad) and mesh position, in place of the first ones of `out`. Beyond the ends they go on linearly and
+    /// The first `K` quantities, in their order, at the transverse force (N) on the line of action, centre distance offset (m),
+    /// misalignment (rad) and mesh position; 1 for those that there are no samples of. Beyond the ends they go on linearly and
     /// level out, over the load as [`PerLoad`] says.
-    pub fn evaluate(&self, [force, c, m, p]: [f64; 4], out: &mut [LoadJet]) {
-        let (wf, _) = self.force.weights(Two, force, 1);
-        let [wc, wm, wp] =
-            [(&self.c, c), (&self.m, m), (&self.p, p)].map(|(axis, x)| axis.weights(Two, x, 1).0);
-        for (jet, quantity) in out.iter_mut().zip(&self.quantities) {
-            let (shape, _) =
-                over_displacement::<4, 4, false, ANY>(Two, quantity, &wf, &wc, &wm, &wp);
-            let [by_c, by_m, by_p] = shape[0].gradient;
-            *jet = LoadJet {
-                value: shape[0].value,
-                gradient: [shape[1].value, by_c, by_m, by_p],
+    pub fn evaluate<const K: usize>(&self, [force, c, m, p]: [f64; 4]) -> [LoadJet; K] {
+        let weights = |basis: &Basis<4>, x| basis.weights(Lanes::COMMON, x, 1).0;
+        let wf = weights(&self.force, force);
+        let (wc, wm, wp) = (
+            weights(&self.c, c),
+            weights(&self.m, m),
+            weights(&self.p, p),
+        );
+        std::array::from_fn(|k| {
+            let Some(quantity) = self.quantities.get(k) else {
+                return LoadJet {
+                    value: 1.0,
+                    gradient: [0.0; 4],
+                };
             };
-        }
+            let shape =
+                over_displacement::<4, 4, false, ANY>(Lanes::COMMON, quantity, &wf, &wc, &wm, &wp);
+            let [by_c, by_m, by_p] = shape.value.gradient;
+            LoadJet {
+                value: shape.value.value,
+                gradient: [shape.slope.value, by_c, by_m, by_p],
+            }
+        })
     }
 }
 
@@ -228,9 +215,7 @@ mod tests {
     }
 
     fn at(spline: &LoadSpline, query: [f64; 4]) -> [LoadJet; 3] {
-        let mut out = [LoadJet::default(); 3];
-        spline.evaluate(query, &mut out);
-        out
+        spline.evaluate(query)
     }
 
     fn table(wanted: [bool; 2]) -> LoadSpline {
@@ -257,7 +242,7 @@ mod tests {
         };
         let quantities = [0, 1, 2].map(quantity);
         let quantities = quantities.each_ref().map(|q| &q[..]);
-        LoadSpline::new(&axes, (&quantities, per_load), wanted).unwrap()
+        LoadSpline::new(&axes, &quantities, per_load, wanted).unwrap()
     }
 
     #[test]

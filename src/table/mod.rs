@@ -22,16 +22,16 @@ mod sliding;
 mod summary;
 mod teeth;
 
+pub(crate) use crate::vector::widest;
 pub use error::TableError;
-pub use file::{AxesRecord, FlankRecord, InterpolationError, TableFile, VERSION};
+pub use file::{InterpolationError, TableFile, VERSION, rms_and_largest};
 pub use file_geometry::GeometryRecord;
 pub use grid::{Axes, Axis, FlankGrid};
-pub(crate) use interpolation::widest;
-pub use interpolation::{Checks, FlankTable, Interpolation};
+pub use interpolation::{FlankTable, Interpolation};
 pub use load_spline::{LoadAxes, LoadJet, LoadSpline, PerLoad};
-pub use root_stress::{RootStressError, RootStressRecord, RootStressSamples, RootStressTable};
+pub use root_stress::{RootStressError, RootStressRecord, RootStressSamples};
 pub use runtime::{Effects, Load, Table};
-pub use sliding::{FrictionRecord, SlidingSamples, SlidingTable};
+pub use sliding::{FrictionRecord, SlidingSamples};
 pub use teeth::{Closing, CouplingRecord, GearTeethRecord, TeethFlank, TeethRecord, TeethTable};
 
 /// Where the table is asked, for one flank (coast flank: after mapping to its own table).
@@ -63,9 +63,6 @@ pub struct Potential {
     /// line of action, is always there, the rest zero unless asked for. Symmetric, but for row 2 where
     /// the moment is not dW/dM: tables without a misalignment axis, and constant load.
     pub hessian: [[f64; COORDINATES]; COORDINATES],
-    /// Derivatives of `hessian[0][0]` by the coordinates, where the law knows them and the Hessian was
-    /// asked for.
-    pub stiffness_gradient: Option<[f64; COORDINATES]>,
     /// True where a coordinate lies outside the table's range (continued linearly).
     pub out_of_range: bool,
 }

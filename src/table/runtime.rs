@@ -1,8 +1,8 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
 use super::{
-    Axis, FlankGrid, FlankTable, Interpolation, RootStressTable, SlidingTable, TableError,
-    TableFile, TeethFlank,
+    Axis, FlankGrid, FlankTable, Interpolation, LoadSpline, RootStressSamples, SlidingSamples,
+    TableError, TableFile, TeethFlank,
 };
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
@@ -49,8 +49,8 @@ pub struct Table {
     geometry: PairGeometry,
     effects: Effects,
     force: Flanks<FlankTable>,
-    sliding: Option<Flanks<SlidingTable>>,
-    root_stress: Option<Flanks<RootStressTable>>,
+    sliding: Option<Flanks<LoadSpline>>,
+    root_stress: Option<Flanks<LoadSpline>>,
     teeth: Option<[TeethFlank; 2]>,
 }
 
@@ -64,18 +64,18 @@ struct Flanks<T> {
 
 impl<T> Flanks<T> {
     fn new<S>(
-        drive: S,
-        coast: Option<S>,
-        of: impl Fn(S) -> Result<T, TableError>,
+        drive: &S,
+        coast: Option<&S>,
+        make: impl Fn(&S) -> Result<T, TableError>,
     ) -> Result<Self, TableError> {
         Ok(Flanks {
-            drive: of(drive)?,
-            coast: coast.map(of).transpose()?,
+            drive: make(drive)?,
+            coast: coast.map(make).transpose()?,
         })
     }
 
     /// That of `flank`, and whether it is the drive flank's, mirrored.
-    fn of(&self, flank: Flank) -> (&T, bool) {
+    fn get(&self, flank: Flank) -> (&T, bool) {
         match (flank, &self.coast) {
             (Flank::Drive, _) => (&self.drive, false),
             (Flank::Coast, Some(own)) => (own, false),
@@ -109,9 +109,9 @@ impl Table {
         let effects = Effects {
             interpolation: Interpolation::Spline,
             load: Load::Variable,
-            center_distance: file.axes.center_distance_offset_m.len() > 1,
-            misalignment: file.axes.misalignment_rad.len() > 1,
-            shuttling: file.axes.misalignment_rad.len() > 1 || file.drive.moment_nm.is_some(),
+            center_distance: file.axes.center_distance_offset.len() > 1,
+            misalignment: file.axes.misalignment.len() > 1,
+            shuttling: file.axes.misalignment.len() > 1 || file.drive.moment.is_some(),
             friction: false,
             root_stress: false,
             teeth: false,
@@ -133,31 +133,31 @@ impl Table {
     /// As [`Table::sliced`].
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
         let geometry = file.geometry.pair_geometry()?;
-        let wanted = [effects.center_distance, effects.misalignment];
-        let sliding = if effects.friction {
-            let record = file.friction.as_ref().ok_or(TableError::MissingFriction)?;
-            let of = |samples| SlidingTable::new(&record.axes, samples, wanted);
-            Some(Flanks::new(&record.drive, record.coast.as_ref(), of)?)
-        } else {
-            None
+        let on = [effects.center_distance, effects.misalignment];
+        let sliding = match &file.friction {
+            _ if !effects.friction => None,
+            None => return Err(TableError::NO_FRICTION),
+            Some(record) => {
+                let spline = |samples: &SlidingSamples| samples.spline(&record.axes, on);
+                Some(Flanks::new(&record.drive, record.coast.as_ref(), spline)?)
+            }
         };
-        let root_stress = if effects.root_stress {
-            let record = file.root_stress.as_ref();
-            let record = record.ok_or(TableError::MissingRootStress)?;
-            let of = |samples| RootStressTable::new(&record.axes, samples, wanted);
-            Some(Flanks::new(&record.drive, record.coast.as_ref(), of)?)
-        } else {
-            None
+        let root_stress = match &file.root_stress {
+            _ if !effects.root_stress => None,
+            None => return Err(TableError::NO_ROOT_STRESS),
+            Some(record) => {
+                let spline = |samples: &RootStressSamples| samples.spline(&record.axes, on);
+                Some(Flanks::new(&record.drive, record.coast.as_ref(), spline)?)
+            }
         };
-        let teeth = if effects.teeth {
-            let record = file.teeth.as_ref().ok_or(TableError::MissingTeeth)?;
-            Some(TeethFlank::both(record, &geometry, &effects)?)
-        } else {
-            None
+        let teeth = match &file.teeth {
+            _ if !effects.teeth => None,
+            None => return Err(TableError::NO_TEETH),
+            Some(record) => Some(TeethFlank::both(record, &geometry, &effects)?),
         };
-        let flank = |grid: FlankGrid| Ok(flank_table(grid, &effects)?.1);
+        let flank = |grid: &FlankGrid| Ok(flank_table(grid.on(&file.axes), &effects)?.1);
         Ok(Table {
-            force: Flanks::new(file.drive_grid(), file.coast_grid(), flank)?,
+            force: Flanks::new(&file.drive, file.coast.as_ref(), flank)?,
             sliding,
             root_stress,
             teeth,
@@ -185,19 +185,19 @@ impl Table {
     /// The table of `flank`, and whether it is the drive flank's mirrored: then ask it at -M and take
     /// the opposite moment.
     pub fn flank(&self, flank: Flank) -> (&FlankTable, bool) {
-        self.force.of(flank)
+        self.force.get(flank)
     }
 
     /// How the load of `flank` slides, and whether it is the drive flank mirrored: then ask it at -M and take the
     /// opposite axial position. None unless it was asked for.
-    pub fn sliding(&self, flank: Flank) -> Option<(&SlidingTable, bool)> {
-        Some(self.sliding.as_ref()?.of(flank))
+    pub fn sliding(&self, flank: Flank) -> Option<(&LoadSpline, bool)> {
+        Some(self.sliding.as_ref()?.get(flank))
     }
 
     /// Stress in the roots under the load of `flank`, and whether it is the drive flank mirrored: then ask it at -M. None
     /// unless it was asked for.
-    pub fn root_stress(&self, flank: Flank) -> Option<(&RootStressTable, bool)> {
-        Some(self.root_stress.as_ref()?.of(flank))
+    pub fn root_stress(&self, flank: Flank) -> Option<(&LoadSpline, bool)> {
+        Some(self.root_stress.as_ref()?.get(flank))
     }
 
     /// Tooth pairs of `flank` one by one, and whether their samples are those of the drive flank mirrored: then ask at -M and
@@ -217,36 +217,30 @@ pub(super) fn flank_table(
     mut grid: FlankGrid,
     effects: &Effects,
 ) -> Result<(FlankGrid, FlankTable), TableError> {
-    let [has_center_distance, has_misalignment, _] = grid.axes.present();
-    let axes = [
+    let by_axis = [
         (
             effects.center_distance,
-            has_center_distance,
             Axis::CenterDistance,
-            "centerDistanceEffect",
-            "center_distance_offset_m",
+            TableError::NO_CENTER_DISTANCE,
         ),
         (
             effects.misalignment,
-            has_misalignment,
             Axis::Misalignment,
-            "misalignmentEffect",
-            "misalignment_rad",
+            TableError::NO_MISALIGNMENT,
         ),
     ];
-    for (on, there, axis, effect, name) in axes {
-        if on && !there {
-            return Err(TableError::MissingAxis { effect, axis: name });
-        }
+    for (on, axis, missing) in by_axis {
         if !on {
             grid = grid.sliced(axis)?;
+        } else if !grid.axes.present()[axis as usize] {
+            return Err(missing);
         }
     }
     let from_potential = effects.misalignment && effects.load == Load::Variable;
     if !effects.shuttling {
         grid.moment = None;
     } else if grid.moment.is_none() && !from_potential {
-        return Err(TableError::MissingMoment);
+        return Err(TableError::NO_MOMENT);
     }
     let table = match effects.load {
         Load::Variable => FlankTable::new(&grid, effects.interpolation)?,

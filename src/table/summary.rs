@@ -4,7 +4,6 @@ use super::{
     CouplingRecord, InterpolationError, LoadAxes, RootStressError, TableFile, TeethRecord,
 };
 use crate::words::{count, fixed, rounded};
-use std::slice::from_ref;
 
 impl TableFile {
     /// Rows of name and value: origin, size and error, ranges, settings of the solver.
@@ -32,11 +31,11 @@ impl TableFile {
             ),
             (
                 "centre distance offset".into(),
-                range(&axes.center_distance_offset_m, 1e6, "um"),
+                range(&axes.center_distance_offset, 1e6, "um"),
             ),
             (
                 "misalignment".into(),
-                range(&axes.misalignment_rad, 1e3, "mrad"),
+                range(&axes.misalignment, 1e3, "mrad"),
             ),
             (
                 "mesh position".into(),
@@ -90,8 +89,8 @@ impl TableFile {
         format!(
             "{} x {} x {} x {}, {} flank{}, {error}",
             count(axes.displacement_fraction.len(), "displacement"),
-            count(axes.center_distance_offset_m.len(), "centre distance"),
-            count(axes.misalignment_rad.len(), "misalignment"),
+            count(axes.center_distance_offset.len(), "centre distance"),
+            count(axes.misalignment.len(), "misalignment"),
             count(axes.mesh_position.len(), "mesh position"),
             if self.coast.is_some() { "each" } else { "one" },
             if self.coast.is_some() {
@@ -125,8 +124,8 @@ impl TeethRecord {
         format!(
             "{} x {} x {} x {} from {:.2} to {:.2} base pitches; of the approach others take {} um/kN; {} against contact at run time",
             count(axes.displacement_fraction.len(), "displacement"),
-            count(axes.center_distance_offset_m.len(), "centre distance"),
-            count(axes.misalignment_rad.len(), "misalignment"),
+            count(axes.center_distance_offset.len(), "centre distance"),
+            count(axes.misalignment.len(), "misalignment"),
             count(axes.mesh_position.len(), "place"),
             self.first_place,
             self.last_place,
@@ -149,11 +148,7 @@ impl CouplingRecord {
                 [least, largest] => format!("{least} to {largest}"),
             }
         };
-        let distances: Vec<String> = match self {
-            CouplingRecord::Same(value) => vec![at_distance(from_ref(value))],
-            CouplingRecord::Each(values) => vec![at_distance(values)],
-            CouplingRecord::Apart(rows) => rows.iter().map(|row| at_distance(row)).collect(),
-        };
+        let distances: Vec<String> = self.0.iter().map(|row| at_distance(row)).collect();
         distances.join(", ")
     }
 }

@@ -7,7 +7,7 @@ use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use gearmesh::table::{
     Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError,
-    RootStressRecord, RootStressTable, TeethRecord,
+    RootStressRecord, TeethRecord,
 };
 use gearmesh_preprocessor::table::plan::{
     Coverage, default_axes, measure, measure_at_run_time, misalignments, table_within,
@@ -126,7 +126,7 @@ pub(super) fn root_stress(
         };
         watched(args, "root stress", |watch| {
             let samples = sweep.samples(&axes, watch)?;
-            let table = RootStressTable::new(&axes, &samples, [true; 2])?;
+            let table = samples.spline(&axes, [true; 2])?;
             let error = sweep.measure(coverage, &table, HELD_OUT_POINTS, watch)?;
             Ok((samples, error))
         })

@@ -25,6 +25,7 @@
 use super::mass::{Blank, free_mass, reduced_mass};
 use super::stiffness::Stiffness;
 use gearmesh::gear::PairGeometry;
+use gearmesh::root::bisection;
 
 /// Damping ratio that packing gives a pair: light among the 0.03 to 0.17 published for steel gears (quoted by
 /// Amabili and Rivola, Mech. Syst. Signal Process. 11 (1997) 375-390), so that it hides no resonance.
@@ -82,16 +83,7 @@ impl Coupling {
         let (k, c, m) = (self.stiffness.largest, self.damping, self.free_mass);
         // b - 3a - (b - a)² over H/m falls from c at H = 0 to below zero at 2c/(3k).
         let margin = |h: f64| c - 1.5 * k * h - h / m * (c - 0.5 * k * h).powi(2);
-        let (mut low, mut high) = (0.0, 2.0 * c / (3.0 * k));
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if margin(middle) > 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        low
+        bisection([0.0, 2.0 * c / (3.0 * k)], 60, |h| margin(h) > 0.0)
     }
 
     /// Communication step, s, that both masters bear with a factor of two, to two digits. Without damping no

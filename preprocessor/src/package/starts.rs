@@ -60,7 +60,7 @@ impl Starts {
     pub fn of_tables(file: &TableFile) -> Result<Self, TableError> {
         let table = Table::from_file(file.clone())?;
         let effects = *table.effects();
-        let moments = &file.drive.moment_nm;
+        let moments = &file.drive.moment;
         Ok(Self {
             nominal_torque: file.nominal_torque_nm,
             stiffness: Stiffness::of_table(&table),

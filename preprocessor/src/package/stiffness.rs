@@ -1,6 +1,7 @@
 //! Mesh stiffness of a pair in the numbers that start values are made of.
 
 use gearmesh::gear::{Flank, Gear, GearKind, PairGeometry};
+use gearmesh::root::bisection;
 use gearmesh::table::{FlankTable, Query, Table};
 
 /// Young's modulus of ISO 6336-1's approximation, Pa.
@@ -36,12 +37,12 @@ impl Stiffness {
             .map(|position| at_force(drive, force, position))
             .sum::<f64>()
             / POSITIONS as f64;
-        let offsets = ends(&file.axes.center_distance_offset_m);
-        let tilts = ends(&file.axes.misalignment_rad);
+        let offsets = ends(&file.axes.center_distance_offset);
+        let tilts = ends(&file.axes.misalignment);
         let coast_record = file.coast.as_ref().unwrap_or(&file.drive);
         let mut largest: f64 = 0.0;
         for (flank, record) in [(drive, &file.drive), (coast, coast_record)] {
-            let top = record.top_load_approach_m.iter().copied();
+            let top = record.top_load_approach.iter().copied();
             let top = top.fold(0.0, f64::max);
             for mesh_position in positions() {
                 for center_distance_offset in offsets {
@@ -104,19 +105,12 @@ fn at_force(flank: &FlankTable, force: f64, mesh_position: f64) -> f64 {
         flank.evaluate(&query, false)
     };
     // Force rises with displacement: bisect between separation and a displacement beyond.
-    let (mut low, mut high) = (-1e-3, 1e-3);
+    let mut high = 1e-3;
     while response(high).gradient[0] < force && high < 1.0 {
         high *= 2.0;
     }
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if response(middle).gradient[0] < force {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    response(high).hessian[0][0]
+    let below = |delta: f64| response(delta).gradient[0] < force;
+    response(bisection([-1e-3, high], 60, below)).hessian[0][0]
 }
 
 /// Mean tangential mesh stiffness at `nominal_torque` (on gear 1, N m) by the approximation of ISO 6336-1:2006,

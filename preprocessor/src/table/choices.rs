@@ -6,13 +6,16 @@
 //! number of nodes. The error at a point is that of the force, or that of the shuttling moment over
 //! [`MOMENT_TO_FORCE`] if that is larger.
 
-use super::plan::{Coverage, MOMENT_TO_FORCE, closest, drawn, graded_to};
+use super::measure::drawn;
+use super::plan::{
+    Coverage, LARGEST_TO_RMS, MOMENT_TO_FORCE, closest, displacement_nodes, graded_to,
+    mesh_positions,
+};
 use super::source::StaticSource;
 use super::sweep::{Watch, sweep};
 use gearmesh::gear::Flank;
 use gearmesh::random::Random;
-use gearmesh::table::Interpolation;
-use gearmesh::table::{Axes, Axis, FlankGrid, FlankTable, Query, TableError};
+use gearmesh::table::{Axes, Axis, FlankGrid, FlankTable, Interpolation, TableError};
 use rayon::prelude::*;
 
 /// Fine lines along one axis.
@@ -51,9 +54,6 @@ pub struct Choices([Vec<Choice>; 4]);
 impl Choices {
     /// Asks `source` along all axes of `coverage`, along the misalignment more closely where `tilt` (rad, see
     /// [`super::plan::tilt`]) is small; errors are relative to `nominal`.
-    ///
-    /// # Errors
-    /// A solve that fails; cancellation.
     pub fn new(
         source: &dyn StaticSource,
         coverage: &Coverage,
@@ -88,11 +88,11 @@ impl Choices {
         loop {
             let square: f64 = (0..4).map(|a| self.0[a][at[a]].square).sum();
             let largest = (0..4).map(|a| self.0[a][at[a]].largest).fold(0.0, f64::max);
-            if square <= error * error && largest <= 0.6 * super::plan::LARGEST_TO_RMS * error {
+            if square <= error * error && largest <= 0.6 * LARGEST_TO_RMS * error {
                 break;
             }
             // The step that takes most off the error per factor of grid size.
-            let gain = |c: &Choice| c.square + (c.largest / super::plan::LARGEST_TO_RMS).powi(2);
+            let gain = |c: &Choice| c.square + (c.largest / LARGEST_TO_RMS).powi(2);
             let step = (0..4)
                 .flat_map(|a| (at[a] + 1..self.0[a].len()).map(move |to| (a, to)))
                 .map(|(a, to)| {
@@ -140,8 +140,8 @@ fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
                 graded_to(range, 65, APART * tilt)
             })
         }),
-        Axis::Displacement => Some(super::plan::displacement_nodes(48, 1.8)),
-        Axis::MeshPosition => Some(super::plan::mesh_positions(128)),
+        Axis::Displacement => Some(displacement_nodes(48, 1.8)),
+        Axis::MeshPosition => Some(mesh_positions(128)),
     }
 }
 
@@ -201,7 +201,7 @@ impl Lines {
         let grids = (0..count)
             .map(|k| {
                 let mut axes = Axes {
-                    displacement_fraction: super::plan::displacement_nodes(8, 1.3),
+                    displacement_fraction: displacement_nodes(8, 1.3),
                     center_distance_offset: vec![drawn(
                         &mut random,
                         coverage.center_distance_offset,
@@ -237,37 +237,20 @@ impl Lines {
             .grids
             .par_iter()
             .map(|(grid, fine)| {
-                let [nc, nm, nu, np] = grid.axes.lengths();
+                let [_, nm, nu, np] = grid.axes.lengths();
                 let coarse = through(&grid.with_nodes(self.axis, chosen))?;
                 let (Some(fine), Some(table)) = (fine, coarse) else {
                     return Ok(vec![vec![NO_TABLE]; self.nodes.len()]);
                 };
                 let mut errors = vec![Vec::new(); self.nodes.len()];
-                for c in 0..nc {
-                    for m in 0..nm {
-                        for u in 0..nu {
-                            for p in 0..np {
-                                let column = (c * nm + m) * np + p;
-                                let (low, high) = (
-                                    grid.no_load_approach[column],
-                                    grid.top_load_approach[column],
-                                );
-                                let query = Query {
-                                    delta: low + grid.axes.displacement_fraction[u] * (high - low),
-                                    center_distance_offset: grid.axes.center_distance_offset[c],
-                                    misalignment: grid.axes.misalignment[m],
-                                    mesh_position: grid.axes.mesh_position[p],
-                                };
-                                let found = table.evaluate(&query, false).gradient;
-                                let exact = fine.evaluate(&query, false).gradient;
-                                let force = (found[0] - exact[0]) / self.nominal.force;
-                                let moment =
-                                    (found[2] - exact[2]) / (self.nominal.moment * MOMENT_TO_FORCE);
-                                errors[[c, m, u, p][self.axis as usize]]
-                                    .push(force.abs().max(moment.abs()));
-                            }
-                        }
-                    }
+                for at in 0..grid.loa_force.len() {
+                    let index = [at / np / nu / nm, at / np / nu % nm, at / np % nu, at % np];
+                    let query = grid.query(index);
+                    let found = table.evaluate(&query, false).gradient;
+                    let exact = fine.evaluate(&query, false).gradient;
+                    let force = (found[0] - exact[0]) / self.nominal.force;
+                    let moment = (found[2] - exact[2]) / (self.nominal.moment * MOMENT_TO_FORCE);
+                    errors[index[self.axis as usize]].push(force.abs().max(moment.abs()));
                 }
                 Ok(errors)
             })

@@ -8,7 +8,7 @@
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::{Axes, FlankGrid, TableError};
 use gearmesh::words::{rounded, shown};
-use std::collections::BTreeMap;
+use std::cmp::Ordering;
 
 /// Columns of the file, in any order in its header.
 pub const COLUMNS: [&str; 6] = [
@@ -125,7 +125,7 @@ impl Imported {
 /// Unknown or missing columns, numbers that are none, repeated or missing grid points, displacement that
 /// does not rise with the torque: each with line and values.
 pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, TableError> {
-    let rows = parse(text)?;
+    let mut rows = parse(text)?;
     let axis = |k: usize| {
         let mut values: Vec<f64> = rows.iter().map(|r| r.values[k]).collect();
         values.sort_by(f64::total_cmp);
@@ -146,41 +146,42 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
             "torque_nm has {loads} values above 0; a cubic spline needs at least 4"
         )));
     }
-    let mut by_point: BTreeMap<[u64; 4], Row> = BTreeMap::new();
-    let key = |v: [f64; 4]| v.map(|x| (x + 0.0).to_bits());
-    for row in &rows {
-        let [t, p, c, m, ..] = row.values;
-        if let Some(first) = by_point.insert(key([t, p, c, m]), *row) {
-            return Err(refused(format!(
-                "line {}: the point {} stands in line {} already; leave one of them out",
-                row.line,
-                describe(row.values),
-                first.line
-            )));
-        }
-    }
-
     check_on_face(&rows, geometry)?;
-    let z_ref = geometry.z_ref();
-    let base_radius = geometry.gears[0].base_radius();
-    let mut lines = Vec::new();
+    let key = |row: &Row| {
+        let [t, p, c, m, ..] = row.values;
+        [c, m, p, t]
+    };
+    rows.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal));
+    if let Some(twice) = rows.windows(2).find(|w| key(&w[0]) == key(&w[1])) {
+        return Err(refused(format!(
+            "line {}: the point {} stands in line {} already; leave one of them out",
+            twice[1].line,
+            describe(twice[1].values),
+            twice[0].line
+        )));
+    }
+    let mut found = rows.iter().map(key);
     for &c in &offsets {
         for &m in &misalignments {
             for &p in &positions {
-                let mut line = Vec::with_capacity(torques.len());
-                for &t in &torques {
-                    let Some(row) = by_point.get(&key([t, p, c, m])) else {
-                        return Err(refused(format!(
-                            "no sample at {}; the grid must be complete",
-                            describe([t, p, c, m, 0.0, 0.0])
-                        )));
-                    };
-                    line.push(*row);
+                if let Some(&t) = torques
+                    .iter()
+                    .find(|&&t| found.next() != Some([c, m, p, t]))
+                {
+                    return Err(refused(format!(
+                        "no sample at {}; the grid must be complete",
+                        describe([t, p, c, m, 0.0, 0.0])
+                    )));
                 }
-                lines.push(invertible(&line, z_ref, base_radius)?);
             }
         }
     }
+    let z_ref = geometry.z_ref();
+    let base_radius = geometry.gears[0].base_radius();
+    let lines = rows
+        .chunks(torques.len())
+        .map(|line| invertible(line, z_ref, base_radius))
+        .collect::<Result<Vec<_>, _>>()?;
 
     // Displacement nodes where the samples lie on average, so that inversion has little to bridge.
     let mean = |k: usize| {
@@ -193,7 +194,7 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     // gets two more nodes below the smallest load to round the kink off within.
     let smallest = fractions[0];
     fractions.splice(0..0, [smallest / 16.0, smallest / 4.0]);
-    let (nm, np) = (misalignments.len(), positions.len());
+    let np = positions.len();
     let mut grid = FlankGrid {
         axes: Axes {
             displacement_fraction: fractions.clone(),
@@ -220,7 +221,6 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
         }
     }
     grid.moment = Some(moment);
-    debug_assert_eq!(lines.len(), offsets.len() * nm * np);
     grid.check("samples")?;
     Ok(Imported {
         grid,
@@ -394,22 +394,23 @@ fn invertible(rows: &[Row], z_ref: f64, base_radius: f64) -> Result<Line, TableE
 /// Slopes of parabolas through three neighbours, cut to what keeps the cubic monotone.
 fn monotone_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     let n = x.len();
-    let secant: Vec<f64> = (1..n)
-        .map(|i| (y[i] - y[i - 1]) / (x[i] - x[i - 1]))
+    let h: Vec<f64> = x.windows(2).map(|x| x[1] - x[0]).collect();
+    let secant: Vec<f64> = (y.windows(2).zip(&h))
+        .map(|(y, h)| (y[1] - y[0]) / h)
         .collect();
-    let h: Vec<f64> = (1..n).map(|i| x[i] - x[i - 1]).collect();
+    // At the end of the cell `end`, whose neighbour is `next`.
+    let outer = |end: usize, next: usize| {
+        let slope = secant[end] + h[end] / (h[end] + h[next]) * (secant[end] - secant[next]);
+        slope.clamp(0.0, 3.0 * secant[end])
+    };
     (0..n)
-        .map(|i| {
-            if i == 0 {
-                let s = secant[0] + h[0] / (h[0] + h[1]) * (secant[0] - secant[1]);
-                s.clamp(0.0, 3.0 * secant[0])
-            } else if i == n - 1 {
-                let (a, b) = (n - 3, n - 2);
-                let s = secant[b] + h[b] / (h[a] + h[b]) * (secant[b] - secant[a]);
-                s.clamp(0.0, 3.0 * secant[b])
-            } else {
-                let s = (secant[i - 1] * h[i] + secant[i] * h[i - 1]) / (h[i - 1] + h[i]);
-                s.min(3.0 * secant[i - 1]).min(3.0 * secant[i])
+        .map(|i| match i {
+            0 => outer(0, 1),
+            _ if i == n - 1 => outer(n - 2, n - 3),
+            _ => {
+                let (a, b) = (i - 1, i);
+                let slope = (secant[a] * h[b] + secant[b] * h[a]) / (h[a] + h[b]);
+                slope.min(3.0 * secant[a]).min(3.0 * secant[b])
             }
         })
         .collect()

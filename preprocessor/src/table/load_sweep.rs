@@ -1,7 +1,7 @@
 //! Walks the nodes of a table over the load with static solutions, in parallel over centre distance and mesh position.
 
 use super::plan::{Coverage, graded, mesh_positions};
-use super::sweep::{Watch, point};
+use super::sweep::{Watch, in_order, point};
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
 use gearmesh::gear::Flank;
 use gearmesh::table::{LoadAxes, TableError};
@@ -37,9 +37,6 @@ impl LoadSweep<'_> {
     /// At the centre distance offset `c` (m) and mesh position `p`, for each of `misalignments` (rad) under each of `forces` (N on
     /// the line of action, ascending), what `place` gives there of the solution; its default without load. `told` is
     /// called after each misalignment.
-    ///
-    /// # Errors
-    /// The first solve that fails, with its operating point; cancellation.
     pub fn column<S, K>(
         &self,
         (c, p): (f64, f64),
@@ -79,9 +76,6 @@ impl LoadSweep<'_> {
     }
 
     /// The same at every node of `axes`, in the order of their tables.
-    ///
-    /// # Errors
-    /// As [`LoadSweep::column`].
     pub fn nodes<S, K>(
         &self,
         axes: &LoadAxes,
@@ -107,12 +101,6 @@ impl LoadSweep<'_> {
                 self.column(at, loads, &place, told)
             })
             .collect::<Result<_, _>>()?;
-        let mut all = Vec::with_capacity(nc * nm * nf * np);
-        for row in columns.chunks(np) {
-            for at in 0..nm * nf {
-                all.extend(row.iter().map(|column| column[at]));
-            }
-        }
-        Ok(all)
+        Ok(in_order(&columns, np))
     }
 }

@@ -3,6 +3,7 @@
 mod choices;
 pub mod import;
 mod load_sweep;
+mod measure;
 pub mod plan;
 mod root_stress;
 mod sliding;

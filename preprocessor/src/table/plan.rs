@@ -5,6 +5,7 @@
 //! coordinates, and the next combination follows from what was found.
 
 use super::choices::{Choices, Nominal};
+use super::measure::{self, OperatingPoint, errors};
 use super::source::StaticSource;
 use super::sweep::{Watch, point, sweep};
 use gearmesh::contact::{ContactFile, Warm};
@@ -40,13 +41,6 @@ const ROUNDS: u64 = 4;
 /// Random points on which a grid is tried, and on which the chosen one's error is reported.
 const TRIAL_POINTS: usize = 600;
 const REPORTED_POINTS: usize = 1000;
-
-const MEASURE_SEED: u64 = 0x9E37_79B9_7F4A_7C15;
-
-/// A random value of `range`; 0 where there is none.
-pub(super) fn drawn(random: &mut Random, range: Option<[f64; 2]>) -> f64 {
-    range.map_or(0.0, |range| random.within(range))
-}
 
 /// Nodes over `range`, denser towards 0 the larger `grading`: with t even in [-1, 1] (or the part of it
 /// that the range has), the node is sinh(grading t) scaled.
@@ -187,17 +181,9 @@ pub fn measure(
     points: usize,
     watch: &Watch,
 ) -> Result<InterpolationError, TableError> {
-    let random = Random::new(MEASURE_SEED);
-    measure_drawn(
-        source,
-        geometry,
-        flank,
-        coverage,
-        &of_table(table),
-        random,
-        points,
-        watch,
-    )
+    let points = coverage.draw(Random::new(measure::SEED), points);
+    let nominal = nominal(geometry, coverage);
+    measure_at(source, flank, nominal, &of_table(table), points, watch)
 }
 
 /// Error of `contact` at run time, its teeth taken as alike, against `source` at `points` random operating points, likewise.
@@ -227,17 +213,9 @@ pub fn measure_at_run_time(
         let found = level.potential(at, [0; 2], &mut Warm::default());
         found.map(|w| w.gradient).map_err(|e| e.to_string())
     };
-    let random = Random::new(MEASURE_SEED);
-    measure_drawn(
-        source,
-        &contact.setup.geometry,
-        flank,
-        coverage,
-        &found,
-        random,
-        points,
-        watch,
-    )
+    let points = coverage.draw(Random::new(measure::SEED), points);
+    let nominal = nominal(&contact.setup.geometry, coverage);
+    measure_at(source, flank, nominal, &found, points, watch)
 }
 
 /// Derivatives of the potential by approach, centre distance, misalignment and mesh position at an operating point.
@@ -247,54 +225,31 @@ fn of_table(table: &FlankTable) -> impl Fn(&Query) -> Result<[f64; 4], String> +
     |q| Ok(table.evaluate(q, false).gradient)
 }
 
-#[allow(clippy::too_many_arguments)]
-fn measure_drawn(
+fn measure_at(
     source: &dyn StaticSource,
-    geometry: &PairGeometry,
     flank: Flank,
-    coverage: &Coverage,
+    nominal: Nominal,
     found: &Gradient<'_>,
-    mut random: Random,
-    points: usize,
+    points: Vec<OperatingPoint>,
     watch: &Watch,
 ) -> Result<InterpolationError, TableError> {
-    use rayon::prelude::*;
-    let queries: Vec<(f64, Query)> = (0..points)
-        .map(|_| {
-            let torque = coverage.maximum_torque * random.next();
-            let query = Query {
-                delta: 0.0,
-                center_distance_offset: drawn(&mut random, coverage.center_distance_offset),
-                misalignment: drawn(&mut random, coverage.misalignment),
-                mesh_position: random.next(),
-            };
-            (torque, query)
-        })
-        .collect();
-    let nominal = nominal(geometry, coverage);
-    let errors: Vec<[f64; 2]> = queries
-        .into_par_iter()
-        .map(|(torque, mut q)| {
-            if watch.cancel.load(std::sync::atomic::Ordering::Relaxed) {
-                return Err(TableError::Cancelled);
-            }
-            let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
-            let failed = |message| TableError::Solve {
-                point: point(flank, c, m, p),
-                message,
-            };
-            let exact = source
-                .position(flank, p, c)
-                .and_then(|mut at| at.at_torque(torque, m))
-                .map_err(failed)?;
-            q.delta = exact.approach;
-            let found = found(&q).map_err(failed)?;
-            Ok([
-                (found[0] - exact.loa_force) / nominal.force,
-                (found[2] - exact.moment) / nominal.moment,
-            ])
-        })
-        .collect::<Result<_, _>>()?;
+    let errors = errors(points, watch, |(torque, mut q)| {
+        let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
+        let failed = |message| TableError::Solve {
+            point: point(flank, c, m, p),
+            message,
+        };
+        let exact = source
+            .position(flank, p, c)
+            .and_then(|mut at| at.at_torque(torque, m))
+            .map_err(failed)?;
+        q.delta = exact.approach;
+        let found = found(&q).map_err(failed)?;
+        Ok([
+            (found[0] - exact.loa_force) / nominal.force,
+            (found[2] - exact.moment) / nominal.moment,
+        ])
+    })?;
     Ok(InterpolationError::of(&errors))
 }
 
@@ -324,16 +279,16 @@ pub fn table_within(
     error: f64,
     watch: &Watch,
 ) -> Result<(FlankGrid, InterpolationError), TableError> {
-    let choices = Choices::new(source, coverage, nominal(geometry, coverage), tilt, watch)?;
+    let nominal = nominal(geometry, coverage);
+    let choices = Choices::new(source, coverage, nominal, tilt, watch)?;
     let found_on = |grid: &FlankGrid, points: usize, seed: u64| {
         let table = FlankTable::new(grid, Interpolation::Spline)?;
-        measure_drawn(
+        let points = coverage.draw(Random::new(seed), points);
+        measure_at(
             source,
-            geometry,
             Flank::Drive,
-            coverage,
+            nominal,
             &of_table(&table),
-            Random::new(seed),
             points,
             watch,
         )
@@ -369,7 +324,7 @@ pub fn table_within(
     let Some((_, grid)) = best else {
         return Err(TableError::Samples("no grid was tried".into()));
     };
-    let found = found_on(&grid, REPORTED_POINTS, MEASURE_SEED)?;
+    let found = found_on(&grid, REPORTED_POINTS, measure::SEED)?;
     Ok((grid, found))
 }
 

@@ -3,6 +3,7 @@
 use super::super::source::{Sample, StaticPosition};
 use super::*;
 use crate::samples::spur_pair;
+use gearmesh::root::bisection;
 use gearmesh::table::samples::Spring;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -26,30 +27,17 @@ impl At {
 
 impl StaticPosition for At {
     fn no_load_approach(&mut self, misalignment: f64) -> f64 {
-        let (mut low, mut high) = (-1e-3, 1e-3);
-        for _ in 0..80 {
-            let middle = 0.5 * (low + high);
-            if Spring::potential(&self.query(middle, misalignment)).gradient[0] > 0.0 {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        low
+        bisection([-1e-3, 1e-3], 80, |delta| {
+            Spring::potential(&self.query(delta, misalignment)).gradient[0] <= 0.0
+        })
     }
 
     fn at_torque(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
         let force = torque / spur_pair().gears[0].base_radius();
-        let (mut low, mut high) = (-1e-3, 1e-3);
-        for _ in 0..80 {
-            let middle = 0.5 * (low + high);
-            if Spring::potential(&self.query(middle, misalignment)).gradient[0] > force {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        self.at_approach(low, misalignment)
+        let approach = bisection([-1e-3, 1e-3], 80, |delta| {
+            Spring::potential(&self.query(delta, misalignment)).gradient[0] <= force
+        });
+        self.at_approach(approach, misalignment)
     }
 
     fn at_approach(&mut self, approach: f64, misalignment: f64) -> Result<Sample, String> {
@@ -205,16 +193,10 @@ impl StaticPosition for Wedge {
 
     fn at_torque(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
         let force = torque / spur_pair().gears[0].base_radius();
-        let (mut low, mut high) = (-1e-3, 1e-3);
-        for _ in 0..80 {
-            let middle = 0.5 * (low + high);
-            if Wedge::loads(middle, misalignment)[0] > force {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        self.at_approach(low, misalignment)
+        let approach = bisection([-1e-3, 1e-3], 80, |delta| {
+            Wedge::loads(delta, misalignment)[0] <= force
+        });
+        self.at_approach(approach, misalignment)
     }
 
     fn at_approach(&mut self, approach: f64, misalignment: f64) -> Result<Sample, String> {

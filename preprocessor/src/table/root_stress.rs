@@ -3,17 +3,16 @@
 use crate::contact::PositionRoots;
 use crate::finite_element::RootStress;
 use crate::table::load_sweep::{LoadSweep, load_axes};
-use crate::table::plan::{Coverage, drawn};
+use crate::table::measure::{self, errors};
+use crate::table::plan::Coverage;
 use crate::table::sweep::Watch;
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
 use gearmesh::gear::Flank;
 use gearmesh::random::Random;
-use gearmesh::table::{LoadAxes, TableError};
-use gearmesh::table::{RootStressError, RootStressSamples, RootStressTable};
-use rayon::prelude::*;
+use gearmesh::table::{
+    LoadAxes, LoadSpline, RootStressError, RootStressSamples, TableError, rms_and_largest,
+};
 use std::sync::Arc;
-
-const MEASURE_SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// Mesh positions at which the largest stress at nominal torque is sought.
 const CYCLE: usize = 64;
@@ -79,44 +78,33 @@ impl<'a> RootStressSweep<'a> {
     pub fn measure(
         &self,
         coverage: &Coverage,
-        table: &RootStressTable,
+        table: &LoadSpline,
         points: usize,
         watch: &Watch,
     ) -> Result<RootStressError, TableError> {
-        let mut random = Random::new(MEASURE_SEED);
         let rb = self.solver.geometry().gears[0].base_radius();
-        let queries: Vec<[f64; 4]> = (0..points)
-            .map(|_| {
-                let force = coverage.maximum_torque * random.next() / rb;
-                let c = drawn(&mut random, coverage.center_distance_offset);
-                let m = drawn(&mut random, coverage.misalignment);
-                [force, c, m, random.next()]
-            })
-            .collect();
         let nominal = coverage.nominal_torque / rb;
-        let stress = |query: [f64; 4]| table.evaluate(query).map(|jet| jet.value);
+        let stress = |query: [f64; 4]| -> [f64; 2] { table.evaluate(query).map(|jet| jet.value) };
         let cycle = (0..CYCLE).map(|i| stress([nominal, 0.0, 0.0, i as f64 / CYCLE as f64]));
         let largest = cycle.fold([0.0f64; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let errors: Vec<[f64; 2]> = queries
-            .into_par_iter()
-            .map(|query| {
-                let [force, c, m, p] = query;
-                let of = |problem: &PositionProblem, c, p| self.largest(problem, c, p);
-                let exact = self.on(watch).column((c, p), [&[m], &[force]], of, || ())?[0];
-                let found = stress(query);
-                Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
-            })
-            .collect::<Result<_, TableError>>()?;
-        let of_gear = |gear: usize| {
-            let squares: f64 = errors.iter().map(|e| e[gear] * e[gear]).sum();
-            let largest = errors.iter().map(|e| e[gear].abs()).fold(0.0, f64::max);
-            RootStressError {
-                points,
-                rms: (squares / points as f64).sqrt(),
-                maximum: largest,
-            }
-        };
-        let both = of_gear(0).with(of_gear(1));
-        Ok(RootStressError { points, ..both })
+        let drawn = coverage.draw(Random::new(measure::SEED), points);
+        let errors = errors(drawn, watch, |(torque, q)| {
+            let (force, c, m, p) = (
+                torque / rb,
+                q.center_distance_offset,
+                q.misalignment,
+                q.mesh_position,
+            );
+            let of = |problem: &PositionProblem, c, p| self.largest(problem, c, p);
+            let exact = self.on(watch).column((c, p), [&[m], &[force]], of, || ())?[0];
+            let found = stress([force, c, m, p]);
+            Ok([0, 1].map(|i| (found[i] - exact[i]) / largest[i]))
+        })?;
+        let [[rms, maximum], second] = [0, 1].map(|i| rms_and_largest(errors.iter().map(|e| e[i])));
+        Ok(RootStressError {
+            points,
+            rms: rms.max(second[0]),
+            maximum: maximum.max(second[1]),
+        })
     }
 }

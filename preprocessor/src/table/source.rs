@@ -1,6 +1,6 @@
 //! Where samples come from: the contact solver, or anything else that answers the same questions.
 
-use gearmesh::contact::{ContactResult, ContactSolver, PositionProblem};
+use gearmesh::contact::{ContactResult, ContactSolver, PositionProblem, Prescribed};
 use gearmesh::gear::Flank;
 use std::sync::{Mutex, PoisonError};
 
@@ -13,6 +13,16 @@ pub struct Sample {
     pub loa_force: f64,
     /// F_bt (z_c - z_ref), N m.
     pub moment: f64,
+}
+
+impl From<&ContactResult> for Sample {
+    fn from(result: &ContactResult) -> Self {
+        Sample {
+            approach: result.approach,
+            loa_force: result.loa_force,
+            moment: result.moment,
+        }
+    }
 }
 
 /// Static contact at one mesh position and centre distance.
@@ -104,97 +114,15 @@ impl StaticSource for WatchedSolver<'_> {
         mesh_position: f64,
         center_distance_offset: f64,
     ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        let at = SolverPosition::new(self.solver, flank, mesh_position, center_distance_offset)?;
-        Ok(Box::new(WatchedPosition { at, source: self }))
-    }
-}
-
-/// A position of a [`WatchedSolver`]; it reports when it is dropped.
-struct WatchedPosition<'a> {
-    at: SolverPosition,
-    source: &'a WatchedSolver<'a>,
-}
-
-impl StaticPosition for WatchedPosition<'_> {
-    fn no_load_approach(&mut self, misalignment: f64) -> f64 {
-        self.at.no_load_approach(misalignment)
-    }
-
-    fn at_torque(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
-        self.at.at_torque(torque, misalignment)
-    }
-
-    fn at_approach(&mut self, approach: f64, misalignment: f64) -> Result<Sample, String> {
-        self.at.at_approach(approach, misalignment)
-    }
-}
-
-impl Drop for WatchedPosition<'_> {
-    fn drop(&mut self) {
-        let mut sum = (self.source.quality.lock()).unwrap_or_else(PoisonError::into_inner);
-        *sum = sum.with(self.at.quality);
-    }
-}
-
-/// A position of the contact solver with the last solution, from which the next one starts.
-struct SolverPosition {
-    problem: PositionProblem,
-    warm: Option<ContactResult>,
-    quality: SolveQuality,
-}
-
-impl SolverPosition {
-    fn new(
-        solver: &ContactSolver,
-        flank: Flank,
-        mesh_position: f64,
-        center_distance_offset: f64,
-    ) -> Result<Self, String> {
-        let problem = solver
-            .position(flank, mesh_position, center_distance_offset)
-            .map_err(|e| e.to_string())?;
-        Ok(SolverPosition {
-            problem,
+        let problem = self
+            .solver
+            .position(flank, mesh_position, center_distance_offset);
+        Ok(Box::new(SolverPosition {
+            problem: problem.map_err(|e| e.to_string())?,
             warm: None,
             quality: SolveQuality::default(),
-        })
-    }
-
-    fn keep(&mut self, result: ContactResult) -> Sample {
-        self.quality = self.quality.with(SolveQuality {
-            solves: 1,
-            most_iterations: result.iterations,
-            kkt_residual: result.kkt_residual,
-        });
-        let sample = Sample {
-            approach: result.approach,
-            loa_force: result.loa_force,
-            moment: result.moment,
-        };
-        self.warm = Some(result);
-        sample
-    }
-}
-
-impl StaticPosition for SolverPosition {
-    fn no_load_approach(&mut self, misalignment: f64) -> f64 {
-        self.problem.no_load_approach(misalignment)
-    }
-
-    fn at_torque(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
-        let result = self
-            .problem
-            .solve_torque(torque, misalignment, self.warm.as_ref())
-            .map_err(|e| e.to_string())?;
-        Ok(self.keep(result))
-    }
-
-    fn at_approach(&mut self, approach: f64, misalignment: f64) -> Result<Sample, String> {
-        let result = self
-            .problem
-            .solve_approach(approach, misalignment, self.warm.as_ref())
-            .map_err(|e| e.to_string())?;
-        Ok(self.keep(result))
+            account: Some(&self.quality),
+        }))
     }
 }
 
@@ -205,7 +133,63 @@ impl StaticSource for ContactSolver {
         mesh_position: f64,
         center_distance_offset: f64,
     ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        let at = SolverPosition::new(self, flank, mesh_position, center_distance_offset)?;
-        Ok(Box::new(at))
+        let problem = self.position(flank, mesh_position, center_distance_offset);
+        Ok(Box::new(SolverPosition {
+            problem: problem.map_err(|e| e.to_string())?,
+            warm: None,
+            quality: SolveQuality::default(),
+            account: None,
+        }))
+    }
+}
+
+/// A position of the contact solver with the last solution, from which the next one starts.
+struct SolverPosition<'a> {
+    problem: PositionProblem,
+    warm: Option<ContactResult>,
+    quality: SolveQuality,
+    /// Where the quality goes when this is dropped.
+    account: Option<&'a Mutex<SolveQuality>>,
+}
+
+impl SolverPosition<'_> {
+    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String> {
+        let (problem, warm) = (&self.problem, self.warm.as_ref());
+        let result = match prescribed {
+            Prescribed::Torque(torque) => problem.solve_torque(torque, misalignment, warm),
+            Prescribed::Approach(approach) => problem.solve_approach(approach, misalignment, warm),
+        };
+        let result = result.map_err(|e| e.to_string())?;
+        self.quality = self.quality.with(SolveQuality {
+            solves: 1,
+            most_iterations: result.iterations,
+            kkt_residual: result.kkt_residual,
+        });
+        let sample = Sample::from(&result);
+        self.warm = Some(result);
+        Ok(sample)
+    }
+}
+
+impl StaticPosition for SolverPosition<'_> {
+    fn no_load_approach(&mut self, misalignment: f64) -> f64 {
+        self.problem.no_load_approach(misalignment)
+    }
+
+    fn at_torque(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
+        self.solve(Prescribed::Torque(torque), misalignment)
+    }
+
+    fn at_approach(&mut self, approach: f64, misalignment: f64) -> Result<Sample, String> {
+        self.solve(Prescribed::Approach(approach), misalignment)
+    }
+}
+
+impl Drop for SolverPosition<'_> {
+    fn drop(&mut self) {
+        if let Some(account) = self.account {
+            let mut sum = account.lock().unwrap_or_else(PoisonError::into_inner);
+            *sum = sum.with(self.quality);
+        }
     }
 }

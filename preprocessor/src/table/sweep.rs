@@ -30,7 +30,8 @@ pub fn sweep(
     let [nc, nm, nu, np] = axes.lengths();
     let total = nc * nm * (nu + 1) * np;
     let done = AtomicUsize::new(0);
-    let columns: Vec<Vec<Column>> = (0..nc * np)
+    // Over (centre distance, mesh position): misalignments, first touch and displacements.
+    let columns: Vec<Vec<Sample>> = (0..nc * np)
         .into_par_iter()
         .map(|k| {
             let c = axes.center_distance_offset[k / np];
@@ -40,31 +41,28 @@ pub fn sweep(
                 message,
             };
             let mut at = source.position(flank, p, c).map_err(|e| failed(0.0, e))?;
-            axes.misalignment
-                .iter()
-                .map(|&m| {
-                    if watch.cancel.load(Ordering::Relaxed) {
-                        return Err(TableError::Cancelled);
-                    }
-                    let low = at.no_load_approach(m);
-                    let top = at.top(maximum_torque, m).map_err(|e| failed(m, e))?;
-                    let mut samples = vec![top; nu];
-                    // From the top down each solution starts from a near one; the top itself is known.
-                    for (u, sample) in axes
-                        .displacement_fraction
-                        .iter()
-                        .zip(&mut samples)
-                        .rev()
-                        .skip(1)
-                    {
-                        let delta = low + u * (top.approach - low);
-                        *sample = at.at_approach(delta, m).map_err(|e| failed(m, e))?;
-                    }
-                    let count = done.fetch_add(nu + 1, Ordering::Relaxed) + nu + 1;
-                    (watch.progress)(count, total);
-                    Ok(Column { low, samples })
-                })
-                .collect()
+            let mut column = Vec::with_capacity(nm * (nu + 1));
+            for &m in &axes.misalignment {
+                if watch.cancel.load(Ordering::Relaxed) {
+                    return Err(TableError::Cancelled);
+                }
+                let low = at.no_load_approach(m);
+                let top = at.top(maximum_torque, m).map_err(|e| failed(m, e))?;
+                let mut samples = vec![top; nu + 1];
+                samples[0].approach = low;
+                // From the top down each solution starts from a near one; the top itself is known.
+                for (u, sample) in (axes.displacement_fraction.iter().zip(&mut samples[1..]))
+                    .rev()
+                    .skip(1)
+                {
+                    let delta = low + u * (top.approach - low);
+                    *sample = at.at_approach(delta, m).map_err(|e| failed(m, e))?;
+                }
+                column.append(&mut samples);
+                let count = done.fetch_add(nu + 1, Ordering::Relaxed) + nu + 1;
+                (watch.progress)(count, total);
+            }
+            Ok(column)
         })
         .collect::<Result<_, _>>()?;
 
@@ -76,29 +74,27 @@ pub fn sweep(
         moment: None,
     };
     let mut moment = vec![];
-    for c in 0..nc {
-        // One row of columns per misalignment, all mesh positions of this centre distance.
-        let row = &columns[c * np..(c + 1) * np];
-        (0..nm).for_each(|m| {
-            let at = |p: usize| &row[p][m];
-            grid.no_load_approach.extend((0..np).map(|p| at(p).low));
-            grid.top_load_approach
-                .extend((0..np).map(|p| at(p).samples[nu - 1].approach));
-            for u in 0..nu {
-                grid.loa_force
-                    .extend((0..np).map(|p| at(p).samples[u].loa_force));
-                moment.extend((0..np).map(|p| at(p).samples[u].moment));
-            }
-        });
+    for block in in_order(&columns, np).chunks((nu + 1) * np) {
+        let (low, samples) = block.split_at(np);
+        let top = &samples[(nu - 1) * np..];
+        grid.no_load_approach.extend(low.iter().map(|s| s.approach));
+        grid.top_load_approach
+            .extend(top.iter().map(|s| s.approach));
+        grid.loa_force.extend(samples.iter().map(|s| s.loa_force));
+        moment.extend(samples.iter().map(|s| s.moment));
     }
     grid.moment = Some(moment);
     Ok(grid)
 }
 
-/// Solutions at one (centre distance, misalignment, mesh position), displacements ascending.
-struct Column {
-    low: f64,
-    samples: Vec<Sample>,
+/// What `columns` over (centre distance, mesh position) hold, in the order of tables: the mesh position, of which there are
+/// `positions`, fastest.
+pub(super) fn in_order<S: Copy>(columns: &[Vec<S>], positions: usize) -> Vec<S> {
+    let rows = columns.chunks(positions);
+    rows.flat_map(|row| {
+        (0..row[0].len()).flat_map(move |at| row.iter().map(move |column| column[at]))
+    })
+    .collect()
 }
 
 /// An operating point in words.

@@ -2,7 +2,7 @@
 //!
 //! de Boor, A Practical Guide to Splines (revised edition, 2001), chapters IX and X.
 
-use super::lanes::{Registers, Two};
+use crate::vector::Lanes;
 
 /// `N` neighbouring basis functions at one point: values and derivatives by the coordinate.
 #[derive(Debug, Clone, Copy)]
@@ -17,8 +17,6 @@ pub struct Weights<const N: usize> {
     pub slope: [f64; N],
     /// Second derivatives.
     pub curvature: [f64; N],
-    /// Third derivatives.
-    pub third: [f64; N],
 }
 
 impl<const N: usize> Weights<N> {
@@ -32,7 +30,6 @@ impl<const N: usize> Weights<N> {
             value,
             slope: [0.0; N],
             curvature: [0.0; N],
-            third: [0.0; N],
         }
     }
 }
@@ -50,20 +47,20 @@ pub enum Ends {
 
 /// One cell of a [`Basis`].
 #[derive(Debug, Clone)]
-pub struct Cell<const N: usize> {
+struct Cell<const N: usize> {
     start: f64,
     end: f64,
     /// 1 / length.
     scale: f64,
     /// The functions as polynomials of the local coordinate in [0, 1], `[power][function]`.
-    pub polynomials: [[f64; N]; N],
+    polynomials: [[f64; N]; N],
 }
 
 /// B-splines of degree N - 1 over one axis. Without cells the axis has a single point and no extent: one function that is
 /// 1 everywhere.
 #[derive(Debug, Clone)]
 pub struct Basis<const N: usize> {
-    ends: Ends,
+    pub ends: Ends,
     /// Ends of the range.
     low: f64,
     high: f64,
@@ -80,7 +77,15 @@ impl<const N: usize> Basis<N> {
     /// From cell ends `breaks` (ascending; periodic: the first one repeated a period later; none: no extent).
     pub fn new(breaks: &[f64], ends: Ends) -> Self {
         if breaks.is_empty() {
-            return Self::absent();
+            return Basis {
+                ends: Ends::Bounded,
+                low: 0.0,
+                high: 0.0,
+                cells: vec![],
+                buckets: vec![],
+                bucket_scale: 0.0,
+                guard: [0.0; 2],
+            };
         }
         let degree = N - 1;
         let n = breaks.len() - 1;
@@ -132,18 +137,6 @@ impl<const N: usize> Basis<N> {
         }
     }
 
-    fn absent() -> Self {
-        Basis {
-            ends: Ends::Bounded,
-            low: 0.0,
-            high: 0.0,
-            cells: vec![],
-            buckets: vec![],
-            bucket_scale: 0.0,
-            guard: [0.0; 2],
-        }
-    }
-
     /// Coefficients kept in memory: those of the fit, and N - 1 more of a periodic axis (the first
     /// ones again) or of an onset (zeros before it).
     pub fn stored(&self) -> usize {
@@ -185,43 +178,31 @@ impl<const N: usize> Basis<N> {
         !self.holds(x) && x != self.high
     }
 
-    /// All cells.
-    pub fn cells(&self) -> &[Cell<N>] {
-        &self.cells
-    }
-
-    /// Cell of `x` (the end cell beyond the range), local coordinate in it, 1 / its length.
-    #[inline(always)]
-    pub fn local(&self, x: f64) -> (usize, f64, f64) {
-        let (i, cell) = self.cell(x);
-        (i, (x - cell.start) * cell.scale, cell.scale)
-    }
-
     /// Weights inside the range, the end cell's polynomials beyond it. Derivatives up to the `order`th, zero
     /// above.
     #[inline(always)]
-    fn inside_of(&self, registers: impl Registers, x: f64, order: usize) -> Weights<N> {
+    fn inside_of(&self, lanes: Lanes, x: f64, order: usize) -> Weights<N> {
         if !self.present() {
             return Weights::constant();
         }
         let (first, cell) = self.cell(x);
         let t = (x - cell.start) * cell.scale;
         // Horner's scheme for the polynomials and, k! times too small, their derivatives.
-        let mut horner = [[0.0; N]; 4];
+        let mut horner = [[0.0; N]; 3];
         horner[0] = cell.polynomials[N - 1];
         for k in (0..N - 1).rev() {
-            for d in (1..=order.min(3)).rev() {
+            for d in (1..=order).rev() {
                 let known = N - 1 - k;
                 if d < known {
                     let mut next = horner[d - 1];
-                    registers.add(&mut next, t, &horner[d]);
+                    lanes.add(&mut next, t, &horner[d]);
                     horner[d] = next;
                 } else if d == known {
                     horner[d] = horner[d - 1];
                 }
             }
             let mut next = cell.polynomials[k];
-            registers.add(&mut next, t, &horner[0]);
+            lanes.add(&mut next, t, &horner[0]);
             horner[0] = next;
         }
         let s = cell.scale;
@@ -231,36 +212,32 @@ impl<const N: usize> Basis<N> {
             value: horner[0],
             slope: [0.0; N],
             curvature: [0.0; N],
-            third: [0.0; N],
         };
         if order >= 1 {
-            w.slope = registers.scaled(s, &horner[1]);
+            w.slope = lanes.scaled(s, &horner[1]);
         }
         if order >= 2 {
-            w.curvature = registers.scaled(2.0 * s * s, &horner[2]);
-        }
-        if order >= 3 {
-            w.third = registers.scaled(6.0 * s * s * s, &horner[3]);
+            w.curvature = lanes.scaled(2.0 * s * s, &horner[2]);
         }
         w
     }
 
     /// All weights inside the range, the end cell's polynomials beyond it.
     pub fn inside(&self, x: f64) -> Weights<N> {
-        self.inside_of(Two, x, 3)
+        self.inside_of(Lanes::COMMON, x, 2)
     }
 
     /// Weights at `x` with derivatives up to the `order`th (zero above), wrapped, or continued linearly from the
     /// nearer end, and whether `x` is outside.
     #[inline(always)]
-    pub fn weights(&self, registers: impl Registers, x: f64, order: usize) -> (Weights<N>, bool) {
+    pub fn weights(&self, lanes: Lanes, x: f64, order: usize) -> (Weights<N>, bool) {
         if !self.present() {
             return (Weights::constant(), false);
         }
         if self.holds(x) {
-            (self.inside_of(registers, x, order), false)
+            (self.inside_of(lanes, x, order), false)
         } else if self.ends == Ends::Periodic {
-            (self.inside_of(registers, self.wrapped(x), order), false)
+            (self.inside_of(lanes, self.wrapped(x), order), false)
         } else {
             (self.beyond(x), self.is_outside(x))
         }
@@ -289,7 +266,6 @@ impl<const N: usize> Basis<N> {
             for k in 0..N {
                 w.value[k] += d * (w.slope[k] + 0.5 * d * w.curvature[k]);
                 w.slope[k] += d * w.curvature[k];
-                w.third[k] = 0.0;
             }
             return w;
         }
@@ -319,7 +295,7 @@ impl<const N: usize> Basis<N> {
     #[inline(never)]
     pub fn linear(&self, x: f64) -> Weights<N> {
         if !self.present() || self.ends != Ends::Bounded {
-            return self.weights(Two, x, 3).0;
+            return self.weights(Lanes::COMMON, x, 2).0;
         }
         let edge = x.clamp(self.low, self.high);
         let mut w = self.inside(edge);
@@ -364,40 +340,29 @@ fn polynomials<const N: usize>(knots: &[f64], m: usize) -> [[f64; N]; N] {
         let mut next = [[0.0; N]; N];
         for j in degree - k..=degree {
             let i = m - degree + j;
-            let rising = (functions[j], knots.get(i + k).map_or(0.0, |e| e - knots[i]));
-            if j > degree - k && rising.1 > 0.0 {
-                // (x - t_i) / (t_(i+k) - t_i)
-                let (a, b) = ((start - knots[i]) / rising.1, length / rising.1);
+            // Adds (x - zero) / (one - zero) times `function`.
+            let mut add = |function: &[f64; N], zero: f64, one: f64| {
+                if one == zero {
+                    return;
+                }
+                let (a, b) = ((start - zero) / (one - zero), length / (one - zero));
                 for p in 0..N {
-                    next[j][p] += a * rising.0[p];
+                    next[j][p] += a * function[p];
                     if p > 0 {
-                        next[j][p] += b * rising.0[p - 1];
+                        next[j][p] += b * function[p - 1];
                     }
                 }
+            };
+            if j > degree - k {
+                add(&functions[j], knots[i], knots[i + k]);
             }
             if j < degree {
-                let width = knots[i + k + 1] - knots[i + 1];
-                if width > 0.0 {
-                    // (t_(i+k+1) - x) / (t_(i+k+1) - t_(i+1))
-                    let (a, b) = ((knots[i + k + 1] - start) / width, -length / width);
-                    for p in 0..N {
-                        next[j][p] += a * functions[j + 1][p];
-                        if p > 0 {
-                            next[j][p] += b * functions[j + 1][p - 1];
-                        }
-                    }
-                }
+                add(&functions[j + 1], knots[i + k + 1], knots[i + 1]);
             }
         }
         functions = next;
     }
-    let mut by_power = [[0.0; N]; N];
-    for (j, function) in functions.iter().enumerate() {
-        for (p, &a) in function.iter().enumerate() {
-            by_power[p][j] = a;
-        }
-    }
-    by_power
+    std::array::from_fn(|p| std::array::from_fn(|j| functions[j][p]))
 }
 
 #[cfg(test)]
@@ -412,7 +377,7 @@ mod tests {
         for ends in [Ends::Bounded, Ends::Periodic] {
             let basis = Basis::<4>::new(&UNEVEN, ends);
             for i in 0..=300 {
-                let (w, _) = basis.weights(Two, -1.0 + 3.0 * f64::from(i) / 300.0, 3);
+                let (w, _) = basis.weights(Lanes::COMMON, -1.0 + 3.0 * f64::from(i) / 300.0, 2);
                 assert_abs_diff_eq!(w.value.iter().sum::<f64>(), 1.0, epsilon = 1e-14);
                 assert_abs_diff_eq!(w.slope.iter().sum::<f64>(), 0.0, epsilon = 1e-12);
                 assert_abs_diff_eq!(w.curvature.iter().sum::<f64>(), 0.0, epsilon = 1e-11);
@@ -442,10 +407,10 @@ mod tests {
         let basis = Basis::<5>::new(&UNEVEN, Ends::Bounded);
         for x in [-2.9, -1.4, -0.7, -0.1, 0.3, 1.7, 2.4, 3.9, 9.0] {
             let h = 1e-6;
-            let (w, _) = basis.weights(Two, x, 3);
+            let (w, _) = basis.weights(Lanes::COMMON, x, 2);
             let (a, b) = (
-                basis.weights(Two, x - h, 3).0,
-                basis.weights(Two, x + h, 3).0,
+                basis.weights(Lanes::COMMON, x - h, 2).0,
+                basis.weights(Lanes::COMMON, x + h, 2).0,
             );
             for k in 0..5 {
                 assert_abs_diff_eq!(

@@ -3,7 +3,7 @@
 //! With the no-load approach D0 and the span S = D1 - D0 over y = (C, M, PMC):
 //! u = (delta - D0) / S and W(delta, y) = S(y) w(u, y), hence F = dW/d delta = dw/du.
 
-use super::kernel::{Jet, SECOND};
+use super::kernel::{Jet, SECOND, Shape};
 use crate::table::Potential;
 
 /// Position of the coordinates y in the arrays of [`Potential`].
@@ -27,18 +27,16 @@ fn scaled_gradient(
     slopes
 }
 
-/// W and its derivatives from w, dw/du and d²w/du² (`shape`) with theirs by y, and d³w/du³ (`third`,
-/// only with `H`). Axes that are not `present` cost nothing: their derivatives stay zero.
+/// W and its derivatives from w. Axes that are not `present` cost nothing: their derivatives stay zero.
 #[inline(always)]
 pub fn potential<const H: bool>(
     u: f64,
-    shape: &[Jet; 3],
-    third: f64,
+    shape: &Shape,
     no_load: &Jet,
     span: &Jet,
     present: [bool; 3],
 ) -> Potential {
-    let [w, f, k] = shape;
+    let (w, f, k) = (&shape.value, &shape.slope, shape.curvature);
     let s = span.value;
     let inverse = 1.0 / s;
     let mut out = Potential {
@@ -46,7 +44,7 @@ pub fn potential<const H: bool>(
         ..Potential::default()
     };
     out.gradient[0] = f.value;
-    out.hessian[0][0] = k.value * inverse;
+    out.hessian[0][0] = k * inverse;
     let complement = w.value - u * f.value;
     for i in 0..3 {
         if present[i] {
@@ -57,16 +55,13 @@ pub fn potential<const H: bool>(
     }
     if H {
         let u_y = scaled_gradient(u, no_load, span, inverse, present);
-        let mut stiffness = [third * inverse * inverse, 0.0, 0.0, 0.0];
         for i in 0..3 {
             if !present[i] {
                 continue;
             }
-            let mixed = k.value * u_y[i] + f.gradient[i];
+            let mixed = k * u_y[i] + f.gradient[i];
             out.hessian[0][Y[i]] = mixed;
             out.hessian[Y[i]][0] = mixed;
-            stiffness[Y[i]] =
-                inverse * (third * u_y[i] + k.gradient[i] - k.value * span.gradient[i] * inverse);
             for j in i..3 {
                 if !present[j] {
                     continue;
@@ -75,7 +70,7 @@ pub fn potential<const H: bool>(
                 let second = span.second[n] * complement - no_load.second[n] * f.value
                     + span.gradient[i] * w.gradient[j]
                     + span.gradient[j] * w.gradient[i]
-                    + s * (k.value * u_y[i] * u_y[j]
+                    + s * (k * u_y[i] * u_y[j]
                         + f.gradient[i] * u_y[j]
                         + f.gradient[j] * u_y[i]
                         + w.second[n]);
@@ -83,29 +78,29 @@ pub fn potential<const H: bool>(
                 out.hessian[Y[j]][Y[i]] = second;
             }
         }
-        out.stiffness_gradient = Some(stiffness);
     }
     out
 }
 
-/// Puts a moment of its own, mu(u, y) with its derivative by u in `shape[1]` and `shape[2]`, in place of dW/dM.
+/// Puts the slope of `shape`, a moment of its own, in the place of dW/dM.
 #[inline(always)]
 pub fn set_moment<const H: bool>(
     out: &mut Potential,
     u: f64,
-    [_, moment, slope]: &[Jet; 3],
+    shape: &Shape,
     no_load: &Jet,
     span: &Jet,
     present: [bool; 3],
 ) {
+    let moment = &shape.slope;
     out.gradient[2] = moment.value;
     if H {
         let inverse = 1.0 / span.value;
         let u_y = scaled_gradient(u, no_load, span, inverse, present);
-        out.hessian[2][0] = slope.value * inverse;
+        out.hessian[2][0] = shape.curvature * inverse;
         for i in 0..3 {
             if present[i] {
-                out.hessian[2][Y[i]] = slope.value * u_y[i] + moment.gradient[i];
+                out.hessian[2][Y[i]] = shape.curvature * u_y[i] + moment.gradient[i];
             }
         }
     }

@@ -25,62 +25,61 @@ pub fn spans(fields: &Block) -> Block {
     }
 }
 
-/// Shortens the guards of `c` and `m`, each end by itself, until `span` and, where given, the coefficients `force`
-/// over u stay legal beyond each end of each axis and beyond both at once.
-///
-/// # Errors
-/// A span that is not positive within the range.
+/// Shortens the guards of `c` and `m`, each end by itself, until `span` and the coefficients `force` over u stay legal beyond
+/// each end of each axis and beyond both at once.
 pub fn limit<const N: usize>(
     c: &mut Basis<N>,
     m: &mut Basis<N>,
     span: &Block,
-    force: Option<&Block>,
+    force: &Block,
 ) -> Result<(), TableError> {
     let least = span.values.iter().copied().fold(f64::INFINITY, f64::min);
     if least <= 0.0 {
         return Err(TableError::TooCoarse { least_m: least });
     }
-    let legal = |along_c: Option<Vec<f64>>, along_m: Option<Vec<f64>>| {
-        let at = |block: &Block| {
-            let on = |b: &Block, axis, row: &Option<Vec<f64>>| {
-                row.as_ref().map(|row| b.combined(axis, row))
-            };
-            let first = on(block, 0, &along_c);
-            let first = first.as_ref().unwrap_or(block);
-            on(first, 1, &along_m).unwrap_or_else(|| first.clone())
+    // Where the axes 0 and 1 have levelled out beyond the ends given.
+    let legal = |axes: [&Basis<N>; 2], ends: [Option<usize>; 2]| {
+        let far_out = |block: &Block| {
+            let mut block = block.clone();
+            for (axis, (basis, end)) in axes.into_iter().zip(ends).enumerate() {
+                if let Some(end) = end {
+                    block = block.combined(axis, &basis.far_end(end));
+                }
+            }
+            block
         };
-        let increases = |force: &Block| {
-            let f = at(force);
-            let (n, stride) = (f.lengths[2], f.stride(2));
-            f.lines(2).all(|start| {
-                let v = |r: usize| f.values[start + r * stride];
-                (1..n).all(|r| v(r) >= v(r - 1))
-            })
+        let force = far_out(force);
+        let stride = force.stride(2);
+        let increases = |start: usize| {
+            let line = force.values[start..].iter().step_by(stride);
+            line.take(force.lengths[2]).is_sorted()
         };
-        at(span).values.iter().all(|&v| v >= 0.5 * least) && force.is_none_or(increases)
+        far_out(span).values.iter().all(|&v| v >= 0.5 * least) && force.lines(2).all(increases)
     };
-    for end in 0..2 {
-        for _ in 0..HALVINGS {
-            if !c.present() || legal(Some(c.far_end(end)), None) {
-                break;
-            }
-            c.guard[end] *= 0.5;
-        }
-        for _ in 0..HALVINGS {
-            if !m.present() || legal(None, Some(m.far_end(end))) {
-                break;
-            }
-            m.guard[end] *= 0.5;
-        }
-    }
     // What is linear in either coordinate is extreme at the corners: legal there, legal between.
-    for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+    const BEYOND: [[Option<usize>; 2]; 8] = [
+        [Some(0), None],
+        [None, Some(0)],
+        [Some(1), None],
+        [None, Some(1)],
+        [Some(0), Some(0)],
+        [Some(0), Some(1)],
+        [Some(1), Some(0)],
+        [Some(1), Some(1)],
+    ];
+    for ends in BEYOND {
+        if ends[0].is_some() && !c.present() || ends[1].is_some() && !m.present() {
+            continue;
+        }
         for _ in 0..HALVINGS {
-            if !c.present() || !m.present() || legal(Some(c.far_end(i)), Some(m.far_end(j))) {
+            if legal([c, m], ends) {
                 break;
             }
-            c.guard[i] *= 0.5;
-            m.guard[j] *= 0.5;
+            for (basis, end) in [&mut *c, &mut *m].into_iter().zip(ends) {
+                if let Some(end) = end {
+                    basis.guard[end] *= 0.5;
+                }
+            }
         }
     }
     Ok(())

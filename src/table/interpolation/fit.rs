@@ -1,6 +1,6 @@
 //! From values at the nodes of a grid to the coefficients of tensor B-splines.
 
-use super::basis::{Basis, Ends, Weights};
+use super::basis::{Basis, Ends};
 use crate::table::TableError;
 
 /// A dense array over (centre distance, misalignment, displacement, mesh position), the last index fastest.
@@ -41,7 +41,12 @@ impl Block {
     }
 
     /// The block with every line along `axis` taken by `map` to one of the length `length`.
-    fn mapped(&self, axis: usize, length: usize, map: impl Fn(Vec<f64>) -> Vec<f64>) -> Block {
+    pub fn mapped(
+        &self,
+        axis: usize,
+        length: usize,
+        mut map: impl FnMut(Vec<f64>) -> Vec<f64>,
+    ) -> Block {
         let mut lengths = self.lengths;
         lengths[axis] = length;
         let mut out = Block::zeros(lengths);
@@ -104,20 +109,37 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Through values at `nodes`; an axis that is not there has one value, its own coefficient.
-    ///
-    /// # Errors
-    /// Nodes through which no spline passes; `name` is the field that holds them.
+    /// Of the functions of `basis` through values at `nodes`; an axis that is not there has one value, its own coefficient.
     pub fn new<const N: usize>(
         basis: &Basis<N>,
         nodes: &[f64],
-        ends: Ends,
         name: &str,
     ) -> Result<Fit, TableError> {
+        let n = nodes.len();
+        let onset = basis.ends == Ends::Onset;
+        let pad = if onset { N - 1 } else { 0 };
+        let mut entries = Vec::with_capacity(n * N);
+        for (i, &x) in nodes.iter().enumerate() {
+            let w = basis.inside(x);
+            for (k, value) in w.value.into_iter().enumerate().take(w.count) {
+                // Functions before the onset have no coefficient.
+                if let Some(j) = (w.first + k).checked_sub(pad) {
+                    entries.push(((i, j % n), value));
+                }
+            }
+        }
+        let collocation = Banded::factored(n, &entries).ok_or_else(|| {
+            TableError::field(
+                name,
+                format!("{nodes:?}"),
+                "no spline passes through these nodes",
+                "space them more evenly",
+            )
+        })?;
         Ok(Fit {
-            pad: padding::<N>(basis, ends),
-            stored: if basis.present() { basis.stored() } else { 1 },
-            collocation: collocation(basis, nodes, ends, |i, j| (i, j), name)?,
+            pad,
+            stored: basis.stored(),
+            collocation,
         })
     }
 
@@ -135,71 +157,26 @@ impl Fit {
     }
 }
 
-/// Factors of the values at `nodes` that give the value at `x` of the spline through them.
-///
-/// # Errors
-/// As [`Fit::new`].
-pub fn row_at<const N: usize>(
-    basis: &Basis<N>,
-    nodes: &[f64],
-    ends: Ends,
-    x: f64,
-    name: &str,
-) -> Result<Vec<f64>, TableError> {
-    let transposed = collocation(basis, nodes, ends, |i, j| (j, i), name)?;
-    let mut weights = vec![0.0; nodes.len()];
-    for (j, w) in functions(basis, nodes.len(), ends, x) {
-        weights[j] += w;
+/// `block`, whose samples stand at `nodes` along `axis`, at the value 0 of that axis, by the spline through them.
+pub fn at_zero(block: &Block, axis: usize, nodes: &[f64], name: &str) -> Result<Block, TableError> {
+    if let Some(k) = nodes.iter().position(|&x| x == 0.0) {
+        return Ok(block.mapped(axis, 1, |line| vec![line[k]]));
     }
-    Ok(transposed.solved(&weights))
-}
-
-/// Functions before the onset, which have no coefficient.
-fn padding<const N: usize>(basis: &Basis<N>, ends: Ends) -> usize {
-    match ends {
-        Ends::Onset if basis.present() => N - 1,
-        _ => 0,
-    }
-}
-
-/// The functions at `x` by the numbers of their coefficients, `n` of them, and their values.
-fn functions<const N: usize>(
-    basis: &Basis<N>,
-    n: usize,
-    ends: Ends,
-    x: f64,
-) -> impl Iterator<Item = (usize, f64)> {
-    let pad = padding(basis, ends);
-    let Weights { first, value, .. } = if basis.present() {
-        basis.inside(x)
-    } else {
-        Weights::constant()
-    };
-    let places = (first..).map(move |j| Some(j.checked_sub(pad)? % n));
-    places.zip(value).filter_map(|(j, w)| Some((j?, w)))
-}
-
-/// The functions (columns) at the nodes (rows); `place` may exchange the two.
-fn collocation<const N: usize>(
-    basis: &Basis<N>,
-    nodes: &[f64],
-    ends: Ends,
-    place: impl Fn(usize, usize) -> (usize, usize),
-    name: &str,
-) -> Result<Banded, TableError> {
-    let n = nodes.len();
-    let mut entries = Vec::with_capacity(n * N);
-    for (i, &x) in nodes.iter().enumerate() {
-        entries.extend(functions(basis, n, ends, x).map(|(j, w)| (place(i, j), w)));
-    }
-    Banded::factored(n, &entries).ok_or_else(|| {
-        TableError::field(
+    if !(nodes[0] < 0.0 && nodes[nodes.len() - 1] > 0.0) {
+        return Err(TableError::field(
             name,
             format!("{nodes:?}"),
-            "no spline passes through these nodes",
-            "space them more evenly",
-        )
-    })
+            "the nominal value 0 lies outside this axis, so its effect cannot be switched off",
+            "make tables whose range includes 0",
+        ));
+    }
+    let basis = Basis::<4>::new(&breaks(nodes, 3, Ends::Bounded), Ends::Bounded);
+    let w = basis.inside(0.0);
+    let mut row = vec![0.0; basis.stored()];
+    row[w.first..w.first + 4].copy_from_slice(&w.value);
+    Ok(Fit::new(&basis, nodes, name)?
+        .along(axis, block)
+        .combined(axis, &row))
 }
 
 /// A square matrix with entries near the diagonal, and near the corners beside it, after Gaussian elimination with
@@ -300,13 +277,18 @@ impl Banded {
     }
 }
 
-/// Makes `line` non-negative and non-decreasing with the least change in the mean square: pool
-/// adjacent violators (Barlow et al., Statistical Inference under Order Restrictions, 1972).
-/// Returns the largest change.
-pub fn make_monotone(line: &mut [f64]) -> f64 {
+/// Makes `line` increase, from zero on, by at least `least` from each to the next, with the least change in the mean
+/// square: pool adjacent violators (Barlow et al., Statistical Inference under Order Restrictions, 1972).
+pub fn make_increasing(line: &mut [f64], least: &[f64]) {
+    let ramp: Vec<f64> = (least.iter())
+        .scan(0.0, |sum, step| {
+            *sum += step;
+            Some(*sum)
+        })
+        .collect();
     let mut pools: Vec<(f64, usize)> = Vec::with_capacity(line.len());
-    for &v in line.iter() {
-        pools.push((v, 1));
+    for (v, ramp) in line.iter().zip(&ramp) {
+        pools.push((v - ramp, 1));
         while let [.., (a, n), (b, m)] = pools[..] {
             if a <= b {
                 break;
@@ -316,32 +298,10 @@ pub fn make_monotone(line: &mut [f64]) -> f64 {
             pools[last] = ((a * n as f64 + b * m as f64) / (n + m) as f64, n + m);
         }
     }
-    let mut change: f64 = 0.0;
     let pooled = pools.iter().flat_map(|&(v, n)| std::iter::repeat_n(v, n));
-    for (v, p) in line.iter_mut().zip(pooled) {
-        change = change.max((p.max(0.0) - *v).abs());
-        *v = p.max(0.0);
+    for ((v, pooled), ramp) in line.iter_mut().zip(pooled).zip(ramp) {
+        *v = pooled.max(0.0) + ramp;
     }
-    change
-}
-
-/// As [`make_monotone`] with increments, the first one from zero, of at least `least`.
-pub fn make_increasing(line: &mut [f64], least: &[f64]) -> f64 {
-    let before = line.to_vec();
-    let mut ramp = 0.0;
-    for (v, step) in line.iter_mut().zip(least) {
-        ramp += step;
-        *v -= ramp;
-    }
-    make_monotone(line);
-    ramp = 0.0;
-    let mut change: f64 = 0.0;
-    for ((v, step), before) in line.iter_mut().zip(least).zip(before) {
-        ramp += step;
-        *v += ramp;
-        change = change.max((*v - before).abs());
-    }
-    change
 }
 
 /// Coefficients of the integral over the displacement of splines of degree `degree` (de Boor, X (33)): running
@@ -366,18 +326,20 @@ mod tests {
     #[test]
     fn pooling_leaves_monotone_lines_alone_and_mends_the_others() {
         let mut line = [0.0, 1.0, 1.0, 3.0];
-        assert_eq!(make_monotone(&mut line), 0.0);
+        make_increasing(&mut line, &[0.0; 4]);
+        assert_eq!(line, [0.0, 1.0, 1.0, 3.0]);
         let mut line = [-1.0, 2.0, 1.0, 3.0];
-        assert_eq!(make_monotone(&mut line), 1.0);
+        make_increasing(&mut line, &[0.0; 4]);
         assert_eq!(line, [0.0, 1.5, 1.5, 3.0]);
     }
 
     #[test]
     fn increments_are_no_smaller_than_asked() {
         let mut line = [1.0, 2.0, 3.0];
-        assert_eq!(make_increasing(&mut line, &[0.5; 3]), 0.0);
+        make_increasing(&mut line, &[0.5; 3]);
+        assert_eq!(line, [1.0, 2.0, 3.0]);
         let mut line = [-1.0, 2.0, 2.0, 2.5];
-        assert_eq!(make_increasing(&mut line, &[0.25; 4]), 1.25);
+        make_increasing(&mut line, &[0.25; 4]);
         assert_eq!(line, [0.25, 1.875, 2.125, 2.5]);
     }
 
@@ -402,25 +364,25 @@ mod tests {
                     nodes.iter_mut().for_each(|x| *x += 0.5 / n as f64);
                 }
                 let basis = Basis::<4>::new(&breaks(&nodes, 3, ends), ends);
+                let pad = if ends == Ends::Onset { 3 } else { 0 };
                 let mut dense = nalgebra::DMatrix::<f64>::zeros(n, n);
                 for (i, &x) in nodes.iter().enumerate() {
-                    functions(&basis, n, ends, x).for_each(|(j, w)| dense[(i, j)] += w);
+                    let w = basis.inside(x);
+                    for (k, value) in w.value.into_iter().enumerate() {
+                        if let Some(j) = (w.first + k).checked_sub(pad) {
+                            dense[(i, j % n)] += value;
+                        }
+                    }
                 }
                 let values: Vec<f64> = nodes.iter().map(|x| (7.0 * x).sin()).collect();
                 let inverse = dense.try_inverse().unwrap();
                 let expected = &inverse * nalgebra::DVector::from_column_slice(&values);
-                let found = Fit::new(&basis, &nodes, ends, "x").unwrap();
+                let found = Fit::new(&basis, &nodes, "x").unwrap();
                 let found = found.coefficients(&values);
-                let pad = padding(&basis, ends);
                 for (k, x) in found.iter().enumerate() {
                     let right = k.checked_sub(pad).map_or(0.0, |k| expected[k % n]);
                     assert_abs_diff_eq!(*x, right, epsilon = 1e-13);
                 }
-                let row = row_at(&basis, &nodes, ends, 0.3, "x").unwrap();
-                let at: f64 = row.iter().zip(&values).map(|(w, y)| w * y).sum();
-                let w = basis.inside(0.3);
-                let along: f64 = (0..4).map(|k| w.value[k] * found[w.first + k]).sum();
-                assert_abs_diff_eq!(at, along, epsilon = 1e-13);
             }
         }
     }
@@ -435,7 +397,7 @@ mod tests {
             .map(|x| (std::f64::consts::TAU * x).sin())
             .collect();
         let before = std::time::Instant::now();
-        let fit = Fit::new(&basis, &nodes, Ends::Periodic, "mesh_position").unwrap();
+        let fit = Fit::new(&basis, &nodes, "mesh_position").unwrap();
         let found = fit.coefficients(&values);
         assert!(before.elapsed().as_secs_f64() < 1.0);
         for (x, y) in nodes.iter().zip(&values) {
@@ -450,7 +412,7 @@ mod tests {
         let nodes = [0.05, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0];
         let b = breaks(&nodes, 3, Ends::Onset);
         let force = Basis::<4>::new(&b, Ends::Onset);
-        let fit = Fit::new(&force, &nodes, Ends::Onset, "u").unwrap();
+        let fit = Fit::new(&force, &nodes, "u").unwrap();
         let coefficients = fit.coefficients(&nodes.map(|x| x * x * x));
         let potential = Basis::<5>::new(&b, Ends::Onset);
         let integral = integrated(&coefficients, &b, 3);

@@ -1,11 +1,10 @@
 //! The coordinates but the displacement, and where the displacement begins at them: what all interpolants share.
 
 use super::basis::{Basis, Weights};
-use super::compiled::{present, weights};
 use super::fit::Block;
-use super::kernel::{Coefficients, Jet, field};
-use super::lanes::{Registers, Two};
+use super::kernel::{ANY, Coefficients, Jet, field};
 use crate::table::Query;
+use crate::vector::Lanes;
 
 /// Axes of centre distance, misalignment and mesh position, and what the scaled displacement is measured by along them.
 #[derive(Debug, Clone)]
@@ -19,11 +18,9 @@ pub struct Frame<const N: usize> {
 
 /// A [`Frame`] at one point.
 pub struct Framed<const N: usize> {
-    /// Weights of centre distance.
+    /// Weights of centre distance, misalignment and mesh position.
     pub wc: Weights<N>,
-    /// Weights of misalignment.
     pub wm: Weights<N>,
-    /// Weights of mesh position.
     pub wp: Weights<N>,
     /// The approach at which contact begins, m.
     pub no_load: Jet,
@@ -48,11 +45,17 @@ impl<const N: usize> Frame<N> {
     /// Which of centre distance, misalignment and mesh position are axes.
     #[inline(always)]
     pub fn present<const AXES: usize>(&self) -> [bool; 3] {
-        [
-            present::<AXES, N>(0, &self.c),
-            present::<AXES, N>(1, &self.m),
-            present::<AXES, N>(2, &self.p),
-        ]
+        if AXES == ANY {
+            [self.c.present(), self.m.present(), self.p.present()]
+        } else {
+            [AXES & 1 != 0, AXES & 2 != 0, AXES & 4 != 0]
+        }
+    }
+
+    /// The same as bits, for code that is compiled for them.
+    pub fn axes(&self) -> usize {
+        let [c, m, p] = self.present::<ANY>().map(usize::from);
+        c | m << 1 | p << 2
     }
 
     /// Memory of the coefficients.
@@ -62,40 +65,24 @@ impl<const N: usize> Frame<N> {
 
     /// At `q`, with second derivatives if `H`.
     #[inline(always)]
-    pub fn at<const H: bool, const AXES: usize>(
-        &self,
-        registers: impl Registers,
-        q: &Query,
-    ) -> Framed<N> {
-        let mut at = registers.run(
-            #[inline(always)]
-            || self.inside::<H, AXES>(registers, q),
-        );
-        if at.outside {
-            at.no_load = self.begins(q, at.wp);
-        }
-        at
-    }
-
-    #[inline(always)]
-    fn inside<const H: bool, const AXES: usize>(
-        &self,
-        registers: impl Registers,
-        q: &Query,
-    ) -> Framed<N> {
+    pub fn at<const H: bool, const AXES: usize>(&self, lanes: Lanes, q: &Query) -> Framed<N> {
         let order = if H { 2 } else { 1 };
-        let (wc, c_outside) =
-            weights::<AXES, N>((0, &self.c), registers, q.center_distance_offset, order);
-        let (wm, m_outside) = weights::<AXES, N>((1, &self.m), registers, q.misalignment, order);
-        let (wp, _) = weights::<AXES, N>((2, &self.p), registers, q.mesh_position, order);
-        Framed {
-            no_load: field::<N, H, AXES>(registers, &self.fields, 0, &wc, &wm, &wp),
-            span: field::<N, H, AXES>(registers, &self.fields, 1, &wc, &wm, &wp),
+        let [c, m, p] = self.present::<AXES>();
+        let (wc, c_outside) = weights(c, &self.c, lanes, q.center_distance_offset, order);
+        let (wm, m_outside) = weights(m, &self.m, lanes, q.misalignment, order);
+        let (wp, _) = weights(p, &self.p, lanes, q.mesh_position, order);
+        let mut at = Framed {
+            no_load: field::<N, H, AXES>(lanes, &self.fields, 0, &wc, &wm, &wp),
+            span: field::<N, H, AXES>(lanes, &self.fields, 1, &wc, &wm, &wp),
             wc,
             wm,
             wp,
             outside: c_outside || m_outside,
+        };
+        if at.outside {
+            at.no_load = self.begins(q, at.wp);
         }
+        at
     }
 
     /// The approach at which contact begins outside the range: it follows the coordinate however far that goes; only
@@ -105,6 +92,22 @@ impl<const N: usize> Frame<N> {
     fn begins(&self, q: &Query, wp: Weights<N>) -> Jet {
         let wc = self.c.linear(q.center_distance_offset);
         let wm = self.m.linear(q.misalignment);
-        field::<N, true, { super::ANY }>(Two, &self.fields, 0, &wc, &wm, &wp)
+        field::<N, true, ANY>(Lanes::COMMON, &self.fields, 0, &wc, &wm, &wp)
+    }
+}
+
+/// [`Basis::weights`] of an axis that is `present`.
+#[inline(always)]
+fn weights<const N: usize>(
+    present: bool,
+    basis: &Basis<N>,
+    lanes: Lanes,
+    x: f64,
+    order: usize,
+) -> (Weights<N>, bool) {
+    if present {
+        basis.weights(lanes, x, order)
+    } else {
+        (Weights::constant(), false)
     }
 }

@@ -5,9 +5,24 @@
 //! misalignment, then centre distance, then displacement.
 
 use super::basis::Weights;
-use super::compiled::{ANY, count};
 use super::fit::Block;
-use super::lanes::{Registers, dot};
+use crate::vector::{Lanes, dot};
+
+/// Axes that code finds out as it runs. A smaller number says that code is compiled for the axes of centre distance,
+/// misalignment and mesh position whose bits 0 to 2 are set in it.
+pub const ANY: usize = 8;
+
+/// How many functions of the `axis`th of them there are at one point.
+#[inline(always)]
+fn count<const AXES: usize, const N: usize>(axis: usize, weights: &Weights<N>) -> usize {
+    if AXES == ANY {
+        weights.count
+    } else if AXES >> axis & 1 == 1 {
+        N
+    } else {
+        1
+    }
+}
 
 /// Value and derivatives over (centre distance, misalignment, mesh position).
 #[derive(Debug, Clone, Copy, Default)]
@@ -25,17 +40,11 @@ pub const SECOND: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
 
 /// `to` += `factor` `from`; the first time `to` = `factor` `from`.
 #[inline(always)]
-fn put<const N: usize>(
-    registers: impl Registers,
-    time: usize,
-    to: &mut [f64; N],
-    factor: f64,
-    from: &[f64; N],
-) {
+fn put<const N: usize>(lanes: Lanes, time: usize, to: &mut [f64; N], factor: f64, from: &[f64; N]) {
     if time == 0 {
-        *to = registers.scaled(factor, from);
+        *to = lanes.scaled(factor, from);
     } else {
-        registers.add(to, factor, from);
+        lanes.add(to, factor, from);
     }
 }
 
@@ -62,36 +71,36 @@ impl<const N: usize> Plane<N> {
         mm: [0.0; N],
     };
 
-    /// Of the rows of `lanes` from `start` on, `c` and `m` apart. `H`: with second derivatives.
+    /// Of `rows` from `start` on, `c` and `m` apart. `H`: with second derivatives.
     #[inline(always)]
     fn new<const H: bool, const AXES: usize>(
-        registers: impl Registers,
-        lanes: &[[f64; N]],
+        lanes: Lanes,
+        rows: &[[f64; N]],
         [start, c, m]: [usize; 3],
         wc: &Weights<N>,
         wm: &Weights<N>,
     ) -> Self {
         let mut sum = Self::ZERO;
         for i in 0..count::<AXES, N>(0, wc) {
-            let first = &lanes[start + i * c];
-            let mut a = registers.scaled(wm.value[0], first);
-            let mut a_m = registers.scaled(wm.slope[0], first);
-            let mut a_mm = registers.scaled(wm.curvature[0], first);
+            let first = &rows[start + i * c];
+            let mut a = lanes.scaled(wm.value[0], first);
+            let mut a_m = lanes.scaled(wm.slope[0], first);
+            let mut a_mm = lanes.scaled(wm.curvature[0], first);
             for j in 1..count::<AXES, N>(1, wm) {
-                let row = &lanes[start + i * c + j * m];
-                registers.add(&mut a, wm.value[j], row);
-                registers.add(&mut a_m, wm.slope[j], row);
+                let row = &rows[start + i * c + j * m];
+                lanes.add(&mut a, wm.value[j], row);
+                lanes.add(&mut a_m, wm.slope[j], row);
                 if H {
-                    registers.add(&mut a_mm, wm.curvature[j], row);
+                    lanes.add(&mut a_mm, wm.curvature[j], row);
                 }
             }
-            put(registers, i, &mut sum.value, wc.value[i], &a);
-            put(registers, i, &mut sum.c, wc.slope[i], &a);
-            put(registers, i, &mut sum.m, wc.value[i], &a_m);
+            put(lanes, i, &mut sum.value, wc.value[i], &a);
+            put(lanes, i, &mut sum.c, wc.slope[i], &a);
+            put(lanes, i, &mut sum.m, wc.value[i], &a_m);
             if H {
-                put(registers, i, &mut sum.cc, wc.curvature[i], &a);
-                put(registers, i, &mut sum.cm, wc.slope[i], &a_m);
-                put(registers, i, &mut sum.mm, wc.value[i], &a_mm);
+                put(lanes, i, &mut sum.cc, wc.curvature[i], &a);
+                put(lanes, i, &mut sum.cm, wc.slope[i], &a_m);
+                put(lanes, i, &mut sum.mm, wc.value[i], &a_mm);
             }
         }
         sum
@@ -99,10 +108,7 @@ impl<const N: usize> Plane<N> {
 
     /// Closed along the mesh position.
     #[inline(always)]
-    fn jet<const H: bool, const AXES: usize>(&self, wp: &Weights<N>) -> Jet {
-        if AXES != ANY && count::<AXES, N>(2, wp) == 1 {
-            return self.first::<H>();
-        }
+    fn jet<const H: bool>(&self, wp: &Weights<N>) -> Jet {
         let mut jet = Jet {
             value: dot(&self.value, &wp.value),
             gradient: [
@@ -121,20 +127,6 @@ impl<const N: usize> Plane<N> {
                 dot(&self.m, &wp.slope),
                 dot(&self.value, &wp.curvature),
             ];
-        }
-        jet
-    }
-
-    /// Without an axis of the mesh position.
-    #[inline(always)]
-    fn first<const H: bool>(&self) -> Jet {
-        let mut jet = Jet {
-            value: self.value[0],
-            gradient: [self.c[0], self.m[0], 0.0],
-            ..Jet::default()
-        };
-        if H {
-            jet.second = [self.cc[0], self.cm[0], 0.0, self.mm[0], 0.0, 0.0];
         }
         jet
     }
@@ -185,64 +177,69 @@ impl<const N: usize> Coefficients<N> {
 /// One number over (centre distance, misalignment, mesh position): row `r` of `coefficients`.
 #[inline(always)]
 pub fn field<const N: usize, const H: bool, const AXES: usize>(
-    registers: impl Registers,
+    lanes: Lanes,
     coefficients: &Coefficients<N>,
     r: usize,
     wc: &Weights<N>,
     wm: &Weights<N>,
     wp: &Weights<N>,
 ) -> Jet {
-    let lanes = coefficients.from(wp.first);
+    let rows = coefficients.from(wp.first);
     let [c, m, u] = coefficients.strides.map(|x| x as usize);
-    let lanes = &lanes[wc.first * c + wm.first * m..];
+    let rows = &rows[wc.first * c + wm.first * m..];
     assert!(
-        (count::<AXES, N>(0, wc) - 1) * c + (count::<AXES, N>(1, wm) - 1) * m + r * u < lanes.len()
+        (count::<AXES, N>(0, wc) - 1) * c + (count::<AXES, N>(1, wm) - 1) * m + r * u < rows.len()
     );
-    Plane::new::<H, AXES>(registers, lanes, [r * u, c, m], wc, wm).jet::<H, AXES>(wp)
+    Plane::new::<H, AXES>(lanes, rows, [r * u, c, m], wc, wm).jet::<H>(wp)
 }
 
-/// Value, first and second derivative over the displacement, with what [`chain`](super::chain) needs of their
-/// derivatives by the other coordinates; and the third one, only with `H`, zero otherwise.
+/// A quantity over the displacement, as [`chain`](super::chain) needs it.
+#[derive(Debug, Clone, Copy)]
+pub struct Shape {
+    /// The quantity; second derivatives only with `H`.
+    pub value: Jet,
+    /// Its slope over the displacement, first derivatives only with `H`.
+    pub slope: Jet,
+    /// Its second derivative by the displacement.
+    pub curvature: f64,
+}
+
+/// The quantity of `coefficients` at the weights `wu` of the displacement and those of the other coordinates.
 #[inline(always)]
 pub fn over_displacement<const NU: usize, const N: usize, const H: bool, const AXES: usize>(
-    registers: impl Registers,
+    lanes: Lanes,
     coefficients: &Coefficients<N>,
     wu: &Weights<NU>,
     wc: &Weights<N>,
     wm: &Weights<N>,
     wp: &Weights<N>,
-) -> ([Jet; 3], f64) {
-    let lanes = coefficients.from(wp.first);
+) -> Shape {
+    let rows = coefficients.from(wp.first);
     let [c, m, u] = coefficients.strides.map(|x| x as usize);
-    let lanes = &lanes[wc.first * c + wm.first * m + wu.first * u..];
+    let rows = &rows[wc.first * c + wm.first * m + wu.first * u..];
     assert!(
         (count::<AXES, N>(0, wc) - 1) * c + (count::<AXES, N>(1, wm) - 1) * m + (NU - 1) * u
-            < lanes.len()
+            < rows.len()
     );
     let [mut w, mut f, mut k] = [Plane::<N>::ZERO; 3];
-    let mut third = [0.0; N];
     for r in 0..NU {
-        let plane = Plane::new::<H, AXES>(registers, lanes, [r * u, c, m], wc, wm);
-        put(registers, r, &mut w.value, wu.value[r], &plane.value);
-        put(registers, r, &mut w.c, wu.value[r], &plane.c);
-        put(registers, r, &mut w.m, wu.value[r], &plane.m);
-        put(registers, r, &mut f.value, wu.slope[r], &plane.value);
-        put(registers, r, &mut k.value, wu.curvature[r], &plane.value);
+        let plane = Plane::new::<H, AXES>(lanes, rows, [r * u, c, m], wc, wm);
+        put(lanes, r, &mut w.value, wu.value[r], &plane.value);
+        put(lanes, r, &mut w.c, wu.value[r], &plane.c);
+        put(lanes, r, &mut w.m, wu.value[r], &plane.m);
+        put(lanes, r, &mut f.value, wu.slope[r], &plane.value);
+        put(lanes, r, &mut k.value, wu.curvature[r], &plane.value);
         if H {
-            put(registers, r, &mut w.cc, wu.value[r], &plane.cc);
-            put(registers, r, &mut w.cm, wu.value[r], &plane.cm);
-            put(registers, r, &mut w.mm, wu.value[r], &plane.mm);
-            put(registers, r, &mut f.c, wu.slope[r], &plane.c);
-            put(registers, r, &mut f.m, wu.slope[r], &plane.m);
-            put(registers, r, &mut k.c, wu.curvature[r], &plane.c);
-            put(registers, r, &mut k.m, wu.curvature[r], &plane.m);
-            put(registers, r, &mut third, wu.third[r], &plane.value);
+            put(lanes, r, &mut w.cc, wu.value[r], &plane.cc);
+            put(lanes, r, &mut w.cm, wu.value[r], &plane.cm);
+            put(lanes, r, &mut w.mm, wu.value[r], &plane.mm);
+            put(lanes, r, &mut f.c, wu.slope[r], &plane.c);
+            put(lanes, r, &mut f.m, wu.slope[r], &plane.m);
         }
     }
-    let shape = [
-        w.jet::<H, AXES>(wp),
-        f.jet::<false, AXES>(wp),
-        k.jet::<false, AXES>(wp),
-    ];
-    (shape, dot(&third, &wp.value))
+    Shape {
+        value: w.jet::<H>(wp),
+        slope: f.jet::<false>(wp),
+        curvature: k.jet::<false>(wp).value,
+    }
 }

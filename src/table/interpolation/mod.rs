@@ -6,30 +6,22 @@
 
 mod basis;
 mod chain;
-mod compiled;
 mod continuation;
+mod dual;
 mod fit;
 mod frame;
-mod jet;
 mod kernel;
-mod lanes;
-mod line;
 mod scatter;
-mod secant;
 mod shepard;
 mod tensor;
 
 pub(crate) use basis::{Basis, Ends};
-pub(crate) use compiled::ANY;
-pub(crate) use fit::{Block, Fit, breaks, row_at};
-pub(crate) use kernel::{Coefficients, over_displacement};
-pub(crate) use lanes::{Two, widest};
-pub(crate) use tensor::axis_basis;
+pub(crate) use fit::{Block, Fit, at_zero};
+pub(crate) use kernel::{ANY, Coefficients, over_displacement};
+pub(crate) use tensor::axis;
 
 use super::{FlankGrid, Potential, Query, TableError};
-use compiled::{Interpolant, boxed, boxed_for};
-use lanes::{Four, Registers};
-use secant::Secant;
+use crate::vector::Lanes;
 use shepard::Shepard;
 use tensor::Tensor;
 
@@ -41,58 +33,25 @@ pub enum Interpolation {
     /// Tensor cubic spline: force twice continuously differentiable.
     Spline,
     /// Shepard's method with C2 weights, as in the paper: one potential with continuous second
-    /// derivatives, exactly zero up to the onset. The force is not kept from falling over the displacement
-    /// ([`Checks::minimum_slope`] tells the least slope at many points); beyond the range of an axis the
+    /// derivatives, exactly zero up to the onset. The force is not kept from falling over the displacement; beyond the range of an axis the
     /// stiffness goes over into a constant within one cell. The onset itself, and a constant load, follow the spline.
     Shepard,
-}
-
-/// What was found when the interpolant was made. Forces over displacement are taken relative to the
-/// top force of the table.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Checks {
-    /// Lower bound of dF/du (u: displacement scaled to 1 at top load) through the samples as they
-    /// are, before the correction below; negative where the samples would make the spline swing back.
-    /// Shepard: the least dF/du at 8 000 points of the finished interpolant.
-    pub minimum_slope: f64,
-    /// Largest change of a spline coefficient that made the force increase with the displacement by a
-    /// hundredth of the mean increments at least.
-    pub monotone_correction: f64,
-}
-
-impl Default for Checks {
-    fn default() -> Self {
-        Checks {
-            minimum_slope: f64::INFINITY,
-            monotone_correction: 0.0,
-        }
-    }
-}
-
-/// One flank's potential over the coordinates of [`Query`].
-trait Evaluate: std::fmt::Debug + Send + Sync {
-    /// Whether four lanes are of use.
-    const WIDE: bool;
-    /// See [`FlankTable::evaluate`]; `H`: with all second derivatives; `AXES`: those that there are, see
-    /// [`compiled::ANY`].
-    fn at<const H: bool, const AXES: usize>(
-        &self,
-        registers: impl Registers,
-        query: &Query,
-    ) -> Potential;
-    /// What was found when it was made.
-    fn checks(&self) -> Checks;
-    /// Memory of the coefficients.
-    fn bytes(&self) -> usize;
 }
 
 /// The potential of one flank as the element asks it, with just the dimensions that are switched on.
 #[derive(Debug)]
 pub struct FlankTable {
-    interpolant: Box<dyn Interpolant>,
-    dimensions: usize,
-    /// The registers that evaluations use.
-    four: Option<Four>,
+    interpolant: Interpolant,
+    lanes: Lanes,
+}
+
+#[derive(Debug)]
+enum Interpolant {
+    Linear(Tensor<3, 2>),
+    Spline(Tensor<5, 4>),
+    /// Constant load over smooth coordinates.
+    Secant(Tensor<3, 4>),
+    Shepard(Box<Shepard>),
 }
 
 impl FlankTable {
@@ -102,20 +61,17 @@ impl FlankTable {
     /// Nodes through which no spline passes; a span that is not positive everywhere.
     pub fn new(grid: &FlankGrid, interpolation: Interpolation) -> Result<Self, TableError> {
         grid.check("samples")?;
-        // Shuttling comes from the potential where misalignment is a coordinate of it.
-        let present = grid.axes.present();
-        let own_moment = grid.moment.is_some() && !present[1];
         let spline = || Tensor::<5, 4>::new::<4>(grid);
         let interpolant = match interpolation {
-            Interpolation::Linear => boxed_for(present, Tensor::<3, 2>::new::<2>(grid)?),
-            Interpolation::Spline => boxed_for(present, spline()?),
-            Interpolation::Shepard if own_moment => boxed(Shepard::<2>::new(grid, spline()?)?),
-            Interpolation::Shepard => boxed(Shepard::<1>::new(grid, spline()?)?),
+            Interpolation::Linear => Interpolant::Linear(Tensor::new::<2>(grid)?),
+            Interpolation::Spline => Interpolant::Spline(spline()?),
+            Interpolation::Shepard => {
+                Interpolant::Shepard(Box::new(Shepard::new(grid, spline()?)?))
+            }
         };
         Ok(FlankTable {
             interpolant,
-            dimensions: 1 + grid.axes.dimensions(),
-            four: Four::detect(),
+            lanes: Lanes::widest(),
         })
     }
 
@@ -138,20 +94,19 @@ impl FlankTable {
     ) -> Result<Self, TableError> {
         grid.check("samples")?;
         let interpolant = match interpolation {
-            Interpolation::Linear => boxed(Secant::<2>::new(grid, loa_force)?),
+            Interpolation::Linear => Interpolant::Linear(Tensor::constant_load(grid, loa_force)?),
             Interpolation::Spline | Interpolation::Shepard => {
-                boxed(Secant::<4>::new(grid, loa_force)?)
+                Interpolant::Secant(Tensor::constant_load(grid, loa_force)?)
             }
         };
         Ok(FlankTable {
             interpolant,
-            dimensions: grid.axes.dimensions(),
-            four: Four::detect(),
+            lanes: Lanes::widest(),
         })
     }
 
     /// The potential at `query`, with first derivatives and the tangent stiffness `hessian[0][0]`; the
-    /// other second derivatives only if asked for. Exactly zero out of contact.
+    /// other second derivatives only if `want_hessian`. Exactly zero out of contact.
     ///
     /// Outside the range of an axis the force goes on linearly with a continuous slope, and
     /// `out_of_range` is set. Beyond a quarter of the range of C or M (less where that would make a stiffness
@@ -160,28 +115,31 @@ impl FlankTable {
     /// A NaN in the query gives NaN or zero, never a panic.
     #[inline]
     pub fn evaluate(&self, query: &Query, want_hessian: bool) -> Potential {
-        self.interpolant.evaluate(self.four, query, want_hessian)
+        match &self.interpolant {
+            Interpolant::Linear(tensor) => tensor.evaluate(self.lanes, query, want_hessian),
+            Interpolant::Spline(tensor) => tensor.evaluate(self.lanes, query, want_hessian),
+            Interpolant::Secant(tensor) => tensor.evaluate(self.lanes, query, want_hessian),
+            Interpolant::Shepard(shepard) => shepard.evaluate(self.lanes, query),
+        }
     }
 
     /// The same table evaluated with the vector registers that every processor of the family has. Results are
     /// the same to the bit; for comparisons.
     pub fn with_common_registers(self) -> Self {
-        FlankTable { four: None, ..self }
-    }
-
-    /// What was found when the interpolant was made.
-    pub fn checks(&self) -> Checks {
-        self.interpolant.checks()
+        FlankTable {
+            lanes: Lanes::COMMON,
+            ..self
+        }
     }
 
     /// Memory of the coefficients, bytes.
     pub fn bytes(&self) -> usize {
-        self.interpolant.bytes()
-    }
-
-    /// Number of coordinates that are switched on, displacement included (constant load: not).
-    pub fn dimensions(&self) -> usize {
-        self.dimensions
+        match &self.interpolant {
+            Interpolant::Linear(tensor) => tensor.bytes(),
+            Interpolant::Spline(tensor) => tensor.bytes(),
+            Interpolant::Secant(tensor) => tensor.bytes(),
+            Interpolant::Shepard(shepard) => shepard.bytes(),
+        }
     }
 }
 

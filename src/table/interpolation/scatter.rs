@@ -6,11 +6,51 @@
 //! spacings of node k, so a node of a sparse region reaches farther. The nodes that reach into a cell are
 //! listed per axis when the table is made; no other node is looked at.
 
+use super::dual::{DIMENSIONS, Dual};
 use super::fit::Block;
-use super::jet::{
-    DIMENSIONS, Jet4, Near, ONE, PAIR, Place, Quadratic, REACH, add, inverse_weight, local,
-    quotient, weight,
-};
+
+/// Distance, in node spacings, at which a node's weight vanishes. The middle of a four-dimensional cell is 1 away
+/// from its corners; half a cell beyond the edge, it is 1 again.
+const REACH: f64 = 1.75;
+
+/// A node's quadratic: value and derivatives there, by ways in spacings of the node.
+#[derive(Debug, Clone, Copy, Default)]
+struct Quadratic {
+    value: f64,
+    gradient: [f64; DIMENSIONS],
+    hessian: [[f64; DIMENSIONS]; DIMENSIONS],
+}
+
+impl Quadratic {
+    /// At a point, by the coordinates.
+    #[inline(always)]
+    fn at(&self, way: &[f64; DIMENSIONS], scale: &[f64; DIMENSIONS]) -> Dual {
+        let mut out = Dual {
+            value: self.value,
+            ..Dual::default()
+        };
+        for i in 0..DIMENSIONS {
+            let bend: f64 = (0..DIMENSIONS).map(|j| self.hessian[i][j] * way[j]).sum();
+            out.value += way[i] * (self.gradient[i] + 0.5 * bend);
+            out.gradient[i] = (self.gradient[i] + bend) * scale[i];
+            for j in 0..DIMENSIONS {
+                out.hessian[i][j] = self.hessian[i][j] * scale[i] * scale[j];
+            }
+        }
+        out
+    }
+}
+
+/// A node that reaches the point along one axis.
+#[derive(Debug, Clone, Copy, Default)]
+struct Near {
+    /// Index in the grid.
+    index: usize,
+    /// Way from the node, in its spacings.
+    way: f64,
+    /// 1 / spacing.
+    scale: f64,
+}
 
 /// One coordinate: its nodes, or a single one on which nothing depends.
 #[derive(Debug, Clone)]
@@ -127,60 +167,59 @@ impl Line {
     }
 }
 
-/// K quantities on the nodes of one grid.
+/// A quantity on the nodes of a grid.
 #[derive(Debug, Clone)]
-pub struct Scatter<const K: usize> {
+pub struct Scatter {
     lines: [Line; DIMENSIONS],
     strides: [usize; DIMENSIONS],
-    quadratics: Vec<[Quadratic; K]>,
+    quadratics: Vec<Quadratic>,
 }
 
-impl<const K: usize> Scatter<K> {
+impl Scatter {
     /// Through `values` at `nodes`; the last coordinate has period 1. A coordinate with one node is not there.
-    pub fn new(nodes: [&[f64]; DIMENSIONS], values: [&Block; K]) -> Self {
+    pub fn new(nodes: [&[f64]; DIMENSIONS], values: &Block) -> Self {
         let lines: [Line; DIMENSIONS] = std::array::from_fn(|i| Line::new(nodes[i], i == 3));
-        let strides: [usize; DIMENSIONS] = std::array::from_fn(|i| values[0].stride(i));
-        let lengths = values[0].lengths;
-        let mut quadratics = Vec::with_capacity(values[0].values.len());
+        let strides: [usize; DIMENSIONS] = std::array::from_fn(|i| values.stride(i));
         let parabolas: Vec<Vec<_>> = lines
             .iter()
             .map(|l| (0..l.count).map(|i| l.parabola(i)).collect())
             .collect();
-        for at in 0..values[0].values.len() {
-            let index: [usize; DIMENSIONS] = std::array::from_fn(|i| at / strides[i] % lengths[i]);
-            let mut jets = [Quadratic::default(); K];
-            for (jet, block) in jets.iter_mut().zip(values) {
-                let v = &block.values;
-                jet.value = v[at];
-                for i in 0..DIMENSIONS {
-                    let Some(along) = &parabolas[i][index[i]] else {
+        let v = &values.values;
+        let quadratic = |at: usize| {
+            let index: [usize; DIMENSIONS] =
+                std::array::from_fn(|i| at / strides[i] % values.lengths[i]);
+            let mut q = Quadratic {
+                value: v[at],
+                ..Quadratic::default()
+            };
+            for i in 0..DIMENSIONS {
+                let Some(along) = &parabolas[i][index[i]] else {
+                    continue;
+                };
+                let base = at - index[i] * strides[i];
+                for &(k, first, second) in along {
+                    q.gradient[i] += first * v[base + k * strides[i]];
+                    q.hessian[i][i] += second * v[base + k * strides[i]];
+                }
+                for j in i + 1..DIMENSIONS {
+                    let Some(across) = &parabolas[j][index[j]] else {
                         continue;
                     };
-                    let base = at - index[i] * strides[i];
-                    for &(k, first, second) in along {
-                        jet.gradient[i] += first * v[base + k * strides[i]];
-                        jet.second[PAIR[i][i]] += second * v[base + k * strides[i]];
-                    }
-                    for j in i + 1..DIMENSIONS {
-                        let Some(across) = &parabolas[j][index[j]] else {
-                            continue;
-                        };
-                        let base = base - index[j] * strides[j];
-                        for &(k, a, _) in along {
-                            for &(l, b, _) in across {
-                                jet.second[PAIR[i][j]] +=
-                                    a * b * v[base + k * strides[i] + l * strides[j]];
-                            }
+                    let base = base - index[j] * strides[j];
+                    for &(k, a, _) in along {
+                        for &(l, b, _) in across {
+                            q.hessian[i][j] += a * b * v[base + k * strides[i] + l * strides[j]];
                         }
                     }
+                    q.hessian[j][i] = q.hessian[i][j];
                 }
             }
-            quadratics.push(jets);
-        }
+            q
+        };
         Scatter {
+            quadratics: (0..v.len()).map(quadratic).collect(),
             lines,
             strides,
-            quadratics,
         }
     }
 
@@ -189,13 +228,11 @@ impl<const K: usize> Scatter<K> {
         std::mem::size_of_val(&self.quadratics[..])
     }
 
-    /// The quantities at `x`, at most half a cell outside the nodes (see [`saturated`]); the last
-    /// coordinate in [0, 1).
-    /// `H`: all second derivatives and the third ones, otherwise only the second one by displacement.
+    /// The quantity at `x`, at most half a cell outside the nodes (see [`saturated`]); the last coordinate in [0, 1).
     ///
     /// With k the nearest node and its weight w_k divided out, q = (q_k + N / w_k) / (1 + S / w_k), N and S the sums
     /// over all others: nothing is infinite at a node, and no neighbourhood of it has a rule of its own.
-    pub fn at<const H: bool>(&self, x: [f64; DIMENSIONS]) -> [Jet4; K] {
+    pub fn at(&self, x: [f64; DIMENSIONS]) -> Dual {
         let mut near = [[Near::default(); MOST]; DIMENSIONS];
         let counts: [usize; DIMENSIONS] =
             std::array::from_fn(|i| self.lines[i].near(x[i], &mut near[i]));
@@ -206,8 +243,7 @@ impl<const K: usize> Scatter<K> {
                 .min_by(|a, b| way(a).total_cmp(&way(b)))
                 .unwrap_or_default()
         });
-        let mut sum = Jet4::default();
-        let mut sums = [Jet4::default(); K];
+        let (mut weights, mut sum) = (Dual::default(), Dual::default());
         for (i, a) in near[0][..counts[0]].iter().enumerate() {
             let d0 = a.way * a.way;
             for (j, b) in near[1][..counts[1]].iter().enumerate() {
@@ -225,49 +261,81 @@ impl<const K: usize> Scatter<K> {
                         if square >= REACH * REACH || [i, j, k, l] == nearest {
                             continue;
                         }
-                        let at = Place::of([a, b, c, d]);
-                        let weight = weight::<H>(square.sqrt(), &at);
-                        add::<H>(&mut sum, &weight, &ONE);
-                        for (sum, q) in sums.iter_mut().zip(self.quadratics(&at)) {
-                            add::<H>(sum, &weight, &local::<H>(q, &at));
-                        }
+                        let (square, q) = self.node([a, b, c, d]);
+                        let weight = weight(&square);
+                        weights += weight;
+                        sum += weight.times(&q);
                     }
                 }
             }
         }
-        let at = Place::of(std::array::from_fn(|i| &near[i][nearest[i]]));
-        let square: f64 = at.way.iter().map(|w| w * w).sum();
-        let per_weight = inverse_weight::<H>(square.sqrt(), &at);
-        let mut below = ONE;
-        add::<H>(&mut below, &per_weight, &sum);
-        let own = self.quadratics(&at);
-        std::array::from_fn(|k| {
-            let mut above = local::<H>(&own[k], &at);
-            add::<H>(&mut above, &per_weight, &sums[k]);
-            quotient::<H>(&above, &below)
-        })
+        let (square, mut above) = self.node(std::array::from_fn(|i| &near[i][nearest[i]]));
+        let per_weight = inverse_weight(&square);
+        let mut below = Dual::ONE;
+        below += per_weight.times(&weights);
+        above += per_weight.times(&sum);
+        above.over(&below)
     }
 
-    fn quadratics(&self, at: &Place) -> &[Quadratic; K] {
-        &self.quadratics[(0..DIMENSIONS)
-            .map(|i| at.index[i] * self.strides[i])
-            .sum::<usize>()]
+    /// Square of the distance from a node, in its spacings, and its quadratic at the point.
+    #[inline(always)]
+    fn node(&self, axes: [&Near; DIMENSIONS]) -> (Dual, Dual) {
+        let (way, scale) = (axes.map(|n| n.way), axes.map(|n| n.scale));
+        let mut square = Dual::default();
+        for i in 0..DIMENSIONS {
+            square.value += way[i] * way[i];
+            square.gradient[i] = 2.0 * way[i] * scale[i];
+            square.hessian[i][i] = 2.0 * scale[i] * scale[i];
+        }
+        let at: usize = (0..DIMENSIONS)
+            .map(|i| axes[i].index * self.strides[i])
+            .sum();
+        (square, self.quadratics[at].at(&way, &scale))
     }
 }
 
+/// (1/d - 1/R)³ of the square of d > 0.
+#[inline(always)]
+fn weight(square: &Dual) -> Dual {
+    let per = 1.0 / square.value.sqrt();
+    let x = per - 1.0 / REACH;
+    // Derivatives of x by the square.
+    let (d, dd) = (-0.5 * per.powi(3), 0.75 * per.powi(5));
+    square.chain(
+        x * x * x,
+        3.0 * x * x * d,
+        6.0 * x * d * d + 3.0 * x * x * dd,
+    )
+}
+
+/// 1 / (1/d - 1/R)³ of the square of d < R.
+#[inline(always)]
+fn inverse_weight(square: &Dual) -> Dual {
+    let d = square.value.sqrt();
+    let r = 1.0 / (1.0 - d / REACH);
+    let r4 = r * r * r * r;
+    // The second derivative by the square is infinite at the node itself, and its share of any nought.
+    let dd = if d > 0.0 {
+        (3.0 * r - 2.25) * r4 / d
+    } else {
+        0.0
+    };
+    square.chain((r * d).powi(3), 1.5 * r4 * d, dd)
+}
+
 /// `x` inside the ends of `nodes`; beyond an end it slows down, twice continuously differentiable, and stops half
-/// a cell outside. Value and three derivatives.
-pub fn saturated(x: f64, nodes: &[f64]) -> [f64; 4] {
+/// a cell outside. Value and two derivatives.
+pub fn saturated(x: f64, nodes: &[f64]) -> [f64; 3] {
     let n = nodes.len();
     if n == 1 {
-        return [0.0; 4];
+        return [0.0; 3];
     }
     let (end, sign, cell) = if x > nodes[n - 1] {
         (nodes[n - 1], 1.0, nodes[n - 1] - nodes[n - 2])
     } else if x < nodes[0] {
         (nodes[0], -1.0, nodes[1] - nodes[0])
     } else {
-        return [x, 1.0, 0.0, 0.0];
+        return [x, 1.0, 0.0];
     };
     // The slope falls from 1 to 0 over one cell as 1 - 3 t² + 2 t³, whose integral is 1/2.
     let way = (x - end) * sign / cell;
@@ -276,10 +344,5 @@ pub fn saturated(x: f64, nodes: &[f64]) -> [f64; 4] {
         end + sign * cell * (t - t.powi(3) + 0.5 * t.powi(4)),
         1.0 - 3.0 * t * t + 2.0 * t.powi(3),
         sign * (6.0 * t * t - 6.0 * t) / cell,
-        if way < 1.0 {
-            (12.0 * t - 6.0) / (cell * cell)
-        } else {
-            0.0
-        },
     ]
 }

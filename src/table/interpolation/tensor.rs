@@ -9,11 +9,11 @@
 use super::basis::{Basis, Ends};
 use super::fit::{Block, Fit, breaks, integrated, make_increasing};
 use super::frame::{Frame, Framed};
-use super::kernel::{Coefficients, Jet, over_displacement};
-use super::lanes::Registers;
-use super::line::Line;
-use super::{Checks, Evaluate, chain, continuation};
-use crate::table::{FlankGrid, Potential, Query, TableError};
+use super::kernel::{ANY, Coefficients, Shape, over_displacement};
+use super::{chain, continuation};
+use crate::root::bisection;
+use crate::table::{Axes, Axis, FlankGrid, Potential, Query, TableError};
+use crate::vector::Lanes;
 
 /// `NU` functions at one displacement, `N` at one point of each other coordinate: spline 5 and 4, linear 3 and 2. A
 /// coordinate without an axis has one.
@@ -27,90 +27,104 @@ pub struct Tensor<const NU: usize, const N: usize> {
     moment: Option<Coefficients<N>>,
     /// Below it there is no contact anywhere inside the range: less than every coefficient of the no-load approach.
     no_contact: f64,
-    /// Potential and moment without any other coordinate, for u up to 1.
-    lines: Option<Vec<Line<NU>>>,
-    checks: Checks,
+    /// Largest u that is within the range.
+    top: f64,
 }
 
-/// The force's own basis, one degree below the potential's, has one function fewer; const generics
-/// cannot say NU - 1, so `NF` is a parameter of the constructor.
+/// The coordinates but the displacement: bases of centre distance, misalignment and mesh position, and fits of values at
+/// their nodes.
+struct Others<const N: usize> {
+    bases: [Basis<N>; 3],
+    fits: [Fit; 3],
+}
+
+impl<const N: usize> Others<N> {
+    fn new(axes: &Axes) -> Result<Self, TableError> {
+        let (c, along_c) = axis(
+            &axes.center_distance_offset,
+            Ends::Bounded,
+            Axis::CenterDistance.name(),
+        )?;
+        let (m, along_m) = axis(&axes.misalignment, Ends::Bounded, Axis::Misalignment.name())?;
+        let (p, along_p) = axis(
+            &axes.mesh_position,
+            Ends::Periodic,
+            Axis::MeshPosition.name(),
+        )?;
+        Ok(Others {
+            bases: [c, m, p],
+            fits: [along_c, along_m, along_p],
+        })
+    }
+
+    /// Coefficients for the values of `block`; `displacement`: along the displacement, too.
+    fn fit(&self, block: &Block, displacement: Option<&Fit>) -> Block {
+        let [c, m, p] = &self.fits;
+        let mut fitted = m.along(1, &c.along(0, block));
+        if let Some(u) = displacement {
+            fitted = u.along(2, &fitted);
+        }
+        p.along(3, &fitted)
+    }
+}
+
+/// B-spline coefficients of what a [`Tensor`] is made of, over (c, m, u, mesh position).
+struct Parts<'a> {
+    u_breaks: &'a [f64],
+    force: Block,
+    moment: Option<Block>,
+    /// Row 0: no-load approach; row 1: span.
+    fields: Block,
+    /// See [`Tensor::top`].
+    top: f64,
+}
+
 impl<const NU: usize, const N: usize> Tensor<NU, N> {
-    /// Fits the samples of one flank.
+    /// Fits the samples of one flank. The force's own basis, one degree below the potential's, has one function fewer;
+    /// const generics cannot say NU - 1, so `NF` is a parameter.
     pub fn new<const NF: usize>(grid: &FlankGrid) -> Result<Self, TableError> {
-        assert_eq!(NF + 1, NU, "the potential is one degree above the force");
-        let axes = &grid.axes;
-        let u_breaks = breaks(&axes.displacement_fraction, NF - 1, Ends::Onset);
+        let degree = NF - 1;
+        let nodes = &grid.axes.displacement_fraction;
+        let u_breaks = breaks(nodes, degree, Ends::Onset);
         let force_basis = Basis::<NF>::new(&u_breaks, Ends::Onset);
-        let mut c = axis_basis::<N>(&axes.center_distance_offset, Ends::Bounded);
-        let mut m = axis_basis::<N>(&axes.misalignment, Ends::Bounded);
-        let p = axis_basis::<N>(&axes.mesh_position, Ends::Periodic);
-        let along = [
-            Fit::new(
-                &c,
-                &axes.center_distance_offset,
-                Ends::Bounded,
-                "center_distance_offset_m",
-            )?,
-            Fit::new(&m, &axes.misalignment, Ends::Bounded, "misalignment_rad")?,
-            Fit::new(
-                &force_basis,
-                &axes.displacement_fraction,
-                Ends::Onset,
-                "displacement_fraction",
-            )?,
-            Fit::new(&p, &axes.mesh_position, Ends::Periodic, "mesh_position")?,
-        ];
-        let fit = |block: Block, u_axis: bool| {
-            along.iter().enumerate().fold(block, |b, (axis, fit)| {
-                if axis == 2 && !u_axis {
-                    b
-                } else {
-                    fit.along(axis, &b)
-                }
+        let along_u = Fit::new(&force_basis, nodes, Axis::Displacement.name())?;
+        let others = Others::<N>::new(&grid.axes)?;
+
+        let force = others.fit(&grid.force_block(), Some(&along_u));
+        let least = least_increments(&force, degree);
+        let force = force.mapped(2, force.lengths[2], |mut line| {
+            make_increasing(&mut line[degree..], &least);
+            line
+        });
+        let [_, m, _] = &others.bases;
+        let own_moment = grid.moment_block().filter(|_| !m.present());
+        let parts = Parts {
+            moment: own_moment.map(|block| others.fit(&block, Some(&along_u))),
+            fields: others.fit(&grid.field_block(), None),
+            u_breaks: &u_breaks,
+            force,
+            top: 1.0,
+        };
+        Self::assembled(others.bases, parts)
+    }
+
+    fn assembled([mut c, mut m, p]: [Basis<N>; 3], parts: Parts<'_>) -> Result<Self, TableError> {
+        let Parts {
+            u_breaks, fields, ..
+        } = parts;
+        let integral = |block: &Block| {
+            block.mapped(2, block.lengths[2] + 1, |line| {
+                integrated(&line, u_breaks, NU - 2)
             })
         };
-
-        let mut force = fit(grid.force_block(), true);
-        let top = grid.top_force();
-        let mut checks = Checks::default();
-        let least = least_increments(&force, NF - 1);
-        let stride = force.stride(2);
-        for start in force.lines(2) {
-            let index = |r: usize| start + r * stride;
-            let mut line: Vec<f64> = (0..force.lengths[2])
-                .map(|r| force.values[index(r)])
-                .collect();
-            let degree = NF - 1;
-            for j in 0..line.len() - degree {
-                // B-spline coefficients of dF/du, which bound it from below (de Boor, X (15)).
-                let width = u_breaks[(j + degree).min(u_breaks.len() - 1)] - u_breaks[j];
-                let slope = (line[degree + j] - line[degree + j - 1]) * degree as f64 / width;
-                checks.minimum_slope = checks.minimum_slope.min(slope / top);
-            }
-            let change = make_increasing(&mut line[NF - 1..], &least);
-            checks.monotone_correction = checks.monotone_correction.max(change / top);
-            for (r, v) in line.into_iter().enumerate() {
-                force.values[index(r)] = v;
-            }
-        }
-        let shape = integrate(&force, &u_breaks, NF - 1);
-        let moment = grid
-            .moment_block()
-            .filter(|_| !m.present())
-            .map(|b| integrate(&fit(b, true), &u_breaks, NF - 1));
-        let fields = fit(grid.field_block(), false);
-        continuation::limit(&mut c, &mut m, &continuation::spans(&fields), Some(&force))?;
-        let u = Basis::new(&u_breaks, Ends::Onset);
-        let alone = ![&c, &m, &p].into_iter().any(Basis::present);
-        let line = |b: &Block| Line::new(&u, &b.values);
+        continuation::limit(&mut c, &mut m, &continuation::spans(&fields), &parts.force)?;
         Ok(Tensor {
-            lines: alone.then(|| [&shape].into_iter().chain(&moment).map(line).collect()),
-            u,
-            shape: Coefficients::new(&shape),
-            moment: moment.as_ref().map(Coefficients::new),
+            u: Basis::new(u_breaks, Ends::Onset),
+            shape: Coefficients::new(&integral(&parts.force)),
+            moment: parts.moment.map(|b| Coefficients::new(&integral(&b))),
             no_contact: below_all(&fields),
             frame: Frame::new([c, m, p], &fields),
-            checks,
+            top: parts.top,
         })
     }
 
@@ -119,41 +133,41 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         self.frame
     }
 
-    /// What `coefficients` have over the displacement at `u` and `at`.
+    /// Memory of the coefficients.
+    pub fn bytes(&self) -> usize {
+        let moment = self.moment.as_ref().map_or(0, Coefficients::bytes);
+        self.shape.bytes() + self.frame.bytes() + moment
+    }
+
+    /// See [`FlankTable::evaluate`](super::FlankTable::evaluate). Values are compiled for the axes that there are, with the
+    /// registers that nearly every processor has and a mesh position; all else shares one evaluation, since each more would
+    /// cost seconds of every build.
+    pub fn evaluate(&self, lanes: Lanes, q: &Query, want_hessian: bool) -> Potential {
+        if want_hessian {
+            return self.on::<true, ANY>(lanes, q);
+        }
+        if !lanes.are_wide() {
+            return self.on::<false, ANY>(lanes, q);
+        }
+        match self.frame.axes() {
+            4 => self.on::<false, 4>(lanes, q),
+            5 => self.on::<false, 5>(lanes, q),
+            6 => self.on::<false, 6>(lanes, q),
+            7 => self.on::<false, 7>(lanes, q),
+            _ => self.on::<false, ANY>(lanes, q),
+        }
+    }
+
     #[inline(always)]
-    fn over<const H: bool, const AXES: usize>(
-        &self,
-        registers: impl Registers,
-        coefficients: &Coefficients<N>,
-        u: f64,
-        at: &Framed<N>,
-    ) -> ([Jet; 3], f64) {
-        registers.run(
+    fn on<const H: bool, const AXES: usize>(&self, lanes: Lanes, q: &Query) -> Potential {
+        lanes.run(
             #[inline(always)]
-            || {
-                let (wu, _) = self.u.weights(registers, u, if H { 3 } else { 2 });
-                over_displacement::<NU, N, H, AXES>(
-                    registers,
-                    coefficients,
-                    &wu,
-                    &at.wc,
-                    &at.wm,
-                    &at.wp,
-                )
-            },
+            |lanes| self.at::<H, AXES>(lanes, q),
         )
     }
-}
-
-impl<const NU: usize, const N: usize> Evaluate for Tensor<NU, N> {
-    const WIDE: bool = N == 4;
 
     #[inline(always)]
-    fn at<const H: bool, const AXES: usize>(
-        &self,
-        registers: impl Registers,
-        q: &Query,
-    ) -> Potential {
+    fn at<const H: bool, const AXES: usize>(&self, lanes: Lanes, q: &Query) -> Potential {
         // The flank that does not carry, as a rule.
         if q.delta < self.no_contact
             && self.frame.c.holds(q.center_distance_offset)
@@ -162,55 +176,135 @@ impl<const NU: usize, const N: usize> Evaluate for Tensor<NU, N> {
             return Potential::default();
         }
         let present = self.frame.present::<AXES>();
-        let at = self.frame.at::<H, AXES>(registers, q);
-        let (no_load, span, outside) = (&at.no_load, &at.span, at.outside);
+        let at = self.frame.at::<H, AXES>(lanes, q);
+        let (no_load, span) = (&at.no_load, &at.span);
         let u = (q.delta - no_load.value) / span.value;
         if u <= 0.0 {
             return Potential {
-                out_of_range: outside,
+                out_of_range: at.outside,
                 ..Potential::default()
             };
         }
-        if let Some(lines) = &self.lines
-            && u <= 1.0
-        {
-            let (cell, t, scale) = self.u.local(u);
-            let (shape, third) = lines[0].at(cell, t, scale);
-            let mut out = chain::potential::<H>(u, &shape, third, no_load, span, present);
-            if let Some(moment) = lines.get(1) {
-                let (shape, _) = moment.at(cell, t, scale);
-                chain::set_moment::<H>(&mut out, u, &shape, no_load, span, present);
-            }
-            return out;
-        }
-        let (shape, third) = self.over::<H, AXES>(registers, &self.shape, u, &at);
-        let mut out = chain::potential::<H>(u, &shape, third, no_load, span, present);
+        let shape = self.over::<H, AXES>(lanes, &self.shape, u, &at);
+        let mut out = chain::potential::<H>(u, &shape, no_load, span, present);
         if let Some(moment) = &self.moment {
-            let (shape, _) = self.over::<H, AXES>(registers, moment, u, &at);
+            let shape = self.over::<H, AXES>(lanes, moment, u, &at);
             chain::set_moment::<H>(&mut out, u, &shape, no_load, span, present);
         }
-        out.out_of_range = outside || self.u.is_outside(u);
+        out.out_of_range = at.outside || u > self.top;
         out
     }
 
-    fn checks(&self) -> Checks {
-        self.checks
-    }
-
-    fn bytes(&self) -> usize {
-        let moment = self.moment.as_ref().map_or(0, Coefficients::bytes);
-        let lines = self.lines.iter().flatten().map(Line::bytes).sum::<usize>();
-        self.shape.bytes() + self.frame.bytes() + moment + lines
+    /// What `coefficients` have over the displacement at `u` and `at`.
+    #[inline(always)]
+    fn over<const H: bool, const AXES: usize>(
+        &self,
+        lanes: Lanes,
+        coefficients: &Coefficients<N>,
+        u: f64,
+        at: &Framed<N>,
+    ) -> Shape {
+        let (wu, _) = self.u.weights(lanes, u, 2);
+        over_displacement::<NU, N, H, AXES>(lanes, coefficients, &wu, &at.wc, &at.wm, &at.wp)
     }
 }
 
-/// Basis of an axis that is not the displacement.
-pub fn axis_basis<const N: usize>(nodes: &[f64], ends: Ends) -> Basis<N> {
-    if nodes.len() == 1 {
-        // A single point: the nodes say where, nothing depends on it.
-        return Basis::new(&[], ends);
+impl<const N: usize> Tensor<3, N> {
+    /// Constant load, see [`FlankTable::constant_load`](super::FlankTable::constant_load): W = F (delta - O)² / (2 (STE - O)),
+    /// that is S w(u) with u = (delta - O) / S, S = STE - O, w = F u² / 2.
+    pub fn constant_load(grid: &FlankGrid, loa_force: f64) -> Result<Self, TableError> {
+        let at = AtForce::new(grid, loa_force)?;
+        let others = Others::<N>::new(&grid.axes)?;
+        let fields = others.fit(&at.fields, None);
+        if continuation::spans(&fields)
+            .values
+            .iter()
+            .any(|&span| span <= 0.0)
+        {
+            return Err(TableError::field(
+                "nominalTorque",
+                format!("{loa_force} N on the line of action"),
+                "STE at this load is not positive everywhere, so there is no secant stiffness",
+                "raise nominalTorque or set loadDependent = true",
+            ));
+        }
+        // A line from the onset on.
+        let moment = |lever: Block| {
+            let line = |lever: Vec<f64>| vec![0.0, loa_force * lever[0]];
+            others.fit(&lever, None).mapped(2, 2, line)
+        };
+        let parts = Parts {
+            u_breaks: &[0.0, 1.0],
+            force: fields.mapped(2, 2, |_| vec![0.0, loa_force]),
+            moment: at.lever.map(moment),
+            fields,
+            top: f64::INFINITY,
+        };
+        Self::assembled(others.bases, parts)
     }
-    Basis::new(&breaks(nodes, N - 1, ends), ends)
+}
+
+/// STE and lever at the nodes for one force.
+struct AtForce {
+    /// Rows O and STE - O.
+    fields: Block,
+    /// z_c - z_ref, m.
+    lever: Option<Block>,
+}
+
+impl AtForce {
+    /// By inversion of the spline over u.
+    fn new(grid: &FlankGrid, loa_force: f64) -> Result<Self, TableError> {
+        let nodes = &grid.axes.displacement_fraction;
+        let basis = Basis::<4>::new(&breaks(nodes, 3, Ends::Onset), Ends::Onset);
+        let fit = Fit::new(&basis, nodes, Axis::Displacement.name())?;
+        let force = fit.along(2, &grid.force_block());
+        let moment = grid.moment_block().map(|b| fit.along(2, &b));
+        let spline = |block: &Block, start: usize, u: f64| {
+            let w = basis.inside(u);
+            let stride = block.stride(2);
+            (0..4)
+                .map(|k| w.value[k] * block.values[start + (w.first + k) * stride])
+                .sum::<f64>()
+        };
+        let [nc, nm, _, np] = force.lengths;
+        let origin = grid.touch_shift()?;
+        let mut fields = grid.field_block();
+        let mut lever = moment.as_ref().map(|_| Block::zeros([nc, nm, 1, np]));
+        for (column, (start, field)) in force.lines(2).zip(fields.lines(2)).enumerate() {
+            let top = spline(&force, start, 1.0);
+            if !(loa_force > 0.0 && loa_force <= top * (1.0 + 1e-9)) {
+                return Err(TableError::field(
+                    "nominalTorque",
+                    format!("{loa_force} N on the line of action"),
+                    format!("the table holds forces above 0 up to {top} N"),
+                    "choose a torque in this range or make tables with a larger maximum_torque_nm",
+                ));
+            }
+            let u = bisection([0.0, 1.0], 60, |u| spline(&force, start, u) < loa_force);
+            let ste = fields.values[field] + u * fields.values[field + np];
+            fields.values[field] = origin[column / np];
+            fields.values[field + np] = ste - origin[column / np];
+            if let (Some(lever), Some(moment)) = (&mut lever, &moment) {
+                lever.values[column] = spline(moment, start, u) / loa_force;
+            }
+        }
+        Ok(AtForce { fields, lever })
+    }
+}
+
+/// Basis and fit of an axis with samples at `nodes`: degree N - 1; a single one has no extent, nothing depends on it.
+pub fn axis<const N: usize>(
+    nodes: &[f64],
+    ends: Ends,
+    name: &str,
+) -> Result<(Basis<N>, Fit), TableError> {
+    let basis = match nodes {
+        [_] => Basis::new(&[], ends),
+        _ => Basis::new(&breaks(nodes, N - 1, ends), ends),
+    };
+    let fit = Fit::new(&basis, nodes, name)?;
+    Ok((basis, fit))
 }
 
 /// A value below the spline of the first of two rows of `fields`, which stays above its least coefficient, by more
@@ -243,20 +337,4 @@ fn least_increments(force: &Block, degree: usize) -> Vec<f64> {
             0.01 * (mean(r) - before).max(0.0)
         })
         .collect()
-}
-
-fn integrate(force: &Block, breaks: &[f64], degree: usize) -> Block {
-    let mut lengths = force.lengths;
-    lengths[2] += 1;
-    let mut out = Block::zeros(lengths);
-    let (from_stride, to_stride) = (force.stride(2), out.stride(2));
-    for (from, to) in force.lines(2).zip(out.lines(2)) {
-        let line: Vec<f64> = (0..force.lengths[2])
-            .map(|r| force.values[from + r * from_stride])
-            .collect();
-        for (r, v) in integrated(&line, breaks, degree).into_iter().enumerate() {
-            out.values[to + r * to_stride] = v;
-        }
-    }
-    out
 }

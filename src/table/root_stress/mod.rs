@@ -5,7 +5,7 @@
 //! is smooth over the load, not its ratio to it: edges and misalignment gather small loads.
 
 use super::load_spline::Columns;
-use super::{LoadAxes, LoadJet, LoadSpline, PerLoad, TableError};
+use super::{LoadAxes, LoadSpline, PerLoad, TableError};
 use serde::{Deserialize, Serialize};
 
 /// Root stress of both flanks, as the tables file holds it.
@@ -89,32 +89,13 @@ impl RootStressRecord {
     }
 }
 
-/// Spline of one flank, with just the dimensions that are switched on.
-#[derive(Debug)]
-pub struct RootStressTable(LoadSpline);
-
-impl RootStressTable {
-    /// As [`LoadSpline::new`].
+impl RootStressSamples {
+    /// Spline of the stress in the roots of gear 1 and gear 2, Pa, as [`LoadSpline::new`].
     ///
     /// # Errors
     /// As there.
-    pub fn new(
-        axes: &LoadAxes,
-        samples: &RootStressSamples,
-        wanted: [bool; 2],
-    ) -> Result<Self, TableError> {
-        let gears = [&samples.gear_1_pa[..], &samples.gear_2_pa];
-        Ok(RootStressTable(LoadSpline::new(
-            axes,
-            (&gears, PerLoad::Effect),
-            wanted,
-        )?))
-    }
-
-    /// Stress in the roots of gear 1 and gear 2, Pa, see [`LoadSpline::evaluate`].
-    pub fn evaluate(&self, query: [f64; 4]) -> [LoadJet; 2] {
-        let mut jets = [LoadJet::default(); 2];
-        self.0.evaluate(query, &mut jets);
-        jets
+    pub fn spline(&self, axes: &LoadAxes, effects: [bool; 2]) -> Result<LoadSpline, TableError> {
+        let gears = [&self.gear_1_pa[..], &self.gear_2_pa];
+        LoadSpline::new(axes, &gears, PerLoad::Effect, effects)
     }
 }

@@ -3,7 +3,7 @@
 //! The quantities of [`Sliding`] are ratios to the load, so that they have nodes of their own ([`LoadAxes`]).
 
 use super::load_spline::Columns;
-use super::{LoadAxes, LoadJet, LoadSpline, PerLoad, TableError};
+use super::{LoadAxes, LoadSpline, PerLoad, TableError};
 use crate::friction::{FrictionLaw, Sliding};
 use serde::{Deserialize, Serialize};
 
@@ -74,34 +74,13 @@ impl FrictionRecord {
     }
 }
 
-/// Spline of one flank, with just the dimensions that are switched on.
-#[derive(Debug)]
-pub struct SlidingTable(LoadSpline);
-
-impl SlidingTable {
-    /// As [`LoadSpline::new`].
+impl SlidingSamples {
+    /// Spline of [`Sliding::share`], `share_z`, `distance` and `weight`, as [`LoadSpline::new`].
     ///
     /// # Errors
     /// As there.
-    pub fn new(
-        axes: &LoadAxes,
-        samples: &SlidingSamples,
-        wanted: [bool; 2],
-    ) -> Result<Self, TableError> {
-        let all: Vec<&[f64]> = samples.columns().into_iter().map(|c| c.1).collect();
-        Ok(SlidingTable(LoadSpline::new(
-            axes,
-            (&all, PerLoad::Ratio),
-            wanted,
-        )?))
-    }
-
-    /// [`Sliding::share`], `share_z`, `distance` and `weight`, see [`LoadSpline::evaluate`].
-    pub fn evaluate(&self, query: [f64; 4]) -> [LoadJet; 4] {
-        let mut jets = [LoadJet::default(); 4];
-        // Laws of the whole mesh have no weights of their own.
-        jets[3].value = 1.0;
-        self.0.evaluate(query, &mut jets);
-        jets
+    pub fn spline(&self, axes: &LoadAxes, effects: [bool; 2]) -> Result<LoadSpline, TableError> {
+        let all: Vec<&[f64]> = self.columns().into_iter().map(|c| c.1).collect();
+        LoadSpline::new(axes, &all, PerLoad::Ratio, effects)
     }
 }

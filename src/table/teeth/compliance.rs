@@ -5,7 +5,8 @@
 
 use super::pairs::MOST;
 use crate::table::TableError;
-use crate::table::interpolation::{Basis, Ends, Fit, Two, axis_basis};
+use crate::table::interpolation::{Basis, Ends, axis};
+use crate::vector::Lanes;
 
 /// Part of itself by which the compliance changes at most beyond an end of the misalignments.
 const BEYOND: f64 = 0.5;
@@ -25,13 +26,9 @@ pub struct Coupling {
 
 impl Coupling {
     /// Through `rows` (m/N), from the distance 1 on, at the `misalignments` (rad, ascending); one of each: the same everywhere.
-    ///
-    /// # Errors
-    /// Nodes through which no spline passes.
     pub fn new(misalignments: &[f64], rows: &[Vec<f64>]) -> Result<Self, TableError> {
-        let basis = axis_basis(misalignments, Ends::Bounded);
         let name = "teeth.axes.misalignment_rad";
-        let fit = Fit::new(&basis, misalignments, Ends::Bounded, name)?;
+        let (basis, fit) = axis(misalignments, Ends::Bounded, name)?;
         let ends = [0, misalignments.len() - 1];
         let mut coupling = Coupling {
             basis,
@@ -61,7 +58,7 @@ impl Coupling {
 
     /// At the misalignment `m`, rad.
     pub fn at(&self, m: f64) -> Taken {
-        let (w, _) = self.basis.weights(Two, m, 2);
+        let (w, _) = self.basis.weights(Lanes::COMMON, m, 2);
         let mut taken = [[0.0; 3]; MOST];
         for (taken, coefficients) in taken[1..].iter_mut().zip(&self.coefficients) {
             let stored = &coefficients[w.first..w.first + w.count];

@@ -10,7 +10,6 @@
 
 mod compliance;
 mod coupled;
-mod linear;
 mod pairs;
 mod record;
 mod runtime;

@@ -2,11 +2,11 @@
 
 use super::compliance::Taken;
 use super::coupled::Closing;
-use super::linear::{SIZE, solve};
 use crate::table::{COORDINATES, Potential};
+use nalgebra::SMatrix;
 
 /// Most tooth pairs in mesh at once.
-pub const MOST: usize = SIZE;
+pub const MOST: usize = 8;
 
 /// One tooth pair that may carry.
 #[derive(Debug, Clone, Copy, Default)]
@@ -88,28 +88,27 @@ impl Pairs {
         (left, energy)
     }
 
-    /// 1 + C K, K the stiffnesses of all.
-    fn matrix(&self) -> [[f64; SIZE]; SIZE] {
-        let mut matrix = [[0.0; SIZE]; SIZE];
+    /// Solution of (1 + C K) x = `right`, K the stiffnesses of all; no numbers where there is none.
+    fn solved<const R: usize>(&self, right: &SMatrix<f64, MOST, R>) -> SMatrix<f64, MOST, R> {
+        let mut matrix = SMatrix::<f64, MOST, MOST>::identity();
         for n in 0..self.count {
-            for other in 0..self.count {
-                matrix[n][other] = self.between(n, other)[0] * self.all[other].found.hessian[0][0];
+            for other in (0..self.count).filter(|other| *other != n) {
+                let stiffness = self.all[other].found.hessian[0][0];
+                matrix[(n, other)] = self.between(n, other)[0] * stiffness;
             }
-            matrix[n][n] = 1.0;
         }
-        matrix
+        let solution = matrix.lu().solve(right);
+        solution.unwrap_or_else(|| SMatrix::from_element(f64::NAN))
     }
 
     /// Newton's step towards a = b - C F, which is `left` now, its largest part, m, and the slope of the complementary energy
     /// along it, J.
     pub fn newton(&self, left: &[f64; MOST]) -> ([f64; MOST], f64, f64) {
-        let mut right = [[0.0; 1]; SIZE];
+        let mut distance = SMatrix::<f64, MOST, 1>::zeros();
         for (n, pair) in self.all().iter().enumerate() {
-            right[n] = [left[n] - pair.at[0]];
+            distance[n] = left[n] - pair.at[0];
         }
-        let distance = right;
-        solve(&mut self.matrix(), &mut right, self.count);
-        let step: [f64; MOST] = std::array::from_fn(|n| right[n][0]);
+        let step: [f64; MOST] = self.solved(&distance).into();
         let mut largest = 0.0f64;
         let mut slope = 0.0;
         for (n, pair) in self.all().iter().enumerate() {
@@ -117,7 +116,7 @@ impl Pairs {
             if step[n].abs() > largest || step[n].is_nan() {
                 largest = step[n].abs();
             }
-            slope -= distance[n][0] * pair.found.hessian[0][0] * step[n];
+            slope -= distance[n] * pair.found.hessian[0][0] * step[n];
         }
         (step, largest, slope)
     }
@@ -181,23 +180,25 @@ impl Pairs {
         }
         let free = slopes;
         if self.count > 1 {
-            let mut right = [[0.0; R]; SIZE];
+            let mut right = SMatrix::<f64, MOST, R>::zeros();
             for n in 0..self.count {
-                right[n] = free[n][0];
+                for x in 0..R {
+                    right[(n, x)] = free[n][0][x];
+                }
                 // What the other coordinates of others change in their loads.
                 for other in 0..self.count {
                     let force = &self.all[other].found.hessian[0];
                     let [by, ..] = self.between(n, other);
                     for j in 1..COORDINATES {
                         for x in 0..R {
-                            right[n][x] -= by * force[j] * free[other][j][x];
+                            right[(n, x)] -= by * force[j] * free[other][j][x];
                         }
                     }
                 }
             }
-            solve(&mut self.matrix(), &mut right, self.count);
+            let solution = self.solved(&right);
             for n in 0..self.count {
-                slopes[n][0] = right[n];
+                slopes[n][0] = std::array::from_fn(|x| solution[(n, x)]);
             }
         }
         for (n, pair) in self.all().iter().enumerate() {

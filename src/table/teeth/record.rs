@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::gear::{Flank, PairGeometry, PairTeeth, Runout, ToothErrors};
-use crate::table::file::grid_on;
-use crate::table::{AxesRecord, FlankGrid, FlankRecord, InterpolationError, TableError};
+use crate::table::{Axes, FlankGrid, InterpolationError, TableError};
 
 use super::pairs::MOST;
 
@@ -16,7 +15,7 @@ const LARGEST_GAIN: f64 = 0.95;
 #[serde(deny_unknown_fields)]
 pub struct TeethRecord {
     /// Nodes; the mesh position is the place of the tooth pair, 0 at `first_place`, 1 at `last_place`.
-    pub axes: AxesRecord,
+    pub axes: Axes,
     /// Where the range of places begins, base pitches from where the tooth pair touches at the pitch point at mid-face.
     pub first_place: f64,
     /// Where it ends; nothing touches there.
@@ -24,9 +23,9 @@ pub struct TeethRecord {
     /// What a force on a tooth pair takes of the approach of the others.
     pub coupling_m_per_n: CouplingRecord,
     /// One tooth pair alone on the drive flank.
-    pub drive: FlankRecord,
+    pub drive: FlankGrid,
     /// On the coast flank, if it is not the drive flank mirrored.
-    pub coast: Option<FlankRecord>,
+    pub coast: Option<FlankGrid>,
     /// What others take there; absent: the same.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coast_coupling_m_per_n: Option<CouplingRecord>,
@@ -38,19 +37,32 @@ pub struct TeethRecord {
     pub error: InterpolationError,
 }
 
-/// What tooth pairs take of each other, m/N.
+/// What tooth pairs take of each other, m/N: neighbours, those two base pitches apart, and so on, each at each node of the
+/// misalignment, or one number for all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(from = "CouplingForms")]
+pub struct CouplingRecord(pub Vec<Vec<f64>>);
+
+/// Older files hold neighbours alone, the same at all misalignments or at each.
+#[derive(Deserialize)]
 #[serde(
     untagged,
     expecting = "coupling_m_per_n: one number, one at each misalignment, or a list of these for each distance"
 )]
-pub enum CouplingRecord {
-    /// Neighbours, the same at all misalignments.
+enum CouplingForms {
     Same(f64),
-    /// Neighbours, at each node of the misalignment.
     Each(Vec<f64>),
-    /// Neighbours, those two base pitches apart, and so on, each at each node of the misalignment.
     Apart(Vec<Vec<f64>>),
+}
+
+impl From<CouplingForms> for CouplingRecord {
+    fn from(form: CouplingForms) -> Self {
+        CouplingRecord(match form {
+            CouplingForms::Same(value) => vec![vec![value]],
+            CouplingForms::Each(values) => vec![values],
+            CouplingForms::Apart(rows) => rows,
+        })
+    }
 }
 
 /// What distinguishes the teeth of one gear on one flank, see [`ToothErrors`].
@@ -184,14 +196,14 @@ impl TeethRecord {
         self.grid(Flank::Coast).check("teeth.coast")?;
         for flank in [Flank::Drive, Flank::Coast] {
             let (name, rows) = self.coupling(flank);
-            let nodes = self.axes.misalignment_rad.len();
+            let nodes = self.axes.misalignment.len();
             if rows.is_empty() || rows.len() >= MOST {
                 let count = format!("{} lists", rows.len());
                 let reason = format!("tooth pairs are 1 to {} base pitches apart", MOST - 1);
                 return refuse(name, count, &reason);
             }
             for values in rows {
-                if values.len() != nodes {
+                if ![1, nodes].contains(&values.len()) {
                     let count = format!("{} numbers", values.len());
                     let reason = format!("there are {nodes} misalignments");
                     return refuse(name, count, &reason);
@@ -220,11 +232,12 @@ impl TeethRecord {
             (Flank::Coast, Some(own)) => ("coast_coupling_m_per_n", own),
             _ => ("coupling_m_per_n", &self.coupling_m_per_n),
         };
-        let rows = match coupling {
-            CouplingRecord::Same(value) => vec![vec![*value; self.axes.misalignment_rad.len()]],
-            CouplingRecord::Each(values) => vec![values.clone()],
-            CouplingRecord::Apart(rows) => rows.clone(),
+        let nodes = self.axes.misalignment.len();
+        let row = |row: &Vec<f64>| match row[..] {
+            [value] => vec![value; nodes],
+            _ => row.clone(),
         };
+        let rows = coupling.0.iter().map(row).collect();
         (name, rows)
     }
 
@@ -250,11 +263,11 @@ impl TeethRecord {
 
     /// Samples of `flank`; the coast flank without its own: those of the drive flank.
     pub fn grid(&self, flank: Flank) -> FlankGrid {
-        let record = match (flank, &self.coast) {
+        let samples = match (flank, &self.coast) {
             (Flank::Coast, Some(own)) => own,
             _ => &self.drive,
         };
-        grid_on(&self.axes, record)
+        samples.on(&self.axes)
     }
 
     /// Errors of the teeth.

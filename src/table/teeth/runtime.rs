@@ -123,23 +123,15 @@ fn largest_gain(grid: &FlankGrid, pair: &FlankTable, coupling: &Coupling, length
     let axes = &grid.axes;
     let places = &axes.mesh_position;
     let columns = places.len();
-    let offsets = axes.center_distance_offset.iter();
-    let nodes = offsets.flat_map(|&c| axes.misalignment.iter().map(move |&m| (c, m)));
-    let gains = nodes.enumerate().map(|(node, (c, m))| {
-        let ends = grid.no_load_approach.iter().zip(&grid.top_load_approach);
-        let ends = ends.skip(node * columns).zip(places);
-        let stiffness = |((low, top), &p): ((&f64, &f64), &f64)| {
-            let at = |u: &f64| Query {
-                delta: low + u * (top - low),
-                center_distance_offset: c,
-                misalignment: m,
-                mesh_position: p,
-            };
-            let found = axes.displacement_fraction.iter().map(at);
-            largest(found.map(|at| pair.evaluate(&at, false).hessian[0][0]))
+    let [nc, nm, nu, _] = axes.lengths();
+    let nodes = (0..nc).flat_map(|c| (0..nm).map(move |m| (c, m)));
+    let gains = nodes.map(|(c, m)| {
+        let stiffness = |p: usize| {
+            let at = |u| pair.evaluate(&grid.query([c, m, u, p]), false);
+            largest((0..nu).map(|u| at(u).hessian[0][0]))
         };
-        let stiffness: Vec<f64> = ends.map(stiffness).collect();
-        let taken = coupling.at(m);
+        let stiffness: Vec<f64> = (0..columns).map(stiffness).collect();
+        let taken = coupling.at(axes.misalignment[m]);
         let first = places.iter().take_while(|p| **p * length < 1.0);
         largest(first.map(|p| {
             // Of the nodes on either side, and where they end.

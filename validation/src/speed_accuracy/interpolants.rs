@@ -86,19 +86,10 @@ fn write(page: &mut Page, dimensions: usize, outcomes: Vec<Outcome>) -> Result<(
         let name = if on_front { format!("**{}**", o.name) } else { o.name.to_owned() };
         let numbers = row![fixed(o.table.bytes() as f64 / 1e3, 0), fixed(o.time[0], 0), fixed(o.time[1], 0)];
         let errors = row![fixed(100.0 * o.error[0], 3), fixed(100.0 * o.error[1], 3)];
-        [row![name, o.grid], numbers, errors, row![fixed(o.table.checks().minimum_slope, 3)]].concat()
+        [row![name, o.grid], numbers, errors].concat()
     };
     let rows: Vec<_> = outcomes.iter().map(row).collect();
-    let head = [
-        "interpolation",
-        "grid",
-        "kB",
-        "value, ns",
-        "with gradient, ns",
-        "rms error, %",
-        "largest error, %",
-        "least slope",
-    ];
+    let head = ["interpolation", "grid", "kB", "value, ns", "with gradient, ns", "rms error, %", "largest error, %"];
     page.table(&format!("interpolants-{dimensions}d"), &head, &rows)?;
     let point = |o: &Outcome| (o.time[1], 100.0 * o.error[0]);
     let mut series = vec![];

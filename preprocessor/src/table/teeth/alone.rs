@@ -41,9 +41,6 @@ pub struct AloneOver<'a> {
 impl Alone {
     /// Of `flank` over the centre distances and misalignments of `axes`, where errors of the teeth are up to `spread` (m)
     /// apart.
-    ///
-    /// # Errors
-    /// A solve that fails.
     pub fn new(
         solver: &ContactSolver,
         flank: Flank,
@@ -201,11 +198,7 @@ impl AlonePosition<'_> {
             .problem
             .solve_beyond(prescribed, misalignment, self.warm.as_ref())
             .map_err(|e| e.to_string())?;
-        let sample = Sample {
-            approach: result.approach,
-            loa_force: result.loa_force,
-            moment: result.moment,
-        };
+        let sample = Sample::from(&result);
         self.warm = Some(result);
         Ok(sample)
     }

@@ -25,9 +25,6 @@ const TOLD: f64 = 1e-4;
 /// least squares of what tooth pairs lack of their approach beside others, over loads up to the largest of `coverage`.
 ///
 /// Neighbours share tooth roots and rim, which follows the misalignment; beyond them it is the body, and the same at all.
-///
-/// # Errors
-/// A solve that fails; no mesh position at which two tooth pairs carry.
 pub fn coupling(
     solver: &ContactSolver,
     coverage: &Coverage,

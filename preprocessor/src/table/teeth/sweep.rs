@@ -1,22 +1,18 @@
 //! Makes the table of one tooth pair, tells what couples neighbours, and measures both against contact at run time.
 
-use rayon::prelude::*;
-use std::sync::atomic::Ordering;
-
 use super::alone::Alone;
 use super::coupling::coupling;
-use crate::table::plan::{Coverage, displacement_nodes, drawn, graded, mesh_positions};
+use crate::table::measure::{self, drawn, errors};
+use crate::table::plan::{Coverage, displacement_nodes, graded, mesh_positions};
 use crate::table::sweep::{Watch, point, sweep};
 use gearmesh::contact::{ContactFile, ContactSolver, Warm};
 use gearmesh::gear::Flank;
 use gearmesh::random::Random;
+use gearmesh::root::bisection;
 use gearmesh::table::{
-    Axes, AxesRecord, Effects, FlankRecord, Interpolation, InterpolationError, Load, Query,
-    TableError,
+    Axes, CouplingRecord, Effects, GearTeethRecord, Interpolation, InterpolationError, Load, Query,
+    TableError, TeethFlank, TeethRecord,
 };
-use gearmesh::table::{CouplingRecord, GearTeethRecord, TeethFlank, TeethRecord};
-
-const MEASURE_SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// Approach beyond all loads, m.
 const FARTHEST: f64 = 1e-2;
@@ -94,16 +90,14 @@ impl TeethSweep<'_> {
         let (mut grids, mut couplings) = (vec![], vec![]);
         for (source, &flank) in sources.iter().zip(flanks) {
             let source = source.over([first, last - first]);
-            grids.push(FlankRecord::new(&sweep(
-                &source, flank, &axes, torque, watch,
-            )?));
+            grids.push(sweep(&source, flank, &axes, torque, watch)?.for_file());
             let told = coupling(self.solver, self.coverage, flank, &axes.misalignment)?;
-            couplings.push(CouplingRecord::Apart(told));
+            couplings.push(CouplingRecord(told));
         }
         let (mut grids, mut couplings) = (grids.into_iter(), couplings.into_iter());
         let errors = |gears: &[_; 2]| gears.each_ref().map(GearTeethRecord::from);
         let mut record = TeethRecord {
-            axes: AxesRecord::from(&axes),
+            axes,
             first_place: first,
             last_place: last,
             coupling_m_per_n: couplings.next().expect("there is always a drive flank"),
@@ -135,8 +129,8 @@ impl TeethSweep<'_> {
         let effects = Effects {
             interpolation: Interpolation::Spline,
             load: Load::Variable,
-            center_distance: record.axes.center_distance_offset_m.len() > 1,
-            misalignment: record.axes.misalignment_rad.len() > 1,
+            center_distance: record.axes.center_distance_offset.len() > 1,
+            misalignment: record.axes.misalignment.len() > 1,
             shuttling: true,
             friction: false,
             root_stress: false,
@@ -149,9 +143,9 @@ impl TeethSweep<'_> {
         let rb = geometry.gears[0].base_radius();
         let force = self.coverage.nominal_torque / rb;
         let nominal = [force, 0.5 * force * geometry.face_overlap().1];
-        let mut random = Random::new(MEASURE_SEED);
+        let mut random = Random::new(measure::SEED);
         let turn = f64::from(geometry.gears[0].teeth) * f64::from(geometry.gears[1].teeth);
-        let queries: Vec<(f64, Query)> = (0..points)
+        let points = (0..points)
             .map(|_| {
                 let query = Query {
                     delta: 0.0,
@@ -162,27 +156,21 @@ impl TeethSweep<'_> {
                     misalignment: drawn(&mut random, self.coverage.misalignment),
                     mesh_position: turn * random.next(),
                 };
-                (self.coverage.maximum_torque * random.next() / rb, query)
+                (self.coverage.maximum_torque * random.next(), query)
             })
             .collect();
-        let errors: Vec<[f64; 2]> = queries
-            .into_par_iter()
-            .map(|(force, mut q)| {
-                if watch.cancel.load(Ordering::Relaxed) {
-                    return Err(TableError::Cancelled);
-                }
-                q.delta = approach(&level, &q, force);
-                let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
-                let found = level.evaluate(&q, [0; 2], false);
-                let exact = exact
-                    .potential([q.delta, c, m, p], [0; 2], &mut Warm::default())
-                    .map_err(|error| TableError::Solve {
-                        point: point(flank, c, m, p),
-                        message: error.to_string(),
-                    })?;
-                Ok([0, 2].map(|i| (found.gradient[i] - exact.gradient[i]) / nominal[i / 2]))
-            })
-            .collect::<Result<_, _>>()?;
+        let errors = errors(points, watch, |(torque, mut q)| {
+            q.delta = approach(&level, &q, torque / rb);
+            let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
+            let found = level.evaluate(&q, [0; 2], false);
+            let exact = exact
+                .potential([q.delta, c, m, p], [0; 2], &mut Warm::default())
+                .map_err(|error| TableError::Solve {
+                    point: point(flank, c, m, p),
+                    message: error.to_string(),
+                })?;
+            Ok([0, 2].map(|i| (found.gradient[i] - exact.gradient[i]) / nominal[i / 2]))
+        })?;
         Ok(InterpolationError::of(&errors))
     }
 }
@@ -193,14 +181,5 @@ fn approach(level: &TeethFlank, query: &Query, force: f64) -> f64 {
         let query = Query { delta, ..*query };
         level.evaluate(&query, [0; 2], false).gradient[0]
     };
-    let (mut low, mut high) = (-FARTHEST, FARTHEST);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if carried(middle) < force {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
+    bisection([-FARTHEST, FARTHEST], 50, |delta| carried(delta) < force)
 }

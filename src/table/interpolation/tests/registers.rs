@@ -8,7 +8,6 @@ use crate::table::{FlankTable, Interpolation, Potential};
 fn bits(w: &Potential) -> Vec<u64> {
     let all = [w.value].into_iter().chain(w.gradient);
     all.chain(w.hessian.into_iter().flatten())
-        .chain(w.stiffness_gradient.into_iter().flatten())
         .map(|x| if x.is_nan() { f64::NAN } else { x }.to_bits())
         .chain([u64::from(w.out_of_range)])
         .collect()

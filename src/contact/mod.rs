@@ -21,9 +21,8 @@
 //! touch the base circle of gear 2. There the torques are not in the ratio of the base radii, and mesh position
 //! and approach are those of a pair whose gear 2 is held and whose gear 1 is turned.
 
-mod at_edges;
+mod along;
 mod candidates;
-mod cholesky;
 mod closest;
 mod complementarity;
 mod condensed;
@@ -33,15 +32,12 @@ mod cycle_data;
 mod deflection;
 mod error;
 mod file;
-mod four;
 mod influence;
 pub(crate) mod local;
 #[cfg(feature = "preprocess")]
 mod mesh_cycle;
-mod near;
 mod numbers;
 mod position;
-mod pressure;
 #[cfg(feature = "preprocess")]
 mod reach;
 mod result;
@@ -56,7 +52,6 @@ mod solver;
 #[cfg(feature = "preprocess")]
 mod tooth_pairs;
 mod transverse;
-mod warm;
 
 pub use candidates::Candidate;
 pub use complementarity::MAXIMUM_ITERATIONS;
@@ -73,11 +68,10 @@ pub use position::PositionProblem;
 pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
 #[cfg(feature = "preprocess")]
 pub use root_stress::{GearRoots, PositionRoots, ToothRoot};
-pub use runtime::{ContactPotential, RuntimeContact};
+pub use runtime::{ContactPotential, RuntimeContact, Warm};
 pub use setup::{ContactSettings, ContactSetup};
 #[cfg(feature = "preprocess")]
 pub use solver::ContactSolver;
-pub use warm::Warm;
 
 #[cfg(all(test, feature = "preprocess"))]
 mod tests;

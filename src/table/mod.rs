@@ -38,7 +38,6 @@ pub use error::TableError;
 pub use file::{AxesRecord, FlankRecord, InterpolationError, TableFile, VERSION};
 pub use file_geometry::GeometryRecord;
 pub use grid::{Axes, Axis, FlankGrid};
-pub(crate) use interpolation::widest;
 pub use interpolation::{Checks, FlankTable, Interpolation};
 pub use load_spline::{LoadAxes, LoadJet, LoadSpline, PerLoad};
 pub use root_stress::{RootStressError, RootStressRecord, RootStressSamples, RootStressTable};

@@ -98,15 +98,6 @@ pub struct Four {
     _detected: (),
 }
 
-/// `work()`, compiled for the widest registers that this processor has with all that is inlined into it.
-#[inline(always)]
-pub fn widest<T>(work: impl FnOnce() -> T) -> T {
-    match Four::detect() {
-        Some(four) => four.run(work),
-        None => work(),
-    }
-}
-
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code)]
 mod avx {

@@ -23,7 +23,7 @@ pub(crate) use basis::{Basis, Ends};
 pub(crate) use compiled::ANY;
 pub(crate) use fit::{Block, Fit, breaks, row_at};
 pub(crate) use kernel::{Coefficients, over_displacement};
-pub(crate) use lanes::{Two, widest};
+pub(crate) use lanes::Two;
 pub(crate) use tensor::axis_basis;
 
 use super::{FlankGrid, Potential, Query, TableError};

@@ -56,7 +56,6 @@
 pub mod compliance;
 pub mod contact;
 pub mod element;
-mod f64x4;
 pub mod fmi;
 pub mod friction;
 pub mod gear;

@@ -11,15 +11,6 @@ pub(crate) struct Lanes {
     avx: bool,
 }
 
-/// `work()`, compiled for the widest registers of this processor with all that is inlined into it.
-#[inline(always)]
-pub(crate) fn widest<T>(work: impl FnOnce() -> T) -> T {
-    Lanes::widest().run(
-        #[inline(always)]
-        |_| work(),
-    )
-}
-
 impl Lanes {
     /// Two lanes, which every x86-64 has; other processors in their own way.
     pub const COMMON: Lanes = Lanes { avx: false };

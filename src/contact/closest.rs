@@ -16,7 +16,7 @@
 use super::local::constants::{LEAST_CURVATURE, TOPOGRAPHY_OVER_RADIUS};
 use super::local::{Break, GapProfile};
 use super::transverse::{TransversePoint, TransverseSection};
-use crate::gear::{Microgeometry, PairGeometry, ProfilePiece};
+use crate::gear::{Microgeometry, PairGeometry};
 
 /// Relative distance at which the search for the closest point ends, over the relative radius of curvature.
 const TOLERANCE: f64 = 1e-10;
@@ -45,14 +45,9 @@ pub struct ClosestPoint {
 pub struct LeastGap {
     /// Gap along the line of action, m.
     pub gap: f64,
-    /// Distance from the nominal point, m.
+    /// Distance from the nominal point along both flanks towards the tip of gear 1, m.
     pub s: f64,
-    /// First and second derivatives of both removals over the length of roll there, along the line of action.
-    pub(super) removal: Option<[[f64; 2]; 2]>,
 }
-
-/// Rates of the least gap, of the lengths of roll of both gears there, and of the curvature of what is removed there, 1/m.
-pub type Rates = (f64, [f64; 2], f64);
 
 /// Both flanks about one point of the transverse section.
 #[derive(Clone, Copy)]
@@ -97,16 +92,6 @@ impl<'a> Flanks<'a> {
         }
     }
 
-    /// That of [`ClosestPoint::arms`] about the axis of gear 1.
-    pub fn arm(&self) -> f64 {
-        self.at.arms[0]
-    }
-
-    /// Whether the point lies on the path of contact.
-    pub fn on_path(&self) -> bool {
-        self.at.separation == 0.0 && self.at.slope == 0.0
-    }
-
     fn rolls(&self, s: f64) -> [f64; 2] {
         let (roll, by_s) = (&self.at.roll, &self.roll_by_s);
         [roll[0] + s * by_s[0], roll[1] + s * by_s[1]]
@@ -123,67 +108,6 @@ impl<'a> Flanks<'a> {
             + self.at.slope * s
             + 0.5 * s * s * self.curvature
             + self.per_cos * (removal(0) + removal(1))
-    }
-
-    /// Rates of the least gap, `least`, of the lengths of roll there and of the curvature of both removals over s, normal to
-    /// the flanks, while the lengths of roll of the nominal point change at each of the rates `rolls`, on the path of contact; `None` beyond it, where the closest point is at an end or at a
-    /// kink, and for a topography.
-    ///
-    /// The least gap changes as that at the present s, which is stationary.
-    pub fn rates(&self, least: &LeastGap, rolls: [[f64; 2]; 2]) -> Option<[Rates; 2]> {
-        let at = &self.at;
-        if !self.on_path() {
-            return None;
-        }
-        if self.is_nominal() {
-            return Some(rolls.map(|rolls| (0.0, rolls, 0.0)));
-        }
-        if self.microgeometry.iter().any(|m| m.topography.is_some()) {
-            return None;
-        }
-        let kappa = self.section.numbers().kappa;
-        let s = least.s;
-        let removal = least.removal.unwrap_or_else(|| {
-            let here = self.rolls(s);
-            [0, 1].map(|i| {
-                let (m, gear) = (self.microgeometry[i], &self.geometry.gears[i]);
-                let slope = self.per_cos * m.slope(gear, here[i], self.z[i]);
-                [slope, self.per_cos * m.curvature(here[i])]
-            })
-        });
-        let slope = s * self.curvature
-            + self.roll_by_s[0] * removal[0][0]
-            + self.roll_by_s[1] * removal[1][0];
-        // The steps of the search end below a tolerance; at a kink the slope jumps past zero.
-        if slope.abs() > 100.0 * TOLERANCE {
-            return None;
-        }
-        let by_s = &self.roll_by_s;
-        let stiffness =
-            self.curvature + by_s[0] * by_s[0] * removal[0][1] + by_s[1] * by_s[1] * removal[1][1];
-        let rates = |rolls: [f64; 2]| {
-            let (mut curvature, mut gap, mut slope) = (0.0, 0.0, 0.0);
-            let mut bend = 0.0;
-            // Of the lengths of roll at the present s.
-            let mut held = [0.0; 2];
-            for i in 0..2 {
-                let relative = rolls[i] / at.roll[i];
-                curvature -= kappa[i] * relative / at.roll[i];
-                let by_s = -self.roll_by_s[i] * relative;
-                held[i] = rolls[i] + s * by_s;
-                let [first, second] = removal[i];
-                gap += first * held[i];
-                slope += by_s * first + self.roll_by_s[i] * second * held[i];
-                bend += 2.0 * self.roll_by_s[i] * by_s * second / self.per_cos;
-            }
-            let moved = -(s * curvature + slope) / stiffness;
-            let rates = [
-                held[0] + self.roll_by_s[0] * moved,
-                held[1] + self.roll_by_s[1] * moved,
-            ];
-            (gap + 0.5 * s * s * curvature, rates, bend)
-        };
-        Some([rates(rolls[0]), rates(rolls[1])])
     }
 
     /// Whether nothing moves the closest point off the nominal line.
@@ -237,22 +161,16 @@ impl<'a> Flanks<'a> {
                 return Some(LeastGap {
                     gap: at.separation + self.per_cos * (first.removal + second.removal),
                     s: 0.0,
-                    removal: None,
                 });
             }
             let step = -slope / bend;
             if sense * (from + step) <= limit.min(end) && bend > 0.0 {
-                let removal = |i: usize, piece: &ProfilePiece| {
-                    let slope = piece.slope + step * by_s[i] * piece.curvature;
-                    [self.per_cos * slope, self.per_cos * piece.curvature]
-                };
                 return Some(LeastGap {
                     gap: at.separation
                         + from * (at.slope + 0.5 * from * self.curvature)
                         + self.per_cos * (first.removal + second.removal)
                         + step * (slope + 0.5 * step * bend),
                     s: from + step,
-                    removal: Some([removal(0, first), removal(1, second)]),
                 });
             }
             s = sense * limit.min(end);
@@ -268,7 +186,6 @@ impl<'a> Flanks<'a> {
         LeastGap {
             gap: self.gap(s),
             s,
-            removal: None,
         }
     }
 
@@ -328,11 +245,7 @@ impl<'a> Flanks<'a> {
                 let t = s - at;
                 let here = gap + t * (slope + 0.5 * t * (bend + t * twist / 3.0));
                 if from <= s && s <= end && here < least.gap {
-                    least = LeastGap {
-                        gap: here,
-                        s,
-                        removal: None,
-                    };
+                    least = LeastGap { gap: here, s };
                 }
             }
             from = end;
@@ -340,19 +253,13 @@ impl<'a> Flanks<'a> {
         least
     }
 
-    /// Where both flanks come closest.
+    /// Where both flanks come closest, and the gap about that point.
     pub fn closest_point(&self) -> ClosestPoint {
-        self.closest_point_at(&self.least_gap())
-    }
-
-    /// The closest point whose gap is `least`.
-    #[inline]
-    pub fn closest_point_at(&self, least: &LeastGap) -> ClosestPoint {
-        let s = least.s;
+        let LeastGap { gap, s } = self.least_gap();
         let roll = self.rolls(s);
         ClosestPoint {
             roll,
-            gap: least.gap,
+            gap,
             s,
             profile: self.profile(s, roll),
             arms: self.at.arms,

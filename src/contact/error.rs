@@ -108,14 +108,12 @@ pub enum ContactError {
     },
     /// The influence matrix is not positive definite.
     #[error(
-        "{at}: the elastic model of the teeth is not positive definite (pivot {pivot}); \
+        "{at}: the elastic model of the teeth is not positive definite; \
          choose another compliance.refinement in the pair file"
     )]
     NotPositiveDefinite {
         /// Where.
         at: OperatingPoint,
-        /// Index of the failing pivot among the strips in contact.
-        pivot: usize,
     },
     /// Teeth may touch that lie farther apart than the elastic model was computed for.
     #[error(

@@ -1,35 +1,36 @@
 //! How strips give way to each other's forces, divided between bulk and local contact.
 
-use super::candidates::Candidate;
+use nalgebra::DMatrix;
 
 use super::local::{
     Piece,
     constants::{SMOOTHING_OVER_LAYER, SMOOTHING_OVER_REFERENCE},
     divide,
 };
-use super::numbers::PairNumbers;
+use super::{candidates::Candidate, numbers::PairNumbers};
 use crate::compliance::{BeyondModel, Strip, ToothCompliance};
 
 /// Influence of strips on each other and what completes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Influence {
-    /// Displacement of strip i per force on strip j, m/N, row by row, less what the local contact has taken over.
-    pub bulk: Vec<f64>,
+    /// Displacement of strip i per force on strip j, m/N, less what the local contact has taken over.
+    pub bulk: DMatrix<f64>,
     /// Reference lengths of the local contact, per gear, m.
     pub lengths: [Vec<f64>; 2],
 }
 
 impl Influence {
-    /// Of `candidates`, as the gears see them in `seen`, by the elastic models `compliance`; the local contact asks for the reference length
-    /// `wanted`, m.
+    /// Of `candidates`, as the gears see them in `seen`, by the elastic models `compliance`; the local contact asks for the
+    /// reference length `reference`, m.
     pub fn new(
         numbers: &PairNumbers,
         compliance: [&dyn ToothCompliance; 2],
-        (candidates, seen): (&[Candidate], &[[Strip; 2]]),
-        wanted: f64,
+        candidates: &[Candidate],
+        seen: &[[Strip; 2]],
+        reference: f64,
     ) -> Result<Influence, BeyondModel> {
         let n = candidates.len();
-        let mut bulk = nalgebra::DMatrix::zeros(n, n);
+        let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [Vec::new(), Vec::new()];
         for (i, model) in compliance.iter().enumerate() {
             let strips: Vec<Strip> = seen.iter().map(|both| both[i]).collect();
@@ -45,9 +46,7 @@ impl Influence {
             lengths[i] = model.reference_lengths(&strips);
         }
         // Rounding must not break the symmetry that the energy rests on.
-        let mut symmetric: Vec<f64> = (0..n * n)
-            .map(|at| 0.5 * (bulk[(at / n, at % n)] + bulk[(at % n, at / n)]))
-            .collect();
+        let mut bulk = 0.5 * (&bulk + bulk.transpose());
         let cos_beta_b = numbers.cos_beta_b;
         let pieces: Vec<Piece> = candidates
             .iter()
@@ -57,23 +56,18 @@ impl Influence {
                 length: c.length(cos_beta_b),
             })
             .collect();
-        let layer = compliance
-            .iter()
-            .map(|model| model.lengthwise_resolution() / cos_beta_b)
-            .fold(0.0, f64::max);
+        let layers = compliance.map(|model| model.lengthwise_resolution() / cos_beta_b);
         divide(
-            &mut symmetric,
+            &mut bulk,
             &mut lengths,
             numbers
                 .plane_compliance
                 .map(|p| 2.0 * p / std::f64::consts::PI),
             &pieces,
-            wanted,
-            (SMOOTHING_OVER_LAYER * layer).max(SMOOTHING_OVER_REFERENCE * wanted),
+            reference,
+            (SMOOTHING_OVER_LAYER * layers[0].max(layers[1]))
+                .max(SMOOTHING_OVER_REFERENCE * reference),
         );
-        Ok(Influence {
-            bulk: symmetric,
-            lengths,
-        })
+        Ok(Influence { bulk, lengths })
     }
 }

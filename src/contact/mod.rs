@@ -21,22 +21,18 @@
 //! touch the base circle of gear 2. There the torques are not in the ratio of the base radii, and mesh position
 //! and approach are those of a pair whose gear 2 is held and whose gear 1 is turned.
 
-mod at_edges;
+mod along;
 mod candidates;
-mod cholesky;
 mod closest;
 mod complementarity;
 mod condensed;
 mod deflection;
 mod error;
 mod file;
-mod four;
 mod influence;
 mod local;
-mod near;
 mod numbers;
 mod position;
-mod pressure;
 mod reach;
 mod result;
 mod runtime;
@@ -45,7 +41,6 @@ mod sliding;
 mod solver;
 mod tooth_pairs;
 mod transverse;
-mod warm;
 
 pub use candidates::Candidate;
 pub use complementarity::MAXIMUM_ITERATIONS;
@@ -56,10 +51,9 @@ pub use file::ContactFile;
 pub use local::widest_contact;
 pub use position::PositionProblem;
 pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
-pub use runtime::{ContactPotential, RuntimeContact};
+pub use runtime::{ContactPotential, RuntimeContact, Warm};
 pub use setup::{ContactSettings, ContactSetup};
 pub use solver::ContactSolver;
-pub use warm::Warm;
 
 #[cfg(test)]
 mod tests;

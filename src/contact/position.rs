@@ -1,47 +1,49 @@
 //! Contact at one position of the mesh, for any load and misalignment.
 
-use super::at_edges::NearEdge;
+use nalgebra::{DMatrix, DVector};
+
+use super::along::Along;
 use super::candidates::{Candidate, POINTS};
-use super::complementarity::{Failure, Problem, Solution, Target};
+use super::complementarity::{Failure, Problem, Solution, Start, Target};
 use super::error::{ContactError, OperatingPoint, Prescribed};
 use super::influence::Influence;
-use super::local::{LocalBody, LocalContact};
+use super::local::{GapProfile, LocalBody, LocalContact};
 use super::numbers::PairNumbers;
-use super::pressure::Beside;
 use super::result::ContactResult;
 
 /// The contact problem at one position and centre distance: influence matrix and gaps.
 pub struct PositionProblem {
     pub(super) candidates: Vec<Candidate>,
-    /// Bulk influence matrix of both gears, row by row.
-    bulk: Vec<f64>,
+    /// Bulk influence matrix of both gears over the strips, m/N, less what local contact has taken over.
+    pub(super) bulk: DMatrix<f64>,
     /// Law of one point of each strip.
     pub(super) local: Vec<LocalContact>,
-    /// Laws at other places of each strip, for pressure; none where that is not asked for.
-    pub(super) beside: Vec<Beside>,
-    /// Places of each strip near a tip edge, ascending in z; none at all where that is not asked for.
-    pub(super) near_edges: Vec<Vec<NearEdge>>,
+    /// Laws along each strip; none at all where loads along strips are not asked for.
+    pub(super) along: Vec<Along>,
     /// Reference lengths of both gears at each strip, m.
     lengths: [Vec<f64>; 2],
-    /// [`Candidate::levers`], m.
-    pub(super) lever: Vec<[f64; POINTS]>,
     /// Arm of the normal force on each strip about the axis of gear 1, over its base radius.
-    pub(super) arm: Vec<f64>,
+    pub(super) arm: DVector<f64>,
     pub(super) cos_beta_b: f64,
     base_radius: f64,
     pub(super) z_ref: f64,
     limits: Limits,
 }
 
-/// Law of one point of `strip` with the reference lengths `lengths` (m) of both gears.
-pub(super) fn law(numbers: &PairNumbers, strip: &Candidate, lengths: [f64; 2]) -> LocalContact {
+/// Law of one point of `strip` where the gap is `profile`, with the reference lengths `lengths` (m) of both gears.
+pub(super) fn law(
+    numbers: &PairNumbers,
+    strip: &Candidate,
+    profile: &GapProfile,
+    lengths: [f64; 2],
+) -> LocalContact {
     let bodies = [0, 1].map(|i| LocalBody {
         plane_compliance: numbers.plane_compliance[i],
         reference_length: lengths[i],
         corner: numbers.corners[i],
     });
     let length = strip.length(numbers.cos_beta_b) / POINTS as f64;
-    LocalContact::new(bodies, &strip.profile, length)
+    LocalContact::new(bodies, profile, length)
 }
 
 /// What holds for all loads at one position.
@@ -64,24 +66,18 @@ impl PositionProblem {
         limits: Limits,
     ) -> PositionProblem {
         let cos_beta_b = numbers.cos_beta_b;
-        let local = (candidates.iter().enumerate())
-            .map(|(i, strip)| {
-                law(
-                    numbers,
-                    strip,
-                    [0, 1].map(|gear| influence.lengths[gear][i]),
-                )
-            })
-            .collect();
+        let each = candidates.iter().enumerate();
+        let local = each.map(|(i, strip)| {
+            let lengths = [0, 1].map(|gear| influence.lengths[gear][i]);
+            law(numbers, strip, &strip.profile, lengths)
+        });
         PositionProblem {
-            lever: candidates.iter().map(|c| c.levers).collect(),
-            arm: candidates.iter().map(|c| c.arms[0] * cos_beta_b).collect(),
+            local: local.collect(),
+            arm: DVector::from_fn(candidates.len(), |i, _| candidates[i].arms[0] * cos_beta_b),
             candidates,
             bulk: influence.bulk,
             lengths: influence.lengths,
-            local,
-            beside: vec![],
-            near_edges: vec![],
+            along: vec![],
             cos_beta_b,
             base_radius: numbers.base_radius[0],
             z_ref: numbers.z_ref,
@@ -94,19 +90,18 @@ impl PositionProblem {
         &self.candidates
     }
 
-    /// Bulk influence matrix of both gears over the strips, m/N, row by row, less what the local contact has
-    /// taken over from its diagonal.
-    pub fn bulk(&self) -> &[f64] {
+    /// Bulk influence matrix of both gears over the strips, m/N, less what the local contact has taken over from its diagonal.
+    pub fn bulk(&self) -> &DMatrix<f64> {
         &self.bulk
     }
 
     /// Gaps at the points of each strip along the normal under `misalignment`, m. At a tip edge the normal is turned by so little that
     /// a tilt closes there, unlike an approach, as much as on the path.
     fn gaps(&self, misalignment: f64) -> Vec<[f64; POINTS]> {
-        let strips = self.candidates.iter().zip(&self.lever);
         let left = |gap: f64, lever: f64| self.cos_beta_b * (gap - misalignment * lever);
+        let strips = self.candidates.iter();
         strips
-            .map(|(c, lever)| std::array::from_fn(|q| left(c.gap[q], lever[q])))
+            .map(|c| std::array::from_fn(|q| left(c.gap[q], c.levers[q])))
             .collect()
     }
 
@@ -178,10 +173,9 @@ impl PositionProblem {
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        let start = warm.map(|w| (w.forces.as_slice(), w.approach));
+        let found = self.solution(target, misalignment, warm.map(start).as_ref())?;
         let at = self.operating_point(target, misalignment);
-        let (result, excess) = self.solve_any(target, misalignment, start)?;
-        match excess {
+        match found.excess {
             Some(Excess::Pressure(pressure)) => Err(ContactError::Overload {
                 at,
                 pressure_mpa: 1e-6 * pressure,
@@ -191,7 +185,7 @@ impl PositionProblem {
                 needed_um: 1e6 * needed,
                 reach_um: 1e6 * reach,
             }),
-            None => Ok(result),
+            None => Ok(self.result(found)),
         }
     }
 
@@ -210,8 +204,8 @@ impl PositionProblem {
             Prescribed::Torque(torque) => Target::Force(torque / self.base_radius),
             Prescribed::Approach(approach) => Target::Approach(approach),
         };
-        let start = warm.map(|w| (w.forces.as_slice(), w.approach));
-        Ok(self.solve_any(target, misalignment, start)?.0)
+        let found = self.solution(target, misalignment, warm.map(start).as_ref())?;
+        Ok(self.result(found))
     }
 
     fn operating_point(&self, target: Target, misalignment: f64) -> OperatingPoint {
@@ -225,49 +219,41 @@ impl PositionProblem {
         }
     }
 
-    /// Solves from `start` (forces, approach) and tells what the solution exceeds of what the model is made for.
-    fn solve_any(
-        &self,
-        target: Target,
-        misalignment: f64,
-        start: Option<(&[f64], f64)>,
-    ) -> Result<(ContactResult, Option<Excess>), ContactError> {
-        let found = self.solution(target, misalignment, start)?;
-        Ok((self.result(found.solution, &found.gap), found.excess))
-    }
-
-    /// As [`PositionProblem::solve_any`]: the bare solution.
+    /// Solves from `start` where there is one, and says what the solution exceeds of what the model is made for.
     pub(super) fn solution(
         &self,
         target: Target,
         misalignment: f64,
-        start: Option<(&[f64], f64)>,
+        start: Option<&Start>,
     ) -> Result<Found, ContactError> {
         finite("misalignment", misalignment)?;
         let gap = self.gaps(misalignment);
-        let problem = self.problem(&gap);
-        let at = || self.operating_point(target, misalignment);
+        let problem = Problem {
+            bulk: &self.bulk,
+            local: &self.local,
+            gap: &gap,
+            arm: &self.arm,
+        };
         let solution = problem
             .solve(target, start, self.limits.foundation)
-            .map_err(|failure| match failure {
-                Failure::NotPositiveDefinite { pivot } => {
-                    ContactError::NotPositiveDefinite { at: at(), pivot }
+            .map_err(|failure| {
+                let at = self.operating_point(target, misalignment);
+                match failure {
+                    Failure::NotPositiveDefinite => ContactError::NotPositiveDefinite { at },
+                    Failure::NotConverged {
+                        iterations,
+                        residual,
+                    } => ContactError::NotConverged {
+                        at,
+                        iterations,
+                        residual,
+                    },
                 }
-                Failure::NotConverged {
-                    iterations,
-                    residual,
-                } => ContactError::NotConverged {
-                    at: at(),
-                    iterations,
-                    residual,
-                },
             })?;
         let mut excess = problem.overload(&solution).map(Excess::Pressure);
         if let (None, Some(reach)) = (excess, self.limits.reach) {
-            let needed = self
-                .lever
-                .iter()
-                .flatten()
+            let levers = self.candidates.iter().flat_map(|c| c.levers);
+            let needed = levers
                 .map(|lever| solution.approach + misalignment * lever)
                 .fold(f64::NEG_INFINITY, f64::max);
             excess = (needed > reach).then_some(Excess::Reach { needed, reach });
@@ -277,15 +263,6 @@ impl PositionProblem {
             gap,
             excess,
         })
-    }
-
-    fn problem<'a>(&'a self, gap: &'a [[f64; POINTS]]) -> Problem<'a> {
-        Problem {
-            bulk: &self.bulk,
-            local: &self.local,
-            gap,
-            arm: &self.arm,
-        }
     }
 
     /// Reference lengths of gear 1 and gear 2 at strip `i`, m.
@@ -309,6 +286,14 @@ pub(super) enum Excess {
     Pressure(f64),
     /// An approach, m, beyond that for which tip edges were followed.
     Reach { needed: f64, reach: f64 },
+}
+
+/// From the solution `warm`.
+fn start(warm: &ContactResult) -> Start {
+    Start {
+        forces: warm.forces.clone(),
+        approach: warm.approach,
+    }
 }
 
 fn finite(field: &'static str, value: f64) -> Result<(), ContactError> {

@@ -1,9 +1,9 @@
 //! What a solution of the contact problem says: loads, pressures, shares and derivatives.
 
-use super::candidates::POINTS;
-use super::cholesky::dot;
+use nalgebra::DVector;
+
 use super::complementarity::Solution;
-use super::position::PositionProblem;
+use super::position::{Found, PositionProblem};
 
 /// Derivatives of load and moment at a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -92,96 +92,82 @@ pub struct ContactResult {
 }
 
 impl PositionProblem {
-    pub(super) fn result(&self, solution: Solution, gap: &[[f64; POINTS]]) -> ContactResult {
-        let loa_force = dot(&self.arm, &solution.force);
-        let (moment, tangent, _) = self.moment(&solution);
-        let edge_loads = self.edge_loads(&solution, gap);
-        let pressures = self.pressures(&solution.loads, &edge_loads);
-        let mut load_share: Vec<(i32, f64)> = Vec::new();
-        let carried = self.arm.iter().zip(&solution.force).map(|(c, f)| c * f);
-        for (candidate, force) in self.candidates.iter().zip(carried) {
-            let share = if loa_force > 0.0 {
-                force / loa_force
+    pub(super) fn result(&self, found: Found) -> ContactResult {
+        let Found { solution, gap, .. } = found;
+        let loa_force = self.arm.dot(&solution.force);
+        let over_force = |value: f64| {
+            if loa_force > 0.0 {
+                value / loa_force
             } else {
                 0.0
-            };
+            }
+        };
+        let (moment, tangent) = self.moment(&solution);
+        let edge_loads = self.edge_loads(&solution, &gap);
+        let pressures = self.pressures(&solution.loads, &edge_loads);
+        let mut load_share: Vec<(i32, f64)> = Vec::new();
+        for (i, candidate) in self.candidates.iter().enumerate() {
+            let share = over_force(self.arm[i] * solution.force[i]);
             match load_share.last_mut() {
                 Some((k, sum)) if *k == candidate.tooth_pair => *sum += share,
                 _ => load_share.push((candidate.tooth_pair, share)),
             }
         }
-        let open = |(gap, closing): (&[f64; POINTS], &f64)| {
+        let gaps = gap.iter().zip(&solution.closing).map(|(gap, closing)| {
             let least = gap.iter().copied().fold(f64::INFINITY, f64::min);
             (least - closing).max(0.0)
-        };
-        let gaps = gap.iter().zip(&solution.closing).map(open).collect();
-        let max_pressure = pressures.iter().copied().fold(0.0, f64::max);
+        });
         ContactResult {
             approach: solution.approach,
             loa_force,
             moment,
-            contact_z: self.z_ref
-                + if loa_force > 0.0 {
-                    moment / loa_force
-                } else {
-                    0.0
-                },
+            contact_z: self.z_ref + over_force(moment),
             load_share,
-            max_pressure,
+            max_pressure: pressures.iter().copied().fold(0.0, f64::max),
             edge_load: edge_loads.iter().copied().fold(None, larger),
             kkt_residual: solution.kkt_residual,
             iterations: solution.iterations,
             tangent,
             pressures,
             edge_loads,
-            gaps,
-            forces: solution.force,
+            gaps: gaps.collect(),
+            forces: solution.force.data.into(),
         }
     }
 
-    /// Moment of the forces about mid-face on the line of action, N m, the derivatives at the solution, and those of the forces of the
-    /// strips in contact by approach and misalignment.
+    /// Moment of the forces about mid-face on the line of action, N m, and the derivatives at the solution.
     ///
     /// With K the matrix over the strips in contact, c their arms, b = cos beta_b, and s_n the sums of phi' times the
     /// n-th power of the lever over the points of a strip: dF = K^-1 (c d delta + b s_1 / s_0 dM), and the
     /// moment changes by b (s_1 / s_0 dF + b (s_2 - s_1^2 / s_0) dM).
-    pub(super) fn moment(
-        &self,
-        solution: &Solution,
-    ) -> (f64, Tangent, impl Iterator<Item = [f64; 2]> + use<>) {
-        let mut moment = 0.0;
+    pub(super) fn moment(&self, solution: &Solution) -> (f64, Tangent) {
+        let (mut moment, mut within) = (0.0, 0.0);
         let normal = self.cos_beta_b;
-        let of = |&i: &usize| {
-            let (loads, levers) = (&solution.loads[i], &self.lever[i]);
+        let mut levers = DVector::zeros(solution.active.len());
+        for (place, &i) in solution.active.iter().enumerate() {
+            let (loads, points) = (&solution.loads[i], &self.candidates[i].levers);
             let mut sums = [0.0; 3];
-            for ((force, slope), lever) in loads.forces.iter().zip(loads.slopes).zip(levers) {
+            for ((force, slope), lever) in loads.forces.iter().zip(loads.slopes).zip(points) {
                 moment += normal * force * lever;
                 sums[0] += slope;
                 sums[1] += slope * lever;
                 sums[2] += slope * lever * lever;
             }
-            (self.arm[i], sums)
-        };
-        let active: Vec<(f64, [f64; 3])> = solution.active.iter().map(of).collect();
-        let active = || active.iter().copied();
-        let arms: Vec<f64> = active().map(|(c, _)| c).collect();
-        let levers: Vec<f64> = active().map(|(_, s)| normal * s[1] / s[0]).collect();
-        let (mut by_approach, mut by_misalignment) = (arms.clone(), levers.clone());
-        solution.factor.solve(&mut by_approach);
-        solution.factor.solve(&mut by_misalignment);
-        let within: f64 = active()
-            .map(|(_, s)| normal * normal * (s[2] - s[1] * s[1] / s[0]))
-            .sum();
+            levers[place] = normal * sums[1] / sums[0];
+            within += normal * normal * (sums[2] - sums[1] * sums[1] / sums[0]);
+        }
+        let arms = self.arm.select_rows(&solution.active);
+        let by_approach = solution.factor.solve(&arms);
+        let by_misalignment = solution.factor.solve(&levers);
         let tangent = Tangent {
-            force_by_approach: dot(&by_approach, &arms),
-            force_by_misalignment: dot(&by_misalignment, &arms),
-            moment_by_misalignment: dot(&by_misalignment, &levers) + within,
+            force_by_approach: by_approach.dot(&arms),
+            force_by_misalignment: by_misalignment.dot(&arms),
+            moment_by_misalignment: by_misalignment.dot(&levers) + within,
         };
-        let each = by_approach.into_iter().zip(by_misalignment);
-        (moment, tangent, each.map(|(a, m)| [a, m]))
+        (moment, tangent)
     }
 
-    /// Centroid of the load of `result` along the face, m in gear 1's frame; not a number without load.
+    /// Centroid of the load of `result` along the face, m in gear 1's frame; NaN without load.
     pub fn load_centroid(&self, result: &ContactResult) -> f64 {
         let moments = self.candidates.iter().zip(&result.forces);
         let moment: f64 = moments.map(|(strip, force)| strip.middle() * force).sum();

@@ -122,19 +122,6 @@ impl ContactSetup {
         .ok_or_else(|| self.out_of_mesh(center_distance_offset))
     }
 
-    /// [`TransverseSection::beside`] `section` at the deviation `center_distance_offset` (m).
-    ///
-    /// # Errors
-    /// As [`ContactSetup::section`].
-    pub(super) fn beside(
-        &self,
-        section: &TransverseSection,
-        center_distance_offset: f64,
-    ) -> Result<TransverseSection, ContactError> {
-        (section.beside(self.geometry.center_distance + center_distance_offset))
-            .ok_or_else(|| self.out_of_mesh(center_distance_offset))
-    }
-
     pub(super) fn out_of_mesh(&self, center_distance_offset: f64) -> ContactError {
         ContactError::OutOfMesh {
             center_distance_mm: 1e3 * (self.geometry.center_distance + center_distance_offset),

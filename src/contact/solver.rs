@@ -208,7 +208,8 @@ impl ContactSolver {
         let lines = self.setup.lines(flank, &section);
         // One base pitch later everything is the same again.
         let tau = mesh_position - mesh_position.floor();
-        self.problem(&lines, tau, lines.candidates(tau), center_distance_offset)
+        let candidates = lines.candidates(tau, section.reach());
+        self.problem(&lines, tau, candidates, center_distance_offset)
     }
 
     /// The problem of `candidates`, which lie on `lines` at the mesh position `tau`.
@@ -235,14 +236,13 @@ impl ContactSolver {
         }
         let seen = |c: &Candidate| lines.seen_by_gears(tau, (c.tooth_pair, c.z), false);
         let seen: Vec<_> = candidates.iter().map(seen).collect();
-        let influence = self.influence_of(lines, (&candidates, &seen), center_distance_offset)?;
+        let influence = self.influence_of(lines, &candidates, &seen, center_distance_offset)?;
         let mut limits = self.setup.limits(center_distance_offset);
         // Compared with approach and misalignment alone.
         let [_, largest] = self.deflection.range(self.face(), self.beside_pitch_line());
         limits.reach = limits.reach.map(|reach| reach - largest.max(0.0));
         let mut problem = PositionProblem::with(&self.numbers, candidates, influence, limits);
-        problem.look_beside(&self.numbers, lines, tau);
-        problem.look_at_edges(&self.numbers, lines, tau);
+        problem.look_along(&self.numbers, lines, tau);
         Ok(problem)
     }
 
@@ -283,7 +283,7 @@ impl ContactSolver {
         let strips = lines.strips_beyond(tau, margin * self.setup.geometry.base_pitch());
         let seen = |c: &Candidate| lines.seen_by_gears(tau, (c.tooth_pair, c.z), true);
         let seen: Vec<_> = strips.iter().map(seen).collect();
-        let influence = self.influence_of(&lines, (&strips, &seen), center_distance_offset)?;
+        let influence = self.influence_of(&lines, &strips, &seen, center_distance_offset)?;
         Ok((strips.iter().map(|c| c.name()).collect(), influence))
     }
 
@@ -332,12 +332,13 @@ impl ContactSolver {
     fn influence_of(
         &self,
         lines: &ContactLines<'_>,
-        strips: (&[Candidate], &[[Strip; 2]]),
+        candidates: &[Candidate],
+        seen: &[[Strip; 2]],
         center_distance_offset: f64,
     ) -> Result<Influence, ContactError> {
-        let wanted = self.setup.reference_length;
+        let reference = self.setup.reference_length;
         let models = self.models(lines);
-        Influence::new(&self.numbers, models, strips, wanted).map_err(|model| {
+        Influence::new(&self.numbers, models, candidates, seen, reference).map_err(|model| {
             ContactError::BeyondModel {
                 center_distance_offset_um: 1e6 * center_distance_offset,
                 model,

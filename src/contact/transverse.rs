@@ -1,7 +1,6 @@
 //! Where tooth pairs touch in the transverse section, on the path of contact and beyond its ends.
 
 use super::numbers::PairNumbers;
-use crate::f64x4::F64x4;
 
 /// A point that may touch: lengths of roll on both gears and what separates the flanks there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,30 +91,9 @@ impl TransverseSection {
         Some(section)
     }
 
-    /// The section at the centre distance `center_distance` (m) next to this one, for strips which its limits, kept, do not cut; `None` as for [`TransverseSection::new`].
-    pub fn beside(&self, center_distance: f64) -> Option<TransverseSection> {
-        let form_rolls = self.sides.map(|side| side.form_roll);
-        let section = TransverseSection::new(&self.numbers, center_distance, form_rolls, None)?;
-        Some(TransverseSection {
-            reach: self.reach,
-            ..section
-        })
-    }
-
     /// The pair's numbers.
     pub fn numbers(&self) -> &PairNumbers {
         &self.numbers
-    }
-
-    /// Rates of the lengths of roll of both gears on the path by the mesh position (m) and by the centre distance (m/m).
-    pub fn roll_rates(&self) -> [[f64; 2]; 2] {
-        let n = &self.numbers;
-        let center_distance = n.base_radius_sum * self.tan_phi.hypot(1.0);
-        let by_center = center_distance / (n.base_radius_sum.powi(2) * self.tan_phi);
-        [
-            self.sides.map(|side| side.q * n.base_pitch),
-            self.sides.map(|side| side.rb * by_center),
-        ]
     }
 
     /// Limits of the candidates, m from the pitch point.
@@ -145,22 +123,6 @@ impl TransverseSection {
                 arms: [1.0; 2],
             }
         }
-    }
-
-    /// Lengths of roll of both gears, m, at four conjugate positions `xi` (m), which lie between the ends of the path of contact;
-    /// else `None`.
-    #[inline(always)]
-    pub fn rolls_on_path(&self, xi: F64x4) -> Option<[F64x4; 2]> {
-        let [first, last] = self.path;
-        let on_path = (xi - first).min(-xi + last).are_positive();
-        // One by one: mapped, they would be compiled apart from the code around.
-        let [a, b] = &self.sides;
-        on_path.then(|| {
-            [
-                xi * a.q + a.rb * self.tan_phi,
-                xi * b.q + b.rb * self.tan_phi,
-            ]
-        })
     }
 
     /// Length of flank from the length of roll `roll` on gear `i` to its tip edge, m.
@@ -224,9 +186,9 @@ impl TransverseSection {
         }
     }
 
-    /// Farthest conjugate position beyond the path's `end` whose separation stays below `limit` and
-    /// whose tip edge still faces the mate's involute. Both rise monotonically, so Ridders' method finds where the first of
-    /// them ends (Ridders, IEEE Trans. Circuits and Systems 26 (1979) 979-980), short of it by `exactness` of the way at most.
+    /// Farthest conjugate position beyond the path's `end` whose separation stays below `limit` and whose tip edge still faces the
+    /// mate's involute, short of it by `exactness` of the way at most. Both rise monotonically: the Illinois form of regula
+    /// falsi finds where the first of them ends (Dowell, Jarratt, BIT 11 (1971) 168-174).
     fn reach_beyond(&self, end: usize, limit: f64, exactness: f64) -> f64 {
         let sign = if end == 0 { -1.0 } else { 1.0 };
         let mate = &self.sides[end];
@@ -235,53 +197,40 @@ impl TransverseSection {
             let point = self.tip_corner(end, self.path[end] + sign * beyond);
             let behind = mate.kappa * (mate.form_roll / point.roll[end] - 1.0);
             let excess = ((point.separation.max(0.0) / limit).sqrt() - 1.0).max(behind);
-            // Not a number where there is no mate to touch.
+            // NaN where there is no mate to touch.
             if excess.is_nan() {
                 1.0
             } else {
                 excess + 0.5 * exactness
             }
         };
-        let half = 0.5 * (self.path[1] - self.path[0]);
-        let with = |beyond: f64| (beyond, excess(beyond));
-        // Where it ends if the separation does grow so.
-        let expected = 0.1 * half / (1.0 + excess(0.1 * half));
-        let [mut low, mut high] = [0.98, 1.02].map(|share| with(share * expected));
-        if !(low.1 <= 0.0 && high.1 > 0.0 && high.0 < half) {
-            (low, high) = (with(0.0), with(half));
-            if high.1 <= 0.0 {
-                return self.path[end] + sign * half;
-            }
-            if low.1 > 0.0 {
-                return self.path[end];
-            }
+        let (mut low, mut high) = (0.0, 0.5 * (self.path[1] - self.path[0]));
+        let (mut below, mut above) = (excess(low), excess(high));
+        if above <= 0.0 {
+            return self.path[end] + sign * high;
         }
-        let tolerance = 1e-14 * half;
-        for _ in 0..60 {
-            let middle = 0.5 * (low.0 + high.0);
-            let between = (middle, excess(middle));
-            let root = (between.1 * between.1 - low.1 * high.1).sqrt();
-            let way = if root > 0.0 {
-                -(middle - low.0) * between.1 / root
-            } else {
-                0.0
-            };
-            let next = (middle + way).clamp(low.0, high.0);
-            let next = (next, excess(next));
-            if next.1.abs() <= 0.5 * exactness {
-                return self.path[end] + sign * next.0;
-            }
-            for point in [between, next] {
-                if point.1 <= 0.0 && point.0 >= low.0 {
-                    low = point;
-                } else if point.1 > 0.0 && point.0 <= high.0 {
-                    high = point;
-                }
-            }
-            if high.0 - low.0 <= tolerance {
+        if below > 0.0 {
+            return self.path[end];
+        }
+        let tolerance = 1e-14 * high;
+        let mut last = 0.0;
+        for _ in 0..100 {
+            let next = low + (high - low) * below / (below - above);
+            let found = excess(next);
+            if found.abs() <= 0.5 * exactness || high - low <= tolerance {
+                low = if found <= 0.5 * exactness { next } else { low };
                 break;
             }
+            // The end that stays a second time counts by half.
+            if found > 0.0 {
+                (high, above) = (next, found);
+                below *= if last > 0.0 { 0.5 } else { 1.0 };
+            } else {
+                (low, below) = (next, found);
+                above *= if last < 0.0 { 0.5 } else { 1.0 };
+            }
+            last = found;
         }
-        self.path[end] + sign * low.0
+        self.path[end] + sign * low
     }
 }

@@ -10,7 +10,6 @@ use std::sync::Arc;
 use super::modification::{EndRelief, ProfileCrowning, ProfilePiece, ProfileRelief, ProfileSlope};
 use super::topography::Topography;
 use super::{Flank, Gear};
-use crate::f64x4::F64x4;
 use serde::{Deserialize, Serialize};
 
 /// All modifications of one flank of one gear, SI. The default is the unmodified involute helicoid.
@@ -119,14 +118,6 @@ impl Microgeometry {
         }
     }
 
-    /// What depends on the length of roll alone, about `roll` (m); `None` for flanks of which more than that and the lead
-    /// modifications is removed.
-    #[inline(always)]
-    pub fn profile_parabola(&self, roll: f64) -> Option<ProfilePiece> {
-        let apart = self.profile_slope.is_none() && self.topography.is_none();
-        apart.then(|| self.profile_piece(roll))
-    }
-
     #[inline(always)]
     fn profile_piece(&self, roll: f64) -> ProfilePiece {
         let of = |relief: &Option<ProfileRelief>| {
@@ -162,19 +153,6 @@ impl Microgeometry {
             .map(|(relief, from_end)| relief.map_or(0.0, |r| r.removal(from_end)))
             .sum();
         self.lead_crowning * t * t + 0.5 * self.lead_slope * t + end_relief
-    }
-
-    /// The part of [`Microgeometry::removal`] that depends on the place along the face alone at four places `z`, m.
-    #[inline(always)]
-    pub(crate) fn lead_removals(&self, gear: &Gear, z: F64x4) -> F64x4 {
-        let t = z * (2.0 / gear.face_width) - 1.0;
-        let mut removal = t * (t * self.lead_crowning + 0.5 * self.lead_slope);
-        for (relief, from_end) in self.end_relief.iter().zip([z, -z + gear.face_width]) {
-            if let Some(relief) = relief {
-                removal += relief.removals(from_end);
-            }
-        }
-        removal
     }
 
     /// Whether anything depends on the length of roll, so that [`Microgeometry::slope`] is not zero throughout.

@@ -1,6 +1,5 @@
 //! The single modifications a flank may have.
 
-use crate::f64x4::F64x4;
 use serde::{Deserialize, Serialize};
 
 /// How a relief grows from its start to its end.
@@ -190,17 +189,6 @@ impl EndRelief {
     /// Removal at the distance `from_end` from the end of the face, m.
     pub fn removal(&self, from_end: f64) -> f64 {
         self.amount * self.shape.evaluate(1.0 - from_end / self.length)[0]
-    }
-
-    /// As [`EndRelief::removal`] at four places.
-    #[inline(always)]
-    pub(super) fn removals(&self, from_end: F64x4) -> F64x4 {
-        let way = (-from_end / self.length + 1.0).at_least(0.0);
-        let fraction = match self.shape {
-            ReliefShape::Linear => way,
-            ReliefShape::Parabolic | ReliefShape::Arc => way * way,
-        };
-        fraction * self.amount
     }
 }
 

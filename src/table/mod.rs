@@ -22,7 +22,6 @@ mod sliding;
 mod summary;
 mod teeth;
 
-pub(crate) use crate::vector::widest;
 pub use error::TableError;
 pub use file::{InterpolationError, TableFile, VERSION, rms_and_largest};
 pub use file_geometry::GeometryRecord;

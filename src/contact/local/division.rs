@@ -15,8 +15,9 @@
 //! remains, the compliance that the elements lack there. theta is the largest that leaves the bulk matrix
 //! positive definite; like its eigenvalues it follows the mesh position without jumps.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::constants::{INDEFINITE, SHARE_OF_A_LINE};
-use crate::contact::cholesky::Cholesky;
 
 /// Halvings in the search for the share that the bulk matrix can give: the rest of 1e-6 is below the tolerance of
 /// the contact solve.
@@ -33,87 +34,72 @@ pub struct Piece {
     pub length: f64,
 }
 
-/// Moves displacement from `bulk` (row by row, m/N) to the local contact, whose reference lengths
-/// `lengths` (m; of every strip, per gear) grow to `wanted` (m), or as near to it as the bulk matrix can give.
-/// Strips of one contact line stand together in `pieces`. `c` is that of each gear, 1/Pa; `smoothing` (m)
-/// the distance along the line up to which strips share a mean line load.
+/// Moves displacement from `bulk` (m/N) to the local contact, whose reference lengths `lengths` (m; of every strip, per gear)
+/// grow to `reference` (m), or as near to it as the bulk matrix can give. Strips of one contact line follow each other in
+/// `pieces`. `c` is that of each gear, 1/Pa; `smoothing` (m) the distance along the line up to which strips share a mean
+/// line load.
 pub fn divide(
-    bulk: &mut [f64],
+    bulk: &mut DMatrix<f64>,
     lengths: &mut [Vec<f64>; 2],
     c: [f64; 2],
     pieces: &[Piece],
-    wanted: f64,
+    reference: f64,
     smoothing: f64,
 ) {
     let n = pieces.len();
+    // c ln(L' / L) of both gears.
+    let taken: Vec<f64> = (0..n)
+        .map(|i| {
+            (0..2)
+                .map(|g| c[g] * growth(lengths[g][i], reference))
+                .sum()
+        })
+        .collect();
     let mut share = vec![0.0; n];
-    let mut moved = vec![0.0; n * n];
+    // S' D S.
+    let mut smooth = DMatrix::zeros(n, n);
     let mut begin = 0;
     for line in pieces.chunk_by(|a, b| a.line == b.line) {
         let range = begin..begin + line.len();
         begin = range.end;
-        // c ln(L' / L) of both gears.
-        let taken: Vec<f64> = range
-            .clone()
-            .map(|i| (0..2).map(|g| c[g] * growth(lengths[g][i], wanted)).sum())
-            .collect();
-        // Displacements of the line under an even load, times that load: in the bulk, and to be moved.
-        let even: f64 = range
-            .clone()
-            .flat_map(|i| range.clone().map(move |j| (i, j)))
-            .map(|(i, j)| pieces[i].length * bulk[i * n + j] * pieces[j].length)
-            .sum();
-        let asked: f64 = taken.iter().zip(line).map(|(t, p)| t * p.length).sum();
+        let even = DVector::from_fn(line.len(), |i, _| line[i].length);
+        let asked: f64 = range.clone().map(|i| taken[i] * pieces[i].length).sum();
         if asked <= 0.0 {
             continue;
         }
-        let part = (SHARE_OF_A_LINE * even / asked).clamp(0.0, 1.0);
+        // Displacements of the line under an even load, times that load.
+        let given = (bulk.view_range(range.clone(), range.clone()) * &even).dot(&even);
+        let part = (SHARE_OF_A_LINE * given / asked).clamp(0.0, 1.0);
         share[range.clone()].fill(part);
-        for (q, at) in line.iter().enumerate() {
+        let mut block = smooth.view_range_mut(range.clone(), range.clone());
+        for (at, taken) in line.iter().zip(&taken[range]) {
             // Smooth, so that little of a load that alternates from strip to strip is left.
-            let weight = |p: &Piece| {
-                let t = (p.at - at.at) / smoothing;
+            let weights = DVector::from_fn(line.len(), |i, _| {
+                let t = (line[i].at - at.at) / smoothing;
                 (1.0 - t * t).max(0.0).powi(2)
-            };
-            let weights: Vec<f64> = line
-                .iter()
-                .enumerate()
-                .map(|(k, p)| if k == q { 1.0 } else { weight(p) })
-                .collect();
-            let sum: f64 = weights.iter().zip(line).map(|(w, p)| w * p.length).sum();
-            let scale = part * taken[q] * at.length / (sum * sum);
-            for (i, a) in range.clone().zip(&weights) {
-                for (j, b) in range.clone().zip(&weights) {
-                    moved[i * n + j] += scale * a * b;
-                }
-            }
+            });
+            let sum = weights.dot(&even);
+            let scale = part * taken * at.length / (sum * sum);
+            block.ger(scale, &weights, &weights, 1.0);
         }
     }
     if share.iter().all(|s| *s == 0.0) {
         return;
     }
-    let alone: Vec<f64> = (0..n)
-        .map(|i| {
-            let taken: f64 = (0..2).map(|g| c[g] * growth(lengths[g][i], wanted)).sum();
-            share[i] * taken / pieces[i].length
-        })
-        .collect();
-    // What is taken off the entry (i, j), all of it or a part, theta of it from the diagonal.
-    let off = |i: usize, j: usize, all: f64, theta: f64| {
-        let diagonal = if i == j { theta * alone[i] } else { 0.0 };
-        all * (diagonal + (1.0 - theta) * moved[i * n + j])
+    // What is taken off, all of it or a part, theta of it from the diagonal.
+    let off = |all: f64, theta: f64| {
+        let mut off = &smooth * (all * (1.0 - theta));
+        for (i, piece) in pieces.iter().enumerate() {
+            off[(i, i)] += all * theta * share[i] * taken[i] / piece.length;
+        }
+        off
     };
-    let mut factor = Cholesky::default();
-    let mut is_left = |all: f64, theta: f64| {
-        let left = |i: usize, j: usize| {
-            let tolerance = if i == j {
-                INDEFINITE * (c[0] + c[1]) / pieces[i].length
-            } else {
-                0.0
-            };
-            bulk[i * n + j] - off(i, j, all, theta) + tolerance
-        };
-        factor.factor(n, left).is_ok()
+    let is_left = |all: f64, theta: f64| {
+        let mut left = &*bulk - off(all, theta);
+        for (i, piece) in pieces.iter().enumerate() {
+            left[(i, i)] += INDEFINITE * (c[0] + c[1]) / piece.length;
+        }
+        left.cholesky().is_some()
     };
     let (all, theta) = if is_left(1.0, 1.0) {
         (1.0, 1.0)
@@ -122,20 +108,16 @@ pub fn divide(
     } else {
         (largest(|all| is_left(all, 0.0)), 0.0)
     };
-    for i in 0..n {
-        for j in 0..n {
-            bulk[i * n + j] -= off(i, j, all, theta);
-        }
-    }
+    *bulk -= off(all, theta);
     for known in lengths {
         for (length, share) in known.iter_mut().zip(&share) {
-            *length *= (all * share * growth(*length, wanted)).exp();
+            *length *= (all * share * growth(*length, reference)).exp();
         }
     }
 }
 
 /// The largest number in [0, 1], 0 at least, that is `allowed`, if all below it are and 1 is not.
-fn largest(mut allowed: impl FnMut(f64) -> bool) -> f64 {
+fn largest(allowed: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
@@ -148,9 +130,9 @@ fn largest(mut allowed: impl FnMut(f64) -> bool) -> f64 {
     low
 }
 
-/// ln(wanted / length), zero where the length is longer.
-fn growth(length: f64, wanted: f64) -> f64 {
-    (wanted / length).ln().max(0.0)
+/// ln(reference / length), zero where the length is longer.
+fn growth(length: f64, reference: f64) -> f64 {
+    (reference / length).ln().max(0.0)
 }
 
 #[cfg(test)]
@@ -167,7 +149,7 @@ mod tests {
     #[test]
     fn what_the_bulk_gives_away_the_local_contact_takes() {
         let strips = [piece(0, 0.0, 1e-3), piece(1, 0.0, 2e-3)];
-        let mut bulk = vec![3e-8, 1e-8, 1e-8, 2e-8];
+        let mut bulk = DMatrix::from_row_slice(2, 2, &[3e-8, 1e-8, 1e-8, 2e-8]);
         let mut lengths = [vec![0.1e-3, 0.3e-3], vec![0.05e-3, 0.9e-3]];
         let (before, old) = (bulk.clone(), lengths.clone());
         divide(&mut bulk, &mut lengths, C, &strips, 0.4e-3, 1e-3);
@@ -192,13 +174,11 @@ mod tests {
                 .map(|i| piece(0, (i as f64 + 0.5) * length, length))
                 .collect();
             // Much alike all over: no room for a matrix that is diagonal.
-            let mut bulk: Vec<f64> = (0..count * count)
-                .map(|at| {
-                    5e-8 * (-(strips[at / count].at - strips[at % count].at).abs() / 4e-3).exp()
-                })
-                .collect();
+            let mut bulk = DMatrix::from_fn(count, count, |i, j| {
+                5e-8 * (-(strips[i].at - strips[j].at).abs() / 4e-3).exp()
+            });
             let mut lengths = [vec![0.05e-3; count], vec![0.1e-3; count]];
-            let energy = |bulk: &[f64]| 1e-6 * bulk.iter().sum::<f64>() * length * length;
+            let energy = |bulk: &DMatrix<f64>| 1e-6 * bulk.sum() * length * length;
             let before = energy(&bulk);
             divide(&mut bulk, &mut lengths, C, &strips, 0.2e-3, 1.5e-3);
             let gained = 1e-6
@@ -214,7 +194,7 @@ mod tests {
         let strips = [piece(0, 0.0, 1e-3)];
         let mut lengths = [vec![0.1e-3], vec![0.1e-3]];
         // ln 4 would take 6.9e-9; half of what there is goes.
-        let mut bulk = vec![4e-9];
+        let mut bulk = DMatrix::from_element(1, 1, 4e-9);
         divide(&mut bulk, &mut lengths, C, &strips, 0.4e-3, 1e-3);
         assert_relative_eq!(bulk[0], 2e-9, max_relative = 1e-12);
         let moved = 5e-9 * (lengths[0][0] / 0.1e-3).ln();

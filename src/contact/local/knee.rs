@@ -11,33 +11,40 @@
 //!
 //! dh/dw = c ln(2 L / a),
 //!
-//! since m and a are stationary; at the corner of a tooth [`super::corner`] adds to it. The law is followed through contacts of
+//! since m and a are stationary; at the corner of a tooth [`super::tip_edge::Corner`] adds to it. The law is followed through contacts of
 //! given width, exact there, between them the cubic
 //! through line loads and slopes; its energy is the integral of just that.
 
 use std::sync::OnceLock;
 
 use super::constants::{KNEE_NODES, WIDTH_OVER_REFERENCE};
-use super::corner::Corner;
+use super::law::{Elastic, LineLoad};
 use super::profile::GapProfile;
 
 /// Line load over penetration from the width on at which contact reaches the start of a relief. Its nodes are found when
 /// they are first asked for: few loads reach the wide ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Knee {
+    elastic: Elastic,
     profile: GapProfile,
-    /// 1/Pa.
-    c: f64,
-    log_reference: f64,
-    /// Of the nearest tip edge.
-    corner: Corner,
-    /// First and last half-width, m.
-    widths: [f64; 2],
-    /// Penetration (m) and energy (J/m) at the first.
-    reached: [f64; 2],
+    onset: Onset,
+    /// Largest half-width, m.
+    widest: f64,
     nodes: [OnceLock<Node>; KNEE_NODES + 1],
-    /// Line load from which on contact reaches a tip edge, N/m.
     at_edge: OnceLock<f64>,
+}
+
+/// Where contact reaches the start of a relief.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Onset {
+    /// m.
+    pub half_width: f64,
+    /// N/m.
+    pub load: f64,
+    /// m.
+    pub penetration: f64,
+    /// Integral of the load over the penetration, J/m.
+    pub energy: f64,
 }
 
 /// One width of contact.
@@ -46,42 +53,38 @@ struct Node {
     /// Half-width and middle of the contact, m.
     half_width: f64,
     middle: f64,
-    /// Penetration, m.
+    /// m.
     penetration: f64,
-    /// What the corner adds to it, m, and to the derivative of the penetration by the line load, 1/Pa.
+    at: LineLoad,
+    /// What the corner adds to the penetration, m, and to its derivative by the line load, 1/Pa.
     by_corner: f64,
     added: f64,
-    /// Line load, N/m.
-    load: f64,
-    /// Its derivative by the penetration, Pa.
-    slope: f64,
-    /// Integral of the load over the penetration, J/m.
-    energy: f64,
     /// Mean square distance of the pressure from its middle over the line load, m² per N/m; with Hertz constant.
     spread: f64,
 }
 
 impl Knee {
-    /// Law of the gap `profile` from the half-width `least` (m), at which contact reaches the start of a relief and has the
-    /// penetration `reached` (m) and the energy `energy` (J/m), up to the half-width `widest` (m); `c` in 1/Pa, `corner` that of the
-    /// nearest tip edge.
-    pub fn new(
-        profile: &GapProfile,
-        (c, log_reference, corner): (f64, f64, Corner),
-        [least, reached, energy]: [f64; 3],
-        widest: f64,
-    ) -> Knee {
+    /// Law of the gap `profile` from `onset` up to the half-width `widest` (m).
+    pub fn new(elastic: Elastic, profile: &GapProfile, onset: Onset, widest: f64) -> Knee {
         let [low, high] = profile.edges;
         Knee {
+            elastic,
             profile: *profile,
-            c,
-            log_reference,
-            corner,
-            widths: [least, widest.min(0.5 * (high - low))],
-            reached: [reached, energy],
+            onset,
+            widest: widest.min(0.5 * (high - low)),
             nodes: Default::default(),
             at_edge: OnceLock::new(),
         }
+    }
+
+    /// From where on the law holds.
+    pub fn onset(&self) -> Onset {
+        self.onset
+    }
+
+    /// Whether contact reaches the relief before a tip edge.
+    pub fn is_inside(&self) -> bool {
+        self.onset.half_width <= self.profile.edge_distance()
     }
 
     fn node(&self, i: usize) -> &Node {
@@ -90,20 +93,29 @@ impl Knee {
 
     /// Node `i` from those before it.
     fn found(&self, i: usize) -> Node {
-        let [least, widest] = self.widths;
-        let [reached, energy] = self.reached;
+        let Onset {
+            half_width: least,
+            penetration: reached,
+            energy,
+            ..
+        } = self.onset;
         let share = i as f64 / KNEE_NODES as f64;
-        let a = least + (widest - least) * share * share.sqrt();
-        if a == 0.0 {
-            return Node {
+        let a = least + (self.widest - least) * share * share.sqrt();
+        let mut node = Node {
+            half_width: a,
+            at: LineLoad {
                 energy,
-                ..Node::default()
-            };
+                ..LineLoad::default()
+            },
+            ..Node::default()
+        };
+        if a == 0.0 {
+            return node;
         }
         let [low, high] = self.profile.edges;
         let before = i.checked_sub(1).map(|before| self.node(before));
         // Up to the first width contact is that of a parabola, about the closest point or from the edge.
-        let middle = match before {
+        node.middle = match before {
             None => 0.0f64.max(low + a).min(high - a),
             Some(before) => {
                 let other = i.checked_sub(2).map(|other| self.node(other));
@@ -114,50 +126,47 @@ impl Knee {
                 self.profile.middle(a, start)
             }
         };
-        let means = self.profile.means(middle, a);
-        let (c, corner) = (self.c, &self.corner);
+        let means = self.profile.means(node.middle, a);
+        let (c, corner) = (self.elastic.c, &self.elastic.corner);
         let load = means.by_log_width / c;
-        let compliance = c * (self.log_reference + std::f64::consts::LN_2 - a.ln());
+        let compliance = self.elastic.flat_punch(a);
         let flat = means.gap + load * compliance;
         // From where on an edge cuts contact off, its middle; before, that of the line, so that far edges play no part.
         let line = self.profile.edge_distance();
         // No softer than the tangent of the law of Hertz.
         let most = c * (2.0 / WIDTH_OVER_REFERENCE).ln() - compliance;
         let added = corner.compliance(line, a.max(line)).max(most.min(0.0));
-        let by_corner = match before {
+        node.added = added;
+        node.by_corner = match before {
             None => reached - flat,
             // From nothing on, at an edge w rises as a does.
             Some(before) if before.half_width == 0.0 && line == 0.0 => {
                 (added + corner.softness) * load
             }
             Some(before) if before.half_width == 0.0 || before.added == added => {
-                before.by_corner + added * (load - before.load)
+                before.by_corner + added * (load - before.at.load)
             }
             // What is added changes with ln a, and between widths ln w does so, too.
             Some(before) => {
-                let rise = load - before.load;
-                let more = rise / (rise / before.load).ln_1p();
+                let rise = load - before.at.load;
+                let more = rise / (rise / before.at.load).ln_1p();
                 before.by_corner + added * load
-                    - before.added * before.load
+                    - before.added * before.at.load
                     - (added - before.added) * more
             }
         };
+        node.penetration = flat + node.by_corner;
+        node.at.load = load;
+        node.at.slope = (compliance + added).recip();
         let [first, second] = means.coefficients.map(|g| g / (2.0 * c * load));
-        let mut node = Node {
-            half_width: a,
-            middle,
-            penetration: flat + by_corner,
-            by_corner,
-            added,
-            load,
-            slope: (compliance + added).recip(),
-            spread: a * a * (0.5 - second - first * first) / load,
-            energy,
-        };
-        if let Some(a) = before {
-            let step = node.penetration - a.penetration;
-            let curved = step * (a.slope - node.slope) / 12.0;
-            node.energy = a.energy + step * (0.5 * (a.load + node.load) + curved);
+        node.spread = a * a * (0.5 - second - first * first) / load;
+        if let Some(Node {
+            penetration, at, ..
+        }) = before
+        {
+            let step = node.penetration - penetration;
+            let curved = step * (at.slope - node.at.slope) / 12.0;
+            node.at.energy = at.energy + step * (0.5 * (at.load + load) + curved);
         }
         node
     }
@@ -168,20 +177,19 @@ impl Knee {
             // Load and how far the contact is cut off by an edge, of the width before.
             let mut before: Option<(f64, f64)> = None;
             for i in 0..=KNEE_NODES {
-                let Node {
-                    half_width, load, ..
-                } = *self.node(i);
+                let (half_width, load) = (self.node(i).half_width, self.node(i).at.load);
                 if half_width == 0.0 || self.profile.edge_distance() > 2.0 * half_width {
                     continue;
                 }
                 let cut = self.profile.cut(half_width);
                 if cut > 0.0 {
-                    return match before {
+                    let reaching = match before {
                         Some((other_load, other)) => {
                             other_load + (load - other_load) * other / (other - cut)
                         }
-                        None => self.node(i.saturating_sub(1)).load,
+                        None => self.node(i.saturating_sub(1)).at.load,
                     };
+                    return reaching.max(self.onset.load);
                 }
                 before = Some((load, cut));
             }
@@ -189,40 +197,29 @@ impl Knee {
         })
     }
 
-    /// The place of `value` of a node: the nodes about it, or the last one.
-    fn around(&self, value: f64, of: impl Fn(&Node) -> f64) -> Result<[&Node; 2], &Node> {
-        let above = (1..=KNEE_NODES).find(|&i| value < of(self.node(i)));
-        match above {
-            Some(above) => Ok([self.node(above - 1), self.node(above)]),
-            None => Err(self.node(KNEE_NODES)),
-        }
+    /// The nodes about `value` of a node; `None` beyond the last one.
+    fn around(&self, value: f64, of_node: impl Fn(&Node) -> f64) -> Option<[&Node; 2]> {
+        let above = (1..=KNEE_NODES).find(|&i| value < of_node(self.node(i)))?;
+        Some([self.node(above - 1), self.node(above)])
     }
 
-    /// Line load (N/m), its derivative (Pa) and its integral (J/m) at the penetration `x` (m), not below that of the first
-    /// node.
-    pub fn at(&self, x: f64) -> [f64; 3] {
-        match self.around(x, |node| node.penetration) {
-            Err(last) => {
-                let beyond = x - last.penetration;
-                [
-                    last.load + last.slope * beyond,
-                    last.slope,
-                    last.energy + beyond * (last.load + 0.5 * last.slope * beyond),
-                ]
-            }
-            Ok([a, b]) => {
-                let step = b.penetration - a.penetration;
-                let t = (x - a.penetration) / step;
-                // w = w_a + s_a d + q d² + r d³, d = t step; q and r times step² and step³.
-                let rise = b.load - a.load;
-                let (s_a, s_b) = (step * a.slope, step * b.slope);
-                let (q, r) = (3.0 * rise - 2.0 * s_a - s_b, s_a + s_b - 2.0 * rise);
-                [
-                    a.load + t * (s_a + t * (q + t * r)),
-                    (s_a + t * (2.0 * q + 3.0 * t * r)) / step,
-                    a.energy + step * t * (a.load + t * (s_a / 2.0 + t * (q / 3.0 + t * r / 4.0))),
-                ]
-            }
+    /// Line load at the penetration `x` (m), not below that of the onset.
+    pub fn line_load(&self, x: f64) -> LineLoad {
+        let Some([first, second]) = self.around(x, |node| node.penetration) else {
+            let last = self.node(KNEE_NODES);
+            return last.at.beyond(x - last.penetration);
+        };
+        let (a, b) = (first.at, second.at);
+        let step = second.penetration - first.penetration;
+        let t = (x - first.penetration) / step;
+        // w = w_a + s_a d + q d² + r d³, d = t step; q and r times step² and step³.
+        let rise = b.load - a.load;
+        let (s_a, s_b) = (step * a.slope, step * b.slope);
+        let (q, r) = (3.0 * rise - 2.0 * s_a - s_b, s_a + s_b - 2.0 * rise);
+        LineLoad {
+            load: a.load + t * (s_a + t * (q + t * r)),
+            slope: (s_a + t * (2.0 * q + 3.0 * t * r)) / step,
+            energy: a.energy + step * t * (a.load + t * (s_a / 2.0 + t * (q / 3.0 + t * r / 4.0))),
         }
     }
 
@@ -230,26 +227,21 @@ impl Knee {
     /// distance from its middle. At a sharp kink pressure has no bound; this is what it is at one that is rounded over one
     /// to one and a quarter half-widths of the contact.
     pub fn pressure(&self, w: f64) -> f64 {
-        2.0 / std::f64::consts::PI * w / self.half_width(w)
-    }
-
-    /// Half-width of the half-ellipse that is spread as the pressure under the line load `w` (N/m) is, m.
-    fn half_width(&self, w: f64) -> f64 {
-        let spread = match self.around(w, |node| node.load) {
-            Err(last) => last.spread,
-            Ok([a, b]) => {
-                let t = (w - a.load) / (b.load - a.load);
+        let spread = match self.around(w, |node| node.at.load) {
+            None => self.node(KNEE_NODES).spread,
+            Some([a, b]) => {
+                let t = (w - a.at.load) / (b.at.load - a.at.load);
                 a.spread + t * (b.spread - a.spread)
             }
         };
-        2.0 * (spread * w).sqrt()
+        std::f64::consts::FRAC_1_PI * (w / spread).sqrt()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::profile::Break;
-    use super::super::tip_edge::TipEdge;
+    use super::super::tip_edge::{Corner, TipEdge};
     use super::*;
     use approx::{assert_abs_diff_eq, assert_relative_eq};
     use std::f64::consts::PI;
@@ -268,9 +260,21 @@ mod tests {
         } else {
             0.0
         };
-        let energy = 0.5 * w * h - 0.125 * C * w * w;
-        let elastic = (C, f64::ln(REFERENCE), Corner::NONE);
-        Knee::new(profile, elastic, [b, h, energy], WIDEST)
+        let onset = Onset {
+            half_width: b,
+            load: w,
+            penetration: h,
+            energy: 0.5 * w * h - 0.125 * C * w * w,
+        };
+        Knee::new(elastic(Corner::NONE), profile, onset, WIDEST)
+    }
+
+    fn elastic(corner: Corner) -> Elastic {
+        Elastic {
+            c: C,
+            log_reference: f64::ln(REFERENCE),
+            corner,
+        }
     }
 
     /// Kinks as those of short strong reliefs, parabolas as those of short ones.
@@ -332,8 +336,9 @@ mod tests {
                 let [low, high]: [f64; 2] = [-0.3e-3, 0.3e-3];
                 let range = [low.max(profile.edges[0]), high];
                 let [load, spread, _] = by_cells(&profile, x, range, 300);
-                assert_relative_eq!(law.at(x)[0], load, max_relative = 3e-3);
-                let half_width = law.half_width(law.at(x)[0]);
+                let found = law.line_load(x).load;
+                assert_relative_eq!(found, load, max_relative = 3e-3);
+                let half_width = 2.0 / PI * found / law.pressure(found);
                 assert_relative_eq!(half_width, 2.0 * spread, max_relative = 1e-2);
             }
         }
@@ -372,11 +377,13 @@ mod tests {
                 let means = profile.means(m, a);
                 let load = means.by_log_width / C;
                 let x = means.gap + C * load * (2.0 * REFERENCE / a).ln();
-                let [found, slope, _] = law.at(x);
-                let largest = law.at(1.0)[1];
-                assert_abs_diff_eq!(found, load, epsilon = 1e-3 * law.node(KNEE_NODES).load);
+                let LineLoad {
+                    load: found, slope, ..
+                } = law.line_load(x);
+                let last = law.node(KNEE_NODES).at;
+                assert_abs_diff_eq!(found, load, epsilon = 1e-3 * last.load);
                 let exact = (C * (2.0 * REFERENCE / a).ln()).recip();
-                assert_abs_diff_eq!(slope, exact, epsilon = 2e-2 * largest);
+                assert_abs_diff_eq!(slope, exact, epsilon = 2e-2 * last.slope);
             }
         }
     }
@@ -398,18 +405,22 @@ mod tests {
                 curvature: 0.0,
             };
             profile.add(0, kink);
-            let edge = TipEdge::new([C, RADIUS, REFERENCE, slope], corner, 0.0).unwrap();
+            let edge = TipEdge::new(elastic(corner), &profile).unwrap();
             let least = profile.room();
-            let [load, penetration] = edge.at_width(2.0 * least);
-            let energy = edge.energy(penetration);
-            let elastic = (C, REFERENCE.ln(), corner);
+            let state = edge.state(2.0 * least);
+            let onset = Onset {
+                half_width: least,
+                load: state.load,
+                penetration: state.penetration,
+                energy: edge.line_load(state.penetration).energy,
+            };
             let widest = WIDEST.min(0.5 * edge.widest());
-            let knee = Knee::new(&profile, elastic, [least, penetration, energy], widest);
-            assert_relative_eq!(knee.node(0).load, load, max_relative = 1e-9);
-            for x in [1.0, 1.3, 2.0, 5.0].map(|times| times * penetration) {
-                let [found, _, energy] = knee.at(x);
-                assert_relative_eq!(found, edge.line_load(x).0, max_relative = 2e-3);
-                assert_relative_eq!(energy, edge.energy(x), max_relative = 2e-3);
+            let knee = Knee::new(elastic(corner), &profile, onset, widest);
+            assert_relative_eq!(knee.node(0).at.load, state.load, max_relative = 1e-9);
+            for x in [1.0, 1.3, 2.0, 5.0].map(|times| times * state.penetration) {
+                let (found, known) = (knee.line_load(x), edge.line_load(x));
+                assert_relative_eq!(found.load, known.load, max_relative = 2e-3);
+                assert_relative_eq!(found.energy, known.energy, max_relative = 2e-3);
             }
         }
     }
@@ -426,9 +437,10 @@ mod tests {
         // Little short of it both agree; the one without an edge goes on to carry more at the same penetration.
         let reached = (0..=KNEE_NODES)
             .map(|i| near.node(i))
-            .find(|node| node.load > w)
+            .find(|node| node.at.load > w)
             .unwrap();
-        assert!(w > near.node(0).load && w < near.node(KNEE_NODES).load);
-        assert!(far.at(2.0 * reached.penetration)[0] > near.at(2.0 * reached.penetration)[0]);
+        assert!(w > near.node(0).at.load && w < near.node(KNEE_NODES).at.load);
+        let [without, with] = [&far, &near].map(|law| law.line_load(2.0 * reached.penetration));
+        assert!(without.load > with.load);
     }
 }

@@ -20,9 +20,10 @@
 //!                                             force, moment, contact point
 //! ```
 //!
-//! This crate is the FMU's library: `gear`, `friction`, `contact`, evaluation of tables, `element` and `fmi`. The element never
-//! imports the contact solver: the table joins them, and for contact at run time `fmi`. Pair files, finite elements, the sweep of tables
-//! and packing are `gearmesh-preprocessor`, which depends on this crate; `gearmesh-command` is the program over both.
+//! This crate is the FMU's library: `gear`, `friction`, `contact`, evaluation of tables, `element` and `fmi`. The law of a flank
+//! (`element::law`) is a table, a constant stiffness, tooth pairs one by one, or a contact solve at every evaluation. Pair files,
+//! finite elements, the sweep of tables and packing are `gearmesh-preprocessor`, which depends on this crate;
+//! `gearmesh-command` is the program over both.
 //!
 //! # Symbols
 //!

@@ -1,22 +1,4 @@
-//! The constants of the local contact, in one table, each with where it comes from.
-//!
-//! | constant | value | from |
-//! |---|---|---|
-//! | [`WIDTH_OVER_REFERENCE`] | 1.5 | derived: the law has its largest displacement at b = 2 L |
-//! | [`LARGEST_HALF_WIDTH_OVER_RADIUS`] | 0.15 | Hertz: 8.5 GPa between steel flanks |
-//! | [`KNEE_NODES`] | 10 | measured: line loads within 1e-3, at the knee of a relief within 5e-3 |
-//! | [`TOPOGRAPHY_OVER_RADIUS`] | 0.02 | Hertz: 1.1 GPa between steel flanks |
-//! | [`LEAST_CURVATURE`] | 0.1 | a topography that fits closer is no line contact |
-//! | [`REFERENCE_OVER_HERTZ`] | 1 | line loads to 2.25 times the estimate stay within the law |
-//! | [`SMOOTHING_OVER_LAYER`] | 1.5 | measured: least at which the bulk stays positive definite at all levels |
-//! | [`SMOOTHING_OVER_REFERENCE`] | 3 | derived: half-space under a load that alternates along the line |
-//! | [`SHARE_OF_A_LINE`] | 0.5 | half of what a contact line has to give |
-//! | [`INDEFINITE`] | 2e-5 | rounding; far below the least slope of the law, 0.29, that it is added to |
-//! | [`OWN_SHARE_ALONG_STRIP`] | 0.45 | measured: docs/contact-at-run-time.md |
-//! | [`STIFFNESS_OVER_MODULUS`] | 0.07 | ISO 6336-1: 14 N/(mm um) for steel |
-//! | [`MOST_STATIONS`], [`FEWEST_STATIONS`] | 40, 10 | measured: docs/finite-elements.md |
-//! | [`RUN_TIME_STATIONS`] | 22 | measured: docs/contact-at-run-time.md |
-//! | [`STRIP_OVER_WIDTH`] | 1 | a shorter strip is no line contact of its own |
+//! The constants of the local contact, each with where it comes from.
 
 /// Half-width of contact over the reference length from which the law goes on along its tangent.
 ///
@@ -31,7 +13,8 @@ pub const WIDTH_OVER_REFERENCE: f64 = 1.5;
 /// what rolling bearings are allowed before a dent remains (ISO 76: 4 to 4.6 GPa).
 pub const LARGEST_HALF_WIDTH_OVER_RADIUS: f64 = 0.15;
 
-/// Widths, closer together where contact first reaches the start of a relief, through which its law is followed.
+/// Widths, closer together where contact first reaches the start of a relief, through which its law is followed. Measured: line loads
+/// within 1e-3, at the knee within 5e-3.
 pub const KNEE_NODES: usize = 10;
 
 /// Distance over the radius of curvature on both sides of the closest point over which the second difference of a
@@ -47,7 +30,7 @@ pub const LEAST_CURVATURE: f64 = 0.1;
 pub const REFERENCE_OVER_HERTZ: f64 = 1.0;
 
 /// Range over which a load is smoothed along the contact line, over the layers of the elements: elements
-/// know no load that alternates within a layer.
+/// know no load that alternates within a layer. Measured: least at which the bulk stays positive definite at all levels.
 pub const SMOOTHING_OVER_LAYER: f64 = 1.5;
 
 /// The same over the reference length L. A half-space under a line load of the wavelength 2 l gives way
@@ -64,21 +47,22 @@ pub const SHARE_OF_A_LINE: f64 = 0.5;
 pub const INDEFINITE: f64 = 2e-5;
 
 /// Part of the change of a gap along a strip that local contact takes up at run time; the bulk displacement follows the rest. Less
-/// makes force and moment more exact, more the stiffness, whose error is the steps in which strips meet.
+/// makes force and moment more exact, more the stiffness, whose error is the steps in which strips meet
+/// (docs/contact-at-run-time.md).
 pub const OWN_SHARE_ALONG_STRIP: f64 = 0.45;
 
 /// Stiffness of a tooth pair per length of contact line over Young's modulus: for starting values, for how
-/// far tip edges are followed and for how wide contacts become.
+/// far tip edges are followed and for how wide contacts become. ISO 6336-1: 14 N/(mm um) for steel.
 pub const STIFFNESS_OVER_MODULUS: f64 = 0.07;
 
-/// Stations along the face of a pair whose contacts are narrow.
+/// Stations along the face of a pair whose contacts are narrow (docs/finite-elements.md).
 pub const MOST_STATIONS: usize = 40;
 
-/// Stations at most of contact at run time. Loads need no more; the pressure along the face that other solutions also tell does.
+/// Stations at most of contact at run time (docs/contact-at-run-time.md). Loads need no more, the pressure along the face does.
 pub const RUN_TIME_STATIONS: usize = 22;
 
 /// Least number of stations.
 pub const FEWEST_STATIONS: usize = 10;
 
-/// Least length of a station over the width of the widest contact.
+/// Least length of a station over the width of the widest contact: a shorter strip is no line contact of its own.
 pub const STRIP_OVER_WIDTH: f64 = 1.0;

@@ -2,13 +2,12 @@
 //! elastic model of the teeth holds already.
 //!
 //! ```text
-//! kernel: spreads the line load of a strip over the elements; its reference length L says how much of
-//!         the local displacement the bulk matrix therefore holds
-//!    └─> division: moves displacement from the bulk matrix to the law until L suits the width of contact
-//!           └─> law: line load over penetration, inside the flanks
-//!                  └─> tip_edge: the same where contact reaches a tip edge, where the tooth gives way more than a half-plane
-//!                         └─> knee: the same where it reaches the start of a relief, by the
-//!                                   means of the gap over a contact (profile)
+//! division: moves displacement from the bulk matrix, which holds it up to the reference length L of the
+//!    │      elastic model, to the law until L suits the width of contact
+//!    └─> law: line load over penetration, inside the flanks
+//!           └─> tip_edge: the same where contact reaches a tip edge, where the tooth gives way more than a half-plane
+//!                  └─> knee: the same where it reaches the start of a relief, by the
+//!                            means of the gap over a contact (profile)
 //! ```
 //!
 //! `width` estimates how wide the contacts of a pair become, `constants` holds every threshold.

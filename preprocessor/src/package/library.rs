@@ -160,7 +160,8 @@ mod tests {
 
     #[test]
     fn a_file_that_is_no_library_is_refused_by_name() {
-        let error = Library::read(Path::new(file!())).unwrap_err().to_string();
+        let text = concat!(env!("CARGO_MANIFEST_DIR"), "/src/package/library.rs");
+        let error = Library::read(Path::new(text)).unwrap_err().to_string();
         assert!(
             error.contains("library.rs") && error.contains("no shared library"),
             "{error}"

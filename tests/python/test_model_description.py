@@ -24,7 +24,7 @@ ROLES = {
 
 def test_the_version_is_that_of_the_crate():
     manifest = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))
-    assert XML.get("version") == manifest["package"]["version"]
+    assert XML.get("version") == manifest["workspace"]["package"]["version"]
 
 
 @pytest.mark.parametrize("variable", VARIABLES, ids=lambda v: v.get("name"))

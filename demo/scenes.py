@@ -33,6 +33,7 @@ CONSTANT_STIFFNESS = 4.35e8  # N/m, tangential: what the gains of Table 2 ask fo
 # The paper's formulation with every effect off; a scene switches on what it shows. One flank, as in the paper: its
 # pair has no backlash, so that with both a tilted gear would jam.
 PAPER = {
+    "coupling": "held",  # the loop corrects the loads itself
     "formulation": "paper",
     "loadedFlank": "drive",
     "damping": DAMPING,

@@ -95,7 +95,9 @@ class GearPair:
         self._free = weakref.finalize(self, _free, instance, self._component, self._lock, callbacks, logger, unpacked)
         self._bind()
         try:
-            for name, value in (parameters or {}).items():
+            # The caller of `step` takes the loads for the step from the poses that it handed over.
+            own = {"coupling": "sequential"} if self._parameters.get("coupling") == "parallel" else {}
+            for name, value in (own | dict(parameters or {})).items():
                 self.set_parameter(name, value)
         except BaseException:
             self.close()
@@ -174,7 +176,8 @@ class GearPair:
     def step(self, size: float) -> None:
         """Hands over `u`, makes one communication step of `size` seconds and fetches `y`.
 
-        The inputs count for the whole step and the outputs belong to them, unless `extrapolatePoses` is set.
+        The loads in `y` are the mean ones over this step, for the motion that starts from `u` (`coupling` = sequential), the
+        other outputs belong to `u`. With `coupling` = held the loads do, too: for poses along a given motion.
         """
         self._call("fmi2SetReal", *self._inputs)
         self._call("fmi2DoStep", ctypes.c_double(self.time), ctypes.c_double(size), 1)

@@ -43,6 +43,7 @@ mod map;
 mod motion;
 mod paper;
 mod parameters;
+mod prediction;
 mod scalar;
 mod start;
 
@@ -55,6 +56,7 @@ pub use law::{Elasticity, FlankLaws, Workspace};
 pub(crate) use motion::row;
 pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
+pub use prediction::{Coupling, Loads, Prediction, Step, StepRequest};
 pub use scalar::Scalar;
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! The inputs: their values, how they move over a communication step, and the motions of the bodies that they give.
 //!
 //! An input whose derivatives the host gave (fmi2SetRealInputDerivatives) follows its Taylor polynomial over the coming
-//! step, whether its value was set before them or after; it stays where the polynomial ends. With `extrapolatePoses` a
-//! body whose pose has no derivatives moves on with its velocity inputs; that moves the body, not its inputs.
+//! step, whether its value was set before them or after; it stays where the polynomial ends.
 
 use std::collections::BTreeMap;
 
@@ -42,17 +41,6 @@ type Derivatives = [f64; MAXIMUM_ORDER];
 /// interpolation between orientations 10 degrees apart stay below.
 const QUATERNION_TOLERANCE: f64 = 1e-2;
 
-/// How far a body has moved beyond its pose inputs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Drift {
-    /// Displacement of the origin, m, world axes.
-    moved: [f64; 3],
-    /// Rotation in world axes, a unit quaternion w x y z.
-    turned: [f64; 4],
-    /// Whether angles, not a quaternion, gave the orientation that it started from.
-    from_angles: bool,
-}
-
 /// Values and derivatives of all inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -63,8 +51,6 @@ pub struct InputValues {
     derivatives: BTreeMap<usize, Derivatives>,
     /// Whether the step is done that the derivatives were given for.
     derivatives_spent: bool,
-    /// By body.
-    drift: [Option<Drift>; BODIES.len()],
 }
 
 /// Sizes above which the rounding of a number alone moves the teeth.
@@ -98,7 +84,6 @@ impl InputValues {
             }),
             derivatives: BTreeMap::new(),
             derivatives_spent: false,
-            drift: [None; BODIES.len()],
         }
     }
 
@@ -107,19 +92,10 @@ impl InputValues {
         self.values.as_flattened()[i]
     }
 
-    /// Sets input `i`: a body whose position or orientation (the one in use) is set stands there.
+    /// Sets input `i`.
     #[inline]
     pub fn set(&mut self, i: usize, value: f64) {
         self.values.as_flattened_mut()[i] = value;
-        let Some(drift) = &mut self.drift[i / BODY_INPUTS] else {
-            return;
-        };
-        match i % BODY_INPUTS {
-            ANGLES..QUATERNION if drift.from_angles => drift.turned = [1.0, 0.0, 0.0, 0.0],
-            QUATERNION..VELOCITY if !drift.from_angles => drift.turned = [1.0, 0.0, 0.0, 0.0],
-            POSITION..ANGLES => drift.moved = [0.0; 3],
-            _ => {}
-        }
     }
 
     /// Sets the derivative of `order` (1 to [`MAXIMUM_ORDER`]) of input `i` for the coming step.
@@ -130,28 +106,14 @@ impl InputValues {
         self.derivatives.entry(i).or_default()[order - 1] = value;
     }
 
-    /// The inputs `h` s later, at the end of a communication step; `None`: they are constant. `extrapolated` are the
-    /// bodies that move on with their velocities.
-    pub fn after(
-        &self,
-        h: f64,
-        orientation: Orientation,
-        extrapolated: std::ops::Range<usize>,
-    ) -> Option<Self> {
-        if self.derivatives.is_empty() && extrapolated.is_empty() {
+    /// The inputs `h` s later, at the end of a communication step; `None`: they are constant.
+    pub fn after(&self, h: f64) -> Option<Self> {
+        if self.derivatives.is_empty() {
             return None;
         }
         let mut end = self.clone();
         if end.derivatives_spent {
             end.derivatives.clear();
-        }
-        for body in extrapolated {
-            let pose = body * BODY_INPUTS..body * BODY_INPUTS + VELOCITY;
-            if end.derivatives.range(pose).next().is_none() {
-                let [way, turn] = [VELOCITY, ANGULAR_VELOCITY]
-                    .map(|offset| Vector3::from_fn(|k, _| end.integral(body, offset + k, h)));
-                end.move_body(body, way, turn, orientation);
-            }
         }
         let values = end.values.as_flattened_mut();
         for (i, derivatives) in &mut end.derivatives {
@@ -168,34 +130,6 @@ impl InputValues {
         self.derivatives.get(&i).copied().unwrap_or_default()
     }
 
-    /// Integral of an input of `body` over `h` s.
-    fn integral(&self, body: usize, offset: usize, h: f64) -> f64 {
-        let [d1, d2, d3] = self.derivatives(body * BODY_INPUTS + offset);
-        h * (self.values[body][offset] + h / 2.0 * (d1 + h / 3.0 * (d2 + h / 4.0 * d3)))
-    }
-
-    /// Moves a body on by a displacement (m) and a rotation vector (rad), both in world axes.
-    fn move_body(
-        &mut self,
-        body: usize,
-        way: Vector3<f64>,
-        turn: Vector3<f64>,
-        orientation: Orientation,
-    ) {
-        if way == Vector3::zeros() && turn == Vector3::zeros() {
-            return;
-        }
-        let drift = self.drift[body].get_or_insert(Drift {
-            moved: [0.0; 3],
-            turned: [1.0, 0.0, 0.0, 0.0],
-            from_angles: orientation == Orientation::Angles,
-        });
-        let q = UnitQuaternion::from_scaled_axis(turn).into_inner() * quaternion(&drift.turned);
-        let q = q.normalize();
-        drift.moved = (Vector3::from(drift.moved) + way).into();
-        drift.turned = [q.w, q.i, q.j, q.k];
-    }
-
     /// Refuses numbers that are not finite, and derivatives of what is no input.
     ///
     /// # Errors
@@ -207,11 +141,6 @@ impl InputValues {
             return Err((*i).min(INPUTS - 1));
         }
         let bad = |x: &f64| !x.is_finite();
-        for (body, drift) in self.drift.iter().enumerate() {
-            if drift.is_some_and(|d| d.moved.iter().chain(&d.turned).any(bad)) {
-                return Err(body * BODY_INPUTS + VELOCITY);
-            }
-        }
         self.values
             .as_flattened()
             .iter()
@@ -284,16 +213,12 @@ impl InputValues {
             }
         };
         let (limit, remedy) = (resolution.position, "put the origin of the world nearer");
-        let mut motion = Motion {
+        let motion = Motion {
             p: self.resolved(body, POSITION, limit, "m", remedy)?,
             r,
             v: self.vector(body, VELOCITY),
             w: self.vector(body, ANGULAR_VELOCITY),
         };
-        if let Some(drift) = &self.drift[body] {
-            motion.p += Vector3::from(drift.moved);
-            motion.r = drift.rotation() * motion.r;
-        }
         Ok(motion)
     }
 
@@ -342,18 +267,7 @@ impl InputValues {
             // The orientation that is not in use.
             _ => (3, Vector3::zeros()),
         };
-        let change = match &self.drift[body] {
-            Some(drift) if column == 3 => drift.rotation() * change,
-            _ => change,
-        };
         (body * BODY_COLUMNS + column, change)
-    }
-}
-
-impl Drift {
-    fn rotation(&self) -> Matrix3<f64> {
-        let q = UnitQuaternion::new_unchecked(quaternion(&self.turned));
-        q.to_rotation_matrix().into_inner()
     }
 }
 
@@ -429,47 +343,6 @@ mod tests {
     }
 
     #[test]
-    fn a_moved_body_goes_as_a_rigid_body_and_its_inputs_stay_even_at_90_degrees() {
-        let turn = Vector3::new(0.02, -0.01, 0.4);
-        let way = Vector3::new(1e-3, 2e-3, 3e-3);
-        for a in [[2e-3, -1e-3, 0.7], [0.0, FRAC_PI_2, 0.0]].map(Vector3::from) {
-            let q = UnitQuaternion::from_matrix(&cardan(&a));
-            let mut inputs = values();
-            for k in 0..3 {
-                inputs.set(ANGLES + k, a[k]);
-            }
-            for (k, c) in [q.w, q.i, q.j, q.k].into_iter().enumerate() {
-                inputs.set(QUATERNION + k, c);
-            }
-            let set = inputs.values;
-            for orientation in [Orientation::Angles, Orientation::Quaternion] {
-                let mut moved = inputs.clone();
-                for _ in 0..2 {
-                    moved.move_body(0, way, turn, orientation);
-                }
-                assert_eq!(moved.values, set);
-                let there = pose(&moved, orientation);
-                let exact = Rotation3::new(2.0 * turn).into_inner() * cardan(&a);
-                assert_abs_diff_eq!(there.r, exact, epsilon = 1e-15);
-                assert_abs_diff_eq!(there.p, 2.0 * way, epsilon = 1e-18);
-                // Setting one angle takes the orientation back, not the position; and the other way.
-                let first = if orientation == Orientation::Angles {
-                    ANGLES
-                } else {
-                    QUATERNION
-                };
-                let mut set_anew = moved.clone();
-                set_anew.set(first, inputs.get(first));
-                assert_abs_diff_eq!(pose(&set_anew, orientation).r, cardan(&a), epsilon = 1e-15);
-                assert_eq!(pose(&set_anew, orientation).p, there.p);
-                moved.set(POSITION, 0.0);
-                assert_eq!(pose(&moved, orientation).p, Vector3::zeros());
-                assert_eq!(pose(&moved, orientation).r, there.r);
-            }
-        }
-    }
-
-    #[test]
     fn directions_of_orientation_inputs_are_small_rotations_of_the_world() {
         let mut inputs = values();
         let a = [0.1, -0.2, 2.0];
@@ -482,22 +355,18 @@ mod tests {
             (ANGLES, 3, Orientation::Angles),
             (QUATERNION, 4, Orientation::Quaternion),
         ] {
-            for drift in [Vector3::zeros(), Vector3::new(0.3, 0.2, -0.5)] {
-                let mut inputs = inputs.clone();
-                inputs.move_body(0, Vector3::zeros(), drift, orientation);
-                for i in from..from + count {
-                    let (column, rotation) = inputs.direction(i, orientation);
-                    assert_eq!(column, 3);
-                    let at = |sign: f64| {
-                        let mut moved = inputs.clone();
-                        moved.values[0][i] += sign * step;
-                        pose(&moved, orientation).r
-                    };
-                    let r = pose(&inputs, orientation).r;
-                    let skew = (at(1.0) - at(-1.0)) / (2.0 * step) * r.transpose();
-                    let found = Vector3::new(skew.m32, skew.m13, skew.m21);
-                    assert_abs_diff_eq!(found, rotation, epsilon = 1e-9);
-                }
+            for i in from..from + count {
+                let (column, rotation) = inputs.direction(i, orientation);
+                assert_eq!(column, 3);
+                let at = |sign: f64| {
+                    let mut moved = inputs.clone();
+                    moved.values[0][i] += sign * step;
+                    pose(&moved, orientation).r
+                };
+                let r = pose(&inputs, orientation).r;
+                let skew = (at(1.0) - at(-1.0)) / (2.0 * step) * r.transpose();
+                let found = Vector3::new(skew.m32, skew.m13, skew.m21);
+                assert_abs_diff_eq!(found, rotation, epsilon = 1e-9);
             }
         }
     }
@@ -569,8 +438,8 @@ mod tests {
         }
     }
 
-    fn step(inputs: &InputValues, h: f64, extrapolated: std::ops::Range<usize>) -> InputValues {
-        inputs.after(h, Orientation::Angles, extrapolated).unwrap()
+    fn step(inputs: &InputValues, h: f64) -> InputValues {
+        inputs.after(h).unwrap()
     }
 
     #[test]
@@ -581,29 +450,13 @@ mod tests {
         inputs.set_derivative(0, 2, -1.0);
         inputs.set_derivative(0, 3, 24.0);
         inputs.set(0, p(0.0));
-        let mut inputs = step(&inputs, 0.75, 0..0);
+        let mut inputs = step(&inputs, 0.75);
         assert_abs_diff_eq!(inputs.get(0), p(0.75), epsilon = 1e-14);
         inputs.set_derivative(1, 1, 1.0);
-        let inputs = step(&inputs, 1.0, 0..0);
+        let inputs = step(&inputs, 1.0);
         assert_abs_diff_eq!(inputs.get(0), p(0.75), epsilon = 1e-14);
-        let inputs = step(&inputs, 1.0, 0..0);
-        assert!(inputs.after(1.0, Orientation::Angles, 0..0).is_none());
-    }
-
-    #[test]
-    fn a_body_moves_by_the_integral_of_its_velocity_until_the_host_gives_its_pose_a_rate() {
-        let mut inputs = values();
-        inputs.set(VELOCITY, 2.0);
-        inputs.set_derivative(VELOCITY, 1, 6.0);
-        let moved = step(&inputs, 0.5, 0..1);
-        let p = pose(&moved, Orientation::Angles).p;
-        assert_abs_diff_eq!(p.x, 2.0 * 0.5 + 3.0 * 0.25, epsilon = 1e-15);
-        assert_eq!(moved.get(POSITION), 0.0);
-        inputs.set_derivative(POSITION, 1, 1.0);
-        assert_eq!(
-            pose(&step(&inputs, 0.5, 0..1), Orientation::Angles).p.x,
-            0.5
-        );
+        let inputs = step(&inputs, 1.0);
+        assert!(inputs.after(1.0).is_none());
     }
 
     #[test]
@@ -611,6 +464,6 @@ mod tests {
         let mut inputs = values();
         inputs.set_derivative(7, 3, 1e308);
         assert_eq!(inputs.check(), Ok(()));
-        assert_eq!(step(&inputs, 1e3, 0..0).check(), Err(7));
+        assert_eq!(step(&inputs, 1e3).check(), Err(7));
     }
 }

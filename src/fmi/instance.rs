@@ -1,8 +1,8 @@
 //! One instance of the FMU: what the functions of the interface do, in safe Rust.
 //!
-//! Outputs and their derivatives are a pure function of inputs, parameters and phase zeros. They are made when they are
-//! asked for and kept until one of these changes (`Instance::changed`), so that hosts may set and get in any order, value
-//! by value, and go back in time.
+//! Outputs and their derivatives are a pure function of inputs, parameters, phase zeros and, with `coupling`, of the last step.
+//! They are made when they are asked for and kept until one of these changes (`Instance::changed`), so that hosts may set
+//! and get in any order, value by value, and go back in time.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -21,7 +21,8 @@ use super::variables::{
 };
 use super::{Event, Refusal, Severity};
 use crate::element::{
-    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Element, Formulation, Inputs, Jacobian, Outputs, Workspace,
+    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Element, Formulation, Inputs, Jacobian, Loads,
+    Outputs, Prediction, StepRequest, Workspace,
 };
 use crate::words::number;
 
@@ -97,6 +98,8 @@ impl Instance {
                 inputs: InputValues::new(resources.starts.inputs),
                 parameters: resources.starts.parameters,
                 latch: None,
+                step: None,
+                loads: None,
                 out_of_range: false,
             },
             stored: HashMap::new(),
@@ -307,10 +310,16 @@ impl Instance {
             self.configure(Settings::new(function, &parameters)?);
             self.state.parameters = parameters;
         }
+        let mut moved = false;
         for (k, &reference) in references.iter().enumerate() {
             if let Some(i) = index_of(reference).filter(|i| *i < INPUTS) {
                 self.state.inputs.set(i, value(k));
+                moved = true;
             }
+        }
+        // The loads of the last step go on acting where everyone steps at once.
+        if moved && self.settings.coupling != Coupling::Parallel {
+            self.state.loads = None;
         }
         self.changed();
         Ok(())
@@ -420,20 +429,56 @@ impl Instance {
     /// Outputs at the present state; before phases are taken, with those of the present pose.
     fn outputs(&mut self) -> Result<&Evaluated, Refusal> {
         if self.outputs.is_none() {
-            self.look()?;
-            let element = made(&mut self.element, &self.resources, &self.settings)?;
-            let latch = match self.state.latch {
-                Some(latch) => latch,
-                None => element.latch(&self.motions)?,
+            let (all, loads) = match (self.settings.coupling, self.state.loads, &self.state.step) {
+                // Of a step as long as the last one.
+                (Coupling::Sequential, None, Some(step)) => {
+                    let prediction = self.predict(step.length())?;
+                    (prediction.outputs, Some(prediction.loads))
+                }
+                (_, loads, _) => {
+                    self.look()?;
+                    let element = made(&mut self.element, &self.resources, &self.settings)?;
+                    let latch = match self.state.latch {
+                        Some(latch) => latch,
+                        None => element.latch(&self.motions)?,
+                    };
+                    let motions = &self.motions;
+                    let all = element.evaluate_from(&latch, motions, &mut self.workspace)?;
+                    (all, loads)
+                }
             };
-            let all = element.evaluate_from(&latch, &self.motions, &mut self.workspace)?;
-            let rows = all.to_array();
-            if let Some(row) = rows.iter().position(|x| !x.is_finite()) {
-                return Err(self.not_finite("", row));
-            }
-            self.outputs = Some(Evaluated { all, rows });
+            self.outputs = Some(self.evaluated(all, loads.as_ref())?);
         }
         Ok(self.outputs.as_ref().expect("made above"))
+    }
+
+    /// Those of the communication point, with the mean `loads` of a step where there are some.
+    fn evaluated(&self, all: Outputs, loads: Option<&Loads>) -> Result<Evaluated, Refusal> {
+        let mut rows = all.to_array();
+        for (row, load) in loads.iter().flat_map(|l| Loads::ROWS.into_iter().zip(l.0)) {
+            rows[row] = load;
+        }
+        match rows.iter().position(|x| !x.is_finite()) {
+            Some(row) => Err(self.not_finite("", row)),
+            None => Ok(Evaluated { all, rows }),
+        }
+    }
+
+    /// Loads for a step of `length` s from the present inputs, by the coupling.
+    fn predict(&mut self, length: f64) -> Result<Prediction, Refusal> {
+        self.look()?;
+        let element = made(&mut self.element, &self.resources, &self.settings)?;
+        let latch = match self.state.latch {
+            Some(latch) => latch,
+            None => element.latch(&self.motions)?,
+        };
+        let request = StepRequest {
+            coupling: self.settings.coupling,
+            length,
+            effective_mass: self.settings.effective_mass,
+        };
+        let last = self.state.step.as_ref();
+        Ok(element.predict(&latch, &self.motions, last, &request, &mut self.workspace)?)
     }
 
     /// Of the output in `row`, or of `what` of it.
@@ -612,8 +657,8 @@ impl Instance {
         self.along(&rows(FUNCTION, references)?, &direction)
     }
 
-    /// fmi2DoStep from the communication `point` over `step`, s: moves the inputs to the end of the step and evaluates
-    /// there. A step that is refused changes nothing.
+    /// fmi2DoStep from the communication `point` over `step`, s: moves inputs with derivatives to the end of the step and
+    /// evaluates there, or predicts the loads by the coupling. A step that is refused changes nothing.
     ///
     /// # Errors
     /// A step that is not positive, does not start where the last one ended, or passes the stop time;
@@ -636,25 +681,29 @@ impl Instance {
         Ok(())
     }
 
+    /// Outputs of the step: at inputs that the host moves by derivatives, else by the coupling.
     fn advance(&mut self, step: f64) -> Result<(), Refusal> {
-        let extrapolated = match (self.settings.extrapolate_poses, self.uses_carrier()) {
-            (false, _) => 0..0,
-            (true, false) => 0..2,
-            (true, true) => 0..3,
-        };
-        let orientation = self.settings.orientation;
-        let Some(end) = self.state.inputs.after(step, orientation, extrapolated) else {
-            return self.outputs().map(drop);
+        let Some(end) = self.state.inputs.after(step) else {
+            if self.settings.coupling == Coupling::Held {
+                return self.outputs().map(drop);
+            }
+            let prediction = self.predict(step)?;
+            let outputs = self.evaluated(prediction.outputs, Some(&prediction.loads))?;
+            self.changed();
+            self.outputs = Some(outputs);
+            (self.state.step, self.state.loads) = (prediction.step, Some(prediction.loads));
+            return Ok(());
         };
         if let Err(i) = end.check() {
             let what = "fmi2DoStep: an input overflows within the step";
             return Err(overflow(&self.state.inputs, i, what));
         }
-        let before = std::mem::replace(&mut self.state.inputs, end);
+        let before = self.state.clone();
+        (self.state.inputs, self.state.step, self.state.loads) = (end, None, None);
         self.changed();
         let outcome = self.outputs().map(drop);
         if outcome.is_err() {
-            self.state.inputs = before;
+            self.state = before;
         }
         outcome
     }

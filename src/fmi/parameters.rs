@@ -3,7 +3,7 @@
 use super::Refusal;
 use super::variables::{FIRST_PARAMETER, PARAMETERS, VARIABLES, check_value, index};
 use crate::element::{
-    Formulation, Interpolation, LoadedFlank, Parameters, PhaseReference, StiffnessModel,
+    Coupling, Formulation, Interpolation, LoadedFlank, Parameters, PhaseReference, StiffnessModel,
 };
 
 /// Which inputs give the orientation.
@@ -20,8 +20,10 @@ pub enum Orientation {
 pub struct Settings {
     /// Which inputs give the orientation of the bodies.
     pub orientation: Orientation,
-    /// Whether poses move with the velocity inputs inside a communication step.
-    pub extrapolate_poses: bool,
+    /// In which step the loads act.
+    pub coupling: Coupling,
+    /// Effective mass along the line of action, kg; 0: not known.
+    pub effective_mass: f64,
     /// What the element takes.
     pub element: Parameters,
 }
@@ -41,6 +43,7 @@ const INTERPOLATIONS: [Interpolation; 3] = [
 ];
 const ORIENTATIONS: [Orientation; 2] = [Orientation::Angles, Orientation::Quaternion];
 const LOADED_FLANKS: [LoadedFlank; 3] = [LoadedFlank::Drive, LoadedFlank::Coast, LoadedFlank::Both];
+const COUPLINGS: [Coupling; 3] = [Coupling::Held, Coupling::Sequential, Coupling::Parallel];
 const PHASE_REFERENCES: [PhaseReference; 2] =
     [PhaseReference::FromInitialPose, PhaseReference::Absolute];
 
@@ -58,7 +61,8 @@ impl Settings {
         let item = |i: usize| real(i) as usize - 1; // checked above: 1 or more
         Ok(Self {
             orientation: ORIENTATIONS[item(index::ORIENTATION_INPUT)],
-            extrapolate_poses: boolean(index::EXTRAPOLATE_POSES),
+            coupling: COUPLINGS[item(index::COUPLING)],
+            effective_mass: real(index::EFFECTIVE_MASS),
             element: Parameters {
                 stiffness_model: STIFFNESS_MODELS[item(index::STIFFNESS_MODEL)],
                 constant_stiffness: real(index::CONSTANT_STIFFNESS),
@@ -122,6 +126,7 @@ mod tests {
             (index::ORIENTATION_INPUT, spelled(&ORIENTATIONS)),
             (index::LOADED_FLANK, spelled(&LOADED_FLANKS)),
             (index::PHASE_REFERENCE, spelled(&PHASE_REFERENCES)),
+            (index::COUPLING, spelled(&COUPLINGS)),
         ] {
             let names = VARIABLES[i].items.iter().map(|name| name.to_lowercase());
             assert_eq!(items, names.collect::<Vec<_>>(), "{}", VARIABLES[i].name);

@@ -13,7 +13,7 @@ use super::instance::Instance;
 use super::lifecycle::{Interface, State};
 use super::parameters::Settings;
 use super::variables::PARAMETERS;
-use crate::element::Latch;
+use crate::element::{Latch, Loads, Step};
 
 /// State of one instance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,6 +28,10 @@ pub(super) struct InstanceState {
     pub parameters: [f64; PARAMETERS],
     /// Phase zeros; `None` until fmi2ExitInitializationMode takes them.
     pub latch: Option<Latch>,
+    /// The last step, where a coupling predicts loads from it.
+    pub step: Option<Step>,
+    /// Mean loads that the last step gave, where a coupling does.
+    pub loads: Option<Loads>,
     /// Whether the outputs last looked at were out of range, for the log.
     pub out_of_range: bool,
 }
@@ -55,9 +59,11 @@ impl InstanceState {
             State::Terminated => has_phases,
             State::Fatal => false,
         };
-        if !fits || self.inputs.check().is_err() {
+        let steps = self.step.as_ref().is_none_or(Step::is_valid)
+            && (has_phases || (self.step.is_none() && self.loads.is_none()));
+        if !fits || !steps || self.inputs.check().is_err() {
             return Err(Refusal::error(format!(
-                "the stored state is {:?} with phases or inputs that no {interface:?} of this unit has",
+                "the stored state is {:?} with phases, steps or inputs that no {interface:?} of this unit has",
                 self.state
             )));
         }
@@ -113,7 +119,7 @@ impl InstanceState {
 const MAGIC: &[u8; 8] = b"gearmesh";
 
 /// Version of the layout of serialised states.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// Length of the checksum, bytes.
 const CHECKSUM: usize = 32;
@@ -198,7 +204,10 @@ mod tests {
 
     /// An instance in the middle of a simulation, with numbers that are not round.
     fn running() -> Instance {
-        let mut instance = on_table([8, 1, 1, 6], &[(index::EXTRAPOLATE_POSES, 1.0)]);
+        let mut instance = on_table(
+            [8, 1, 1, 6],
+            &[(index::COUPLING, 3.0), (index::EFFECTIVE_MASS, 0.3)],
+        );
         instance.setup(-1.0 / 3.0, None).unwrap();
         let sets = [
             (index::GEAR1_ANGLES_3, 1e-4),

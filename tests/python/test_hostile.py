@@ -221,7 +221,7 @@ def test_inputs_that_the_formulation_does_not_use_are_not_looked_at(table_mesh):
     unused = {n: 1e300 for n in inputs if n.startswith("carrier.")}
     for orientation in (1, 2):
         instance.expect("fmi2Reset")
-        choices = {"orientationInput": orientation, "formulation": 2, "extrapolatePoses": 1}
+        choices = {"orientationInput": orientation, "formulation": 2, "coupling": 3, "effectiveMass": 0.3}
         instance.initialize(choices)
         instance.set({"gear1.angularVelocity[3]": 10.0})
         assert instance.step(0.0, STEP) == OK, instance.log()

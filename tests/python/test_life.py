@@ -263,9 +263,9 @@ def last_successful_time(instance):
     return time.value
 
 
-@pytest.mark.parametrize("extrapolate", [0, 1])
-def test_a_refused_step_changes_nothing(mesh, extrapolate):
-    instance = mesh().initialize({"extrapolatePoses": extrapolate, "gear1.angularVelocity[3]": 1.0})
+@pytest.mark.parametrize("coupling", [1, 2, 3], ids=["held", "sequential", "parallel"])
+def test_a_refused_step_changes_nothing(mesh, coupling):
+    instance = mesh().initialize({"coupling": coupling, "gear1.angularVelocity[3]": 1.0})
     assert instance.step(0.0, 1e-5) == OK
     # Gear 2 ends the step tilted beyond what has a meaning.
     tilt = "gear2.angles[1]"

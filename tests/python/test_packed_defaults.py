@@ -36,6 +36,7 @@ class Mesh:
         self.radius = [z * distance / abs(z1 + self.e * z2) for z in (z1, z2)]
         self.instance = make(name)
         self.instance.initialize(values)
+        self.error = []  # mesh.transmissionError at each step
         self.step = float(self.instance.unit.description.defaultExperiment.stepSize)
         self.names = [v.name for v in self.instance.unit.description.modelVariables if v.causality == "input"]
         self.u = (ctypes.c_double * len(self.names))()
@@ -44,6 +45,7 @@ class Mesh:
         self.at = {name: i for i, name in enumerate(self.names)}
         outputs = ["gear1.moment[3]", "gear2.moment[3]", "mesh.tangentialForce"]
         outputs += [f"gear2.{q}[{i}]" for q in ("force", "moment") for i in (1, 2, 3)]
+        outputs.append("mesh.transmissionError")
         self.y = (ctypes.c_double * len(outputs))()
         self.references = [self.instance.references(n) for n in (self.names, outputs)]
         self.time = 0.0
@@ -64,6 +66,11 @@ class Mesh:
         assert i.step(self.time, step) == OK, i.log()
         self.time += step
         assert i.call("fmi2GetReal", outputs, ctypes.c_size_t(len(self.y)), self.y) == OK, i.log()
+        self.error.append(self.y[9])
+
+
+def coupling(parallel):
+    return {"coupling": 3 if parallel else 2}
 
 
 def spins(mesh, free, parallel, step, duration, torque, speed=0.0):
@@ -80,7 +87,7 @@ def spins(mesh, free, parallel, step, duration, torque, speed=0.0):
         for i, gear in enumerate(("gear1", "gear2")):
             mesh.u[mesh.at[f"{gear}.angles[3]"]] = angle[i]
             mesh.u[mesh.at[f"{gear}.angularVelocity[3]"]] = rate[i]
-        load = torque(n * step)
+        load = torque((n + 0.5) * step)
         if not parallel:
             mesh.advance(step)
             held = [mesh.y[0], mesh.y[1]]
@@ -107,21 +114,56 @@ def swing(force, mean):
 @pytest.mark.parametrize("parallel", [False, True], ids=["sequential", "parallel"])
 @pytest.mark.parametrize("free", [(0,), (1,), (0, 1)], ids=["gear1", "gear2", "both"])
 @pytest.mark.parametrize("name", SHIPPED)
-def test_masters_that_hold_loads_survive_twice_the_packed_step(shipped, name, free, parallel):
-    mesh = Mesh(shipped, name)
+def test_masters_survive_twice_the_packed_step(shipped, name, free, parallel):
+    mesh = Mesh(shipped, name, coupling(parallel))
     # Nominal torque at once, so that the force starts by swinging to twice its mean; half a cycle a millisecond.
     force = spins(mesh, free, parallel, 2 * mesh.step, 0.03, lambda t: mesh.torque, 500 * mesh.pitch_angle)
     first, last = swing(force, mesh.torque / mesh.radius[0])
-    assert first > 0.7
+    assert first > 0.6
     assert last < 0.7 * first
 
 
+@pytest.mark.parametrize("parallel", [False, True], ids=["sequential", "parallel"])
 @pytest.mark.parametrize("name", SHIPPED)
-def test_the_packed_step_is_no_shorter_than_needed(shipped, name):
-    """Four times the packed step, twice the limit of a parallel master, blows up."""
+def test_the_packed_step_costs_less_than_a_percent(shipped, name, parallel):
+    """A load over 2 ms, gear 1 at constant speed: the transmission error against a twentieth of the step."""
+
+    def run(divisor):
+        mesh = Mesh(shipped, name, coupling(False if divisor > 1 else parallel))
+        load = lambda t: mesh.torque * min(t / 2e-3, 1.0)  # noqa: E731
+        spins(mesh, (1,), divisor == 1 and parallel, mesh.step / divisor, 0.012, load, 750 * mesh.pitch_angle)
+        return np.array(mesh.error[::divisor])
+
+    reference, found = run(20), run(1)
+    count = min(len(found), len(reference))
+    error = np.sqrt(np.mean((found[:count] - reference[:count]) ** 2)) / reference.std()
+    assert error < 0.007, error
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_sequential_master_that_keeps_the_default_is_damped_and_stable(shipped, name):
     mesh = Mesh(shipped, name)
-    force = spins(mesh, (1,), True, 4 * mesh.step, 0.03, lambda t: mesh.torque, 500 * mesh.pitch_angle)
-    assert force.max() > 10 * mesh.torque / mesh.radius[0]
+    force = spins(mesh, (1,), False, mesh.step, 0.03, lambda t: mesh.torque, 500 * mesh.pitch_angle)
+    first, last = swing(force, mesh.torque / mesh.radius[0])
+    assert last < 0.3 * first
+
+
+def test_held_loads_bear_twice_the_step_packed_for_them_and_not_four_times(tmp_path):
+    fmu = tmp_path / "held.fmu"
+    gearmesh("pack", "--tables", ROOT / "resources/tables/palermo2013.json", "--set", "coupling=held", "-o", fmu)
+    unit = Unit(fmu)
+    try:
+        for parallel, factor in ((False, 2), (True, 2), (True, 4)):
+            mesh = Mesh(lambda _: unit.instance(), "palermo2013")
+            load = lambda t: mesh.torque  # noqa: E731
+            force = spins(mesh, (1,), parallel, factor * mesh.step, 0.03, load, 500 * mesh.pitch_angle)
+            if factor == 2:
+                first, last = swing(force, mesh.torque / mesh.radius[0])
+                assert last < 0.7 * first
+            else:
+                assert force.max() > 10 * mesh.torque / mesh.radius[0]
+    finally:
+        unit.close()
 
 
 @pytest.mark.parametrize("parallel", [False, True], ids=["sequential", "parallel"])
@@ -129,7 +171,7 @@ def test_the_packed_step_is_no_shorter_than_needed(shipped, name):
 def test_a_gear_on_bearings_with_all_its_freedoms_survives_twice_the_packed_step(shipped, name, parallel):
     """Gear 2 spins freely and is held radially, axially and against tilting by bearings of damping ratio 0.02, which
     the master integrates exactly with the body."""
-    mesh = Mesh(shipped, name)
+    mesh = Mesh(shipped, name, coupling(parallel))
     step = 2 * mesh.step
     mass, axial, transverse = mesh.blank(1)
     inertia = np.array([mass] * 3 + [transverse] * 2 + [axial])
@@ -171,13 +213,13 @@ def test_a_gear_on_bearings_with_all_its_freedoms_survives_twice_the_packed_step
 @pytest.mark.parametrize("parallel", [False, True], ids=["sequential", "parallel"])
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_reversed_torque_ends_on_the_coast_flank_without_a_jump(shipped, name, parallel):
-    mesh = Mesh(shipped, name)
+    mesh = Mesh(shipped, name, coupling(parallel))
     begin, turn = 2e-3, 6e-3
 
     def torque(t):
         return mesh.torque * math.cos(math.pi * min(max(t - begin, 0.0) / turn, 1.0))
 
-    force = spins(mesh, (1,), parallel, mesh.step, 0.03, torque)
+    force = spins(mesh, (1,), parallel, mesh.step / 16, 0.03, torque)
     nominal = mesh.torque / mesh.radius[0]
     assert mesh.instance.get("mesh.flank") == -1
     assert mesh.instance.get("mesh.outOfRange") == 0
@@ -210,23 +252,13 @@ def test_the_description_and_the_page_name_pair_damping_and_step(shipped_fmus, n
         return float(found.group(1))
 
     step = description.defaultExperiment.stepSize
-    assert row("<code>stepSize</code>, half of it") == pytest.approx(float(step), rel=1e-3)
+    assert row("<code>stepSize</code>") == pytest.approx(float(step), rel=1e-3)
     assert row("<code>damping</code> c") == pytest.approx(float(start["damping"]), rel=1e-3)
     k, m = row("mean tangent stiffness k at nominal torque"), row("reduced mass m on the pitch circle, both spinning")
     assert float(start["constantStiffness"]) == pytest.approx(k, rel=1e-3)
     assert float(start["damping"]) == pytest.approx(0.1 * math.sqrt(k * m), rel=5e-3)
+    assert row("<code>effectiveMass</code> on the line of action") == pytest.approx(float(start["effectiveMass"]), rel=1e-3)
     assert "torque on gear 1" in text and "% rms" in text
-
-
-def test_the_readme_says_what_packing_derives(shipped_fmus):
-    dampings, steps = [], []
-    for fmu in shipped_fmus.values():
-        description = read_model_description(str(fmu))
-        dampings += [float(v.start) for v in description.modelVariables if v.name == "damping"]
-        steps.append(1e6 * float(description.defaultExperiment.stepSize))
-    readme = (ROOT / "README.md").read_text()
-    said = f"{min(dampings):.0f} to {max(dampings):.0f} N s/m and {min(steps):.2f} to {max(steps):.2f} us"
-    assert said in readme, said
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -303,7 +335,7 @@ def test_the_commands_of_the_units_page_run_with_what_the_package_brings(tmp_pat
 
 def test_start_values_set_when_packing_are_those_of_the_unit(tmp_path):
     fmu = tmp_path / "unit.fmu"
-    settings = ["interpolation=shepard", "phaseReference=absolute", "damping=500", "extrapolatePoses=true"]
+    settings = ["interpolation=shepard", "phaseReference=absolute", "damping=500", "coupling=sequential"]
     options = [x for s in settings for x in ("--set", s)]
     gearmesh("pack", "--tables", ROOT / "resources/tables/helical-25-47.json", "-o", fmu, *options)
     shown = gearmesh("inspect", fmu)
@@ -313,7 +345,7 @@ def test_start_values_set_when_packing_are_those_of_the_unit(tmp_path):
     try:
         values = {v.name: v.start for v in unit.description.modelVariables}
         assert (values["interpolation"], values["phaseReference"]) == ("3", "2")
-        assert (values["damping"], values["extrapolatePoses"]) == ("500.0", "true")
+        assert (values["damping"], values["coupling"]) == ("500.0", "2")
         instance = unit.instance()
         # In the middle of the gaps: half the backlash to either flank, on the pitch circle of gear 2.
         instance.initialize()

@@ -85,82 +85,63 @@ def test_fmpy_can_unpack_and_run_the_folder(fmus, tmp_path):
     assert np.abs(result["gear1.moment[3]"]).max() < 1e-6
 
 
-def test_input_derivatives_and_poses_advance_inside_the_step(mesh):
-    """Held, extrapolated by derivatives, and by velocities: the latter two see the end of the step."""
+@pytest.mark.parametrize("coupling", [1, 2, 3], ids=["held", "sequential", "parallel"])
+def test_inputs_with_derivatives_advance_inside_the_step(mesh, coupling):
     step, rate = 1e-4, 2.0
-
-    def force(extrapolate, derivative):
-        instance = mesh().initialize({"damping": 0.0, "extrapolatePoses": int(extrapolate)})
-        instance.set({"gear1.angularVelocity[3]": rate if extrapolate else 0.0})
-        if derivative:
-            instance.expect(
-                "fmi2SetRealInputDerivatives",
-                instance.references(["gear1.angles[3]"]),
-                ctypes.c_size_t(1),
-                (ctypes.c_int * 1)(1),
-                (ctypes.c_double * 1)(rate),
-            )
-        assert instance.step(0.0, step) == OK
-        return instance.get("gear2.force[2]")
-
+    instance = mesh().initialize({"damping": 0.0, "coupling": coupling})
+    instance.expect(
+        "fmi2SetRealInputDerivatives",
+        instance.references(["gear1.angles[3]"]),
+        ctypes.c_size_t(1),
+        (ctypes.c_int * 1)(1),
+        (ctypes.c_double * 1)(rate),
+    )
+    assert instance.step(0.0, step) == OK
     reference = mesh().initialize({"damping": 0.0})
     reference.set({"gear1.angles[3]": rate * step})
     end = reference.get("gear2.force[2]")
     assert end > 1000.0
-    assert abs(force(False, False)) < 1e-6
-    assert force(False, True) == pytest.approx(end, rel=1e-12)
-    assert force(True, False) == pytest.approx(end, rel=1e-12)
+    assert instance.get("gear2.force[2]") == pytest.approx(end, rel=1e-12)
 
 
+@pytest.mark.parametrize("pair", ["external", "ring2", "ring1"])
 @pytest.mark.parametrize("orientation", [1, 2], ids=["angles", "quaternion"])
-@pytest.mark.parametrize("pair", ["external", "ring2"])
-def test_poses_go_on_alike_about_every_axis_of_the_world_and_inputs_stay(mesh, pair, orientation):
-    """Gears about world z, and turned by 90 degrees about y, where Cardan angles have no rates."""
-    step, steps = 1e-5, 10
-    rates = (30.0, -7.0)
+def test_without_a_mass_loads_are_the_mean_along_the_velocities(mesh, pair, orientation):
+    """Linear stiffness: the mean over a step is the load in its middle, in the step after it for `parallel`."""
+    step, speed = 1e-6, 30.0
 
-    def turned(vector):
-        x, y, z = vector
-        return [z, y, -x]
-
-    def run(quarter, extrapolate):
+    def start(coupling):
         instance = mesh(pair)
-        place = [float(instance.unit.variables[f"gear2.position[{k}]"].start) for k in (1, 2, 3)]
-        place = turned(place) if quarter else place
-        values = {f"gear2.position[{k + 1}]": place[k] for k in range(3)}
-        h = math.sqrt(0.5)
-        for body in ("gear1", "gear2", "carrier"):
-            values[f"{body}.angles[2]"] = math.pi / 2 * quarter
-            q = [h, 0.0, h, 0.0] if quarter else [1.0, 0.0, 0.0, 0.0]
-            values |= {f"{body}.quaternion[{k + 1}]": q[k] for k in range(4)}
-        axis = 1 if quarter else 3
-        ways = {f"{body}.angularVelocity[{axis}]": rate for body, rate in zip(("gear1", "gear2"), rates)}
-        instance.initialize(
-            {**values, **ways, "orientationInput": orientation, "extrapolatePoses": int(extrapolate)}
-        )
-        if not extrapolate:
-            spins = [rate * step * steps for rate in rates]
-            for body, spin in zip(("gear1", "gear2"), spins):
-                instance.set({f"{body}.angles[3]": spin})
-                c, s = math.cos(spin / 2), math.sin(spin / 2)
-                q = [h * c, h * s, h * c, h * s] if quarter else [c, 0.0, 0.0, s]
-                instance.set({f"{body}.quaternion[{k + 1}]": q[k] for k in range(4)})
-            assert instance.step(0.0, step) == OK, instance.log()
-            return instance, instance.vector("gear2.force")
-        before = instance.get(*variables(instance)[0])
-        for n in range(steps):
-            assert instance.step(n * step, step) == OK, instance.log()
-        assert instance.get(*variables(instance)[0]) == before
-        return instance, instance.vector("gear2.force")
+        choices = {"coupling": coupling, "effectiveMass": 0.0, "orientationInput": orientation, "damping": 0.0}
+        instance.initialize(choices)
+        # Pressed by some microns, and on its way about every axis and along.
+        turn(instance, 2e-4)
+        spins = {"gear1.angularVelocity[3]": speed, "gear2.velocity[1]": 1e-2, "gear2.angularVelocity[2]": 1.0}
+        instance.set(spins)
+        return instance
 
-    reference, force = run(False, False)
-    size = np.linalg.norm(force)
-    assert size > 1000.0
-    for quarter, extrapolate in ((False, True), (True, False), (True, True)):
-        instance, found = run(quarter, extrapolate)
-        assert found == pytest.approx(turned(force) if quarter else force, abs=1e-8 * size)
-        error = reference.get("mesh.transmissionError")
-        assert instance.get("mesh.transmissionError") == pytest.approx(error, rel=1e-8)
+    def turn(instance, angle, time=0.0):
+        tilt = time * 1.0
+        instance.set({"gear1.angles[3]": angle, "gear2.angles[2]": tilt})
+        instance.set({"gear1.quaternion[1]": math.cos(angle / 2), "gear1.quaternion[4]": math.sin(angle / 2)})
+        instance.set({"gear2.quaternion[1]": math.cos(tilt / 2), "gear2.quaternion[3]": math.sin(tilt / 2)})
+        place = "gear2.position[1]"
+        instance.set({place: float(instance.unit.variables[place].start) + 1e-2 * time})
+
+    for coupling, middle in ((2, 0.5), (3, 1.5)):
+        found = start(coupling)
+        assert found.step(0.0, step) == OK, found.log()
+        expected = start(1)
+        turn(expected, 2e-4 + speed * middle * step, middle * step)
+        names = [f"gear{g}.{q}[{i}]" for g in (1, 2) for q in ("force", "moment") for i in (1, 2, 3)]
+        names += ["mesh.tangentialForce", "mesh.normalForce"]
+        size = abs(expected.get("mesh.normalForce"))
+        assert size > 500.0
+        assert list(found.get(*names)) == pytest.approx(list(expected.get(*names)), abs=1e-5 * size)
+        # All else belongs to the communication point.
+        here = start(1)
+        for name in ("mesh.transmissionError", "mesh.stiffness", "mesh.contactZ", "mesh.position"):
+            assert found.get(name) == here.get(name)
 
 
 def test_output_derivatives_are_the_rates_of_the_outputs(mesh):

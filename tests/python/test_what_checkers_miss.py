@@ -68,8 +68,8 @@ def test_outputs_depend_on_inputs_and_at_first_on_parameters(xml):
     assert set(running) == set(initial) == named(xml, "output")
     for name, known in running.items():
         assert set(known) <= named(xml, "input"), name
-        # In initialization parameters count as well; this one acts inside steps alone.
-        assert set(initial[name]) - set(known) == named(xml, "parameter") - {"extrapolatePoses"}
+        # In initialization parameters count as well; these act in steps alone.
+        assert set(initial[name]) - set(known) == named(xml, "parameter") - {"coupling", "effectiveMass"}
 
 
 @pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])

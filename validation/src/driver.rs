@@ -11,9 +11,11 @@
 //!
 //! with J_p about the axis a and J_t across it. A gear without a bearing gets neither force nor moment but about its axis.
 
-use gearmesh::element::{Element, ElementError, Inputs, InputsChange, Latch, Motion, MotionChange, Outputs, Workspace};
+use gearmesh::element::{
+    Coupling, Element, ElementError, Inputs, Latch, Loads, Motion, Outputs, Step, StepRequest, Workspace,
+};
 use gearmesh::gear::PairGeometry;
-use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -329,34 +331,36 @@ pub enum Master {
     Parallel,
 }
 
-/// What crosses the boundary besides values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Extrapolation {
-    /// Loads are held.
-    Hold,
-    /// The element moves its inputs on inside its step by their velocities (input derivatives) to the
-    /// middle of the interval over which its loads will act, and the loads are held.
-    Inputs,
-    /// Loads run on linearly with their time derivatives (output derivatives), taken by the exact
-    /// gradient along the velocities.
-    Outputs,
+/// How a master couples, and what the element is told of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    pub master: Master,
+    /// What the element takes the master for.
+    pub coupling: Coupling,
+    /// Effective mass that it is told, kg; 0: none.
+    pub effective_mass: f64,
 }
 
-/// Loads on both gears at time `at`, and their rates.
-#[derive(Debug, Clone, Copy, Default)]
-struct Loads {
-    at: f64,
-    force: [Vector3<f64>; 2],
-    moment: [Vector3<f64>; 2],
-    force_rate: [Vector3<f64>; 2],
-    moment_rate: [Vector3<f64>; 2],
+impl Way {
+    /// Held loads.
+    pub fn held(master: Master) -> Self {
+        Self { master, coupling: Coupling::Held, effective_mass: 0.0 }
+    }
+
+    /// Predicted loads.
+    pub fn predicted(master: Master, effective_mass: f64) -> Self {
+        let coupling = match master {
+            Master::Sequential => Coupling::Sequential,
+            Master::Parallel => Coupling::Parallel,
+        };
+        Self { master, coupling, effective_mass }
+    }
 }
 
 /// A running co-simulation.
-pub struct Coupling<'a> {
+pub struct CoSimulation<'a> {
     scene: &'a Scene,
-    master: Master,
-    extrapolation: Extrapolation,
+    way: Way,
     /// Communication step H, s.
     step: f64,
     /// Runge-Kutta steps of the gears within one communication step.
@@ -365,71 +369,40 @@ pub struct Coupling<'a> {
     pub time: f64,
     /// State of the gears.
     pub state: State,
+    /// Those that act in the next step of a parallel master.
     loads: Loads,
+    last: Option<Step>,
 }
 
-impl<'a> Coupling<'a> {
+impl<'a> CoSimulation<'a> {
     /// Start at `state` and time zero, with communication step `step` (s) that the gears' own integrator
     /// divides into `substeps`.
-    pub fn new(
-        scene: &'a Scene,
-        (master, extrapolation): (Master, Extrapolation),
-        state: State,
-        step: f64,
-        substeps: usize,
-    ) -> Result<Self, ElementError> {
-        let loads = Loads::default();
-        let mut coupling = Self { scene, master, extrapolation, step, substeps, time: 0.0, state, loads };
-        coupling.loads = coupling.element()?;
-        Ok(coupling)
+    pub fn new(scene: &'a Scene, way: Way, state: State, step: f64, substeps: usize) -> Result<Self, ElementError> {
+        let loads = Loads::at(&scene.contact(0.0, &state)?);
+        Ok(Self { scene, way, step, substeps, time: 0.0, state, loads, last: None })
     }
 
     /// One communication step.
     pub fn advance(&mut self) -> Result<(), ElementError> {
-        let new = self.element()?;
-        let loads = match self.master {
-            Master::Sequential => new,
+        let Way { master, coupling, effective_mass } = self.way;
+        let request = StepRequest { coupling, length: self.step, effective_mass };
+        let inputs = self.scene.inputs(self.time, &self.state);
+        let (element, latch) = (&self.scene.element, &self.scene.latch);
+        let workspace = &mut self.scene.workspace.borrow_mut();
+        let predicted = element.predict(latch, &inputs, self.last.as_ref(), &request, workspace)?;
+        let acting = match master {
+            Master::Sequential => predicted.loads,
             Master::Parallel => self.loads,
         };
+        (self.last, self.loads) = (predicted.step, predicted.loads);
+        let part = |k: usize| Vector3::from_column_slice(&acting.0[k..][..3]);
+        let (force, moment) = ([part(0), part(6)], [part(3), part(9)]);
         let h = self.step / self.substeps as f64;
         for n in 0..self.substeps {
-            self.state = runge_kutta_4(self.time + n as f64 * h, &self.state, h, |t, y| {
-                let ahead = t - loads.at;
-                let run = |x: &[Vector3<f64>; 2], rate: &[Vector3<f64>; 2]| [0, 1].map(|i| x[i] + rate[i] * ahead);
-                let [force, moment] = [run(&loads.force, &loads.force_rate), run(&loads.moment, &loads.moment_rate)];
-                Ok::<_, ElementError>(self.scene.rates(t, y, &force, &moment))
-            })?;
+            let rates = |t: f64, y: &State| Ok::<_, ElementError>(self.scene.rates(t, y, &force, &moment));
+            self.state = runge_kutta_4(self.time + n as f64 * h, &self.state, h, rates)?;
         }
         self.time += self.step;
-        self.loads = new;
         Ok(())
-    }
-
-    /// The element's answer to the motion now.
-    fn element(&self) -> Result<Loads, ElementError> {
-        let (element, latch) = (&self.scene.element, &self.scene.latch);
-        let mut inputs = self.scene.inputs(self.time, &self.state);
-        if self.extrapolation == Extrapolation::Inputs {
-            let ahead = match self.master {
-                Master::Sequential => 0.5 * self.step,
-                Master::Parallel => 1.5 * self.step,
-            };
-            for m in &mut inputs.gears {
-                m.p += m.v * ahead;
-                m.r = Rotation3::new(m.w * ahead).matrix() * m.r;
-            }
-        }
-        let out = element.evaluate(latch, &inputs)?;
-        let mut loads = Loads { at: self.time, force: out.force, moment: out.moment, ..Loads::default() };
-        if self.extrapolation == Extrapolation::Outputs {
-            let along = |m: &Motion| MotionChange { p: m.v, rotation: m.w, ..MotionChange::default() };
-            let velocities = InputsChange { gears: inputs.gears.each_ref().map(along), ..InputsChange::default() };
-            let slopes = element.directional_derivative(latch, &inputs, &velocities)?;
-            for i in 0..2 {
-                let part = |k: usize| Vector3::from_column_slice(&slopes[6 * i + k..][..3]);
-                (loads.force_rate[i], loads.moment_rate[i]) = (part(0), part(3));
-            }
-        }
-        Ok(loads)
     }
 }

@@ -175,18 +175,23 @@ fn step(c: &Coupling) -> String {
     row("<code>damping</code> c", c.damping, "N s/m");
     row("its ratio c/(2 sqrt(k m))", c.damping_ratio(), "");
     row(
-        "longest stable step, sequential master",
+        "<code>effectiveMass</code> on the line of action",
+        c.effective_mass,
+        "kg",
+    );
+    row("<code>stepSize</code>", c.step(), "s");
+    row(
+        "held loads: longest stable step, sequential master",
         c.sequential_limit(),
         "s",
     );
     row(
-        "longest stable step, parallel master",
+        "held loads: longest stable step, parallel master",
         c.parallel_limit(),
         "s",
     );
-    row("<code>stepSize</code>, half of it", c.step(), "s");
     out.push_str("</table>");
-    if c.damping == 0.0 {
+    if c.held && c.damping == 0.0 {
         let _ = write!(
             out,
             "\n<p>This unit starts without damping: then no step is stable under held forces, and \

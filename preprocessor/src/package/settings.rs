@@ -147,7 +147,7 @@ mod tests {
             ("damping=500", index::DAMPING, 500.0),
             (" backlash = 8e-5 ", index::BACKLASH, 8e-5),
             ("interpolation=shepard", index::INTERPOLATION, 3.0),
-            ("extrapolatePoses=true", index::EXTRAPOLATE_POSES, 1.0),
+            ("friction=true", index::FRICTION, 1.0),
             ("gear1.angles[3]=-0.5", index::GEAR1_ANGLES_3, -0.5),
         ] {
             assert_eq!(text.parse(), Ok(Setting { index, value }), "{text}");
@@ -173,10 +173,7 @@ mod tests {
                 "loadedFlank=2",
                 "loadedFlank = 2: give one of drive, coast, both",
             ),
-            (
-                "extrapolatePoses=1",
-                "extrapolatePoses = 1: give true or false",
-            ),
+            ("friction=1", "friction = 1: give true or false"),
         ] {
             let error = text.parse::<Setting>().unwrap_err().to_string();
             assert!(error.contains(reason), "{text}: {error}");

@@ -16,6 +16,8 @@ const TABLE: f64 = 2.0;
 const TEETH: f64 = 4.0;
 const BOTH_FLANKS: f64 = 3.0;
 const ABSOLUTE: f64 = 2.0;
+const HELD: f64 = 1.0;
+const PARALLEL: f64 = 3.0;
 
 /// Start values of a unit that belong to its pair.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,7 +99,10 @@ impl Starts {
         } else {
             self.stiffness
         };
-        Coupling::new(geometry, stiffness, self.set(index::DAMPING))
+        Coupling {
+            held: self.set(index::COUPLING) == Some(HELD),
+            ..Coupling::new(geometry, stiffness, self.set(index::DAMPING))
+        }
     }
 
     /// Start values by index in [`VARIABLES`], checked against the ranges there.
@@ -108,6 +113,7 @@ impl Starts {
         let distance = geometry.center_distance;
         let cos_phi = geometry.operating_pressure_angle(distance).cos();
         let on = |flag: bool| f64::from(u8::from(flag));
+        let coupling = self.coupling(geometry);
         let mut starts = vec![
             (index::GEAR2_POSITION_1, distance),
             (index::GEAR2_POSITION_3, geometry.gears[1].face_offset),
@@ -127,7 +133,10 @@ impl Starts {
             (index::CENTER_DISTANCE_EFFECT, on(self.center_distance)),
             (index::MISALIGNMENT_EFFECT, on(self.misalignment)),
             (index::SHUTTLING_EFFECT, on(self.shuttling)),
-            (index::DAMPING, self.coupling(geometry).damping),
+            (index::DAMPING, coupling.damping),
+            // Wrong for a sequential master it damps; the other way round no step would be stable.
+            (index::COUPLING, PARALLEL),
+            (index::EFFECTIVE_MASS, coupling.effective_mass),
             // Tables serve both flanks: the coast flank has its own or is the drive flank's mirror image.
             (index::LOADED_FLANK, BOTH_FLANKS),
             // Along the operating pitch circle, as the pair file gives it.
@@ -279,7 +288,9 @@ mod tests {
         let plain = of(&[]);
         let heavier = of(&["damping=5e3"]);
         assert_eq!(start(&heavier, &pair, index::DAMPING), 5e3);
-        assert!(heavier.coupling(&pair).step() > plain.coupling(&pair).step());
+        let held = |damping| of(&["coupling=held", damping]).coupling(&pair).step();
+        assert!(held("damping=5e3") > held("damping=5e2"));
+        assert_eq!(heavier.coupling(&pair).step(), plain.coupling(&pair).step());
         // Four times the stiffness: twice the damping at the same ratio.
         let four = 4.0 * start(&plain, &pair, index::CONSTANT_STIFFNESS);
         let stiffer = of(&[&format!("constantStiffness={four}")]);

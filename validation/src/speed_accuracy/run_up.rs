@@ -1,7 +1,7 @@
 //! Error of the dynamic transmission error in a run-up, against the step size.
 
 use super::{at, everything};
-use crate::driver::{Coupling, Extrapolation, Gear, Master, Method, Scene, Spin, State};
+use crate::driver::{CoSimulation, Gear, INERTIA, Master, Method, Scene, Spin, State, Way};
 use crate::page::{Page, fixed, range, rms};
 use crate::plot::{Series, Style};
 use crate::setup::Setup;
@@ -44,16 +44,14 @@ fn scene(setup: &Setup) -> Result<Scene> {
 #[derive(Clone, Copy)]
 enum Host {
     Monolithic(Method),
-    Coupled(Extrapolation),
+    Coupled(Way),
 }
 
 /// DTE at every sample, m.
 fn run(scene: &Scene, host: Host, step: f64) -> Result<Vec<f64>> {
     let mut state = scene.rest();
     let mut coupling = match host {
-        Host::Coupled(extrapolation) => {
-            Some(Coupling::new(scene, (Master::Sequential, extrapolation), state, step, 1)?)
-        }
+        Host::Coupled(way) => Some(CoSimulation::new(scene, way, state, step, 1)?),
         Host::Monolithic(_) => None,
     };
     let mut advance = |t: f64, state: &State| -> Result<State> {
@@ -78,7 +76,9 @@ fn run(scene: &Scene, host: Host, step: f64) -> Result<Vec<f64>> {
 }
 
 pub fn report(context: &Context, page: &mut Page) -> Result<()> {
-    let scene = scene(&at("palermo2013-unmodified", Refinement::Coarse)?)?;
+    let setup = at("palermo2013-unmodified", Refinement::Coarse)?;
+    let scene = scene(&setup)?;
+    let mass = INERTIA / setup.pair.geometry.gears[1].base_radius().powi(2);
     let runge_kutta = Host::Monolithic(Method::RungeKutta4);
     let reference = run(&scene, runge_kutta, if context.quick { 1e-6 } else { 2.5e-7 })?;
     let [low, high] = range(reference[reference.len() / 5..].iter().copied());
@@ -88,8 +88,9 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
     for (name, host) in [
         ("monolithic, Runge-Kutta 4", runge_kutta),
         ("monolithic, semi-implicit Euler", Host::Monolithic(Method::SemiImplicitEuler)),
-        ("co-simulation, held", Host::Coupled(Extrapolation::Hold)),
-        ("co-simulation, input derivatives", Host::Coupled(Extrapolation::Inputs)),
+        ("sequential co-simulation, held", Host::Coupled(Way::held(Master::Sequential))),
+        ("sequential co-simulation", Host::Coupled(Way::predicted(Master::Sequential, mass))),
+        ("parallel co-simulation", Host::Coupled(Way::predicted(Master::Parallel, mass))),
     ] {
         let mut points = vec![];
         for step in [5e-7, 1e-6, 2e-6, 4e-6, 5e-6, 1e-5].into_iter().skip(if context.quick { 4 } else { 0 }) {

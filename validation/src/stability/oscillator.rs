@@ -1,7 +1,7 @@
 //! y'' + 2 zeta y' + k(tau) max(y, 0) = 1, k = 1 + eps cos(Omega tau), realised with the element.
 
 use super::experiment::{ModulatedSpring, STIFFNESS, SingleFreedom};
-use crate::driver::{INERTIA, Method, Spin, State};
+use crate::driver::{CoSimulation, INERTIA, Master, Method, Spin, State, Way};
 use crate::page::{Page, fixed};
 use crate::plot::{Plot, Series};
 use crate::setup::external_and_internal;
@@ -74,39 +74,66 @@ fn oscillator(case: &Case, frequency: f64) -> Result<(SingleFreedom, f64)> {
 /// State carried from one frequency to the next: y and its rate at the start of a mesh cycle.
 type Motion = (f64, f64);
 
+/// Who integrates.
+#[derive(Debug, Clone, Copy)]
+pub enum Host {
+    /// Runge-Kutta over everything, 160 steps a mesh cycle.
+    Monolithic,
+    /// A master with so many steps a mesh cycle and predicted loads.
+    Master { master: Master, steps: usize },
+}
+
 /// Settles for `settle` periods, then the rms of y about its mean over `measure` periods, and the motion there.
-fn run(case: &Case, frequency: f64, start: Motion, settle: usize, measure: usize) -> Result<(f64, Motion)> {
+fn run(case: &Case, host: Host, frequency: f64, start: Motion, settle: usize, measure: usize) -> Result<(f64, Motion)> {
     let (o, speed) = oscillator(case, frequency)?;
-    let steps = 160;
+    let steps = match host {
+        Host::Monolithic => 160,
+        Host::Master { steps, .. } => steps,
+    };
     let period = TAU / frequency / o.omega;
     let h = period / steps as f64;
     let mut y: State = o.start(start.0, start.1, speed);
+    let mut coupled = match host {
+        Host::Monolithic => None,
+        Host::Master { master, .. } => {
+            let mass = INERTIA / o.base_radius.powi(2);
+            Some(CoSimulation::new(&o.scene, Way::predicted(master, mass), y, h, 4)?)
+        }
+    };
     let (mut sum, mut squares) = (0.0, 0.0);
-    let mut before = start.0;
     for n in 0..(settle + measure) * steps {
         let t = n as f64 * h;
         if n >= settle * steps {
-            before = o.elongation(t, &y)?;
-            sum += before;
-            squares += before * before;
+            let y = o.elongation(t, &y)?;
+            sum += y;
+            squares += y * y;
         }
-        y = Method::RungeKutta4.step(&o.scene, t, &y, h)?;
+        y = match &mut coupled {
+            None => Method::RungeKutta4.step(&o.scene, t, &y, h)?,
+            Some(coupled) => {
+                coupled.advance()?;
+                coupled.state
+            }
+        };
     }
-    let end = o.elongation((settle + measure) as f64 * period, &y)?;
+    let end = (settle + measure) as f64 * period;
+    let outputs = o.scene.contact(end, &y)?;
+    let scale = o.scene.element.line_of_action(outputs.center_distance) / o.static_elongation;
+    let motion = (outputs.transmission_error * scale, outputs.transmission_error_rate * scale / o.omega);
     let count = (measure * steps) as f64;
     let rms = (squares / count - (sum / count).powi(2)).max(0.0).sqrt();
-    Ok((rms, (end, (end - before) / (h * o.omega))))
+    Ok((rms, motion))
 }
 
 /// rms over frequency along a sweep.
-pub fn sweep(case: &Case, from: f64, to: f64) -> Result<Vec<(f64, f64)>> {
+pub fn sweep(case: &Case, host: Host, from: f64, to: f64) -> Result<Vec<(f64, f64)>> {
     let settle = (4.0 / (TAU * case.zeta)).ceil() as usize * 3;
     let count = ((to - from).abs() / 0.005).round() as usize;
     let mut motion = (1.0, 0.0);
     let mut curve = Vec::new();
     for i in 0..=count {
         let frequency = from + (to - from) * i as f64 / count as f64;
-        let (rms, next) = run(case, frequency, motion, settle, 20)?;
+        let (rms, next) = run(case, host, frequency, motion, settle, 20)?;
         motion = next;
         curve.push((frequency, rms));
     }
@@ -186,8 +213,8 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         let name = format!("eps {depth}, zeta {zeta}");
         let (mut rising, mut falling) = (vec![], vec![]);
         for case in Case::both(depth, zeta)? {
-            rising.push(sweep(&case, up - 0.1, up + 0.05)?);
-            falling.push(sweep(&case, up + 0.05, down - 0.03)?);
+            rising.push(sweep(&case, Host::Monolithic, up - 0.1, up + 0.05)?);
+            falling.push(sweep(&case, Host::Monolithic, up + 0.05, down - 0.03)?);
         }
         for (what, expected, curves) in [("jump up", up, &rising), ("jump down", down, &falling)] {
             rows.push(row![name, what, expected, fixed(jump(&curves[0]), 3), fixed(jump(&curves[1]), 3)]);
@@ -206,6 +233,20 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
     page.plot("jump", &Plot { title, x: "Omega / omega", y: "rms of y", logarithmic: [false; 2], series })?;
 
     let (depth, zeta) = (0.2_f64, 0.03_f64);
+    let mut coupled = vec![];
+    let case = Case::imported(depth, zeta)?;
+    for steps in if context.quick { vec![20] } else { vec![40, 20, 12] } {
+        for (name, master) in [("sequential", Master::Sequential), ("parallel", Master::Parallel)] {
+            let host = Host::Master { master, steps };
+            let rising = sweep(&case, host, 0.8, 0.95)?;
+            let falling = sweep(&case, host, 0.95, 0.65)?;
+            let [up, down] = [&rising, &falling].map(|curve| fixed(jump(curve), 3));
+            let [lower, upper] = [&rising, &falling].map(|curve| fixed(at(curve, 0.85), 3));
+            coupled.push(row![steps, name, up, down, lower, upper]);
+        }
+    }
+    let head = ["steps a mesh cycle", "master", "jump up", "jump down", "rms at 0.85, lower branch", "upper branch"];
+    page.table("oscillator-coupled", &head, &coupled)?;
     let cases = Case::both(depth, zeta)?;
     let half = (depth * depth / 4.0 - 4.0 * zeta * zeta).sqrt();
     for (name, sign) in [("lower", -1.0), ("upper", 1.0)] {

@@ -1,0 +1,411 @@
+//! Mean loads over a communication step, for masters that hold the loads while the bodies move.
+//!
+//! The effective mass m of both gears along the line of action turns the element's own force F into the acceleration F/m. Two
+//! communication points tell the mean acceleration of approach; what it has beyond -F/m comes from everything else
+//! and is taken to stay as it is over the coming steps:
+//!
+//! ```text
+//! a = (v_n - v_(n-1)) / H + F_(n-1) / m,      x'' = a - F(x, x', t) / m
+//! ```
+//!
+//! with x the approach of the loaded flank, signed as the turn of gear 1, v its rate and F_(n-1) the mean force over the last
+//! step. The bodies go on with their velocities otherwise. The mean wrench over the step in which the
+//! loads act is given, so that the impulse, hence the velocity at the end, is right (the idea of the interface models of
+//! Peiret, Gonzalez, Kovecses and Teichmann, Multibody System Dynamics 46 (2019) 261-281, with the law itself in place of its
+//! linearisation).
+
+use nalgebra::Rotation3;
+use serde::{Deserialize, Serialize};
+
+use super::constants::FLANKS;
+use super::error::ElementError;
+use super::evaluate::{Solution, evaluate};
+use super::law::Workspace;
+use super::motion::{Inputs, Latch, Motion, Outputs, row};
+use super::{Element, check};
+
+/// In which step a master lets the loads act that it reads after a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coupling {
+    /// The loads are those at the communication point.
+    Held,
+    /// In the step that starts from the poses they were computed from.
+    Sequential,
+    /// In the step after that one.
+    Parallel,
+}
+
+/// What is asked of a prediction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepRequest {
+    /// When the loads act.
+    pub coupling: Coupling,
+    /// Length of the step, s, > 0; that in which the loads act is taken to be as long.
+    pub length: f64,
+    /// Least effective mass along the line of action, kg; 0: not known, the bodies go on with their velocities.
+    pub effective_mass: f64,
+}
+
+/// What the prediction remembers of one communication step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// Turn part of the elongation and half the gap at the start of the step, m.
+    position: [f64; 2],
+    /// Their rates, m/s.
+    rate: [f64; 2],
+    /// Flank that the approach refers to: +1 drive, -1 coast.
+    sign: f64,
+    /// s.
+    length: f64,
+    /// Mean force along the turn that acts in the step, N, positive from the drive flank.
+    force: f64,
+    /// Likewise in the step after it, as far as it is known.
+    next: f64,
+    /// Likewise in the step before it.
+    before: f64,
+    /// Mean rate of change of the approach's rate in the step before it, m/s²; `None`: no step before, or none of the same motion.
+    acceleration: Option<f64>,
+    /// By how much that force and that acceleration differ from those one step earlier, N, m/s².
+    change: Option<[f64; 2]>,
+    /// Sums over steps, of which the last count most, over second differences of force and acceleration: force squared, N²,
+    /// and force times the acceleration that it brought, N m/s². (First differences of a load that rises slowly look like those
+    /// of an infinite mass.)
+    sums: [f64; 2],
+}
+
+/// Contact loads, of a moment or in the mean over a step: the outputs of [`Loads::ROWS`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Loads(pub [f64; Loads::ROWS.len()]);
+
+/// Loads for a step, and what they are made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Prediction {
+    /// At the communication point.
+    pub outputs: Outputs,
+    /// In the mean over the step in which they act.
+    pub loads: Loads,
+    /// For the next prediction; `None`: the gears are out of reach of one another.
+    pub step: Option<Step>,
+}
+
+/// Angle omega H of the mesh's own oscillation over a step, from which on the loads are those at the communication point: two
+/// points a period tell an oscillation, and some room.
+const LONGEST_STEP: f64 = 2.8;
+
+/// Longest part of a step, as such an angle, that one step of the integrator takes.
+const LONGEST_PART: f64 = 1.0;
+
+/// Weight of what the step before told of the mass.
+const MEMORY: f64 = 0.98;
+
+/// Changes of the force from step to step, over the nominal one, below which they tell nothing of the mass.
+const NOISE: f64 = 1e-3;
+
+/// Poses and velocities of one body that agree better than this, m, are of one motion.
+const AGREEMENT: f64 = 1e-9;
+
+/// The element at one moment.
+struct Instant {
+    outputs: Outputs,
+    /// Turn part of the elongation and half the gap, m, and their rates, m/s.
+    position: [f64; 2],
+    rate: [f64; 2],
+    /// N, along the turn.
+    force: f64,
+}
+
+impl Element {
+    /// Loads for the step that `request` tells, from the communication point with `inputs`, `last` being the step that ended there.
+    /// The first step, one whose poses and velocities do not follow from the last, and one too long to
+    /// tell the mesh's oscillation get the loads at the communication point.
+    ///
+    /// # Errors
+    /// As [`Element::evaluate`], at the communication point.
+    pub fn predict(
+        &self,
+        latch: &Latch,
+        inputs: &Inputs,
+        last: Option<&Step>,
+        request: &StepRequest,
+        workspace: &mut Workspace,
+    ) -> Result<Prediction, ElementError> {
+        check::inputs(inputs, self.with_carrier())?;
+        let solution = evaluate::<f64>(self, latch, inputs, false, workspace)?;
+        let outputs = solution.outputs;
+        let Some(now) = Instant::new(&solution) else {
+            return Ok(Prediction {
+                outputs,
+                loads: Loads::at(&outputs),
+                step: None,
+            });
+        };
+        let sign = match outputs.flank {
+            0 => last.map_or(FLANKS[self.reference_flank].sign(), |last| last.sign),
+            flank => f64::from(flank),
+        };
+        let mut step = Step {
+            position: now.position,
+            rate: now.rate,
+            sign,
+            length: request.length,
+            force: match (request.coupling, last) {
+                (Coupling::Parallel, Some(last)) => last.next,
+                _ => now.force,
+            },
+            next: now.force,
+            before: 0.0,
+            acceleration: None,
+            change: None,
+            sums: [0.0; 2],
+        };
+        if let Some(last) = last {
+            step.follow(last);
+        }
+        let mut loads = Loads::at(&outputs);
+        if let Some(motion) = self.approach(&step, request)
+            && let Some((mean, force)) = self.mean_loads(latch, inputs, &now, &motion, workspace)
+        {
+            loads = mean;
+            step.next = force;
+            if request.coupling == Coupling::Sequential {
+                step.force = force;
+            }
+        }
+        Ok(Prediction {
+            outputs,
+            loads,
+            step: Some(step),
+        })
+    }
+}
+
+/// Motion along the line of action while the loads act.
+struct Approach {
+    /// From the communication point to the begin of the step in which the loads act, s.
+    start: f64,
+    /// Until then: acceleration beside the present velocities, m/s², under loads that are given.
+    given: f64,
+    /// Then: acceleration by all but the mesh, m/s².
+    others: f64,
+    /// 1/m, 1/kg.
+    mobility: f64,
+    /// s.
+    length: f64,
+    /// Steps of the integrator.
+    parts: usize,
+}
+
+impl Step {
+    /// s.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Whether a prediction can have made it.
+    pub fn is_valid(&self) -> bool {
+        let numbers = [self.length, self.force, self.next, self.before];
+        let pairs = [self.position, self.rate, self.sums];
+        let all = numbers
+            .iter()
+            .chain(pairs.as_flattened())
+            .chain(&self.acceleration)
+            .chain(self.change.iter().flatten());
+        self.sums[0] >= 0.0
+            && self.length > 0.0
+            && self.sign.abs() == 1.0
+            && all.into_iter().all(|x| x.is_finite())
+    }
+
+    /// Rate of the approach of the flank `sign`, m/s, signed as the turn.
+    fn approach_rate(&self, sign: f64) -> f64 {
+        self.rate[0] - sign * self.rate[1]
+    }
+
+    /// Takes from the step `last` before it what it tells, if the motion of this one follows from it.
+    fn follow(&mut self, last: &Step) {
+        let rates = [last, self].map(|step| step.approach_rate(self.sign));
+        let [x0, x1] = [last, self].map(|step| step.position[0] - self.sign * step.position[1]);
+        let acceleration = (rates[1] - rates[0]) / last.length;
+        let change = 0.5 * (rates[0] + rates[1]) * last.length;
+        let tolerance = acceleration.abs() * last.length.powi(2) + AGREEMENT;
+        if ((x1 - x0) - change).abs() > tolerance {
+            return;
+        }
+        self.acceleration = Some(acceleration);
+        self.before = last.force;
+        if let Some(before) = last.acceleration {
+            let change = [last.force - last.before, acceleration - before];
+            self.change = Some(change);
+            self.sums = last.sums.map(|sum| MEMORY * sum);
+            if let Some(old) = last.change {
+                let force = change[0] - old[0];
+                self.sums[0] += force * force;
+                self.sums[1] -= force * (change[1] - old[1]);
+            }
+        }
+    }
+
+    /// 1/m, 1/kg, from the changes of force and acceleration so far, or where they tell nothing from twice the least mass.
+    fn mobility(&self, least_mass: f64, nominal_force: f64) -> f64 {
+        let weight = (NOISE * nominal_force).powi(2);
+        let [squares, products] = self.sums;
+        let mobility = (weight * 0.5 / least_mass + products) / (weight + squares);
+        mobility.clamp(0.0, 2.0 / least_mass)
+    }
+}
+
+impl Element {
+    /// The motion while the loads of `request` act, from the start of `step`; `None`: they are held, nothing is known of
+    /// the motion, or the step is too long for it.
+    fn approach(&self, step: &Step, request: &StepRequest) -> Option<Approach> {
+        let start = match request.coupling {
+            Coupling::Held => return None,
+            Coupling::Sequential => 0.0,
+            Coupling::Parallel => request.length,
+        };
+        let mut motion = Approach {
+            start,
+            given: 0.0,
+            others: 0.0,
+            mobility: 0.0,
+            length: request.length,
+            parts: 1,
+        };
+        let mass = request.effective_mass;
+        if mass > 0.0 {
+            let stiffness = self.parameters.constant_stiffness / self.constants.cos_phi.powi(2);
+            let angle = request.length * (stiffness / mass).sqrt();
+            if angle > LONGEST_STEP {
+                return None;
+            }
+            motion.parts = (angle / LONGEST_PART).ceil() as usize;
+            motion.mobility = step.mobility(mass, self.constants.nominal_force);
+            motion.others = step.acceleration? + step.before * motion.mobility;
+            motion.given = motion.others - step.force * motion.mobility;
+        }
+        Some(motion)
+    }
+
+    /// Mean loads over the step of `motion`, and their part along the turn, N; `None`: it leads where the element has no loads.
+    fn mean_loads(
+        &self,
+        latch: &Latch,
+        inputs: &Inputs,
+        now: &Instant,
+        motion: &Approach,
+        workspace: &mut Workspace,
+    ) -> Option<(Loads, f64)> {
+        let parts = motion.parts as f64;
+        let h = motion.length / parts;
+        let (mut loads, mut force) = (Loads([0.0; Loads::ROWS.len()]), 0.0);
+        // Displacement beside the drift with the present velocities, m, and its rate.
+        let (mut y, mut u) = (
+            0.5 * motion.given * motion.start.powi(2),
+            motion.given * motion.start,
+        );
+        let mut at = |time: f64, y: f64, u: f64| -> Option<(Loads, f64)> {
+            if time == 0.0 && y == 0.0 && u == 0.0 {
+                return Some((Loads::at(&now.outputs), now.force));
+            }
+            let there = self.moved(inputs, time, y, u);
+            let solution = evaluate::<f64>(self, latch, &there, false, workspace).ok()?;
+            let force = Instant::new(&solution).map_or(0.0, |instant| instant.force);
+            Some((Loads::at(&solution.outputs), force))
+        };
+        for part in 0..motion.parts {
+            let t = motion.start + part as f64 * h;
+            // Classical Runge-Kutta steps of y'' = a - F/m.
+            let mut mean = 0.0;
+            let (mut dy, mut du) = ([0.0; 4], [0.0; 4]);
+            for (stage, (ahead, weight)) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)]
+                .into_iter()
+                .enumerate()
+            {
+                let before = stage.saturating_sub(1);
+                let there = [y + ahead * h * dy[before], u + ahead * h * du[before]];
+                let (here, f) = at(t + ahead * h, there[0], there[1])?;
+                (dy[stage], du[stage]) = (there[1], motion.others - f * motion.mobility);
+                loads.add(&here, weight / (6.0 * parts));
+                mean += weight / 6.0 * f;
+            }
+            y += h / 6.0 * (dy[0] + 2.0 * (dy[1] + dy[2]) + dy[3]);
+            u += h * (motion.others - mean * motion.mobility);
+            force += mean / parts;
+        }
+        Some((loads, force))
+    }
+
+    /// The bodies `time` s on with their velocities, gear 1 turned so that the approach is `y` m larger and its rate `u` m/s.
+    fn moved(&self, inputs: &Inputs, time: f64, y: f64, u: f64) -> Inputs {
+        let mut there = Inputs {
+            gears: inputs.gears.map(|gear| gear.after(time)),
+            carrier: inputs.carrier.after(time),
+        };
+        let per_radius = 1.0 / self.constants.rb[0];
+        let gear = &mut there.gears[0];
+        let axis = gear.r.column(2).into_owned();
+        gear.r = Rotation3::new(axis * (y * per_radius)).matrix() * gear.r;
+        gear.w += axis * (u * per_radius);
+        there
+    }
+}
+
+impl Instant {
+    /// `None`: the gears are out of reach of one another.
+    fn new(solution: &Solution<f64>) -> Option<Self> {
+        let mesh = solution.mesh.as_ref()?;
+        let [drive, coast] = &mesh.flanks;
+        Some(Self {
+            outputs: solution.outputs,
+            position: [
+                0.5 * (drive.elongation - coast.elongation),
+                -0.5 * (drive.elongation + coast.elongation),
+            ],
+            rate: [mesh.rates.turn, mesh.rates.half_gap],
+            force: drive.force() - coast.force(),
+        })
+    }
+}
+
+impl Loads {
+    /// Rows of [`Outputs::to_array`]: forces and moments on both gears, tangential and normal force.
+    pub const ROWS: [usize; 14] = [
+        0,
+        1,
+        2,
+        3,
+        4,
+        5,
+        6,
+        7,
+        8,
+        9,
+        10,
+        11,
+        row::TANGENTIAL_FORCE,
+        row::NORMAL_FORCE,
+    ];
+
+    /// Those of `outputs`.
+    pub fn at(outputs: &Outputs) -> Self {
+        let rows = outputs.to_array();
+        Self(Self::ROWS.map(|row| rows[row]))
+    }
+
+    fn add(&mut self, other: &Self, weight: f64) {
+        for (sum, x) in self.0.iter_mut().zip(other.0) {
+            *sum += weight * x;
+        }
+    }
+}
+
+impl Motion {
+    /// The body `time` s on with its velocities.
+    fn after(&self, time: f64) -> Self {
+        Self {
+            p: self.p + self.v * time,
+            r: Rotation3::new(self.w * time).matrix() * self.r,
+            ..*self
+        }
+    }
+}

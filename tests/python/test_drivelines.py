@@ -167,19 +167,35 @@ def test_the_error_of_a_coupling_is_the_largest_of_the_run_at_the_points_of_both
         assert masters.distance(reference, found) == pytest.approx(0.1)
 
 
-@pytest.mark.parametrize("coupling, order", [("parallel", 1.0), ("held", 1.0), ("extrapolated", 2.0), ("iterated", 2.0)])
-def test_a_coupling_creates_energy_and_momentum_with_its_order(coupling, order):
+@pytest.mark.parametrize(
+    "coupling, orders",
+    [
+        ("parallel", (1.0, 1.0)),
+        ("held", (1.0, 1.0)),
+        ("predicted parallel", (2.0, 1.0)),  # momentum: the seats' forces are held
+        ("predicted sequential", (2.0, 1.0)),
+        ("extrapolated", (2.0, 2.0)),
+        ("iterated", (2.0, 2.0)),
+    ],
+)
+def test_a_coupling_creates_energy_and_momentum_with_its_order(coupling, orders):
     coarse, fine = (cosimulation.coupling_balance(size, coupling, duration=2.56e-4) for size in (1e-6, 5e-7))
-    for name in ("energy over mesh", "momentum"):
+    for name, order in zip(("energy over mesh", "momentum"), orders):
         assert np.log2(coarse[name] / fine[name]) == pytest.approx(order, abs=0.15)
     assert fine["loads"] < 1e-13
 
 
-def test_the_packed_step_stands_where_all_units_step_at_once():
+@pytest.mark.parametrize("coupling", ["predicted parallel", "predicted sequential"])
+def test_predicted_loads_bear_twice_the_packed_step_and_err_by_less_than_a_percent_at_it(coupling):
     with closing(masters.Gears()) as gears:
-        begin, packed = masters.start(gears), masters.packed_step()
-        assert masters.stands(gears, begin, 2.0 * packed, "parallel", duration=4e-3)
-        assert not masters.stands(gears, begin, 4.0 * packed, "parallel", duration=4e-3)
+        begin, packed, duration = masters.start(gears), masters.packed_step(), 1.024e-3
+        assert masters.stands(gears, begin, 2.0 * packed, coupling, duration=4e-3)
+        assert not masters.stands(gears, begin, packed, "held", duration=4e-3)
+        steps = round(duration / packed)
+        reference = masters.monolithic(gears, begin, steps * packed, packed / 32)
+        found = masters.cosimulate(gears, begin, steps * packed, packed, coupling)
+    assert masters.distance(found, reference) < 0.01
+
 
 
 def test_an_idle_gear_bounces_once_a_period_where_its_restitution_lets_it():

@@ -17,7 +17,9 @@ def run(instance, steps, first=0):
     """Gear 1 turns on with a torque ripple; all continuous outputs after each step."""
     out = []
     for i in range(first, first + steps):
-        instance.set({"gear1.angles[3]": 1e-4 + 3e-5 * np.sin(0.3 * i), "gear1.velocity[1]": 1e-3 * i})
+        phase = 0.3 * i
+        instance.set({"gear1.angles[3]": 1e-4 + 3e-5 * np.sin(phase), "gear1.velocity[1]": 1e-3 * i})
+        instance.set({"gear1.angularVelocity[3]": 0.3 * 3e-5 / STEP * np.cos(phase)})
         assert instance.step(i * STEP, STEP) == OK, instance.log()
         out.append(instance.vector("gear2.force") + instance.vector("gear1.moment"))
     return out
@@ -49,12 +51,17 @@ def test_the_first_sample_belongs_to_the_initial_inputs(mesh):
     assert force[1] > 1000.0
 
 
-def test_a_restored_state_repeats_what_followed_it(mesh):
-    instance = mesh().initialize({"gear1.angles[3]": 0.01})
+@pytest.mark.parametrize("coupling", [1, 2, 3], ids=["held", "sequential", "parallel"])
+def test_a_restored_state_repeats_what_followed_it(mesh, coupling):
+    instance = mesh().initialize({"gear1.angles[3]": 0.01, "coupling": coupling})
     run(instance, 10)
     state = instance.store()
+    given = instance.vector("gear2.force")
+    held = mesh().initialize({"gear1.angles[3]": 0.01, "coupling": 1})
+    assert (run(held, 10)[-1][:3] == given) == (coupling == 1)
     after = run(instance, 20, first=10)
     assert instance.restore(state) == OK
+    assert instance.vector("gear2.force") == given
     assert run(instance, 20, first=10) == after
     # The same memory again, now at the end; then back in time is forward again.
     assert instance.store(state) == state

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import closing
+from itertools import product
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -19,7 +20,7 @@ DURATION = 1.024e-3  # s, two mesh cycles less a little; a whole number of each 
 SIZES = 1.28e-4 * 0.5 ** np.arange(11)
 ENOUGH = slice(0, 9)  # for couplings of second order
 BOOKED = slice(5, 10)  # small enough for every coupling to stand without damping, for the run
-COUPLINGS = ("parallel", "held", "extrapolated", "iterated")
+COUPLINGS = ("parallel", "held", "predicted parallel", "predicted sequential", "extrapolated", "iterated")
 
 
 def orders(gears, begin, reference, coupling, sizes):
@@ -40,11 +41,11 @@ def by_size(sizes, errors) -> str:
 
 
 def longest_stable(gears, begin, coupling) -> float:
-    """Longest of 1, 1.5, 2, ... times the packed step that the coupling stands, s; 0 if not the packed one."""
-    packed, factor = packed_step(), 1.0
-    while factor < 20.0 and stands(gears, begin, factor * packed, coupling):
-        factor += 0.5
-    return (factor - 0.5) * packed if factor > 1.0 else 0.0
+    """Longest of the steps 1, 1.25, 1.25^2, ... us that the coupling stands, s."""
+    size = 1e-6
+    while size < 1e-4 and stands(gears, begin, size, coupling):
+        size *= 1.25
+    return size / 1.25
 
 
 def evaluations(gears, begin, size: float, count: int = 64) -> float:
@@ -87,29 +88,32 @@ def compare(gears: Gears, axis) -> None:
     begin = start(gears)
     reference = monolithic(gears, begin, DURATION, 2.5e-7)
     for coupling in COUPLINGS:
-        sizes = SIZES if coupling in ("parallel", "held") else SIZES[ENOUGH]
+        sizes = SIZES[ENOUGH] if coupling in ("extrapolated", "iterated") else SIZES
         errors, order = orders(gears, begin, reference, coupling, sizes)
         axis.loglog(1e6 * sizes, np.where(errors < 3.0, errors, np.nan), "o-", label=f"{coupling}, order {order:.2f}")
         print(f"{coupling}: order {order:.2f}, {by_size(sizes, errors)}")
-    file = ssp.build(gears, begin)
-    sizes = SIZES[5:]
-    for (name, host), marker in zip(ssp.HOSTS.items(), ("k+", "kx")):
+    for (name, host), coupling in product(ssp.HOSTS.items(), ("held", "parallel")):
+        sizes = SIZES[5:] if coupling == "held" else SIZES[2:]
+        file = ssp.build(gears, begin, coupling)
         errors = []
         for size in sizes:
             clock = time.process_time()
             found = host(file, DURATION, size)
             clock = (time.process_time() - clock) / round(DURATION / size)
             errors.append(distance(found, reference, ssp.COLUMNS))
-        print(f"{name}, SSP of three FMUs: order {np.log2(errors[-2] / errors[-1]):.2f}, {1e6 * clock:.0f} us of processor time a step, "
+        print(f"{name}, SSP of three FMUs, {coupling}: order {np.log2(errors[-2] / errors[-1]):.2f}, {1e6 * clock:.0f} us of processor time a step, "
               f"{by_size(sizes, errors)}")
-        axis.loglog(1e6 * sizes, errors, marker, ms=10, label=f"{name}, SSP of three FMUs")
+        marker = {"Ecos": "k+", "libcosim": "kx"}[name] if coupling == "parallel" else "r+"
+        axis.loglog(1e6 * sizes, errors, marker, ms=10, label=f"{name}, SSP, coupling = {coupling}")
     packed = packed_step()
-    for size in (packed, 16e-6):
+    for size in (1e-6, 16e-6):
         print(f"iterated at {1e6 * size:.2f} us: {evaluations(gears, begin, size):.1f} evaluations a step")
     axis.axvline(1e6 * packed, color="grey", lw=0.8)
     axis.text(1e6 * packed, 0.3, " packed step", color="grey")
-    for coupling in ("parallel", "held"):
-        print(f"{coupling}: stands {longest_stable(gears, begin, coupling) / packed:.1f} times the packed step of {1e6 * packed:.2f} us")
+    print(f"packed step {1e6 * packed:.1f} us; largest error at it: " + ", ".join(
+        f"{coupling} {distance(cosimulate(gears, begin, DURATION, packed, coupling), reference):.1e}" for coupling in COUPLINGS[2:4]))
+    for coupling in COUPLINGS[:4]:
+        print(f"{coupling}: stands {1e6 * longest_stable(gears, begin, coupling):.1f} us")
     axis.set(xlabel="communication step, µs", ylabel="largest error of the run over the elastic displacement", ylim=(1e-8, 1.0))
     axis.legend()
 

@@ -25,7 +25,8 @@ class Gears:
 
     def __init__(self, parameters=None):
         # Absolute phases: hosts may start at any pose. Packing brings one with the tooth in the middle of the space.
-        self.pair = GearPair(shipped("helical-25-47", "phaseReference=absolute"), parameters, "model-exchange")
+        self.file, self.parameters = shipped("helical-25-47", "phaseReference=absolute"), parameters or {}
+        self.pair = GearPair(self.file, self.parameters, "model-exchange")
         self.middle = self.pair.u[self.pair.input["gear2.angles[3]"]]
         self.pair.initialize()
         self.inputs = [self.pair.input[name] for name in IN + RATES]
@@ -40,6 +41,24 @@ class Gears:
         self.pair.evaluate(0.0)
         self.evaluations += 1
         return np.array([self.pair.y[k] for k in self.outputs])
+
+    def steps(self, coupling: str, x: np.ndarray):
+        """The same gears as a co-simulation unit that starts at the state `x` of the shafts. Sent a state and a step, s, it yields
+        the loads that the unit predicts for that step (`sequential`) or the one after it (`parallel`)."""
+        with GearPair(self.file, {**self.parameters, "coupling": coupling}) as pair:
+
+            def place(x: np.ndarray) -> None:
+                values = x.tolist()
+                values[3] += CENTER_DISTANCE
+                for name, value in zip(IN + RATES, values):
+                    pair[name] = value
+
+            place(x)
+            pair.initialize()
+            while True:
+                x, size = yield np.array([pair[name] for name in OUT])
+                place(x)
+                pair.step(size)
 
     def close(self) -> None:
         self.pair.close()
@@ -110,8 +129,9 @@ def communication_points(gears: Gears, begin, size: float, coupling: str, damped
     """Yields at each communication point the states of shafts and housing, and the impulse handed to the seats so far, N s.
 
     `held`: everyone steps on the values of the last communication point; `parallel`: so, too, but the loads are those
-    of the poses one point earlier, since the unit steps beside the others; `extrapolated`: on lines through the
-    values of the last two; `iterated`: on lines to the values at the end of the step, found by Newton's method."""
+    of the poses one point earlier, since the unit steps beside the others; `predicted sequential`, `predicted parallel`: with the
+    loads that the unit predicts for either; `extrapolated`: on lines through the values of the last two; `iterated`: on lines to the
+    values at the end of the step, found by Newton's method."""
     shafts, housing = sub.shafts(begin[0].copy(), damped), sub.housing(begin[1].copy(), damped)
     now = exchange(gears, *begin, damped)
     before, latest, drive = now, now, np.concatenate([DRIVE, np.zeros(4)])
@@ -123,11 +143,19 @@ def communication_points(gears: Gears, begin, size: float, coupling: str, damped
             housing.step(now[6:8], there[6:8], size),
         )
 
+    unit = None
+    if coupling.startswith("predicted"):
+        unit = gears.steps(coupling.split()[1], shafts.x)
+        pending = next(unit)
     while True:
         yield shafts.x, housing.x, impulse
+        if unit:
+            given = unit.send((shafts.x, size))
+            now = np.concatenate([given if coupling == "predicted sequential" else pending, now[6:]])
+            pending = given
         if coupling == "parallel":
             now, latest = np.concatenate([before[:6], now[6:]]), now
-        there = now if coupling in ("held", "parallel") else 2.0 * now - before
+        there = now if unit or coupling in ("held", "parallel") else 2.0 * now - before
         shafts_end, housing_end = advance(there)
         if coupling == "iterated":
             for _ in range(8):

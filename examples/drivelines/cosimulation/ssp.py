@@ -25,8 +25,8 @@ OBSERVED = (("shafts", "gear1.position[2]"), ("shafts", "gear2.position[2]"), ("
 COLUMNS = [1, 4, 5]  # of those in the coordinates of the shafts
 
 
-def build(gears, begin) -> Path:
-    """Packs the three FMUs with `begin`, the states of shafts and housing, as start, and writes the SSP."""
+def build(gears, begin, coupling: str = "parallel") -> Path:
+    """Packs the three FMUs with `begin`, the states of shafts and housing, as start, the gears with `coupling`, and writes the SSP."""
     folder, here = OUT / "ssp", Path(__file__).parent
     folder.mkdir(parents=True, exist_ok=True)
     values = exchange(gears, *begin)
@@ -45,7 +45,7 @@ def build(gears, begin) -> Path:
         sys.path.remove(str(here))
     pose = begin[0].copy()
     pose[3] += CENTER_DISTANCE
-    settings = [f"--set={name}={value!r}" for name, value in zip(IN + RATES, pose.tolist())]
+    settings = [f"--set={name}={value!r}" for name, value in zip(IN + RATES, pose.tolist())] + [f"--set=coupling={coupling}"]
     tables = ROOT / "resources" / "tables" / "helical-25-47.json"
     command = [GEARMESH, "pack", "--tables", tables, "-o", folder / "Gears.fmu", "--set=phaseReference=absolute", *settings]
     subprocess.run(list(map(str, command)), check=True, stdout=subprocess.PIPE)

@@ -81,4 +81,14 @@ mod cosimulation {
             }
         }
     }
+
+    #[test]
+    fn predicted_loads_take_energy_where_held_loads_bring_it() {
+        for master in [Master::Sequential, Master::Parallel] {
+            let found = energy_brought("palermo2013", |mass| Way::predicted(master, mass), 10_000).unwrap();
+            assert!((-1.01..0.0).contains(&found), "{master:?}: {found}");
+            let held = energy_brought("palermo2013", |_| Way::held(master), 100).unwrap();
+            assert!(held > 1.0, "{master:?}: {held}");
+        }
+    }
 }

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index, index_by_name};
 
 /// A start value by the name of its variable: `damping=500`, `interpolation=shepard`,
-/// `extrapolatePoses=true`.
+/// `coupling=held`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// Index in [`VARIABLES`].

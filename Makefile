@@ -77,7 +77,7 @@ demo:
 report: examples
 	$(CARGO) run --release --package gearmesh-validation -- --python $(VENV)/bin/python
 	$(VENV)/bin/python -m demo.frames docs/frames.svg
-	$(GEARMESH) pack --tables resources/tables/palermo2013.json -o target/hosts.fmu
+	$(GEARMESH) pack --tables resources/tables/palermo2013.json --set coupling=held -o target/hosts.fmu
 	$(VENV)/bin/python -m examples.hosts target/hosts.fmu --docs docs/hosts.md
 	$(GEARMESH) pack --pair resources/pairs/palermo2013.json -o target/constant.fmu
 	$(VENV)/bin/python -m examples.hosts.adaptive target/constant.fmu target/hosts.fmu --docs docs/hosts.md

@@ -78,6 +78,8 @@ mod tests_limits;
 #[cfg(test)]
 mod tests_poses;
 #[cfg(test)]
+mod tests_prediction;
+#[cfg(test)]
 mod tests_root_stress;
 #[cfg(test)]
 mod tests_teeth;

@@ -67,10 +67,23 @@ pub struct Step {
     acceleration: Option<f64>,
     /// By how much that force and that acceleration differ from those one step earlier, N, m/s².
     change: Option<[f64; 2]>,
-    /// Sums over steps, of which the last count most, over second differences of force and acceleration: force squared, N²,
-    /// and force times the acceleration that it brought, N m/s². (First differences of a load that rises slowly look like those
-    /// of an infinite mass.)
-    sums: [f64; 2],
+    /// What the steps told of the mass.
+    sums: Sums,
+}
+
+/// Sums of products of second differences over the steps, of which the last count most. (First differences of a load that rises slowly
+/// look like those of an infinite mass.)
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Sums {
+    /// Of the force that was taken to act, squared, N².
+    force: f64,
+    /// Of that force and the acceleration that it brought, N m/s².
+    product: f64,
+    /// Of the acceleration squared, m²/s⁴.
+    acceleration: f64,
+    /// As the first two for the force of the step after: that of a sequential master where a parallel one was expected.
+    next_force: f64,
+    next_product: f64,
 }
 
 /// Contact loads, of a moment or in the mean over a step: the outputs of [`Loads::ROWS`].
@@ -86,6 +99,8 @@ pub struct Prediction {
     pub loads: Loads,
     /// For the next prediction; `None`: the gears are out of reach of one another.
     pub step: Option<Step>,
+    /// Whether the master, taken for a parallel one, lets the loads act in the step just asked for.
+    pub seems_sequential: bool,
 }
 
 /// Angle omega H of the mesh's own oscillation over a step, from which on the loads are those at the communication point: two
@@ -137,6 +152,7 @@ impl Element {
                 outputs,
                 loads: Loads::at(&outputs),
                 step: None,
+                seems_sequential: false,
             });
         };
         let sign = match outputs.flank {
@@ -156,7 +172,7 @@ impl Element {
             before: 0.0,
             acceleration: None,
             change: None,
-            sums: [0.0; 2],
+            sums: Sums::default(),
         };
         if let Some(last) = last {
             step.follow(last);
@@ -175,6 +191,8 @@ impl Element {
             outputs,
             loads,
             step: Some(step),
+            seems_sequential: request.coupling == Coupling::Parallel
+                && step.sums.tells_sequential(self.noise()),
         })
     }
 }
@@ -204,7 +222,7 @@ impl Step {
     /// Whether a prediction can have made it.
     pub fn is_valid(&self) -> bool {
         let numbers = [self.length, self.force, self.next, self.before];
-        let pairs = [self.position, self.rate, self.sums];
+        let pairs = [self.position, self.rate];
         let all = numbers
             .iter()
             .chain(pairs.as_flattened())
@@ -236,25 +254,30 @@ impl Step {
         if let Some(before) = last.acceleration {
             let change = [last.force - last.before, acceleration - before];
             self.change = Some(change);
-            self.sums = last.sums.map(|sum| MEMORY * sum);
+            self.sums = last.sums;
             if let Some(old) = last.change {
                 let force = change[0] - old[0];
-                self.sums[0] += force * force;
-                self.sums[1] -= force * (change[1] - old[1]);
+                let brought = old[1] - change[1];
+                let next = (self.force - last.force) - change[0];
+                self.sums.enter(force, brought, next);
             }
         }
     }
 
-    /// 1/m, 1/kg, from the changes of force and acceleration so far, or where they tell nothing from twice the least mass.
-    fn mobility(&self, least_mass: f64, nominal_force: f64) -> f64 {
-        let weight = (NOISE * nominal_force).powi(2);
-        let [squares, products] = self.sums;
-        let mobility = (weight * 0.5 / least_mass + products) / (weight + squares);
+    /// 1/m, 1/kg, from the changes of force and acceleration so far, or where they tell less than changes of the square `weight`, N²,
+    /// from twice the least mass.
+    fn mobility(&self, least_mass: f64, weight: f64) -> f64 {
+        let mobility = (weight * 0.5 / least_mass + self.sums.product) / (weight + self.sums.force);
         mobility.clamp(0.0, 2.0 / least_mass)
     }
 }
 
 impl Element {
+    /// Square of a change of the force that tells nothing of the mass, N².
+    fn noise(&self) -> f64 {
+        (NOISE * self.constants.nominal_force).powi(2)
+    }
+
     /// The motion while the loads of `request` act, from the start of `step`; `None`: they are held, nothing is known of
     /// the motion, or the step is too long for it.
     fn approach(&self, step: &Step, request: &StepRequest) -> Option<Approach> {
@@ -279,7 +302,7 @@ impl Element {
                 return None;
             }
             motion.parts = (angle / LONGEST_PART).ceil() as usize;
-            motion.mobility = step.mobility(mass, self.constants.nominal_force);
+            motion.mobility = step.mobility(mass, self.noise());
             motion.others = step.acceleration? + step.before * motion.mobility;
             motion.given = motion.others - step.force * motion.mobility;
         }
@@ -336,7 +359,7 @@ impl Element {
     }
 
     /// The bodies `time` s on with their velocities, gear 1 turned so that the approach is `y` m larger and its rate `u` m/s.
-    fn moved(&self, inputs: &Inputs, time: f64, y: f64, u: f64) -> Inputs {
+    pub(super) fn moved(&self, inputs: &Inputs, time: f64, y: f64, u: f64) -> Inputs {
         let mut there = Inputs {
             gears: inputs.gears.map(|gear| gear.after(time)),
             carrier: inputs.carrier.after(time),
@@ -364,6 +387,42 @@ impl Instant {
             rate: [mesh.rates.turn, mesh.rates.half_gap],
             force: drive.force() - coast.force(),
         })
+    }
+}
+
+impl Sums {
+    fn enter(&mut self, force: f64, brought: f64, next: f64) {
+        for (sum, product) in [
+            (&mut self.force, force * force),
+            (&mut self.product, force * brought),
+            (&mut self.acceleration, brought * brought),
+            (&mut self.next_force, next * next),
+            (&mut self.next_product, next * brought),
+        ] {
+            *sum = MEMORY * *sum + product;
+        }
+    }
+
+    fn is_valid(&self) -> bool {
+        let squares = [self.force, self.acceleration, self.next_force];
+        let products = [self.product, self.next_product];
+        squares.iter().all(|x| *x >= 0.0 && x.is_finite()) && products.iter().all(|x| x.is_finite())
+    }
+
+    /// Whether the accelerations follow the forces of the step after, and not those that were taken to act.
+    fn tells_sequential(&self, noise: f64) -> bool {
+        /// Share of the accelerations that the force taken to act leaves unexplained, at least, and of that what the other one does, at
+        /// most: a swing whose period is 20 steps leaves a tenth, and nothing.
+        const LEFT: f64 = 1e-3;
+        const LEFT_BY_OTHER: f64 = 0.05;
+        let rest = |force: f64, product: f64| self.acceleration - product * product / force;
+        let [ours, other] = [
+            rest(self.force, self.product),
+            rest(self.next_force, self.next_product),
+        ];
+        self.force.min(self.next_force) > 100.0 * noise
+            && ours > LEFT * self.acceleration
+            && other < LEFT_BY_OTHER * ours
     }
 }
 

@@ -47,6 +47,8 @@ pub struct Instance {
     slopes_made: SlopesMade,
     /// How often the gears left the range, for the log.
     departures: usize,
+    /// Whether the log has said that the master is none of the coupling.
+    warned: bool,
     /// The step that was discarded last, from its point over its size, s, and the inputs that it was tried with.
     discarded: Option<([f64; 2], InputValues)>,
     events: Vec<Event>,
@@ -111,6 +113,7 @@ impl Instance {
             slopes: Box::new(Jacobian::zeros()),
             slopes_made: SlopesMade::None,
             departures: 0,
+            warned: false,
             discarded: None,
             events: Vec::new(),
             resources,
@@ -222,6 +225,7 @@ impl Instance {
         *self = Self {
             stored: std::mem::take(&mut self.stored),
             departures: self.departures,
+            warned: self.warned,
             events: vec![Event::Info("reset".into())],
             ..Self::new(self.resources.clone(), self.state.interface)
         };
@@ -689,6 +693,12 @@ impl Instance {
             }
             let prediction = self.predict(step)?;
             let outputs = self.evaluated(prediction.outputs, Some(&prediction.loads))?;
+            if prediction.seems_sequential && !std::mem::replace(&mut self.warned, true) {
+                let time = number(self.time());
+                self.events.push(Event::Warning(format!(
+                    "t = {time} s: the bodies follow the loads in the step just asked for, not in the one after it: set coupling = sequential"
+                )));
+            }
             self.changed();
             self.outputs = Some(outputs);
             (self.state.step, self.state.loads) = (prediction.step, Some(prediction.loads));

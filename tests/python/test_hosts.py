@@ -14,7 +14,7 @@ from examples.hosts.scenario import revolution  # noqa: E402
 @pytest.fixture(scope="module")
 def unit(tmp_path_factory):
     fmu = tmp_path_factory.mktemp("hosts") / "palermo2013.fmu"
-    gearmesh("pack", "--tables", ROOT / "resources" / "tables" / "palermo2013.json", "-o", fmu)
+    gearmesh("pack", "--tables", ROOT / "resources" / "tables" / "palermo2013.json", "--set", "coupling=held", "-o", fmu)
     return fmu, revolution(fmu, 100.0, revolutions=1 / 16, steps=64)
 
 

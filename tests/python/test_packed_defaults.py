@@ -121,6 +121,7 @@ def test_masters_survive_twice_the_packed_step(shipped, name, free, parallel):
     first, last = swing(force, mesh.torque / mesh.radius[0])
     assert first > 0.6
     assert last < 0.7 * first
+    assert "set coupling" not in mesh.instance.log()
 
 
 @pytest.mark.parametrize("parallel", [False, True], ids=["sequential", "parallel"])
@@ -146,6 +147,7 @@ def test_a_sequential_master_that_keeps_the_default_is_damped_and_stable(shipped
     force = spins(mesh, (1,), False, mesh.step, 0.03, lambda t: mesh.torque, 500 * mesh.pitch_angle)
     first, last = swing(force, mesh.torque / mesh.radius[0])
     assert last < 0.3 * first
+    assert "set coupling = sequential" in mesh.instance.log()
 
 
 def test_held_loads_bear_twice_the_step_packed_for_them_and_not_four_times(tmp_path):

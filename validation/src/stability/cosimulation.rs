@@ -175,9 +175,8 @@ pub fn energy_brought(name: &str, way: impl Fn(f64) -> Way, steps: usize) -> Res
     let start = scene.with_spin(&scene.rest(), 1, angle(geometry.e(), 1.2 * balance), 0.0);
     let still = scene.with_spin(&scene.rest(), 1, angle(geometry.e(), balance), 0.0);
     // The load has a potential, too.
-    let energy = |t: f64, state: &State| -> Result<f64> {
-        Ok(scene.energy(t, state)? - load * twist(&gear_state(state, 1).q))
-    };
+    let energy =
+        |t: f64, state: &State| -> Result<f64> { Ok(scene.energy(t, state)? - load * twist(&gear_state(state, 1).q)) };
     let h = PACKED_ANGLE * (mass / stiffness).sqrt();
     let swing = energy(0.0, &start)? - energy(0.0, &still)?;
     let mut run = CoSimulation::new(&scene, way(mass), start, h, 4)?;

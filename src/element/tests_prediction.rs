@@ -1,0 +1,156 @@
+//! Loads that are predicted for a communication step.
+
+use super::testing::three_pairs;
+use super::{Coupling, Element, Inputs, Latch, Loads, Parameters, Step, StepRequest, Workspace};
+use approx::assert_relative_eq;
+use nalgebra::{Rotation3, Vector3};
+
+const STEP: f64 = 5e-6;
+
+/// Gear 2 as a disc that only spins, gear 1 at rest.
+struct Disc {
+    element: Element,
+    latch: Latch,
+    inertia: f64,
+    torque: f64,
+    angle: f64,
+    rate: f64,
+}
+
+impl Disc {
+    /// One on each of the three pairs, pressed against the drive flank of gear 1.
+    fn all() -> Vec<Self> {
+        let mut discs = vec![];
+        for pair in three_pairs(1.0) {
+            let element = Element::new(&pair, &Parameters::default(), None).unwrap();
+            let latch = element.latch(&element.nominal_inputs()).unwrap();
+            discs.push(Self {
+                element,
+                latch,
+                inertia: 0.5 * pair.gears[1].base_radius().powi(2),
+                torque: 100.0 * pair.e(),
+                angle: 0.0,
+                rate: 0.0,
+            });
+        }
+        discs
+    }
+
+    /// kg, on the line of action.
+    fn mass(&self) -> f64 {
+        0.5
+    }
+
+    fn inputs(&self) -> Inputs {
+        let mut inputs = self.element.nominal_inputs();
+        inputs.gears[1].r = Rotation3::from_axis_angle(&Vector3::z_axis(), self.angle).into_inner();
+        inputs.gears[1].w = Vector3::z() * self.rate;
+        inputs
+    }
+
+    fn request(coupling: Coupling, length: f64, effective_mass: f64) -> StepRequest {
+        StepRequest {
+            coupling,
+            length,
+            effective_mass,
+        }
+    }
+
+    /// Angles after every 4 steps of `STEP`, by a master with `length` that divides it.
+    fn run(&mut self, coupling: Coupling, length: f64, effective_mass: f64) -> Vec<f64> {
+        let (mut last, mut pending) = (None::<Step>, None::<Loads>);
+        let mut workspace = Workspace::default();
+        let every = (4.0 * STEP / length).round() as usize;
+        let mut angles = vec![];
+        for n in 0..every * 50 {
+            let request = Self::request(coupling, length, effective_mass);
+            let inputs = self.inputs();
+            let found = self
+                .element
+                .predict(
+                    &self.latch,
+                    &inputs,
+                    last.as_ref(),
+                    &request,
+                    &mut workspace,
+                )
+                .unwrap();
+            let acting = match coupling {
+                Coupling::Parallel => pending.unwrap_or(Loads::at(&found.outputs)),
+                _ => found.loads,
+            };
+            (last, pending) = (found.step, Some(found.loads));
+            if n % every == 0 {
+                angles.push(self.angle);
+            }
+            let acceleration = (acting.0[11] + self.torque) / self.inertia;
+            self.angle += self.rate * length + 0.5 * acceleration * length * length;
+            self.rate += acceleration * length;
+        }
+        angles
+    }
+}
+
+#[test]
+fn a_turn_of_gear_1_brings_the_teeth_together_by_as_much_on_the_line_of_action() {
+    for disc in Disc::all() {
+        let (y, u) = (3e-6, 0.02);
+        let inputs = disc.inputs();
+        let moved = disc.element.moved(&inputs, 0.0, y, u);
+        let [before, after] =
+            [&inputs, &moved].map(|i| disc.element.evaluate(&disc.latch, i).unwrap());
+        let cosine = disc.element.line_of_action(before.center_distance);
+        let approach = (after.transmission_error - before.transmission_error) * cosine;
+        assert_relative_eq!(approach, y, max_relative = 1e-9);
+        let rate = (after.transmission_error_rate - before.transmission_error_rate) * cosine;
+        assert_relative_eq!(rate, u, max_relative = 1e-9);
+    }
+}
+
+#[test]
+fn a_disc_under_predicted_loads_moves_as_with_steps_fifty_times_shorter_whatever_mass_is_told() {
+    for coupling in [Coupling::Sequential, Coupling::Parallel] {
+        for share in [0.3, 1.0, 2.0] {
+            for (mut disc, mut fine) in Disc::all().into_iter().zip(Disc::all()) {
+                let mass = share * disc.mass();
+                let found = disc.run(coupling, STEP, mass);
+                let exact = fine.run(Coupling::Sequential, STEP / 50.0, fine.mass());
+                let swing = exact.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+                for (a, b) in found.iter().zip(&exact) {
+                    assert!(
+                        (a - b).abs() < 0.02 * swing,
+                        "{coupling:?}, mass x {share}: {a} {b}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn poses_that_do_not_follow_from_the_velocities_and_steps_too_long_get_the_loads_of_the_point() {
+    for mut disc in Disc::all() {
+        let mut workspace = Workspace::default();
+        let mut ask = |disc: &Disc, last: Option<&Step>, length: f64| {
+            let request = Disc::request(Coupling::Parallel, length, disc.mass());
+            let inputs = disc.inputs();
+            disc.element
+                .predict(&disc.latch, &inputs, last, &request, &mut workspace)
+                .unwrap()
+        };
+        // Pressed, and coming nearer.
+        let toward = disc.torque.signum();
+        (disc.angle, disc.rate) = (toward * 1e-4, toward * 0.1);
+        let first = ask(&disc, None, STEP);
+        assert_eq!(first.loads, Loads::at(&first.outputs));
+        assert!(first.outputs.normal_force > 100.0);
+        disc.angle += disc.rate * STEP;
+        let second = ask(&disc, first.step.as_ref(), STEP);
+        assert_ne!(second.loads, Loads::at(&second.outputs));
+        let long = ask(&disc, first.step.as_ref(), 1e-3);
+        assert_eq!(long.loads, Loads::at(&long.outputs));
+        disc.angle += toward * 1e-5;
+        let moved = ask(&disc, second.step.as_ref(), STEP);
+        assert_eq!(moved.loads, Loads::at(&moved.outputs));
+    }
+}

@@ -176,7 +176,7 @@ class GearPair:
     def step(self, size: float) -> None:
         """Hands over `u`, makes one communication step of `size` seconds and fetches `y`.
 
-        The loads in `y` are the mean ones over this step, for the motion that starts from `u` (`coupling` = sequential), the
+        The loads in `y` are constant ones for this step, for the motion that starts from `u` (`coupling` = sequential), the
         other outputs belong to `u`. With `coupling` = held the loads do, too: for poses along a given motion.
         """
         self._call("fmi2SetReal", *self._inputs)

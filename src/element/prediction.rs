@@ -1,4 +1,4 @@
-//! Mean loads over a communication step, for masters that hold the loads while the bodies move.
+//! Constant loads for a communication step, for masters that hold the loads while the bodies move.
 //!
 //! The effective mass m of both gears along the line of action turns the element's own force F into the acceleration F/m. Two
 //! communication points tell the mean acceleration of approach; what it has beyond -F/m comes from everything else
@@ -8,11 +8,10 @@
 //! a = (v_n - v_(n-1)) / H + F_(n-1) / m,      x'' = a - F(x, x', t) / m
 //! ```
 //!
-//! with x the approach of the loaded flank, signed as the turn of gear 1, v its rate and F_(n-1) the mean force over the last
-//! step. The bodies go on with their velocities otherwise. The mean wrench over the step in which the
-//! loads act is given, so that the impulse, hence the velocity at the end, is right (the idea of the interface models of
-//! Peiret, Gonzalez, Kovecses and Teichmann, Multibody System Dynamics 46 (2019) 261-281, with the law itself in place of its
-//! linearisation).
+//! with x the approach of the loaded flank, signed as the turn of gear 1, v its rate and F_(n-1) the force over the last
+//! step. The bodies go on with their velocities otherwise. The constant wrench is given that moves the bodies over the step in which it
+//! acts as the changing one would (the idea of the interface models of Peiret, Gonzalez, Kovecses and Teichmann, Multibody System
+//! Dynamics 46 (2019) 261-281, with the law itself in place of its linearisation).
 
 use nalgebra::Rotation3;
 use serde::{Deserialize, Serialize};
@@ -57,7 +56,7 @@ pub struct Step {
     sign: f64,
     /// s.
     length: f64,
-    /// Mean force along the turn that acts in the step, N, positive from the drive flank.
+    /// Force along the turn that acts in the step, N, positive from the drive flank.
     force: f64,
     /// Likewise in the step after it, as far as it is known.
     next: f64,
@@ -86,7 +85,7 @@ struct Sums {
     next_product: f64,
 }
 
-/// Contact loads, of a moment or in the mean over a step: the outputs of [`Loads::ROWS`].
+/// Contact loads, of a moment or constant over a step: the outputs of [`Loads::ROWS`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Loads(pub [f64; Loads::ROWS.len()]);
 
@@ -95,7 +94,7 @@ pub struct Loads(pub [f64; Loads::ROWS.len()]);
 pub struct Prediction {
     /// At the communication point.
     pub outputs: Outputs,
-    /// In the mean over the step in which they act.
+    /// For the step in which they act.
     pub loads: Loads,
     /// For the next prediction; `None`: the gears are out of reach of one another.
     pub step: Option<Step>,
@@ -103,12 +102,18 @@ pub struct Prediction {
     pub seems_sequential: bool,
 }
 
-/// Angle omega H of the mesh's own oscillation over a step, from which on the loads are those at the communication point: two
-/// points a period tell an oscillation, and some room.
-const LONGEST_STEP: f64 = 2.8;
+/// Angle omega H of the mesh's own oscillation over a step, from which on the loads are those at the communication point: beyond it no
+/// weights below are stable.
+const LONGEST_STEP: f64 = 1.7;
 
-/// Longest part of a step, as such an angle, that one step of the integrator takes.
-const LONGEST_PART: f64 = 1.0;
+/// Weights of the loads at begin, middle (twice) and end of a step for the constant load over it under which the bodies stand where the
+/// changing one moves them at every communication point: the mean less H²/12 times the second derivative, so that
+/// (x_(n+1) - 2 x_n + x_(n-1)) / H² is the mean of both steps' accelerations, as it is in the exact motion to H⁴. The mean alone makes the
+/// mesh slower by (omega H)²/24.
+const EQUIVALENT: [f64; 4] = [-1.0 / 6.0, 2.0 / 3.0, 2.0 / 3.0, -1.0 / 6.0];
+
+/// The same for the mean: where teeth part or meet the load has no second derivative, and would come out negative.
+const MEAN: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
 /// Weight of what the step before told of the mass.
 const MEMORY: f64 = 0.98;
@@ -179,7 +184,7 @@ impl Element {
         }
         let mut loads = Loads::at(&outputs);
         if let Some(motion) = self.approach(&step, request)
-            && let Some((mean, force)) = self.mean_loads(latch, inputs, &now, &motion, workspace)
+            && let Some((mean, force)) = self.step_loads(latch, inputs, &now, &motion, workspace)
         {
             loads = mean;
             step.next = force;
@@ -209,8 +214,6 @@ struct Approach {
     mobility: f64,
     /// s.
     length: f64,
-    /// Steps of the integrator.
-    parts: usize,
 }
 
 impl Step {
@@ -292,7 +295,6 @@ impl Element {
             others: 0.0,
             mobility: 0.0,
             length: request.length,
-            parts: 1,
         };
         let mass = request.effective_mass;
         if mass > 0.0 {
@@ -301,7 +303,6 @@ impl Element {
             if angle > LONGEST_STEP {
                 return None;
             }
-            motion.parts = (angle / LONGEST_PART).ceil() as usize;
             motion.mobility = step.mobility(mass, self.noise());
             motion.others = step.acceleration? + step.before * motion.mobility;
             motion.given = motion.others - step.force * motion.mobility;
@@ -309,8 +310,8 @@ impl Element {
         Some(motion)
     }
 
-    /// Mean loads over the step of `motion`, and their part along the turn, N; `None`: it leads where the element has no loads.
-    fn mean_loads(
+    /// Constant loads for the step of `motion`, and their part along the turn, N; `None`: it leads where the element has no loads.
+    fn step_loads(
         &self,
         latch: &Latch,
         inputs: &Inputs,
@@ -318,42 +319,32 @@ impl Element {
         motion: &Approach,
         workspace: &mut Workspace,
     ) -> Option<(Loads, f64)> {
-        let parts = motion.parts as f64;
-        let h = motion.length / parts;
-        let (mut loads, mut force) = (Loads([0.0; Loads::ROWS.len()]), 0.0);
+        let h = motion.length;
         // Displacement beside the drift with the present velocities, m, and its rate.
-        let (mut y, mut u) = (
+        let (y, u) = (
             0.5 * motion.given * motion.start.powi(2),
             motion.given * motion.start,
         );
-        let mut at = |time: f64, y: f64, u: f64| -> Option<(Loads, f64)> {
-            if time == 0.0 && y == 0.0 && u == 0.0 {
-                return Some((Loads::at(&now.outputs), now.force));
+        // One step of the classical Runge-Kutta method for y'' = a - F/m.
+        let mut stages = [(Loads::at(&now.outputs), now.force); 4];
+        let (mut dy, mut du) = (0.0, 0.0);
+        for (stage, ahead) in stages.iter_mut().zip([0.0, 0.5 * h, 0.5 * h, h]) {
+            let (y, u) = (y + ahead * dy, u + ahead * du);
+            let time = motion.start + ahead;
+            if time > 0.0 {
+                let there = self.moved(inputs, time, y, u);
+                let solution = evaluate::<f64>(self, latch, &there, false, workspace).ok()?;
+                let force = Instant::new(&solution).map_or(0.0, |instant| instant.force);
+                *stage = (Loads::at(&solution.outputs), force);
             }
-            let there = self.moved(inputs, time, y, u);
-            let solution = evaluate::<f64>(self, latch, &there, false, workspace).ok()?;
-            let force = Instant::new(&solution).map_or(0.0, |instant| instant.force);
-            Some((Loads::at(&solution.outputs), force))
-        };
-        for part in 0..motion.parts {
-            let t = motion.start + part as f64 * h;
-            // Classical Runge-Kutta steps of y'' = a - F/m.
-            let mut mean = 0.0;
-            let (mut dy, mut du) = ([0.0; 4], [0.0; 4]);
-            for (stage, (ahead, weight)) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)]
-                .into_iter()
-                .enumerate()
-            {
-                let before = stage.saturating_sub(1);
-                let there = [y + ahead * h * dy[before], u + ahead * h * du[before]];
-                let (here, f) = at(t + ahead * h, there[0], there[1])?;
-                (dy[stage], du[stage]) = (there[1], motion.others - f * motion.mobility);
-                loads.add(&here, weight / (6.0 * parts));
-                mean += weight / 6.0 * f;
-            }
-            y += h / 6.0 * (dy[0] + 2.0 * (dy[1] + dy[2]) + dy[3]);
-            u += h * (motion.others - mean * motion.mobility);
-            force += mean / parts;
+            (dy, du) = (u, motion.others - stage.1 * motion.mobility);
+        }
+        let parted = stages.iter().any(|(_, force)| *force == 0.0);
+        let weights = if parted { MEAN } else { EQUIVALENT };
+        let (mut loads, mut force) = (Loads([0.0; Loads::ROWS.len()]), 0.0);
+        for ((stage, f), weight) in stages.iter().zip(weights) {
+            loads.add(stage, weight);
+            force += weight * f;
         }
         Some((loads, force))
     }

@@ -456,7 +456,7 @@ impl Instance {
         Ok(self.outputs.as_ref().expect("made above"))
     }
 
-    /// Those of the communication point, with the mean `loads` of a step where there are some.
+    /// Those of the communication point, with the `loads` of a step where there are some.
     fn evaluated(&self, all: Outputs, loads: Option<&Loads>) -> Result<Evaluated, Refusal> {
         let mut rows = all.to_array();
         for (row, load) in loads.iter().flat_map(|l| Loads::ROWS.into_iter().zip(l.0)) {

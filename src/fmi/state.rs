@@ -30,7 +30,7 @@ pub(super) struct InstanceState {
     pub latch: Option<Latch>,
     /// The last step, where a coupling predicts loads from it.
     pub step: Option<Step>,
-    /// Mean loads that the last step gave, where a coupling does.
+    /// Loads that the last step gave, where a coupling does.
     pub loads: Option<Loads>,
     /// Whether the outputs last looked at were out of range, for the log.
     pub out_of_range: bool,

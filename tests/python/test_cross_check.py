@@ -16,7 +16,7 @@ def material(tmp_path_factory):
     fmus = []
     for pair in PAIRS:
         fmus.append(folder / f"{pair}.fmu")
-        gearmesh("pack", "--tables", ROOT / "resources" / "tables" / f"{pair}.json", "-o", fmus[-1])
+        gearmesh("pack", "--tables", ROOT / "resources" / "tables" / f"{pair}.json", "--set", "coupling=held", "-o", fmus[-1])
     command = [sys.executable, "-m", "scripts.release.cross_check", *fmus, "--out", folder / "out"]
     subprocess.run(command, cwd=ROOT, check=True)
     return folder / "out"

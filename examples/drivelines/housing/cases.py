@@ -29,10 +29,10 @@ VARIANTS = {
 }
 
 
-def unit(gears: Gears, parameters: dict, fmu: Path | str | None = None) -> GearPair:
+def unit(gears: Gears, parameters: dict, fmu: Path | str | None = None, interface: str = "model-exchange") -> GearPair:
     """An initialised instance, of `fmu` or else of the tables at hand: the teeth touch at the start."""
     fmu = fmu or (shipped if gears == HELICAL else local)(gears.name)
-    pair = GearPair(fmu, parameters, "model-exchange")
+    pair = GearPair(fmu, parameters, interface)
     pair.initialize()
     return pair
 
@@ -61,10 +61,13 @@ def torque_ramp(torque: float = 120.0, rpm: float = 600.0, duration: float = 0.4
 
 
 @contextmanager
-def run_up_line(variant: str, torque: float, rpm: float, duration: float, fmu: Path | str | None = None, damped: bool = True):
+def run_up_line(
+    variant: str, torque: float, rpm: float, duration: float, fmu: Path | str | None = None, damped: bool = True, coupling=None
+):
     """The assembly of the run-up, before it."""
-    with unit(SPUR, {"damping": SPUR_DAMPING * damped} | VARIANTS[variant], fmu) as pair:
-        line = Driveline(SPUR, pair, damped=damped)
+    choices = {"damping": SPUR_DAMPING * damped} | VARIANTS[variant] | ({"coupling": coupling} if coupling else {})
+    with unit(SPUR, choices, fmu, "co-simulation" if coupling else "model-exchange") as pair:
+        line = Driveline(SPUR, pair, damped=damped, coupling=coupling)
         # Each side's own inertia; the shafts without the gears add less than 1 %.
         sides = [inertia + line.bodies[k, shaft.gear].inertia[2, 2] for k, (inertia, shaft) in enumerate(zip(INERTIAS, SHAFTS))]
         ahead, behind = (inertia * rpm * RPM / duration for inertia in sides)
@@ -73,10 +76,11 @@ def run_up_line(variant: str, torque: float, rpm: float, duration: float, fmu: P
 
 
 def run_up(
-    variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8, fmu: Path | str | None = None
+    variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8, fmu: Path | str | None = None, coupling=None
 ) -> History:
-    """The spur pair from rest to `rpm`, evenly; the teeth carry `torque`: the load brakes with less, the motor drives with more."""
-    with run_up_line(variant, torque, rpm, duration, fmu) as line:
+    """The spur pair from rest to `rpm`, evenly; the teeth carry `torque`: the load brakes with less, the motor drives with more.
+    `coupling`: by co-simulation, with communication steps of `STEP`."""
+    with run_up_line(variant, torque, rpm, duration, fmu, coupling=coupling) as line:
         return line.run(duration, STEP, 2, DIAGNOSTICS)
 
 

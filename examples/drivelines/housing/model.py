@@ -26,7 +26,7 @@ from exudyn.utilities import (
 )
 from gearmesh import GearPair
 
-from ..exudyn_gears import attach
+from ..exudyn_gears import attach, attach_stepped
 
 DENSITY, YOUNG, SHEAR = 7850.0, 206e9, 206e9 / 2.6  # steel
 SHEAR_FACTOR = 0.9  # of a round section
@@ -107,9 +107,14 @@ class Spring:
 
 
 class Driveline:
-    """The assembled system. `speed` is that of gear 1 at the start, rad/s; torques are functions of time, N m."""
+    """The assembled system. `speed` is that of gear 1 at the start, rad/s; torques are functions of time, N m.
 
-    def __init__(self, gears: Gears, pair: GearPair, *, damped=True, free_housing=False, speed=0.0, motor=None, load=None):
+    `coupling` ("sequential" or "parallel"): `pair` is a co-simulation instance, and the loads are held over the integrator's steps.
+    """
+
+    def __init__(
+        self, gears: Gears, pair: GearPair, *, damped=True, free_housing=False, speed=0.0, motor=None, load=None, coupling=None
+    ):
         self.gears, self.pair, self.damped = gears, pair, damped
         self.mbs = exu.SystemContainer().AddSystem()
         self.bodies: dict[object, Body] = {}
@@ -122,7 +127,10 @@ class Driveline:
             for i, point in enumerate(MOUNTS):
                 self._spring(("mount", i), None, "housing", point, [MOUNT] * 3 + [0.0] * 3, MOUNT_DAMPING)
         blanks = [self.bodies[k, shaft.gear] for k, shaft in enumerate(SHAFTS)]
-        attach(self.mbs, pair, [b.node for b in blanks], [b.reference for b in blanks])
+        place = self.mbs, pair, [b.node for b in blanks], [b.reference for b in blanks]
+        self.step_gears = attach_stepped(*place, coupling == "parallel") if coupling else None
+        if not coupling:
+            attach(*place)
         self.torques = (motor or (lambda _: 0.0), load or (lambda _: 0.0))
         self.rotors = [self._rotor(k, shaft) for k, shaft in enumerate(SHAFTS)]
         self.mbs.Assemble()
@@ -216,7 +224,11 @@ class Driveline:
         more = np.zeros((count, len(diagnostics)))
         done = [0]
 
+        blanks = np.r_[tuple(slice(b.first, b.first + 6) for b in (self.bodies[k, s.gear] for k, s in enumerate(SHAFTS)))]
+
         def record(_mbs, _time):
+            if self.step_gears:
+                self.step_gears(data.GetODE2Coordinates()[blanks], data.GetODE2Coordinates_t()[blanks], step)
             n, rest = divmod(done[0], every)
             done[0] += 1
             if rest == 0 and n < count:

@@ -42,13 +42,7 @@ struct Extrusion<'a> {
 impl Mesh {
     /// The section swept through `along`, turned by `twist` rad per metre (tan beta_b / rb; right-handed), without
     /// what lies outside of rim, web and hub.
-    pub fn extruded(
-        section: &Section,
-        outline: &Outline,
-        along: &Layers,
-        twist: f64,
-        foundation: Option<f64>,
-    ) -> Mesh {
+    pub fn extruded(section: &Section, outline: &Outline, along: &Layers, twist: f64) -> Mesh {
         let mut extrusion = Extrusion {
             section,
             stations: &along.stations,
@@ -69,7 +63,7 @@ impl Mesh {
         }
         extrusion.find_sides();
         extrusion.find_surface(outline, &along.face);
-        extrusion.mesh.rested_on(foundation)
+        extrusion.mesh
     }
 }
 
@@ -234,14 +228,13 @@ impl Extrusion<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::finite_element::dissection::Elimination;
     use crate::finite_element::model::Model;
-    use crate::finite_element::{Discretization, Settings, assembly, element};
+    use crate::finite_element::{Discretization, Settings, element};
     use crate::samples;
     use approx::assert_relative_eq;
-    use gearmesh::gear::{Body, Gear, GearKind, ToothProfile};
+    use gearmesh::gear::{Body, Gear, GearKind};
     use gearmesh::pair::Refinement;
+    use nalgebra::DVector;
 
     /// Gears whose deep rows have merged layers: without and with helix, and a ring.
     fn gears() -> [Gear; 3] {
@@ -288,25 +281,22 @@ mod tests {
         let squares: f64 = (0..9).map(|k| both(k / 3, k % 3).powi(2)).sum();
         let density = 0.5 * lambda * trace * trace + mu * squares;
         for gear in gears() {
-            let mut mesh = model(&gear).mesh;
+            let mesh = model(&gear).mesh();
             assert!(mesh.hanging.len() > 20, "{}", mesh.hanging.len());
-            mesh.held.fill(false);
-            let order = Elimination::new(&mesh).order;
-            let first = assembly::number_unknowns(&mesh, &order);
-            let k = assembly::assemble(&mesh, &order, [young, poisson]);
-            let mut u = vec![0.0; 3 * order.len()];
-            for node in &order {
-                let (sin, cos) = mesh.angles[*node].sin_cos();
-                let p = mesh.points[*node];
-                let [x, y, z] = g.map(|row| row.iter().zip(p).map(|(a, b)| a * b).sum::<f64>());
-                u[first[*node]..][..3].copy_from_slice(&[cos * x + sin * y, cos * y - sin * x, z]);
-            }
             let mut energy = 0.0;
-            for column in 0..u.len() {
-                for at in k.column_starts[column]..k.column_starts[column + 1] {
-                    let share = if k.rows[at] == column { 0.5 } else { 1.0 };
-                    energy += share * u[column] * k.values[at] * u[k.rows[at]];
-                }
+            for nodes in mesh.connectivity() {
+                let (nodes, k) = mesh.stiffness(nodes, [young, poisson]);
+                let u = DVector::from_iterator(
+                    3 * nodes.len(),
+                    nodes.iter().flat_map(|node| {
+                        let (sin, cos) = mesh.angles[*node].sin_cos();
+                        let p = mesh.points[*node];
+                        let [x, y, z] =
+                            g.map(|row| row.iter().zip(p).map(|(a, b)| a * b).sum::<f64>());
+                        [cos * x + sin * y, cos * y - sin * x, z]
+                    }),
+                );
+                energy += 0.5 * u.dot(&(k * &u));
             }
             let (volume, _) = mesh.volume_and_quality();
             assert_relative_eq!(energy, density * volume, max_relative = 1e-9);
@@ -317,21 +307,11 @@ mod tests {
     fn merged_layers_change_what_flanks_give_by_less_than_a_part_in_three_thousand() {
         for gear in gears() {
             let merged = model(&gear);
-            let sizes = settings().discretization;
-            let outline = Outline::new(&ToothProfile::new(&gear).unwrap());
-            let section = Section {
-                row_depths: Vec::new(),
-                ..Section::new(&outline, &sizes.section(gear.normal_module))
-            };
-            let twist = gear.base_helix_angle().tan() / gear.base_radius();
-            let layers = Layers::new(&gear, &sizes);
-            let split = Model {
-                mesh: Mesh::extruded(&section, &outline, &layers, twist, None),
-                ..model(&gear)
-            };
-            assert!(split.mesh.hanging.is_empty());
-            assert!(split.mesh.cells.len() > merged.mesh.cells.len());
-            let [merged, split] = [merged, split].map(|m| m.solve(1, &|_, _| true).unwrap().0);
+            let mut split = model(&gear);
+            split.section.row_depths.clear();
+            assert!(split.mesh().hanging.is_empty());
+            assert!(split.mesh().cells.len() > merged.mesh().cells.len());
+            let [merged, split] = [merged, split].map(|m| m.influence(1, &|_, _| true).unwrap());
             for (merged, split) in merged.iter().zip(&split) {
                 let error = (merged - split).amax();
                 assert!(error < 3e-4 * split.amax(), "{}", error / split.amax());
@@ -354,7 +334,7 @@ mod tests {
             ..disc.clone()
         };
         for gear in [disc, webbed] {
-            let mesh = model(&gear).mesh;
+            let mesh = model(&gear).mesh();
             let radius = |node: usize| mesh.points[node][0].hypot(mesh.points[node][1]);
             let on_face = |node: usize| (-1e-12..25e-3 + 1e-12).contains(&mesh.points[node][2]);
             assert!(mesh.fillet.len() > 50 && mesh.flank.len() > 50);

@@ -1,9 +1,9 @@
 //! The grid of nodes on the loaded flank, and strips as weights on it.
 
 use super::element::{GAUSS3, QUAD8, shape};
-use super::kernel::{EDGE_KERNEL_OVER_ELEMENT, HALF_KERNEL_FROM_EDGE};
+use super::kernel::{EDGE_KERNEL_OVER_ELEMENT, GAUSS5, HALF_KERNEL_FROM_EDGE, Kernel};
 use super::outline::Outline;
-use crate::finite_element::kernel::{GAUSS5, Kernel};
+use super::section::Section;
 use gearmesh::compliance::Strip;
 use std::collections::BTreeMap;
 
@@ -28,10 +28,20 @@ pub(super) struct FlankGrid {
 }
 
 impl FlankGrid {
-    /// Grid of the flank nodes' arc lengths `arcs` (corner, mid-edge, corner, ...).
-    pub fn new(outline: &Outline, arcs: &[f64], stations: &[f64], half_width: f64) -> FlankGrid {
+    /// Grid of the flank of `section` in the layers between `stations`.
+    pub fn new(
+        outline: &Outline,
+        section: &Section,
+        stations: &[f64],
+        half_width: f64,
+    ) -> FlankGrid {
         FlankGrid {
-            arcs: arcs.iter().step_by(2).copied().collect(),
+            arcs: section
+                .flank
+                .iter()
+                .step_by(2)
+                .map(|(_, arc)| *arc)
+                .collect(),
             stations: stations.to_vec(),
             form_roll: outline.form_roll,
             arc_per_roll_squared: outline.kappa / (2.0 * outline.base_radius),
@@ -49,17 +59,6 @@ impl FlankGrid {
     pub fn thickest_layer(&self) -> f64 {
         let layers = self.stations.windows(2).map(|ends| ends[1] - ends[0]);
         layers.fold(0.0, f64::max)
-    }
-
-    /// Number of the node at half steps `i` along the profile and `k` along z; not both odd.
-    fn node(&self, i: usize, k: usize) -> usize {
-        let elements = self.arcs.len() - 1;
-        let base = (k / 2) * (3 * elements + 2);
-        if k.is_multiple_of(2) {
-            base + i
-        } else {
-            base + 2 * elements + 1 + i / 2
-        }
     }
 
     /// Arc length from the form point at the length of roll `roll`, m.
@@ -116,32 +115,48 @@ impl FlankGrid {
     fn spread(&self, layer: usize, z: f64, roll: f64, part: f64, sum: &mut BTreeMap<usize, f64>) {
         let kernel = self.kernel(roll);
         let plane = self.stations.len() == 1;
+        let zeta = if plane {
+            -1.0
+        } else {
+            local(z, &self.stations, layer)
+        };
         for (element, low, high) in cells(&self.arcs, kernel.support()) {
             for (x, weight) in GAUSS5 {
                 let arc = low + x * (high - low);
                 let load = part * weight * (high - low) * kernel.density(arc);
                 let xi = local(arc, &self.arcs, element);
-                if plane {
-                    for (i, value) in line3(xi).into_iter().enumerate() {
-                        *sum.entry(2 * element + i).or_insert(0.0) += load * value;
-                    }
-                    continue;
-                }
-                let zeta = local(z, &self.stations, layer);
-                for c in &QUAD8 {
-                    let half = |center: f64| (1.0 + center) as usize;
-                    let node = self.node(2 * element + half(c[0]), 2 * layer + half(c[1]));
-                    let value = shape(2, c, &[xi, zeta, 0.0]).0;
-                    *sum.entry(node).or_insert(0.0) += load * value;
+                for (node, c) in face_nodes(self.arcs.len() - 1, element, layer, plane) {
+                    *sum.entry(node).or_insert(0.0) += load * shape(2, c, &[xi, zeta, 0.0]).0;
                 }
             }
         }
     }
 }
 
-/// Quadratic shape functions of a line with the nodes -1, 0, 1.
-fn line3(xi: f64) -> [f64; 3] {
-    [0.5 * xi * (xi - 1.0), 1.0 - xi * xi, 0.5 * xi * (xi + 1.0)]
+/// Nodes of the face of one `element` along the profile and one `layer`, with their local coordinates (xi along the profile, zeta along
+/// the face), in the numbering of [`super::mesh::Mesh::flank`] and `fillet`: planes of all nodes alternate with planes of corners
+/// alone. A surface that is `elements` long; of a `plane` model the line zeta = -1.
+pub(super) fn face_nodes(
+    elements: usize,
+    element: usize,
+    layer: usize,
+    plane: bool,
+) -> impl Iterator<Item = (usize, &'static [f64; 3])> {
+    let half = |c: f64| (1.0 + c) as usize;
+    let nodes = QUAD8.iter().filter(move |c| !plane || c[1] == -1.0);
+    nodes.map(move |c| {
+        let (i, k) = (2 * element + half(c[0]), 2 * layer + half(c[1]));
+        let base = (k / 2) * (3 * elements + 2);
+        let corners = base + 2 * elements + 1 + i / 2;
+        (
+            if k.is_multiple_of(2) {
+                base + i
+            } else {
+                corners
+            },
+            c,
+        )
+    })
 }
 
 /// Local coordinate in [-1, 1] of `x` in cell `i` of `ends`.

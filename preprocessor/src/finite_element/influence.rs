@@ -4,6 +4,7 @@
 //! (`c_ij - c_i-1,j - c_i,j-1 + c_i-1,j-1`) mostly fits into one byte. A model is the same numbers whether it was
 //! computed or read.
 
+use super::cache::Stored;
 use nalgebra::DMatrix;
 
 /// The unit is the largest entry over this. The largest one, a node in a corner of the flank under a load of its
@@ -53,10 +54,11 @@ impl Influence {
         let start = (k * self.nodes + node) * self.nodes;
         &self.entries[start..start + self.nodes]
     }
+}
 
-    /// Appends itself to a file.
-    pub fn encode(&self, out: &mut Vec<u8>) {
-        out.extend(self.unit.to_le_bytes());
+impl Stored for Influence {
+    fn encode(&self) -> Vec<u8> {
+        let mut out = self.unit.to_le_bytes().to_vec();
         out.extend((self.nodes as u64).to_le_bytes());
         out.extend((self.teeth() as u64).to_le_bytes());
         for k in 0..self.teeth() {
@@ -66,16 +68,16 @@ impl Influence {
                 let mut above = 0;
                 for (value, before) in column.iter().zip(&before) {
                     let step = i64::from(*value) - i64::from(*before);
-                    put(step - above, out);
+                    put(step - above, &mut out);
                     above = step;
                 }
                 before.copy_from_slice(column);
             }
         }
+        out
     }
 
-    /// Reads what [`Influence::encode`] wrote; None for anything else.
-    pub fn decode(mut bytes: &[u8]) -> Option<Influence> {
+    fn decode(mut bytes: &[u8]) -> Option<Influence> {
         let unit = f64::from_bits(word(&mut bytes)?);
         let nodes = usize::try_from(word(&mut bytes)?).ok()?;
         let teeth = usize::try_from(word(&mut bytes)?).ok()?;
@@ -169,8 +171,7 @@ mod tests {
 
     #[test]
     fn what_is_cut_or_too_long_is_not_read() {
-        let mut bytes = Vec::new();
-        Influence::new(&smooth()).encode(&mut bytes);
+        let mut bytes = Influence::new(&smooth()).encode();
         for length in [0, 8, 23, 24, bytes.len() - 1] {
             assert_eq!(Influence::decode(&bytes[..length]), None, "{length}");
         }
@@ -182,9 +183,7 @@ mod tests {
         #[test]
         fn any_numbers_come_back(entries in proptest::collection::vec(any::<i32>(), 18)) {
             let influence = Influence { unit: 1e-15, nodes: 3, entries };
-            let mut bytes = Vec::new();
-            influence.encode(&mut bytes);
-            prop_assert_eq!(Influence::decode(&bytes), Some(influence));
+            prop_assert_eq!(Influence::decode(&influence.encode()), Some(influence));
         }
     }
 }

@@ -1,9 +1,11 @@
 //! The mesh of one sector: the section itself (plane strain) or, by [`super::extrusion`], the section extruded along
 //! the helix.
 
+use super::condensation::LoadColumn;
 use super::element;
 use super::outline::Outline;
 use super::section::Section;
+use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
 /// A node of the loaded flank and the outward unit normal there in the node's own cylindrical axes
@@ -54,7 +56,7 @@ pub(super) struct Mesh {
 
 impl Mesh {
     /// The plane section.
-    pub fn plane(section: &Section, outline: &Outline, foundation: Option<f64>) -> Mesh {
+    pub fn plane(section: &Section, outline: &Outline) -> Mesh {
         let mut held = vec![false; section.nodes.len()];
         section.held.iter().for_each(|node| held[*node] = true);
         Mesh {
@@ -81,17 +83,23 @@ impl Mesh {
             fillet: section.fillet.iter().map(|(node, _)| *node).collect(),
             ..Mesh::default()
         }
-        .rested_on(foundation)
     }
 
     /// The mesh with its held nodes on a foundation of the given stiffness (N/m³), if there is one.
-    pub(super) fn rested_on(mut self, foundation: Option<f64>) -> Mesh {
+    pub fn rested_on(mut self, foundation: Option<f64>) -> Mesh {
         if let Some(stiffness) = foundation {
             let free = vec![false; self.held.len()];
             let nodes = std::mem::replace(&mut self.held, free);
             self.foundation = Some(Foundation { nodes, stiffness });
         }
         self
+    }
+
+    /// Unit normal loads on the flank nodes.
+    pub fn loads(&self) -> Vec<LoadColumn> {
+        let unknowns = |node: usize| self.dimension * node..self.dimension * (node + 1);
+        let load = |flank: &FlankNode| unknowns(flank.node).zip(flank.normal).collect();
+        self.flank.iter().map(load).collect()
     }
 
     /// 8 (plane) or 20 (solid).
@@ -130,22 +138,67 @@ impl Mesh {
         element.iter().map(|node| self.points[*node]).collect()
     }
 
+    /// Nodes whose unknowns the element with `nodes` knows ([`Mesh::carrying`]), and its stiffness, N/m, with the displacements of
+    /// each in its own cylindrical axes. `material`: Young's modulus, Pa, and Poisson ratio.
+    pub fn stiffness(&self, nodes: &[usize], material: [f64; 2]) -> (Vec<usize>, DMatrix<f64>) {
+        let x = self.coordinates(nodes);
+        let (lambda, mu) = element::lame(material[0], material[1]);
+        let mut k = element::stiffness(&x, lambda, mu);
+        if let Some(foundation) = &self.foundation {
+            let rests: Vec<bool> = nodes.iter().map(|node| foundation.nodes[*node]).collect();
+            element::add_foundation(&x, &rests, foundation.stiffness, &mut k);
+        }
+        let carrying = self.carrying(nodes);
+        if carrying != nodes {
+            let shares = self.shares(nodes, &carrying);
+            k = shares.tr_mul(&(k * &shares));
+        }
+        // Symmetric: turned columns become rows, and then they are turned, too.
+        for _ in 0..2 {
+            k.transpose_mut();
+            for (at, node) in carrying.iter().enumerate() {
+                let (sin, cos) = self.angles[*node].sin_cos();
+                let first = self.dimension * at;
+                let (mut x, mut y) = k.columns_range_pair_mut(first, first + 1);
+                for (x, y) in x.iter_mut().zip(y.iter_mut()) {
+                    (*x, *y) = (cos * *x + sin * *y, cos * *y - sin * *x);
+                }
+            }
+        }
+        (carrying, k)
+    }
+
+    /// The displacements of `nodes` by those of the nodes `carrying` them.
+    fn shares(&self, nodes: &[usize], carrying: &[usize]) -> DMatrix<f64> {
+        let d = self.dimension;
+        let mut shares = DMatrix::zeros(d * nodes.len(), d * carrying.len());
+        for (row, node) in nodes.iter().enumerate() {
+            let own = vec![(*node, 1.0)];
+            for (carrier, share) in self.hanging.get(node).unwrap_or(&own) {
+                let column = carrying.iter().position(|node| node == carrier);
+                for (i, column) in column
+                    .iter()
+                    .flat_map(|at| d * at..d * (at + 1))
+                    .enumerate()
+                {
+                    shares[(d * row + i, column)] = *share;
+                }
+            }
+        }
+        shares
+    }
+
     /// Volume (plane: area) of the mesh, and the smallest ratio of an integration point's Jacobian to
     /// the largest one of the same element: positive on a sound mesh.
     pub fn volume_and_quality(&self) -> (f64, f64) {
         let mut volume = 0.0;
         let mut quality = f64::INFINITY;
-        let weights: Vec<f64> = element::integration_weights(self.dimension);
         for nodes in self.connectivity() {
             let points = element::integration_points(&self.coordinates(nodes));
-            let jacobian: Vec<f64> = points
-                .iter()
-                .zip(&weights)
-                .map(|(p, w)| p.volume / w)
-                .collect();
-            let largest = jacobian.iter().copied().fold(f64::MIN, f64::max);
-            let smallest = jacobian.iter().copied().fold(f64::MAX, f64::min);
-            volume += points.iter().map(|p| p.volume).sum::<f64>();
+            let jacobians = || points.iter().map(|point| point.jacobian);
+            let largest = jacobians().fold(f64::MIN, f64::max);
+            let smallest = jacobians().fold(f64::MAX, f64::min);
+            volume += points.iter().map(|point| point.volume).sum::<f64>();
             quality = quality.min(smallest / largest.abs());
         }
         (volume, quality)

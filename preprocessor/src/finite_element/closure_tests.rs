@@ -136,8 +136,8 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
     let gear = gear(GearKind::External, 12, 0.3, 0.0);
     let outline = Outline::new(&ToothProfile::new(&gear).unwrap());
     let sizes = Discretization::of(Refinement::Coarse);
-    let section = Section::new(&outline, &sizes.section(gear.normal_module));
-    let sector = Mesh::plane(&section, &outline);
+    let section = Section::new(&outline, &sizes, gear.normal_module);
+    let sector = Mesh::new(&section, &outline, None, 0.0);
 
     // All sectors with common sides, nothing kept: side 1 of sector s is side 0 of sector s + 1.
     let n = sector.points.len();
@@ -161,8 +161,8 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
     };
     for s in 0..teeth {
         let turn = 2.0 * PI * s as f64 / teeth as f64;
-        for (node, [r, theta]) in section.nodes.iter().copied().enumerate() {
-            let angle = theta + turn;
+        for (node, [x, y, _]) in sector.points.iter().enumerate() {
+            let (r, angle) = (x.hypot(*y), sector.angles[node] + turn);
             whole.points.push([r * angle.cos(), r * angle.sin(), 0.0]);
             whole.angles.push(angle);
             whole

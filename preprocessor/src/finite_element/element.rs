@@ -4,7 +4,7 @@
 //! node is given by its local coordinates c in {-1, 0, 1}^d; a corner has no zero among them, a
 //! mid-edge node exactly one.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix3, RowVector3, Vector3};
 
 /// Local coordinates of the nodes of the 8-node quadrilateral: corners, then mid-edges.
 pub(super) const QUAD8: [[f64; 3]; 8] = [
@@ -116,33 +116,27 @@ pub(super) fn integration_points(x: &[[f64; 3]]) -> Vec<IntegrationPoint> {
 
 fn integration_point(x: &[[f64; 3]], xi: &[f64; 3], weight: f64) -> IntegrationPoint {
     let (dimension, nodes) = kind(x.len());
-    let local: Vec<[f64; 3]> = nodes.iter().map(|c| shape(dimension, c, xi).1).collect();
-    // jacobian[i][j] = dx_j / dxi_i; a plane element is one unit deep.
-    let mut j = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    for d in 0..dimension {
-        for k in 0..dimension {
-            j[d][k] = local.iter().zip(x).map(|(g, p)| g[d] * p[k]).sum();
-        }
-    }
-    let cofactor = |r: usize, c: usize| {
-        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
-        j[r1][c1] * j[r2][c2] - j[r1][c2] * j[r2][c1]
-    };
-    let determinant: f64 = (0..3).map(|c| j[0][c] * cofactor(0, c)).sum();
-    let gradient = local
+    let local = nodes
         .iter()
-        .map(|g| {
-            let mut out = [0.0; 3];
-            for (k, out) in out.iter_mut().enumerate().take(dimension) {
-                *out = (0..dimension).map(|d| g[d] * cofactor(d, k)).sum::<f64>() / determinant;
-            }
-            out
-        })
-        .collect();
+        .map(|c| Vector3::from(shape(dimension, c, xi).1));
+    let local: Vec<Vector3<f64>> = local.collect();
+    // dx_j / dxi_i; a plane element is one unit deep.
+    let mut j = Matrix3::zeros();
+    for (gradient, point) in local.iter().zip(x) {
+        j += gradient * RowVector3::from(*point);
+    }
+    if dimension == 2 {
+        j[(2, 2)] = 1.0;
+    }
+    let jacobian = j.determinant();
+    let inverse = j.try_inverse().unwrap_or_default();
     IntegrationPoint {
-        gradient,
-        jacobian: determinant,
-        volume: determinant * weight,
+        gradient: local
+            .iter()
+            .map(|gradient| (inverse * gradient).into())
+            .collect(),
+        jacobian,
+        volume: jacobian * weight,
     }
 }
 
@@ -200,18 +194,13 @@ pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &
             }
             let values: Vec<(f64, [f64; 3])> =
                 nodes.iter().map(|c| shape(dimension, c, &xi)).collect();
-            let tangent = |d: usize| -> [f64; 3] {
-                std::array::from_fn(|i| values.iter().zip(x).map(|((_, g), p)| g[d] * p[i]).sum())
+            let tangent = |d: usize| -> Vector3<f64> {
+                let points = values.iter().zip(x);
+                points.map(|((_, g), p)| g[d] * Vector3::from(*p)).sum()
             };
-            let u = tangent(along[0]);
             // A plane element is one unit deep.
-            let v = along.get(1).map_or([0.0, 0.0, 1.0], |d| tangent(*d));
-            let cross = [
-                u[1] * v[2] - u[2] * v[1],
-                u[2] * v[0] - u[0] * v[2],
-                u[0] * v[1] - u[1] * v[0],
-            ];
-            let area = cross.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let second = along.get(1).map_or(Vector3::z(), |d| tangent(*d));
+            let area = tangent(along[0]).cross(&second).norm();
             for (i, (ni, _)) in values.iter().enumerate() {
                 for (j, (nj, _)) in values.iter().enumerate() {
                     let value = stiffness * wa * wb * area * ni * nj;

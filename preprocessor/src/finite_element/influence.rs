@@ -61,18 +61,11 @@ impl Stored for Influence {
         let mut out = self.unit.to_le_bytes().to_vec();
         out.extend((self.nodes as u64).to_le_bytes());
         out.extend((self.teeth() as u64).to_le_bytes());
-        for k in 0..self.teeth() {
-            let mut before = vec![0; self.nodes];
-            for node in 0..self.nodes {
-                let column = self.column(k, node);
-                let mut above = 0;
-                for (value, before) in column.iter().zip(&before) {
-                    let step = i64::from(*value) - i64::from(*before);
-                    put(step - above, &mut out);
-                    above = step;
-                }
-                before.copy_from_slice(column);
-            }
+        for (at, entry) in self.entries.iter().enumerate() {
+            put(
+                i64::from(*entry) - expected(&self.entries[..at], self.nodes),
+                &mut out,
+            );
         }
         out
     }
@@ -87,18 +80,9 @@ impl Stored for Influence {
             return None;
         }
         let mut entries: Vec<i32> = Vec::with_capacity(count);
-        for _ in 0..teeth {
-            for node in 0..nodes {
-                let mut above = 0;
-                for _ in 0..nodes {
-                    let before = match node {
-                        0 => 0,
-                        _ => i64::from(entries[entries.len() - nodes]),
-                    };
-                    above += take(&mut bytes)?;
-                    entries.push(i32::try_from(before + above).ok()?);
-                }
-            }
+        for _ in 0..count {
+            let entry = expected(&entries, nodes).checked_add(take(&mut bytes)?)?;
+            entries.push(i32::try_from(entry).ok()?);
         }
         bytes.is_empty().then_some(Influence {
             unit,
@@ -106,6 +90,21 @@ impl Stored for Influence {
             entries,
         })
     }
+}
+
+/// What the next one of `entries`, columns of `nodes` each, is expected to be by its neighbours.
+fn expected(entries: &[i32], nodes: usize) -> i64 {
+    let at = entries.len();
+    let (row, column) = (at % nodes, at / nodes % nodes);
+    let (has_above, has_left) = (row > 0, column > 0);
+    let before = |there: bool, back: usize| {
+        if there {
+            i64::from(entries[at - back])
+        } else {
+            0
+        }
+    };
+    before(has_above, 1) + before(has_left, nodes) - before(has_above && has_left, nodes + 1)
 }
 
 fn word(bytes: &mut &[u8]) -> Option<u64> {

@@ -1,10 +1,7 @@
-//! The mesh of one sector: the section itself (plane strain) or, by [`super::extrusion`], the section extruded along
-//! the helix.
+//! The mesh of one sector, which [`super::extrusion`] makes, and the stiffness of its elements.
 
 use super::condensation::LoadColumn;
 use super::element;
-use super::outline::Outline;
-use super::section::Section;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
@@ -55,36 +52,6 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    /// The plane section.
-    pub fn plane(section: &Section, outline: &Outline) -> Mesh {
-        let mut held = vec![false; section.nodes.len()];
-        section.held.iter().for_each(|node| held[*node] = true);
-        Mesh {
-            dimension: 2,
-            points: (0..section.nodes.len())
-                .map(|i| section.cartesian(i))
-                .collect(),
-            angles: section.nodes.iter().map(|p| p[1]).collect(),
-            elements: section.quads.iter().flatten().copied().collect(),
-            cells: section.cells.iter().map(|c| [c[0], c[1], 0]).collect(),
-            held,
-            sides: section.sides.clone(),
-            flank: section
-                .flank
-                .iter()
-                .map(|(node, arc)| {
-                    let n = outline.normal(*arc);
-                    FlankNode {
-                        node: *node,
-                        normal: [n[0], n[1], 0.0],
-                    }
-                })
-                .collect(),
-            fillet: section.fillet.iter().map(|(node, _)| *node).collect(),
-            ..Mesh::default()
-        }
-    }
-
     /// The mesh with its held nodes on a foundation of the given stiffness (N/m³), if there is one.
     pub fn rested_on(mut self, foundation: Option<f64>) -> Mesh {
         if let Some(stiffness) = foundation {
@@ -107,7 +74,6 @@ impl Mesh {
         if self.dimension == 2 { 8 } else { 20 }
     }
 
-    /// Nodes of each element.
     pub fn connectivity(&self) -> impl Iterator<Item = &[usize]> {
         self.elements.chunks(self.nodes_per_element())
     }

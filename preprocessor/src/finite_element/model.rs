@@ -68,7 +68,7 @@ impl Model {
             }
         }
         let sizes = settings.discretization;
-        let section = Section::new(&outline, &sizes.section(m));
+        let section = Section::new(&outline, &sizes, m);
         if settings.plane_strain && gear.body.is_some() {
             return Err(FiniteElementError::PlaneBody);
         }
@@ -85,12 +85,9 @@ impl Model {
 
     /// The mesh of the sector.
     pub fn mesh(&self) -> Mesh {
-        let (section, outline) = (&self.section, &self.outline);
-        let mesh = match &self.layers {
-            None => Mesh::plane(section, outline),
-            Some(layers) => Mesh::extruded(section, outline, layers, twist(&self.gear)),
-        };
-        mesh.rested_on(self.gear.foundation)
+        let twist = twist(&self.gear);
+        Mesh::new(&self.section, &self.outline, self.layers.as_ref(), twist)
+            .rested_on(self.gear.foundation)
     }
 
     /// Everything that the mesh and its stiffness depend on, in words.
@@ -98,7 +95,7 @@ impl Model {
         let rows = self
             .layers
             .as_ref()
-            .map(|layers| layers.of_rows(&self.section.row_depths));
+            .map(|layers| layers.of_rows(&self.section.rows));
         let gear = (
             self.gear.teeth,
             self.material(),

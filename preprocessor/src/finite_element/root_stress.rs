@@ -317,7 +317,7 @@ impl RootField<'_> {
     /// it is local, and without limit under a corner. Between the places along the profile by a parabola.
     pub fn largest(&self) -> RootPoint {
         let places = (0..self.fillet.z.len()).map(|number| self.largest_at(number));
-        places.fold(LEAST, larger)
+        places.reduce(larger).unwrap_or_default()
     }
 
     /// The same at the place `number` along the face.
@@ -357,11 +357,7 @@ impl RootField<'_> {
         let is_clear = |number: usize| after < self.clear[number];
         let anywhere = !(0..fillet.z.len()).any(is_clear);
         let places = (0..fillet.z.len()).filter(|number| anywhere || is_clear(*number));
-        Some(
-            places
-                .map(|number| self.at_arc(number, arc))
-                .fold(LEAST, larger),
-        )
+        places.map(|number| self.at_arc(number, arc)).reduce(larger)
     }
 
     /// Parabola through the three places nearest to `arc`.
@@ -391,14 +387,6 @@ impl RootField<'_> {
         }
     }
 }
-
-/// Below any point.
-const LEAST: RootPoint = RootPoint {
-    stress: f64::NEG_INFINITY,
-    z: 0.0,
-    radius: 0.0,
-    tangent: 0.0,
-};
 
 fn larger(a: RootPoint, b: RootPoint) -> RootPoint {
     if b.stress > a.stress { b } else { a }

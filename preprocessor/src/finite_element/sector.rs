@@ -30,15 +30,13 @@ impl SectorMesh {
             plane_strain: true,
             ..*settings
         };
-        let mesh = Model::new(gear, &plane)?.mesh();
+        let section = Model::new(gear, &plane)?.section;
         let sizes = &settings.discretization;
+        let points = (0..section.nodes.len()).map(|node| section.cartesian(node));
         Ok(SectorMesh {
-            nodes: mesh.points.iter().map(|p| [p[0], p[1]]).collect(),
-            elements: mesh
-                .connectivity()
-                .map(|nodes| std::array::from_fn(|i| nodes[i]))
-                .collect(),
-            flank: mesh.flank.iter().map(|f| f.node).collect(),
+            nodes: points.map(|p| [p[0], p[1]]).collect(),
+            flank: section.flank.iter().map(|(node, _)| *node).collect(),
+            elements: section.quads,
             stations: sizes.stations(gear.face_width, gear.normal_module),
         })
     }

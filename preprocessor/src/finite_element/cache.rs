@@ -35,7 +35,6 @@ const CHECKSUM: usize = MAGIC.len();
 const KEY: usize = CHECKSUM + 32;
 const LABEL: usize = KEY + 32;
 
-/// Ending of the files.
 const ENDING: &str = "compliance";
 
 /// How a model was obtained.
@@ -131,7 +130,6 @@ impl ModelCache {
         Ok(paths)
     }
 
-    /// All files that end as models do.
     fn paths(&self) -> io::Result<Vec<PathBuf>> {
         let entries = match fs::read_dir(&self.directory) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -266,7 +264,6 @@ fn read<T: Stored>(path: &Path, key: &[u8; 32]) -> io::Result<T> {
     T::decode(&bytes[body..]).ok_or_else(cut)
 }
 
-/// A file of `body`.
 fn sealed(key: &[u8; 32], label: &str, body: &[u8]) -> Vec<u8> {
     let label = [&[label.len() as u8], label.as_bytes()].concat();
     let sealed = [key, &label[..], body].concat();

@@ -260,7 +260,6 @@ struct Condensation<'a> {
     functionals: usize,
     work: f64,
     progress: &'a (dyn Fn(f64) -> bool + Sync),
-    /// Multiplications done.
     done: Mutex<f64>,
 }
 
@@ -271,7 +270,6 @@ struct Front {
 }
 
 impl Condensation<'_> {
-    /// Unknowns of `nodes`.
     fn unknowns(&self, nodes: &[usize]) -> impl Iterator<Item = Option<usize>> {
         let d = self.dissection.mesh.dimension;
         let places = nodes.iter().map(|node| self.dissection.places[*node]);

@@ -12,7 +12,6 @@ const BLOCK: usize = 16;
 /// Columns that are one task, and in a triangle are taken as a rectangle.
 const TASK: usize = 192;
 
-/// a b.
 pub fn product(a: DMatrixView<'_, f64>, b: DMatrixView<'_, f64>) -> DMatrix<f64> {
     let mut out = DMatrix::zeros(a.nrows(), b.ncols());
     add_product(out.as_view_mut(), a, b);
@@ -108,7 +107,6 @@ fn adjoint<const W: usize>(b: DMatrixView<'_, f64>) -> DMatrix<f64> {
     })
 }
 
-/// Adds a b to `out`.
 fn add_product(mut out: DMatrixViewMut<'_, f64>, a: DMatrixView<'_, f64>, b: DMatrixView<'_, f64>) {
     let n = out.ncols();
     if n <= TASK {

@@ -34,7 +34,6 @@ pub(super) const COMPONENTS: usize = 3;
 
 /// A place along the face where stress is observed.
 struct Place {
-    /// Layer of elements.
     layer: usize,
     /// m.
     z: f64,
@@ -113,7 +112,6 @@ impl FilletGrid {
         self.tangents.push(across.min(1.0).asin());
     }
 
-    /// Number of points.
     pub fn len(&self) -> usize {
         self.radii.len() * self.z.len()
     }

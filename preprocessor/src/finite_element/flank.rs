@@ -23,7 +23,6 @@ pub(super) struct FlankGrid {
     pub form_roll: f64,
     /// kappa / (2 rb), 1/m: arc = this * (roll² - form_roll²).
     pub arc_per_roll_squared: f64,
-    /// Half-width of the kernel, m.
     pub kernel_half_width: f64,
 }
 
@@ -49,7 +48,6 @@ impl FlankGrid {
         }
     }
 
-    /// Number of nodes.
     pub fn len(&self) -> usize {
         let (elements, layers) = (self.arcs.len() - 1, self.stations.len() - 1);
         (layers + 1) * (2 * elements + 1) + layers * (elements + 1)
@@ -66,7 +64,6 @@ impl FlankGrid {
         self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll)
     }
 
-    /// Kernel of a line at `roll`.
     fn kernel(&self, roll: f64) -> Kernel {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
         let arc = self.arc(roll);
@@ -94,7 +91,6 @@ impl FlankGrid {
             .reference_length()
     }
 
-    /// Weights of `strip`.
     pub fn weights(&self, strip: &Strip) -> Weights {
         let length = strip.z[1] - strip.z[0];
         let mut sum = BTreeMap::new();

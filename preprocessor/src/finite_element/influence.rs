@@ -39,7 +39,6 @@ impl Influence {
         }
     }
 
-    /// Number of matrices.
     pub fn teeth(&self) -> usize {
         self.entries.len() / (self.nodes * self.nodes).max(1)
     }
@@ -61,11 +60,13 @@ impl Stored for Influence {
         let mut out = self.unit.to_le_bytes().to_vec();
         out.extend((self.nodes as u64).to_le_bytes());
         out.extend((self.teeth() as u64).to_le_bytes());
-        for (at, entry) in self.entries.iter().enumerate() {
-            put(
-                i64::from(*entry) - expected(&self.entries[..at], self.nodes),
-                &mut out,
-            );
+        for column in 0..self.teeth() * self.nodes {
+            for row in 0..self.nodes {
+                let (before, rest) = self.entries.split_at(column * self.nodes + row);
+                let neighbours = [row > 0, !column.is_multiple_of(self.nodes)];
+                let expected = expected(before, self.nodes, neighbours);
+                put(i64::from(rest[0]) - expected, &mut out);
+            }
         }
         out
     }
@@ -80,9 +81,13 @@ impl Stored for Influence {
             return None;
         }
         let mut entries: Vec<i32> = Vec::with_capacity(count);
-        for _ in 0..count {
-            let entry = expected(&entries, nodes).checked_add(take(&mut bytes)?)?;
-            entries.push(i32::try_from(entry).ok()?);
+        for column in 0..teeth * nodes {
+            for row in 0..nodes {
+                let neighbours = [row > 0, !column.is_multiple_of(nodes)];
+                let expected = expected(&entries, nodes, neighbours);
+                let entry = expected.checked_add(take(&mut bytes)?)?;
+                entries.push(i32::try_from(entry).ok()?);
+            }
         }
         bytes.is_empty().then_some(Influence {
             unit,
@@ -92,19 +97,13 @@ impl Stored for Influence {
     }
 }
 
-/// What the next one of `entries`, columns of `nodes` each, is expected to be by its neighbours.
-fn expected(entries: &[i32], nodes: usize) -> i64 {
-    let at = entries.len();
-    let (row, column) = (at % nodes, at / nodes % nodes);
-    let (has_above, has_left) = (row > 0, column > 0);
-    let before = |there: bool, back: usize| {
-        if there {
-            i64::from(entries[at - back])
-        } else {
-            0
-        }
+/// What follows the `entries`, columns of `nodes` each, as one expects by its neighbours where it `has` them: above, and to the left.
+fn expected(entries: &[i32], nodes: usize, has: [bool; 2]) -> i64 {
+    let neighbour = |there: bool, back: usize| match there {
+        true => i64::from(entries[entries.len() - back]),
+        false => 0,
     };
-    before(has_above, 1) + before(has_left, nodes) - before(has_above && has_left, nodes + 1)
+    neighbour(has[0], 1) + neighbour(has[1], nodes) - neighbour(has[0] && has[1], nodes + 1)
 }
 
 fn word(bytes: &mut &[u8]) -> Option<u64> {

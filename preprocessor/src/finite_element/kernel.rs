@@ -21,7 +21,6 @@ pub const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
 /// the half-width: half of exp of the mean of ln(x + y) over both.
 pub const HALF_KERNEL_FROM_EDGE: f64 = 0.269;
 
-/// A kernel on the flank.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Kernel {
     half_width: f64,

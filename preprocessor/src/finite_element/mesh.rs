@@ -13,7 +13,6 @@ pub(super) struct FlankNode {
     pub normal: [f64; 3],
 }
 
-/// An elastic foundation.
 #[derive(Debug, Clone)]
 pub(super) struct Foundation {
     /// Whether a node lies on the surface that rests on it.
@@ -36,7 +35,6 @@ pub(super) struct Mesh {
     pub elements: Vec<usize>,
     /// (column, row, layer) of each element.
     pub cells: Vec<[i32; 3]>,
-    /// Whether a node is held.
     pub held: Vec<bool>,
     /// What the held surface rests on where it is not rigid.
     pub foundation: Option<Foundation>,
@@ -99,7 +97,6 @@ impl Mesh {
         all
     }
 
-    /// Coordinates of the nodes of one element, m.
     pub fn coordinates(&self, element: &[usize]) -> Vec<[f64; 3]> {
         element.iter().map(|node| self.points[*node]).collect()
     }

@@ -206,7 +206,6 @@ fn remove(modes: &DMatrix<f64>, y: &mut DMatrix<f64>) {
     *y -= product(modes.as_view(), share.as_view());
 }
 
-/// Length of the longest column.
 fn longest(y: &DMatrix<f64>) -> f64 {
     y.column_iter().map(|c| c.norm()).fold(0.0, f64::max)
 }

@@ -42,7 +42,6 @@ pub(super) struct Section {
     /// Nodes on the sector's sides at -half pitch and +half pitch in the same order, rigidly held ones
     /// left out.
     pub sides: [Vec<usize>; 2],
-    /// Nodes on the held surface.
     pub held: Vec<usize>,
 }
 
@@ -315,7 +314,6 @@ impl Section {
         usize::try_from(-1 - cell[1]).ok()
     }
 
-    /// Cartesian coordinates of a node, m.
     pub fn cartesian(&self, node: usize) -> [f64; 3] {
         let [r, theta] = self.nodes[node];
         [r * theta.cos(), r * theta.sin(), 0.0]

@@ -135,6 +135,15 @@ fn constants_that_no_mesh_shows_belong_to_one_version() {
 }
 
 #[test]
+fn the_version_is_part_of_the_key() {
+    let model = Model::new(&gear(), &settings()).unwrap();
+    let rest = format!("\"root stress\" 1 {}", model.identity());
+    let code = format!("{:?}", (env!("CARGO_PKG_VERSION"), VERSION));
+    let own = key(&model, 1, "root stress");
+    assert_eq!(own[..], Sha256::digest(format!("{code} {rest}"))[..]);
+}
+
+#[test]
 fn a_pair_is_kept_once_both_models_are() {
     let directory = tempfile::tempdir().unwrap();
     let cache = cache(directory.path());

@@ -83,18 +83,18 @@ impl Mesh {
             return nodes.to_vec();
         }
         let mut all = Vec::new();
-        let mut add = |node: usize| {
-            if !all.contains(&node) {
-                all.push(node);
-            }
-        };
-        for node in nodes {
-            match self.hanging.get(node) {
-                Some(carriers) => carriers.iter().for_each(|(carrier, _)| add(*carrier)),
-                None => add(*node),
+        for (carrier, _) in nodes.iter().flat_map(|node| self.carriers(*node)) {
+            if !all.contains(&carrier) {
+                all.push(carrier);
             }
         }
         all
+    }
+
+    /// The nodes that `node` follows, with their shares: itself unless it hangs.
+    fn carriers(&self, node: usize) -> Vec<(usize, f64)> {
+        let carriers = self.hanging.get(&node).cloned();
+        carriers.unwrap_or_else(|| vec![(node, 1.0)])
     }
 
     pub fn coordinates(&self, element: &[usize]) -> Vec<[f64; 3]> {
@@ -136,15 +136,10 @@ impl Mesh {
         let d = self.dimension;
         let mut shares = DMatrix::zeros(d * nodes.len(), d * carrying.len());
         for (row, node) in nodes.iter().enumerate() {
-            let own = vec![(*node, 1.0)];
-            for (carrier, share) in self.hanging.get(node).unwrap_or(&own) {
-                let column = carrying.iter().position(|node| node == carrier);
-                for (i, column) in column
-                    .iter()
-                    .flat_map(|at| d * at..d * (at + 1))
-                    .enumerate()
-                {
-                    shares[(d * row + i, column)] = *share;
+            let carriers = self.carriers(*node);
+            for (column, node) in carrying.iter().enumerate() {
+                if let Some((_, share)) = carriers.iter().find(|(carrier, _)| carrier == node) {
+                    (0..d).for_each(|i| shares[(d * row + i, d * column + i)] = *share);
                 }
             }
         }

@@ -40,6 +40,16 @@ impl SectorMesh {
             stations: sizes.stations(gear.face_width, gear.normal_module),
         })
     }
+
+    /// How many displacements of one sector are free.
+    ///
+    /// # Errors
+    /// As [`SectorMesh::new`].
+    pub fn unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
+        let mesh = Model::new(gear, settings)?.mesh();
+        let free = mesh.held.iter().filter(|held| !**held).count() - mesh.hanging.len();
+        Ok(mesh.dimension * free)
+    }
 }
 
 /// Compliance of a tooth in plane strain, m²/N: displacement along the load line where it crosses the tooth's

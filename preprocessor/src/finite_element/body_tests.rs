@@ -159,7 +159,7 @@ fn volume_of_rim_web_and_hub_is_that_of_their_rings() {
         let settings = Settings::new(refinement, 1);
         let [(with, quality), (without, _)] = [&gear, &disc].map(|gear| {
             let model = Model::new(gear, &settings).unwrap();
-            model.mesh.volume_and_quality()
+            model.mesh().volume_and_quality()
         });
         let rings: f64 = [(15e-3, 20e-3, 1e-3), (20e-3, 28e-3, 20e-3)]
             .iter()

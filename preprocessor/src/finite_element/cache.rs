@@ -1,38 +1,40 @@
 //! Computed models kept in files of one folder of bounded size.
 //!
-//! The key of a model is the SHA-256 of what it is computed from: the mesh itself (nodes, elements, held
-//! surface, flank and its normals), the stiffness of an element, how many teeth are asked for, and [`VERSION`]. So every
-//! setting and constant that shapes the mesh shapes its key without a list to keep; for what is done with the mesh
-//! the version stands.
+//! The key of a model is the SHA-256 of what it is computed from: the mesh of the section and its layers, material and number of
+//! teeth, how many of them are asked for, and the version of the code. So every setting and constant that shapes section and
+//! layers shapes its key without a list to keep; for what is done with them [`VERSION`] stands.
 //!
-//! File: magic line, key, length of the body, SHA-256 of the body, body; little endian. A file that is cut,
+//! File: magic line, SHA-256 of the rest, key, label, body; little endian. A file that is cut,
 //! altered or of another version is recomputed and replaced, with a note; it never gives a result. A
 //! half-written one is never found. When a new model does not fit, the least recently used ones go.
 
-use super::influence::Influence;
+use super::FiniteElementError;
 use super::model::Model;
-use super::{Cost, FiniteElementCompliance, FiniteElementError, Progress, Settings};
 use crate::storage::write_whole;
 use gearmesh::gear::Gear;
-use gearmesh::words::hex;
-use gearmesh::words::rounded;
+use gearmesh::words::{hex, rounded};
 use sha2::{Digest, Sha256};
+use std::fmt::Display;
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Changes with the layout of the file.
-const MAGIC: &[u8; 32] = b"gearmesh finite elements v0004\r\n";
+const MAGIC: &[u8; 32] = b"gearmesh finite elements v0005\r\n";
 
-/// Changes with what is computed of a mesh: a method, or a constant that no mesh shows, such as how many modes of the sides and
+/// Changes with what is computed of section and layers: a method, or a constant that they do not show, such as how many modes of the sides and
 /// Fourier indices are left out, or how the result is rounded. What was kept is then not found.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// How many bytes of it all versions share: these tell a file of this cache from others.
-const COMMON: usize = MAGIC.len() - b"0004\r\n".len();
+const COMMON: usize = MAGIC.len() - b"0005\r\n".len();
 
-/// Ending of the files.
+/// Bytes before the checksum, the key and the label: a byte with its length, then its text.
+const CHECKSUM: usize = MAGIC.len();
+const KEY: usize = CHECKSUM + 32;
+const LABEL: usize = KEY + 32;
+
 const ENDING: &str = "compliance";
 
 /// How a model was obtained.
@@ -128,7 +130,6 @@ impl ModelCache {
         Ok(paths)
     }
 
-    /// All files that end as models do.
     fn paths(&self) -> io::Result<Vec<PathBuf>> {
         let entries = match fs::read_dir(&self.directory) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -153,54 +154,13 @@ impl ModelCache {
         Ok(models.len())
     }
 
-    /// Whether the model of `gear` is there, sound or not, and that of the gear turned end for end if its body asks for it.
-    ///
-    /// # Errors
-    /// Those of a gear that cannot be meshed.
-    pub(super) fn holds(
-        &self,
-        gear: &Gear,
-        settings: &Settings,
-    ) -> Result<bool, FiniteElementError> {
-        for gear in gear.turned().iter().chain([gear]) {
-            let model = Model::new(gear, settings)?;
-            if !self.path(&key(&model, settings.reach)).exists() {
-                return Ok(false);
-            }
-        }
-        Ok(true)
+    /// Whether `what` is computed of `model` is there, sound or not.
+    pub(super) fn holds(&self, model: &Model, reach: usize, what: &str) -> bool {
+        self.path(&key(model, reach, what)).exists()
     }
 
     fn path(&self, key: &[u8; 32]) -> PathBuf {
         self.directory.join(format!("{}.{ENDING}", hex(&key[..12])))
-    }
-
-    /// What `decode` makes of the body behind the label of what is kept under `key`, or why that is unusable; no reason
-    /// if nothing is kept.
-    pub(super) fn read<T>(
-        &self,
-        key: &[u8; 32],
-        decode: impl FnOnce(&[u8]) -> Result<T, &'static str>,
-    ) -> Result<T, Option<String>> {
-        let path = self.path(key);
-        let fault = |reason: String| Some(format!("{}: {reason}", path.display()));
-        let bytes = fs::read(&path).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => None,
-            _ => fault(error.to_string()),
-        })?;
-        let body = opened(&bytes, key).map_err(|reason| fault(reason.to_owned()))?;
-        touch(&path);
-        decode(body).map_err(|reason| Some(reason.to_owned()))
-    }
-
-    /// Keeps `body` under `key`; `fault` is what was wrong with what was kept there.
-    pub(super) fn keep(&self, key: &[u8; 32], body: &[u8], fault: Option<String>) -> Origin {
-        let path = self.path(key);
-        match (self.store(&path, &sealed(body, key)), fault) {
-            (Err(error), _) => Origin::NotStored(format!("{}: {error}", path.display())),
-            (Ok(()), Some(reason)) => Origin::Replaced(reason),
-            (Ok(()), None) => Origin::Stored,
-        }
     }
 
     /// Keeps `bytes` as `path`; the least recently used models make room for it.
@@ -236,82 +196,78 @@ fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-impl FiniteElementCompliance {
-    /// As [`FiniteElementCompliance::new`], by way of `cache`. An unusable cache costs the time of a computation
-    /// and is told by [`Origin`].
-    ///
-    /// # Errors
-    /// Those of [`FiniteElementCompliance::new`].
-    pub fn cached(
-        gear: &Gear,
-        settings: &Settings,
-        cache: &ModelCache,
-        progress: &Progress<'_>,
-    ) -> Result<(Self, Origin), FiniteElementError> {
-        let mut origin = Origin::Loaded;
-        let model = Self::with_turned(gear, |gear| {
-            let (model, found) = Self::cached_one(gear, settings, cache, progress)?;
-            // Of a gear with two models the one that was not simply read.
-            if found != Origin::Loaded {
-                origin = found;
-            }
-            Ok(model)
-        })?;
-        Ok((model, origin))
+/// What a file holds.
+pub(super) trait Stored: Sized {
+    fn encode(&self) -> Vec<u8>;
+
+    /// None for anything else than what [`Stored::encode`] gives.
+    fn decode(bytes: &[u8]) -> Option<Self>;
+}
+
+/// What `compute` gives of `model` for teeth up to `reach` apart, by way of `cache` if there is one. `what` that is, in words, is
+/// part of its key. An unusable cache costs the time of a computation.
+///
+/// # Errors
+/// Those of `compute`.
+pub(super) fn get<T: Stored>(
+    cache: Option<&ModelCache>,
+    model: &Model,
+    reach: usize,
+    what: &str,
+    compute: impl FnOnce() -> Result<T, FiniteElementError>,
+) -> Result<(T, Origin), FiniteElementError> {
+    let Some(cache) = cache else {
+        return Ok((compute()?, Origin::Computed));
+    };
+    let key = key(model, reach, what);
+    let path = cache.path(&key);
+    let in_words = |reason: &dyn Display| format!("{}: {reason}", path.display());
+    let fault = match read(&path, &key) {
+        Ok(found) => {
+            // Notes that it was used. Folders that are not the user's own need not allow it.
+            let _ = File::open(&path).and_then(|file| file.set_modified(SystemTime::now()));
+            return Ok((found, Origin::Loaded));
+        }
+        Err(fault) => fault,
+    };
+    let found = compute()?;
+    let origin = match cache.store(&path, &sealed(&key, what, &found.encode())) {
+        Err(error) => Origin::NotStored(in_words(&error)),
+        Ok(()) if fault.kind() == io::ErrorKind::NotFound => Origin::Stored,
+        Ok(()) => Origin::Replaced(in_words(&fault)),
+    };
+    Ok((found, origin))
+}
+
+/// The key of `what` is computed of `model`.
+pub(super) fn key(model: &Model, reach: usize, what: &str) -> [u8; 32] {
+    let code = (env!("CARGO_PKG_VERSION"), VERSION);
+    Sha256::digest(format!("{code:?} {what:?} {reach} {}", model.identity())).into()
+}
+
+/// What the file at `path` with this `key` holds.
+fn read<T: Stored>(path: &Path, key: &[u8; 32]) -> io::Result<T> {
+    let bytes = fs::read(path)?;
+    let fault = |reason: &str| io::Error::new(io::ErrorKind::InvalidData, reason);
+    if !bytes.starts_with(MAGIC) {
+        return Err(fault("not a compliance file of this version"));
     }
-
-    fn cached_one(
-        gear: &Gear,
-        settings: &Settings,
-        cache: &ModelCache,
-        progress: &Progress<'_>,
-    ) -> Result<(Self, Origin), FiniteElementError> {
-        let model = Model::new(gear, settings)?;
-        let key = key(&model, settings.reach);
-        let fault = match cache.read(&key, decode) {
-            Ok((influence, cost)) => {
-                let found = Self::from_parts(model, influence, cost, settings);
-                return Ok((found, Origin::Loaded));
-            }
-            Err(fault) => fault,
-        };
-        let computed = Self::compute(model, settings, progress)?;
-        let origin = cache.keep(&key, &encode(&computed, &gear_in_words(gear)), fault);
-        Ok((computed, origin))
+    let cut = || fault("the file is cut off or altered");
+    let (checksum, sealed) = bytes[CHECKSUM..].split_at_checked(32).ok_or_else(cut)?;
+    if Sha256::digest(sealed)[..] != *checksum {
+        return Err(cut());
     }
-}
-
-/// Notes that a model was used. Folders that are not the user's own need not allow it.
-fn touch(path: &Path) {
-    let _ = File::open(path).and_then(|file| file.set_modified(SystemTime::now()));
-}
-
-/// Whether both gears have the same model in canonical coordinates: hand, axial position and
-/// microgeometry do not matter.
-pub(super) fn same_model(
-    gears: &[Gear; 2],
-    settings: &Settings,
-) -> Result<bool, FiniteElementError> {
-    if gears[0].teeth != gears[1].teeth {
-        return Ok(false);
+    if !sealed.starts_with(key) {
+        return Err(fault("the file belongs to another gear or other settings"));
     }
-    let [a, b] = gears.each_ref().map(|gear| Model::new(gear, settings));
-    Ok(key(&a?, settings.reach) == key(&b?, settings.reach))
+    let body = LABEL + 1 + usize::from(bytes[LABEL]);
+    T::decode(&bytes[body..]).ok_or_else(cut)
 }
 
-fn key(model: &Model, reach: usize) -> [u8; 32] {
-    key_of(model, reach, b"")
-}
-
-/// The key of what is computed of `model` beside its compliance: `what`, with every node it depends on that
-/// [`Model::identify`] does not tell.
-pub(super) fn key_of(model: &Model, reach: usize, what: &[u8]) -> [u8; 32] {
-    let mut hash = Sha256::new();
-    hash.update(VERSION.to_le_bytes());
-    hash.update((reach as u64).to_le_bytes());
-    model.identify(&mut |bytes| hash.update(bytes));
-    hash.update(what);
-    hash.finalize().into()
+fn sealed(key: &[u8; 32], label: &str, body: &[u8]) -> Vec<u8> {
+    let label = [&[label.len() as u8], label.as_bytes()].concat();
+    let sealed = [key, &label[..], body].concat();
+    [&MAGIC[..], &Sha256::digest(&sealed), &sealed].concat()
 }
 
 pub(super) fn gear_in_words(gear: &Gear) -> String {
@@ -324,129 +280,20 @@ pub(super) fn gear_in_words(gear: &Gear) -> String {
     )
 }
 
-fn encode(model: &FiniteElementCompliance, gear: &str) -> Vec<u8> {
-    let Cost {
-        elements,
-        unknowns,
-        factor_entries,
-        flank_nodes,
-        seconds,
-        memory_bytes,
-    } = model.cost;
-    let mut body = labelled(gear);
-    for count in [
-        elements,
-        unknowns,
-        factor_entries,
-        flank_nodes,
-        memory_bytes,
-    ] {
-        body.extend((count as u64).to_le_bytes());
-    }
-    for time in seconds {
-        body.extend(time.to_le_bytes());
-    }
-    model.influence.encode(&mut body);
-    body
-}
-
-/// The beginning of a body: what it is, in words.
-pub(super) fn labelled(words: &str) -> Vec<u8> {
-    let mut body = vec![words.len() as u8];
-    body.extend(words.as_bytes());
-    body
-}
-
-/// `body` as a file.
-fn sealed(body: &[u8], key: &[u8; 32]) -> Vec<u8> {
-    let mut bytes = MAGIC.to_vec();
-    bytes.extend(key);
-    bytes.extend((body.len() as u64).to_le_bytes());
-    bytes.extend(Sha256::digest(body));
-    bytes.extend(body);
-    bytes
-}
-
-const CUT: &str = "the file is cut off";
-
-/// Takes `count` bytes off the front.
-fn take<'a>(rest: &mut &'a [u8], count: usize) -> Result<&'a [u8], &'static str> {
-    let (head, tail) = rest.split_at_checked(count).ok_or(CUT)?;
-    *rest = tail;
-    Ok(head)
-}
-
-fn word(rest: &mut &[u8]) -> Result<u64, &'static str> {
-    let bytes = take(rest, 8)?;
-    Ok(u64::from_le_bytes(std::array::from_fn(|i| bytes[i])))
-}
-
-/// What follows the label in a sound file; the error says what is wrong with it.
-fn opened<'a>(bytes: &'a [u8], key: &[u8; 32]) -> Result<&'a [u8], &'static str> {
-    let mut rest = bytes;
-    if take(&mut rest, MAGIC.len())? != MAGIC {
-        return Err("not a compliance file of this version");
-    }
-    if take(&mut rest, key.len())? != key {
-        return Err("the file belongs to another gear or other settings");
-    }
-    let length = word(&mut rest)?;
-    let checksum = take(&mut rest, 32)?;
-    if rest.len() as u64 != length {
-        return Err(CUT);
-    }
-    if Sha256::digest(rest).as_slice() != checksum {
-        return Err("the checksum does not match");
-    }
-    let label = take(&mut rest, 1)?[0];
-    take(&mut rest, label.into())?;
-    Ok(rest)
-}
-
-/// Reads a stored model.
-fn decode(mut rest: &[u8]) -> Result<(Influence, Cost), &'static str> {
-    let mut counts = [0; 5];
-    for count in &mut counts {
-        *count = usize::try_from(word(&mut rest)?).map_err(|_| CUT)?;
-    }
-    let mut seconds = [0.0; 3];
-    for time in &mut seconds {
-        *time = f64::from_bits(word(&mut rest)?);
-    }
-    let [
-        elements,
-        unknowns,
-        factor_entries,
-        flank_nodes,
-        memory_bytes,
-    ] = counts;
-    let influence = Influence::decode(rest).ok_or(CUT)?;
-    let cost = Cost {
-        elements,
-        unknowns,
-        factor_entries,
-        flank_nodes,
-        seconds,
-        memory_bytes,
-    };
-    Ok((influence, cost))
-}
-
 /// The beginning of a file, up to the end of its label; None for a file that no version of this cache wrote.
 fn head(path: &Path) -> Option<Vec<u8>> {
-    use std::io::Read;
     let mut head = Vec::new();
-    let longest = MAGIC.len() + 32 + 8 + 32 + 1 + usize::from(u8::MAX);
+    let longest = LABEL + 1 + usize::from(u8::MAX);
     let file = File::open(path).ok()?;
     file.take(longest as u64).read_to_end(&mut head).ok()?;
     head.starts_with(&MAGIC[..COMMON]).then_some(head)
 }
 
-/// The gear in the `head` of a file in words; None for a file of another version.
+/// The label in the `head` of a file; None for a file of another version.
 fn label(head: &[u8]) -> Option<String> {
-    let mut rest = head.strip_prefix(MAGIC)?.get(72..)?;
-    let length = take(&mut rest, 1).ok()?[0];
-    String::from_utf8(take(&mut rest, length.into()).ok()?.to_vec()).ok()
+    let length = head.starts_with(MAGIC).then(|| head.get(LABEL))??;
+    let label = head.get(LABEL + 1..)?.get(..usize::from(*length))?;
+    String::from_utf8(label.to_vec()).ok()
 }
 
 #[cfg(test)]

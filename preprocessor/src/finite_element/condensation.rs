@@ -1,17 +1,25 @@
 //! What is left of a sector when its inside is eliminated.
 //!
-//! A part of the mesh after the other is eliminated in the dense matrix of its front ([`super::fronts`]), which leaves
-//! the stiffness of the unknowns around it, the forces that the loads bring to these, and the displacement along the
-//! loads with these held. The unknowns around the last part are the sides of the sector. No factor is kept: no backward
-//! solution is needed.
+//! The elements are cut in two again and again (nested dissection: George, SIAM J. Numer. Anal. 10, 1973). Elements carry
+//! integer cells (column, row, layer), and cuts along whole columns, rows or layers share few nodes. From the smallest parts
+//! upwards the unknowns that a part does not share with others are eliminated in a dense matrix, its front (multifrontal
+//! method: Duff, Reid, ACM Trans. Math. Software 9, 1983).
+//!
+//! Loads F, and functionals of the displacement, are further rows and columns of the stiffness K. With the sides s of the
+//! sector kept, its inside i eliminated,
+//!
+//! ```text
+//! [ K    F ]         [ S     g      ]    S stiffness of the sides, g forces of the loads on the held sides,
+//! [ F^T  0 ]  gives  [ g^T  -C_held ] ,  C_held displacement along the loads with the sides held.
+//! ```
+//!
+//! No factor is kept: no backward solution is needed.
 
 use super::FiniteElementError;
-use super::assembly::LowerTriangle;
-use super::dense::{add_gram, add_product, factor, solve};
-use super::dissection::Part;
-use super::fronts::{Front, Fronts, positions};
-use super::memory;
+use super::dense::eliminate;
+use super::mesh::Mesh;
 use nalgebra::DMatrix;
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 /// A sector seen from its sides and its loaded flank.
@@ -20,311 +28,440 @@ pub(super) struct CondensedSector {
     pub sides: DMatrix<f64>,
     /// Forces on the held sides from each unit load column; as many rows as `sides`.
     pub side_loads: DMatrix<f64>,
-    /// Displacements along the load columns with the sides held, m/N; lower triangle valid.
+    /// Displacements along the columns with the sides held, m/N: by loads, or functionals by loads where there are any.
     pub held_influence: DMatrix<f64>,
-    /// Entries of the factor.
-    pub factor_entries: usize,
     /// Numbers kept at most at a time.
     pub numbers: usize,
 }
 
-/// A sparse load vector: (unknown, value).
+/// A sparse load, or functional of the displacement: (unknown, value), the unknowns numbered node by node.
 pub(super) type LoadColumn = Vec<(usize, f64)>;
 
-/// Parts of less than this share of all the work are eliminated on one thread, next to others.
+/// Parts of at most so many elements are not cut further.
+const LEAF: usize = 4;
+/// Parts of less than this share of all the work are eliminated next to others.
 const SHARE_OF_A_THREAD: f64 = 0.1;
 /// Multiplications below which a part is not worth a task of its own.
 const TASK: f64 = 1e8;
 
-/// Eliminates `parts`, the inside of the sector with the stiffness `a`, under the load `columns`. `progress` is told the
-/// share done and may stop the work.
+/// Eliminates the inside of the sector `mesh` of `material` (Young's modulus, Pa, and Poisson ratio) under the first `loads` of
+/// `columns`; the others are functionals that are observed under them. `progress` is given the share done and may stop the work.
+///
+/// # Errors
+/// No memory, a stiffness that is not positive definite, or cancelled.
 pub(super) fn condense(
-    a: &LowerTriangle,
-    parts: &[Part],
-    columns: &[LoadColumn],
-    progress: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<CondensedSector, FiniteElementError> {
-    condense_observed(a, parts, columns, columns.len(), progress)
-}
-
-/// As [`condense`] with the first `loads` of `columns` as loads and the others as functionals of the displacement
-/// that are observed under them: `held_influence` has a row for each functional and a column for each load.
-pub(super) fn condense_observed(
-    a: &LowerTriangle,
-    parts: &[Part],
+    mesh: &Mesh,
+    material: [f64; 2],
     columns: &[LoadColumn],
     loads: usize,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<CondensedSector, FiniteElementError> {
-    let fronts = Fronts::new(a, parts, columns);
-    let condensation = Condensation {
-        a,
-        fronts: &fronts,
-        loads,
-        functionals: loads < columns.len(),
-        work: fronts.work(),
+    let mut dissection = Dissection::new(mesh);
+    let inside = dissection.inside();
+    let count = inside.len();
+    let part = dissection.cut((0..mesh.cells.len()).collect(), inside, 0);
+    let sides = mesh.sides.iter().flatten();
+    for (place, node) in (count..).zip(sides.clone()) {
+        dissection.places[*node] = place;
+    }
+    let d = mesh.dimension;
+    let own = d * count..d * (count + sides.count());
+    let place = |unknown: usize| d * dissection.places[unknown / d] + unknown % d;
+    let mut entries: Vec<(usize, usize, f64)> = (columns.iter().enumerate())
+        .flat_map(|(j, column)| column.iter().map(move |(row, value)| (*row, j, *value)))
+        .filter(|(unknown, ..)| dissection.places[unknown / d] != NONE)
+        .map(|(unknown, column, value)| (place(unknown), own.end + column, value))
+        .collect();
+    entries.sort_by_key(|(unknown, column, _)| (*unknown, *column));
+    let mut condensation = Condensation {
+        dissection,
+        material,
+        entries,
+        functionals: own.end + loads,
+        work: 0.0,
         progress,
         done: Mutex::new(0.0),
     };
-    condensation.condensed(columns.len())
+    let mut root = Part {
+        inner: vec![part],
+        own: own.clone(),
+        ..Part::default()
+    };
+    condensation.count(&mut root);
+    condensation.work = root.inner[0].work;
+    root.kept = (own.end..own.end + columns.len()).collect();
+    root.symmetric = loads;
+    let numbers = root.numbers.max((own.len() + columns.len()).pow(2));
+    check_memory(size_of::<f64>() * numbers)?;
+
+    let front = condensation.assembled(&root)?;
+    let side_loads = front.columns.rows_range(own.len()..).transpose();
+    let mut held_influence = -front.rest;
+    if loads < columns.len() {
+        held_influence = held_influence.remove_rows(0, loads);
+    } else {
+        held_influence.fill_upper_triangle_with_lower_triangle();
+    }
+    Ok(CondensedSector {
+        sides: front.columns.resize_vertically(own.len(), 0.0),
+        side_loads,
+        held_influence,
+        numbers,
+    })
+}
+
+/// Elements that are taken together, and the unknowns that they do not share with others, numbered in the order of elimination:
+/// the inside, the sides of the sector, then the columns.
+#[derive(Default)]
+struct Part {
+    /// Elements, unless the part is made of others.
+    elements: Vec<usize>,
+    inner: Vec<Part>,
+    /// Unknowns that are eliminated with this part.
+    own: Range<usize>,
+    /// Unknowns that it shares with others, and columns that act in it; ascending.
+    kept: Vec<usize>,
+    /// How many of `kept` are no functionals.
+    symmetric: usize,
+    /// Multiplications for the part and its inner ones.
+    work: f64,
+    /// Numbers kept at most while they are eliminated.
+    numbers: usize,
+}
+
+impl Part {
+    /// Row of the unknown or column `number` in the front.
+    fn row(&self, number: usize) -> usize {
+        if number < self.own.end {
+            return number - self.own.start;
+        }
+        self.own.len() + self.kept.partition_point(|kept| *kept < number)
+    }
+
+    /// Numbers that are left when the part is eliminated.
+    fn left(&self) -> usize {
+        self.kept.len() * self.symmetric
+    }
+}
+
+/// Place of a node that is held or hangs.
+const NONE: usize = usize::MAX;
+
+struct Dissection<'a> {
+    mesh: &'a Mesh,
+    /// Nodes whose unknowns each element knows.
+    carrying: Vec<Vec<usize>>,
+    /// Lowest and highest cell of the elements that know each node, by axis.
+    cells: Vec<[[i32; 2]; 3]>,
+    /// Place of each node in the order of elimination.
+    places: Vec<usize>,
+}
+
+impl<'a> Dissection<'a> {
+    fn new(mesh: &'a Mesh) -> Dissection<'a> {
+        let carrying: Vec<Vec<usize>> = mesh.connectivity().map(|n| mesh.carrying(n)).collect();
+        let mut cells = vec![[[i32::MAX, i32::MIN]; 3]; mesh.points.len()];
+        for (nodes, cell) in carrying.iter().zip(&mesh.cells) {
+            for node in nodes {
+                for ([low, high], cell) in cells[*node].iter_mut().zip(cell) {
+                    (*low, *high) = (*cell.min(low), *cell.max(high));
+                }
+            }
+        }
+        Dissection {
+            mesh,
+            carrying,
+            cells,
+            places: vec![NONE; mesh.points.len()],
+        }
+    }
+
+    /// The free nodes without those of the sides.
+    fn inside(&self) -> Vec<usize> {
+        let mut inside: Vec<bool> = self.mesh.held.iter().map(|held| !held).collect();
+        let apart = self.mesh.hanging.keys();
+        for node in apart.chain(self.mesh.sides.iter().flatten()) {
+            inside[*node] = false;
+        }
+        (0..inside.len()).filter(|node| inside[*node]).collect()
+    }
+
+    /// Gives the `nodes` that `elements` alone know their places from `first` on.
+    fn cut(&mut self, elements: Vec<usize>, nodes: Vec<usize>, first: usize) -> Part {
+        let d = self.mesh.dimension;
+        let end = first + nodes.len();
+        let Some((axis, limit)) = self.best_cut(&elements, &nodes) else {
+            self.place(nodes, first);
+            return Part {
+                elements,
+                own: d * first..d * end,
+                ..Part::default()
+            };
+        };
+        let cells = |node: &usize| self.cells[*node][axis];
+        let (below, rest): (Vec<usize>, Vec<usize>) =
+            nodes.into_iter().partition(|node| cells(node)[1] < limit);
+        let (above, between): (Vec<usize>, Vec<usize>) =
+            rest.into_iter().partition(|node| limit <= cells(node)[0]);
+        let (low, high): (Vec<usize>, Vec<usize>) =
+            (elements.into_iter()).partition(|element| self.mesh.cells[*element][axis] < limit);
+        let (second, begin) = (first + below.len(), end - between.len());
+        self.place(between, begin);
+        Part {
+            inner: vec![self.cut(low, below, first), self.cut(high, above, second)],
+            own: d * begin..d * end,
+            ..Part::default()
+        }
+    }
+
+    fn place(&mut self, nodes: Vec<usize>, first: usize) {
+        for (place, node) in (first..).zip(nodes) {
+            self.places[node] = place;
+        }
+    }
+
+    /// Axis and first cell above the cut with the fewest `nodes` between the halves, of those that leave at least 30 % of
+    /// `elements` on either side; None if there are too few elements.
+    fn best_cut(&self, elements: &[usize], nodes: &[usize]) -> Option<(usize, i32)> {
+        if elements.len() <= LEAF {
+            return None;
+        }
+        let mut best: Option<(f64, usize, i32)> = None;
+        for axis in 0..3 {
+            let mut cells: Vec<i32> = elements.iter().map(|e| self.mesh.cells[*e][axis]).collect();
+            cells.sort_unstable();
+            for limit in cells.chunk_by(|a, b| a == b).map(|same| same[0]) {
+                let share = cells.partition_point(|cell| *cell < limit) as f64 / cells.len() as f64;
+                if !(0.3..=0.7).contains(&share) {
+                    continue;
+                }
+                let between = |node: &&usize| {
+                    let [low, high] = self.cells[**node][axis];
+                    low < limit && limit <= high
+                };
+                // Equal halves are worth a slightly larger separator.
+                let cost = nodes.iter().filter(between).count() as f64
+                    * (1.0 + (share - 0.5).powi(2) * 4.0);
+                if best.is_none_or(|(least, ..)| cost < least) {
+                    best = Some((cost, axis, limit));
+                }
+            }
+        }
+        best.map(|(_, axis, limit)| (axis, limit))
+    }
 }
 
 struct Condensation<'a> {
-    a: &'a LowerTriangle,
-    fronts: &'a Fronts,
-    loads: usize,
-    /// Whether the other columns are functionals.
-    functionals: bool,
+    dissection: Dissection<'a>,
+    material: [f64; 2],
+    /// (unknown, column, value) of all loads and functionals, ascending.
+    entries: Vec<(usize, usize, f64)>,
+    /// Number of the first functional.
+    functionals: usize,
     work: f64,
     progress: &'a (dyn Fn(f64) -> bool + Sync),
-    /// Multiplications done.
     done: Mutex<f64>,
 }
 
-/// What a part leaves to those around it.
-struct Remainder {
-    /// Stiffness of the unknowns around, lower triangle.
-    stiffness: DMatrix<f64>,
-    /// Forces on them if they are held, by load.
-    forces: DMatrix<f64>,
-    /// Displacement along the loads if they are held: lower triangle, or functionals by loads.
-    held: DMatrix<f64>,
-}
-
-/// A front before its own unknowns are eliminated.
-struct Assembled {
-    /// Stiffness of the own unknowns, lower triangle.
-    own: DMatrix<f64>,
-    /// Stiffness between those around (rows) and the own ones.
-    below: DMatrix<f64>,
-    /// Forces on the own unknowns, a row for each load.
-    forces: DMatrix<f64>,
-    /// The same of those around, without what the own ones will add.
-    rest: Remainder,
+/// The dense matrix of a part, lower triangle: the columns of its own unknowns, and the others without functionals.
+struct Front {
+    columns: DMatrix<f64>,
+    rest: DMatrix<f64>,
 }
 
 impl Condensation<'_> {
-    fn condensed(&self, columns: usize) -> Result<CondensedSector, FiniteElementError> {
-        let numbers = self.fronts.numbers();
-        // The sides are the own unknowns of the last front.
-        let sides = self.fronts.last(self.a.column_starts.len() - 1, columns);
-        memory::check(size_of::<f64>() * numbers.max((sides.own + columns).pow(2)))?;
-        let found = self.assembled(&sides)?;
-        Ok(CondensedSector {
-            sides: found.own,
-            side_loads: found.forces.transpose(),
-            held_influence: found.rest.held,
-            factor_entries: self.fronts.factor_entries,
-            numbers,
-        })
+    fn unknowns(&self, nodes: &[usize]) -> impl Iterator<Item = Option<usize>> {
+        let d = self.dissection.mesh.dimension;
+        let places = nodes.iter().map(|node| self.dissection.places[*node]);
+        places.flat_map(move |place| (0..d).map(move |i| (place != NONE).then(|| d * place + i)))
     }
 
-    /// Eliminates `front` and all that it encloses.
-    fn eliminate(&self, front: &Front) -> Result<Remainder, FiniteElementError> {
-        let assembled = self.assembled(front)?;
-        let left = self.reduced(front, assembled)?;
-        self.told(front)?;
-        Ok(left)
+    /// What acts on the own unknowns of `part`.
+    fn entries(&self, part: &Part) -> &[(usize, usize, f64)] {
+        let from = |own: usize| self.entries.partition_point(|(unknown, ..)| *unknown < own);
+        &self.entries[from(part.own.start)..from(part.own.end)]
     }
 
-    /// Whether `front` with all that it encloses is left to one thread, next to others.
-    fn is_small(&self, front: &Front) -> bool {
-        front.work < SHARE_OF_A_THREAD * self.work
-    }
-
-    /// The front with all that it encloses eliminated.
-    fn assembled(&self, front: &Front) -> Result<Assembled, FiniteElementError> {
-        let enclosed: Vec<&Front> = (front.separates.iter())
-            .map(|part| &self.fronts.fronts[*part])
+    /// Finds what `part` keeps and what its elimination takes.
+    fn count(&self, part: &mut Part) {
+        part.inner.iter_mut().for_each(|inner| self.count(inner));
+        let nodes = (part.elements.iter()).flat_map(|element| &self.dissection.carrying[*element]);
+        let nodes: Vec<usize> = nodes.copied().collect();
+        let columns = self.entries(part).iter().map(|(_, column, _)| *column);
+        let mut kept: Vec<usize> = (self.unknowns(&nodes).flatten().chain(columns))
+            .chain(
+                part.inner
+                    .iter()
+                    .flat_map(|inner| inner.kept.iter().copied()),
+            )
+            .filter(|number| *number >= part.own.end)
             .collect();
-        let apart = enclosed.iter().all(|inner| self.is_small(inner)) && front.work > TASK;
-        let left: Vec<Remainder> = match enclosed[..] {
-            [first, second] if apart => {
-                let both = rayon::join(|| self.eliminate(first), || self.eliminate(second));
+        kept.sort_unstable();
+        kept.dedup();
+        part.symmetric = kept.partition_point(|number| *number < self.functionals);
+        part.kept = kept;
+        let [own, kept] = [part.own.len(), part.kept.len()].map(|n| n as f64);
+        part.work = own * own * own / 6.0 + 0.5 * own * kept * (own + kept);
+        let mut left = 0;
+        for inner in &part.inner {
+            part.work += inner.work;
+            part.numbers = part.numbers.max(left + inner.numbers);
+            left += inner.left();
+        }
+        let front = part.left() + part.own.len() * (part.own.len() + part.kept.len());
+        part.numbers = part.numbers.max(left + front);
+    }
+
+    /// What `part` leaves to those around it: the lower triangle of its kept rows, without the columns of functionals.
+    fn eliminated(&self, part: &Part) -> Result<DMatrix<f64>, FiniteElementError> {
+        let mut front = self.assembled(part)?;
+        eliminate::<1>(&mut front.columns, &mut front.rest)?;
+        let inner: f64 = part.inner.iter().map(|inner| inner.work).sum();
+        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += part.work - inner;
+        match (self.progress)(*done / self.work) {
+            true => Ok(front.rest),
+            false => Err(FiniteElementError::Cancelled),
+        }
+    }
+
+    /// The front of `part` with its inner parts eliminated.
+    fn assembled(&self, part: &Part) -> Result<Front, FiniteElementError> {
+        let is_small = |inner: &Part| inner.work < SHARE_OF_A_THREAD * self.work;
+        let left: Vec<DMatrix<f64>> = match &part.inner[..] {
+            [first, second] if part.work > TASK && is_small(first) && is_small(second) => {
+                let both = rayon::join(|| self.eliminated(first), || self.eliminated(second));
                 vec![both.0?, both.1?]
             }
-            _ => (enclosed.iter().map(|inner| self.eliminate(inner))).collect::<Result<_, _>>()?,
+            inner => {
+                (inner.iter().map(|inner| self.eliminated(inner))).collect::<Result<_, _>>()?
+            }
         };
-        let (p, b, l) = (front.own, front.around.len(), front.loads.len());
-        let loads = front.split(self.loads);
-        let rows = if self.functionals { l - loads } else { loads };
-        let mut found = Assembled {
-            own: DMatrix::zeros(p, p),
-            below: DMatrix::zeros(b, p),
-            forces: DMatrix::zeros(l, p),
-            rest: Remainder {
-                stiffness: DMatrix::zeros(b, b),
-                forces: DMatrix::zeros(b, l),
-                held: DMatrix::zeros(rows, loads),
-            },
+        let (own, kept) = (part.own.len(), part.kept.len());
+        let mut front = Front {
+            columns: DMatrix::zeros(own + kept, own),
+            rest: DMatrix::zeros(kept, part.symmetric),
         };
-        for (inner, left) in enclosed.into_iter().zip(left) {
-            found.add((front, inner), &left, (self.loads, self.functionals));
+        for (inner, left) in part.inner.iter().zip(left) {
+            let rows = inner.kept.iter().map(|number| part.row(*number));
+            front.add(&rows.zip(0..).collect::<Vec<_>>(), &left);
         }
-        self.add_own(front, &mut found);
-        Ok(found)
+        let mesh = self.dissection.mesh;
+        let size = mesh.nodes_per_element();
+        for element in &part.elements {
+            let nodes = &mesh.elements[size * element..size * (element + 1)];
+            let (nodes, stiffness) = mesh.stiffness(nodes, self.material);
+            let numbers = self.unknowns(&nodes).zip(0..);
+            let mut rows: Vec<(usize, usize)> = numbers
+                .filter_map(|(number, at)| Some((part.row(number?), at)))
+                .collect();
+            rows.sort_unstable();
+            front.add(&rows, &stiffness);
+        }
+        for (unknown, column, value) in self.entries(part) {
+            front.columns[(part.row(*column), unknown - part.own.start)] += value;
+        }
+        Ok(front)
     }
+}
 
-    /// Adds the stiffness and the loads of the own unknowns of `front`.
-    fn add_own(&self, front: &Front, to: &mut Assembled) {
-        let end = front.start + front.own;
-        for j in 0..front.own {
-            let column = front.start + j;
-            let range = self.a.column_starts[column]..self.a.column_starts[column + 1];
-            let mut at = 0;
-            for (row, value) in self.a.rows[range.clone()].iter().zip(&self.a.values[range]) {
-                if *row < end {
-                    to.own[(row - front.start, j)] += value;
-                } else {
-                    while front.around[at] < *row {
-                        at += 1;
-                    }
-                    to.below[(at, j)] += value;
-                }
+impl Front {
+    /// Adds the lower triangle of `matrix`; `rows` are its rows here, ascending, and there.
+    fn add(&mut self, rows: &[(usize, usize)], matrix: &DMatrix<f64>) {
+        let own = self.columns.ncols();
+        for (at, (column, j)) in rows.iter().enumerate() {
+            if *j >= matrix.ncols() {
+                continue;
             }
-        }
-        for (unknown, column, value) in self.fronts.entries_of(front) {
-            if let Ok(at) = front.loads.binary_search(column) {
-                to.forces[(at, unknown - front.start)] += value;
+            let (mut into, above) = match column.checked_sub(own) {
+                None => (self.columns.column_mut(*column), 0),
+                Some(column) => (self.rest.column_mut(column), own),
+            };
+            let from = matrix.column(*j);
+            for (row, i) in &rows[at..] {
+                into[row - above] += from[*i];
             }
-        }
-    }
-
-    /// Eliminates the own unknowns of `front`.
-    fn reduced(&self, front: &Front, from: Assembled) -> Result<Remainder, FiniteElementError> {
-        let Assembled {
-            mut own,
-            mut below,
-            mut forces,
-            rest: mut left,
-        } = from;
-        factor([own.as_view_mut()])?;
-        solve([own.as_view()], [below.as_view_mut()]);
-        add_gram([left.stiffness.as_view_mut()], -1.0, [below.as_view()]);
-        if !front.loads.is_empty() {
-            solve([own.as_view()], [forces.as_view_mut()]);
-            let (below, forces) = (below.as_view(), forces.as_view());
-            add_product([left.forces.as_view_mut()], -1.0, [below], [forces]);
-            let split = front.split(self.loads);
-            let (loads, observed) = (forces.rows_range(..split), forces.rows_range(split..));
-            let held = [left.held.as_view_mut()];
-            match self.functionals {
-                false => add_gram(held, 1.0, [loads]),
-                true => add_product(held, 1.0, [observed], [loads]),
-            }
-        }
-        Ok(left)
-    }
-
-    /// Tells that `front` is done.
-    fn told(&self, front: &Front) -> Result<(), FiniteElementError> {
-        let inner: f64 = (front.separates.iter())
-            .map(|part| self.fronts.fronts[*part].work)
-            .sum();
-        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
-        *done += front.work - inner;
-        match (self.progress)(*done / self.work) {
-            true => Ok(()),
-            false => Err(FiniteElementError::Cancelled),
         }
     }
 }
 
-impl Assembled {
-    /// Adds what the part of `inner`, one that `front` separates, leaves. The first `loads` columns are loads, others
-    /// `functionals`, if there are any.
-    fn add(
-        &mut self,
-        (front, inner): (&Front, &Front),
-        left: &Remainder,
-        (loads, functionals): (usize, bool),
-    ) {
-        let places = front.places(inner);
-        let (p, split) = (front.own, places.partition_point(|at| *at < front.own));
-        for (j, column) in places.iter().enumerate() {
-            let from = left.stiffness.column(j);
-            if *column < p {
-                for i in j..split {
-                    self.own[(places[i], *column)] += from[i];
-                }
-                for i in split..places.len() {
-                    self.below[(places[i] - p, *column)] += from[i];
-                }
-            } else {
-                for i in j..places.len() {
-                    self.rest.stiffness[(places[i] - p, *column - p)] += from[i];
-                }
-            }
-        }
-        let columns = positions(&front.loads, &inner.loads);
-        for (j, column) in columns.iter().enumerate() {
-            let from = left.forces.column(j);
-            for i in 0..split {
-                self.forces[(*column, places[i])] += from[i];
-            }
-            for i in split..places.len() {
-                self.rest.forces[(places[i] - p, *column)] += from[i];
-            }
-        }
-        // Functionals come after all loads.
-        let [of_loads, before] = [inner, front].map(|f| f.split(loads));
-        let (columns, observed) = columns.split_at(of_loads);
-        let rows: Vec<usize> = match functionals {
-            true => observed.iter().map(|row| row - before).collect(),
-            false => columns.to_vec(),
-        };
-        for (j, column) in columns.iter().enumerate() {
-            for (i, row) in rows.iter().enumerate() {
-                self.rest.held[(*row, *column)] += left.held[(i, j)];
-            }
-        }
+/// Refuses work that takes `bytes` where the system says that it has less left; one that does not say takes all. A system that
+/// grants more than it has ends the program once the memory is used: no allocation fails.
+fn check_memory(bytes: usize) -> Result<(), FiniteElementError> {
+    let state = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    match available(&state) {
+        Some(available) if bytes > available => Err(FiniteElementError::Memory {
+            needed_gb: 1e-9 * bytes as f64,
+            available_gb: 1e-9 * available as f64,
+        }),
+        _ => Ok(()),
     }
+}
+
+/// Bytes that Linux's `/proc/meminfo` says new work can take without swapping.
+fn available(meminfo: &str) -> Option<usize> {
+    let mut lines = meminfo.lines();
+    let rest = lines.find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kilobytes = rest.trim().strip_suffix("kB")?.trim();
+    kilobytes.parse::<usize>().ok()?.checked_mul(1024)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::finite_element::dissection::Elimination;
+    use crate::finite_element::Settings;
     use crate::finite_element::model::Model;
-    use crate::finite_element::{Settings, assembly};
     use crate::samples;
     use gearmesh::gear::GearKind;
     use gearmesh::pair::Refinement;
 
     #[test]
-    fn fronts_leave_the_schur_complement_of_the_whole_matrix() {
+    fn parts_leave_the_schur_complement_of_the_whole_matrix() {
         let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
         let settings = Settings {
             plane_strain: true,
             ..Settings::new(Refinement::Coarse, 0)
         };
-        let mesh = Model::new(&gear, &settings).unwrap().mesh;
-        let elimination = Elimination::new(&mesh);
-        let a = assembly::assemble(&mesh, &elimination.order, [1.0, 0.3]);
-        let n = a.column_starts.len() - 1;
-        let inside = n - 4 * mesh.sides[0].len();
-        // Loads and functionals at single unknowns, at some that are far apart, and on the sides.
-        let columns: Vec<LoadColumn> = vec![
-            vec![(3, 1.0)],
-            vec![(inside / 2, 2.0), (inside - 1, -1.0)],
-            vec![(inside + 5, 1.0), (7, 0.5)],
-            vec![(inside / 3, 1.0), (11, 0.3), (n - 1, -2.0)],
-            vec![(inside - 2, 1.0)],
-        ];
-
+        let mesh = Model::new(&gear, &settings).unwrap().mesh();
+        let material = [1.0, 0.3];
+        // The free unknowns, those of the sides last.
+        let mut order = Dissection::new(&mesh).inside();
+        let inside = 2 * order.len();
+        order.extend(mesh.sides.iter().flatten());
+        let n = 2 * order.len();
+        let at = |node: usize| order.iter().position(|other| *other == node);
         let mut whole = DMatrix::<f64>::zeros(n, n);
-        for j in 0..n {
-            for at in a.column_starts[j]..a.column_starts[j + 1] {
-                whole[(a.rows[at], j)] = a.values[at];
-                whole[(j, a.rows[at])] = a.values[at];
+        for nodes in mesh.connectivity() {
+            let (nodes, k) = mesh.stiffness(nodes, material);
+            let rows: Vec<Option<usize>> = nodes.iter().map(|node| at(*node)).collect();
+            for (i, j) in (0..k.nrows()).flat_map(|i| (0..k.nrows()).map(move |j| (i, j))) {
+                if let (Some(row), Some(column)) = (rows[i / 2], rows[j / 2]) {
+                    whole[(2 * row + i % 2, 2 * column + j % 2)] += k[(i, j)];
+                }
             }
         }
-        let mut loads = DMatrix::<f64>::zeros(n, columns.len());
-        for (j, column) in columns.iter().enumerate() {
-            for (row, value) in column {
-                loads[(*row, j)] = *value;
-            }
+        // Loads and functionals at single unknowns, at some that are far apart, and on the sides.
+        let sparse: [&[(usize, f64)]; 5] = [
+            &[(3, 1.0)],
+            &[(inside / 2, 2.0), (inside - 1, -1.0)],
+            &[(inside + 5, 1.0), (7, 0.5)],
+            &[(inside / 3, 1.0), (11, 0.3), (n - 1, -2.0)],
+            &[(inside - 2, 1.0)],
+        ];
+        let mut loads = DMatrix::<f64>::zeros(n, sparse.len());
+        for (j, column) in sparse.iter().enumerate() {
+            column
+                .iter()
+                .for_each(|(row, value)| loads[(*row, j)] = *value);
         }
+        let columns: Vec<LoadColumn> = (sparse.iter())
+            .map(|column| {
+                column
+                    .iter()
+                    .map(|(row, v)| (2 * order[row / 2] + row % 2, *v))
+                    .collect()
+            })
+            .collect();
         let factor = whole
             .view((0, 0), (inside, inside))
             .clone_owned()
@@ -337,28 +474,36 @@ mod tests {
         let side_loads = loads_sides - across * factor.solve(&loads_inside);
         let held = loads_inside.transpose() * factor.solve(&loads_inside);
 
-        let near = |found: &DMatrix<f64>,
-                    expected: &DMatrix<f64>,
-                    at: (usize, usize),
-                    i: usize,
-                    j: usize| {
-            let error = (found[(i, j)] - expected[at]).abs();
-            assert!(error < 1e-10 * expected.amax(), "{i} {j}");
+        let near = |found: &DMatrix<f64>, expected: &DMatrix<f64>| {
+            assert!((found - expected).amax() < 1e-10 * expected.amax());
         };
-        let all = condense(&a, &elimination.parts, &columns, &|_| true).unwrap();
-        for j in 0..n - inside {
-            (j..n - inside).for_each(|i| near(&all.sides, &sides, (i, j), i, j));
-        }
-        for j in 0..columns.len() {
-            (0..n - inside).for_each(|i| near(&all.side_loads, &side_loads, (i, j), i, j));
-            (j..columns.len()).for_each(|i| near(&all.held_influence, &held, (i, j), i, j));
-        }
-        let observed = condense_observed(&a, &elimination.parts, &columns, 2, &|_| true).unwrap();
-        assert_eq!(observed.held_influence.ncols(), 2);
-        for j in 0..2 {
-            for i in 0..columns.len() - 2 {
-                near(&observed.held_influence, &held, (2 + i, j), i, j);
-            }
-        }
+        let all = condense(&mesh, material, &columns, columns.len(), &|_| true).unwrap();
+        near(&all.sides.lower_triangle(), &sides.lower_triangle());
+        near(&all.side_loads, &side_loads);
+        near(&all.held_influence, &held);
+        let observed = condense(&mesh, material, &columns, 2, &|_| true).unwrap();
+        near(
+            &observed.held_influence,
+            &held.view((2, 0), (3, 2)).clone_owned(),
+        );
+        near(&observed.side_loads, &side_loads);
+    }
+
+    #[test]
+    fn what_linux_has_left_is_read() {
+        let state = "MemTotal:       24576000 kB\nMemFree:  1 kB\nMemAvailable:   20480000 kB\n";
+        assert_eq!(available(state), Some(20_971_520_000));
+        assert_eq!(available(""), None);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn more_memory_than_there_is_is_refused_and_a_little_is_not() {
+        check_memory(1 << 20).unwrap();
+        let error = check_memory(1 << 60).unwrap_err().to_string();
+        assert!(
+            error.contains("1152921504.6 GB") && error.contains("are available"),
+            "{error}"
+        );
     }
 }

@@ -4,6 +4,8 @@
 //! node is given by its local coordinates c in {-1, 0, 1}^d; a corner has no zero among them, a
 //! mid-edge node exactly one.
 
+use nalgebra::{DMatrix, Matrix3, RowVector3, Vector3};
+
 /// Local coordinates of the nodes of the 8-node quadrilateral: corners, then mid-edges.
 pub(super) const QUAD8: [[f64; 3]; 8] = [
     [-1.0, -1.0, 0.0],
@@ -74,90 +76,74 @@ pub(super) fn shape(dimension: usize, c: &[f64; 3], xi: &[f64; 3]) -> (f64, [f64
     (if corner { product * sum } else { product }, gradient)
 }
 
-/// Shape functions, their gradients in space and the volume weight at one integration point.
+/// An integration point of an element.
 pub(super) struct IntegrationPoint {
-    /// Gradients in space, 1/m, one per node.
+    /// Gradients of the nodes' shape functions in space, 1/m.
     pub gradient: Vec<[f64; 3]>,
-    /// Weight times determinant of the Jacobian, m^d; <= 0 on a folded element.
+    /// Determinant of the Jacobian, m^d; <= 0 on a folded element.
+    pub jacobian: f64,
+    /// Its volume, m^d: the Jacobian times the weight.
     pub volume: f64,
 }
 
-/// Local coordinates and weights of the 3^d Gauss points.
-fn gauss_points(dimension: usize) -> Vec<([f64; 3], f64)> {
-    let depth: &[(f64, f64)] = if dimension == 3 {
+/// Dimension and local coordinates of the nodes of an element with so many `nodes`.
+fn kind(nodes: usize) -> (usize, &'static [[f64; 3]]) {
+    if nodes == 8 { (2, &QUAD8) } else { (3, &HEX20) }
+}
+
+/// The Gauss rule along an axis: a plane element is one unit deep.
+fn gauss(axis: usize, dimension: usize) -> &'static [(f64, f64)] {
+    if axis < dimension {
         &GAUSS3
     } else {
         &[(0.0, 1.0)]
-    };
+    }
+}
+
+/// All 3^d integration points of an element with the nodes `x`, m (8 nodes: plane, 20: solid).
+pub(super) fn integration_points(x: &[[f64; 3]]) -> Vec<IntegrationPoint> {
+    let (dimension, _) = kind(x.len());
     let mut points = Vec::with_capacity(27);
-    for &(zeta, w2) in depth {
+    for &(zeta, w2) in gauss(2, dimension) {
         for &(eta, w1) in &GAUSS3 {
             for &(xi, w0) in &GAUSS3 {
-                points.push(([xi, eta, zeta], w0 * w1 * w2));
+                points.push(integration_point(x, &[xi, eta, zeta], w0 * w1 * w2));
             }
         }
     }
     points
 }
 
-/// Weights of the points of [`integration_points`], in the same order.
-pub(super) fn integration_weights(dimension: usize) -> Vec<f64> {
-    gauss_points(dimension).iter().map(|(_, w)| *w).collect()
-}
-
-/// All 3^d integration points of an element with the nodes `x`, m (8 nodes: plane, 20: solid).
-pub(super) fn integration_points(x: &[[f64; 3]]) -> Vec<IntegrationPoint> {
-    let (dimension, nodes): (usize, &[[f64; 3]]) = if x.len() == 8 {
-        (2, &QUAD8)
-    } else {
-        (3, &HEX20)
-    };
-    gauss_points(dimension)
+fn integration_point(x: &[[f64; 3]], xi: &[f64; 3], weight: f64) -> IntegrationPoint {
+    let (dimension, nodes) = kind(x.len());
+    let local = nodes
         .iter()
-        .map(|(xi, weight)| integration_point(dimension, nodes, x, xi, *weight))
-        .collect()
-}
-
-fn integration_point(
-    dimension: usize,
-    nodes: &[[f64; 3]],
-    x: &[[f64; 3]],
-    xi: &[f64; 3],
-    weight: f64,
-) -> IntegrationPoint {
-    let local: Vec<[f64; 3]> = nodes.iter().map(|c| shape(dimension, c, xi).1).collect();
-    // jacobian[i][j] = dx_j / dxi_i; a plane element is one unit deep.
-    let mut j = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    for d in 0..dimension {
-        for k in 0..dimension {
-            j[d][k] = local.iter().zip(x).map(|(g, p)| g[d] * p[k]).sum();
-        }
+        .map(|c| Vector3::from(shape(dimension, c, xi).1));
+    let local: Vec<Vector3<f64>> = local.collect();
+    // dx_j / dxi_i; a plane element is one unit deep.
+    let mut j = Matrix3::zeros();
+    for (gradient, point) in local.iter().zip(x) {
+        j += gradient * RowVector3::from(*point);
     }
-    let cofactor = |r: usize, c: usize| {
-        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
-        j[r1][c1] * j[r2][c2] - j[r1][c2] * j[r2][c1]
-    };
-    let determinant: f64 = (0..3).map(|c| j[0][c] * cofactor(0, c)).sum();
-    let gradient = local
-        .iter()
-        .map(|g| {
-            let mut out = [0.0; 3];
-            for (k, out) in out.iter_mut().enumerate().take(dimension) {
-                *out = (0..dimension).map(|d| g[d] * cofactor(d, k)).sum::<f64>() / determinant;
-            }
-            out
-        })
-        .collect();
+    if dimension == 2 {
+        j[(2, 2)] = 1.0;
+    }
+    let jacobian = j.determinant();
+    let inverse = j.try_inverse().unwrap_or_default();
     IntegrationPoint {
-        gradient,
-        volume: determinant * weight,
+        gradient: local
+            .iter()
+            .map(|gradient| (inverse * gradient).into())
+            .collect(),
+        jacobian,
+        volume: jacobian * weight,
     }
 }
 
-/// Stiffness matrix of an isotropic element, N/m (plane strain: N/m per metre of depth), row major,
-/// `dimension` displacements per node; `x` as in [`integration_points`].
-pub(super) fn stiffness(x: &[[f64; 3]], lambda: f64, mu: f64) -> Vec<f64> {
-    let dimension = if x.len() == 8 { 2 } else { 3 };
+/// Stiffness matrix of an isotropic element, N/m (plane strain: N/m per metre of depth), `dimension` displacements per
+/// node; `x` as in [`integration_points`].
+pub(super) fn stiffness(x: &[[f64; 3]], lambda: f64, mu: f64) -> DMatrix<f64> {
+    let (dimension, _) = kind(x.len());
     let size = dimension * x.len();
     let mut k = vec![0.0; size * size];
     for point in integration_points(x) {
@@ -182,17 +168,13 @@ pub(super) fn stiffness(x: &[[f64; 3]], lambda: f64, mu: f64) -> Vec<f64> {
             }
         }
     }
-    k
+    DMatrix::from_vec(size, size, k)
 }
 
 /// Adds to the stiffness matrix `k` of an element (see [`stiffness`]) a foundation of `stiffness` N/m³, alike in all
 /// directions, under the face whose nodes are those that `rest`; without such a face nothing.
-pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &mut [f64]) {
-    let (dimension, nodes): (usize, &[[f64; 3]]) = if x.len() == 8 {
-        (2, &QUAD8)
-    } else {
-        (3, &HEX20)
-    };
+pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &mut DMatrix<f64>) {
+    let (dimension, nodes) = kind(x.len());
     let on_face = |d: usize, end: f64| {
         let mut face = nodes.iter().zip(rest).filter(|(c, _)| c[d] == end);
         face.all(|(_, rests)| *rests)
@@ -201,15 +183,9 @@ pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &
     let Some((normal, end)) = sides.into_iter().find(|(d, end)| on_face(*d, *end)) else {
         return;
     };
-    let size = dimension * x.len();
     let along: Vec<usize> = (0..dimension).filter(|d| *d != normal).collect();
-    let second: &[(f64, f64)] = if dimension == 3 {
-        &GAUSS3
-    } else {
-        &[(0.0, 1.0)]
-    };
     for &(a, wa) in &GAUSS3 {
-        for &(b, wb) in second {
+        for &(b, wb) in gauss(2, dimension) {
             let mut xi = [0.0; 3];
             xi[normal] = end;
             xi[along[0]] = a;
@@ -218,23 +194,18 @@ pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &
             }
             let values: Vec<(f64, [f64; 3])> =
                 nodes.iter().map(|c| shape(dimension, c, &xi)).collect();
-            let tangent = |d: usize| -> [f64; 3] {
-                std::array::from_fn(|i| values.iter().zip(x).map(|((_, g), p)| g[d] * p[i]).sum())
+            let tangent = |d: usize| -> Vector3<f64> {
+                let points = values.iter().zip(x);
+                points.map(|((_, g), p)| g[d] * Vector3::from(*p)).sum()
             };
-            let u = tangent(along[0]);
             // A plane element is one unit deep.
-            let v = along.get(1).map_or([0.0, 0.0, 1.0], |d| tangent(*d));
-            let cross = [
-                u[1] * v[2] - u[2] * v[1],
-                u[2] * v[0] - u[0] * v[2],
-                u[0] * v[1] - u[1] * v[0],
-            ];
-            let area = cross.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let second = along.get(1).map_or(Vector3::z(), |d| tangent(*d));
+            let area = tangent(along[0]).cross(&second).norm();
             for (i, (ni, _)) in values.iter().enumerate() {
                 for (j, (nj, _)) in values.iter().enumerate() {
                     let value = stiffness * wa * wb * area * ni * nj;
                     for d in 0..dimension {
-                        k[(dimension * i + d) * size + dimension * j + d] += value;
+                        k[(dimension * i + d, dimension * j + d)] += value;
                     }
                 }
             }
@@ -246,23 +217,21 @@ pub(super) fn add_foundation(x: &[[f64; 3]], rest: &[bool], stiffness: f64, k: &
 mod tests {
     use super::*;
     use approx::{assert_abs_diff_eq, assert_relative_eq};
+    use nalgebra::DVector;
 
     #[test]
     fn a_foundation_bears_its_area_and_no_other_face() {
         // A brick of 2 x 3 x 5 on the face zeta = -1: a push along any axis meets 6 times the stiffness.
         let x: Vec<[f64; 3]> = HEX20.map(|c| [c[0], 1.5 * c[1], 2.5 * c[2]]).to_vec();
         let rest = HEX20.map(|c| c[2] == -1.0);
-        let mut k = vec![0.0; 3600];
+        let mut k = DMatrix::zeros(60, 60);
         add_foundation(&x, &rest, 7.0, &mut k);
         for d in 0..3 {
-            let rows = (0..20).map(|a| 3 * a + d);
-            let total: f64 = rows
-                .flat_map(|row| (0..20).map(move |b| row * 60 + 3 * b + d))
-                .map(|at| k[at])
-                .sum();
+            let blocks = (0..400).map(|at| (3 * (at / 20) + d, 3 * (at % 20) + d));
+            let total: f64 = blocks.map(|at| k[at]).sum();
             assert_relative_eq!(total, 42.0, max_relative = 1e-12);
         }
-        let mut none = vec![0.0; 3600];
+        let mut none = DMatrix::zeros(60, 60);
         add_foundation(&x, &[false; 20], 7.0, &mut none);
         assert!(none.iter().all(|v| *v == 0.0));
         // One edge alone is no face.
@@ -351,10 +320,8 @@ mod tests {
                 );
             }
             for u in motions {
-                for row in k.chunks(size) {
-                    let force: f64 = row.iter().zip(&u).map(|(a, b)| a * b).sum();
-                    assert_abs_diff_eq!(force, 0.0, epsilon = 1e-13);
-                }
+                let force = (&k * DVector::from_vec(u)).amax();
+                assert_abs_diff_eq!(force, 0.0, epsilon = 1e-13);
             }
         }
     }
@@ -367,19 +334,10 @@ mod tests {
         let g = [[0.3, 0.1, -0.2], [0.05, -0.4, 0.15], [0.25, 0.0, 0.2]];
         let x = distorted(&HEX20, 3);
         let k = stiffness(&x, lambda, mu);
-        let u: Vec<f64> = x
-            .iter()
-            .flat_map(|p| {
-                (0..3)
-                    .map(|i| (0..3).map(|j| g[i][j] * p[j]).sum())
-                    .collect::<Vec<f64>>()
-            })
-            .collect();
-        let energy: f64 = k
-            .chunks(60)
-            .zip(&u)
-            .map(|(row, ui)| 0.5 * ui * row.iter().zip(&u).map(|(a, b)| a * b).sum::<f64>())
-            .sum();
+        let u = DVector::from_fn(60, |at, _| {
+            (0..3).map(|j| g[at % 3][j] * x[at / 3][j]).sum::<f64>()
+        });
+        let energy = 0.5 * u.dot(&(k * &u));
         let volume: f64 = integration_points(&x).iter().map(|p| p.volume).sum();
         let trace = g[0][0] + g[1][1] + g[2][2];
         let mut density = 0.5 * lambda * trace * trace;

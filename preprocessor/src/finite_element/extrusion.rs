@@ -13,20 +13,12 @@ use super::section::Section;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// A plane across the axis: the end of a layer, `of` empty, or halfway between the ends of some layers.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-struct Plane {
-    of: Range<usize>,
-}
+/// A plane across the axis halfway between the ends of the layers from the first to before the second number: with equal numbers the
+/// lower end of that layer.
+type Plane = [usize; 2];
 
-impl Plane {
-    fn end(layer: usize) -> Plane {
-        Plane { of: layer..layer }
-    }
-
-    fn middle(of: &Range<usize>) -> Plane {
-        Plane { of: of.clone() }
-    }
+fn middle(layers: &Range<usize>) -> Plane {
+    [layers.start, layers.end]
 }
 
 /// The mesh while it grows, with its nodes by node of the section and plane.
@@ -40,48 +32,39 @@ struct Extrusion<'a> {
 }
 
 impl Mesh {
-    /// The section swept through `along`, turned by `twist` rad per metre (tan beta_b / rb; right-handed), without
-    /// what lies outside of rim, web and hub.
-    pub fn extruded(
-        section: &Section,
-        outline: &Outline,
-        along: &Layers,
-        twist: f64,
-        foundation: Option<f64>,
-    ) -> Mesh {
+    /// The section itself for plane strain, or swept through the layers `along`, turned by `twist` rad per metre (tan beta_b / rb;
+    /// right-handed), without what lies outside of rim, web and hub.
+    pub fn new(section: &Section, outline: &Outline, along: Option<&Layers>, twist: f64) -> Mesh {
         let mut extrusion = Extrusion {
             section,
-            stations: &along.stations,
-            twist,
+            stations: along.map_or(&[0.0], |along| &along.stations),
+            twist: along.map_or(0.0, |_| twist),
             held: section.held.iter().copied().collect(),
             numbers: HashMap::new(),
             mesh: Mesh {
-                dimension: 3,
+                dimension: if along.is_some() { 3 } else { 2 },
                 ..Mesh::default()
             },
         };
-        let rows = along.of_rows(&section.row_depths);
-        extrusion.add_elements(along, &rows);
-        for (upper, layers) in rows.windows(2).enumerate() {
-            if layers[0] != layers[1] {
-                extrusion.hang(upper, &layers[0], &layers[1]);
-            }
+        match along {
+            Some(along) => extrusion.add_solid(along),
+            None => extrusion.add_plane(),
         }
         extrusion.find_sides();
-        extrusion.find_surface(outline, &along.face);
-        extrusion.mesh.rested_on(foundation)
+        extrusion.find_surface(outline, along.map_or(0..0, |along| along.face.clone()));
+        extrusion.mesh
     }
 }
 
 impl Extrusion<'_> {
     /// Place of a plane, m.
-    fn z(&self, plane: &Plane) -> f64 {
-        0.5 * (self.stations[plane.of.start] + self.stations[plane.of.end])
+    fn z(&self, plane: Plane) -> f64 {
+        0.5 * (self.stations[plane[0]] + self.stations[plane[1]])
     }
 
     /// Number of the node `node` of the section on `plane`; a new one if there is none yet.
     fn number(&mut self, node: usize, plane: Plane) -> usize {
-        let z = self.z(&plane);
+        let z = self.z(plane);
         let mesh = &mut self.mesh;
         *self.numbers.entry((node, plane)).or_insert_with(|| {
             let [r, theta] = self.section.nodes[node];
@@ -93,28 +76,47 @@ impl Extrusion<'_> {
         })
     }
 
-    /// Elements of all layers, those of the row r below the root in the layers `rows[r]`.
-    fn add_elements(&mut self, along: &Layers, rows: &[Vec<Range<usize>>]) {
+    fn add_plane(&mut self) {
         let section = self.section;
-        let thin = along.single();
         for (quad, cell) in section.quads.iter().zip(&section.cells) {
-            let layers = Section::row_below_root(*cell).and_then(|row| rows.get(row));
-            for layer in layers.unwrap_or(&thin) {
+            for node in quad {
+                let number = self.number(*node, [0; 2]);
+                self.mesh.elements.push(number);
+            }
+            self.mesh.cells.push([cell[0], cell[1], 0]);
+        }
+    }
+
+    /// Elements of all layers, merged as far as their row allows.
+    fn add_solid(&mut self, along: &Layers) {
+        let section = self.section;
+        let (rows, thin) = (along.of_rows(&section.rows), along.single());
+        for (quad, cell) in section.quads.iter().zip(&section.cells) {
+            let (layers, width) = match Section::row_below_root(*cell) {
+                Some(row) => (&rows[row], section.rows[row].width),
+                None => (&thin, None),
+            };
+            for layer in layers {
                 // Layers are merged in full discs alone.
-                if !along.holds(section.part(*cell), layer.start) {
+                if !along.holds(width, layer.start) {
                     continue;
                 }
                 for end in [layer.start, layer.end] {
                     for node in quad {
-                        let number = self.number(*node, Plane::end(end));
+                        let number = self.number(*node, [end; 2]);
                         self.mesh.elements.push(number);
                     }
                 }
                 for node in &quad[..4] {
-                    let number = self.number(*node, Plane::middle(layer));
+                    let number = self.number(*node, middle(layer));
                     self.mesh.elements.push(number);
                 }
                 self.mesh.cells.push([cell[0], cell[1], layer.start as i32]);
+            }
+        }
+        for (upper, layers) in rows.windows(2).enumerate() {
+            if layers[0] != layers[1] {
+                self.hang(upper, &layers[0], &layers[1]);
             }
         }
     }
@@ -136,9 +138,9 @@ impl Extrusion<'_> {
                         .iter()
                         .filter(|layer| side.start <= layer.start && layer.end <= side.end);
                     for layer in within.filter(|layer| *layer != side) {
-                        self.hang_on(edge, side, Plane::middle(layer));
+                        self.hang_on(edge, side, middle(layer));
                         if layer.end < side.end {
-                            self.hang_on(edge, side, Plane::end(layer.end));
+                            self.hang_on(edge, side, [layer.end; 2]);
                         }
                     }
                 }
@@ -147,11 +149,11 @@ impl Extrusion<'_> {
     }
 
     /// Hangs the nodes that lie on `plane` within the side over `edge` (both corners, then the middle) and `layers`.
-    fn hang_on(&mut self, [a, b, middle]: [usize; 3], layers: &Range<usize>, plane: Plane) {
+    fn hang_on(&mut self, [a, b, between]: [usize; 3], layers: &Range<usize>, plane: Plane) {
         let ends = [layers.start, layers.end].map(|end| self.stations[end]);
-        let zeta = (2.0 * self.z(&plane) - ends[0] - ends[1]) / (ends[1] - ends[0]);
-        for (node, xi) in [(a, -1.0), (b, 1.0), (middle, 0.0)] {
-            let Some(at) = self.numbers.get(&(node, plane.clone())).copied() else {
+        let zeta = (2.0 * self.z(plane) - ends[0] - ends[1]) / (ends[1] - ends[0]);
+        for (node, xi) in [(a, -1.0), (b, 1.0), (between, 0.0)] {
+            let Some(at) = self.numbers.get(&(node, plane)).copied() else {
                 continue;
             };
             let mut carriers = Vec::new();
@@ -162,14 +164,14 @@ impl Extrusion<'_> {
                     continue;
                 }
                 let of = match c[0] {
-                    0.0 => middle,
+                    0.0 => between,
                     x if x < 0.0 => a,
                     _ => b,
                 };
                 let plane = match c[1] {
-                    0.0 => Plane::middle(layers),
-                    x if x < 0.0 => Plane::end(layers.start),
-                    _ => Plane::end(layers.end),
+                    0.0 => middle(layers),
+                    x if x < 0.0 => [layers.start; 2],
+                    _ => [layers.end; 2],
                 };
                 let carrier = self.number(of, plane);
                 carriers.push((carrier, share));
@@ -184,35 +186,31 @@ impl Extrusion<'_> {
         }
     }
 
-    /// Nodes of both sides of the sector, plane by plane.
+    /// Nodes of both sides of the sector.
     fn find_sides(&mut self) {
-        let mut planes: Vec<Plane> = self
-            .numbers
-            .keys()
-            .map(|(_, plane)| plane.clone())
-            .collect();
-        planes.sort_by(|a, b| {
-            let order = self.z(a).total_cmp(&self.z(b));
-            order.then((a.of.start, a.of.end).cmp(&(b.of.start, b.of.end)))
-        });
-        planes.dedup();
-        for plane in planes {
-            for (side, nodes) in self.mesh.sides.iter_mut().zip(&self.section.sides) {
-                let there = nodes
-                    .iter()
-                    .filter_map(|node| self.numbers.get(&(*node, plane.clone())).copied());
-                side.extend(there.filter(|at| !self.mesh.hanging.contains_key(at)));
+        let [left, right] = &self.section.sides;
+        let twins: HashMap<usize, usize> =
+            left.iter().copied().zip(right.iter().copied()).collect();
+        let mut all: Vec<_> = self.numbers.iter().collect();
+        all.sort_unstable_by_key(|(_, number)| **number);
+        for ((node, plane), number) in all {
+            if let Some(twin) = twins.get(node)
+                && !self.mesh.hanging.contains_key(number)
+            {
+                self.mesh.sides[0].push(*number);
+                self.mesh.sides[1].push(self.numbers[&(*twin, *plane)]);
             }
         }
     }
 
     /// Nodes of the loaded flank and of the fillet beside it, in the layers `face`.
-    fn find_surface(&mut self, outline: &Outline, face: &Range<usize>) {
+    fn find_surface(&mut self, outline: &Outline, face: Range<usize>) {
         let section = self.section;
-        let ends = (face.clone())
-            .flat_map(|layer| [Plane::end(layer), Plane::middle(&(layer..layer + 1))]);
-        for plane in ends.chain([Plane::end(face.end)]) {
-            let at = |node: usize| self.numbers.get(&(node, plane.clone())).copied();
+        let planes = face
+            .clone()
+            .flat_map(|layer| [[layer; 2], [layer, layer + 1]]);
+        for plane in planes.chain([[face.end; 2]]) {
+            let at = |node: usize| self.numbers.get(&(node, plane)).copied();
             let fillet = section.fillet.iter().map(|(node, _)| *node);
             self.mesh.fillet.extend(fillet.filter_map(at));
             for (node, arc) in &section.flank {
@@ -234,14 +232,13 @@ impl Extrusion<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::finite_element::dissection::Elimination;
     use crate::finite_element::model::Model;
-    use crate::finite_element::{Discretization, Settings, assembly, element};
+    use crate::finite_element::{Discretization, Settings, element};
     use crate::samples;
     use approx::assert_relative_eq;
-    use gearmesh::gear::{Body, Gear, GearKind, ToothProfile};
+    use gearmesh::gear::{Body, Gear, GearKind};
     use gearmesh::pair::Refinement;
+    use nalgebra::DVector;
 
     /// Gears whose deep rows have merged layers: without and with helix, and a ring.
     fn gears() -> [Gear; 3] {
@@ -288,25 +285,22 @@ mod tests {
         let squares: f64 = (0..9).map(|k| both(k / 3, k % 3).powi(2)).sum();
         let density = 0.5 * lambda * trace * trace + mu * squares;
         for gear in gears() {
-            let mut mesh = model(&gear).mesh;
+            let mesh = model(&gear).mesh();
             assert!(mesh.hanging.len() > 20, "{}", mesh.hanging.len());
-            mesh.held.fill(false);
-            let order = Elimination::new(&mesh).order;
-            let first = assembly::number_unknowns(&mesh, &order);
-            let k = assembly::assemble(&mesh, &order, [young, poisson]);
-            let mut u = vec![0.0; 3 * order.len()];
-            for node in &order {
-                let (sin, cos) = mesh.angles[*node].sin_cos();
-                let p = mesh.points[*node];
-                let [x, y, z] = g.map(|row| row.iter().zip(p).map(|(a, b)| a * b).sum::<f64>());
-                u[first[*node]..][..3].copy_from_slice(&[cos * x + sin * y, cos * y - sin * x, z]);
-            }
             let mut energy = 0.0;
-            for column in 0..u.len() {
-                for at in k.column_starts[column]..k.column_starts[column + 1] {
-                    let share = if k.rows[at] == column { 0.5 } else { 1.0 };
-                    energy += share * u[column] * k.values[at] * u[k.rows[at]];
-                }
+            for nodes in mesh.connectivity() {
+                let (nodes, k) = mesh.stiffness(nodes, [young, poisson]);
+                let u = DVector::from_iterator(
+                    3 * nodes.len(),
+                    nodes.iter().flat_map(|node| {
+                        let (sin, cos) = mesh.angles[*node].sin_cos();
+                        let p = mesh.points[*node];
+                        let [x, y, z] =
+                            g.map(|row| row.iter().zip(p).map(|(a, b)| a * b).sum::<f64>());
+                        [cos * x + sin * y, cos * y - sin * x, z]
+                    }),
+                );
+                energy += 0.5 * u.dot(&(k * &u));
             }
             let (volume, _) = mesh.volume_and_quality();
             assert_relative_eq!(energy, density * volume, max_relative = 1e-9);
@@ -317,21 +311,11 @@ mod tests {
     fn merged_layers_change_what_flanks_give_by_less_than_a_part_in_three_thousand() {
         for gear in gears() {
             let merged = model(&gear);
-            let sizes = settings().discretization;
-            let outline = Outline::new(&ToothProfile::new(&gear).unwrap());
-            let section = Section {
-                row_depths: Vec::new(),
-                ..Section::new(&outline, &sizes.section(gear.normal_module))
-            };
-            let twist = gear.base_helix_angle().tan() / gear.base_radius();
-            let layers = Layers::new(&gear, &sizes);
-            let split = Model {
-                mesh: Mesh::extruded(&section, &outline, &layers, twist, None),
-                ..model(&gear)
-            };
-            assert!(split.mesh.hanging.is_empty());
-            assert!(split.mesh.cells.len() > merged.mesh.cells.len());
-            let [merged, split] = [merged, split].map(|m| m.solve(1, &|_, _| true).unwrap().0);
+            let mut split = model(&gear);
+            (split.section.rows.iter_mut()).for_each(|row| row.depth = 0.0);
+            assert!(split.mesh().hanging.is_empty());
+            assert!(split.mesh().cells.len() > merged.mesh().cells.len());
+            let [merged, split] = [merged, split].map(|m| m.influence(1, &|_, _| true).unwrap());
             for (merged, split) in merged.iter().zip(&split) {
                 let error = (merged - split).amax();
                 assert!(error < 3e-4 * split.amax(), "{}", error / split.amax());
@@ -354,7 +338,7 @@ mod tests {
             ..disc.clone()
         };
         for gear in [disc, webbed] {
-            let mesh = model(&gear).mesh;
+            let mesh = model(&gear).mesh();
             let radius = |node: usize| mesh.points[node][0].hypot(mesh.points[node][1]);
             let on_face = |node: usize| (-1e-12..25e-3 + 1e-12).contains(&mesh.points[node][2]);
             assert!(mesh.fillet.len() > 50 && mesh.flank.len() > 50);

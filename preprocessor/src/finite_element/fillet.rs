@@ -7,14 +7,17 @@
 //! Gauss points of the outermost layers.
 
 use super::condensation::LoadColumn;
-use super::element::{QUAD8, shape};
+use super::element::shape;
+use super::flank::face_nodes;
 use super::mesh::Mesh;
+use super::model::{Model, twist};
+use nalgebra::Vector3;
 
 /// 1/sqrt(3), abscissa of the two-point Gauss rule.
 const GAUSS2: f64 = 0.577_350_269_189_625_8;
 
 /// The points of the fillet at which stress is observed: a grid of places along the profile and along the face.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct FilletGrid {
     /// Places along the profile from the middle of the space to the form point: radius, m.
     pub radii: Vec<f64>,
@@ -29,13 +32,8 @@ pub(super) struct FilletGrid {
 /// Components of stress at each point: along the profile, along the helix, shear; Pa.
 pub(super) const COMPONENTS: usize = 3;
 
-/// Displacement functionals of the stress at one point, before the unknowns are numbered: node, and the factors of its
-/// radial, circumferential and axial displacement.
-type Functional = Vec<(usize, [f64; 3])>;
-
 /// A place along the face where stress is observed.
 struct Place {
-    /// Layer of elements.
     layer: usize,
     /// m.
     z: f64,
@@ -47,17 +45,16 @@ impl Place {
     /// Both faces and the middles of the layers between `stations`; the station itself in plane strain.
     fn along(stations: &[f64]) -> Vec<Place> {
         let place = |layer, z, shares| Place { layer, z, shares };
-        let middle = vec![(0.0, 1.0)];
         let layers = stations.len() - 1;
         if layers == 0 {
-            return vec![place(0, stations[0], middle)];
+            return vec![place(0, stations[0], vec![(-1.0, 1.0)])];
         }
         // On the straight line through both Gauss points, at zeta = -1 or 1.
         let near = 0.5 * (1.0 + 1.0 / GAUSS2);
         let far = 1.0 - near;
         let mut places = vec![place(0, stations[0], vec![(-GAUSS2, near), (GAUSS2, far)])];
         for (layer, ends) in stations.windows(2).enumerate() {
-            places.push(place(layer, 0.5 * (ends[0] + ends[1]), middle.clone()));
+            places.push(place(layer, 0.5 * (ends[0] + ends[1]), vec![(0.0, 1.0)]));
         }
         let last = vec![(-GAUSS2, far), (GAUSS2, near)];
         places.push(place(layers - 1, stations[layers], last));
@@ -65,64 +62,38 @@ impl Place {
     }
 }
 
-/// Value and derivatives along xi and zeta of a shape function.
-type Shape = (f64, [f64; 2]);
-
-/// One face of an element, in the order of [`QUAD8`]: xi along the profile, zeta along the face.
-struct Face<'a> {
-    mesh: &'a Mesh,
-    nodes: Vec<usize>,
-    material: [f64; 2],
-}
-
-/// What a face gives at one of its points.
+/// A point of the face of an element.
 struct FacePoint {
-    place: [f64; 3],
+    place: Vector3<f64>,
     /// Unit normal, either way.
-    normal: [f64; 3],
-    stress: [Functional; COMPONENTS],
+    normal: Vector3<f64>,
+    /// Stress by the displacements.
+    stress: [LoadColumn; COMPONENTS],
 }
 
 impl FilletGrid {
-    /// Points on `mesh`, whose fillet has the arc lengths `arcs` (corner, mid-edge, corner, ...) and whose layers end at
-    /// `stations`, m; `twist` rad per m along z. With them the stress at each, for the unknowns numbered by `first`: all of a
-    /// place along the face one after the other, the [`COMPONENTS`] of a point together.
-    pub fn new(
-        mesh: &Mesh,
-        arcs: &[f64],
-        (stations, twist): (&[f64], f64),
-        material: [f64; 2],
-        first: &[usize],
-    ) -> (FilletGrid, Vec<LoadColumn>) {
-        let elements = arcs.len() / 2;
-        let mut grid = FilletGrid {
-            radii: Vec::new(),
-            tangents: Vec::new(),
-            arcs: Vec::new(),
-            z: Vec::new(),
-        };
-        let abscissae = [-GAUSS2, GAUSS2];
-        let places = Place::along(stations);
+    /// Points on the fillet of `model` with its `mesh`, and the stress at each: all of a place along the face one after the other, the [`COMPONENTS`]
+    /// of a point together.
+    pub fn new(model: &Model, mesh: &Mesh) -> (FilletGrid, Vec<LoadColumn>) {
+        let fillet = &model.section.fillet;
+        let mut grid = FilletGrid::default();
         let mut columns = Vec::new();
-        for (number, place) in places.iter().enumerate() {
+        for (number, place) in Place::along(&model.grid.stations).iter().enumerate() {
             grid.z.push(place.z);
-            for element in 0..elements {
-                let face = Face::new(mesh, elements, element, place.layer, material);
-                for xi in abscissae {
-                    if number == 0 {
-                        let point = face.at(xi, place.shares[0].0);
-                        grid.add(&point, twist);
-                        let [low, mid, high] = [0, 1, 2].map(|i| arcs[2 * element + i]);
-                        let curved = 0.5 * (low - 2.0 * mid + high) * xi * xi;
-                        grid.arcs.push(mid + 0.5 * (high - low) * xi + curved);
-                    }
+            for element in 0..fillet.len() / 2 {
+                for xi in [-GAUSS2, GAUSS2] {
                     let mut stress: [LoadColumn; COMPONENTS] = Default::default();
-                    for (zeta, share) in &place.shares {
-                        for (column, part) in stress.iter_mut().zip(face.at(xi, *zeta).stress) {
-                            for (node, factors) in part {
-                                let unknowns = factors.iter().take(mesh.dimension).enumerate();
-                                column.extend(unknowns.map(|(d, f)| (first[node] + d, share * f)));
-                            }
+                    for (at, (zeta, share)) in place.shares.iter().enumerate() {
+                        let point =
+                            FacePoint::new(model, mesh, [element, place.layer], [xi, *zeta]);
+                        if number == 0 && at == 0 {
+                            grid.add(&point, twist(&model.gear));
+                            let [low, mid, high] = [0, 1, 2].map(|i| fillet[2 * element + i].1);
+                            let curved = 0.5 * (low - 2.0 * mid + high) * xi * xi;
+                            grid.arcs.push(mid + 0.5 * (high - low) * xi + curved);
+                        }
+                        for (column, part) in stress.iter_mut().zip(point.stress) {
+                            column.extend(part.iter().map(|(unknown, f)| (*unknown, share * f)));
                         }
                     }
                     columns.extend(stress);
@@ -132,124 +103,76 @@ impl FilletGrid {
         (grid, columns)
     }
 
+    /// Adds a place along the profile of a gear that turns by `twist` rad per metre along z.
     fn add(&mut self, point: &FacePoint, twist: f64) {
-        let [x, y, z] = point.place;
+        let [x, y, z] = point.place.into();
         self.radii.push(x.hypot(y));
         let (sin, cos) = (twist * z).sin_cos();
         let across = (point.normal[0] * cos + point.normal[1] * sin).abs();
         self.tangents.push(across.min(1.0).asin());
     }
 
-    /// Number of points.
     pub fn len(&self) -> usize {
         self.radii.len() * self.z.len()
     }
 }
 
-impl<'a> Face<'a> {
+impl FacePoint {
+    /// The point `xi` along the profile and `zeta` along the face of one element and layer.
     fn new(
-        mesh: &'a Mesh,
-        elements: usize,
-        element: usize,
-        layer: usize,
-        material: [f64; 2],
-    ) -> Face<'a> {
-        let nodes = if mesh.dimension == 2 {
-            (0..3).map(|i| mesh.fillet[2 * element + i]).collect()
-        } else {
-            // Planes of all nodes alternate with planes of corners alone.
-            let node = |i: usize, k: usize| {
-                let base = (k / 2) * (3 * elements + 2);
-                mesh.fillet[match k % 2 {
-                    0 => base + i,
-                    _ => base + 2 * elements + 1 + i / 2,
-                }]
-            };
-            let half = |c: f64| (1.0 + c) as usize;
-            let corner = |c: &[f64; 3]| node(2 * element + half(c[0]), 2 * layer + half(c[1]));
-            QUAD8.iter().map(corner).collect()
-        };
-        Face {
-            mesh,
-            nodes,
-            material,
+        model: &Model,
+        mesh: &Mesh,
+        [element, layer]: [usize; 2],
+        [xi, zeta]: [f64; 2],
+    ) -> FacePoint {
+        let plane = mesh.dimension == 2;
+        let nodes: Vec<(usize, f64, [f64; 3])> =
+            face_nodes(model.section.fillet.len() / 2, element, layer, plane)
+                .map(|(node, c)| {
+                    let (value, slope) = shape(2, c, &[xi, zeta, 0.0]);
+                    (mesh.fillet[node], value, slope)
+                })
+                .collect();
+        let (mut place, mut along) = (Vector3::zeros(), [Vector3::zeros(); 2]);
+        for (node, value, slope) in &nodes {
+            let point = Vector3::from(mesh.points[*node]);
+            place += *value * point;
+            along[0] += slope[0] * point;
+            along[1] += slope[1] * point;
         }
-    }
-
-    /// Value and both derivatives of the shape function of each node.
-    fn shapes(&self, xi: f64, zeta: f64) -> Vec<Shape> {
-        if self.mesh.dimension == 2 {
-            return vec![
-                (0.5 * xi * (xi - 1.0), [xi - 0.5, 0.0]),
-                (1.0 - xi * xi, [-2.0 * xi, 0.0]),
-                (0.5 * xi * (xi + 1.0), [xi + 0.5, 0.0]),
-            ];
+        if plane {
+            along[1] = Vector3::z();
         }
-        let at = [xi, zeta, 0.0];
-        let of = |c| {
-            let (value, slope) = shape(2, c, &at);
-            (value, [slope[0], slope[1]])
-        };
-        QUAD8.iter().map(of).collect()
-    }
-
-    fn at(&self, xi: f64, zeta: f64) -> FacePoint {
-        let shapes = self.shapes(xi, zeta);
-        let points = self.mesh.coordinates(&self.nodes);
-        let sum = |of: fn(&Shape) -> f64| -> [f64; 3] {
-            std::array::from_fn(|d| shapes.iter().zip(&points).map(|(s, p)| of(s) * p[d]).sum())
-        };
-        let place = sum(|s| s.0);
-        let along_profile = sum(|s| s.1[0]);
-        let plane = self.mesh.dimension == 2;
-        let along_face = match plane {
-            true => [0.0, 0.0, 1.0],
-            false => sum(|s| s.1[1]),
-        };
         // Orthonormal in the tangent plane: b along the helix, s across it.
-        let helix = norm(along_face);
-        let b = along_face.map(|c| c / helix);
-        let lean = dot(along_profile, b);
-        let s: [f64; 3] = std::array::from_fn(|d| along_profile[d] - lean * b[d]);
-        let length = norm(s);
-        let s = s.map(|c| c / length);
-        let (youngs_modulus, nu) = (self.material[0], self.material[1]);
+        let helix = along[1].norm();
+        let b = along[1] / helix;
+        let lean = along[0].dot(&b);
+        let s = along[0] - lean * b;
+        let length = s.norm();
+        let s = s / length;
+        let [youngs_modulus, nu] = model.material();
         let stiff = youngs_modulus / (1.0 - nu * nu);
         let shear = youngs_modulus / (2.0 * (1.0 + nu));
-        let mut stress: [Functional; COMPONENTS] = Default::default();
-        for ((_, slope), node) in shapes.iter().zip(&self.nodes) {
+        let mut stress: [LoadColumn; COMPONENTS] = Default::default();
+        for (node, _, slope) in nodes {
             // Derivatives along s and b; those along z vanish in plane strain.
             let d_b = if plane { 0.0 } else { slope[1] / helix };
             let d_s = (slope[0] - lean * d_b) / length;
-            let (sin, cos) = self.mesh.angles[*node].sin_cos();
-            let axes = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]];
-            let strains = axes.map(|axis| {
-                let (u_s, u_b) = (dot(axis, s), dot(axis, b));
-                [d_s * u_s, d_b * u_b, d_b * u_s + d_s * u_b]
-            });
-            stress[0].push((*node, strains.map(|e| stiff * (e[0] + nu * e[1]))));
-            stress[1].push((*node, strains.map(|e| stiff * (e[1] + nu * e[0]))));
-            stress[2].push((*node, strains.map(|e| shear * e[2])));
+            let (sin, cos) = mesh.angles[node].sin_cos();
+            let axes = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]].map(Vector3::from);
+            for (d, axis) in axes.iter().enumerate().take(mesh.dimension) {
+                let (u_s, u_b) = (axis.dot(&s), axis.dot(&b));
+                let (e_s, e_b) = (d_s * u_s, d_b * u_b);
+                let unknown = mesh.dimension * node + d;
+                stress[0].push((unknown, stiff * (e_s + nu * e_b)));
+                stress[1].push((unknown, stiff * (e_b + nu * e_s)));
+                stress[2].push((unknown, shear * (d_b * u_s + d_s * u_b)));
+            }
         }
         FacePoint {
             place,
-            normal: cross(s, b),
+            normal: s.cross(&b),
             stress,
         }
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j] * b[k] - a[k] * b[j]
-    })
 }

@@ -1,9 +1,9 @@
 //! The grid of nodes on the loaded flank, and strips as weights on it.
 
 use super::element::{GAUSS3, QUAD8, shape};
-use super::kernel::{EDGE_KERNEL_OVER_ELEMENT, HALF_KERNEL_FROM_EDGE};
+use super::kernel::{EDGE_KERNEL_OVER_ELEMENT, GAUSS5, HALF_KERNEL_FROM_EDGE, Kernel};
 use super::outline::Outline;
-use crate::finite_element::kernel::{GAUSS5, Kernel};
+use super::section::Section;
 use gearmesh::compliance::Strip;
 use std::collections::BTreeMap;
 
@@ -23,15 +23,24 @@ pub(super) struct FlankGrid {
     pub form_roll: f64,
     /// kappa / (2 rb), 1/m: arc = this * (roll² - form_roll²).
     pub arc_per_roll_squared: f64,
-    /// Half-width of the kernel, m.
     pub kernel_half_width: f64,
 }
 
 impl FlankGrid {
-    /// Grid of the flank nodes' arc lengths `arcs` (corner, mid-edge, corner, ...).
-    pub fn new(outline: &Outline, arcs: &[f64], stations: &[f64], half_width: f64) -> FlankGrid {
+    /// Grid of the flank of `section` in the layers between `stations`.
+    pub fn new(
+        outline: &Outline,
+        section: &Section,
+        stations: &[f64],
+        half_width: f64,
+    ) -> FlankGrid {
         FlankGrid {
-            arcs: arcs.iter().step_by(2).copied().collect(),
+            arcs: section
+                .flank
+                .iter()
+                .step_by(2)
+                .map(|(_, arc)| *arc)
+                .collect(),
             stations: stations.to_vec(),
             form_roll: outline.form_roll,
             arc_per_roll_squared: outline.kappa / (2.0 * outline.base_radius),
@@ -39,7 +48,6 @@ impl FlankGrid {
         }
     }
 
-    /// Number of nodes.
     pub fn len(&self) -> usize {
         let (elements, layers) = (self.arcs.len() - 1, self.stations.len() - 1);
         (layers + 1) * (2 * elements + 1) + layers * (elements + 1)
@@ -51,23 +59,11 @@ impl FlankGrid {
         layers.fold(0.0, f64::max)
     }
 
-    /// Number of the node at half steps `i` along the profile and `k` along z; not both odd.
-    fn node(&self, i: usize, k: usize) -> usize {
-        let elements = self.arcs.len() - 1;
-        let base = (k / 2) * (3 * elements + 2);
-        if k.is_multiple_of(2) {
-            base + i
-        } else {
-            base + 2 * elements + 1 + i / 2
-        }
-    }
-
     /// Arc length from the form point at the length of roll `roll`, m.
     pub fn arc(&self, roll: f64) -> f64 {
         self.arc_per_roll_squared * (roll * roll - self.form_roll * self.form_roll)
     }
 
-    /// Kernel of a line at `roll`.
     fn kernel(&self, roll: f64) -> Kernel {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
         let arc = self.arc(roll);
@@ -95,7 +91,6 @@ impl FlankGrid {
             .reference_length()
     }
 
-    /// Weights of `strip`.
     pub fn weights(&self, strip: &Strip) -> Weights {
         let length = strip.z[1] - strip.z[0];
         let mut sum = BTreeMap::new();
@@ -116,32 +111,48 @@ impl FlankGrid {
     fn spread(&self, layer: usize, z: f64, roll: f64, part: f64, sum: &mut BTreeMap<usize, f64>) {
         let kernel = self.kernel(roll);
         let plane = self.stations.len() == 1;
+        let zeta = if plane {
+            -1.0
+        } else {
+            local(z, &self.stations, layer)
+        };
         for (element, low, high) in cells(&self.arcs, kernel.support()) {
             for (x, weight) in GAUSS5 {
                 let arc = low + x * (high - low);
                 let load = part * weight * (high - low) * kernel.density(arc);
                 let xi = local(arc, &self.arcs, element);
-                if plane {
-                    for (i, value) in line3(xi).into_iter().enumerate() {
-                        *sum.entry(2 * element + i).or_insert(0.0) += load * value;
-                    }
-                    continue;
-                }
-                let zeta = local(z, &self.stations, layer);
-                for c in &QUAD8 {
-                    let half = |center: f64| (1.0 + center) as usize;
-                    let node = self.node(2 * element + half(c[0]), 2 * layer + half(c[1]));
-                    let value = shape(2, c, &[xi, zeta, 0.0]).0;
-                    *sum.entry(node).or_insert(0.0) += load * value;
+                for (node, c) in face_nodes(self.arcs.len() - 1, element, layer, plane) {
+                    *sum.entry(node).or_insert(0.0) += load * shape(2, c, &[xi, zeta, 0.0]).0;
                 }
             }
         }
     }
 }
 
-/// Quadratic shape functions of a line with the nodes -1, 0, 1.
-fn line3(xi: f64) -> [f64; 3] {
-    [0.5 * xi * (xi - 1.0), 1.0 - xi * xi, 0.5 * xi * (xi + 1.0)]
+/// Nodes of the face of one `element` along the profile and one `layer`, with their local coordinates (xi along the profile, zeta along
+/// the face), in the numbering of [`super::mesh::Mesh::flank`] and `fillet`: planes of all nodes alternate with planes of corners
+/// alone. A surface that is `elements` long; of a `plane` model the line zeta = -1.
+pub(super) fn face_nodes(
+    elements: usize,
+    element: usize,
+    layer: usize,
+    plane: bool,
+) -> impl Iterator<Item = (usize, &'static [f64; 3])> {
+    let half = |c: f64| (1.0 + c) as usize;
+    let nodes = QUAD8.iter().filter(move |c| !plane || c[1] == -1.0);
+    nodes.map(move |c| {
+        let (i, k) = (2 * element + half(c[0]), 2 * layer + half(c[1]));
+        let base = (k / 2) * (3 * elements + 2);
+        let corners = base + 2 * elements + 1 + i / 2;
+        (
+            if k.is_multiple_of(2) {
+                base + i
+            } else {
+                corners
+            },
+            c,
+        )
+    })
 }
 
 /// Local coordinate in [-1, 1] of `x` in cell `i` of `ends`.

@@ -30,7 +30,7 @@ pub(super) fn solved(teeth: usize, reach: usize) -> Vec<Solved> {
     for low in 3..=16 {
         for points in (10..=80).step_by(2) {
             let trial = Places::new(teeth, low, points);
-            if trial.count() < best.count() && trial.error() < TOLERANCE {
+            if trial.solved.len() < best.solved.len() && trial.error() < TOLERANCE {
                 best = trial;
             }
         }
@@ -44,34 +44,33 @@ pub(super) fn all(teeth: usize, reach: usize) -> Vec<Solved> {
     Places::all(teeth).weighed(reach)
 }
 
-/// Harmonics 0 to `low` - 1 and those in `between`.
+/// Harmonics that are solved, ascending: 0 to `low` - 1 and some of those above.
 #[derive(Debug, Clone)]
 struct Places {
     teeth: usize,
     low: usize,
-    between: Vec<usize>,
+    solved: Vec<usize>,
 }
 
 impl Places {
     /// Every harmonic.
     fn all(teeth: usize) -> Places {
+        let low = teeth / 2 + 1;
         Places {
             teeth,
-            low: teeth / 2 + 1,
-            between: Vec::new(),
+            low,
+            solved: (0..low).collect(),
         }
     }
 
     /// The harmonics with their weights in the influences up to `reach` teeth away.
     fn weighed(&self, reach: usize) -> Vec<Solved> {
         let top = self.teeth / 2;
-        let mut found: Vec<Solved> = (0..self.low.min(top + 1))
-            .chain(self.between.iter().copied())
-            .map(|harmonic| Solved {
-                harmonic,
-                weights: vec![[0.0; 2]; reach + 1],
-            })
-            .collect();
+        let unweighed = |harmonic: &usize| Solved {
+            harmonic: *harmonic,
+            weights: vec![[0.0; 2]; reach + 1],
+        };
+        let mut found: Vec<Solved> = self.solved.iter().map(unweighed).collect();
         for n in 0..=top {
             // Harmonics n and z - n are conjugate.
             let alone = n == 0 || 2 * n == self.teeth;
@@ -89,43 +88,34 @@ impl Places {
 
     /// The harmonics next to `points` of Chebyshev's between `low` and its mirror image.
     fn new(teeth: usize, low: usize, points: usize) -> Places {
-        let mut between = Vec::new();
+        let low = low.min(teeth / 2 + 1);
+        let mut solved: Vec<usize> = (0..low).collect();
         let end = place(low, teeth);
         for i in 0..points {
             let u = end * (PI * i as f64 / (points - 1) as f64).cos();
             let n = (u.exp().atan() * 2.0 * teeth as f64 / PI).round() as usize;
             if n >= low && 2 * n <= teeth {
-                between.push(n);
+                solved.push(n);
             }
         }
-        between.sort_unstable();
-        between.dedup();
-        Places {
-            teeth,
-            low,
-            between,
-        }
-    }
-
-    fn count(&self) -> usize {
-        self.low.min(self.teeth / 2 + 1) + self.between.len()
+        solved.sort_unstable();
+        solved.dedup();
+        Places { teeth, low, solved }
     }
 
     /// What each solved harmonic (counted as in [`solved`]) has in the harmonic `n`: shares of even and odd part.
     fn shares(&self, n: usize) -> Vec<(usize, [f64; 2])> {
-        if n < self.low {
-            return vec![(n, [1.0; 2])];
+        if let Ok(at) = self.solved.binary_search(&n) {
+            return vec![(at, [1.0; 2])];
         }
-        if let Ok(at) = self.between.binary_search(&n) {
-            return vec![(self.low + at, [1.0; 2])];
-        }
+        let between = &self.solved[self.low..];
         let u = place(n, self.teeth);
         let own = |n: &usize| place(*n, self.teeth);
         let middle = |n: &usize| 2 * n == self.teeth;
         // Lagrange's polynomial that is one at `at` and zero at all other places and mirror images.
         let lagrange = |at: f64| -> f64 {
             let mut value = 1.0;
-            for other in &self.between {
+            for other in between {
                 let q = own(other);
                 for q in [q, -q].into_iter().take(if middle(other) { 1 } else { 2 }) {
                     if (q - at).abs() > 1e-9 {
@@ -135,7 +125,7 @@ impl Places {
             }
             value
         };
-        let both = self.between.iter().enumerate().map(|(i, n)| {
+        let both = between.iter().enumerate().map(|(i, n)| {
             let here = lagrange(own(n));
             let image = if middle(n) { 0.0 } else { lagrange(-own(n)) };
             (self.low + i, [here + image, here - image])
@@ -148,16 +138,9 @@ impl Places {
         let top = self.teeth / 2;
         // Many teeth: some of the harmonics tell of all.
         let step = (top / 64).max(1);
-        let number = |at: usize| {
-            if at < self.low {
-                at
-            } else {
-                self.between[at - self.low]
-            }
-        };
         let mut worst = 0.0f64;
         for n in (self.low..=top).step_by(step) {
-            if self.between.binary_search(&n).is_ok() {
+            if self.solved.binary_search(&n).is_ok() {
                 continue;
             }
             let shares = self.shares(n);
@@ -171,7 +154,7 @@ impl Places {
                 };
                 let mut error = parts(n).map(|part| -part);
                 for (at, share) in &shares {
-                    let solved = parts(number(*at));
+                    let solved = parts(self.solved[*at]);
                     for part in 0..2 {
                         error[part] += share[part] * solved[part];
                     }

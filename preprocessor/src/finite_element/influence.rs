@@ -4,6 +4,7 @@
 //! (`c_ij - c_i-1,j - c_i,j-1 + c_i-1,j-1`) mostly fits into one byte. A model is the same numbers whether it was
 //! computed or read.
 
+use super::cache::Stored;
 use nalgebra::DMatrix;
 
 /// The unit is the largest entry over this. The largest one, a node in a corner of the flank under a load of its
@@ -38,7 +39,6 @@ impl Influence {
         }
     }
 
-    /// Number of matrices.
     pub fn teeth(&self) -> usize {
         self.entries.len() / (self.nodes * self.nodes).max(1)
     }
@@ -53,29 +53,25 @@ impl Influence {
         let start = (k * self.nodes + node) * self.nodes;
         &self.entries[start..start + self.nodes]
     }
+}
 
-    /// Appends itself to a file.
-    pub fn encode(&self, out: &mut Vec<u8>) {
-        out.extend(self.unit.to_le_bytes());
+impl Stored for Influence {
+    fn encode(&self) -> Vec<u8> {
+        let mut out = self.unit.to_le_bytes().to_vec();
         out.extend((self.nodes as u64).to_le_bytes());
         out.extend((self.teeth() as u64).to_le_bytes());
-        for k in 0..self.teeth() {
-            let mut before = vec![0; self.nodes];
-            for node in 0..self.nodes {
-                let column = self.column(k, node);
-                let mut above = 0;
-                for (value, before) in column.iter().zip(&before) {
-                    let step = i64::from(*value) - i64::from(*before);
-                    put(step - above, out);
-                    above = step;
-                }
-                before.copy_from_slice(column);
+        for column in 0..self.teeth() * self.nodes {
+            for row in 0..self.nodes {
+                let (before, rest) = self.entries.split_at(column * self.nodes + row);
+                let neighbours = [row > 0, !column.is_multiple_of(self.nodes)];
+                let expected = expected(before, self.nodes, neighbours);
+                put(i64::from(rest[0]) - expected, &mut out);
             }
         }
+        out
     }
 
-    /// Reads what [`Influence::encode`] wrote; None for anything else.
-    pub fn decode(mut bytes: &[u8]) -> Option<Influence> {
+    fn decode(mut bytes: &[u8]) -> Option<Influence> {
         let unit = f64::from_bits(word(&mut bytes)?);
         let nodes = usize::try_from(word(&mut bytes)?).ok()?;
         let teeth = usize::try_from(word(&mut bytes)?).ok()?;
@@ -85,17 +81,12 @@ impl Influence {
             return None;
         }
         let mut entries: Vec<i32> = Vec::with_capacity(count);
-        for _ in 0..teeth {
-            for node in 0..nodes {
-                let mut above = 0;
-                for _ in 0..nodes {
-                    let before = match node {
-                        0 => 0,
-                        _ => i64::from(entries[entries.len() - nodes]),
-                    };
-                    above += take(&mut bytes)?;
-                    entries.push(i32::try_from(before + above).ok()?);
-                }
+        for column in 0..teeth * nodes {
+            for row in 0..nodes {
+                let neighbours = [row > 0, !column.is_multiple_of(nodes)];
+                let expected = expected(&entries, nodes, neighbours);
+                let entry = expected.checked_add(take(&mut bytes)?)?;
+                entries.push(i32::try_from(entry).ok()?);
             }
         }
         bytes.is_empty().then_some(Influence {
@@ -104,6 +95,15 @@ impl Influence {
             entries,
         })
     }
+}
+
+/// What follows the `entries`, columns of `nodes` each, as one expects by its neighbours where it `has` them: above, and to the left.
+fn expected(entries: &[i32], nodes: usize, has: [bool; 2]) -> i64 {
+    let neighbour = |there: bool, back: usize| match there {
+        true => i64::from(entries[entries.len() - back]),
+        false => 0,
+    };
+    neighbour(has[0], 1) + neighbour(has[1], nodes) - neighbour(has[0] && has[1], nodes + 1)
 }
 
 fn word(bytes: &mut &[u8]) -> Option<u64> {
@@ -169,8 +169,7 @@ mod tests {
 
     #[test]
     fn what_is_cut_or_too_long_is_not_read() {
-        let mut bytes = Vec::new();
-        Influence::new(&smooth()).encode(&mut bytes);
+        let mut bytes = Influence::new(&smooth()).encode();
         for length in [0, 8, 23, 24, bytes.len() - 1] {
             assert_eq!(Influence::decode(&bytes[..length]), None, "{length}");
         }
@@ -182,9 +181,7 @@ mod tests {
         #[test]
         fn any_numbers_come_back(entries in proptest::collection::vec(any::<i32>(), 18)) {
             let influence = Influence { unit: 1e-15, nodes: 3, entries };
-            let mut bytes = Vec::new();
-            influence.encode(&mut bytes);
-            prop_assert_eq!(Influence::decode(&bytes), Some(influence));
+            prop_assert_eq!(Influence::decode(&influence.encode()), Some(influence));
         }
     }
 }

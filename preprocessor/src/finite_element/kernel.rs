@@ -3,6 +3,8 @@
 //! phi(t) = 15/16 (1 - t²)² / w for abs(t) < 1, t the distance over the half-width w; cut off at the edges
 //! of the flank and scaled back to unit mass.
 
+use gearmesh::root::bisection;
+
 /// Half-width of the kernel over that of the widest contact: the kernel's reference length, 0.29 of its
 /// half-width, then exceeds that of the contact, and the local contact adds to the bulk.
 pub const KERNEL_OVER_HERTZ: f64 = 4.0;
@@ -19,7 +21,6 @@ pub const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
 /// the half-width: half of exp of the mean of ln(x + y) over both.
 pub const HALF_KERNEL_FROM_EDGE: f64 = 0.269;
 
-/// A kernel on the flank.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Kernel {
     half_width: f64,
@@ -56,19 +57,7 @@ impl Kernel {
             // With the edge at `high` from the middle, the centre of mass lies `high - mean(high)` from
             // the edge: rising in `high` from the half kernel's value.
             let distance = |high: f64| high - mean(low, high);
-            let (mut least, mut most) = (0.0, high);
-            if distance(least) >= room {
-                most = least;
-            }
-            while most - least > 1e-12 {
-                let middle = 0.5 * (least + most);
-                if distance(middle) > room {
-                    most = middle;
-                } else {
-                    least = middle;
-                }
-            }
-            high = most;
+            high = bisection([0.0, high], 60, |high| distance(high) < room);
         }
         let center = if high < 1.0 {
             flank[1] - high * half_width

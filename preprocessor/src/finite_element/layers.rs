@@ -1,7 +1,7 @@
 //! Layers of the mesh along the axis, and which parts of the body lie in each.
 
 use super::grading::graded_from_both;
-use super::section::Part;
+use super::section::Row;
 use super::settings::Discretization;
 use gearmesh::gear::{Body, Gear};
 use std::ops::Range;
@@ -100,10 +100,10 @@ impl Layers {
         (1..self.stations.len()).map(|end| end - 1..end).collect()
     }
 
-    /// Layers of the rows below the root whose upper edges lie `depths` (m, ascending) below it: merged as far as
+    /// Layers of each of the `rows` below the root: merged as far as
     /// [`DEPTH_OVER_LAYER`] allows. The same seen from the other end of the face; each row's layers are made of whole
     /// ones of the row above.
-    pub fn of_rows(&self, depths: &[f64]) -> Vec<Vec<Range<usize>>> {
+    pub fn of_rows(&self, rows: &[Row]) -> Vec<Vec<Range<usize>>> {
         let single = self.single();
         let merged = merged(&single);
         let thickness =
@@ -111,28 +111,17 @@ impl Layers {
         let thickest = merged.iter().map(thickness).fold(0.0, f64::max);
         let face = self.stations[self.face.end] - self.stations[self.face.start];
         let merges = self.body.is_none() && thickest * FACE_OVER_LAYER <= face;
-        let deep = |depth: f64| merges && depth >= DEPTH_OVER_LAYER * thickest;
-        let of_row = |depth: &f64| {
-            if deep(*depth) {
-                merged.clone()
-            } else {
-                single.clone()
-            }
-        };
-        depths.iter().map(of_row).collect()
+        let is_deep = |row: &Row| merges && row.depth >= DEPTH_OVER_LAYER * thickest;
+        let of_row = |row: &Row| if is_deep(row) { &merged } else { &single }.clone();
+        rows.iter().map(of_row).collect()
     }
 
-    /// Whether there is material of `part` in the layer `layer`.
-    pub fn holds(&self, part: Part, layer: usize) -> bool {
-        let Some(body) = self.body else {
-            return true;
-        };
+    /// Whether there is material of a row of this [`Row::width`] in the layer `layer`.
+    pub fn holds(&self, width: Option<[f64; 2]>, layer: usize) -> bool {
         let middle = 0.5 * (self.stations[layer] + self.stations[layer + 1]);
-        let within = |z: [f64; 2]| z[0] < middle && middle < z[1];
-        match part {
-            Part::Rim => self.face.contains(&layer),
-            Part::Web => within(body.web),
-            Part::Hub => within(body.hub),
+        match width {
+            None => self.face.contains(&layer),
+            Some([low, high]) => low < middle && middle < high,
         }
     }
 }
@@ -154,6 +143,10 @@ mod tests {
             }),
             ..samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0)
         }
+    }
+
+    fn row(depth: f64) -> Row {
+        Row { depth, width: None }
     }
 
     #[test]
@@ -186,7 +179,7 @@ mod tests {
                 ..samples::gear(GearKind::External, 80, 1.0, 0.0, 0.0)
             };
             let layers = Layers::new(&gear, &sizes);
-            let rows = layers.of_rows(&[0.0, 1e-3, 1.0]);
+            let rows = layers.of_rows(&[0.0, 1e-3, 1.0].map(row));
             let (all, deep) = (layers.single(), &rows[2]);
             assert_eq!([&rows[0], &rows[1]], [&all; 2]);
             assert!(deep.len() <= all.len() / 2 + 3);
@@ -203,9 +196,9 @@ mod tests {
             &samples::gear(GearKind::External, 80, 1.0, 0.0, 0.0),
             &sizes,
         );
-        assert_eq!(narrow.of_rows(&[1.0]), [narrow.single()]);
+        assert_eq!(narrow.of_rows(&[row(1.0)]), [narrow.single()]);
         let body = Layers::new(&self::gear([4e-3, 9e-3], [0.0, 25e-3]), &sizes);
-        assert_eq!(body.of_rows(&[1.0]), [body.single()]);
+        assert_eq!(body.of_rows(&[row(1.0)]), [body.single()]);
     }
 
     #[test]
@@ -228,8 +221,8 @@ mod tests {
         let face = [0.0, 25e-3];
         let layers = Layers::new(&gear(face, face), &Discretization::of(Refinement::Normal));
         assert_eq!(layers.face, 0..layers.stations.len() - 1);
-        for part in [Part::Rim, Part::Web, Part::Hub] {
-            assert!((0..layers.stations.len() - 1).all(|layer| layers.holds(part, layer)));
+        for width in [None, Some(face)] {
+            assert!((0..layers.stations.len() - 1).all(|layer| layers.holds(width, layer)));
         }
     }
 }

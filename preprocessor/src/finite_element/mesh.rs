@@ -1,9 +1,8 @@
-//! The mesh of one sector: the section itself (plane strain) or, by [`super::extrusion`], the section extruded along
-//! the helix.
+//! The mesh of one sector, which [`super::extrusion`] makes, and the stiffness of its elements.
 
+use super::condensation::LoadColumn;
 use super::element;
-use super::outline::Outline;
-use super::section::Section;
+use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
 /// A node of the loaded flank and the outward unit normal there in the node's own cylindrical axes
@@ -14,7 +13,6 @@ pub(super) struct FlankNode {
     pub normal: [f64; 3],
 }
 
-/// An elastic foundation.
 #[derive(Debug, Clone)]
 pub(super) struct Foundation {
     /// Whether a node lies on the surface that rests on it.
@@ -37,7 +35,6 @@ pub(super) struct Mesh {
     pub elements: Vec<usize>,
     /// (column, row, layer) of each element.
     pub cells: Vec<[i32; 3]>,
-    /// Whether a node is held.
     pub held: Vec<bool>,
     /// What the held surface rests on where it is not rigid.
     pub foundation: Option<Foundation>,
@@ -53,39 +50,8 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    /// The plane section.
-    pub fn plane(section: &Section, outline: &Outline, foundation: Option<f64>) -> Mesh {
-        let mut held = vec![false; section.nodes.len()];
-        section.held.iter().for_each(|node| held[*node] = true);
-        Mesh {
-            dimension: 2,
-            points: (0..section.nodes.len())
-                .map(|i| section.cartesian(i))
-                .collect(),
-            angles: section.nodes.iter().map(|p| p[1]).collect(),
-            elements: section.quads.iter().flatten().copied().collect(),
-            cells: section.cells.iter().map(|c| [c[0], c[1], 0]).collect(),
-            held,
-            sides: section.sides.clone(),
-            flank: section
-                .flank
-                .iter()
-                .map(|(node, arc)| {
-                    let n = outline.normal(*arc);
-                    FlankNode {
-                        node: *node,
-                        normal: [n[0], n[1], 0.0],
-                    }
-                })
-                .collect(),
-            fillet: section.fillet.iter().map(|(node, _)| *node).collect(),
-            ..Mesh::default()
-        }
-        .rested_on(foundation)
-    }
-
     /// The mesh with its held nodes on a foundation of the given stiffness (N/m³), if there is one.
-    pub(super) fn rested_on(mut self, foundation: Option<f64>) -> Mesh {
+    pub fn rested_on(mut self, foundation: Option<f64>) -> Mesh {
         if let Some(stiffness) = foundation {
             let free = vec![false; self.held.len()];
             let nodes = std::mem::replace(&mut self.held, free);
@@ -94,12 +60,18 @@ impl Mesh {
         self
     }
 
+    /// Unit normal loads on the flank nodes.
+    pub fn loads(&self) -> Vec<LoadColumn> {
+        let unknowns = |node: usize| self.dimension * node..self.dimension * (node + 1);
+        let load = |flank: &FlankNode| unknowns(flank.node).zip(flank.normal).collect();
+        self.flank.iter().map(load).collect()
+    }
+
     /// 8 (plane) or 20 (solid).
     pub fn nodes_per_element(&self) -> usize {
         if self.dimension == 2 { 8 } else { 20 }
     }
 
-    /// Nodes of each element.
     pub fn connectivity(&self) -> impl Iterator<Item = &[usize]> {
         self.elements.chunks(self.nodes_per_element())
     }
@@ -111,23 +83,67 @@ impl Mesh {
             return nodes.to_vec();
         }
         let mut all = Vec::new();
-        let mut add = |node: usize| {
-            if !all.contains(&node) {
-                all.push(node);
-            }
-        };
-        for node in nodes {
-            match self.hanging.get(node) {
-                Some(carriers) => carriers.iter().for_each(|(carrier, _)| add(*carrier)),
-                None => add(*node),
+        for (carrier, _) in nodes.iter().flat_map(|node| self.carriers(*node)) {
+            if !all.contains(&carrier) {
+                all.push(carrier);
             }
         }
         all
     }
 
-    /// Coordinates of the nodes of one element, m.
+    /// The nodes that `node` follows, with their shares: itself unless it hangs.
+    fn carriers(&self, node: usize) -> Vec<(usize, f64)> {
+        let carriers = self.hanging.get(&node).cloned();
+        carriers.unwrap_or_else(|| vec![(node, 1.0)])
+    }
+
     pub fn coordinates(&self, element: &[usize]) -> Vec<[f64; 3]> {
         element.iter().map(|node| self.points[*node]).collect()
+    }
+
+    /// Nodes whose unknowns the element with `nodes` knows ([`Mesh::carrying`]), and its stiffness, N/m, with the displacements of
+    /// each in its own cylindrical axes. `material`: Young's modulus, Pa, and Poisson ratio.
+    pub fn stiffness(&self, nodes: &[usize], material: [f64; 2]) -> (Vec<usize>, DMatrix<f64>) {
+        let x = self.coordinates(nodes);
+        let (lambda, mu) = element::lame(material[0], material[1]);
+        let mut k = element::stiffness(&x, lambda, mu);
+        if let Some(foundation) = &self.foundation {
+            let rests: Vec<bool> = nodes.iter().map(|node| foundation.nodes[*node]).collect();
+            element::add_foundation(&x, &rests, foundation.stiffness, &mut k);
+        }
+        let carrying = self.carrying(nodes);
+        if carrying != nodes {
+            let shares = self.shares(nodes, &carrying);
+            k = shares.tr_mul(&(k * &shares));
+        }
+        // Symmetric: turned columns become rows, and then they are turned, too.
+        for _ in 0..2 {
+            k.transpose_mut();
+            for (at, node) in carrying.iter().enumerate() {
+                let (sin, cos) = self.angles[*node].sin_cos();
+                let first = self.dimension * at;
+                let (mut x, mut y) = k.columns_range_pair_mut(first, first + 1);
+                for (x, y) in x.iter_mut().zip(y.iter_mut()) {
+                    (*x, *y) = (cos * *x + sin * *y, cos * *y - sin * *x);
+                }
+            }
+        }
+        (carrying, k)
+    }
+
+    /// The displacements of `nodes` by those of the nodes `carrying` them.
+    fn shares(&self, nodes: &[usize], carrying: &[usize]) -> DMatrix<f64> {
+        let d = self.dimension;
+        let mut shares = DMatrix::zeros(d * nodes.len(), d * carrying.len());
+        for (row, node) in nodes.iter().enumerate() {
+            let carriers = self.carriers(*node);
+            for (column, node) in carrying.iter().enumerate() {
+                if let Some((_, share)) = carriers.iter().find(|(carrier, _)| carrier == node) {
+                    (0..d).for_each(|i| shares[(d * row + i, d * column + i)] = *share);
+                }
+            }
+        }
+        shares
     }
 
     /// Volume (plane: area) of the mesh, and the smallest ratio of an integration point's Jacobian to
@@ -135,17 +151,12 @@ impl Mesh {
     pub fn volume_and_quality(&self) -> (f64, f64) {
         let mut volume = 0.0;
         let mut quality = f64::INFINITY;
-        let weights: Vec<f64> = element::integration_weights(self.dimension);
         for nodes in self.connectivity() {
             let points = element::integration_points(&self.coordinates(nodes));
-            let jacobian: Vec<f64> = points
-                .iter()
-                .zip(&weights)
-                .map(|(p, w)| p.volume / w)
-                .collect();
-            let largest = jacobian.iter().copied().fold(f64::MIN, f64::max);
-            let smallest = jacobian.iter().copied().fold(f64::MAX, f64::min);
-            volume += points.iter().map(|p| p.volume).sum::<f64>();
+            let jacobians = || points.iter().map(|point| point.jacobian);
+            let largest = jacobians().fold(f64::MIN, f64::max);
+            let smallest = jacobians().fold(f64::MAX, f64::min);
+            volume += points.iter().map(|point| point.volume).sum::<f64>();
             quality = quality.min(smallest / largest.abs());
         }
         (volume, quality)

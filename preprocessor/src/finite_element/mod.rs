@@ -1,9 +1,9 @@
 //! Finite-element compliance of one gear: all teeth, rim and web down to the held surface.
 //!
 //! ```text
-//!  gear::ToothProfile ─> outline ─> section ─> mesh ─> assembly ─> condensation ─> cyclic ─> influence
-//!                        by arc     one tooth   along   sparse      Cholesky,       whole      of flank
-//!                        length     sector      helix   stiffness   sides left      ring       nodes
+//!  gear::ToothProfile ─> outline ─> section ─> mesh ─> condensation ─> ring ─> influence
+//!                        by arc     one tooth   along   Cholesky,       whole   of flank
+//!                        length     sector      helix   sides left      gear    nodes
 //! ```
 //!
 //! One tooth sector is meshed with 20-node hexahedra (plane strain: 8-node quadrilaterals) and reduced
@@ -17,44 +17,38 @@
 //! [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact
 //! does not depend on the kernel's width.
 
-mod assembly;
 mod cache;
 mod condensation;
-mod cyclic;
 mod dense;
-mod dissection;
 mod element;
 mod error;
 mod extrusion;
 mod fillet;
 mod flank;
-mod fronts;
 mod grading;
 mod harmonics;
 mod influence;
 mod kernel;
 mod layers;
-mod memory;
 mod mesh;
 mod model;
 mod outline;
 mod pair;
+mod ring;
 mod root_stress;
-mod root_stress_cache;
 mod section;
 mod sector;
 mod settings;
-mod side_modes;
 
 pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;
-pub use model::{Cost, Stage};
-pub use pair::PairCompliance;
+pub use model::Stage;
+pub use pair::{PairCompliance, pair_root_stress};
 pub use root_stress::{RootField, RootPoint, RootStress, SpreadStrips};
-pub use root_stress_cache::pair_root_stress;
 pub use sector::{SectorMesh, centre_line_compliance};
 pub use settings::{Discretization, Settings};
 
+use cache::gear_in_words;
 use flank::{FlankGrid, Weights};
 use gearmesh::compliance::{BeyondModel, Strip, ToothCompliance};
 use gearmesh::gear::Gear;
@@ -75,7 +69,6 @@ pub struct FiniteElementCompliance {
     plane_strain: bool,
     /// Of the base helix; plane strain alone needs it.
     cos_base_helix: f64,
-    cost: Cost,
     /// The gear turned end for end, if its body is another one then.
     turned: Option<Box<FiniteElementCompliance>>,
 }
@@ -90,51 +83,60 @@ impl FiniteElementCompliance {
         settings: &Settings,
         progress: &Progress<'_>,
     ) -> Result<Self, FiniteElementError> {
-        Self::with_turned(gear, |gear| {
-            Self::compute(Model::new(gear, settings)?, settings, progress)
-        })
+        Ok(Self::cached(gear, settings, None, progress)?.0)
     }
 
-    /// The model that `one` gives of `gear`, with that of the gear turned end for end if its body asks for it.
-    fn with_turned(
+    /// As [`FiniteElementCompliance::new`], by way of `cache` if there is one. An unusable cache costs the time of a computation;
+    /// [`Origin`] says so.
+    ///
+    /// # Errors
+    /// Those of [`FiniteElementCompliance::new`].
+    pub fn cached(
         gear: &Gear,
-        mut one: impl FnMut(&Gear) -> Result<Self, FiniteElementError>,
-    ) -> Result<Self, FiniteElementError> {
-        let mut model = one(gear)?;
-        if let Some(turned) = gear.turned() {
-            let turned = one(&turned)?;
-            for (sum, more) in model.cost.seconds.iter_mut().zip(turned.cost.seconds) {
-                *sum += more;
+        settings: &Settings,
+        cache: Option<&ModelCache>,
+        progress: &Progress<'_>,
+    ) -> Result<(Self, Origin), FiniteElementError> {
+        let one = |gear: &Gear| -> Result<(Self, Origin), FiniteElementError> {
+            let model = Model::new(gear, settings)?;
+            let words = gear_in_words(gear);
+            let (influence, origin) = cache::get(cache, &model, settings.reach, &words, || {
+                Ok(Influence::new(&model.influence(settings.reach, progress)?))
+            })?;
+            let found = FiniteElementCompliance {
+                grid: model.grid,
+                influence,
+                plane_strain: settings.plane_strain,
+                cos_base_helix: gear.base_helix_angle().cos(),
+                turned: None,
+            };
+            Ok((found, origin))
+        };
+        let (mut model, mut origin) = one(gear)?;
+        if let Some(gear) = gear.turned() {
+            let (turned, of_turned) = one(&gear)?;
+            // Of a gear with two models the one that was not simply read.
+            if of_turned != Origin::Loaded {
+                origin = of_turned;
             }
             model.turned = Some(Box::new(turned));
         }
-        Ok(model)
+        Ok((model, origin))
     }
 
-    fn compute(
-        model: Model,
+    /// Whether `cache` holds the model of `gear`, sound or not, and that of the gear turned end for end if its body asks for it.
+    fn is_kept(
+        gear: &Gear,
         settings: &Settings,
-        progress: &Progress<'_>,
-    ) -> Result<Self, FiniteElementError> {
-        let (influence, cost) = model.solve(settings.reach, progress)?;
-        let influence = Influence::new(&influence);
-        Ok(Self::from_parts(model, influence, cost, settings))
-    }
-
-    fn from_parts(model: Model, influence: Influence, cost: Cost, settings: &Settings) -> Self {
-        FiniteElementCompliance {
-            cos_base_helix: model.gear.base_helix_angle().cos(),
-            grid: model.grid,
-            influence,
-            plane_strain: settings.plane_strain,
-            cost,
-            turned: None,
+        cache: &ModelCache,
+    ) -> Result<bool, FiniteElementError> {
+        for gear in gear.turned().iter().chain([gear]) {
+            let model = Model::new(gear, settings)?;
+            if !cache.holds(&model, settings.reach, &gear_in_words(gear)) {
+                return Ok(false);
+            }
         }
-    }
-
-    /// What the computation took.
-    pub fn cost(&self) -> &Cost {
-        &self.cost
+        Ok(true)
     }
 
     /// Largest difference of tooth numbers that [`ToothCompliance::bulk`] accepts.

@@ -35,7 +35,6 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Outline of the tooth `profile`.
     pub fn new(profile: &ToothProfile) -> Outline {
         let gear = profile.gear();
         let half_pitch = profile.half_pitch();

@@ -5,32 +5,61 @@
 //! fillet ([`super::fillet`]) are functionals of the displacement; carried along as columns beside the loads they give
 //! the map without a backward solution (reciprocity).
 
-use super::condensation::{self, LoadColumn};
-use super::dissection::Elimination;
+use super::cache::{Stored, gear_in_words, get};
+use super::condensation::LoadColumn;
 use super::fillet::{COMPONENTS, FilletGrid};
 use super::flank::{FlankGrid, Weights};
+use super::mesh::Mesh;
 use super::model::Model;
 use super::settings::Settings;
-use super::{FiniteElementError, Progress, Stage, assembly, cyclic};
+use super::{FiniteElementError, ModelCache, Origin, Progress};
 use gearmesh::compliance::{BeyondModel, Strip};
 use gearmesh::gear::{Gear, GearKind};
-use nalgebra::DMatrix;
 
 /// Stress in the tooth roots of one gear per load on its flanks.
 #[derive(Debug, Clone)]
 pub struct RootStress {
-    pub(super) loads: FlankGrid,
-    pub(super) fillet: FilletGrid,
-    /// For each difference of tooth numbers (loaded tooth to root) from -reach to reach and each flank node a column: for each
-    /// point of the fillet its [`COMPONENTS`], in units of the column.
-    pub(super) map: Vec<i16>,
-    /// Unit of each column, Pa/N (plane strain: Pa m/N).
-    pub(super) scales: Vec<f32>,
-    pub(super) reach: usize,
+    loads: FlankGrid,
+    fillet: FilletGrid,
+    map: Map,
+    reach: usize,
     /// Distance from a load within which stress is left out of the largest one, m.
     local: f64,
     /// Tangent to the centre line at which the standards look, rad.
     tangent: f64,
+}
+
+/// Stress by loads, rounded.
+#[derive(Debug, Clone, PartialEq)]
+struct Map {
+    /// For each difference of tooth numbers (loaded tooth to root) from -reach to reach and each flank node a column: for each
+    /// point of the fillet its [`COMPONENTS`], in units of the column.
+    entries: Vec<i16>,
+    /// Unit of each column, Pa/N (plane strain: Pa m/N).
+    units: Vec<f32>,
+}
+
+impl Stored for Map {
+    fn encode(&self) -> Vec<u8> {
+        let mut bytes = (self.units.len() as u64).to_le_bytes().to_vec();
+        bytes.extend(self.units.iter().flat_map(|unit| unit.to_le_bytes()));
+        bytes.extend(self.entries.iter().flat_map(|entry| entry.to_le_bytes()));
+        bytes
+    }
+
+    fn decode(bytes: &[u8]) -> Option<Map> {
+        let (columns, bytes) = bytes.split_first_chunk()?;
+        let columns = usize::try_from(u64::from_le_bytes(*columns)).ok()?;
+        let (units, entries) = bytes.split_at_checked(columns.checked_mul(size_of::<f32>())?)?;
+        let units = units.chunks_exact(4);
+        let entries = entries.chunks_exact(2);
+        Some(Map {
+            units: units
+                .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+                .collect(),
+            entries: entries.map(|b| i16::from_le_bytes([b[0], b[1]])).collect(),
+        })
+    }
 }
 
 /// Strips of one gear as loads on the nodes of its flanks.
@@ -97,29 +126,38 @@ impl RootStress {
         settings: &Settings,
         progress: &Progress<'_>,
     ) -> Result<Self, FiniteElementError> {
-        Model::new(gear, settings)?.root_stress(settings.reach, progress)
+        Ok(Self::cached(gear, settings, None, progress)?.0)
     }
 
-    fn with(model: &Model, fillet: FilletGrid, reach: usize) -> RootStress {
-        RootStress {
-            loads: model.grid.clone(),
+    /// As [`RootStress::new`], by way of `cache` if there is one.
+    ///
+    /// # Errors
+    /// Those of [`RootStress::new`].
+    pub fn cached(
+        gear: &Gear,
+        settings: &Settings,
+        cache: Option<&ModelCache>,
+        progress: &Progress<'_>,
+    ) -> Result<(Self, Origin), FiniteElementError> {
+        let model = Model::new(gear, settings)?;
+        let mesh = model.mesh();
+        let (fillet, stress) = FilletGrid::new(&model, &mesh);
+        let what = format!("root stress, {}", gear_in_words(gear));
+        let (map, origin) = get(cache, &model, settings.reach, &what, || {
+            Map::new(&model, &mesh, &stress, settings.reach, progress)
+        })?;
+        let found = RootStress {
+            loads: model.grid,
             fillet,
-            map: Vec::new(),
-            scales: Vec::new(),
-            reach,
-            local: LOCAL_OVER_MODULE * model.gear.normal_module,
-            tangent: match model.gear.kind {
+            map,
+            reach: settings.reach,
+            local: LOCAL_OVER_MODULE * gear.normal_module,
+            tangent: match gear.kind {
                 GearKind::External => 30f64.to_radians(),
                 GearKind::Ring => 60f64.to_radians(),
             },
-        }
-    }
-
-    /// What the mesh alone tells; the map is still to come.
-    pub(super) fn without_map(model: &Model, reach: usize) -> RootStress {
-        // Where the points lie does not depend on how the unknowns are numbered.
-        let (fillet, _) = model.fillet(&vec![0; model.mesh.points.len()]);
-        RootStress::with(model, fillet, reach)
+        };
+        Ok((found, origin))
     }
 
     /// Largest difference of tooth numbers between a load and a root.
@@ -179,12 +217,12 @@ impl RootStress {
                 forces[*node] += weight * force;
             }
         }
-        let columns = self.map.chunks(points);
-        for ((force, scale), column) in forces.iter().flatten().zip(&self.scales).zip(columns) {
+        let columns = self.map.units.iter().zip(self.map.entries.chunks(points));
+        for (force, (unit, column)) in forces.iter().flatten().zip(columns) {
             if *force == 0.0 {
                 continue;
             }
-            let force = force * f64::from(*scale);
+            let force = force * f64::from(*unit);
             for (s, c) in stress.iter_mut().zip(column) {
                 *s += force * f64::from(*c);
             }
@@ -224,6 +262,38 @@ impl RootStress {
     }
 }
 
+impl Map {
+    fn new(
+        model: &Model,
+        mesh: &Mesh,
+        stress: &[LoadColumn],
+        reach: usize,
+        progress: &Progress<'_>,
+    ) -> Result<Map, FiniteElementError> {
+        let mut columns = mesh.loads();
+        let loads = columns.len();
+        columns.extend_from_slice(stress);
+        let sectors = -(reach as i32)..=reach as i32;
+        let response = model.response(mesh, &columns, loads, sectors, progress)?;
+        let mut map = Map {
+            entries: Vec::new(),
+            units: Vec::new(),
+        };
+        for column in response.iter().flat_map(|tooth| tooth.column_iter()) {
+            let largest = column.amax();
+            let unit = if largest > 0.0 {
+                largest / LARGEST
+            } else {
+                1.0
+            };
+            // The columns push outwards, flanks are pressed inwards.
+            (map.entries).extend(column.iter().map(|s| (-s / unit).round() as i16));
+            map.units.push(unit as f32);
+        }
+        Ok(map)
+    }
+}
+
 impl RootField<'_> {
     /// Places along the face, m.
     pub fn z(&self) -> &[f64] {
@@ -247,7 +317,7 @@ impl RootField<'_> {
     /// it is local, and without limit under a corner. Between the places along the profile by a parabola.
     pub fn largest(&self) -> RootPoint {
         let places = (0..self.fillet.z.len()).map(|number| self.largest_at(number));
-        places.fold(LEAST, larger)
+        places.reduce(larger).unwrap_or_default()
     }
 
     /// The same at the place `number` along the face.
@@ -287,11 +357,7 @@ impl RootField<'_> {
         let is_clear = |number: usize| after < self.clear[number];
         let anywhere = !(0..fillet.z.len()).any(is_clear);
         let places = (0..fillet.z.len()).filter(|number| anywhere || is_clear(*number));
-        Some(
-            places
-                .map(|number| self.at_arc(number, arc))
-                .fold(LEAST, larger),
-        )
+        places.map(|number| self.at_arc(number, arc)).reduce(larger)
     }
 
     /// Parabola through the three places nearest to `arc`.
@@ -322,80 +388,8 @@ impl RootField<'_> {
     }
 }
 
-/// Below any point.
-const LEAST: RootPoint = RootPoint {
-    stress: f64::NEG_INFINITY,
-    z: 0.0,
-    radius: 0.0,
-    tangent: 0.0,
-};
-
 fn larger(a: RootPoint, b: RootPoint) -> RootPoint {
     if b.stress > a.stress { b } else { a }
-}
-
-impl Model {
-    /// The map of this mesh.
-    pub fn root_stress(
-        self,
-        reach: usize,
-        progress: &Progress<'_>,
-    ) -> Result<RootStress, FiniteElementError> {
-        self.check()?;
-        if !progress(Stage::Assembly, 0.0) {
-            return Err(FiniteElementError::Cancelled);
-        }
-        let elimination = Elimination::new(&self.mesh);
-        let first = assembly::number_unknowns(&self.mesh, &elimination.order);
-        let mut columns = self.load_columns(&first);
-        let loads = columns.len();
-        let (fillet, observed) = self.fillet(&first);
-        columns.extend(observed);
-        let response = self.response(&elimination, &columns, loads, reach, progress)?;
-        let mut out = RootStress::with(&self, fillet, reach);
-        for column in response
-            .iter()
-            .flat_map(|tooth| (0..loads).map(|load| tooth.column(load)))
-        {
-            let largest = column.iter().fold(0.0f64, |m, s| m.max(s.abs()));
-            let scale = if largest > 0.0 {
-                largest / LARGEST
-            } else {
-                1.0
-            };
-            // The columns push outwards, flanks are pressed inwards.
-            out.map
-                .extend(column.iter().map(|s| (-s / scale).round() as i16));
-            out.scales.push(scale as f32);
-        }
-        Ok(out)
-    }
-
-    /// Points of the fillet, and the functionals of the stress there with the unknowns numbered by `first`.
-    fn fillet(&self, first: &[usize]) -> (FilletGrid, Vec<LoadColumn>) {
-        let twist = self.gear.base_helix_angle().tan() / self.gear.base_radius();
-        let along_face = (&self.grid.stations[..], twist);
-        let material = self.material();
-        FilletGrid::new(&self.mesh, &self.fillet_arcs, along_face, material, first)
-    }
-
-    fn response(
-        &self,
-        elimination: &Elimination,
-        columns: &[LoadColumn],
-        loads: usize,
-        reach: usize,
-        progress: &Progress<'_>,
-    ) -> Result<Vec<DMatrix<f64>>, FiniteElementError> {
-        let stiffness = assembly::assemble(&self.mesh, &elimination.order, self.material());
-        let told = |share| progress(Stage::Condensation, share);
-        let parts = &elimination.parts;
-        let sector = condensation::condense_observed(&stiffness, parts, columns, loads, &told)?;
-        drop(stiffness);
-        cyclic::ring_response(&sector, loads, self.gear.teeth as usize, reach, &|share| {
-            progress(Stage::Ring, share)
-        })
-    }
 }
 
 #[cfg(test)]

@@ -16,27 +16,10 @@
 
 use super::grading::{divide, graded, graded_from_both, halved};
 use super::outline::{Outline, Polar};
+use super::settings::Discretization;
 
 /// Elements along the flank over the one at the tip edge, where the load kernel is narrower.
 const FLANK_OVER_TIP: f64 = 4.0;
-
-/// Element sizes in the section, m.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct SectionSizes {
-    /// Along the loaded flank, and of the first elements behind it.
-    pub flank: f64,
-    /// Along the involute of the loaded flank where they may be longer.
-    pub involute: f64,
-    /// Growth from one element to the next, away from the flank and towards the held surface.
-    pub growth: f64,
-    /// Largest element inside the tooth.
-    pub tooth: f64,
-    /// Elements below the root circle, the first row.
-    pub root: f64,
-    /// Elements along fillet and root circle and the first ones below both, where their stress is asked for;
-    /// None: as the flank and the root.
-    pub fillet: Option<f64>,
-}
 
 /// Mesh of the section of one sector, tooth centre line at angle 0.
 #[derive(Debug, Clone, Default)]
@@ -54,27 +37,21 @@ pub(super) struct Section {
     /// Nodes along root circle and fillet from the middle of the space to the form point (corner, mid-edge,
     /// corner, ...) with their arc length.
     pub fillet: Vec<(usize, f64)>,
-    /// Rows below the root, from there on, that belong to rim and web; the others are the hub's. A full disc is
-    /// all rim.
-    pub rows_of_rim_and_web: [usize; 2],
-    /// Depth of the upper edge of each row below the root, m below where the blocks meet.
-    pub row_depths: Vec<f64>,
+    /// Rows of quadrilaterals below the root, from there on.
+    pub rows: Vec<Row>,
     /// Nodes on the sector's sides at -half pitch and +half pitch in the same order, rigidly held ones
     /// left out.
     pub sides: [Vec<usize>; 2],
-    /// Nodes on the held surface.
     pub held: Vec<usize>,
 }
 
-/// What part of the body an element belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
-    /// Tooth and rim, as wide as the face.
-    Rim,
-    /// The web.
-    Web,
-    /// The hub.
-    Hub,
+/// A row of quadrilaterals below the root.
+#[derive(Debug, Clone)]
+pub(super) struct Row {
+    /// Depth of its upper edge, m below where the blocks meet.
+    pub depth: f64,
+    /// Ends of the web or the hub along z, m, where the row belongs to one; None: as wide as the face.
+    pub width: Option<[f64; 2]>,
 }
 
 /// A place below the root: the share `t` of the way from there to the radius `target`, and the share of the whole
@@ -84,6 +61,8 @@ struct Depth {
     t: f64,
     target: f64,
     share: f64,
+    /// As [`Row::width`], above this place.
+    width: Option<[f64; 2]>,
 }
 
 /// A block of (columns + 1) x (rows + 1) node numbers at half-element steps.
@@ -101,33 +80,34 @@ struct Stations<'a> {
     across: Vec<f64>,
     /// From the root to the held surface.
     rows: Vec<Depth>,
-    /// As [`Section::rows_of_rim_and_web`].
-    rows_of_rim_and_web: [usize; 2],
     /// Arc lengths from the corner on to the middle of the space.
     columns: Vec<f64>,
 }
 
 impl<'a> Stations<'a> {
-    fn new(outline: &'a Outline, sizes: &SectionSizes) -> Self {
+    /// `sizes` are in normal modules of `module` m.
+    fn new(outline: &'a Outline, sizes: &Discretization, module: f64) -> Self {
+        let flank = sizes.flank_element * module;
+        let fillet = sizes.fillet_element.map(|size| size * module);
+        let along_involute = sizes.involute_element.map_or(flank, |size| size * module);
         let corner_arc = outline.fillet_middle();
         let corner = outline.point(corner_arc);
         // The form point, at arc length 0, is a node.
-        let along_fillet = sizes.fillet.unwrap_or(sizes.flank);
+        let along_fillet = fillet.unwrap_or(flank);
         let mut arcs = halved(&divide(corner_arc, 0.0, along_fillet));
-        let mut involute = divide(0.0, outline.tip_arc, sizes.involute);
+        let mut involute = divide(0.0, outline.tip_arc, along_involute);
         // To a fifth of rounding in the number of steps.
-        let tip = 1.2 * sizes.flank / FLANK_OVER_TIP;
+        let tip = 1.2 * flank / FLANK_OVER_TIP;
         while involute[involute.len() - 1] - involute[involute.len() - 2] > tip {
             let last = involute.len() - 1;
             involute.insert(last, 0.5 * (involute[last - 1] + involute[last]));
         }
         arcs.extend(&halved(&involute)[1..]);
         let width = 2.0 * corner[0] * corner[1];
-        let behind = along_fillet.min(sizes.flank);
-        let root = sizes.fillet.unwrap_or(sizes.root);
-        let across = graded(width, behind, sizes.growth, sizes.tooth);
+        let behind = along_fillet.min(flank);
+        let root = fillet.unwrap_or(sizes.root_element * module);
+        let across = graded(width, behind, sizes.growth, sizes.tooth_element * module);
         let across: Vec<f64> = across.iter().rev().map(|t| 1.0 - t).collect();
-        let (rows, rows_of_rim_and_web) = below_root(outline, corner[0], root, sizes.growth);
         let land = corner_arc - outline.space_arc();
         Stations {
             outline,
@@ -135,8 +115,7 @@ impl<'a> Stations<'a> {
             corner,
             arcs,
             across: halved(&across),
-            rows,
-            rows_of_rim_and_web,
+            rows: below_root(outline, corner[0], root, sizes.growth),
             columns: halved(&divide(0.0, land, root.min(0.5 * land))),
         }
     }
@@ -154,66 +133,56 @@ impl<'a> Stations<'a> {
     }
 }
 
-/// Places of the rows below the root, at half-element steps, with the number of rows of rim and web; the blocks
-/// meet at the radius `corner`.
-fn below_root(outline: &Outline, corner: f64, first: f64, growth: f64) -> (Vec<Depth>, [usize; 2]) {
+/// Places of the rows below the root, at half-element steps; the blocks meet at the radius `corner`.
+fn below_root(outline: &Outline, corner: f64, first: f64, growth: f64) -> Vec<Depth> {
     let held = outline.held_radius;
     let depth = (corner - held).abs();
-    let Some(body) = outline.body else {
-        let rows = halved(&graded(depth, first, growth, depth));
-        let rows = rows.into_iter().map(|t| Depth {
-            t,
-            target: held,
-            share: t,
-        });
-        return (rows.collect(), [usize::MAX, 0]);
+    let inside_rim = outline.body.map_or(held, |body| body.rim_radius);
+    let height = (corner - inside_rim).abs();
+    let rim = graded(height, first, growth, height);
+    let row = |t| Depth {
+        t,
+        target: inside_rim,
+        share: t * height / depth,
+        width: None,
     };
-    let rim = graded(
-        corner - body.rim_radius,
-        first,
-        growth,
-        corner - body.rim_radius,
-    );
-    let mut count = [rim.len() - 1, 0];
-    let mut rows: Vec<Depth> = halved(&rim)
-        .into_iter()
-        .map(|t| Depth {
-            t,
-            target: body.rim_radius,
-            share: t * (corner - body.rim_radius) / depth,
-        })
-        .collect();
-    // At the corners between rim, web and hub half of what is thin there.
-    let half = 0.5 * (body.web[1] - body.web[0]);
-    let last = (corner - body.rim_radius) * (1.0 - rim[rim.len() - 2]);
-    let at_rim = half.min(last);
-    let mut annulus = |outer: f64, inner: f64, first: [f64; 2]| {
+    let mut rows: Vec<Depth> = halved(&rim).into_iter().map(row).collect();
+    let Some(body) = outline.body else {
+        return rows;
+    };
+    let mut annulus = |[outer, inner]: [f64; 2], width: [f64; 2], first: [f64; 2]| {
         let length = outer - inner;
         if length <= 0.0 {
-            return 0;
+            return;
         }
         let ends = graded_from_both(length, first, growth, length);
-        let places = halved(&ends).into_iter().skip(1).map(|t| {
+        rows.extend(halved(&ends).into_iter().skip(1).map(|t| {
             let target = outer - t * length;
             Depth {
                 t: 1.0,
                 target,
                 share: (corner - target) / depth,
+                width: Some(width),
             }
-        });
-        rows.extend(places);
-        ends.len() - 1
+        }));
     };
-    let width = |z: [f64; 2]| z[1] - z[0];
-    count[1] = annulus(body.rim_radius, body.hub_radius, [at_rim, half]);
-    annulus(body.hub_radius, held, [half, 0.25 * width(body.hub)]);
-    (rows, count)
+    // At the corners between rim, web and hub half of what is thin there.
+    let half = 0.5 * (body.web[1] - body.web[0]);
+    let last = height * (1.0 - rim[rim.len() - 2]);
+    let at_bore = 0.25 * (body.hub[1] - body.hub[0]);
+    annulus(
+        [body.rim_radius, body.hub_radius],
+        body.web,
+        [half.min(last), half],
+    );
+    annulus([body.hub_radius, held], body.hub, [half, at_bore]);
+    rows
 }
 
 impl Section {
-    /// Meshes the sector of `outline`.
-    pub fn new(outline: &Outline, sizes: &SectionSizes) -> Section {
-        let stations = Stations::new(outline, sizes);
+    /// Meshes the sector of `outline`; `sizes` are in normal modules of `module` m.
+    pub fn new(outline: &Outline, sizes: &Discretization, module: f64) -> Section {
+        let stations = Stations::new(outline, sizes, module);
         let mut section = Section::default();
         let tooth = section.tooth(&stations);
         let under = section.under_tooth(&stations, &tooth);
@@ -229,10 +198,12 @@ impl Section {
         section.fillet = below
             .chain(above.take_while(|(_, arc)| *arc <= 0.0))
             .collect();
-        section.rows_of_rim_and_web = stations.rows_of_rim_and_web;
-        let upper = stations.rows[..stations.rows.len() - 1].iter().step_by(2);
         let depth = (stations.corner[0] - outline.held_radius).abs();
-        section.row_depths = upper.map(|row| row.share * depth).collect();
+        let row = |upper: &[Depth]| Row {
+            depth: upper[0].share * depth,
+            width: upper[1].width,
+        };
+        section.rows = stations.rows.windows(2).step_by(2).map(row).collect();
         let lowest = stations.rows.len() - 1;
         let free = if outline.rests { lowest + 1 } else { lowest };
         section.sides =
@@ -241,7 +212,6 @@ impl Section {
         section.held = columns.map(|column| column[lowest]).collect();
         section.held.sort_unstable();
         section.held.dedup();
-        section.drop_unused();
         section
     }
 
@@ -257,7 +227,7 @@ impl Section {
                 [at.bottom(0.0), at.bottom(u), at.bottom(1.0)],
                 [top(0.0), top(u), top(1.0)],
             ];
-            Ok(transfinite(u, v, [[right[0], -right[1]], right], ends))
+            Err(transfinite(u, v, [[right[0], -right[1]], right], ends))
         })
     }
 
@@ -265,10 +235,10 @@ impl Section {
     fn under_tooth(&mut self, at: &Stations, tooth: &Grid) -> Grid {
         self.block([0, -1], at.across.len(), at.rows.len(), |i, j| {
             if j == 0 {
-                return Err(tooth[i][0]);
+                return Ok(tooth[i][0]);
             }
             let surface = at.bottom(at.across[i]);
-            Ok([at.down(surface[0], at.rows[j]), surface[1]])
+            Err([at.down(surface[0], at.rows[j]), surface[1]])
         })
     }
 
@@ -278,36 +248,36 @@ impl Section {
         let space = at.outline.point(at.outline.space_arc());
         self.block(first, at.columns.len(), at.rows.len(), |i, j| {
             if i == 0 {
-                return Err(shared[j]);
+                return Ok(shared[j]);
             }
             let w = at.columns[i] / land;
             let surface = at.outline.point(at.corner_arc - at.columns[i]);
             let depth = at.rows[j];
             let end = at.corner[1] + w * (space[1] - at.corner[1]);
             let angle = surface[1] + depth.share * (end - surface[1]);
-            Ok([at.down(surface[0], depth), side * angle])
+            Err([at.down(surface[0], depth), side * angle])
         })
     }
 
     /// Adds a block whose first cell has the number `first`; columns and rows count on away from cell
-    /// (0, 0). `point` gives a new node's place or the number of one that exists.
+    /// (0, 0). `point` gives the number of a node that exists or else the place of a new one; elements have no node at their centre.
     fn block(
         &mut self,
         first: [i32; 2],
         columns: usize,
         rows: usize,
-        point: impl Fn(usize, usize) -> Result<Polar, usize>,
+        point: impl Fn(usize, usize) -> Result<usize, Polar>,
     ) -> Grid {
         let mut grid = vec![vec![usize::MAX; rows]; columns];
         for (i, column) in grid.iter_mut().enumerate() {
             for (j, number) in column.iter_mut().enumerate() {
-                *number = match point(i, j) {
-                    Err(existing) => existing,
-                    Ok(place) => {
-                        self.nodes.push(place);
-                        self.nodes.len() - 1
-                    }
-                };
+                if i % 2 == 1 && j % 2 == 1 {
+                    continue;
+                }
+                *number = point(i, j).unwrap_or_else(|place| {
+                    self.nodes.push(place);
+                    self.nodes.len() - 1
+                });
             }
         }
         for i in (0..columns - 1).step_by(2) {
@@ -344,17 +314,6 @@ impl Section {
         usize::try_from(-1 - cell[1]).ok()
     }
 
-    /// The part of the body that an element with the (column, row) `cell` belongs to.
-    pub fn part(&self, cell: [i32; 2]) -> Part {
-        let [rim, web] = self.rows_of_rim_and_web;
-        match Section::row_below_root(cell) {
-            Some(row) if row >= rim && row - rim >= web => Part::Hub,
-            Some(row) if row >= rim => Part::Web,
-            _ => Part::Rim,
-        }
-    }
-
-    /// Cartesian coordinates of a node, m.
     pub fn cartesian(&self, node: usize) -> [f64; 3] {
         let [r, theta] = self.nodes[node];
         [r * theta.cos(), r * theta.sin(), 0.0]
@@ -367,30 +326,6 @@ impl Section {
                 0.5 * (p[0] * q[1] - p[1] * q[0])
             })
             .sum()
-    }
-
-    /// The grids count element centres, too; a serendipity element has no node there.
-    fn drop_unused(&mut self) {
-        let mut new_number = vec![usize::MAX; self.nodes.len()];
-        for node in self.quads.iter().flatten() {
-            new_number[*node] = 0;
-        }
-        let mut count = 0;
-        let mut kept = Vec::new();
-        for (old, number) in new_number.iter_mut().enumerate() {
-            if *number == 0 {
-                *number = count;
-                count += 1;
-                kept.push(self.nodes[old]);
-            }
-        }
-        self.nodes = kept;
-        let rename = |node: &mut usize| *node = new_number[*node];
-        self.quads.iter_mut().flatten().for_each(rename);
-        let lines = self.flank.iter_mut().chain(&mut self.fillet);
-        lines.for_each(|(node, _)| rename(node));
-        self.sides.iter_mut().flatten().for_each(rename);
-        self.held.iter_mut().for_each(rename);
     }
 }
 

@@ -1,9 +1,9 @@
 //! The mesh of one sector as it is, for pictures and studies.
 
-use super::dissection::Elimination;
 use super::element::{QUAD8, shape};
+use super::mesh::Mesh;
 use super::model::Model;
-use super::{FiniteElementError, Settings, assembly};
+use super::{FiniteElementError, Settings};
 use gearmesh::compliance::Strip;
 use gearmesh::gear::Gear;
 
@@ -30,17 +30,25 @@ impl SectorMesh {
             plane_strain: true,
             ..*settings
         };
-        let mesh = Model::new(gear, &plane)?.mesh;
+        let section = Model::new(gear, &plane)?.section;
         let sizes = &settings.discretization;
+        let points = (0..section.nodes.len()).map(|node| section.cartesian(node));
         Ok(SectorMesh {
-            nodes: mesh.points.iter().map(|p| [p[0], p[1]]).collect(),
-            elements: mesh
-                .connectivity()
-                .map(|nodes| std::array::from_fn(|i| nodes[i]))
-                .collect(),
-            flank: mesh.flank.iter().map(|f| f.node).collect(),
+            nodes: points.map(|p| [p[0], p[1]]).collect(),
+            flank: section.flank.iter().map(|(node, _)| *node).collect(),
+            elements: section.quads,
             stations: sizes.stations(gear.face_width, gear.normal_module),
         })
+    }
+
+    /// How many displacements of one sector are free.
+    ///
+    /// # Errors
+    /// As [`SectorMesh::new`].
+    pub fn unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
+        let mesh = Model::new(gear, settings)?.mesh();
+        let free = mesh.held.iter().filter(|held| !**held).count() - mesh.hanging.len();
+        Ok(mesh.dimension * free)
     }
 }
 
@@ -61,49 +69,43 @@ pub fn centre_line_compliance(
         ..*settings
     };
     let model = Model::new(gear, &plane)?;
-    let elimination = Elimination::new(&model.mesh);
-    let first = assembly::number_unknowns(&model.mesh, &elimination.order);
     let roll = gear.roll_length(radius);
     let strip = Strip {
         tooth: 0,
         z: [0.0, 1.0],
         roll: [roll; 2],
     };
-    let load = model
-        .grid
-        .weights(&strip)
-        .into_iter()
-        .flat_map(|(node, weight)| {
-            let flank = model.mesh.flank[node];
-            [0, 1].map(|d| (first[flank.node] + d, weight * flank.normal[d]))
-        })
+    let mesh = model.mesh();
+    let of_nodes = mesh.loads();
+    let weights = model.grid.weights(&strip);
+    let load = (weights.iter())
+        .flat_map(|(node, w)| of_nodes[*node].iter().map(move |(at, n)| (*at, w * n)))
         .collect();
     // Direction of the normal, from the x axis; the load line touches the base circle.
     let pressure_angle = (roll / gear.base_radius()).atan();
     let angle = gear.half_base_angle() - (roll / gear.base_radius() - pressure_angle);
     let direction = angle + std::f64::consts::FRAC_PI_2 - pressure_angle;
     let crossing = gear.base_radius() / direction.sin();
-    let observed = shape_functions_at(&model, crossing)
+    let observed = shape_functions_at(&mesh, crossing)
         .ok_or(FiniteElementError::NoCrossing {
             radius_mm: 1e3 * crossing,
         })?
         .into_iter()
         .flat_map(|(node, n)| {
             // Components in the node's own axes.
-            let turned = direction - model.mesh.angles[node];
+            let turned = direction - mesh.angles[node];
             [
-                (first[node], n * turned.cos()),
-                (first[node] + 1, n * turned.sin()),
+                (2 * node, n * turned.cos()),
+                (2 * node + 1, n * turned.sin()),
             ]
         })
         .collect();
-    let (influence, _) = model.influence_of(&elimination, &[load, observed], 0, &|_, _| true)?;
+    let influence = model.response(&mesh, &[load, observed], 2, 0..=0, &|_, _| true)?;
     Ok(influence[0][(1, 0)])
 }
 
 /// Shape functions at the point (x, 0) of a plane mesh, by node; None outside of it.
-fn shape_functions_at(model: &Model, x: f64) -> Option<Vec<(usize, f64)>> {
-    let mesh = &model.mesh;
+fn shape_functions_at(mesh: &Mesh, x: f64) -> Option<Vec<(usize, f64)>> {
     for nodes in mesh.connectivity() {
         let at = mesh.coordinates(nodes);
         let mut xi = [0.0; 3];

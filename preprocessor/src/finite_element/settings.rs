@@ -1,7 +1,6 @@
 //! What the caller chooses: level of refinement, plane strain or solid, kernel width.
 
 use super::kernel::{KERNEL_OVER_HERTZ, WIDEST_KERNEL};
-use super::section::SectionSizes;
 use gearmesh::contact::widest_contact;
 use gearmesh::pair::{Pair, Refinement};
 
@@ -54,25 +53,13 @@ impl Discretization {
             layer: by * normal.layer,
             end_layer: by * normal.end_layer,
             kernel_half_width: kernel,
-            fillet_element: None,
-            involute_element: None,
+            ..normal
         };
         match refinement {
             Refinement::Coarse => scaled(5.0 / 3.0, 0.25),
             Refinement::Normal => normal,
             // Two and a half times the elements and five times the work of normal.
             Refinement::Fine => scaled(0.75, 0.12),
-        }
-    }
-
-    pub(super) fn section(&self, normal_module: f64) -> SectionSizes {
-        SectionSizes {
-            flank: self.flank_element * normal_module,
-            involute: self.involute_element.unwrap_or(self.flank_element) * normal_module,
-            growth: self.growth,
-            tooth: self.tooth_element * normal_module,
-            root: self.root_element * normal_module,
-            fillet: self.fillet_element.map(|size| size * normal_module),
         }
     }
 
@@ -95,12 +82,8 @@ impl Discretization {
         }
         let scale = 0.5 * face_width / reached;
         let mut stations: Vec<f64> = ends.iter().map(|x| x * scale).collect();
-        let mirrored: Vec<f64> = ends[..ends.len() - 1]
-            .iter()
-            .rev()
-            .map(|x| face_width - x * scale)
-            .collect();
-        stations.extend(mirrored);
+        let low = ends[..ends.len() - 1].iter().rev();
+        stations.extend(low.map(|x| face_width - x * scale));
         stations
     }
 }

@@ -8,7 +8,7 @@ use gearmesh::contact::ContactResult;
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::table::Axes;
-use gearmesh_preprocessor::finite_element::Settings;
+use gearmesh_preprocessor::finite_element::{SectorMesh, Settings};
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::plan::{displacement_nodes, mesh_positions};
 use gearmesh_preprocessor::table::source::WatchedSolver;
@@ -26,8 +26,11 @@ const LEVELS: [(&str, Refinement); 3] =
 pub fn measure(path: &str, level: &str) -> Result<()> {
     let (_, refinement) = *LEVELS.iter().find(|l| l.0 == level).ok_or("coarse, normal or fine")?;
     let pair = Pair { refinement, ..pair::read(path)? };
-    let (models, seconds) = timed(|| compute(&pair, &Settings::for_pair(&pair)));
-    let unknowns = models?.gears.iter().map(|g| g.cost().unknowns).max().unwrap_or(0);
+    let settings = Settings::for_pair(&pair);
+    let (models, seconds) = timed(|| compute(&pair, &settings));
+    models?;
+    let [first, second] = pair.geometry.gears.each_ref().map(|gear| SectorMesh::unknowns(gear, &settings));
+    let unknowns = first?.max(second?);
     let status = std::fs::read_to_string("/proc/self/status")?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"));
     let kilobytes = line.and_then(|l| l.split_whitespace().nth(1)).ok_or("no VmHWM in /proc/self/status")?;

@@ -225,16 +225,15 @@ impl Step {
     /// Whether a prediction can have made it.
     pub fn is_valid(&self) -> bool {
         let numbers = [self.length, self.force, self.next, self.before];
-        let pairs = [self.position, self.rate];
-        let all = numbers
+        let pairs = [self.position, self.rate, self.change.unwrap_or_default()];
+        let mut all = numbers
             .iter()
             .chain(pairs.as_flattened())
-            .chain(&self.acceleration)
-            .chain(self.change.iter().flatten());
-        self.sums[0] >= 0.0
+            .chain(&self.acceleration);
+        self.sums.is_valid()
             && self.length > 0.0
             && self.sign.abs() == 1.0
-            && all.into_iter().all(|x| x.is_finite())
+            && all.all(|x| x.is_finite())
     }
 
     /// Rate of the approach of the flank `sign`, m/s, signed as the turn.

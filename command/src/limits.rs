@@ -42,6 +42,16 @@ pub fn check<T: PartialOrd + Display>(
         .ok_or_else(refusal)
 }
 
+/// A parser of any number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    let value = text
+        .trim()
+        .parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite());
+    value.ok_or_else(|| "give a finite number".into())
+}
+
 /// A parser of torques, N m, that a pair file may cover.
 pub fn torque(text: &str) -> Result<f64, String> {
     check_torque(text.parse().unwrap_or(f64::NAN))

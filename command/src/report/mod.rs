@@ -7,7 +7,7 @@ mod pressure;
 mod roots;
 mod survey;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use gearmesh::contact::{ContactResult, ContactSolver};
@@ -84,10 +84,7 @@ impl Report {
         for &torque in &self.torques_nm {
             widen(&mut pair, torque, [0.0; 2], [0.0; 2]);
         }
-        let read: Vec<&Path> = (self.tables.iter().chain([&self.pair]))
-            .map(PathBuf::as_path)
-            .collect();
-        output::check_writable(&self.output, &read)?;
+        output::check_writable(&self.output, self.tables.iter().chain([&self.pair]))?;
         if let Some(folder) = &self.figures {
             output::make_folder("--figures", folder)?;
         }

@@ -34,7 +34,7 @@ pub fn check(folder: &Path, root_stress: bool) -> Result<(), Error> {
     output::make_folder("--output", folder)?;
     let count = if root_stress { 7 } else { 5 };
     for name in &NAMES[..count] {
-        output::check_writable(&folder.join(name), &[])?;
+        output::check_writable(&folder.join(name), [] as [&Path; 0])?;
     }
     Ok(())
 }

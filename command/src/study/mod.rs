@@ -150,7 +150,7 @@ impl Study {
         let [table, summary, page] =
             ["samples.csv", "study.json", "study.html"].map(|name| self.output.join(name));
         for path in [&table, &summary, &page] {
-            output::check_writable(path, &[&self.pair])?;
+            output::check_writable(path, [&self.pair])?;
         }
         let identity = self.identity(&pair, &variations, torque);
         let outcomes = outcomes(self.root_stress);

@@ -10,6 +10,7 @@ use gearmesh_preprocessor::pair::PairDraft;
 use serde::Serialize;
 
 use crate::Error;
+use crate::limits;
 
 /// `FIELD=LOW..HIGH` or `FIELD=+-TOLERANCE` of the command line.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,10 +36,7 @@ impl FromStr for Asked {
             )
         };
         let (field, range) = text.split_once('=').ok_or_else(wrong)?;
-        let number = |text: &str| {
-            let value: f64 = text.trim().parse().map_err(|_| wrong())?;
-            value.is_finite().then_some(value).ok_or_else(wrong)
-        };
+        let number = |text: &str| limits::finite(text).map_err(|_| wrong());
         let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
         let range = match (tolerance, range.split_once("..")) {
             (Some(tolerance), _) => Range::About(number(tolerance)?.abs()),

@@ -130,7 +130,7 @@ pub fn compute(
     if grid.teeth {
         TeethRecord::takes(&pair.teeth)?;
     }
-    output::check_writable(output, &[path])?;
+    output::check_writable(output, [path])?;
     args.use_threads()?;
     let coverage = coverage(&pair, [!grid.no_center_distance, !grid.no_misalignment]);
     let job = args.job();

@@ -51,20 +51,18 @@ fn check_held_surface(gear: &Gear, i: usize) -> Result<(), Refusal> {
     let wall = 2.0 * LEAST_WALL * gear.normal_module / MM;
     match gear.kind {
         GearKind::External => {
-            let remedy = match slips::diameter(held, 0.5 * root) {
-                Some(other) => format!("give the bore in millimetres: {other}"),
-                None => "give the diameter of the hub or shaft at which the gear is held".into(),
-            };
+            let other = "give the diameter of the hub or shaft at which the gear is held";
+            let meant = slips::diameter(held, 0.5 * root);
+            let remedy = slips::remedy(meant, "give the bore in millimetres", other);
             ensure!((LEAST_BORE * root..=root - wall).contains(&held),
                 field(i, "bore_diameter_mm") => number(rounded(held));
                 "lies outside a thousandth of the root diameter, {root:.3} mm, to half a normal module below it";
                 "{remedy}");
         }
         GearKind::Ring => {
-            let remedy = match slips::diameter(held, 1.1 * root) {
-                Some(other) => format!("give the outer diameter in millimetres: {other}"),
-                None => "give the outer diameter at which the ring is held".into(),
-            };
+            let other = "give the outer diameter at which the ring is held";
+            let meant = slips::diameter(held, 1.1 * root);
+            let remedy = slips::remedy(meant, "give the outer diameter in millimetres", other);
             ensure!(held >= root + wall, field(i, "rim_diameter_mm") => held;
                 "is less than {:.3} mm, half a normal module above the root diameter of the ring", root + wall;
                 "{remedy}");
@@ -208,10 +206,9 @@ fn check_active_profile(
     let (gear, mate) = (&geometry.gears[i], &geometry.gears[1 - i]);
     let form_roll = profiles[i].form_roll();
     let start = geometry.active_start_roll(i, center_distance);
-    let dip = if profiles[i].is_undercut() {
-        0.0
-    } else {
-        DIP_INTO_FILLET * gear.normal_module
+    let dip = match profiles[i].is_undercut() {
+        true => 0.0,
+        false => DIP_INTO_FILLET * gear.normal_module,
     };
     if gear.kappa() * (start - form_roll) >= -dip {
         return Ok(());
@@ -224,9 +221,9 @@ fn check_active_profile(
         GearKind::External => "at most",
         GearKind::Ring => "at least",
     };
+    let limit = 2.0 * limit / MM;
     let limit = format!(
-        "a `tip_diameter_mm` of {bound} {:.3} mm for gear {}",
-        2.0 * limit / MM,
+        "a `tip_diameter_mm` of {bound} {limit:.3} mm for gear {}",
         2 - i
     );
     let form = 2.0 * profiles[i].form_radius() / MM;
@@ -263,27 +260,29 @@ pub(super) fn warnings(geometry: &PairGeometry, profiles: &[ToothProfile; 2]) ->
     let mut out = Vec::new();
     for (i, gear) in geometry.gears.iter().enumerate() {
         let land = profiles[i].tip_land();
+        let name = format!("gear {}", i + 1);
         if land < 0.2 * gear.normal_module {
+            let mm = land / MM;
             out.push(format!(
-                "gear {}: the tip land is {:.3} mm, below 0.2 modules",
-                i + 1,
-                land / MM
+                "{name}: the tip land is {mm:.3} mm, below 0.2 modules"
             ));
         }
         let wall = gear.kappa() * (gear.root_radius() - gear.held_radius);
         if wall < gear.normal_module && gear.foundation.is_none() {
+            let held = if gear.kind == GearKind::Ring {
+                "rim"
+            } else {
+                "bore"
+            };
+            let mm = wall / MM;
             out.push(format!(
-                "gear {}: only {:.3} mm, less than a module, between root and {}, which is held rigidly",
-                i + 1,
-                wall / MM,
-                if gear.kind == GearKind::Ring { "rim" } else { "bore" }
+                "{name}: only {mm:.3} mm, less than a module, between root and {held}, which is held rigidly"
             ));
         }
         if profiles[i].is_undercut() {
+            let mm = 2.0 * profiles[i].form_radius() / MM;
             out.push(format!(
-                "gear {}: undercut, the involute starts at diameter {:.3} mm",
-                i + 1,
-                2.0 * profiles[i].form_radius() / MM
+                "{name}: undercut, the involute starts at diameter {mm:.3} mm"
             ));
         }
     }

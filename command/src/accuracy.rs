@@ -4,7 +4,6 @@ use gearmesh::fmi::resources::UnitFile;
 use gearmesh::fmi::variables::{VARIABLES, index};
 use gearmesh::table::{InterpolationError, TableFile};
 
-/// The error of contact at run time.
 pub fn at_run_time(error: Option<&InterpolationError>) -> String {
     error.map_or_else(
         || "not measured; build the unit again".to_owned(),

@@ -55,7 +55,6 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// Lists or removes the models.
     pub fn run(self) -> Result<(), Error> {
         let cache = self
             .cache

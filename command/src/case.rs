@@ -11,7 +11,6 @@ use gearmesh_preprocessor::contact::{CycleInput, FaceLoad, GearRoots, LoadCase, 
 use crate::columns::{Column, columns};
 use crate::model::Fillets;
 
-/// A mesh cycle under one load.
 pub struct Case {
     pub input: CycleInput,
     pub cycle: MeshCycle,

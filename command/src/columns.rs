@@ -14,11 +14,9 @@ pub struct Column<'a, T> {
     pub name: String,
     /// Null where a row has none.
     pub value: Box<dyn Fn(&T) -> Value + 'a>,
-    /// How it stands in text, if it does.
     pub text: Option<Text>,
 }
 
-/// A column in text.
 pub struct Text {
     pub head: String,
     pub unit: &'static str,
@@ -41,7 +39,6 @@ macro_rules! columns {
 pub(crate) use columns;
 
 impl<'a, T> Column<'a, T> {
-    /// A column that text does not have.
     pub fn new(name: impl Into<String>, value: impl Fn(&T) -> Value + 'a) -> Self {
         Column {
             name: name.into(),
@@ -50,7 +47,6 @@ impl<'a, T> Column<'a, T> {
         }
     }
 
-    /// Shown in text, too.
     pub fn shown(
         mut self,
         head: impl Into<String>,
@@ -162,19 +158,20 @@ pub fn lists<T>(
         .collect()
 }
 
-/// A CSV file: a line for each row of every group, after the values of what the group is about.
-pub fn csv<K, T, Rows: IntoIterator<Item = T>>(
-    keys: &[Column<K>],
+/// A CSV file: a line for each of the `rows` of every group, after the `keys` of that group.
+pub fn csv<'g, G, T, Rows: IntoIterator<Item = T>>(
+    keys: &[Column<&'g G>],
     columns: &[Column<T>],
-    groups: impl IntoIterator<Item = (K, Rows)>,
+    groups: &'g [G],
+    rows: impl Fn(&'g G) -> Rows,
 ) -> Result<Vec<u8>, Error> {
     let named = || columns.iter().filter(|column| !column.name.is_empty());
     let mut writer = csv::Writer::from_writer(Vec::new());
     let names = keys.iter().map(|key| &key.name);
     writer.write_record(names.chain(named().map(|column| &column.name)))?;
-    for (key, rows) in groups {
-        let keys: Vec<String> = keys.iter().map(|column| column.field(&key)).collect();
-        for row in rows {
+    for group in groups {
+        let keys: Vec<String> = keys.iter().map(|key| key.field(&group)).collect();
+        for row in rows(group) {
             let fields = named().map(|column| column.field(&row));
             writer.write_record(keys.iter().cloned().chain(fields))?;
         }

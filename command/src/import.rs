@@ -32,7 +32,6 @@ pub struct Import {
 }
 
 impl Import {
-    /// Inverts the samples, writes and says what was made.
     pub fn run(self) -> Result<(), crate::Error> {
         let read = [&self.pair, &self.samples].into_iter().chain(&self.coast);
         output::check_writable(&self.output, read)?;

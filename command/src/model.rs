@@ -63,13 +63,9 @@ const MOST_THREADS: usize = 1024;
 
 /// A contact solver and what it took to make it.
 pub struct Model {
-    /// The solver.
     pub solver: ContactSolver,
-    /// The elastic model in words.
     pub description: String,
-    /// What making the elastic models of both gears took.
     pub effort: Effort,
-    /// The elastic models of gear 1 and gear 2.
     pub compliance: Compliance,
 }
 
@@ -92,7 +88,6 @@ impl std::fmt::Display for Effort {
     }
 }
 
-/// Elastic models of gear 1 and gear 2.
 pub type Compliance = [Arc<dyn ToothCompliance>; 2];
 
 impl ModelArgs {
@@ -103,7 +98,6 @@ impl ModelArgs {
         pair
     }
 
-    /// The work of the command, as standard error shows it.
     pub fn job(&self) -> Job {
         Job::new(self.quiet)
     }
@@ -118,7 +112,6 @@ impl ModelArgs {
         Ok(())
     }
 
-    /// Whether every slice stands by itself.
     pub fn is_plane_strain(&self) -> bool {
         self.plane_strain
     }

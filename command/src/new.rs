@@ -54,7 +54,6 @@ pub struct New {
 }
 
 impl New {
-    /// Writes the file, once it is a pair that works.
     pub fn run(self) -> Result<(), crate::Error> {
         // What is filled in follows from the pair without it.
         let bare = pair::from_json(

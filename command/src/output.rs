@@ -120,7 +120,6 @@ pub struct Listing {
 }
 
 impl Listing {
-    /// Adds one row.
     pub fn row(&mut self, name: impl Into<String>, value: impl Into<String>) -> &mut Self {
         // Either may come from a file that somebody else wrote.
         self.rows
@@ -128,7 +127,6 @@ impl Listing {
         self
     }
 
-    /// All rows in one line.
     pub fn in_one_line(&self) -> String {
         let rows = self.rows.iter();
         let rows: Vec<String> = rows

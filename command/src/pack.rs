@@ -42,7 +42,6 @@ pub struct UnitArgs {
 }
 
 impl Pack {
-    /// Packs and prints name, GUID and size.
     pub fn run(self) -> Result<(), crate::Error> {
         let UnitArgs {
             output: path,

@@ -16,7 +16,6 @@ pub struct Job {
     stage: Mutex<(String, Instant)>,
 }
 
-/// Resolution of the bar.
 const FULL: u64 = 1000;
 
 /// Time between two lines where there is no terminal; short work says nothing.

@@ -15,16 +15,13 @@ const MAP: (u32, u32) = (440, 330);
 const LEGEND_WIDTH: u32 = 130;
 const SCALE_WIDTH: u32 = 84;
 
-/// One curve of a chart.
 pub struct Curve {
-    /// Its name in the legend.
     pub label: String,
     /// Points in the units of the axes.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Curve {
-    /// Through `points`.
     pub fn new(label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Curve {
         Curve {
             label: label.into(),
@@ -42,7 +39,6 @@ pub enum Height {
     FromZero(f64),
 }
 
-/// Lowest and highest of `values`.
 fn ends(values: impl Iterator<Item = f64>) -> Range<f64> {
     let ends = |ends: Range<f64>, v: f64| ends.start.min(v)..ends.end.max(v);
     values.fold(f64::INFINITY..f64::NEG_INFINITY, ends)
@@ -87,14 +83,12 @@ pub fn line_chart(labels: [&str; 2], height: Height, curves: &[Curve]) -> Result
 pub struct Patch {
     /// Corners in order, in the units of the axes.
     pub corners: [(f64, f64); 4],
-    /// Value in the unit of the scale.
     pub value: f64,
     /// Drawn apart from the scale, over everything: contact at a tip edge.
     pub apart: bool,
 }
 
 impl Patch {
-    /// A rectangle between the ends of `x` and `y`.
     pub fn rectangle(x: [f64; 2], y: [f64; 2], value: f64) -> Patch {
         Patch {
             corners: [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])],
@@ -123,7 +117,6 @@ pub struct Map<'a> {
     /// What stands at the axes and at the scale, with its unit.
     pub labels: [&'a str; 3],
     pub patches: Vec<Patch>,
-    /// Upper end of the scale.
     pub top: f64,
 }
 

@@ -35,7 +35,6 @@ const PATTERN_LOADS: [f64; 3] = [0.7, 1.0, 1.3];
 const LEAST_ERROR: f64 = 1e-3;
 /// Least height of the axis of the contact's position, over the face width.
 const LEAST_PLACE: f64 = 0.1;
-/// Mesh positions whose contact lines are drawn.
 const LINE_POSITIONS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
 /// Write one HTML page with the contact of a pair in pictures; it opens without a network.
@@ -78,7 +77,6 @@ pub struct Report {
 }
 
 impl Report {
-    /// Solves, draws and writes.
     pub fn run(self) -> Result<(), Error> {
         let mut pair = self.model.applied_to(pair::read(&self.pair)?);
         for &torque in &self.torques_nm {

@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use super::picture;
 
-/// A page under construction.
 pub struct Page {
     title: String,
     body: String,
@@ -17,7 +16,6 @@ pub struct Page {
 pub struct Figure {
     /// File name without a folder: the section's heading in small letters and a number from 1.
     pub file: String,
-    /// Whole SVG document.
     pub svg: String,
 }
 
@@ -30,7 +28,6 @@ pub fn escape(text: &str) -> String {
 }
 
 impl Page {
-    /// A page with nothing but its title.
     pub fn new(title: &str) -> Page {
         Page {
             title: title.into(),
@@ -51,12 +48,10 @@ impl Page {
         );
     }
 
-    /// Adds text as it stands.
     pub fn preformatted(&mut self, text: &str) {
         let _ = writeln!(self.body, "<pre>{}</pre>", escape(text));
     }
 
-    /// Adds pictures side by side.
     pub fn pictures(&mut self, svgs: &[String]) {
         let name: String = self.heading.to_lowercase().replace(' ', "-");
         self.figures
@@ -80,12 +75,10 @@ impl Page {
         let _ = writeln!(self.body, "<div class=\"wide\"><table>{text}</table></div>");
     }
 
-    /// The pictures so far, for files of their own.
     pub fn figures(&self) -> &[Figure] {
         &self.figures
     }
 
-    /// The finished page.
     pub fn finish(self) -> String {
         format!(
             include_str!("page.html"),

@@ -14,7 +14,6 @@ use crate::Error;
 /// Pixels drawn for one pixel shown.
 const FINE: u32 = 8;
 
-/// Text, axes and grid.
 pub const INK: RGBColor = RGBColor(34, 34, 34);
 
 /// Curves told apart by colour, also by eyes that see no red or no green; then they repeat.
@@ -27,7 +26,6 @@ const CURVES: [RGBColor; 6] = [
     RGBColor(90, 90, 90),
 ];
 
-/// Style of the pictures.
 pub const STYLE: &str = "@media(prefers-color-scheme:dark){svg{filter:invert(.9) hue-rotate(180deg)}}\
                          svg polygon,svg rect{shape-rendering:crispEdges}";
 
@@ -58,7 +56,6 @@ fn digits(axis: &Range<f64>) -> usize {
     }
 }
 
-/// Colour of curve `i`.
 pub fn curve_colour(i: usize) -> RGBColor {
     CURVES[i % CURVES.len()]
 }

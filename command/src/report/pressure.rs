@@ -20,14 +20,12 @@ pub struct Quantity {
     at_edges: bool,
 }
 
-/// Largest pressure inside the flanks.
 pub const PRESSURE: Quantity = Quantity {
     unit: "MPa",
     value: |strip, _| strip.pressure * 1e-6,
     at_edges: false,
 };
 
-/// Normal force per length of contact line.
 pub const LINE_LOAD: Quantity = Quantity {
     unit: "N/mm",
     value: |strip, length| strip.force / length * 1e-3,
@@ -58,7 +56,6 @@ pub fn flank_map(
     })
 }
 
-/// The strips at one position.
 fn strips(
     solver: &ContactSolver,
     torque: f64,

@@ -60,7 +60,6 @@ fn through_mesh(case: &Case, i: usize) -> Option<Curve> {
     Some(Curve::new(torque_in_words(case.input.torque), points))
 }
 
-/// The fillet of `gear` where its stress is largest.
 fn fillet(title: String, gear: &GearRoots) -> Result<String, Error> {
     let rows = &gear.field;
     let z: Vec<f64> = rows.iter().map(|row| 1e3 * row[0].z).collect();

@@ -15,11 +15,9 @@ use crate::case::{Case, torque_in_words};
 /// Torques up to the largest one, and speeds.
 const TORQUES: usize = 12;
 const SPEEDS: usize = 12;
-/// Misalignments over the range of the pair file.
 const MISALIGNMENTS: usize = 9;
 /// Positions over a mesh cycle: enough for five harmonics and within a few per cent of the peak-to-peak value.
 const POSITIONS: usize = 24;
-/// Harmonics that are drawn.
 const HARMONICS: usize = 3;
 /// Least top of a scale, um.
 const LEAST_TOP: f64 = 1e-3;
@@ -48,7 +46,6 @@ pub fn cases(
     Case::solve_all(solver, &input, &loads, &|_| {})
 }
 
-/// `count` values evenly from `low` to `high`.
 fn evenly(low: f64, high: f64, count: usize) -> Vec<f64> {
     let step = (high - low) / (count - 1) as f64;
     (0..count).map(|i| low + step * i as f64).collect()

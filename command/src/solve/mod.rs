@@ -107,7 +107,6 @@ struct Solved {
 }
 
 impl Solve {
-    /// Solves and prints.
     pub fn run(self) -> Result<(), Error> {
         let mut pair = self.model.applied_to(pair::read(&self.pair)?);
         let loads = self.loads(&pair)?;

@@ -8,7 +8,7 @@ use std::path::Path;
 use gearmesh::contact::{ContactSolver, StripLoad};
 use gearmesh::gear::PairGeometry;
 use gearmesh::pair::Pair;
-use gearmesh_preprocessor::contact::{HARMONICS, Harmonic, ToothRoot, harmonics};
+use gearmesh_preprocessor::contact::{GearRoots, HARMONICS, Harmonic, ToothRoot, harmonics};
 use gearmesh_preprocessor::finite_element::RootPoint;
 use gearmesh_preprocessor::{NominalRootStress, pair};
 use serde_json::{Map, Value, json};
@@ -47,30 +47,16 @@ pub fn write(folder: &Path, solver: &ContactSolver, cases: &[Case]) -> Result<()
     pairs.dedup();
     let mut row = summary(solver);
     row.extend(harmonic_columns());
-    let by_position = || cases.iter().map(|case| (case, at_positions(case)));
     let mut tables = vec![
-        csv(
-            &load(),
-            &distribution(geometry),
-            cases.iter().map(|case| (case, strips(case))),
-        )?,
-        csv(&load(), &positions(&pairs), by_position())?,
-        csv(&load(), &stiffness(geometry), by_position())?,
-        csv(
-            &load(),
-            &face_load(),
-            cases.iter().map(|case| (case, stations(solver, case))),
-        )?,
-        csv(&load(), &row, cases.iter().map(|case| (case, [case])))?,
+        csv(&load(), &distribution(geometry), cases, strips)?,
+        csv(&load(), &positions(&pairs), cases, at_positions)?,
+        csv(&load(), &stiffness(geometry), cases, at_positions)?,
+        csv(&load(), &face_load(), cases, |case| stations(solver, case))?,
+        csv(&load(), &row, cases, |case| [case])?,
     ];
     if cases.iter().any(|case| case.roots.is_some()) {
-        let fields = cases.iter().map(|case| (case, largest_fields(case)));
-        tables.push(csv(
-            &load(),
-            &root_stress(),
-            cases.iter().map(|case| (case, loaded_teeth(case))),
-        )?);
-        tables.push(csv(&load(), &root_field(), fields)?);
+        tables.push(csv(&load(), &root_stress(), cases, loaded_teeth)?);
+        tables.push(csv(&load(), &root_field(), cases, largest_fields)?);
     }
     for (name, table) in NAMES.iter().zip(tables) {
         output::write_whole(&folder.join(name), &table)?;
@@ -99,11 +85,10 @@ pub fn json(
     more("solve_seconds", json!(cycle.solve_seconds));
     more("notes", json!(notes(pair, case)));
     let face = case.face_load(solver);
-    more("face_z_mm", face.z.iter().map(|z| 1e3 * z).collect());
-    more(
-        "face_load_n_per_mm",
-        face.load.iter().map(|load| 1e-3 * load).collect(),
-    );
+    let [z, load] = [(face.z, 1e3), (face.load, 1e-3)]
+        .map(|(values, unit)| values.iter().map(|value| unit * value).collect());
+    more("face_z_mm", z);
+    more("face_load_n_per_mm", load);
     for (k, (_, of, unit)) in HARMONIC_LISTS.into_iter().enumerate() {
         let all = harmonics_of(case, k);
         let list =
@@ -113,32 +98,24 @@ pub fn json(
     }
     if let Some(gears) = &case.roots {
         let over_cycle = |stress: fn(&ToothRoot) -> Option<f64>| {
-            let lists = gears
-                .iter()
-                .map(|gear| gear.over_cycle(cycle.results.len(), stress));
-            json!(
-                lists
-                    .map(|list| list.iter().map(|s| 1e-6 * s).collect())
-                    .collect::<Vec<Vec<f64>>>()
-            )
+            let stresses = |gear: &GearRoots| gear.over_cycle(cycle.results.len(), stress);
+            let mpa = |stresses: Vec<f64>| stresses.iter().map(|s| 1e-6 * s).collect::<Vec<f64>>();
+            json!(gears.each_ref().map(|gear| mpa(stresses(gear))))
         };
+        let at_tangent = over_cycle(|tooth| Some(tooth.at_tangent?.stress));
         more(
             "root_stress_mpa",
             over_cycle(|tooth| Some(tooth.largest.stress)),
         );
-        more(
-            "root_stress_at_tangent_mpa",
-            over_cycle(|tooth| Some(tooth.at_tangent?.stress)),
-        );
+        more("root_stress_at_tangent_mpa", at_tangent);
         let largest = [0, 1].map(|i| {
             let mut tooth = object(&root_stress(), &largest_tooth(case, i)?);
-            for (column, key) in [
-                ("root_stress_mpa", "stress_mpa"),
-                ("root_stress_at_tangent_mpa", "at_tangent_mpa"),
-            ] {
+            let mut rename = |column: &str, key: &str| {
                 let value = tooth.remove(column)?;
-                tooth.insert(key.into(), value);
-            }
+                tooth.insert(key.into(), value)
+            };
+            rename("root_stress_mpa", "stress_mpa");
+            rename("root_stress_at_tangent_mpa", "at_tangent_mpa");
             Some(tooth)
         });
         more("largest_root_stress", json!(largest));
@@ -158,10 +135,8 @@ pub fn notes(pair: &Pair, case: &Case) -> Vec<String> {
         .collect()
 }
 
-/// Number of a position, and the case.
 type At<'a> = (usize, &'a Case);
 
-/// The positions of a case.
 pub fn at_positions(case: &Case) -> impl Iterator<Item = At<'_>> + Clone {
     (0..case.cycle.results.len()).map(move |i| (i, case))
 }
@@ -287,7 +262,6 @@ pub fn losses<'c>(pair: &'c Pair, case: &'c Case) -> Vec<Column<'c, f64>> {
     }
 }
 
-/// A tooth under load.
 pub struct Tooth<'a> {
     case: &'a Case,
     /// 0 or 1.
@@ -311,7 +285,6 @@ pub fn largest_tooth(case: &Case, gear: usize) -> Option<Tooth<'_>> {
     Some(Tooth { case, gear, root })
 }
 
-/// Root stress of a tooth under load at a position.
 pub fn root_stress<'r>() -> Vec<Column<'static, Tooth<'r>>> {
     columns! { |t: &Tooth|
         "mesh_position", ["mesh", "position", 4] => t.case.cycle.mesh_position[t.root.position];

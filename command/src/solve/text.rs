@@ -113,7 +113,6 @@ fn many(solved: &Solved, cases: &[Case]) -> String {
     text
 }
 
-/// The largest root stress of the cycle.
 pub fn largest_root_stress<'r>() -> Vec<Column<'static, &'r Case>> {
     let mut columns = Vec::new();
     for (i, gear) in [(0, 1), (1, 2)] {

@@ -28,10 +28,8 @@ use samples::{Sample, outcomes};
 use statistics::Statistics;
 use variation::{Asked, Variation};
 
-/// The flank that is loaded.
 const FLANK: Flank = Flank::Drive;
 
-/// Most samples that are drawn.
 const MOST_SAMPLES: usize = 1_000_000;
 
 /// What can be varied beside fields of the pair file.
@@ -89,14 +87,12 @@ pub struct Study {
     model: ModelArgs,
 }
 
-/// `study.json`.
 #[derive(Debug, Serialize)]
 struct Summary<'a> {
     pair: &'a str,
     /// Of everything that the samples depend on.
     identity: &'a str,
     seed: u64,
-    /// Distribution of every field in its interval.
     distribution: &'static str,
     varied: &'a [Variation],
     samples: usize,
@@ -126,7 +122,6 @@ fn class(text: &str) -> Result<u8, String> {
 }
 
 impl Study {
-    /// Solves the samples, writes, and prints the spread.
     pub fn run(self) -> Result<(), Error> {
         let draft = PairDraft::read(&self.pair)?;
         let mut pair = self.model.applied_to(draft.pair()?);

@@ -10,7 +10,6 @@ use crate::case::Case;
 use crate::columns::{Column, columns, csv};
 use crate::output;
 
-/// A case and its solver.
 pub type Solved<'a> = (&'a ContactSolver, &'a Case);
 
 /// The results of a sample, the last two only with `root_stress`. Those with a head have correlations and a distribution.
@@ -32,12 +31,10 @@ pub fn outcomes<'r>(root_stress: bool) -> Vec<Column<'static, Solved<'r>>> {
     all
 }
 
-/// One sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
     /// From 1 on; 0 is the pair as drawn.
     pub number: usize,
-    /// Values of the varied fields.
     pub fields: Vec<f64>,
     /// Those of [`outcomes`], or why there are none.
     pub outcome: Result<Vec<f64>, String>,
@@ -73,7 +70,7 @@ pub fn write(
     outcomes: &[Column<Solved>],
     samples: &[Sample],
 ) -> Result<(), Error> {
-    let table = csv(&[], &columns(variations, outcomes), [((), samples)])?;
+    let table = csv(&[], &columns(variations, outcomes), &[()], |()| samples)?;
     Ok(output::write_whole(path, &table)?)
 }
 

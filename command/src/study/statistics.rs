@@ -4,12 +4,9 @@ use serde::Serialize;
 
 use super::samples::Sample;
 
-/// Spread of one result over the samples that were solved.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Statistics {
-    /// Name of the result, with its unit.
     pub result: String,
-    /// The pair as drawn.
     pub nominal: f64,
     pub mean: f64,
     pub least: f64,
@@ -60,7 +57,6 @@ impl Statistics {
     }
 }
 
-/// `values` in order.
 pub fn ascending(values: &[f64]) -> Vec<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -71,7 +67,6 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Pearson's coefficient.
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let deviations = |values: &[f64]| -> Vec<f64> {
         let mean = mean(values);

@@ -59,9 +59,7 @@ impl FromStr for Asked {
 pub struct Variation {
     /// Path in the pair file, or where the contact is solved: torque_nm, misalignment_mrad or center_distance_offset_um.
     pub field: String,
-    /// Lowest value, in the unit of the name.
     pub low: f64,
-    /// Highest value.
     pub high: f64,
 }
 

@@ -86,32 +86,21 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl Tables {
-    /// Computes, writes and says what was made.
     pub fn run(self) -> Result<(), Error> {
         let made = compute(&self.pair, &self.output, &self.grid, false, &self.model)?;
         output::write_whole(&self.output, made.file.to_json().as_bytes())?;
-        output::print(&format!("Wrote {}: {made}\n", self.output.display()))?;
+        output::print(&format!("Wrote {}: {}\n", self.output.display(), made.text))?;
         Ok(())
     }
 }
 
 /// Tables that were just computed.
 pub struct Made {
-    /// The tables.
     pub file: TableFile,
     /// The contact at run time, if it was wanted.
     pub contact: Option<ContactFile>,
-    /// What is to be known of both, a line each.
-    lines: Vec<String>,
-}
-
-impl std::fmt::Display for Made {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}", self.file.size_and_error())?;
-        self.lines
-            .iter()
-            .try_for_each(|line| write!(f, "\n  {line}"))
-    }
+    /// What is to be known of both, in lines.
+    pub text: String,
 }
 
 /// The tables of the pair file `path`, on their way to `output`, and with `contact` what its contact at run time needs.
@@ -137,10 +126,12 @@ pub fn compute(
     preflight(&pair, args, &coverage, &job)?;
     let model = args.solver(&pair, &job)?;
     corners(&model.solver, &pair, &coverage)?;
-    let mut lines = vec![format!(
-        "elastic model: {}, {}",
-        model.description, model.effort
-    )];
+    let Model {
+        description,
+        effort,
+        ..
+    } = &model;
+    let mut lines = vec![format!("elastic model: {description}, {effort}")];
 
     let begin = Instant::now();
     // Solves that no table holds are not counted with it.
@@ -235,10 +226,11 @@ pub fn compute(
     file.teeth = teeth;
     file.solver = settings(&pair, &model, args, quality)?;
     file.seal();
+    let text = format!("{}\n  {}", file.size_and_error(), lines.join("\n  "));
     Ok(Made {
         file,
         contact,
-        lines,
+        text,
     })
 }
 

@@ -96,7 +96,6 @@ impl Sweeps<'_> {
         Ok((grid, error))
     }
 
-    /// How the load slides.
     pub fn sliding(&self) -> Result<FrictionRecord, Error> {
         let base_radius = self.pair.geometry.gears[0].base_radius();
         let axes = default_sliding_axes(self.coverage, base_radius);
@@ -113,7 +112,6 @@ impl Sweeps<'_> {
         })
     }
 
-    /// Stress in the tooth roots.
     pub fn root_stress(&self) -> Result<RootStressRecord, Error> {
         let base_radius = self.pair.geometry.gears[0].base_radius();
         let axes = default_root_stress_axes(self.coverage, base_radius);

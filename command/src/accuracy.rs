@@ -47,20 +47,12 @@ pub fn of_level(
                 error.map_or_else(|| "not measured".to_owned(), |error| error.to_string());
             let is_off = |i: usize, nodes: &[f64]| start(i) == 0.0 && nodes.len() > 1;
             let axes = &tables.axes;
+            #[rustfmt::skip]
             let less = [
                 (start(index::LOAD_DEPENDENT) == 0.0, "loadDependent = false"),
-                (
-                    item(index::INTERPOLATION) != "spline",
-                    "another interpolation",
-                ),
-                (
-                    is_off(index::CENTER_DISTANCE_EFFECT, &axes.center_distance_offset),
-                    "centerDistanceEffect = false",
-                ),
-                (
-                    is_off(index::MISALIGNMENT_EFFECT, &axes.misalignment),
-                    "misalignmentEffect = false",
-                ),
+                (item(index::INTERPOLATION) != "spline", "another interpolation"),
+                (is_off(index::CENTER_DISTANCE_EFFECT, &axes.center_distance_offset), "centerDistanceEffect = false"),
+                (is_off(index::MISALIGNMENT_EFFECT, &axes.misalignment), "misalignmentEffect = false"),
             ];
             let less: Vec<&str> = less
                 .iter()

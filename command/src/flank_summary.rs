@@ -122,34 +122,22 @@ fn flank(name: &str, gear: &Gear, m: &Microgeometry, rows: &mut Listing) {
         );
     }
     let bias = m.profile_slope.map_or(0.0, |p| p.bias);
-    for (what, amount, words) in [
-        (
-            "bias",
-            bias,
-            "more profile slope at the large-z end than at z = 0, 0 at mid-face",
-        ),
-        (
-            "lead crowning",
-            m.lead_crowning,
-            "at both ends of the face, parabolic, 0 at mid-face",
-        ),
-        (
-            "lead slope",
-            m.lead_slope,
-            "more at the large-z end than at z = 0, linear, 0 at mid-face",
-        ),
-    ] {
+    #[rustfmt::skip]
+    let amounts = [
+        ("bias", bias, "more profile slope at the large-z end than at z = 0, 0 at mid-face"),
+        ("lead crowning", m.lead_crowning, "at both ends of the face, parabolic, 0 at mid-face"),
+        ("lead slope", m.lead_slope, "more at the large-z end than at z = 0, linear, 0 at mid-face"),
+    ];
+    for (what, amount, words) in amounts {
         if amount != 0.0 {
             row(what, format!("{} um {words}", um(amount)));
         }
     }
     let [low, high] = m.end_relief;
+    #[rustfmt::skip]
     let ends: &[(&str, Option<EndRelief>)] = match low == high {
         true => &[("end relief, both ends", low)],
-        false => &[
-            ("end relief at z = 0", low),
-            ("end relief at the large-z end", high),
-        ],
+        false => &[("end relief at z = 0", low), ("end relief at the large-z end", high)],
     };
     for (what, relief) in ends {
         if let Some(r) = relief {

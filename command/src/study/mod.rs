@@ -26,7 +26,7 @@ use crate::model::{Fillets, Model, ModelArgs, widen};
 use crate::output;
 use samples::{Sample, outcomes};
 use statistics::Statistics;
-use variation::{Asked, Variation};
+use variation::{Requested, Variation};
 
 const FLANK: Flank = Flank::Drive;
 
@@ -47,7 +47,7 @@ pub struct Study {
     /// Field of the pair file, or torque_nm, misalignment_mrad or center_distance_offset_um, and the interval in which
     /// it is drawn: FIELD=LOW..HIGH, or FIELD=+-TOLERANCE about the value in the file; repeatable
     #[arg(long, value_name = "FIELD=INTERVAL")]
-    vary: Vec<Asked>,
+    vary: Vec<Requested>,
 
     /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile slope and helix slope of both gears are drawn within its
     /// f_HaT and f_HbT about the values in the file
@@ -108,7 +108,7 @@ struct Bench<'a> {
     /// The pair as drawn, its operating range widened to what is varied.
     pair: Pair,
     model: Model,
-    /// For the stress in the roots, where it is wanted.
+    /// For the stress in the roots, where it is asked for.
     fillets: Option<Fillets>,
     variations: &'a [Variation],
     torque: f64,
@@ -154,7 +154,7 @@ impl Study {
             done = samples::read(&table, &variations, &outcomes)?;
         }
         // More samples than asked for now stay in the table.
-        let wanted: Vec<usize> = (0..=self.samples)
+        let missing: Vec<usize> = (0..=self.samples)
             .filter(|n| !done.iter().any(|sample| sample.number == *n))
             .collect();
         let name = pair.name.clone();
@@ -187,11 +187,11 @@ impl Study {
         };
         let finished = AtomicUsize::new(0);
         // A block at a time is written, so that little is lost by a kill.
-        for block in wanted.chunks(4 * rayon::current_num_threads()) {
+        for block in missing.chunks(4 * rayon::current_num_threads()) {
             let solved = block.par_iter().map(|&number| {
                 let sample = bench.sample(number, self.seed);
                 let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                job.tell("samples", count as f64 / wanted.len() as f64);
+                job.tell("samples", count as f64 / missing.len() as f64);
                 sample
             });
             done.par_extend(solved);

@@ -97,7 +97,7 @@ impl Tables {
 /// Tables that were just computed.
 pub struct Made {
     pub file: TableFile,
-    /// The contact at run time, if it was wanted.
+    /// The contact at run time, if it was asked for.
     pub contact: Option<ContactFile>,
     /// What is to be known of both, in lines.
     pub text: String,
@@ -172,7 +172,7 @@ pub fn compute(
             record.interpolation_error
         ));
     }
-    let contact_wanted = contact;
+    let with_contact = contact;
     let mut contact = match contact || grid.teeth {
         true => Some(contact_file(
             &pair,
@@ -199,7 +199,7 @@ pub fn compute(
             ));
         }
     }
-    contact = contact.filter(|_| contact_wanted);
+    contact = contact.filter(|_| with_contact);
     if let Some(contact) = &mut contact {
         contact.error = Some(sweeps.error_at_run_time(contact)?);
         let error = accuracy::at_run_time(contact.error.as_ref());
@@ -238,13 +238,14 @@ fn seconds_since(begin: Instant) -> String {
     format!("{:.1} s", begin.elapsed().as_secs_f64())
 }
 
-/// The ranges of the pair file, those of centre distance and misalignment where they are `wanted`.
-fn coverage(pair: &Pair, wanted: [bool; 2]) -> Coverage {
-    let range = |wanted: bool, range: [f64; 2]| (wanted && range[0] < range[1]).then_some(range);
+/// The ranges of the pair file, those of centre distance and misalignment where they are `included`.
+fn coverage(pair: &Pair, included: [bool; 2]) -> Coverage {
+    let range =
+        |included: bool, range: [f64; 2]| (included && range[0] < range[1]).then_some(range);
     let operating = &pair.operating;
     Coverage {
-        center_distance_offset: range(wanted[0], operating.center_distance_offset),
-        misalignment: range(wanted[1], operating.misalignment),
+        center_distance_offset: range(included[0], operating.center_distance_offset),
+        misalignment: range(included[1], operating.misalignment),
         nominal_torque: operating.nominal_torque,
         maximum_torque: operating.maximum_torque,
     }

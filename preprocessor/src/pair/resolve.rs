@@ -7,14 +7,13 @@ use super::error::{Refusal, ensure, refusal};
 use super::file::{GearFile, Meshing, PairFile};
 use super::friction::friction;
 use super::mesh_checks::{
-    Place, check_clearance, check_contact, check_gear, check_tooth_difference, field, warnings,
+    check_center_distances, check_gear, check_tooth_difference, field, warnings,
 };
 use super::modifications::Flanks;
 use super::teeth::teeth;
 use super::{Operating, Pair, bodies, slips};
 use gearmesh::gear::{
-    Flank, Gear, GearKind, PairGeometry, PairMicrogeometry, ToothProfile, inverse_involute,
-    involute,
+    Flank, Gear, GearKind, PairGeometry, PairMicrogeometry, inverse_involute, involute,
 };
 use gearmesh::words::{fixed, number, rounded};
 
@@ -70,7 +69,7 @@ fn resolve_checked(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
     notes.extend(slips::notes(file, &geometry));
     notes.extend(odd_thickness(file, &geometry));
     notes.extend(warnings(&geometry, &profiles));
-    check_center_distances(file, &geometry, &profiles, &mut notes)?;
+    notes.extend(check_center_distances(file, &geometry, &profiles)?);
     check_tooth_difference(&geometry)?;
     let modified = |i, flank| {
         let geometry = &geometry;
@@ -256,50 +255,6 @@ fn check_faces(file: &PairFile, geometry: &PairGeometry) -> Result<Vec<String>, 
         ));
     }
     Ok(notes)
-}
-
-/// Checks the mesh at the nominal centre distance and at both ends of its range. What would be refused
-/// at nominal is a warning at the ends, unless the gears cannot mesh there at all.
-fn check_center_distances(
-    file: &PairFile,
-    geometry: &PairGeometry,
-    profiles: &[ToothProfile; 2],
-    notes: &mut Vec<String>,
-) -> Result<(), Refusal> {
-    let default = || format!("{:.4} (default)", geometry.center_distance / MM);
-    let nominal = file
-        .center_distance_mm
-        .map_or_else(default, |mm| mm.to_string());
-    let place = Place {
-        center_distance: geometry.center_distance,
-        field: "center_distance_mm",
-        value: &nominal,
-    };
-    check_clearance(file, geometry, &place)?;
-    check_contact(file, geometry, profiles, &place)?;
-    for um in file.operating.center_distance_offset_um {
-        let value = format!("{um}");
-        let place = Place {
-            center_distance: geometry.center_distance + um * UM,
-            field: "operating.center_distance_offset_um",
-            value: &value,
-        };
-        ensure!(place.center_distance > geometry.base_radius_sum(), place.field => &value;
-            "the base circles allow no mesh there"; "narrow the range");
-        check_clearance(file, geometry, &place)?;
-        let there = format!("at a centre distance offset of {um} um");
-        if let Err(refusal) = check_contact(file, geometry, profiles, &place) {
-            notes.push(format!("{there}: {}", refusal.problem));
-        }
-        // Below a micrometre it is the rounding of a drawing.
-        let backlash = geometry.backlash(place.center_distance) / UM;
-        if backlash < -1.0 {
-            notes.push(format!(
-                "{there} both flanks press: the backlash on the line of action is {backlash:.1} um"
-            ));
-        }
-    }
-    Ok(())
 }
 
 /// Which gear is the ring: gear 2 of an internal pair, or gear 1 when it alone has a rim.

@@ -102,7 +102,7 @@ pub fn read(
             value.map_err(|_| wrong(&format!("`{text}` is no number")))
         };
         let numbers = |from: usize, count: usize| record.iter().skip(from).take(count).map(number);
-        let error = record.iter().last().unwrap_or_default();
+        let error = record.iter().next_back().unwrap_or_default();
         let outcome = match error {
             "" => Ok(numbers(1 + variations.len(), outcomes.len()).collect::<Result<_, _>>()?),
             error => Err(error.to_owned()),

@@ -4,7 +4,6 @@ use gearmesh::fmi::resources::UnitFile;
 use gearmesh::fmi::variables::{VARIABLES, index};
 use gearmesh::table::{InterpolationError, TableFile};
 
-/// The error of contact at run time.
 pub fn at_run_time(error: Option<&InterpolationError>) -> String {
     error.map_or_else(
         || "not measured; build the unit again".to_owned(),
@@ -25,11 +24,11 @@ pub fn of_level(
         own.or(variable.start).unwrap_or(0.0)
     };
     let item = |i: usize| {
-        let items = VARIABLES[i].items;
-        (start(i) as usize)
-            .checked_sub(1)
-            .and_then(|k| items.get(k).copied())
-            .unwrap_or("")
+        let items = VARIABLES[i].items.iter();
+        items
+            .zip(1..)
+            .find(|(_, number)| *number == start(i) as usize)
+            .map_or("", |(name, _)| *name)
     };
     let level = item(index::STIFFNESS_MODEL);
     let error = match (level, tables) {
@@ -44,36 +43,29 @@ pub fn of_level(
         }
         ("table", Some(tables)) => {
             let error = tables.interpolation_error;
-            let error = error.map_or_else(|| "not measured".to_owned(), |error| error.to_string());
-            let all = [
+            let mut error =
+                error.map_or_else(|| "not measured".to_owned(), |error| error.to_string());
+            let is_off = |i: usize, nodes: &[f64]| start(i) == 0.0 && nodes.len() > 1;
+            let axes = &tables.axes;
+            #[rustfmt::skip]
+            let less = [
                 (start(index::LOAD_DEPENDENT) == 0.0, "loadDependent = false"),
-                (
-                    item(index::INTERPOLATION) != "spline",
-                    "another interpolation",
-                ),
-                (
-                    start(index::CENTER_DISTANCE_EFFECT) == 0.0
-                        && tables.axes.center_distance_offset.len() > 1,
-                    "centerDistanceEffect = false",
-                ),
-                (
-                    start(index::MISALIGNMENT_EFFECT) == 0.0 && tables.axes.misalignment.len() > 1,
-                    "misalignmentEffect = false",
-                ),
+                (item(index::INTERPOLATION) != "spline", "another interpolation"),
+                (is_off(index::CENTER_DISTANCE_EFFECT, &axes.center_distance_offset), "centerDistanceEffect = false"),
+                (is_off(index::MISALIGNMENT_EFFECT, &axes.misalignment), "misalignmentEffect = false"),
             ];
-            let less: Vec<&str> = all
+            let less: Vec<&str> = less
                 .iter()
-                .filter(|(on, _)| *on)
+                .filter(|(is_so, _)| *is_so)
                 .map(|(_, name)| *name)
                 .collect();
-            if less.is_empty() {
-                error
-            } else {
-                format!(
-                    "{error}; that of the spline with all axes, more with {}",
+            if !less.is_empty() {
+                error += &format!(
+                    "; that of the spline with all axes, more with {}",
                     less.join(", ")
-                )
+                );
             }
+            error
         }
         _ => "not measured: one stiffness for all loads and mesh positions".to_owned(),
     };

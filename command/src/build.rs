@@ -31,7 +31,6 @@ pub struct Build {
 }
 
 impl Build {
-    /// Computes, packs and says what was made.
     pub fn run(self) -> Result<(), crate::Error> {
         // A missing library shall not cost the time of the tables.
         let libraries = pack::libraries(&self.unit.library)?;
@@ -45,10 +44,8 @@ impl Build {
         let made = tables::compute(&self.pair, output, &grid, contact, &self.model)?;
         let contact = made.contact.as_ref();
         let packed = pack::pack_tables(&made.file, contact, &libraries, set, output)?;
-        print(&format!(
-            "Wrote {}; {made}\n",
-            pack::in_words(&packed, output)
-        ))?;
+        let packed = pack::in_words(&packed, output);
+        print(&format!("Wrote {packed}; {}\n", made.text))?;
         Ok(())
     }
 }

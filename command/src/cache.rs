@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use gearmesh::words::count;
 use gearmesh_preprocessor::finite_element::ModelCache;
+use indicatif::HumanDuration;
 
 use crate::Error;
 use crate::output::{self, Listing};
@@ -54,7 +55,6 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// Lists or removes the models.
     pub fn run(self) -> Result<(), Error> {
         let cache = self
             .cache
@@ -75,14 +75,10 @@ impl Cache {
         }
         let mut rows = Listing::default();
         for model in models.iter().rev() {
-            let unused = model.used.elapsed().unwrap_or_default();
+            let unused = HumanDuration(model.used.elapsed().unwrap_or_default());
             rows.row(
                 model.gear.as_deref().unwrap_or("model of another version"),
-                format!(
-                    "{}, last used {}",
-                    megabytes(model.bytes),
-                    ago(unused.as_secs())
-                ),
+                format!("{}, last used {unused} ago", megabytes(model.bytes)),
             );
         }
         let number = count(models.len(), "elastic model");
@@ -94,27 +90,4 @@ impl Cache {
 
 fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
-}
-
-fn ago(seconds: u64) -> String {
-    let (number, unit) = match seconds {
-        0..60 => return "just now".into(),
-        60..3600 => (seconds / 60, "minute"),
-        3600..86400 => (seconds / 3600, "hour"),
-        _ => (seconds / 86400, "day"),
-    };
-    format!("{} ago", count(number as usize, unit))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_are_told_in_the_largest_unit_that_fits() {
-        assert_eq!(ago(59), "just now");
-        assert_eq!(ago(60), "1 minute ago");
-        assert_eq!(ago(7200), "2 hours ago");
-        assert_eq!(ago(200_000), "2 days ago");
-    }
 }

@@ -1,86 +1,180 @@
-//! Quantities of the rows of a result: one description for a CSV file and a table of text.
+//! Quantities of the rows of a result: one description for CSV files, JSON, and tables and listings of text.
 
 use std::fmt::Write;
 
 use gearmesh::words::{fixed, rounded};
+use serde_json::{Map, Value};
 
-/// A quantity of the rows `T`; nothing where a row has none.
+use crate::Error;
+use crate::output::Listing;
+
+/// A quantity of the rows `T`.
 pub struct Column<'a, T> {
-    /// With its unit, as CSV files have it.
+    /// With its unit, as CSV and JSON have it; empty where text alone has the quantity.
     pub name: String,
-    value: Value<'a, T>,
-    text: Option<Text>,
+    /// Null where a row has none.
+    pub value: Box<dyn Fn(&T) -> Value + 'a>,
+    pub text: Option<Text>,
 }
 
-type Value<'a, T> = Box<dyn Fn(&T) -> Option<f64> + 'a>;
-
-/// How a column stands in text.
-struct Text {
-    head: String,
-    unit: &'static str,
-    width: usize,
+pub struct Text {
+    pub head: String,
+    pub unit: &'static str,
     /// Decimals; none: as many as the value has.
-    digits: Option<usize>,
+    pub digits: Option<usize>,
 }
 
-/// A quantity that every row has.
-pub fn column<'a, T>(name: impl Into<String>, value: impl Fn(&T) -> f64 + 'a) -> Column<'a, T> {
-    maybe(name, move |row| Some(value(row)))
+/// Columns of the rows of a type, `|row: &Type| "name" => value;` for each; between name and arrow
+/// `[head, unit, decimals]` where text has it, too.
+macro_rules! columns {
+    (|$row:tt: $type:ty| $($name:expr $(, [$head:expr, $unit:expr, $digits:expr])? => $value:expr;)*) => {{
+        // Not every value takes all that a row has.
+        #[allow(unused_variables)]
+        let columns = vec![
+            $($crate::columns::Column::new($name, move |$row: $type| $value.into())$(.shown($head, $unit, $digits))?),*
+        ];
+        columns
+    }};
 }
+pub(crate) use columns;
 
-/// A quantity that some rows have.
-pub fn maybe<'a, T>(
-    name: impl Into<String>,
-    value: impl Fn(&T) -> Option<f64> + 'a,
-) -> Column<'a, T> {
-    Column {
-        name: name.into(),
-        value: Box::new(value),
-        text: None,
+impl<'a, T> Column<'a, T> {
+    pub fn new(name: impl Into<String>, value: impl Fn(&T) -> Value + 'a) -> Self {
+        Column {
+            name: name.into(),
+            value: Box::new(value),
+            text: None,
+        }
     }
-}
 
-impl<T> Column<'_, T> {
-    /// Shown in text, too, below `head` and `unit`.
     pub fn shown(
         mut self,
         head: impl Into<String>,
         unit: &'static str,
-        width: usize,
-        digits: Option<usize>,
+        digits: impl Into<Option<usize>>,
     ) -> Self {
-        let head = head.into();
         self.text = Some(Text {
-            head,
+            head: head.into(),
             unit,
-            width,
-            digits,
+            digits: digits.into(),
         });
         self
     }
 
     /// The value of `row` for a CSV file, empty where there is none.
     pub fn field(&self, row: &T) -> String {
-        (self.value)(row).map_or(String::new(), |value| value.to_string())
+        match (self.value)(row) {
+            Value::Null => String::new(),
+            Value::String(text) => text,
+            Value::Number(n) if n.is_f64() => n.as_f64().map_or(String::new(), |n| n.to_string()),
+            value => value.to_string(),
+        }
+    }
+
+    /// The value of `row` in text.
+    fn in_words(&self, text: &Text, row: &T) -> String {
+        let value = (self.value)(row);
+        match (value.as_f64(), text.digits) {
+            (None, _) => value.as_str().unwrap_or("-").to_owned(),
+            (Some(value), Some(digits)) if value.abs() >= 1e6 => format!("{value:.digits$e}"),
+            (Some(value), Some(digits)) => fixed(value, digits),
+            (Some(value), None) => rounded(value).to_string(),
+        }
     }
 }
 
-/// The columns that are shown in text, below their heads and units.
-pub fn table<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> String {
-    let mut text = String::new();
-    let mut line = |cell: &dyn Fn(&Column<T>, &Text) -> String| {
-        let shown = columns.iter().filter_map(|c| Some((c, c.text.as_ref()?)));
-        let cells = shown.map(|(c, t)| format!("{:>1$}", cell(c, t), t.width));
-        let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join(" "));
+fn in_text<'c, T>(columns: &'c [Column<T>]) -> impl Iterator<Item = (&'c Column<'c, T>, &'c Text)> {
+    columns.iter().filter_map(|c| Some((c, c.text.as_ref()?)))
+}
+
+/// The lines of a table: heads, units, and one for each of `rows`.
+pub fn lines<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> Vec<Vec<String>> {
+    let line = |cell: &dyn Fn(&Column<T>, &Text) -> String| {
+        in_text(columns)
+            .map(|(column, text)| cell(column, text))
+            .collect()
     };
-    line(&|_, text| text.head.clone());
-    line(&|_, text| text.unit.to_owned());
-    for row in rows {
-        line(&|column, text| match ((column.value)(&row), text.digits) {
-            (None, _) => "-".into(),
-            (Some(value), Some(digits)) => fixed(value, digits),
-            (Some(value), None) => rounded(value).to_string(),
-        });
+    let heads = [
+        line(&|_, text| text.head.clone()),
+        line(&|_, text| text.unit.into()),
+    ];
+    let rows = rows
+        .into_iter()
+        .map(|row| line(&|column, text| column.in_words(text, &row)));
+    heads.into_iter().chain(rows).collect()
+}
+
+/// Those lines below each other.
+pub fn table<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> String {
+    let lines = lines(columns, rows);
+    let width = |k: usize| {
+        lines
+            .iter()
+            .map(|line| line[k].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..lines[0].len()).map(|k| width(k).max(9)).collect();
+    let mut text = String::new();
+    // The line of units is left out where there are none.
+    for line in lines
+        .iter()
+        .filter(|line| line.iter().any(|cell| !cell.is_empty()))
+    {
+        let cells = line
+            .iter()
+            .zip(&widths)
+            .map(|(cell, width)| format!("{cell:>width$}"));
+        let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join(" ").trim_end());
     }
     text
+}
+
+/// Adds a row of text for each column of `row`.
+pub fn list<T>(rows: &mut Listing, columns: &[Column<T>], row: &T) {
+    for (column, text) in in_text(columns) {
+        let value = column.in_words(text, row);
+        rows.row(&text.head, format!("{value} {}", text.unit).trim_end());
+    }
+}
+
+/// `row` as a JSON object.
+pub fn object<T>(columns: &[Column<T>], row: &T) -> Map<String, Value> {
+    let named = columns.iter().filter(|column| !column.name.is_empty());
+    named
+        .map(|column| (column.name.clone(), (column.value)(row)))
+        .collect()
+}
+
+/// A JSON object with a list over `rows` for every column.
+pub fn lists<T>(
+    columns: &[Column<T>],
+    rows: impl Iterator<Item = T> + Clone,
+) -> Map<String, Value> {
+    let list = |column: &Column<T>| rows.clone().map(|row| (column.value)(&row)).collect();
+    let columns = columns.iter();
+    columns
+        .map(|column| (column.name.clone(), list(column)))
+        .collect()
+}
+
+/// A CSV file: a line for each of the `rows` of every group, after the `keys` of that group.
+pub fn csv<'g, G, T, Rows: IntoIterator<Item = T>>(
+    keys: &[Column<&'g G>],
+    columns: &[Column<T>],
+    groups: &'g [G],
+    rows: impl Fn(&'g G) -> Rows,
+) -> Result<Vec<u8>, Error> {
+    let named = || columns.iter().filter(|column| !column.name.is_empty());
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let names = keys.iter().map(|key| &key.name);
+    writer.write_record(names.chain(named().map(|column| &column.name)))?;
+    for group in groups {
+        let keys: Vec<String> = keys.iter().map(|key| key.field(&group)).collect();
+        for row in rows(group) {
+            let fields = named().map(|column| column.field(&row));
+            writer.write_record(keys.iter().cloned().chain(fields))?;
+        }
+    }
+    Ok(writer.into_inner()?)
 }

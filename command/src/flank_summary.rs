@@ -8,7 +8,6 @@ use crate::output::{Listing, rows};
 
 /// Rows on what distinguishes the teeth of gear `i`.
 pub fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
-    let um = |amount: f64| fixed(amount * 1e6, 1);
     for (name, flank) in [("drive flank", Flank::Drive), ("coast flank", Flank::Coast)] {
         let errors = &pair.teeth.flank(flank)[i];
         if !errors.index.is_empty() {
@@ -36,27 +35,24 @@ pub fn tooth_errors(pair: &Pair, i: usize, rows: &mut Listing) {
 /// Rows on the modifications of gear `i`.
 pub fn modifications(pair: &Pair, i: usize, rows: &mut Listing) {
     let gear = &pair.geometry.gears[i];
-    let unmodified = Microgeometry::default();
     for (name, m) in flanks(pair, i) {
-        if *m == unmodified {
+        if *m == Microgeometry::default() {
             match name {
                 BOTH => rows.row("modifications", "none"),
                 _ => rows.row(name, "unmodified"),
             };
         }
         flank(name, gear, m, rows);
-        if let Some(words) = topography(pair, i, m) {
-            rows.row(format!("{name}: topography"), words);
-        }
+    }
+    for (name, words) in topographies(pair, i) {
+        rows.row(name, words);
     }
 }
 
 /// Flanks of gear `i` with a topography, and what is to be known of it.
 pub fn topographies(pair: &Pair, i: usize) -> Vec<(String, String)> {
-    let flanks = flanks(pair, i).into_iter();
-    let all = flanks
-        .filter_map(|(name, m)| Some((format!("{name}: topography"), topography(pair, i, m)?)));
-    all.collect()
+    let words = |(name, m)| Some((format!("{name}: topography"), topography(pair, i, m)?));
+    flanks(pair, i).into_iter().filter_map(words).collect()
 }
 
 const BOTH: &str = "both flanks";
@@ -95,56 +91,64 @@ fn topography(pair: &Pair, i: usize, m: &Microgeometry) -> Option<String> {
 }
 
 fn flank(name: &str, gear: &Gear, m: &Microgeometry, rows: &mut Listing) {
-    let um = |amount: f64| fixed(amount * 1e6, 1);
-    let of = |what: &str| format!("{name}: {what}");
     let diameters = |rolls: [f64; 2]| rolls.map(|roll| fixed(2e3 * gear.radius_at_roll(roll), 3));
+    let mut row = |what: &str, words: String| {
+        rows.row(format!("{name}: {what}"), words);
+    };
     for (what, relief) in [("tip relief", m.tip_relief), ("root relief", m.root_relief)] {
-        let Some(r) = relief else { continue };
-        let [from, to] = diameters([r.start_roll, r.end_roll]);
-        rows! { rows; of(what) => "{} um, {} from diameter {from} to {to} mm", um(r.amount), shape(r.shape); }
+        if let Some(r) = relief {
+            let [from, to] = diameters([r.start_roll, r.end_roll]);
+            let (um, shape) = (um(r.amount), shape(r.shape));
+            row(
+                what,
+                format!("{um} um, {shape} from diameter {from} to {to} mm"),
+            );
+        }
     }
     if let Some(c) = m.profile_crowning {
-        let [from, to] = diameters(c.rolls);
-        rows! { rows;
-            of("profile crowning") => "{} um at diameters {from} and {to} mm, parabolic, 0 at mid-roll", um(c.amount);
+        let ([from, to], um) = (diameters(c.rolls), um(c.amount));
+        row(
+            "profile crowning",
+            format!("{um} um at diameters {from} and {to} mm, parabolic, 0 at mid-roll"),
+        );
+    }
+    if let Some(p) = m.profile_slope.filter(|p| p.amount != 0.0) {
+        let ([from, to], more, c_ha) = (diameters(p.rolls), um(p.amount), um(-p.amount));
+        row(
+            "profile slope",
+            format!(
+                "{more} um more at diameter {to} than at {from} mm (C_Ha {c_ha} um), linear, 0 at mid-roll"
+            ),
+        );
+    }
+    let bias = m.profile_slope.map_or(0.0, |p| p.bias);
+    #[rustfmt::skip]
+    let amounts = [
+        ("bias", bias, "more profile slope at the large-z end than at z = 0, 0 at mid-face"),
+        ("lead crowning", m.lead_crowning, "at both ends of the face, parabolic, 0 at mid-face"),
+        ("lead slope", m.lead_slope, "more at the large-z end than at z = 0, linear, 0 at mid-face"),
+    ];
+    for (what, amount, words) in amounts {
+        if amount != 0.0 {
+            row(what, format!("{} um {words}", um(amount)));
         }
     }
-    if let Some(p) = m.profile_slope {
-        let [from, to] = diameters(p.rolls);
-        if p.amount != 0.0 {
-            rows! { rows;
-                of("profile slope") => "{} um more at diameter {to} than at {from} mm (C_Ha {} um), linear, 0 at mid-roll",
-                    um(p.amount), um(-p.amount);
-            }
-        }
-        if p.bias != 0.0 {
-            rows! { rows;
-                of("bias") => "profile slope {} um more at the large-z end than at z = 0, 0 at mid-face", um(p.bias);
-            }
-        }
-    }
-    if m.lead_crowning != 0.0 {
-        rows! { rows;
-            of("lead crowning") => "{} um at both ends of the face, parabolic, 0 at mid-face", um(m.lead_crowning);
-        }
-    }
-    if m.lead_slope != 0.0 {
-        rows! { rows;
-            of("lead slope") => "{} um more at the large-z end than at z = 0, linear, 0 at mid-face", um(m.lead_slope);
-        }
-    }
-    let mut end = |what: &str, relief: Option<EndRelief>| {
-        let Some(r) = relief else { return };
-        let mm = fixed(1e3 * r.length, 3);
-        rows! { rows; of(what) => "{} um, {} over the last {mm} mm", um(r.amount), shape(r.shape); }
+    let [low, high] = m.end_relief;
+    #[rustfmt::skip]
+    let ends: &[(&str, Option<EndRelief>)] = match low == high {
+        true => &[("end relief, both ends", low)],
+        false => &[("end relief at z = 0", low), ("end relief at the large-z end", high)],
     };
-    match m.end_relief {
-        [low, high] if low == high => end("end relief, both ends", low),
-        [low, high] => {
-            end("end relief at z = 0", low);
-            end("end relief at the large-z end", high);
+    for (what, relief) in ends {
+        if let Some(r) = relief {
+            let (um, shape, mm) = (um(r.amount), shape(r.shape), fixed(1e3 * r.length, 3));
+            row(what, format!("{um} um, {shape} over the last {mm} mm"));
         }
     }
+}
+
+fn um(amount: f64) -> String {
+    fixed(amount * 1e6, 1)
 }
 
 fn shape(shape: ReliefShape) -> &'static str {

@@ -1,10 +1,10 @@
 //! `gearmesh import SAMPLES.csv --pair PAIR.json -o TABLES.json`: tables from another contact program.
 
-use gearmesh_preprocessor::pair;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use gearmesh::table::TableFile;
+use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::import::import_csv;
 
 use crate::output;
@@ -32,21 +32,18 @@ pub struct Import {
 }
 
 impl Import {
-    /// Inverts the samples, writes and says what was made.
     pub fn run(self) -> Result<(), crate::Error> {
-        let read = [Some(&self.pair), Some(&self.samples), self.coast.as_ref()];
-        let read: Vec<&Path> = read.into_iter().flatten().map(PathBuf::as_path).collect();
-        output::check_writable(&self.output, &read)?;
+        let read = [&self.pair, &self.samples].into_iter().chain(&self.coast);
+        output::check_writable(&self.output, read)?;
         let pair = pair::read(&self.pair)?;
         let read = |path: &PathBuf| -> Result<_, crate::Error> {
-            let place = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+            let place = path.display();
             let text = output::read_text(path)?;
-            let imported = import_csv(&text, &pair.geometry).map_err(|e| place(&e))?;
-            let doubts = imported
-                .doubts(&pair.geometry, pair.operating.nominal_torque)
-                .map_err(|e| place(&e))?;
-            for doubt in doubts {
-                eprintln!("gearmesh: note: {}: {doubt}", path.display());
+            let imported =
+                import_csv(&text, &pair.geometry).map_err(|error| format!("{place}: {error}"))?;
+            let doubts = imported.doubts(&pair.geometry, pair.operating.nominal_torque);
+            for doubt in doubts.map_err(|error| format!("{place}: {error}"))? {
+                eprintln!("gearmesh: note: {place}: {doubt}");
             }
             Ok(imported)
         };

@@ -25,7 +25,6 @@ pub struct Inspect {
 }
 
 impl Inspect {
-    /// Prints the summary.
     pub fn run(self) -> Result<(), Error> {
         let text = if is_archive(&self.file)? {
             fmu(&self.file)?

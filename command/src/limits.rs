@@ -4,11 +4,9 @@
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
+use std::str::FromStr;
 
-use gearmesh::words::{number, shown};
 use gearmesh_preprocessor::pair::TORQUES;
-
-use crate::Error;
 
 /// Positions over a mesh cycle where none are asked for: the same for numbers and for pictures, so that both show the same
 /// largest pressure.
@@ -23,28 +21,49 @@ pub const MISALIGNMENTS: RangeInclusive<f64> = -20.0..=20.0;
 /// Deviations from the nominal centre distance, um, that a pair file may cover.
 pub const CENTER_DISTANCE_OFFSETS: RangeInclusive<f64> = -1e4..=1e4;
 
-/// Refuses a torque, N m, that no pair file may cover; `option` gives it, as below.
-pub fn torque(option: &str, nm: f64) -> Result<(), Error> {
-    let [least, most] = TORQUES;
-    if nm == 0.0 || (least..=most).contains(&nm) {
-        return Ok(());
+/// A parser of numbers within `range`; NaN lies outside every range.
+pub fn within<T: FromStr + PartialOrd + Display + Clone>(
+    range: RangeInclusive<T>,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| {
+        let value = text.parse().ok();
+        check(value, &range)
     }
-    let nm = number(nm);
-    Err(format!("--{option} = {nm}: give 0 or a value from {least:e} to {most:e}").into())
 }
 
-/// Refuses what lies outside `range`; NaN lies outside every range.
-pub fn within<T: PartialOrd + Display>(
-    option: &str,
-    value: T,
-    range: RangeInclusive<T>,
-) -> Result<(), Error> {
-    if range.contains(&value) {
-        return Ok(());
+/// `value`, refused where it lies outside `range` or is none.
+pub fn check<T: PartialOrd + Display>(
+    value: Option<T>,
+    range: &RangeInclusive<T>,
+) -> Result<T, String> {
+    let refusal = || format!("give a value from {} to {}", range.start(), range.end());
+    value
+        .filter(|value| range.contains(value))
+        .ok_or_else(refusal)
+}
+
+/// A parser of any number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    let value = text
+        .trim()
+        .parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite());
+    value.ok_or_else(|| "give a finite number".into())
+}
+
+/// A parser of torques, N m, that a pair file may cover.
+pub fn torque(text: &str) -> Result<f64, String> {
+    check_torque(text.parse().unwrap_or(f64::NAN))
+}
+
+/// `nm`, refused where no pair file may cover it.
+pub fn check_torque(nm: f64) -> Result<f64, String> {
+    let [least, most] = TORQUES;
+    if nm == 0.0 || (least..=most).contains(&nm) {
+        return Ok(nm);
     }
-    let (low, high) = range.into_inner();
-    let value = shown(&value.to_string());
-    Err(format!("--{option} = {value}: give a value from {low} to {high}").into())
+    Err(format!("give 0 or a value from {least:e} to {most:e}"))
 }
 
 #[cfg(test)]
@@ -52,29 +71,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_torque_that_rounding_outweighs_is_refused_in_few_digits() {
-        let message = torque("torque-nm", 1e-20).unwrap_err().to_string();
-        assert_eq!(
-            message,
-            "--torque-nm = 1e-20: give 0 or a value from 1e-9 to 1e9"
-        );
-        assert!(torque("torque-nm", 1e-9).is_ok() && torque("torque-nm", -1e-9).is_err());
+    fn a_torque_that_rounding_outweighs_is_refused() {
+        let refusal = torque("1e-20").unwrap_err();
+        assert_eq!(refusal, "give 0 or a value from 1e-9 to 1e9");
+        assert_eq!(torque("1e-9"), Ok(1e-9));
+        for refused in ["-1e-9", "nan", "1e300", "much"] {
+            assert!(torque(refused).is_err(), "{refused}");
+        }
     }
 
     #[test]
     fn the_edges_of_the_range_are_allowed_and_nan_is_not() {
-        assert!(within("a", 1, 1..=MOST_POSITIONS).is_ok() && torque("a", 0.0).is_ok());
-        assert!(within("a", -1e4, CENTER_DISTANCE_OFFSETS).is_ok());
-        assert!(within("a", 20.0, MISALIGNMENTS).is_ok());
-        let message = within("positions", 100_000_000_000, 1..=MOST_POSITIONS).unwrap_err();
-        assert!(message.to_string().contains("--positions = 100000000000"));
-        let offset = |name: &str, value| within(name, value, CENTER_DISTANCE_OFFSETS);
-        let misalignment = |name: &str, value| within(name, value, MISALIGNMENTS);
-        for refused in [&torque as &dyn Fn(&str, f64) -> _, &offset, &misalignment] {
-            let message = refused("the-option", f64::NAN).unwrap_err().to_string();
-            assert!(message.contains("--the-option = NaN"), "{message}");
-            let message = refused("the-option", 1e300).unwrap_err().to_string();
-            assert!(message.contains("--the-option = 1e300:"), "{message}");
+        let misalignment = within(MISALIGNMENTS);
+        assert_eq!(misalignment("-20"), Ok(-20.0));
+        for refused in ["nan", "20.1", "1e300", "much", ""] {
+            let refusal = misalignment(refused).unwrap_err();
+            assert_eq!(refusal, "give a value from -20 to 20", "{refused}");
         }
+        let positions = within(1..=MOST_POSITIONS);
+        assert_eq!(positions("1"), Ok(1));
+        assert!(positions("100000000000").is_err() && positions("-1").is_err());
     }
 }

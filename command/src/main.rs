@@ -6,13 +6,13 @@
 mod accuracy;
 mod build;
 mod cache;
+mod case;
 mod columns;
 mod cost;
 mod flank_summary;
 mod import;
 mod inspect;
 mod limits;
-mod losses;
 mod model;
 mod new;
 mod output;

@@ -36,7 +36,7 @@ pub struct ModelArgs {
     plane_strain: bool,
 
     /// Stations along the face [default: 40, for contact at run time 22, fewer where one would be shorter than the widest contact]
-    #[arg(long)]
+    #[arg(long, value_parser = limits::within(1..=MOST_STATIONS))]
     stations: Option<usize>,
 
     /// Compute finite-element models anew and keep none, wherever GEARMESH_CACHE_DIR or --cache-dir would keep them
@@ -44,7 +44,7 @@ pub struct ModelArgs {
     no_cache: bool,
 
     /// Threads to use, at most 1024 [default: one per core]
-    #[arg(long)]
+    #[arg(long, value_parser = limits::within(1..=MOST_THREADS))]
     threads: Option<usize>,
 
     /// No progress on standard error
@@ -55,17 +55,17 @@ pub struct ModelArgs {
     cache: CacheArgs,
 }
 
+/// Most stations along the face; the influence matrix of more would not fit into memory.
+const MOST_STATIONS: usize = 1000;
+
+/// As many cores have the largest machines; each thread takes memory and time to start.
+const MOST_THREADS: usize = 1024;
+
 /// A contact solver and what it took to make it.
 pub struct Model {
-    /// The solver.
     pub solver: ContactSolver,
-    /// Seconds for the elastic models of both gears.
-    pub compliance_seconds: f64,
-    /// The elastic model in words.
     pub description: String,
-    /// Where the elastic model came from and is kept, in words.
-    pub origin: String,
-    /// The elastic models of gear 1 and gear 2.
+    pub effort: Effort,
     pub compliance: Compliance,
 }
 
@@ -73,13 +73,21 @@ pub struct Model {
 pub struct Fillets {
     /// Maps from loads to the stress in the roots of gear 1 and gear 2.
     pub maps: [Arc<RootStress>; 2],
-    /// Seconds for both.
-    pub seconds: f64,
-    /// Where they came from and are kept, in words.
-    pub origin: String,
+    pub effort: Effort,
 }
 
-/// Elastic models of gear 1 and gear 2.
+/// What making the models of both gears took: seconds, and where they came from and are kept.
+pub struct Effort {
+    seconds: f64,
+    origin: String,
+}
+
+impl std::fmt::Display for Effort {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:.3} s, {}", self.seconds, self.origin)
+    }
+}
+
 pub type Compliance = [Arc<dyn ToothCompliance>; 2];
 
 impl ModelArgs {
@@ -90,7 +98,6 @@ impl ModelArgs {
         pair
     }
 
-    /// The work of the command, as standard error shows it.
     pub fn job(&self) -> Job {
         Job::new(self.quiet)
     }
@@ -98,8 +105,6 @@ impl ModelArgs {
     /// Sets the number of threads. Once per run.
     pub fn use_threads(&self) -> Result<(), Error> {
         if let Some(threads) = self.threads {
-            // The largest machines have as many cores; each thread takes memory and time to start.
-            limits::within("threads", threads, 1..=1024)?;
             rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .build_global()?;
@@ -107,31 +112,39 @@ impl ModelArgs {
         Ok(())
     }
 
-    /// Whether every slice stands by itself.
     pub fn is_plane_strain(&self) -> bool {
         self.plane_strain
     }
 
     /// The solver for `pair`, to which the command line has been applied, as part of `job`.
     pub fn solver(&self, pair: &Pair, job: &Job) -> Result<Model, Error> {
-        // The influence matrix of more would not fit into memory.
-        let within = |stations| limits::within("stations", stations, 1..=1000);
-        self.stations.map_or(Ok(()), within)?;
         let begin = Instant::now();
-        let cache = self.kept();
-        let told = told(job, "elastic model");
+        let cache = self.cache_in_use();
+        let progress = progress(job, "elastic model");
         let settings = self.settings(pair);
-        let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &told)?;
-        note([&models.origins[0], &models.origins[1]]);
+        let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &progress)?;
+        let effort = Effort::new(begin, &models.origins, cache.as_ref());
         let [first, second] = models.gears;
         let compliance: Compliance = [first, second];
-        let compliance_seconds = begin.elapsed().as_secs_f64();
         Ok(Model {
             solver: ContactSolver::new(pair, compliance.clone(), self.contact_settings(pair))?,
-            compliance_seconds,
             description: self.description(pair),
-            origin: origin_in_words(&models.origins, cache.as_ref()),
+            effort,
             compliance,
+        })
+    }
+
+    /// The models of the fillets of `pair` loaded on `flank`, as part of `job`.
+    pub fn fillets(&self, pair: &Pair, flank: Flank, job: &Job) -> Result<Fillets, Error> {
+        let begin = Instant::now();
+        let cache = self.cache_in_use();
+        let progress = progress(job, "model of the fillets");
+        let settings = self.settings(pair);
+        let models = pair_root_stress(&pair.geometry, flank, &settings, cache.as_ref(), &progress)?;
+        let [(first, a), (second, b)] = models;
+        Ok(Fillets {
+            maps: [first, second],
+            effort: Effort::new(begin, &[a, b], cache.as_ref()),
         })
     }
 
@@ -154,14 +167,8 @@ impl ModelArgs {
 
     /// Whether the elastic models of `pair` need not be computed.
     pub fn are_kept(&self, pair: &Pair) -> Result<bool, Error> {
-        let Some(cache) = self.kept() else {
-            return Ok(false);
-        };
-        Ok(PairCompliance::is_kept(
-            &pair.geometry,
-            &self.settings(pair),
-            &cache,
-        )?)
+        let kept = |cache| PairCompliance::is_kept(&pair.geometry, &self.settings(pair), &cache);
+        Ok(self.cache_in_use().map(kept).transpose()?.unwrap_or(false))
     }
 
     fn settings(&self, pair: &Pair) -> Settings {
@@ -171,25 +178,7 @@ impl ModelArgs {
         }
     }
 
-    /// The models of the fillets of `pair` loaded on `flank`, as part of `job`.
-    pub fn fillets(&self, pair: &Pair, flank: Flank, job: &Job) -> Result<Fillets, Error> {
-        let settings = self.settings(pair);
-        let cache = self.kept();
-        let told = told(job, "model of the fillets");
-        let begin = Instant::now();
-        let found = pair_root_stress(&pair.geometry, flank, &settings, cache.as_ref(), &told)?;
-        let seconds = begin.elapsed().as_secs_f64();
-        let [(first, a), (second, b)] = found;
-        let origins = [a, b];
-        note([&origins[0], &origins[1]]);
-        Ok(Fillets {
-            maps: [first, second],
-            seconds,
-            origin: origin_in_words(&origins, cache.as_ref()),
-        })
-    }
-
-    fn kept(&self) -> Option<ModelCache> {
+    fn cache_in_use(&self) -> Option<ModelCache> {
         self.cache.cache().filter(|_| !self.no_cache)
     }
 
@@ -239,49 +228,49 @@ pub fn widen(
     o.center_distance_offset = wider(o.center_distance_offset, center_distance_offset);
 }
 
-/// Tells `job` how far the model of a gear is that `model` names.
-fn told(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
+/// Tells `job` how far the models are that `model` names.
+fn progress(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
     move |gear, stage, share| {
         let words = match stage {
             Stage::Assembly => "stiffness of one tooth with its share of the body",
             Stage::Condensation => "reducing it to its loaded flank",
             Stage::Ring => "joining all teeth to the whole gear",
         };
-        job.tell(&format!("{model} of gear {}: {words}", gear + 1), share, "");
+        job.tell(&format!("{model} of gear {}: {words}", gear + 1), share);
         true
     }
 }
 
-/// Says where the cache did not help: a result is right without it, but it should not be slow in silence. Equal gears
-/// share one model.
-fn note([first, second]: [&Origin; 2]) {
-    for origin in std::iter::once(first).chain((second != first).then_some(second)) {
-        match origin {
-            Origin::Replaced(reason) => {
-                eprintln!("gearmesh: note: finite-element model computed anew: {reason}");
+impl Effort {
+    /// Of models with these origins, begun at `begin`. Says on standard error where the cache did not help: a result is right
+    /// without it, but it should not be slow in silence.
+    fn new(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> Effort {
+        let folder = cache.map_or(String::new(), |c| c.directory().display().to_string());
+        let [first, second] = origins.each_ref().map(|origin| match origin {
+            Origin::Loaded => format!("read from {folder}"),
+            Origin::Stored | Origin::Replaced(_) => format!("computed and kept in {folder}"),
+            Origin::Computed | Origin::NotStored(_) => "computed".to_owned(),
+        });
+        // Equal gears share one model.
+        let models = if origins[0] == origins[1] { 1 } else { 2 };
+        for origin in &origins[..models] {
+            match origin {
+                Origin::Replaced(why) => {
+                    eprintln!("gearmesh: note: finite-element model computed anew: {why}");
+                }
+                Origin::NotStored(why) => {
+                    eprintln!("gearmesh: note: finite-element model not kept: {why}");
+                }
+                Origin::Computed | Origin::Stored | Origin::Loaded => {}
             }
-            Origin::NotStored(reason) => {
-                eprintln!("gearmesh: note: finite-element model not kept: {reason}");
-            }
-            Origin::Computed | Origin::Stored | Origin::Loaded => {}
         }
-    }
-}
-
-/// Where the models of both gears came from and are kept.
-fn origin_in_words(origins: &[Origin; 2], cache: Option<&ModelCache>) -> String {
-    let [first, second] = origins.each_ref().map(|origin| {
-        let of = match origin {
-            Origin::Loaded => "read from",
-            Origin::Stored | Origin::Replaced(_) => "computed and kept in",
-            Origin::Computed | Origin::NotStored(_) => return "computed".to_owned(),
+        let origin = match first == second {
+            true => first,
+            false => format!("gear 1 {first}, gear 2 {second}"),
         };
-        let folder = cache.map(|cache| cache.directory().display());
-        format!("{of} {}", folder.map_or(String::new(), |d| d.to_string()))
-    });
-    if first == second {
-        first
-    } else {
-        format!("gear 1 {first}, gear 2 {second}")
+        Effort {
+            seconds: begin.elapsed().as_secs_f64(),
+            origin,
+        }
     }
 }

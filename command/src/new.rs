@@ -1,12 +1,13 @@
 //! `gearmesh new`: a pair file to start from, with a comment on every field.
 
-use gearmesh_preprocessor::pair;
 use std::path::PathBuf;
 
 use clap::Args;
 use gearmesh::pair::Pair;
 use gearmesh::words::rounded;
+use gearmesh_preprocessor::pair;
 
+use crate::limits;
 use crate::output;
 
 /// Write a commented pair file to start from.
@@ -20,23 +21,23 @@ pub struct New {
     teeth: Vec<u32>,
 
     /// Normal module, mm
-    #[arg(long)]
+    #[arg(long, value_parser = limits::finite)]
     module_mm: f64,
 
     /// Face widths of gear 1 and gear 2, mm
-    #[arg(long, num_args = 2, value_names = ["B1", "B2"], required = true)]
+    #[arg(long, num_args = 2, value_names = ["B1", "B2"], required = true, value_parser = limits::finite)]
     face_width_mm: Vec<f64>,
 
     /// Nominal torque on gear 1, N m
-    #[arg(long)]
+    #[arg(long, value_parser = limits::finite)]
     torque_nm: f64,
 
     /// Helix angle at the reference cylinder, degrees; > 0: gear 1 right-handed
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, value_parser = limits::finite)]
     helix_angle_deg: f64,
 
     /// Normal pressure angle, degrees
-    #[arg(long, default_value_t = 20.0)]
+    #[arg(long, default_value_t = 20.0, value_parser = limits::finite)]
     pressure_angle_deg: f64,
 
     /// Gear 2 is a ring
@@ -53,20 +54,7 @@ pub struct New {
 }
 
 impl New {
-    /// Writes the file, once it is a pair that works.
     pub fn run(self) -> Result<(), crate::Error> {
-        for (option, value) in [
-            ("module-mm", self.module_mm),
-            ("face-width-mm", self.face_width_mm[0]),
-            ("face-width-mm", self.face_width_mm[1]),
-            ("torque-nm", self.torque_nm),
-            ("helix-angle-deg", self.helix_angle_deg),
-            ("pressure-angle-deg", self.pressure_angle_deg),
-        ] {
-            if !value.is_finite() {
-                return Err(format!("--{option} = {value}: give a finite number").into());
-            }
-        }
         // What is filled in follows from the pair without it.
         let bare = pair::from_json(
             &self
@@ -78,25 +66,22 @@ impl New {
         let Some(path) = &self.output else {
             return Ok(output::print(&text)?);
         };
+        let place = path.display();
         if path.exists() {
-            let there = path.display();
             return Err(format!(
-                "--output = {there}: the file is there already; name another one, or remove it"
+                "--output = {place}: the file is there already; name another one, or remove it"
             )
             .into());
         }
         output::write_whole(path, text.as_bytes())?;
-        let path = path.display();
         output::print(&format!(
-            "Wrote {path}; look at it with `gearmesh inspect {path}`\n"
+            "Wrote {place}; look at it with `gearmesh inspect {place}`\n"
         ))?;
         Ok(())
     }
 
     /// The file; `derived` is a comment on what follows from it.
     fn text(&self, backlash_um: f64, derived: &str) -> String {
-        let [b1, b2] = [self.face_width_mm[0], self.face_width_mm[1]];
-        let [shift1, shift2] = self.profile_shifts();
         let stem = self.output.as_deref().and_then(|path| path.file_stem());
         let name = self.name.clone().unwrap_or_else(|| match stem {
             Some(stem) => stem.to_string_lossy().into_owned(),
@@ -114,42 +99,39 @@ impl New {
                 "\"bore_diameter_mm\": 0.0, // where the body is held; default: half of the root diameter",
             ],
         };
-        let values = [
-            ("derived", derived.to_owned()),
-            ("meshing", meshing.to_owned()),
-            ("of_ring", of_ring.to_owned()),
-            ("held2", held2.to_owned()),
-            ("module", self.module_mm.to_string()),
-            ("alpha", self.pressure_angle_deg.to_string()),
-            ("beta", self.helix_angle_deg.to_string()),
-            ("backlash_um", format!("{backlash_um:.0}")),
-            ("offset", rounded(0.5 * (b1 - b2)).to_string()),
-            ("z1", self.teeth[0].to_string()),
-            ("z2", self.teeth[1].to_string()),
-            ("shift1", shift1.to_string()),
-            ("shift2", shift2.to_string()),
-            ("b1", b1.to_string()),
-            ("b2", b2.to_string()),
-            ("round", self.tool_tip_radius().to_string()),
-            ("torque", self.torque_nm.to_string()),
-            ("most", rounded(1.5 * self.torque_nm).to_string()),
-            // Last, since nobody knows what it holds.
-            ("name", serde_json::Value::from(name).to_string()),
-        ];
-        let template = include_str!("new.template.json").to_owned();
-        values.iter().fold(template, |text, (name, value)| {
-            text.replace(&format!("<{name}>"), value)
-        })
+        let [shift1, shift2] = self.profile_shifts();
+        let [b1, b2] = [self.face_width_mm[0], self.face_width_mm[1]];
+        format!(
+            include_str!("new.template.json"),
+            name = serde_json::Value::from(name),
+            module = self.module_mm,
+            alpha = self.pressure_angle_deg,
+            beta = self.helix_angle_deg,
+            offset = rounded(0.5 * (b1 - b2)),
+            z1 = self.teeth[0],
+            z2 = self.teeth[1],
+            round = self.tool_tip_radius(),
+            torque = self.torque_nm,
+            most = rounded(1.5 * self.torque_nm),
+            derived = derived,
+            meshing = meshing,
+            of_ring = of_ring,
+            held2 = held2,
+            backlash_um = backlash_um,
+            shift1 = shift1,
+            shift2 = shift2,
+            b1 = b1,
+            b2 = b2,
+        )
     }
 
     /// 0.38, or the largest twentieth that the tip of a rack with a dedendum of 1.25 modules has room for.
     fn tool_tip_radius(&self) -> f64 {
         let (sin, cos) = self.pressure_angle_deg.to_radians().sin_cos();
         let room = (std::f64::consts::FRAC_PI_4 - 1.25 * sin / cos) * cos / (1.0 - sin);
-        if room >= 0.38 {
-            0.38
-        } else {
-            (20.0 * room).floor().max(0.0) / 20.0
+        match room >= 0.38 {
+            true => 0.38,
+            false => (20.0 * room).floor().max(0.0) / 20.0,
         }
     }
 
@@ -164,14 +146,12 @@ impl New {
             ((20.0 * short).ceil() / 20.0).clamp(0.0, 1.0)
         };
         let first = shift(self.teeth[0]);
-        [
-            first,
-            if self.internal {
-                first
-            } else {
-                shift(self.teeth[1])
-            },
-        ]
+        let second = if self.internal {
+            first
+        } else {
+            shift(self.teeth[1])
+        };
+        [first, second]
     }
 }
 

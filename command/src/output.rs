@@ -1,37 +1,40 @@
 //! Text to standard output, whole files to disk, errors in one line.
 
 use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gearmesh::words::{shown, shown_in_full};
 use gearmesh_preprocessor::storage;
 
-/// A file that could not be written.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot write {}: {source}; name a file in a folder that exists and can be written", path.display())]
-pub struct WriteError {
-    path: PathBuf,
-    source: io::Error,
+/// Writes `bytes` to `path`, whole or not at all: see [`storage::write_whole`].
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    storage::write_whole(path, bytes).map_err(|error| unwritable(path, &error))
 }
 
-/// Writes `bytes` to `path`, whole or not at all: see [`storage::write_whole`].
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    storage::write_whole(path, bytes).map_err(|source| WriteError::new(path, source))
+fn unwritable(path: &Path, error: &io::Error) -> String {
+    format!(
+        "cannot write {}: {error}; name a file in a folder that exists and can be written",
+        path.display()
+    )
 }
 
 /// Refuses `path` before the work whose result it shall take: where it cannot be written, and where it is one of the
 /// files `read`.
-pub fn check_writable(path: &Path, read: &[&Path]) -> Result<(), crate::Error> {
+pub fn check_writable<P: AsRef<Path>>(
+    path: &Path,
+    read: impl IntoIterator<Item = P>,
+) -> Result<(), String> {
     let known = |path: &Path| path.canonicalize().ok();
-    if let Some(here) = known(path)
-        && let Some(input) = read
-            .iter()
-            .find(|input| known(input).as_ref() == Some(&here))
-    {
-        let (path, input) = (path.display(), input.display());
-        return Err(format!("--output {path} is {input}, which is read: give another file").into());
+    let here = known(path);
+    for input in read {
+        if here.is_some() && known(input.as_ref()) == here {
+            let (path, input) = (path.display(), input.as_ref().display());
+            return Err(format!(
+                "--output {path} is {input}, which is read: give another file"
+            ));
+        }
     }
-    storage::check_writable(path).map_err(|source| WriteError::new(path, source).into())
+    storage::check_writable(path).map_err(|error| unwritable(path, &error))
 }
 
 /// Makes the folder `path`, which `option` gives, if it is not there.
@@ -44,37 +47,22 @@ pub fn make_folder(option: &str, path: &Path) -> Result<(), String> {
     })
 }
 
-impl WriteError {
-    fn new(path: &Path, source: io::Error) -> Self {
-        WriteError {
-            path: path.to_owned(),
-            source,
-        }
-    }
-}
-
 /// Longest text that is read, bytes: some hundred times the tables of a pair.
 const LONGEST_TEXT: u64 = 256 << 20;
 
 /// The text of tables or samples. A pair file has its own limit.
 pub fn read_text(path: &Path) -> Result<String, String> {
-    let failed = |error: &io::Error| unreadable(path, error);
-    let file = std::fs::File::open(path).map_err(|error| failed(&error))?;
-    let not_text = || {
-        format!(
-            "{}: neither text nor an archive; name a pair file, tables, samples or an FMU",
-            path.display()
-        )
-    };
+    let place = path.display();
+    let file = std::fs::File::open(path).map_err(|error| unreadable(path, &error))?;
     let mut text = String::new();
     // One byte more than allowed tells a longer file, even where no length is known.
     match file.take(LONGEST_TEXT + 1).read_to_string(&mut text) {
-        Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(not_text()),
-        Err(error) => Err(failed(&error)),
+        Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(format!(
+            "{place}: neither text nor an archive; name a pair file, tables, samples or an FMU"
+        )),
+        Err(error) => Err(unreadable(path, &error)),
         Ok(length) if length as u64 > LONGEST_TEXT => Err(format!(
-            "{}: longer than {} MB, and tables or samples of a pair have a few; name another file, or give fewer \
-             samples",
-            path.display(),
+            "{place}: longer than {} MB, and tables or samples of a pair have a few; name another file, or give fewer samples",
             LONGEST_TEXT >> 20
         )),
         Ok(_) => Ok(text),
@@ -132,7 +120,6 @@ pub struct Listing {
 }
 
 impl Listing {
-    /// Adds one row.
     pub fn row(&mut self, name: impl Into<String>, value: impl Into<String>) -> &mut Self {
         // Either may come from a file that somebody else wrote.
         self.rows
@@ -140,7 +127,6 @@ impl Listing {
         self
     }
 
-    /// All rows in one line.
     pub fn in_one_line(&self) -> String {
         let rows = self.rows.iter();
         let rows: Vec<String> = rows
@@ -152,12 +138,8 @@ impl Listing {
 
 impl std::fmt::Display for Listing {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let width = self
-            .rows
-            .iter()
-            .map(|(name, _)| name.chars().count())
-            .max()
-            .unwrap_or(0);
+        let widths = self.rows.iter().map(|(name, _)| name.chars().count());
+        let width = widths.max().unwrap_or(0);
         for (name, value) in &self.rows {
             writeln!(f, "  {name:width$}  {value}")?;
         }
@@ -186,8 +168,7 @@ mod tests {
     #[test]
     fn a_chain_of_errors_is_one_line_and_says_nothing_twice() {
         let inner = io::Error::other("disk\nfull");
-        let outer = WriteError::new("a.fmu".as_ref(), inner);
-        let line = chain(&outer);
+        let line = chain(&io::Error::other(inner));
         assert_eq!(line.matches("disk full").count(), 1, "{line}");
         assert!(!line.contains('\n'));
     }

@@ -42,26 +42,27 @@ pub struct UnitArgs {
 }
 
 impl Pack {
-    /// Packs and prints name, GUID and size.
     pub fn run(self) -> Result<(), crate::Error> {
         let UnitArgs {
             output: path,
             library,
             set,
         } = &self.unit;
-        let read = self.tables.iter().chain(&self.pair);
-        let read: Vec<&Path> = read.map(PathBuf::as_path).collect();
-        output::check_writable(path, &read)?;
+        output::check_writable(path, self.tables.iter().chain(&self.pair))?;
         let libraries = libraries(library)?;
         let packed = if let Some(tables) = &self.tables {
             let text = output::read_text(tables)?;
-            let file = TableFile::from_json(&text).map_err(|error| match is_tables(&text) {
-                true => crate::Error::from(error),
-                false => {
-                    let tables = tables.display();
-                    format!("--tables = {tables}: {error}; a pair file is packed by `--pair`")
-                        .into()
-                }
+            let file = TableFile::from_json(&text).map_err(|error| {
+                let hint = if is_tables(&text) {
+                    ""
+                } else {
+                    "; a pair file is packed by `--pair`"
+                };
+                format!(
+                    "--tables = {}: {}{hint}",
+                    tables.display(),
+                    output::chain(&error)
+                )
             })?;
             pack_tables(&file, None, &libraries, set, path)?
         } else {
@@ -117,6 +118,6 @@ pub fn libraries(paths: &[PathBuf]) -> Result<Vec<Library>, crate::Error> {
     }
     Ok(paths
         .iter()
-        .map(|p| Library::read(p))
+        .map(|path| Library::read(path))
         .collect::<Result<_, _>>()?)
 }

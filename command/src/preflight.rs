@@ -1,10 +1,10 @@
 //! Before long work: whether the contact can be solved at the corners of the operating range.
 
-use gearmesh::contact::{ContactError, ContactSolver};
+use gearmesh::contact::ContactSolver;
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
-use gearmesh_preprocessor::table::plan::{Coverage, mesh_positions};
-use rayon::prelude::*;
+use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
+use gearmesh_preprocessor::table::plan::Coverage;
 
 use crate::Error;
 use crate::model::ModelArgs;
@@ -33,35 +33,30 @@ pub fn preflight(
 
 /// Solves under the largest torque at the corners of `coverage` and at its nominal state.
 pub fn corners(solver: &ContactSolver, pair: &Pair, coverage: &Coverage) -> Result<(), Error> {
-    let ends = |range: Option<[f64; 2]>| -> Vec<f64> {
-        let mut ends = vec![0.0];
-        ends.extend(range.into_iter().flatten());
-        ends.dedup();
-        ends
-    };
+    let with_nominal =
+        |range: Option<[f64; 2]>| [0.0].into_iter().chain(range.into_iter().flatten());
+    let loads = with_nominal(coverage.misalignment).map(|misalignment| LoadCase {
+        torque: coverage.maximum_torque,
+        misalignment,
+    });
+    let loads: Vec<LoadCase> = loads.collect();
     let flanks: &[Flank] = match pair.coast_mirrors_drive() {
         true => &[Flank::Drive],
         false => &[Flank::Drive, Flank::Coast],
     };
-    let misalignments = ends(coverage.misalignment);
-    let mut points = Vec::new();
     for &flank in flanks {
-        for offset in ends(coverage.center_distance_offset) {
-            points.extend(
-                mesh_positions(POSITIONS)
-                    .into_iter()
-                    .map(|tau| (flank, offset, tau)),
-            );
+        for center_distance_offset in with_nominal(coverage.center_distance_offset) {
+            let input = CycleInput {
+                flank,
+                torque: coverage.maximum_torque,
+                center_distance_offset,
+                misalignment: 0.0,
+                positions: POSITIONS,
+            };
+            MeshCycle::solve_all(solver, &input, &loads, &|_| {}).map_err(|error| {
+                format!("the operating range of the pair file cannot be covered: {error}")
+            })?;
         }
     }
-    let solved = points.par_iter().try_for_each(|&(flank, offset, tau)| {
-        let at = solver.position(flank, tau, offset)?;
-        for &misalignment in &misalignments {
-            at.solve_torque(coverage.maximum_torque, misalignment, None)?;
-        }
-        Ok::<(), ContactError>(())
-    });
-    solved.map_err(|error| {
-        format!("the operating range of the pair file cannot be covered: {error}").into()
-    })
+    Ok(())
 }

@@ -1,28 +1,21 @@
 //! Progress of a command on standard error: a bar on a terminal, else a line now and then.
 //!
-//! The bar is that of the stage at work. How long a stage takes on the machine at hand is not known before it has begun.
+//! The bar is that of the stage at work, and so is the time left. How long a stage takes on the machine at hand is not known
+//! before it has begun.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// The work of a command; its bar disappears when it is dropped.
 pub struct Job {
-    bar: Option<ProgressBar>,
-    begin: Instant,
-    state: Mutex<State>,
+    bar: ProgressBar,
+    quiet: bool,
+    /// What is at work, and when the last line was printed.
+    stage: Mutex<(String, Instant)>,
 }
 
-struct State {
-    /// What is at work, since when, and the share of it that is done.
-    stage: String,
-    since: Instant,
-    share: f64,
-    last_line: Instant,
-}
-
-/// Resolution of the bar.
 const FULL: u64 = 1000;
 
 /// Time between two lines where there is no terminal; short work says nothing.
@@ -31,79 +24,49 @@ const EVERY: Duration = Duration::from_secs(10);
 impl Job {
     /// Work whose progress is shown, unless `quiet`.
     pub fn new(quiet: bool) -> Job {
-        let bar = (!quiet).then(|| {
-            let style = ProgressStyle::with_template("[{bar:30}] {msg}")
-                .unwrap_or_else(|_| ProgressStyle::default_bar())
-                .progress_chars("=> ");
-            // Hides itself where standard error is no terminal.
-            ProgressBar::with_draw_target(Some(FULL), ProgressDrawTarget::stderr())
-                .with_style(style)
-                .with_finish(ProgressFinish::AndClear)
-        });
-        let now = Instant::now();
+        // Hides itself where standard error is no terminal.
+        let target = match quiet {
+            true => ProgressDrawTarget::hidden(),
+            false => ProgressDrawTarget::stderr(),
+        };
+        let bar = ProgressBar::with_draw_target(Some(FULL), target);
+        let template = "[{bar:30}] after {elapsed}: {msg}, {percent} %, about {eta} left of it";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("=> "));
+        }
         Job {
             bar,
-            begin: now,
-            state: Mutex::new(State {
-                stage: String::new(),
-                since: now,
-                share: 0.0,
-                last_line: now,
-            }),
+            quiet,
+            stage: Mutex::new((String::new(), Instant::now())),
         }
     }
 
-    /// `share` (0 to 1) of `stage` is done; `detail` may say of how much.
-    pub fn tell(&self, stage: &str, share: f64, detail: &str) {
-        let Some(bar) = &self.bar else { return };
-        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        if state.stage != stage {
-            state.stage = stage.into();
-            state.since = Instant::now();
-            state.share = 0.0;
+    /// `share` (0 to 1) of `stage` is done; a share that falls far begins the stage anew.
+    pub fn tell(&self, stage: &str, share: f64) {
+        let mut now = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        let done = (share.clamp(0.0, 1.0) * FULL as f64) as u64;
+        if now.0 != stage || 2 * done < self.bar.position() {
+            now.0 = stage.into();
+            self.bar.set_message(now.0.clone());
+            self.bar.set_position(0);
+            self.bar.reset_eta();
         }
         // Threads report out of order.
-        state.share = state.share.max(share.clamp(0.0, 1.0));
-        let text = text(self.begin.elapsed(), &state, detail);
-        if bar.is_hidden() && state.last_line.elapsed() >= EVERY {
-            state.last_line = Instant::now();
-            eprintln!("gearmesh: {text}");
+        self.bar.set_position(done.max(self.bar.position()));
+        if self.bar.is_hidden() && !self.quiet && now.1.elapsed() >= EVERY {
+            now.1 = Instant::now();
+            let [elapsed, left] = [self.bar.elapsed(), self.bar.eta()].map(HumanDuration);
+            eprintln!(
+                "gearmesh: after {elapsed}: {stage}, {:.0} %, about {left} left of it",
+                100.0 * share
+            );
         }
-        bar.set_message(text);
-        bar.set_position((state.share * FULL as f64) as u64);
     }
 }
 
-fn text(elapsed: Duration, state: &State, detail: &str) -> String {
-    let State { stage, share, .. } = state;
-    let comma = if detail.is_empty() { "" } else { ", " };
-    format!(
-        "after {}: {stage}, {:.0} %{comma}{detail}{}",
-        clock(elapsed),
-        100.0 * share,
-        left(state.since.elapsed(), *share)
-    )
-}
-
-/// What is left of a stage if the rest of it goes as what is done went; nothing as long as that says little, or at
-/// the end.
-fn left(elapsed: Duration, share: f64) -> String {
-    if !(0.02..1.0).contains(&share) || elapsed < Duration::from_secs(2) {
-        return String::new();
-    }
-    let rest = elapsed.as_secs_f64() * (1.0 - share) / share;
-    format!(
-        ", about {} left of it",
-        clock(Duration::from_secs_f64(rest))
-    )
-}
-
-/// A time as people read it.
-fn clock(time: Duration) -> String {
-    match time.as_secs_f64().round() as u64 {
-        s @ 0..60 => format!("{s} s"),
-        s @ 60..3600 => format!("{} min {} s", s / 60, s % 60),
-        s => format!("{} h {} min", s / 3600, s % 3600 / 60),
+impl Drop for Job {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
     }
 }
 
@@ -113,40 +76,14 @@ mod tests {
 
     #[test]
     fn a_stage_begins_at_nothing_and_does_not_go_back() {
-        let job = Job::new(false);
-        let share = || job.state.lock().unwrap().share;
-        job.tell("elastic model of gear 1", 0.9, "");
-        job.tell("contact", 0.5, "");
-        job.tell("contact", 0.4, "");
-        assert_eq!(share(), 0.5);
-        job.tell("model of the fillets", 0.1, "");
-        assert_eq!(share(), 0.1);
-    }
-
-    #[test]
-    fn the_time_left_is_that_of_the_stage_at_work_whatever_went_before() {
-        let now = Instant::now();
-        let state = State {
-            stage: "model of the fillets of gear 1".into(),
-            since: now.checked_sub(Duration::from_secs(40)).unwrap(),
-            share: 0.2,
-            last_line: now,
-        };
-        assert_eq!(
-            text(Duration::from_secs(100), &state, "3 of 15 solves"),
-            "after 1 min 40 s: model of the fillets of gear 1, 20 %, 3 of 15 solves, about 2 min 40 s left of it"
-        );
-        for share in [0.001, 1.0] {
-            assert_eq!(left(Duration::from_secs(10), share), "");
-        }
-    }
-
-    #[test]
-    fn times_are_told_in_minutes_and_hours() {
-        let of = |seconds| clock(Duration::from_secs(seconds));
-        assert_eq!(
-            [of(59), of(61), of(7260)],
-            ["59 s", "1 min 1 s", "2 h 1 min"]
-        );
+        let job = Job::new(true);
+        job.tell("elastic model of gear 1", 0.9);
+        job.tell("contact", 0.5);
+        job.tell("contact", 0.4);
+        assert_eq!(job.bar.position(), 500);
+        job.tell("contact", 0.1);
+        assert_eq!(job.bar.position(), 100);
+        job.tell("model of the fillets", 0.1);
+        assert_eq!(job.bar.position(), 100);
     }
 }

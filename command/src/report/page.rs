@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use super::picture;
 
-/// A page under construction.
 pub struct Page {
     title: String,
     body: String,
@@ -17,7 +16,6 @@ pub struct Page {
 pub struct Figure {
     /// File name without a folder: the section's heading in small letters and a number from 1.
     pub file: String,
-    /// Whole SVG document.
     pub svg: String,
 }
 
@@ -30,7 +28,6 @@ pub fn escape(text: &str) -> String {
 }
 
 impl Page {
-    /// A page with nothing but its title.
     pub fn new(title: &str) -> Page {
         Page {
             title: title.into(),
@@ -51,12 +48,10 @@ impl Page {
         );
     }
 
-    /// Adds text as it stands.
     pub fn preformatted(&mut self, text: &str) {
         let _ = writeln!(self.body, "<pre>{}</pre>", escape(text));
     }
 
-    /// Adds pictures side by side.
     pub fn pictures(&mut self, svgs: &[String]) {
         let name: String = self.heading.to_lowercase().replace(' ', "-");
         self.figures
@@ -67,33 +62,28 @@ impl Page {
         let _ = writeln!(self.body, "<div class=\"row\">{}</div>", svgs.join("\n"));
     }
 
-    /// Adds a table; cells are text.
-    pub fn table(&mut self, head: &[&str], rows: &[Vec<String>]) {
-        let line = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
-            let cells: String = cells
-                .map(|c| format!("<{tag}>{}</{tag}>", escape(c)))
-                .collect();
-            format!("<tr>{cells}</tr>\n")
-        };
-        let mut text = line("th", &mut head.iter().copied());
-        for row in rows {
-            text += &line("td", &mut row.iter().map(String::as_str));
+    /// Adds a table; `rows` begin with that of the heads.
+    pub fn table(&mut self, rows: &[Vec<String>]) {
+        let mut text = String::new();
+        for (i, row) in rows.iter().enumerate() {
+            let tag = if i == 0 { "th" } else { "td" };
+            let cells = row
+                .iter()
+                .map(|cell| format!("<{tag}>{}</{tag}>", escape(cell)));
+            let _ = writeln!(text, "<tr>{}</tr>", cells.collect::<String>());
         }
         let _ = writeln!(self.body, "<div class=\"wide\"><table>{text}</table></div>");
     }
 
-    /// The pictures so far, for files of their own.
     pub fn figures(&self) -> &[Figure] {
         &self.figures
     }
 
-    /// The finished page.
     pub fn finish(self) -> String {
         format!(
             include_str!("page.html"),
             title = escape(&self.title),
-            pictures = picture::style(),
-            style = include_str!("page.css"),
+            pictures = picture::STYLE,
             body = self.body
         )
     }
@@ -107,7 +97,7 @@ mod tests {
     fn a_name_cannot_break_out_of_the_page() {
         let mut page = Page::new("<script>");
         page.section("a & b", "\"c\"");
-        page.table(&["<i>"], &[vec!["1 < 2".into()]]);
+        page.table(&[vec!["<i>".into()], vec!["1 < 2".into()]]);
         let html = page.finish();
         assert!(!html.contains("<script>") && !html.contains("<i>"));
         assert!(html.contains("a &amp; b") && html.contains("1 &lt; 2"));

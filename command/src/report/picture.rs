@@ -1,11 +1,12 @@
-//! Pictures as SVG in the colours of the page, light or dark.
+//! Pictures as SVG in the colours of a light page, which a style inverts where the page is dark.
 //!
-//! They are drawn in pixels of [`FINE`] to the CSS pixel, since plotters rounds to whole ones, and in colours that stand for
-//! a part of the picture: ink, or the n-th curve. In place of each comes that of a light page, and a class, for which the page
-//! has a style where it is dark; a picture in a file of its own brings these along.
+//! They are drawn in pixels of [`FINE`] to the CSS pixel, since plotters rounds to whole ones.
 
 use std::ops::Range;
 
+use gearmesh::words::fixed;
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::Error;
@@ -13,25 +14,24 @@ use crate::Error;
 /// Pixels drawn for one pixel shown.
 const FINE: u32 = 8;
 
+pub const INK: RGBColor = RGBColor(34, 34, 34);
+
 /// Curves told apart by colour, also by eyes that see no red or no green; then they repeat.
-const CURVES: usize = 6;
-
-/// Text, axes and grid.
-pub const INK: RGBColor = RGBColor(0, 0, 0);
-
-/// Colours of the pictures on a light and on a dark page: paper, ink, then the curves. The light ones are attributes, since
-/// many programs know no style sheets; the dark ones are styles.
-const THEMES: [[&str; 2 + CURVES]; 2] = [
-    [
-        "#fff", "#222", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#5a5a5a",
-    ],
-    [
-        "#17191c", "#e4e4e0", "#5aaee8", "#f2924a", "#35c99a", "#e79fc6", "#9fd8fa", "#b4b4b4",
-    ],
+const CURVES: [RGBColor; 6] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(90, 90, 90),
 ];
 
-/// Their names in the classes of style sheets.
-const CLASSES: [&str; 2 + CURVES] = ["p", "i", "0", "1", "2", "3", "4", "5"];
+pub const STYLE: &str = "@media(prefers-color-scheme:dark){svg{filter:invert(.9) hue-rotate(180deg)}}\
+                         svg polygon,svg rect{shape-rendering:crispEdges}";
+
+/// What is drawn on, and a system of coordinates there.
+pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// `n` pixels of the page in pixels of the drawing.
 pub fn px(n: u32) -> u32 {
@@ -47,7 +47,7 @@ pub fn font(size: u32) -> TextStyle<'static> {
 }
 
 /// Decimals that tell the labels of an axis of this length apart.
-pub fn digits(axis: &Range<f64>) -> usize {
+fn digits(axis: &Range<f64>) -> usize {
     let step = (axis.end - axis.start) / 10.0;
     if step > 0.0 {
         (-step.log10().floor()).clamp(0.0, 9.0) as usize
@@ -56,65 +56,54 @@ pub fn digits(axis: &Range<f64>) -> usize {
     }
 }
 
-/// Colour that stands for curve `i`.
 pub fn curve_colour(i: usize) -> RGBColor {
-    // No shade of a map has these: their red and green are far below their blue.
-    RGBColor(1, 2, 250 - (i % CURVES) as u8)
+    CURVES[i % CURVES.len()]
 }
 
-/// Styles of the pictures.
-pub fn style() -> String {
-    let dark: String = (CLASSES.iter().zip(THEMES[1]))
-        .map(|(class, colour)| {
-            format!("svg .f{class}{{fill:{colour}}}svg .s{class}{{stroke:{colour}}}")
-        })
-        .collect();
-    format!(
-        "@media(prefers-color-scheme:dark){{{dark}}}svg polygon,svg rect{{shape-rendering:crispEdges}}"
-    )
+/// Draws axes named `labels` with about `count` numbers each, and a grid of this opacity.
+pub fn draw_axes(
+    chart: &mut Chart,
+    labels: [&str; 2],
+    count: usize,
+    grid: f64,
+) -> Result<(), Error> {
+    let [x_digits, y_digits] = [digits(&chart.x_range()), digits(&chart.y_range())];
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(INK.mix(grid).stroke_width(px(1)))
+        .axis_style(INK.stroke_width(px(1)))
+        .set_all_tick_mark_size(px(4))
+        .x_labels(count)
+        .y_labels(count)
+        .x_label_formatter(&|x| fixed(*x, x_digits))
+        .y_label_formatter(&|y| fixed(*y, y_digits))
+        .x_desc(labels[0])
+        .y_desc(labels[1])
+        .axis_desc_style(font(12))
+        .label_style(font(12))
+        .draw()?;
+    Ok(())
 }
 
 /// An SVG element of `size` pixels of the page, which `draw` fills.
 pub fn picture(
-    size: (u32, u32),
-    draw: impl FnOnce(&DrawingArea<SVGBackend, plotters::coord::Shift>) -> Result<(), Error>,
+    (width, height): (u32, u32),
+    draw: impl FnOnce(&Area) -> Result<(), Error>,
 ) -> Result<String, Error> {
     let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, (px(size.0), px(size.1))).into_drawing_area();
-        draw(&area)?;
-        area.present()?;
-    }
-    Ok(themed(&svg, size))
-}
-
-/// `svg` with classes beside the colours of a light page, and the size that it is shown in.
-fn themed(svg: &str, (width, height): (u32, u32)) -> String {
+    let area = SVGBackend::with_string(&mut svg, (px(width), px(height))).into_drawing_area();
+    draw(&area)?;
+    area.present()?;
+    drop(area);
     let drawn = format!("width=\"{}\" height=\"{}\"", px(width), px(height));
-    let mut svg = svg.replacen(&drawn, &format!("width=\"{width}\" height=\"{height}\""), 1);
-    let curves = (0..CURVES).map(curve_colour);
-    let drawn = std::iter::once(INK).chain(curves);
-    for ((RGBColor(r, g, b), class), colour) in drawn.zip(&CLASSES[1..]).zip(&THEMES[0][1..]) {
-        for (attribute, prefix) in [("fill", 'f'), ("stroke", 's')] {
-            svg = svg.replace(
-                &format!("{attribute}=\"#{r:02X}{g:02X}{b:02X}\""),
-                &format!("{attribute}=\"{colour}\" class=\"{prefix}{class}\""),
-            );
-        }
-    }
-    svg
+    Ok(svg.replacen(&drawn, &format!("width=\"{width}\" height=\"{height}\""), 1))
 }
 
 /// `svg` as a file of its own, with a background.
 pub fn document(svg: &str) -> String {
-    match svg.split_once('>') {
-        Some((open, rest)) => format!(
-            "{open}>\n<style>{}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"{}\" class=\"fp\"/>{rest}",
-            style(),
-            THEMES[0][0]
-        ),
-        None => svg.to_owned(),
-    }
+    let background = "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>";
+    svg.replacen('>', &format!(">\n<style>{STYLE}</style>\n{background}"), 1)
 }
 
 #[cfg(test)]
@@ -142,14 +131,11 @@ mod tests {
             "{svg}"
         );
         assert!(
-            svg.contains("stroke=\"#d55e00\" class=\"s1\"")
-                && svg.contains("fill=\"#222\" class=\"fi\""),
+            svg.contains("stroke=\"#D55E00\"") && svg.contains("fill=\"#222222\""),
             "{svg}"
         );
-        assert!(!svg.contains("#000000"), "{svg}");
         let file = document(&svg);
         assert!(file.starts_with("<svg") && file.contains("prefers-color-scheme:dark"));
-        assert!(!file.contains("var("), "{file}");
-        assert!(file.find("fill=\"#fff\" class=\"fp\"/>") < file.find("class=\"s1\""));
+        assert!(file.find("fill=\"#fff\"/>") < file.find("#D55E00"));
     }
 }

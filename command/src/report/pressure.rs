@@ -5,60 +5,57 @@ use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use rayon::prelude::*;
 
-use super::chart::Curve;
-use super::map::{Patch, View};
+use super::chart::{Curve, Map, Patch, draw_map};
 use crate::Error;
 
 /// Pressures below this are left white, MPa.
 const VISIBLE: f64 = 1.0;
 
 /// What a strip carries, in the unit of its scale.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    /// Largest pressure inside the flanks, MPa.
-    Pressure,
-    /// Normal force per length of contact line, N/mm.
-    LineLoad,
+pub struct Quantity {
+    unit: &'static str,
+    /// Of a strip of this length, m.
+    value: fn(&StripLoad, f64) -> f64,
+    /// Whether contact at a tip edge has a value on the scale.
+    at_edges: bool,
 }
 
-impl Quantity {
-    fn of(self, strip: &StripLoad, length: f64) -> f64 {
-        match self {
-            Quantity::Pressure => strip.pressure * 1e-6,
-            Quantity::LineLoad => strip.force / length * 1e-3,
-        }
-    }
+pub const PRESSURE: Quantity = Quantity {
+    unit: "MPa",
+    value: |strip, _| strip.pressure * 1e-6,
+    at_edges: false,
+};
 
-    /// Whether contact at a tip edge has no value on the scale.
-    fn knows_no_edge(self) -> bool {
-        self == Quantity::Pressure
-    }
+pub const LINE_LOAD: Quantity = Quantity {
+    unit: "N/mm",
+    value: |strip, length| strip.force / length * 1e-3,
+    at_edges: true,
+};
 
-    /// What stands at the scale.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Quantity::Pressure => "MPa",
-            Quantity::LineLoad => "N/mm",
-        }
-    }
-}
-
-/// Face of gear 1 and its diameters from the lowest point that gear 2 reaches to the tip.
-pub fn view(pair: &Pair, quantity: Quantity) -> View<'static> {
+/// A map of `patches` on the face of gear 1, from the lowest diameter that gear 2 reaches to the tip.
+pub fn flank_map(
+    pair: &Pair,
+    quantity: &Quantity,
+    title: String,
+    patches: Vec<Patch>,
+    top: f64,
+) -> Result<String, Error> {
     let g = &pair.geometry;
     let gear = &g.gears[0];
     let path = g.path_of_contact(g.center_distance);
     let diameter = |xi: f64| 2e3 * gear.radius_at_roll(g.roll_at(0, g.center_distance, xi));
     let (a, b) = (diameter(path.start), diameter(path.end));
     let margin = 0.04 * (a - b).abs();
-    View {
+    draw_map(Map {
+        title,
         x: 1e3 * gear.face_offset..1e3 * (gear.face_offset + gear.face_width),
         y: a.min(b) - margin..a.max(b) + margin,
-        labels: ["z (mm)", "diameter (mm)", quantity.unit()],
-    }
+        labels: ["z (mm)", "diameter (mm)", quantity.unit],
+        patches,
+        top,
+    })
 }
 
-/// The strips at one position.
 fn strips(
     solver: &ContactSolver,
     torque: f64,
@@ -74,7 +71,7 @@ fn strips(
 /// as the contact moves from one position to the next.
 pub fn pattern(
     solver: &ContactSolver,
-    quantity: Quantity,
+    quantity: &Quantity,
     torque: f64,
     misalignment: f64,
     positions: usize,
@@ -100,8 +97,8 @@ pub fn pattern(
                     let length = (strip.z[1] - strip.z[0]).abs() * per_cos_beta_b;
                     Patch {
                         corners: [(z0, low), (z1, low), (z1, high), (z0, high)],
-                        value: quantity.of(strip, length),
-                        apart: strip.edge.is_some() && quantity.knows_no_edge(),
+                        value: (quantity.value)(strip, length),
+                        apart: strip.edge.is_some() && !quantity.at_edges,
                     }
                 })
                 .collect())
@@ -113,21 +110,20 @@ pub fn pattern(
 /// Pressure inside the flanks along z for every tooth pair in contact at the mesh position `tau`; a line ends
 /// where contact reaches a tip edge.
 pub fn contact_lines(solver: &ContactSolver, torque: f64, tau: f64) -> Result<Vec<Curve>, Error> {
+    let mut curves: Vec<(i32, Curve)> = Vec::new();
     let strips = strips(solver, torque, 0.0, tau)?;
-    let mut curves: Vec<(i32, Vec<(f64, f64)>)> = Vec::new();
     for strip in strips.into_iter().filter(|strip| strip.edge.is_none()) {
         let point = (500.0 * (strip.z[0] + strip.z[1]), strip.pressure * 1e-6);
         match curves.last_mut() {
-            Some((pair, points)) if *pair == strip.tooth_pair => points.push(point),
-            _ => curves.push((strip.tooth_pair, vec![point])),
+            Some((pair, curve)) if *pair == strip.tooth_pair => curve.points.push(point),
+            _ => {
+                let label = format!("pair {}", strip.tooth_pair);
+                curves.push((strip.tooth_pair, Curve::new(label, [point])));
+            }
         }
     }
+    let curves = curves.into_iter().map(|(_, curve)| curve);
     Ok(curves
-        .into_iter()
-        .filter(|(_, points)| points.iter().any(|p| p.1 > VISIBLE))
-        .map(|(pair, points)| Curve {
-            label: format!("pair {pair}"),
-            points,
-        })
+        .filter(|curve| curve.points.iter().any(|p| p.1 > VISIBLE))
         .collect())
 }

@@ -1,121 +1,79 @@
 //! Stress in the tooth roots in pictures.
 
-use std::sync::Arc;
-
-use gearmesh::contact::ContactSolver;
-use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
-use gearmesh_preprocessor::contact::{CycleInput, GearRoots, MeshCycle};
-use gearmesh_preprocessor::finite_element::{RootPoint, RootStress};
+use gearmesh_preprocessor::contact::{GearRoots, ToothRoot};
 
-use super::chart::{Curve, Height, line_chart};
-use super::map::{Patch, View, map};
+use super::chart::{Curve, Height, Map, cells_between, draw_map, line_chart};
 use super::page::Page;
-use super::torque_in_words;
 use crate::Error;
+use crate::case::{Case, torque_in_words};
 
-/// Adds the section: stress of one tooth of either gear through the mesh for every cycle (its torque, N m, first), and the
-/// fillets where it is largest at the nominal torque.
-pub fn roots(
-    page: &mut Page,
-    pair: &Pair,
-    solver: &ContactSolver,
-    models: &[Arc<RootStress>; 2],
-    cycles: &[(f64, MeshCycle)],
-) -> Result<(), Error> {
-    let mut curves: [Vec<Curve>; 2] = Default::default();
-    let mut nominal = None;
-    for (torque, cycle) in cycles {
-        let input = CycleInput {
-            flank: Flank::Drive,
-            torque: *torque,
-            center_distance_offset: 0.0,
-            misalignment: 0.0,
-            positions: cycle.mesh_position.len(),
-        };
-        let gears = cycle.root_stress(solver, &input, models)?;
-        for (curves, gear) in curves.iter_mut().zip(&gears) {
-            curves.push(through_mesh(torque_in_words(*torque), cycle, gear));
-        }
-        if *torque == pair.operating.nominal_torque {
-            nominal = Some(gears);
-        }
-    }
+/// Adds the section: stress of one tooth of either gear through the mesh for every case, and the fillets where it is largest
+/// at the nominal torque.
+pub fn roots(page: &mut Page, pair: &Pair, cases: &[Case]) -> Result<(), Error> {
     page.section(
         "Tooth root stress",
         "Largest principal stress in the fillet of one tooth of either gear on its way through the mesh, from finite elements; at 0 its \
          tooth pair touches at the pitch point at mid-face.",
     );
-    let charts = curves.iter().enumerate().map(|(i, curves)| {
+    let charts = (0..2).map(|i| {
+        let curves: Vec<Curve> = cases
+            .iter()
+            .filter_map(|case| through_mesh(case, i))
+            .collect();
         let label = format!("root stress of gear {} (MPa)", i + 1);
         line_chart(
             ["mesh position of the tooth", &label],
             Height::FromZero(0.0),
-            curves,
+            &curves,
         )
     });
     page.pictures(&charts.collect::<Result<Vec<_>, Error>>()?);
-    let Some(gears) = nominal else { return Ok(()) };
+    let nominal = pair.operating.nominal_torque;
+    let nominal = cases.iter().find(|case| case.input.torque == nominal);
+    let Some(gears) = nominal.and_then(|case| case.roots.as_ref()) else {
+        return Ok(());
+    };
     page.section(
         "Fillets at the largest root stress",
         "Largest principal stress over the face and over the angle of the fillet's tangent with the tooth's centre line (90 degrees: \
          root circle), at the nominal torque and the mesh position where it is largest.",
     );
-    let maps = gears
+    let loaded = gears
         .iter()
         .enumerate()
-        .filter_map(|(i, gear)| fillet(i, gear).transpose());
+        .filter(|(_, gear)| gear.largest.is_some());
+    let maps = loaded.map(|(i, gear)| fillet(format!("Gear {}", i + 1), gear));
     page.pictures(&maps.collect::<Result<Vec<_>, Error>>()?);
     Ok(())
 }
 
-/// One tooth through the mesh: pair k at position tau is pair 0 at tau + k.
-fn through_mesh(label: String, cycle: &MeshCycle, gear: &GearRoots) -> Curve {
-    let teeth = gear.teeth.iter();
-    let mut points: Vec<(f64, f64)> = teeth
-        .map(|tooth| {
-            let tau = cycle.mesh_position[tooth.position] + f64::from(tooth.tooth_pair);
-            (tau, 1e-6 * tooth.largest.stress)
-        })
-        .collect();
+/// One tooth of gear `i` through the mesh: pair k at position tau is pair 0 at tau + k.
+fn through_mesh(case: &Case, i: usize) -> Option<Curve> {
+    let teeth = case.roots.as_ref()?[i].teeth.iter();
+    let point = |tooth: &ToothRoot| {
+        let tau = case.cycle.mesh_position[tooth.position] + f64::from(tooth.tooth_pair);
+        (tau, 1e-6 * tooth.largest.stress)
+    };
+    let mut points: Vec<(f64, f64)> = teeth.map(point).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Curve { label, points }
+    Some(Curve::new(torque_in_words(case.input.torque), points))
 }
 
-/// The fillet of gear `i` where its stress is largest; None without load.
-fn fillet(i: usize, gear: &GearRoots) -> Result<Option<String>, Error> {
+fn fillet(title: String, gear: &GearRoots) -> Result<String, Error> {
     let rows = &gear.field;
-    let Some(top) = gear.largest() else {
-        return Ok(None);
-    };
-    let along = |rows: &[Vec<RootPoint>]| rows.iter().map(|row| 1e3 * row[0].z).collect();
-    let z = cells(along(rows));
-    let tangents = cells(
-        rows[0]
-            .iter()
-            .map(|point| point.tangent.to_degrees())
-            .collect(),
-    );
-    let mut patches = Vec::new();
-    for (row, z) in rows.iter().zip(z.windows(2)) {
-        for (point, tangent) in row.iter().zip(tangents.windows(2)) {
-            let [z, tangent] = [[z[0], z[1]], [tangent[0], tangent[1]]];
-            patches.push(Patch::rectangle(z, tangent, 1e-6 * point.stress));
-        }
-    }
-    let view = View {
-        x: z[0]..z[z.len() - 1],
-        y: tangents[tangents.len() - 1]..tangents[0],
-        labels: ["z (mm)", "tangent (deg)", "root stress (MPa)"],
-    };
-    let title = format!("Gear {}", i + 1);
-    map(&title, &view, patches, 1e-6 * top.largest.stress).map(Some)
-}
-
-/// Ends of cells about `places`: halfway between them, and the outermost themselves.
-fn cells(places: Vec<f64>) -> Vec<f64> {
-    let mut ends = vec![places[0]];
-    ends.extend(places.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])));
-    ends.push(places[places.len() - 1]);
-    ends
+    let z: Vec<f64> = rows.iter().map(|row| 1e3 * row[0].z).collect();
+    let tangents: Vec<f64> = rows[0]
+        .iter()
+        .map(|point| point.tangent.to_degrees())
+        .collect();
+    let along_face = |k: usize| rows.iter().map(move |row| 1e-6 * row[k].stress);
+    draw_map(Map::of_cells(
+        title,
+        [cells_between(&z), cells_between(&tangents)],
+        ["z (mm)", "tangent (deg)", "root stress (MPa)"],
+        (0..tangents.len()).flat_map(along_face),
+        gear.largest()
+            .map_or(0.0, |tooth| 1e-6 * tooth.largest.stress),
+    ))
 }

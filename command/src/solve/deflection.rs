@@ -21,7 +21,7 @@ pub struct DeflectionArgs {
     deflection: Option<PathBuf>,
 
     /// How much less both ends of the face close than its middle, um, parabolic, 0 at mid-face
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, value_parser = limits::within(-LARGEST_UM..=LARGEST_UM))]
     bow_um: f64,
 }
 
@@ -38,18 +38,12 @@ impl DeflectionArgs {
     /// The deflection; none where none is asked for.
     pub fn read(&self, geometry: &PairGeometry) -> Result<Option<Deflection>, Error> {
         if let Some(path) = &self.deflection {
-            let place = |error: Error| format!("{}: {error}", path.display());
-            return Ok(Some(curve(path).map_err(place)?));
+            let curve = curve(path).map_err(|error| format!("{}: {error}", path.display()))?;
+            return Ok(Some(curve));
         }
-        if self.bow_um == 0.0 {
-            return Ok(None);
-        }
-        limits::within("bow-um", self.bow_um, -LARGEST_UM..=LARGEST_UM)?;
         let (low, width) = geometry.face_overlap();
-        Ok(Some(Deflection::bow(
-            self.bow_um * 1e-6,
-            [low, low + width],
-        )?))
+        let bow = Deflection::bow(self.bow_um * 1e-6, [low, low + width])?;
+        Ok((self.bow_um != 0.0).then_some(bow))
     }
 }
 
@@ -63,13 +57,13 @@ fn curve(path: &Path) -> Result<Deflection, Error> {
     let mut points = Vec::new();
     for row in reader.deserialize() {
         let row: Row = row?;
-        if row.closing_um.is_nan() || row.closing_um.abs() > LARGEST_UM {
-            return Err(format!(
-                "closing_um = {} at z_mm = {}: give a value from -{LARGEST_UM} to {LARGEST_UM}",
+        let closing = limits::check(Some(row.closing_um), &(-LARGEST_UM..=LARGEST_UM));
+        closing.map_err(|e| {
+            format!(
+                "closing_um = {} at z_mm = {}: {e}",
                 row.closing_um, row.z_mm
             )
-            .into());
-        }
+        })?;
         points.push([row.z_mm * 1e-3, row.closing_um * 1e-6]);
     }
     Ok(Deflection::new(points)?)

@@ -1,12 +1,9 @@
 //! `gearmesh solve PAIR.json`: mesh cycles, quasi-static, for one load or a matrix of loads.
 
 mod deflection;
-mod files;
-mod report;
-mod roots;
+mod results;
 mod text;
 
-use gearmesh_preprocessor::pair;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -14,16 +11,17 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gearmesh::contact::Deflection;
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
-use gearmesh_preprocessor::contact::{CycleInput, GearRoots, LoadCase, MeshCycle};
-use serde::Serialize;
+use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
+use gearmesh_preprocessor::pair;
+use serde_json::json;
 
+use crate::Error;
+use crate::case::{Case, summary};
+use crate::columns::Column;
 use crate::limits;
-use crate::losses::{Losses, SpeedArgs};
 use crate::model::{Fillets, Model, ModelArgs, widen};
 use crate::output::{self, Listing, rows};
 use deflection::DeflectionArgs;
-use report::Report;
-use roots::Roots;
 
 /// Solve the static contact over the mesh cycle, for one load or for every torque with every misalignment.
 #[derive(Debug, Args)]
@@ -32,19 +30,25 @@ pub struct Solve {
     pair: PathBuf,
 
     /// Torques on gear 1, N m, separated by commas [default: the pair's nominal torque]
-    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_parser = torque)]
     torque_nm: Vec<f64>,
 
     /// Number of positions over the mesh cycle
-    #[arg(long, default_value_t = limits::POSITIONS)]
+    #[arg(long, default_value_t = limits::POSITIONS, value_parser = limits::within(1..=limits::MOST_POSITIONS))]
     positions: usize,
 
     /// Actual minus nominal centre distance, um
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, value_parser = limits::within(limits::CENTER_DISTANCE_OFFSETS))]
     center_distance_offset_um: f64,
 
     /// Misalignments in the plane of action, mrad, separated by commas; > 0: more penetration at larger z
-    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, default_values_t = [0.0])]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        default_values_t = [0.0],
+        value_parser = limits::within(limits::MISALIGNMENTS)
+    )]
     misalignment_mrad: Vec<f64>,
 
     /// Loaded flank of gear 1; drive: in contact when gear 1 turns in its + sense and drives; coast: the other one
@@ -59,8 +63,9 @@ pub struct Solve {
     #[arg(long, conflicts_with = "plane_strain")]
     root_stress: bool,
 
-    #[command(flatten)]
-    speeds: SpeedArgs,
+    /// Speeds of gear 1 at which loss and efficiency are wanted, rpm, separated by commas
+    #[arg(long, value_delimiter = ',', value_parser = limits::within(0.0..=1e6))]
+    speed_rpm: Vec<f64>,
 
     /// Solve with finite elements of another refinement, too, and print how far the results differ
     #[arg(long, conflicts_with = "json")]
@@ -79,6 +84,11 @@ pub struct Solve {
     model: ModelArgs,
 }
 
+fn torque(text: &str) -> Result<f64, String> {
+    limits::torque(text)
+        .map_err(|error| format!("{error}; for the other flank say `--flank coast`"))
+}
+
 fn flank(name: String) -> Flank {
     match name.as_str() {
         "coast" => Flank::Coast,
@@ -88,222 +98,144 @@ fn flank(name: String) -> Flank {
 
 /// Cycles and what it took to solve them.
 struct Solved {
+    pair: Pair,
     model: Model,
-    /// One for each load.
-    cycles: Vec<MeshCycle>,
     /// For the stress in the roots, where it is asked for.
     fillets: Option<Fillets>,
-    /// The stress of both gears for each load, likewise.
-    roots: Vec<Option<[GearRoots; 2]>>,
-}
-
-/// What `--json` prints of more than one load.
-#[derive(Serialize)]
-struct Matrix<'a> {
-    cases: &'a [Report],
+    /// One for each load.
+    cases: Vec<Case>,
 }
 
 impl Solve {
-    /// Solves and prints.
-    pub fn run(self) -> Result<(), crate::Error> {
-        limits::within("positions", self.positions, 1..=limits::MOST_POSITIONS)?;
+    pub fn run(self) -> Result<(), Error> {
         let mut pair = self.model.applied_to(pair::read(&self.pair)?);
-        let cases = self.cases(&pair)?;
+        let loads = self.loads(&pair)?;
         let deflection = self.deflection.read(&pair.geometry)?;
         if let Some(folder) = &self.output {
-            files::check(folder, self.root_stress)?;
+            results::check(folder, self.root_stress)?;
         }
-        let input = CycleInput {
-            flank: self.flank,
-            torque: cases[0].torque,
-            center_distance_offset: self.center_distance_offset_um * 1e-6,
-            misalignment: cases[0].misalignment,
-            positions: self.positions,
-        };
         let bent = deflection.as_ref().map_or(0.0, |deflection| {
             let (low, width) = pair.geometry.face_overlap();
             let [least, largest] = deflection.range([low, low + width], 0.0);
             (largest - least) / width
         });
-        for LoadCase {
-            torque,
-            misalignment,
-        } in &cases
-        {
+        let offset = self.center_distance_offset_um * 1e-6;
+        for load in &loads {
             // A deflection gathers the load as the misalignment of its range does.
-            let tilts = [misalignment - bent, misalignment + bent];
-            widen(&mut pair, *torque, tilts, [input.center_distance_offset; 2]);
+            let tilts = [load.misalignment - bent, load.misalignment + bent];
+            widen(&mut pair, load.torque, tilts, [offset; 2]);
         }
         self.model.use_threads()?;
-        let solved = |pair: &Pair| self.solve(pair, &input, &cases, deflection.as_ref());
-        let Solved {
-            model,
-            cycles,
-            fillets,
-            roots,
-        } = solved(&pair)?;
-        let stresses = largest_stresses(&roots);
-        let reports: Vec<Report> = cases
-            .iter()
-            .zip(cycles.iter().zip(roots))
-            .map(|(case, (cycle, gears))| {
-                let input = of_case(&input, case);
-                let roots = gears.map(|gears| Roots::new(&pair.geometry, &input, cycle, gears));
-                let stations = model.solver.settings().stations;
-                let losses = Losses::new(&pair, &input, cycle, &self.speeds)?;
-                Ok(Report {
-                    roots,
-                    ..Report::new(&pair, &input, stations, cycle, losses)
-                })
-            })
-            .collect::<Result<_, crate::Error>>()?;
+        let solved = self.solve(pair, &loads, deflection.as_ref())?;
+        let solver = &solved.model.solver;
         if let Some(folder) = &self.output {
-            files::write(folder, &pair.geometry, &cycles, &reports)?;
+            results::write(folder, solver, &solved.cases)?;
         }
-        let mut text = match (&cycles[..], &reports[..]) {
-            (_, [report]) if self.json => serde_json::to_string_pretty(report)? + "\n",
-            _ if self.json => serde_json::to_string_pretty(&Matrix { cases: &reports })? + "\n",
-            ([cycle], [report]) => text::one(&pair, (&model, &fillets), &input, cycle, report),
-            _ => text::many(&pair, (&model, &fillets), &input, &reports),
+        let mut text = if self.json {
+            let json = |case| results::json(solver, &solved.pair, case, &self.speed_rpm);
+            let json = match &solved.cases[..] {
+                [case] => json(case).into(),
+                cases => json!({ "cases": cases.iter().map(json).collect::<Vec<_>>() }),
+            };
+            serde_json::to_string_pretty(&json)? + "\n"
+        } else {
+            text::text(&solved, &self.speed_rpm)
         };
         if self.estimate_error {
-            let other = solved(&ModelArgs::reference(&pair))?;
-            text += &difference(&other, &cycles, &stresses);
+            let other = ModelArgs::reference(&solved.pair);
+            let other = self.solve(other, &loads, deflection.as_ref())?;
+            text += &difference(&solved, &other);
         }
         output::print(&text)?;
         Ok(())
     }
 
-    /// Every torque with every misalignment, refused where no pair file may cover it.
-    fn cases(&self, pair: &Pair) -> Result<Vec<LoadCase>, crate::Error> {
+    /// Every torque with every misalignment.
+    fn loads(&self, pair: &Pair) -> Result<Vec<LoadCase>, Error> {
         let nominal = [pair.operating.nominal_torque];
         let torques = match &self.torque_nm[..] {
             [] => &nominal[..],
             given => given,
         };
-        let offset = self.center_distance_offset_um;
-        limits::within(
-            "center-distance-offset-um",
-            offset,
-            limits::CENTER_DISTANCE_OFFSETS,
-        )?;
-        let mut cases = Vec::new();
-        for &torque in torques {
-            limits::torque("torque-nm", torque)
-                .map_err(|error| format!("{error}; for the other flank say `--flank coast`"))?;
-            for &misalignment in &self.misalignment_mrad {
-                limits::within("misalignment-mrad", misalignment, limits::MISALIGNMENTS)?;
-                cases.push(LoadCase {
-                    torque,
-                    misalignment: misalignment * 1e-3,
-                });
-            }
-        }
+        let count = torques.len() * self.misalignment_mrad.len();
         // More results would not fit into memory.
-        limits::within(
-            "torque-nm times --misalignment-mrad",
-            cases.len(),
-            1..=10_000,
-        )?;
-        Ok(cases)
+        limits::check(Some(count), &(1..=10_000))
+            .map_err(|error| format!("torques times misalignments = {count}: {error}"))?;
+        let at_torque = |&torque| {
+            let misalignments = self.misalignment_mrad.iter();
+            misalignments.map(move |mrad| LoadCase {
+                torque,
+                misalignment: mrad * 1e-3,
+            })
+        };
+        Ok(torques.iter().flat_map(at_torque).collect())
     }
 
-    /// The solver of `pair`, and a cycle for each of `cases`, with the stress in the roots where it is asked for.
+    /// A cycle of `pair` for each of `loads`, with the stress in the roots where it is asked for.
     fn solve(
         &self,
-        pair: &Pair,
-        input: &CycleInput,
-        cases: &[LoadCase],
+        pair: Pair,
+        loads: &[LoadCase],
         deflection: Option<&Deflection>,
-    ) -> Result<Solved, crate::Error> {
+    ) -> Result<Solved, Error> {
         let job = self.model.job();
-        let mut model = self.model.solver(pair, &job)?;
+        let mut model = self.model.solver(&pair, &job)?;
         if let Some(deflection) = deflection {
             model.solver = model.solver.with_deflection(deflection.clone());
         }
-        let total = self.positions * cases.len();
-        let told = |share: f64| {
-            let done = (share * total as f64).round();
-            job.tell(
-                "static contact",
-                share,
-                &format!("{done} of {total} solves"),
-            );
+        let input = CycleInput {
+            flank: self.flank,
+            torque: loads[0].torque,
+            center_distance_offset: self.center_distance_offset_um * 1e-6,
+            misalignment: loads[0].misalignment,
+            positions: self.positions,
         };
-        let cycles = MeshCycle::solve_all(&model.solver, input, cases, &told)?;
+        let progress = |share| job.tell("static contact", share);
+        let mut cases = Case::solve_all(&model.solver, &input, loads, &progress)?;
         let fillets = match self.root_stress {
-            true => Some(self.model.fillets(pair, input.flank, &job)?),
+            true => Some(self.model.fillets(&pair, self.flank, &job)?),
             false => None,
         };
-        let roots = cases
-            .iter()
-            .zip(&cycles)
-            .map(|(case, cycle)| {
-                let input = of_case(input, case);
-                let stress = |of: &Fillets| cycle.root_stress(&model.solver, &input, &of.maps);
-                fillets.as_ref().map(stress).transpose()
-            })
-            .collect::<Result<_, _>>()?;
+        for case in &mut cases {
+            case.solve_roots(&model.solver, fillets.as_ref())?;
+        }
         Ok(Solved {
+            pair,
             model,
-            cycles,
             fillets,
-            roots,
+            cases,
         })
     }
 }
 
-/// `input` at the load of `case`.
-fn of_case(input: &CycleInput, case: &LoadCase) -> CycleInput {
-    CycleInput {
-        torque: case.torque,
-        misalignment: case.misalignment,
-        ..*input
-    }
-}
-
-/// The largest stress in the roots of gear 1 and gear 2, Pa, for each load; nothing where it is not asked for.
-fn largest_stresses(roots: &[Option<[GearRoots; 2]>]) -> Vec<[f64; 2]> {
-    let largest = |gear: &GearRoots| gear.largest().map_or(0.0, |tooth| tooth.largest.stress);
-    let of = |gears: &[GearRoots; 2]| gears.each_ref().map(largest);
-    roots.iter().flatten().map(of).collect()
-}
-
-/// How far the first of a pair of results is from the second where they differ most, in words.
-fn worst(results: impl Iterator<Item = (f64, f64)>) -> String {
-    let shares = results.map(|(a, b)| a / b - 1.0);
-    let worst = shares
-        .filter(|share| share.is_finite())
-        .max_by(|a, b| a.abs().total_cmp(&b.abs()));
-    worst.map_or("none to tell: it is zero".into(), |worst| {
-        format!("{:+.2} %", 100.0 * worst)
-    })
-}
-
-/// How far `cycles` and `stresses` of the roots are from those of `other` refinement, at the load where they differ most.
-fn difference(other: &Solved, cycles: &[MeshCycle], stresses: &[[f64; 2]]) -> String {
-    let largest = |of: fn(&MeshCycle) -> f64| {
-        let both = cycles.iter().zip(&other.cycles);
-        worst(both.map(|(a, b)| (of(a), of(b))))
-    };
+/// How far the results of `solved` are from those of the `other` refinement, at the load where they differ most.
+fn difference(solved: &Solved, other: &Solved) -> String {
     let model = &other.model;
     let mut rows = Listing::default();
-    rows! { rows;
-        "compared with" => "{}", model.description;
-        "mean STE" => "{}", largest(MeshCycle::mean_ste);
-        "peak-to-peak STE" => "{}", largest(MeshCycle::peak_to_peak_ste);
-    }
+    rows! { rows; "compared with" => "{}", model.description; }
+    let mut columns = summary(&model.solver);
     if other.fillets.is_some() {
-        let others = largest_stresses(&other.roots);
-        for i in 0..2 {
-            let both = stresses.iter().zip(&others);
-            let largest = worst(both.map(|(a, b)| (a[i], b[i])));
-            rows.row(format!("root stress of gear {}", i + 1), largest);
-        }
+        columns.extend(text::largest_root_stress());
     }
-    rows! { rows; "time for its elastic model" => "{:.3} s, {}", model.compliance_seconds, model.origin; }
+    for column in &columns {
+        let Some(text) = &column.text else { continue };
+        let both = solved.cases.iter().zip(&other.cases);
+        let shares = both.filter_map(|(a, b)| share(column, a, b));
+        let worst = shares.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let words = worst.map_or("none to tell: it is zero".into(), |worst| {
+            format!("{:+.2} %", 100.0 * worst)
+        });
+        rows.row(&text.head, words);
+    }
+    rows! { rows; "time for its elastic model" => "{}", model.effort; }
     if let Some(f) = &other.fillets {
-        rows! { rows; "time for its model of the fillets" => "{:.3} s, {}", f.seconds, f.origin; }
+        rows! { rows; "time for its model of the fillets" => "{}", f.effort; }
     }
     format!("\nestimated error, from the difference to another refinement\n{rows}")
+}
+
+/// How far the result of `a` is from that of `b`, over the latter.
+fn share<'c>(column: &Column<&'c Case>, a: &'c Case, b: &'c Case) -> Option<f64> {
+    let [a, b] = [a, b].map(|case| (column.value)(&case).as_f64());
+    Some(a? / b? - 1.0).filter(|share| share.is_finite())
 }

@@ -1,38 +1,39 @@
 //! `gearmesh study PAIR.json`: what tolerances do to transmission error, pressure and root stress.
 
-mod page;
 mod samples;
+mod show;
 mod statistics;
-mod text;
 mod variation;
 
-use gearmesh_preprocessor::pair;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Args;
 use gearmesh::contact::ContactSolver;
 use gearmesh::gear::{Flank, tolerance};
 use gearmesh::pair::Pair;
-use gearmesh::words::rounded;
+use gearmesh::words::{hex, number, rounded};
 use gearmesh_preprocessor::contact::{CycleInput, MeshCycle};
-use gearmesh_preprocessor::finite_element::RootStress;
-use gearmesh_preprocessor::pair::PairDraft;
+use gearmesh_preprocessor::pair::{self, PairDraft};
 use rayon::prelude::*;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::Error;
+use crate::case::Case;
 use crate::limits;
-use crate::model::{Model, ModelArgs, widen};
+use crate::model::{Fillets, Model, ModelArgs, widen};
 use crate::output;
-use samples::{Outcome, Sample, Solved};
+use samples::{Sample, outcomes};
 use statistics::Statistics;
-use variation::{Asked, Variation};
+use variation::{Requested, Variation};
 
-/// The flank that is loaded.
 const FLANK: Flank = Flank::Drive;
+
+const MOST_SAMPLES: usize = 1_000_000;
+
+/// What can be varied beside fields of the pair file.
+const LOADS: &str = "torque_nm, misalignment_mrad or center_distance_offset_um";
 
 /// Draw samples of a pair within its tolerances and solve the mesh cycle of each.
 ///
@@ -46,7 +47,7 @@ pub struct Study {
     /// Field of the pair file, or torque_nm, misalignment_mrad or center_distance_offset_um, and the interval in which
     /// it is drawn: FIELD=LOW..HIGH, or FIELD=+-TOLERANCE about the value in the file; repeatable
     #[arg(long, value_name = "FIELD=INTERVAL")]
-    vary: Vec<Asked>,
+    vary: Vec<Requested>,
 
     /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile slope and helix slope of both gears are drawn within its
     /// f_HaT and f_HbT about the values in the file
@@ -54,7 +55,7 @@ pub struct Study {
     iso_1328_class: Option<u8>,
 
     /// Number of samples
-    #[arg(long, default_value_t = 500)]
+    #[arg(long, default_value_t = 500, value_parser = limits::within(1..=MOST_SAMPLES))]
     samples: usize,
 
     /// Another seed draws other samples
@@ -62,11 +63,11 @@ pub struct Study {
     seed: u64,
 
     /// Torque on gear 1, N m, where it is not varied [default: the pair's nominal torque]
-    #[arg(long)]
+    #[arg(long, value_parser = limits::torque)]
     torque_nm: Option<f64>,
 
-    /// Number of positions over the mesh cycle
-    #[arg(long, default_value_t = 32)]
+    /// Number of positions over the mesh cycle; its first harmonic takes three
+    #[arg(long, default_value_t = 32, value_parser = limits::within(3..=limits::MOST_POSITIONS))]
     positions: usize,
 
     /// The largest root stress of both gears, too; its elastic model takes two to three times as long as that of the
@@ -86,19 +87,17 @@ pub struct Study {
     model: ModelArgs,
 }
 
-/// `study.json`.
 #[derive(Debug, Serialize)]
 struct Summary<'a> {
     pair: &'a str,
     /// Of everything that the samples depend on.
     identity: &'a str,
     seed: u64,
-    /// Distribution of every field in its interval.
     distribution: &'static str,
     varied: &'a [Variation],
     samples: usize,
     refused: usize,
-    statistics: &'a [Statistics],
+    statistics: Vec<Statistics>,
     /// What is to be known of the results, one sentence each; empty where there is nothing.
     notes: Vec<&'static str>,
 }
@@ -109,8 +108,8 @@ struct Bench<'a> {
     /// The pair as drawn, its operating range widened to what is varied.
     pair: Pair,
     model: Model,
-    /// Maps from loads to the stress in the roots, where it is wanted.
-    roots: Option<[Arc<RootStress>; 2]>,
+    /// For the stress in the roots, where it is asked for.
+    fillets: Option<Fillets>,
     variations: &'a [Variation],
     torque: f64,
     positions: usize,
@@ -123,17 +122,14 @@ fn class(text: &str) -> Result<u8, String> {
 }
 
 impl Study {
-    /// Solves the samples, writes, and prints the spread.
     pub fn run(self) -> Result<(), Error> {
-        // The first harmonic over the cycle takes three.
-        limits::within("positions", self.positions, 3..=limits::MOST_POSITIONS)?;
-        limits::within("samples", self.samples, 1..=1_000_000)?;
         let draft = PairDraft::read(&self.pair)?;
         let mut pair = self.model.applied_to(draft.pair()?);
         let torque = self.torque_nm.unwrap_or(pair.operating.nominal_torque);
-        limits::torque("torque-nm", torque)?;
         let variations = Variation::all(&self.vary, self.iso_1328_class, &draft, &pair, torque)?;
-        check(&variations, &draft, &pair)?;
+        for variation in &variations {
+            check(variation, &draft, &pair)?;
+        }
         let range = |field: &str, unit: f64, drawn: f64| {
             let varied = variations.iter().find(|v| v.field == field);
             varied.map_or([drawn; 2], |v| [v.low * unit, v.high * unit])
@@ -145,25 +141,24 @@ impl Study {
             range("center_distance_offset_um", 1e-6, 0.0),
         );
 
-        let folder = &self.output;
-        output::make_folder("--output", folder)?;
+        output::make_folder("--output", &self.output)?;
         let [table, summary, page] =
-            ["samples.csv", "study.json", "study.html"].map(|name| folder.join(name));
+            ["samples.csv", "study.json", "study.html"].map(|name| self.output.join(name));
         for path in [&table, &summary, &page] {
-            output::check_writable(path, &[&self.pair])?;
+            output::check_writable(path, [&self.pair])?;
         }
         let identity = self.identity(&pair, &variations, torque);
-        let outcomes = samples::outcomes(self.root_stress);
-        let mut done = match self.restart {
-            true => Vec::new(),
-            false => earlier(&table, &summary, &variations, outcomes, &identity)?,
-        };
+        let outcomes = outcomes(self.root_stress);
+        let mut done = Vec::new();
+        if !self.restart && is_begun(&summary, &identity)? {
+            done = samples::read(&table, &variations, &outcomes)?;
+        }
         // More samples than asked for now stay in the table.
-        let wanted: Vec<usize> = (0..=self.samples)
+        let missing: Vec<usize> = (0..=self.samples)
             .filter(|n| !done.iter().any(|sample| sample.number == *n))
             .collect();
         let name = pair.name.clone();
-        let all = Summary {
+        let mut all = Summary {
             pair: &name,
             identity: &identity,
             seed: self.seed,
@@ -171,59 +166,47 @@ impl Study {
             varied: &variations,
             samples: self.samples,
             refused: 0,
-            statistics: &[],
+            statistics: Vec::new(),
             notes: pair::note_on_teeth(&pair.teeth).into_iter().collect(),
         };
         write_json(&summary, &all)?;
 
         self.model.use_threads()?;
         let job = self.model.job();
-        let model = self.model.solver(&pair, &job)?;
-        let roots = match self.root_stress {
-            true => Some(self.model.fillets(&pair, FLANK, &job)?.maps),
-            false => None,
-        };
         let bench = Bench {
+            model: self.model.solver(&pair, &job)?,
+            fillets: match self.root_stress {
+                true => Some(self.model.fillets(&pair, FLANK, &job)?),
+                false => None,
+            },
             draft,
             pair,
-            model,
-            roots,
             variations: &variations,
             torque,
             positions: self.positions,
         };
         let finished = AtomicUsize::new(0);
         // A block at a time is written, so that little is lost by a kill.
-        for block in wanted.chunks(4 * rayon::current_num_threads()) {
-            let solved: Vec<Sample> = block
-                .par_iter()
-                .map(|&number| {
-                    let sample = bench.sample(number, self.seed);
-                    let done = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                    let told = format!("{done} of {} samples", wanted.len());
-                    job.tell("samples", done as f64 / wanted.len() as f64, &told);
-                    sample
-                })
-                .collect();
-            done.extend(solved);
+        for block in missing.chunks(4 * rayon::current_num_threads()) {
+            let solved = block.par_iter().map(|&number| {
+                let sample = bench.sample(number, self.seed);
+                let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
+                job.tell("samples", count as f64 / missing.len() as f64);
+                sample
+            });
+            done.par_extend(solved);
             done.sort_by_key(|sample| sample.number);
-            samples::write(&table, &variations, outcomes, &done)?;
+            samples::write(&table, &variations, &outcomes, &done)?;
         }
         drop(job);
 
-        let statistics = spread(&done, outcomes)?;
-        let refused = done.iter().filter(|s| s.outcome.is_err()).count();
-        write_json(
-            &summary,
-            &Summary {
-                samples: done.len() - 1,
-                refused,
-                statistics: &statistics,
-                ..all
-            },
-        )?;
-        let text = text::text(&bench, self.seed, &done, outcomes, &statistics);
-        let html = page::page(&name, &text, outcomes, &done)?;
+        let names = outcomes.iter().map(|outcome| &outcome.name);
+        all.statistics = spread(&done, names)?;
+        all.samples = done.len() - 1;
+        all.refused = done.iter().filter(|s| s.outcome.is_err()).count();
+        write_json(&summary, &all)?;
+        let text = show::text(&bench, self.seed, &done, &outcomes, &all.statistics);
+        let html = show::page(&name, &text, &outcomes, &done)?;
         output::write_whole(&page, html.as_bytes())?;
         output::print(&text)?;
         Ok(())
@@ -240,36 +223,26 @@ impl Study {
         );
         let roots = if self.root_stress { " root stress" } else { "" };
         let plane = self.model.is_plane_strain();
-        let hash = Sha256::digest(format!("{all} {plane}{roots}"));
-        hash.iter()
-            .take(16)
-            .map(|byte| format!("{byte:02x}"))
-            .collect()
+        hex(&Sha256::digest(format!("{all} {plane}{roots}"))[..16])
     }
 }
 
-/// Samples of an earlier run of the same study in the files `table` and `summary`.
-fn earlier(
-    table: &Path,
-    summary: &Path,
-    variations: &[Variation],
-    outcomes: &[Outcome],
-    identity: &str,
-) -> Result<Vec<Sample>, Error> {
+/// Whether `summary` is there, of an earlier run of the study with this `identity`.
+fn is_begun(summary: &Path, identity: &str) -> Result<bool, Error> {
     if !summary.exists() {
-        return Ok(Vec::new());
+        return Ok(false);
     }
+    let place = summary.display();
     let found: serde_json::Value = serde_json::from_str(&output::read_text(summary)?)
-        .map_err(|error| format!("{}: {error}; begin anew with --restart", summary.display()))?;
+        .map_err(|error| format!("{place}: {error}; begin anew with --restart"))?;
     if found["identity"] != identity {
         return Err(format!(
-            "{}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with \
-             --restart",
-            summary.display()
+            "{place}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with \
+             --restart"
         )
         .into());
     }
-    samples::read(table, variations, outcomes)
+    Ok(true)
 }
 
 fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
@@ -277,60 +250,44 @@ fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
     Ok(output::write_whole(path, text.as_bytes())?)
 }
 
-/// Refuses fields that there are not, values that the pair file may not have, and what changes the teeth
+/// Refuses a field that there is not, values that the pair file may not have, and what changes the teeth
 /// themselves, before anything is computed.
-fn check(variations: &[Variation], draft: &PairDraft, pair: &Pair) -> Result<(), Error> {
-    for v in variations {
-        let option = format!("vary {}", v.field);
-        let mut acts = false;
-        for value in [v.low, v.high] {
-            let limit = match v.field.as_str() {
-                "torque_nm" => Some(limits::torque(&option, value)),
-                "misalignment_mrad" => Some(limits::within(&option, value, limits::MISALIGNMENTS)),
-                "center_distance_offset_um" => Some(limits::within(
-                    &option,
-                    value,
-                    limits::CENTER_DISTANCE_OFFSETS,
-                )),
-                _ => None,
-            };
-            if let Some(limit) = limit {
-                limit?;
-                acts = true;
-                continue;
+fn check(variation: &Variation, draft: &PairDraft, pair: &Pair) -> Result<(), Error> {
+    let field = &variation.field;
+    let mut acts = false;
+    for value in [variation.low, variation.high] {
+        let load = match field.as_str() {
+            "torque_nm" => Some(limits::check_torque(value)),
+            "misalignment_mrad" => Some(limits::check(Some(value), &limits::MISALIGNMENTS)),
+            "center_distance_offset_um" => {
+                Some(limits::check(Some(value), &limits::CENTER_DISTANCE_OFFSETS))
             }
-            let mut changed = draft.clone();
-            changed.set(&v.field, value)?;
-            let found = changed
-                .pair()
-                .map_err(|error| format!("--vary {}: {error}", v.field))?;
-            if found.teeth != pair.teeth {
-                return Err(format!(
-                    "--vary {}: a study takes all teeth as alike, so that it would change nothing; vary what all teeth have, \
-                     torque_nm, misalignment_mrad or center_distance_offset_um",
-                    v.field
-                )
-                .into());
-            }
-            if found.geometry != pair.geometry {
-                return Err(format!(
-                    "--vary {}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
-                     its own; vary modifications, torque_nm, misalignment_mrad or center_distance_offset_um",
-                    v.field
-                )
-                .into());
-            }
+            _ => None,
+        };
+        if let Some(load) = load {
+            load.map_err(|error| format!("--vary {field} = {}: {error}", number(value)))?;
+            acts = true;
+            continue;
+        }
+        let mut changed = draft.clone();
+        changed.set(field, value)?;
+        let found = (changed.pair()).map_err(|error| format!("--vary {field}: {error}"))?;
+        let vain = if found.teeth != pair.teeth {
+            "a study takes all teeth as alike, so that it would change nothing; vary what all teeth have"
+        } else if found.geometry != pair.geometry {
+            "it changes the teeth or where they stand, so that every sample needed an elastic model of its own; vary modifications"
+        } else {
             acts |= found.microgeometry.flank(FLANK) != pair.microgeometry.flank(FLANK);
-        }
-        if !acts {
-            return Err(format!(
-                "--vary {}: no result of a study depends on it, which takes the drive flank at the torque, misalignment and centre \
-                 distance of the command line; vary modifications of that flank, torque_nm, misalignment_mrad or \
-                 center_distance_offset_um",
-                v.field
-            )
-            .into());
-        }
+            continue;
+        };
+        return Err(format!("--vary {field}: {vain}, {LOADS}").into());
+    }
+    if !acts {
+        return Err(format!(
+            "--vary {field}: no result of a study depends on it, which takes the drive flank at the torque, misalignment and \
+             centre distance of the command line; vary modifications of that flank, {LOADS}"
+        )
+        .into());
     }
     Ok(())
 }
@@ -377,46 +334,38 @@ impl Bench<'_> {
             ..self.pair.clone()
         };
         let compliance = self.model.compliance.clone();
-        let settings = *self.model.solver.settings();
-        let solver = ContactSolver::new(&pair, compliance, settings)?;
-        let cycle = MeshCycle::solve(&solver, &input)?;
-        let g = &pair.geometry;
-        let (low, width) = g.face_overlap();
-        let cos_beta_b = g.base_helix_angle().cos();
-        let face = cycle.face_load([low, low + width], settings.stations, cos_beta_b);
-        let roots = self.roots.as_ref();
-        let roots = roots.map(|models| cycle.root_stress(&solver, &input, models));
-        let solved = Solved {
-            face_load_factor: face.face_load_factor(),
-            roots: roots.transpose()?,
-            cycle,
+        let solver = ContactSolver::new(&pair, compliance, *self.model.solver.settings())?;
+        let mut case = Case {
+            cycle: MeshCycle::solve(&solver, &input)?,
+            input,
+            roots: None,
         };
-        Ok(solved.results().into_iter().map(rounded).collect())
+        case.solve_roots(&solver, self.fillets.as_ref())?;
+        let outcomes = outcomes(self.fillets.is_some());
+        let results = outcomes
+            .iter()
+            .map(|outcome| (outcome.value)(&(&solver, &case)).as_f64());
+        Ok(results
+            .map(|result| result.map_or(f64::NAN, rounded))
+            .collect())
     }
 }
 
-/// Statistics of every result over the samples that were solved.
-fn spread(done: &[Sample], outcomes: &[Outcome]) -> Result<Vec<Statistics>, Error> {
-    let as_drawn = done.iter().find(|s| s.number == 0);
-    let (nominal, drawn) = match as_drawn.map(|s| (&s.outcome, &s.fields)) {
-        Some((Ok(results), fields)) => (results, fields),
-        Some((Err(error), _)) => return Err(format!("the pair as drawn: {error}").into()),
-        None => return Err("the pair as drawn was not solved; begin anew with --restart".into()),
-    };
-    let solved = || {
-        let drawn = done.iter().filter(|s| s.number > 0);
-        drawn.filter_map(|s| Some((&s.fields[..], s.outcome.as_ref().ok()?)))
-    };
-    let fields: Vec<&[f64]> = solved().map(|(fields, _)| fields).collect();
-    if fields.is_empty() {
+/// Statistics of every result, called `names`, over the samples that were solved.
+fn spread<'n>(
+    done: &[Sample],
+    names: impl Iterator<Item = &'n String>,
+) -> Result<Vec<Statistics>, Error> {
+    let drawn = done.iter().find(|s| s.number == 0);
+    let drawn = drawn.ok_or("the pair as drawn was not solved; begin anew with --restart")?;
+    if let Err(error) = &drawn.outcome {
+        return Err(format!("the pair as drawn: {error}").into());
+    }
+    let solved = done.iter().filter(|s| s.number > 0 && s.outcome.is_ok());
+    let solved: Vec<&Sample> = solved.collect();
+    if solved.is_empty() {
         return Err("no sample could be solved; samples.csv says why".into());
     }
-    Ok(outcomes
-        .iter()
-        .enumerate()
-        .map(|(k, outcome)| {
-            let values: Vec<f64> = solved().map(|(_, results)| results[k]).collect();
-            Statistics::new(outcome.name, (nominal[k], drawn), &values, &fields)
-        })
-        .collect())
+    let statistics = |(k, name): (usize, &String)| Statistics::new(name, k, drawn, &solved);
+    Ok(names.enumerate().map(statistics).collect())
 }

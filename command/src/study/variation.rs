@@ -10,10 +10,11 @@ use gearmesh_preprocessor::pair::PairDraft;
 use serde::Serialize;
 
 use crate::Error;
+use crate::limits;
 
 /// `FIELD=LOW..HIGH` or `FIELD=+-TOLERANCE` of the command line.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Asked {
+pub struct Requested {
     field: String,
     range: Range,
 }
@@ -24,10 +25,10 @@ enum Range {
     About(f64),
 }
 
-impl FromStr for Asked {
+impl FromStr for Requested {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<Asked, String> {
+    fn from_str(text: &str) -> Result<Requested, String> {
         let wrong = || {
             format!(
                 "`{text}`: give FIELD=LOW..HIGH or FIELD=+-TOLERANCE, such as gear1.lead_slope_um=+-8 or \
@@ -35,10 +36,7 @@ impl FromStr for Asked {
             )
         };
         let (field, range) = text.split_once('=').ok_or_else(wrong)?;
-        let number = |text: &str| {
-            let value: f64 = text.trim().parse().map_err(|_| wrong())?;
-            value.is_finite().then_some(value).ok_or_else(wrong)
-        };
+        let number = |text: &str| limits::finite(text).map_err(|_| wrong());
         let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
         let range = match (tolerance, range.split_once("..")) {
             (Some(tolerance), _) => Range::About(number(tolerance)?.abs()),
@@ -48,7 +46,7 @@ impl FromStr for Asked {
         match range {
             Range::Between([low, high]) if low > high => Err(wrong()),
             _ if field.trim().is_empty() => Err(wrong()),
-            range => Ok(Asked {
+            range => Ok(Requested {
                 field: field.trim().into(),
                 range,
             }),
@@ -61,9 +59,7 @@ impl FromStr for Asked {
 pub struct Variation {
     /// Path in the pair file, or where the contact is solved: torque_nm, misalignment_mrad or center_distance_offset_um.
     pub field: String,
-    /// Lowest value, in the unit of the name.
     pub low: f64,
-    /// Highest value.
     pub high: f64,
 }
 
@@ -74,7 +70,7 @@ impl Variation {
     /// # Errors
     /// A field that is varied twice.
     pub fn all(
-        asked: &[Asked],
+        requested: &[Requested],
         class: Option<u8>,
         draft: &PairDraft,
         pair: &Pair,
@@ -99,12 +95,12 @@ impl Variation {
             });
             Ok(())
         };
-        for asked in asked {
-            let range = match asked.range {
+        for request in requested {
+            let range = match request.range {
                 Range::Between(range) => range,
-                Range::About(tolerance) => about(&asked.field, tolerance),
+                Range::About(tolerance) => about(&request.field, tolerance),
             };
-            add(asked.field.clone(), range)?;
+            add(request.field.clone(), range)?;
         }
         for (i, gear) in pair.geometry.gears.iter().enumerate() {
             let Some(class) = class else { break };
@@ -155,7 +151,7 @@ mod tests {
 
     #[test]
     fn intervals_and_tolerances_are_read_and_anything_else_is_refused() {
-        let of = |text: &str| text.parse::<Asked>();
+        let of = |text: &str| text.parse::<Requested>();
         assert_eq!(
             of("a.b_um=-1..2").unwrap().range,
             Range::Between([-1.0, 2.0])

@@ -1,33 +1,33 @@
 //! `gearmesh tables PAIR.json -o TABLES.json`: the static contact of a pair over its operating range.
 
-mod records;
-mod words;
+mod sweeps;
 
-use gearmesh_preprocessor::contact::contact_file;
-use gearmesh_preprocessor::pair;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use clap::Args;
-use gearmesh::contact::ContactFile;
-use gearmesh::gear::Flank;
+use gearmesh::contact::{ContactFile, MAXIMUM_ITERATIONS};
 use gearmesh::pair::Pair;
 use gearmesh::table::{TableFile, TeethRecord};
-use gearmesh_preprocessor::table::plan::{Coverage, default_axes, tilt};
-use gearmesh_preprocessor::table::source::WatchedSolver;
-use gearmesh_preprocessor::table::sweep::Watch;
+use gearmesh_preprocessor::contact::contact_file;
+use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::table::plan::{Coverage, tilt};
+use gearmesh_preprocessor::table::source::{SolveQuality, WatchedSolver};
+use serde_json::{Value, json};
 
 use crate::Error;
-use crate::model::ModelArgs;
-use crate::output;
+use crate::accuracy;
+use crate::flank_summary::modifications;
+use crate::model::{Model, ModelArgs};
+use crate::output::{self, Listing};
 use crate::pair_summary::at_build;
 use crate::preflight::{corners, preflight};
-use records::{at_run_time, default_grid, drive_flank, root_stress, sliding, teeth, within};
-use words::settings;
+use sweeps::Sweeps;
 
-/// Random operating points at which the default grid is measured.
-const HELD_OUT_POINTS: usize = 1000;
+/// Error of the force, rms over the nominal one, from which on tooth pairs one by one are warned of: several times that of
+/// the shipped pairs.
+const LARGE_ERROR: f64 = 0.03;
 
 /// Compute the tables of a pair.
 #[derive(Debug, Args)]
@@ -52,7 +52,7 @@ pub struct Tables {
 pub struct GridArgs {
     /// Choose the nodes so that the force error between them, root of the mean square over the nominal
     /// force, stays below this [default: a fixed grid, whose error is measured]
-    #[arg(long)]
+    #[arg(long, value_parser = share)]
     max_error: Option<f64>,
 
     /// Nominal centre distance only
@@ -77,34 +77,30 @@ pub struct GridArgs {
     pub teeth: bool,
 }
 
+fn share(text: &str) -> Result<f64, String> {
+    let share = text
+        .parse()
+        .ok()
+        .filter(|share| 0.0 < *share && *share < 1.0);
+    share.ok_or_else(|| "give a share of the nominal force between 0 and 1, such as 0.002".into())
+}
+
 impl Tables {
-    /// Computes, writes and says what was made.
     pub fn run(self) -> Result<(), Error> {
         let made = compute(&self.pair, &self.output, &self.grid, false, &self.model)?;
         output::write_whole(&self.output, made.file.to_json().as_bytes())?;
-        output::print(&format!("Wrote {}: {made}\n", self.output.display()))?;
+        output::print(&format!("Wrote {}: {}\n", self.output.display(), made.text))?;
         Ok(())
     }
 }
 
 /// Tables that were just computed.
 pub struct Made {
-    /// The tables.
     pub file: TableFile,
-    /// The contact at run time, if it was wanted.
+    /// The contact at run time, if it was asked for.
     pub contact: Option<ContactFile>,
-    /// The elastic model, and the time it took.
-    elastic_model: String,
-    /// Wall-clock time of the static contact, s.
-    contact_seconds: f64,
-    /// Likewise of the stress in the tooth roots, its elastic model included.
-    root_stress_seconds: f64,
-    /// Likewise of tooth pairs one by one.
-    teeth_seconds: f64,
-    /// What is to be known of the pair, one line each: its teeth against the drawing, and its notes.
-    about_pair: Vec<String>,
-    /// What is to be known where the teeth of the pair differ, which tables do not hold.
-    note_on_teeth: Option<&'static str>,
+    /// What is to be known of both, in lines.
+    pub text: String,
 }
 
 /// The tables of the pair file `path`, on their way to `output`, and with `contact` what its contact at run time needs.
@@ -115,11 +111,6 @@ pub fn compute(
     contact: bool,
     args: &ModelArgs,
 ) -> Result<Made, Error> {
-    if let Some(error) = grid.max_error
-        && !(error > 0.0 && error < 1.0)
-    {
-        return Err(format!("--max-error = {error}: give a share of the nominal force between 0 and 1, such as 0.002").into());
-    }
     // `--set rootStress=true` asks for it, too, and is no option that conflicts with another.
     if grid.root_stress && args.is_plane_strain() {
         return Err("--plane-strain has no stress in the tooth roots; leave out `rootStress` or --plane-strain".into());
@@ -128,83 +119,98 @@ pub fn compute(
     if grid.teeth {
         TeethRecord::takes(&pair.teeth)?;
     }
-    crate::output::check_writable(output, &[path])?;
+    output::check_writable(output, [path])?;
     args.use_threads()?;
     let coverage = coverage(&pair, [!grid.no_center_distance, !grid.no_misalignment]);
-    let likely = likely_solves(&pair, &coverage, grid);
     let job = args.job();
     preflight(&pair, args, &coverage, &job)?;
     let model = args.solver(&pair, &job)?;
     corners(&model.solver, &pair, &coverage)?;
-    let begin = Instant::now();
+    let Model {
+        description,
+        effort,
+        ..
+    } = &model;
+    let mut lines = vec![format!("elastic model: {description}, {effort}")];
 
-    let cancel = AtomicBool::new(false);
-    // Several grids may be solved one after the other.
-    let before = AtomicUsize::new(0);
-    let told = |done: usize, total: usize| {
-        let all = before.load(Ordering::Relaxed) + done;
-        if done == total {
-            before.fetch_add(total, Ordering::Relaxed);
-        }
-        let likely = likely.max(all);
-        let share = all as f64 / likely as f64;
-        job.tell(
-            "static contact",
-            share,
-            &format!("{all} of about {likely} solves"),
-        );
-    };
-    let watch = Watch {
-        progress: &told,
-        cancel: &cancel,
-    };
-    let source = WatchedSolver::new(&model.solver);
+    let begin = Instant::now();
     // Solves that no table holds are not counted with it.
     let tilt = match coverage.misalignment {
         Some(_) => tilt(&model.solver, &pair.geometry, &coverage)?,
         None => f64::INFINITY,
     };
-    let (drive, mut error) = drive_flank(&source, &pair, &coverage, tilt, grid.max_error, &watch)?;
-    let coast = if pair.coast_mirrors_drive() {
-        None
-    } else {
-        let (coast, found) = default_grid(&source, &pair, Flank::Coast, &coverage, tilt, &watch)?;
-        error = error.with(found);
-        within(grid.max_error, &error)?;
-        Some(coast)
+    let sweeps = Sweeps {
+        pair: &pair,
+        model: &model,
+        coverage: &coverage,
+        tilt,
+        args,
+        job: &job,
     };
-    let friction = if grid.friction {
-        let own_coast = coast.is_some();
-        Some(sliding(&pair, &model, &coverage, own_coast, &watch)?)
-    } else {
-        None
-    };
-    drop(job);
-    let contact_seconds = begin.elapsed().as_secs_f64();
+    let source = WatchedSolver::new(&model.solver);
+    let (drive, coast, error) = sweeps.flanks(&source, grid.max_error)?;
+    let friction = grid.friction.then(|| sweeps.sliding()).transpose()?;
+    let quality = source.quality();
+    let SolveQuality {
+        solves,
+        most_iterations,
+        kkt_residual,
+    } = quality;
+    lines.push(format!(
+        "static contact: {}, {solves} contact solves, Newton steps {most_iterations} at most of {MAXIMUM_ITERATIONS} allowed, \
+         KKT residual {kkt_residual:.1e} at most",
+        seconds_since(begin)
+    ));
+    lines.extend(at_build(&pair));
+
     let begin = Instant::now();
-    let root_stress = if grid.root_stress {
-        let own_coast = coast.is_some();
-        Some(root_stress(&pair, &model, &coverage, args, own_coast)?)
-    } else {
-        None
-    };
-    let root_stress_seconds = begin.elapsed().as_secs_f64();
-    let wants_contact = contact;
-    let mut contact = if contact || grid.teeth {
-        let solver = args.at_run_time(model.solver.clone());
-        Some(contact_file(&pair, &solver)?)
-    } else {
-        None
-    };
-    if wants_contact && let Some(contact) = &mut contact {
-        contact.error = Some(at_run_time(&pair, &model, contact, args)?);
+    let root_stress = grid.root_stress.then(|| sweeps.root_stress()).transpose()?;
+    if let Some(record) = &root_stress {
+        lines.push(format!(
+            "root stress: {}, {}",
+            seconds_since(begin),
+            record.interpolation_error
+        ));
     }
-    let begin = Instant::now();
-    let teeth = match &contact {
-        Some(contact) if grid.teeth => Some(teeth(&pair, &model, &coverage, tilt, contact, args)?),
-        _ => None,
+    let with_contact = contact;
+    let mut contact = match contact || grid.teeth {
+        true => Some(contact_file(
+            &pair,
+            &args.at_run_time(model.solver.clone()),
+        )?),
+        false => None,
     };
-    let teeth_seconds = begin.elapsed().as_secs_f64();
+    let begin = Instant::now();
+    let at_run_time = contact.as_ref().filter(|_| grid.teeth);
+    let teeth = at_run_time
+        .map(|contact| sweeps.teeth(contact))
+        .transpose()?;
+    if let Some(record) = &teeth {
+        let time = seconds_since(begin);
+        lines.push(format!(
+            "tooth pairs one by one: {time}, {}",
+            record.in_words()
+        ));
+        if record.error.force_rms > LARGE_ERROR {
+            lines.push(format!(
+                "warning: tooth pairs one by one carry {:.1} % rms of the nominal force more or less than they should; for this \
+                 pair build with --contact and set stiffnessModel = contact",
+                100.0 * record.error.force_rms
+            ));
+        }
+    }
+    contact = contact.filter(|_| with_contact);
+    if let Some(contact) = &mut contact {
+        contact.error = Some(sweeps.error_at_run_time(contact)?);
+        let error = accuracy::at_run_time(contact.error.as_ref());
+        lines.push(format!("contact at run time: {error}"));
+    }
+    if let Some(note) = pair::note_on_teeth(&pair.teeth) {
+        lines.push(format!(
+            "note: {}",
+            note_at_build(note, teeth.is_some(), contact.is_some())
+        ));
+    }
 
     let mut file = TableFile::new(
         &pair.name,
@@ -218,40 +224,70 @@ pub fn compute(
     file.friction = friction;
     file.root_stress = root_stress;
     file.teeth = teeth;
-    file.solver = settings(&pair, &model, args, source.quality());
+    file.solver = settings(&pair, &model, args, quality)?;
     file.seal();
+    let text = format!("{}\n  {}", file.size_and_error(), lines.join("\n  "));
     Ok(Made {
         file,
-        contact: contact.filter(|_| wants_contact),
-        elastic_model: format!(
-            "{}, {:.1} s, {}",
-            model.description, model.compliance_seconds, model.origin
-        ),
-        about_pair: at_build(&pair),
-        note_on_teeth: pair::note_on_teeth(&pair.teeth),
-        contact_seconds,
-        root_stress_seconds,
-        teeth_seconds,
+        contact,
+        text,
     })
 }
 
-/// How many solves are likely: the default grid with the points it is measured at, and three times as many where the grid is
-/// sought.
-fn likely_solves(pair: &Pair, coverage: &Coverage, grid: &GridArgs) -> usize {
-    let [nc, nm, nu, np] = default_axes(coverage).lengths();
-    let flanks = if pair.coast_mirrors_drive() { 1 } else { 2 };
-    let grids = if grid.max_error.is_some() { 3 } else { 1 };
-    flanks * (grids * nc * nm * (nu + 1) * np + HELD_OUT_POINTS)
+fn seconds_since(begin: Instant) -> String {
+    format!("{:.1} s", begin.elapsed().as_secs_f64())
 }
 
-/// The ranges of the pair file, those of centre distance and misalignment where they are `wanted`.
-fn coverage(pair: &Pair, wanted: [bool; 2]) -> Coverage {
-    let of = |wanted: bool, range: [f64; 2]| (wanted && range[0] < range[1]).then_some(range);
+/// The ranges of the pair file, those of centre distance and misalignment where they are `included`.
+fn coverage(pair: &Pair, included: [bool; 2]) -> Coverage {
+    let range =
+        |included: bool, range: [f64; 2]| (included && range[0] < range[1]).then_some(range);
     let operating = &pair.operating;
     Coverage {
-        center_distance_offset: of(wanted[0], operating.center_distance_offset),
-        misalignment: of(wanted[1], operating.misalignment),
+        center_distance_offset: range(included[0], operating.center_distance_offset),
+        misalignment: range(included[1], operating.misalignment),
         nominal_torque: operating.nominal_torque,
         maximum_torque: operating.maximum_torque,
     }
+}
+
+/// What the tables file keeps of how it was made.
+fn settings(
+    pair: &Pair,
+    model: &Model,
+    args: &ModelArgs,
+    quality: SolveQuality,
+) -> Result<BTreeMap<String, Value>, Error> {
+    let modifications = |i| {
+        let mut rows = Listing::default();
+        modifications(pair, i, &mut rows);
+        rows.in_one_line()
+    };
+    Ok(serde_json::from_value(json!({
+        "elastic_model": model.description,
+        "tip_corner_contact": pair.tip_corner_contact,
+        "plane_strain": args.is_plane_strain(),
+        "stations_along_the_face": model.solver.settings().stations,
+        "contact_solves": quality.solves,
+        "most_newton_steps": quality.most_iterations,
+        "newton_steps_allowed": MAXIMUM_ITERATIONS,
+        "largest_kkt_residual": quality.kkt_residual,
+        "modifications_of_gear_1": modifications(0),
+        "modifications_of_gear_2": modifications(1),
+    }))?)
+}
+
+/// Which levels of a unit take the teeth of a pair that differ: `note` where none of those built with `teeth` or `contact` does.
+fn note_at_build(note: &str, teeth: bool, contact: bool) -> String {
+    let table = "`stiffnessModel = table` takes all teeth as alike";
+    if !teeth {
+        return match contact {
+            true => format!("{table}; `stiffnessModel = contact` takes the tooth errors"),
+            false => note.to_owned(),
+        };
+    }
+    let also = if contact { ", as `contact` does" } else { "" };
+    format!(
+        "units start with `stiffnessModel = teeth`, which takes the tooth errors{also}; {table}"
+    )
 }

@@ -61,13 +61,13 @@ fn the_report_shows_the_torques_asked_for_and_the_pressure_that_solve_gives() {
     let output = gearmesh(&[&asked[..], &[page], &QUICK[..]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     let html = std::fs::read_to_string(&file).unwrap();
-    assert!(html.contains("<td>55.0</td>") && html.contains("<td>90.0</td>"));
-    assert!(!html.contains("<td>100.0</td>"));
+    assert!(html.contains("<td>55</td>") && html.contains("<td>90</td>"));
+    assert!(!html.contains("<td>100</td>"));
     let json = solve_json(&["--torque-nm", "90"]);
     let pressures = numbers(&json["maximum_pressure_mpa"]);
     let largest = pressures.into_iter().fold(0.0, f64::max);
     assert!(
-        html.contains(&format!("<td>{largest:.0}</td>")),
+        html.contains(&format!("<td>{largest:.1}</td>")),
         "{largest}"
     );
 }
@@ -84,10 +84,10 @@ fn losses_up_to_a_speed_of_nothing_are_refused_by_name() {
         "none.html",
     ];
     let output = gearmesh(&asked);
-    assert_eq!(output.status.code(), Some(1));
+    assert!(!output.status.success());
     let said = stderr(&output);
     assert!(
-        said.contains("--largest-speed-rpm = 0: give a value from 1"),
+        said.contains("'0' for '--largest-speed-rpm <SPEED>': give a value from 1"),
         "{said}"
     );
 }
@@ -100,11 +100,11 @@ fn a_torque_is_refused_by_the_option_that_gave_it() {
     for (asked, said) in [
         (
             &["report", &pair, "-o", &out, "--torques-nm=50,-5"][..],
-            "--torques-nm = -5: give",
+            "'-5' for '--torques-nm <TORQUES>': give 0 or",
         ),
         (
             &["study", &pair, "-o", &out, "--torque-nm=-5"],
-            "--torque-nm = -5: give",
+            "'-5' for '--torque-nm <TORQUE_NM>': give 0 or",
         ),
         (
             &["study", &pair, "-o", &out, "--vary", "torque_nm=-5..5"],
@@ -123,7 +123,7 @@ fn a_torque_is_refused_by_the_option_that_gave_it() {
         ),
     ] {
         let output = gearmesh(asked);
-        assert_eq!(output.status.code(), Some(1));
+        assert!(!output.status.success());
         let message = stderr(&output);
         assert!(
             message.contains(said) && !message.contains("--flank"),

@@ -140,7 +140,7 @@ fn tables_that_were_altered_are_refused() {
 #[test]
 fn an_error_bound_that_cannot_be_is_refused_by_name() {
     let output = gearmesh(&["tables", &paper(), "-o", "unused.json", "--max-error", "0"]);
-    assert_eq!(output.status.code(), Some(1));
+    assert!(!output.status.success());
     assert!(
         stderr(&output).contains("--max-error"),
         "{}",
@@ -410,12 +410,12 @@ fn a_new_pair_without_a_number_is_told_which_one() {
         numbers.retain(|word| *word != more[0]);
         let new = ["new", "--teeth", "20", "30", "--face-width-mm", "20", "20"];
         let refused = gearmesh(&[&new[..], &numbers, &more].concat());
-        assert_eq!(refused.status.code(), Some(1));
+        assert!(!refused.status.success());
         stderr(&refused).to_owned()
     };
     let error = of(["--module-mm", "nan"]);
     assert!(
-        error.contains("--module-mm = NaN: give a finite number"),
+        error.contains("'nan' for '--module-mm <MODULE_MM>': give a finite number"),
         "{error}"
     );
     let error = of(["--pressure-angle-deg", "0"]);

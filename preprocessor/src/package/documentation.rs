@@ -11,10 +11,13 @@ use gearmesh::fmi::variables::{
     Causality, Kind, STOP_TIME, VARIABLES, Variability, Variable, escape, index, index_by_name,
     template_starts,
 };
+use gearmesh::gear::Gear;
 use gearmesh::table::TableFile;
 use gearmesh::words::rounded;
 
 const PAGE: &str = include_str!("../../../resources/documentation/index.html");
+const LICENCE: &str = "This unit is licensed under MIT (LICENSE-MIT) or Apache-2.0 (LICENSE-APACHE), as you like.\n\
+     third-party.txt has the licences of the crates that its library links.\n";
 /// Licences of what the library links; `make licenses` writes it.
 const THIRD_PARTY: &str = include_str!("../../../resources/documentation/third-party.txt");
 /// Name of the file of input signals.
@@ -26,17 +29,14 @@ pub(super) const PICTURE: &[u8] = include_bytes!("../../../resources/documentati
 
 /// One sentence about the unit.
 pub(super) fn summary(unit: &UnitFile, has_tables: bool) -> String {
-    let [g1, g2] = &unit.geometry.gears;
-    let kind = if unit.geometry.ring().is_some() {
-        "internal"
-    } else {
-        "external"
+    let [z1, z2] = unit.geometry.gears.each_ref().map(|gear| gear.teeth);
+    let kind = match unit.geometry.ring() {
+        Some(_) => "internal",
+        None => "external",
     };
-    let (z1, z2) = (g1.teeth, g2.teeth);
-    let stiffness = if has_tables {
-        "tables of static tooth contact"
-    } else {
-        "constant stiffness"
+    let stiffness = match has_tables {
+        true => "tables of static tooth contact",
+        false => "constant stiffness",
     };
     let name = &unit.name;
     format!("Contact of the {kind} gear pair {name}, {z1} and {z2} teeth, with {stiffness}")
@@ -49,29 +49,22 @@ pub(super) fn files(
     coupling: &Coupling,
     example: Option<String>,
 ) -> Vec<(String, Vec<u8>)> {
-    let text = |name: &str, text: String| (format!("documentation/{name}"), text.into_bytes());
     let page = page(unit, tables, coupling, example.is_some());
-    let mut files = vec![
-        text("index.html", page),
-        text("licenses/license.txt", licence()),
-        text(
-            "licenses/LICENSE-MIT",
-            include_str!("../../../LICENSE-MIT").into(),
-        ),
-        text(
+    let files = [
+        ("index.html", page.as_str()),
+        ("licenses/license.txt", LICENCE),
+        ("licenses/LICENSE-MIT", include_str!("../../../LICENSE-MIT")),
+        (
             "licenses/LICENSE-APACHE",
-            include_str!("../../../LICENSE-APACHE").into(),
+            include_str!("../../../LICENSE-APACHE"),
         ),
-        text("licenses/third-party.txt", THIRD_PARTY.into()),
+        ("licenses/third-party.txt", THIRD_PARTY),
     ];
-    files.extend(example.map(|signals| text(EXAMPLE, signals)));
+    let example = example.as_deref().map(|signals| (EXAMPLE, signals));
+    let files = files.into_iter().chain(example);
     files
-}
-
-fn licence() -> String {
-    "This unit is licensed under MIT (LICENSE-MIT) or Apache-2.0 (LICENSE-APACHE), as you like.\n\
-     third-party.txt has the licences of the crates that its library links.\n"
-        .into()
+        .map(|(name, text)| (format!("documentation/{name}"), text.as_bytes().to_vec()))
+        .collect()
 }
 
 fn page(unit: &UnitFile, tables: Option<&TableFile>, coupling: &Coupling, example: bool) -> String {
@@ -82,7 +75,6 @@ fn page(unit: &UnitFile, tables: Option<&TableFile>, coupling: &Coupling, exampl
             starts[i] = *value;
         }
     }
-    let table = |causality| variables(causality, &starts);
     PAGE.replace("@NAME@", &escape(&unit.name))
         .replace("@SUMMARY@", &escape(&summary(unit, tables.is_some())))
         .replace("@PAIR@", &pair(unit))
@@ -94,9 +86,25 @@ fn page(unit: &UnitFile, tables: Option<&TableFile>, coupling: &Coupling, exampl
             &first_run(starts[index::NOMINAL_TORQUE], example),
         )
         .replace("@COUPLING@", &step(coupling))
-        .replace("@PARAMETERS@", &table(Causality::Parameter))
-        .replace("@INPUTS@", &table(Causality::Input))
-        .replace("@OUTPUTS@", &table(Causality::Output))
+        .replace("@PARAMETERS@", &variables(Causality::Parameter, &starts))
+        .replace("@INPUTS@", &variables(Causality::Input, &starts))
+        .replace("@OUTPUTS@", &variables(Causality::Output, &starts))
+}
+
+/// A table with these heads, if there are any, and rows of HTML.
+fn table(heads: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let line = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
+        let cells: String = cells.map(|cell| format!("<{tag}>{cell}</{tag}>")).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let mut out = String::from("<table>\n");
+    if !heads.is_empty() {
+        out += &line("th", &mut heads.iter().copied());
+    }
+    for row in rows {
+        out += &line("td", &mut row.iter().map(String::as_str));
+    }
+    out + "</table>"
 }
 
 /// What the tables cover, how far they can be trusted, and what they were made of.
@@ -104,12 +112,11 @@ fn tabulated(tables: Option<&TableFile>) -> String {
     let Some(file) = tables else {
         return "<p>None: the stiffness is constant.</p>".into();
     };
-    let mut out = String::from("<table>\n");
-    for (name, value) in file.summary() {
-        let (name, value) = (escape(&name), escape(&value));
-        let _ = writeln!(out, "<tr><td>{name}</td><td>{value}</td></tr>");
-    }
-    out + "</table>"
+    let rows = file.summary().into_iter();
+    table(
+        &[],
+        rows.map(|(name, value)| vec![escape(&name), escape(&value)]),
+    )
 }
 
 /// How to see the unit at work.
@@ -135,62 +142,33 @@ fn first_run(torque: f64, example: bool) -> String {
 /// Damping and communication step, with the numbers of this unit.
 fn step(c: &Coupling) -> String {
     let [b1, b2] = &c.blanks;
-    let mut out = String::from("<table><tr><th></th><th>gear 1</th><th>gear 2</th></tr>\n");
-    let mut row = |what: &str, values: [f64; 2]| {
-        let [one, two] = values.map(short);
-        let _ = writeln!(out, "<tr><td>{what}</td><td>{one}</td><td>{two}</td></tr>");
-    };
-    row("mass as a solid steel disc, kg", [b1.mass, b2.mass]);
-    row(
-        "its moment of inertia about the axis, kg m&sup2;",
-        [b1.axial_inertia, b2.axial_inertia],
+    #[rustfmt::skip]
+    let blanks = [
+        ("mass as a solid steel disc, kg", b1.mass, b2.mass),
+        ("its moment of inertia about the axis, kg m&sup2;", b1.axial_inertia, b2.axial_inertia),
+    ];
+    #[rustfmt::skip]
+    let numbers = [
+        ("reduced mass m on the pitch circle, both spinning", c.reduced_mass, "kg"),
+        ("the same with all six freedoms of both", c.free_mass, "kg"),
+        ("mean tangent stiffness k at nominal torque", c.stiffness.mean, "N/m"),
+        ("largest tangent stiffness, k<sub>max</sub>", c.stiffness.largest, "N/m"),
+        ("angular frequency sqrt(k/m) of both gears", c.frequency(), "rad/s"),
+        ("<code>damping</code> c", c.damping, "N s/m"),
+        ("its ratio c/(2 sqrt(k m))", c.damping_ratio(), ""),
+        ("<code>effectiveMass</code> on the line of action", c.effective_mass, "kg"),
+        ("<code>stepSize</code>", c.step(), "s"),
+        ("held loads: longest stable step, sequential master", c.sequential_limit(), "s"),
+        ("held loads: longest stable step, parallel master", c.parallel_limit(), "s"),
+    ];
+    let blanks = blanks.map(|(what, one, two)| vec![what.to_owned(), short(one), short(two)]);
+    let numbers = numbers
+        .map(|(what, value, unit)| vec![what.to_owned(), format!("{} {unit}", short(value))]);
+    let mut out = format!(
+        "{}\n{}",
+        table(&["", "gear 1", "gear 2"], blanks),
+        table(&[], numbers)
     );
-    out.push_str("</table>\n<table>\n");
-    let mut row = |what: &str, value: f64, unit: &str| {
-        let value = short(value);
-        let _ = writeln!(out, "<tr><td>{what}</td><td>{value} {unit}</td></tr>");
-    };
-    let stiffness = &c.stiffness;
-    row(
-        "reduced mass m on the pitch circle, both spinning",
-        c.reduced_mass,
-        "kg",
-    );
-    row("the same with all six freedoms of both", c.free_mass, "kg");
-    row(
-        "mean tangent stiffness k at nominal torque",
-        stiffness.mean,
-        "N/m",
-    );
-    row(
-        "largest tangent stiffness, k<sub>max</sub>",
-        stiffness.largest,
-        "N/m",
-    );
-    row(
-        "angular frequency sqrt(k/m) of both gears",
-        c.frequency(),
-        "rad/s",
-    );
-    row("<code>damping</code> c", c.damping, "N s/m");
-    row("its ratio c/(2 sqrt(k m))", c.damping_ratio(), "");
-    row(
-        "<code>effectiveMass</code> on the line of action",
-        c.effective_mass,
-        "kg",
-    );
-    row("<code>stepSize</code>", c.step(), "s");
-    row(
-        "held loads: longest stable step, sequential master",
-        c.sequential_limit(),
-        "s",
-    );
-    row(
-        "held loads: longest stable step, parallel master",
-        c.parallel_limit(),
-        "s",
-    );
-    out.push_str("</table>");
     if c.held && c.damping == 0.0 {
         let _ = write!(
             out,
@@ -203,81 +181,73 @@ fn step(c: &Coupling) -> String {
 
 /// `value` to four digits.
 fn short(value: f64) -> String {
-    if value == 0.0 || (1e-2..1e5).contains(&value.abs()) {
-        let decimals = if value == 0.0 {
-            0
-        } else {
-            (3 - value.abs().log10().floor() as i32).max(0) as usize
-        };
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.3e}")
+    if value == 0.0 {
+        return "0".into();
     }
+    if !(1e-2..1e5).contains(&value.abs()) {
+        return format!("{value:.3e}");
+    }
+    let decimals = (3 - value.abs().log10().floor() as i32).max(0) as usize;
+    format!("{value:.decimals$}")
 }
 
 fn pair(unit: &UnitFile) -> String {
     let geometry = &unit.geometry;
     let distance = geometry.center_distance;
-    let angle = geometry.operating_pressure_angle(distance).to_degrees();
-    let mut out = String::from("<table><tr><th></th><th>gear 1</th><th>gear 2</th></tr>\n");
-    let mut row = |what: &str, of: &dyn Fn(usize) -> String| {
-        let (one, two) = (of(0), of(1));
-        let _ = writeln!(out, "<tr><td>{what}</td><td>{one}</td><td>{two}</td></tr>");
-    };
     let g = &geometry.gears;
-    row("teeth", &|i| g[i].teeth.to_string());
-    row("kind", &|i| format!("{:?}", g[i].kind).to_lowercase());
-    row("hand", &|i| {
-        match (g[i].helix_angle > 0.0, g[i].hand > 0.0) {
-            (false, _) => "spur",
-            (true, true) => "right",
-            (true, false) => "left",
-        }
-        .into()
-    });
-    row("profile shift", &|i| g[i].profile_shift.to_string());
-    row("face width, mm", &|i| {
-        format!("{:.3}", 1e3 * g[i].face_width)
-    });
-    row("tip diameter, mm", &|i| {
-        format!("{:.3}", 2e3 * g[i].tip_radius)
-    });
-    let _ = writeln!(
-        out,
-        "</table>\n<p>Normal module {:.3} mm, normal pressure angle {:.2} deg, helix angle {:.2} deg, \
-         centre distance {:.4} mm, operating transverse pressure angle {angle:.3} deg, transverse \
-         contact ratio {:.3}, overlap ratio {:.3}.</p>",
+    let row =
+        |what: &str, value: fn(&Gear) -> String| vec![what.to_owned(), value(&g[0]), value(&g[1])];
+    let hand = |gear: &Gear| match (gear.helix_angle > 0.0, gear.hand > 0.0) {
+        (false, _) => "spur".to_owned(),
+        (true, true) => "right".to_owned(),
+        (true, false) => "left".to_owned(),
+    };
+    #[rustfmt::skip]
+    let rows = [
+        row("teeth", |gear| gear.teeth.to_string()),
+        row("kind", |gear| format!("{:?}", gear.kind).to_lowercase()),
+        row("hand", hand),
+        row("profile shift", |gear| gear.profile_shift.to_string()),
+        row("face width, mm", |gear| format!("{:.3}", 1e3 * gear.face_width)),
+        row("tip diameter, mm", |gear| format!("{:.3}", 2e3 * gear.tip_radius)),
+    ];
+    format!(
+        "{}\n<p>Normal module {:.3} mm, normal pressure angle {:.2} deg, helix angle {:.2} deg, \
+         centre distance {:.4} mm, operating transverse pressure angle {:.3} deg, transverse \
+         contact ratio {:.3}, overlap ratio {:.3}.</p>\n",
+        table(&["", "gear 1", "gear 2"], rows),
         1e3 * g[0].normal_module,
         g[0].normal_pressure_angle.to_degrees(),
         g[0].helix_angle.to_degrees(),
         1e3 * distance,
+        geometry.operating_pressure_angle(distance).to_degrees(),
         geometry.transverse_contact_ratio(distance),
         geometry.overlap_ratio()
-    );
-    out
+    )
 }
 
-/// All variables of one causality, with unit and start value.
+/// All variables of one causality, with unit and, but for outputs, start value.
 fn variables(causality: Causality, starts: &[f64]) -> String {
-    let with_start = causality != Causality::Output;
-    let mut out = String::from("<table><tr><th>name</th><th>value reference</th><th>unit</th>");
-    out.push_str(if with_start { "<th>default</th>" } else { "" });
-    out.push_str("<th>meaning</th></tr>\n");
-    for (v, start) in VARIABLES.iter().zip(starts) {
-        if v.causality != causality {
-            continue;
-        }
-        let _ = write!(
-            out,
-            "<tr><td><code>{}</code></td><td>{}</td><td>{}</td>",
-            v.name, v.value_reference, v.unit
-        );
-        if with_start {
-            let _ = write!(out, "<td>{}</td>", value(v, *start));
-        }
-        let _ = writeln!(out, "<td>{}{}</td></tr>", escape(v.description), remarks(v));
+    let mut heads = vec!["name", "value reference", "unit", "default", "meaning"];
+    let is_output = causality == Causality::Output;
+    if is_output {
+        heads.remove(3);
     }
-    out + "</table>"
+    let chosen = VARIABLES
+        .iter()
+        .zip(starts)
+        .filter(|(v, _)| v.causality == causality);
+    let rows = chosen.map(|(v, start)| {
+        let mut row = vec![
+            format!("<code>{}</code>", v.name),
+            v.value_reference.to_string(),
+            v.unit.to_owned(),
+        ];
+        row.extend((!is_output).then(|| value(v, *start)));
+        row.push(escape(v.description) + &remarks(v));
+        row
+    });
+    table(&heads, rows)
 }
 
 /// Start value of the variable `name` as a person writes it: an item's name, true or false, a number with its unit as in
@@ -298,10 +268,12 @@ fn value(variable: &Variable, value: f64) -> String {
     match variable.kind {
         Kind::Boolean => (value != 0.0).to_string(),
         Kind::Enumeration => {
-            let item = (value as usize)
-                .checked_sub(1)
-                .and_then(|i| variable.items.get(i));
-            item.map_or_else(|| value.to_string(), |name| (*name).to_owned())
+            let item = variable
+                .items
+                .iter()
+                .zip(1..)
+                .find(|(_, number)| f64::from(*number) == value);
+            item.map_or_else(|| value.to_string(), |(name, _)| (*name).to_owned())
         }
         Kind::Real | Kind::Integer if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) => {
             format!("{value:e}")

@@ -27,19 +27,12 @@ pub fn unpack_resources(path: &Path, folder: &Path) -> Result<(), PackageError> 
     let names: Vec<String> = archive.file_names().map(str::to_owned).collect();
     for name in names {
         // Only what lies there itself: no name leads out of `folder`.
-        let Some(last) = name.strip_prefix("resources/").filter(|n| is_plain(n)) else {
-            continue;
-        };
-        let entry = archive
-            .by_name(&name)
-            .map_err(|e| PackageError::archive(path, e))?;
-        let target = folder.join(last);
-        let mut file = File::create(&target).map_err(|e| PackageError::file(&target, e))?;
-        let mut limited = entry.take(LONGEST_FILE + 1);
-        let length =
-            std::io::copy(&mut limited, &mut file).map_err(|e| PackageError::file(path, e))?;
-        if length > LONGEST_FILE {
-            return Err(PackageError::contents(path, too_long(&name)));
+        let last = name.strip_prefix("resources/").filter(|n| is_plain(n));
+        if let Some(last) = last
+            && let Some(bytes) = bytes(&mut archive, path, &name)?
+        {
+            let target = folder.join(last);
+            std::fs::write(&target, bytes).map_err(|e| PackageError::file(&target, e))?;
         }
     }
     Ok(())
@@ -63,9 +56,27 @@ fn is_plain(name: &str) -> bool {
     !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', ':'])
 }
 
-fn too_long(name: &str) -> String {
-    let longest = LONGEST_FILE >> 20;
-    format!("{name} unfolds into more than {longest} MB, and was not packed by gearmesh")
+/// The file `name` of the `archive` at `path`, if there is one.
+fn bytes(
+    archive: &mut ZipArchive<File>,
+    path: &Path,
+    name: &str,
+) -> Result<Option<Vec<u8>>, PackageError> {
+    let entry = match archive.by_name(name) {
+        Ok(entry) => entry,
+        Err(zip::result::ZipError::FileNotFound) => return Ok(None),
+        Err(e) => return Err(PackageError::archive(path, e)),
+    };
+    let mut bytes = Vec::new();
+    // Few packed bytes may unfold into any number of them.
+    let length = entry.take(LONGEST_FILE + 1).read_to_end(&mut bytes);
+    if length.map_err(|e| PackageError::file(path, e))? as u64 > LONGEST_FILE {
+        let longest = LONGEST_FILE >> 20;
+        let problem =
+            format!("{name} unfolds into more than {longest} MB, and was not packed by gearmesh");
+        return Err(PackageError::contents(path, problem));
+    }
+    Ok(Some(bytes))
 }
 
 /// Contents of a packed unit.
@@ -96,60 +107,31 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
             .map_err(|e| PackageError::archive(path, e))?;
         files.push((entry.name().to_owned(), entry.size()));
     }
-    let mut bytes = |name: &str| -> Result<Option<Vec<u8>>, PackageError> {
-        let mut entry = match archive.by_name(name) {
-            Ok(entry) => entry,
-            Err(zip::result::ZipError::FileNotFound) => return Ok(None),
-            Err(e) => return Err(PackageError::archive(path, e)),
-        };
-        let mut bytes = Vec::new();
-        // Few packed bytes may unfold into any number of them.
-        let length = (&mut entry)
-            .take(LONGEST_FILE + 1)
-            .read_to_end(&mut bytes)
-            .map_err(|e| PackageError::file(path, e))?;
-        if length as u64 > LONGEST_FILE {
-            return Err(PackageError::contents(path, too_long(name)));
-        }
-        Ok(Some(bytes))
-    };
     let faulty =
-        |name: &str, reason: String| PackageError::contents(path, format!("{name}: {reason}"));
+        |name: &str, reason: &str| PackageError::contents(path, format!("{name}: {reason}"));
+    let mut bytes = |name: &str| bytes(&mut archive, path, name);
     let mut text = |name: &str| -> Result<Option<String>, PackageError> {
         let text = bytes(name)?.map(String::from_utf8).transpose();
-        text.map_err(|_| faulty(name, "no text, and was not packed by gearmesh".into()))
+        text.map_err(|_| faulty(name, "no text, and was not packed by gearmesh"))
     };
-    let unit_name = format!("resources/{UNIT_FILE}");
-    let unit = text(&unit_name)?.ok_or_else(|| {
-        PackageError::contents(
-            path,
-            format!("has no {unit_name}; it was not packed by gearmesh"),
-        )
-    })?;
-    let unit = parse_unit(&unit)
-        .map_err(|reason| PackageError::contents(path, format!("{unit_name}: {reason}")))?;
+    let unit = format!("resources/{UNIT_FILE}");
+    let found =
+        text(&unit)?.ok_or_else(|| faulty(&unit, "is missing; it was not packed by gearmesh"))?;
+    let unit = parse_unit(&found).map_err(|reason| faulty(&unit, &reason))?;
     let tables = text(&format!("resources/{TABLES_FILE}"))?;
     let contact = format!("resources/{CONTACT_FILE}");
-    let contact_error = match bytes(&contact)? {
-        Some(found) => {
-            let found = ContactFile::from_bytes(&found);
-            found.map_err(|reason| faulty(&contact, reason))?.error
-        }
+    let contact_error = match bytes(&contact)?.as_deref().map(ContactFile::from_bytes) {
+        Some(found) => found.map_err(|reason| faulty(&contact, &reason))?.error,
         None => None,
     };
     let mut platforms = Vec::new();
-    for (name, _) in &files {
-        let Some((platform, _)) = name
+    for (name, _) in files.iter().filter(|(name, _)| !name.ends_with('/')) {
+        let parts = name
             .strip_prefix("binaries/")
-            .and_then(|name| name.split_once('/'))
-        else {
-            continue;
-        };
-        if name.ends_with('/') {
-            continue;
+            .and_then(|name| name.split_once('/'));
+        if let Some((platform, _)) = parts {
+            platforms.push(runs_on(platform, &bytes(name)?.unwrap_or_default()));
         }
-        let library = bytes(name)?.unwrap_or_default();
-        platforms.push(runs_on(platform, &library));
     }
     platforms.sort();
     Ok(Inspection {

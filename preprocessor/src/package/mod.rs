@@ -66,27 +66,9 @@ pub struct Packed {
 /// Why a unit could not be packed or read.
 #[derive(Debug, thiserror::Error)]
 pub enum PackageError {
-    /// A file cannot be read or written.
-    #[error("{path}: {source}; name a file that can be read, or a folder that can be written")]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        source: std::io::Error,
-    },
-    /// The archive cannot be written or read.
-    #[error(
-        "{path}: {source}; name an FMU that `gearmesh pack` or `gearmesh build` wrote, or pack it again"
-    )]
-    Archive {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        source: zip::result::ZipError,
-    },
-    /// A file that is not what it should be.
+    /// A file that cannot be read or written, or is not what it should be.
     #[error("{path}: {reason}")]
-    Contents {
+    File {
         /// The file.
         path: PathBuf,
         /// What is wrong and what to do.
@@ -112,21 +94,17 @@ pub enum PackageError {
 
 impl PackageError {
     fn file(path: &Path, source: std::io::Error) -> Self {
-        PackageError::File {
-            path: path.to_owned(),
-            source,
-        }
+        let remedy = "name a file that can be read, or a folder that can be written";
+        PackageError::contents(path, format!("{source}; {remedy}"))
     }
 
     fn archive(path: &Path, source: zip::result::ZipError) -> Self {
-        PackageError::Archive {
-            path: path.to_owned(),
-            source,
-        }
+        let remedy = "name an FMU that `gearmesh pack` or `gearmesh build` wrote, or pack it again";
+        PackageError::contents(path, format!("{source}; {remedy}"))
     }
 
     fn contents(path: &Path, reason: impl Into<String>) -> Self {
-        PackageError::Contents {
+        PackageError::File {
             path: path.to_owned(),
             reason: reason.into(),
         }
@@ -167,48 +145,42 @@ pub fn pack(
         description: &description,
         step_size: coupling.step(),
     };
+    let description = variables::model_description(&header, &starts);
     let mut files = vec![
-        (
-            "modelDescription.xml".to_owned(),
-            variables::model_description(&header, &starts).into_bytes(),
-        ),
+        ("modelDescription.xml".to_owned(), description.into_bytes()),
         ("model.png".to_owned(), documentation::PICTURE.to_vec()),
-        (
-            format!("resources/{UNIT_FILE}"),
-            unit_text(&unit).into_bytes(),
-        ),
     ];
-    if let Some(tables) = tables {
-        files.push((format!("resources/{TABLES_FILE}"), tables.into_bytes()));
-    }
-    if let Some(contact) = contact {
-        files.push((format!("resources/{CONTACT_FILE}"), contact));
-    }
+    let resources = [
+        (UNIT_FILE, Some(unit_text(&unit).into_bytes())),
+        (TABLES_FILE, tables.map(String::into_bytes)),
+        (CONTACT_FILE, contact),
+    ];
+    let given = resources
+        .into_iter()
+        .filter_map(|(name, bytes)| Some((name, bytes?)));
+    files.extend(given.map(|(name, bytes)| (format!("resources/{name}"), bytes)));
     // The unit starts here as it will in a host.
     let resources = Resources::new(unit, contents.tables.cloned(), contents.contact.cloned())
         .map_err(|reason| PackageError::Refused { reason })?;
     let resources = Arc::new(resources);
     let example = example::signals(&resources)?;
     let unit = &resources.unit;
-    files.extend(documentation::files(
-        unit,
-        contents.tables,
-        &coupling,
-        example,
-    ));
+    let tables = contents.tables;
+    files.extend(documentation::files(unit, tables, &coupling, example));
     for (i, library) in libraries.iter().enumerate() {
+        let platform = library.platform;
         if libraries[..i]
             .iter()
-            .any(|other| other.platform == library.platform)
+            .any(|other| other.platform == platform)
         {
-            let reason = format!("a second library for {}; give one", library.platform);
+            let reason = format!("a second library for {platform}; give one");
             return Err(PackageError::contents(&library.path, reason));
         }
-        let (platform, extension) = (library.platform, library.extension());
-        files.push((
-            format!("binaries/{platform}/{MODEL_IDENTIFIER}.{extension}"),
-            library.bytes.clone(),
-        ));
+        let name = format!(
+            "binaries/{platform}/{MODEL_IDENTIFIER}.{}",
+            library.extension()
+        );
+        files.push((name, library.bytes.clone()));
     }
     let bytes = archive::write(&files, out)?;
     Ok(Packed {
@@ -246,14 +218,14 @@ fn guid(
         add(&library.bytes);
     }
     let hex = gearmesh::words::hex(&hash.finalize()[..16]);
-    let groups = [
+    let (a, b, c, d, e) = (
         &hex[..8],
         &hex[8..12],
         &hex[12..16],
         &hex[16..20],
         &hex[20..],
-    ];
-    format!("{{{}}}", groups.join("-"))
+    );
+    format!("{{{a}-{b}-{c}-{d}-{e}}}")
 }
 
 #[cfg(test)]

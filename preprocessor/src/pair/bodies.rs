@@ -35,17 +35,14 @@ pub(super) fn complete(file: &PairFile, gear: &mut Gear, i: usize) -> Result<(),
             "give its outside by `rim_diameter_mm`, and what that rests on by `rim_foundation_n_per_mm3`"));
     }
     // From rubber to steel a hundredth of a millimetre thick.
-    let range = Within(1e-3, 1e8);
     let meant = "the force per area and displacement of the ring's outside; leave it out for a ring that is held rigidly";
-    check(
-        &field(i, ""),
-        &[(
-            "rim_foundation_n_per_mm3",
-            foundation,
-            range,
-            Some(meant.into()),
-        )],
-    )?;
+    let row = (
+        "rim_foundation_n_per_mm3",
+        foundation,
+        Within(1e-3, 1e8),
+        Some(meant.into()),
+    );
+    check(&field(i, ""), &[row])?;
     // N/mm³ = 1e9 N/m³.
     gear.foundation = foundation.map(|stiffness| 1e9 * stiffness);
     Ok(())

@@ -37,10 +37,12 @@ pub(super) fn check(part: &str, rows: &[Row]) -> Result<(), Refusal> {
                 format!("must be above 0 and at most {high}"),
             ),
         };
-        let remedy = match probably {
-            Some(probably) => format!("give it in the unit of the name: {probably}"),
-            None => "give a value in that range, in the unit of the name".into(),
-        };
+        let otherwise = "give a value in that range, in the unit of the name";
+        let remedy = slips::remedy(
+            probably.clone(),
+            "give it in the unit of the name",
+            otherwise,
+        );
         ensure!(is_fine, format!("{part}{name}") => value; "{problem}"; "{remedy}");
     }
     Ok(())

@@ -20,16 +20,10 @@ impl PairDraft {
     /// # Errors
     /// Those of [`super::read`], but for what makes a pair that cannot work.
     pub fn read(path: &Path) -> Result<PairDraft, PairError> {
-        let text = text::read(path).map_err(|source| PairError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        let fields = serde_json::to_value(text::parse(&text)?);
+        let fields = serde_json::to_value(text::read_fields(path)?);
         Ok(PairDraft {
-            fields: fields.map_err(|error| PairError::Form {
-                field: ".".into(),
-                message: error.to_string(),
-            })?,
+            // Numbers, text and lists under names: they are values of JSON.
+            fields: fields.expect("a pair file serialises"),
             folder: path.parent().unwrap_or(Path::new("")).to_owned(),
         })
     }

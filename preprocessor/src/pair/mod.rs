@@ -47,12 +47,8 @@ pub fn from_json(text: &str) -> Result<Pair, PairError> {
 /// [`PairError::Read`] when the file cannot be read, else as [`from_json`].
 pub fn read(path: impl AsRef<Path>) -> Result<Pair, PairError> {
     let path = path.as_ref();
-    let text = text::read(path).map_err(|source| PairError::Read {
-        path: path.to_owned(),
-        source,
-    })?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    Ok(resolve::resolve(&text::parse(&text)?, folder)?)
+    Ok(resolve::resolve(&text::read_fields(path)?, folder)?)
 }
 
 #[cfg(test)]

@@ -134,14 +134,12 @@ impl Flanks<'_> {
                 "{problem}, and the start of `{path}` is not on the active profile";
                 "give the diameter of the tips, or another start of the relief");
         }
-        let other = match r.start {
+        let meant = match r.start {
             ReliefStart::DiameterMm(mm) => slips::diameter(mm, diameter(0.5 * (low + high))),
             ReliefStart::PitchPoint => None,
         };
-        let remedy = match other {
-            Some(other) => format!("give the diameter in millimetres: {other}"),
-            None => "give {\"diameter_mm\": ...} within it".into(),
-        };
+        let other = "give {\"diameter_mm\": ...} within it";
+        let remedy = slips::remedy(meant, "give the diameter in millimetres", other);
         ensure!(is_within, format!("{path}.start") => value;
             "lies outside the active profile, diameters {:.3} to {:.3} mm", diameter(low), diameter(high);
             "{remedy}");

@@ -7,14 +7,13 @@ use super::error::{Refusal, ensure, refusal};
 use super::file::{GearFile, Meshing, PairFile};
 use super::friction::friction;
 use super::mesh_checks::{
-    Place, check_clearance, check_contact, check_gear, check_tooth_difference, field, warnings,
+    check_center_distances, check_gear, check_tooth_difference, field, warnings,
 };
 use super::modifications::Flanks;
 use super::teeth::teeth;
 use super::{Operating, Pair, bodies, slips};
 use gearmesh::gear::{
-    Flank, Gear, GearKind, PairGeometry, PairMicrogeometry, ToothProfile, inverse_involute,
-    involute,
+    Flank, Gear, GearKind, PairGeometry, PairMicrogeometry, inverse_involute, involute,
 };
 use gearmesh::words::{fixed, number, rounded};
 
@@ -65,31 +64,27 @@ fn resolve_checked(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
     for (i, gear) in geometry.gears.iter_mut().enumerate() {
         bodies::complete(file, gear, i)?;
     }
-    check_overlap(file, &geometry)?;
+    notes.extend(check_faces(file, &geometry)?);
     check_torques(file, &geometry)?;
     notes.extend(slips::notes(file, &geometry));
-    notes.extend(flush_faces(file));
-    notes.extend(far_faces(file, &geometry));
     notes.extend(odd_thickness(file, &geometry));
     notes.extend(warnings(&geometry, &profiles));
-    check_center_distances(file, &geometry, &profiles, &mut notes)?;
+    notes.extend(check_center_distances(file, &geometry, &profiles)?);
     check_tooth_difference(&geometry)?;
-    let of_flank = |flank| -> Result<_, Refusal> {
-        let of_gear = |i| {
-            Flanks {
-                file,
-                geometry: &geometry,
-                folder,
-                i,
-                flank,
-            }
-            .microgeometry()
+    let modified = |i, flank| {
+        let geometry = &geometry;
+        let flanks = Flanks {
+            file,
+            geometry,
+            folder,
+            i,
+            flank,
         };
-        Ok([of_gear(0)?, of_gear(1)?])
+        flanks.microgeometry()
     };
     let microgeometry = PairMicrogeometry {
-        drive: of_flank(Flank::Drive)?,
-        coast: of_flank(Flank::Coast)?,
+        drive: [modified(0, Flank::Drive)?, modified(1, Flank::Drive)?],
+        coast: [modified(0, Flank::Coast)?, modified(1, Flank::Coast)?],
     };
     let (teeth, differ) = teeth(file, &geometry, &microgeometry, folder)?;
     notes.extend(differ);
@@ -126,27 +121,24 @@ fn unplaced_gears(file: &PairFile) -> Result<PairGeometry, Refusal> {
             "choose a larger tooth difference, or give `rim_diameter_mm` to the other gear");
     }
     Ok(PairGeometry {
-        gears: [
-            gear(file, 0, ring == Some(0)),
-            gear(file, 1, ring == Some(1)),
-        ],
+        gears: [0, 1].map(|i| gear(file, i, ring == Some(i))),
         center_distance: f64::NAN,
     })
 }
 
 /// Sets the centre distance: the file's, or that without backlash.
 fn place(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
-    let (least, free) = (
-        geometry.base_radius_sum(),
-        backlash_free_center_distance(geometry),
-    );
+    let least = geometry.base_radius_sum();
+    let free = backlash_free_center_distance(geometry);
     geometry.center_distance = file.center_distance_mm.map_or(free, |mm| mm * MM);
     let is_mesh = geometry.center_distance > least;
     if let Some(mm) = file.center_distance_mm {
-        let remedy = match slips::length(mm, free / MM) {
-            Some(metres) => format!("give it in the unit of the name: {metres}"),
-            None => check_distance(geometry),
-        };
+        let meant = slips::length(mm, free / MM);
+        let remedy = slips::remedy(
+            meant,
+            "give it in the unit of the name",
+            check_distance(geometry),
+        );
         ensure!(is_mesh, "center_distance_mm" => mm;
             "the base circles allow no mesh below {:.4} mm", least / MM; "{remedy}");
     }
@@ -184,10 +176,8 @@ fn check_torques(file: &PairFile, geometry: &PairGeometry) -> Result<(), Refusal
             "leaves {} mm of the faces, {} and {} mm wide, in common, too little for `operating.{name}` = {torque}",
             number(rounded(shared / MM)), file.gear1.face_width_mm, file.gear2.face_width_mm;
             "check it, gear 2's z = 0 face minus gear 1's, and both `face_width_mm`, in millimetres");
-        let remedy = match slips::torque(geometry, torque) {
-            Some(small) => format!("give N m on gear 1: {small}"),
-            None => "give the torque on gear 1 in N m, or wider faces".into(),
-        };
+        let other = "give the torque on gear 1 in N m, or wider faces";
+        let remedy = slips::remedy(slips::torque(geometry, torque), "give N m on gear 1", other);
         ensure!(load <= most, format!("operating.{name}") => torque;
             "means {:.0} N per mm of face and mm of module, and no tooth of this material carries above {:.0}",
             load * UM, most * UM;
@@ -242,96 +232,36 @@ fn shorten_default_ring(
     Ok(())
 }
 
-fn check_overlap(file: &PairFile, geometry: &PairGeometry) -> Result<(), Refusal> {
-    ensure!(geometry.face_overlap().1 > 0.0, "face_offset_mm" => file.face_offset_mm.unwrap_or(0.0);
-        "the faces, {} mm and {} mm wide, do not overlap", file.gear1.face_width_mm, file.gear2.face_width_mm;
-        "give gear 2's z = 0 face minus gear 1's, so that the faces share a part");
-    Ok(())
-}
-
-/// Faces that share less than half of the narrower one.
-fn far_faces(file: &PairFile, geometry: &PairGeometry) -> Option<String> {
-    let shared = geometry.face_overlap().1 / MM;
-    let narrower = file.gear1.face_width_mm.min(file.gear2.face_width_mm);
-    (shared < 0.5 * narrower).then(|| {
-        format!(
-            "`face_offset_mm` = {} leaves only {} mm of the faces in mesh, {} and {} mm wide",
-            file.face_offset_mm.unwrap_or(0.0),
-            rounded(shared),
-            file.gear1.face_width_mm,
-            file.gear2.face_width_mm
-        )
-    })
-}
-
-/// Faces of different width that are flush at one end because nothing else was said.
-fn flush_faces(file: &PairFile) -> Option<String> {
+/// Faces that share no part are refused; what is said of faces of different width that are flush at one end because
+/// nothing else was given, and of those that share less than half of the narrower one.
+fn check_faces(file: &PairFile, geometry: &PairGeometry) -> Result<Vec<String>, Refusal> {
+    let offset = file.face_offset_mm.unwrap_or(0.0);
     let [b1, b2] = [file.gear1.face_width_mm, file.gear2.face_width_mm];
-    (b1 != b2 && file.face_offset_mm.is_none()).then(|| {
-        format!(
-            "the faces, {b1} and {b2} mm wide, are flush at z = 0; `face_offset_mm` = {} lets them share their middle",
-            rounded(0.5 * (b1 - b2))
-        )
-    })
-}
-
-/// Checks the mesh at the nominal centre distance and at both ends of its range. What would be refused
-/// at nominal is a warning at the ends, unless the gears cannot mesh there at all.
-fn check_center_distances(
-    file: &PairFile,
-    geometry: &PairGeometry,
-    profiles: &[ToothProfile; 2],
-    notes: &mut Vec<String>,
-) -> Result<(), Refusal> {
-    let nominal = match file.center_distance_mm {
-        Some(mm) => format!("{mm}"),
-        None => format!("{:.4} (default)", geometry.center_distance / MM),
-    };
-    let place = Place {
-        center_distance: geometry.center_distance,
-        field: "center_distance_mm",
-        value: &nominal,
-    };
-    check_clearance(file, geometry, &place)?;
-    check_contact(file, geometry, profiles, &place)?;
-    for um in file.operating.center_distance_offset_um {
-        let value = format!("{um}");
-        let place = Place {
-            center_distance: geometry.center_distance + um * UM,
-            field: "operating.center_distance_offset_um",
-            value: &value,
-        };
-        ensure!(place.center_distance > geometry.base_radius_sum(), place.field => &value;
-            "the base circles allow no mesh there"; "narrow the range");
-        check_clearance(file, geometry, &place)?;
-        if let Err(refusal) = check_contact(file, geometry, profiles, &place) {
-            notes.push(format!(
-                "at a centre distance offset of {um} um: {}",
-                refusal.problem
-            ));
-        }
-        // Below a micrometre it is the rounding of a drawing.
-        let backlash = geometry.backlash(place.center_distance);
-        if backlash < -UM {
-            notes.push(format!(
-                "at a centre distance offset of {um} um both flanks press: the backlash on the line of \
-                 action is {:.1} um",
-                backlash / UM
-            ));
-        }
+    let shared = geometry.face_overlap().1 / MM;
+    ensure!(shared > 0.0, "face_offset_mm" => offset;
+        "the faces, {b1} mm and {b2} mm wide, do not overlap";
+        "give gear 2's z = 0 face minus gear 1's, so that the faces share a part");
+    let mut notes = Vec::new();
+    if b1 != b2 && file.face_offset_mm.is_none() {
+        let middle = rounded(0.5 * (b1 - b2));
+        notes.push(format!(
+            "the faces, {b1} and {b2} mm wide, are flush at z = 0; `face_offset_mm` = {middle} lets them share their middle"
+        ));
     }
-    Ok(())
+    if shared < 0.5 * b1.min(b2) {
+        let shared = rounded(shared);
+        notes.push(format!(
+            "`face_offset_mm` = {offset} leaves only {shared} mm of the faces in mesh, {b1} and {b2} mm wide"
+        ));
+    }
+    Ok(notes)
 }
 
 /// Which gear is the ring: gear 2 of an internal pair, or gear 1 when it alone has a rim.
 fn ring_index(file: &PairFile) -> Option<usize> {
-    match file.meshing {
-        Meshing::External => None,
-        Meshing::Internal => {
-            let rim = |g: &GearFile| g.rim_diameter_mm.is_some();
-            Some(usize::from(rim(&file.gear2) || !rim(&file.gear1)))
-        }
-    }
+    let has_rim = |g: &GearFile| g.rim_diameter_mm.is_some();
+    let ring = usize::from(has_rim(&file.gear2) || !has_rim(&file.gear1));
+    (file.meshing == Meshing::Internal).then_some(ring)
 }
 
 fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
@@ -343,12 +273,10 @@ fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
     };
     // Gear 2 of an external pair has the other hand.
     let is_other = i == 1 && file.meshing == Meshing::External;
+    let offset = if i == 0 { None } else { file.face_offset_mm };
+    let kind = [GearKind::External, GearKind::Ring][usize::from(is_ring)];
     let mut gear = Gear {
-        kind: if is_ring {
-            GearKind::Ring
-        } else {
-            GearKind::External
-        },
+        kind,
         teeth: g.teeth,
         hand: if is_other { -hand1 } else { hand1 },
         normal_module: file.normal_module_mm * MM,
@@ -356,11 +284,7 @@ fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
         helix_angle: file.helix_angle_deg.abs().to_radians(),
         profile_shift: g.profile_shift,
         face_width: g.face_width_mm * MM,
-        face_offset: if i == 0 {
-            0.0
-        } else {
-            file.face_offset_mm.unwrap_or(0.0) * MM
-        },
+        face_offset: offset.unwrap_or(0.0) * MM,
         tip_radius: 0.0,
         dedendum_coefficient: g.dedendum_coefficient,
         tool_tip_radius_coefficient: g.tool_tip_radius_coefficient,
@@ -418,10 +342,12 @@ fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refu
         thin(geometry, -natural);
         return Ok(());
     };
-    let remedy = match slips::micrometres(um) {
-        Some(mm) => format!("give it in the unit of the name: {mm}"),
-        None => "give at least that, or change `center_distance_mm` or `profile_shift`".into(),
-    };
+    let other = "give at least that, or change `center_distance_mm` or `profile_shift`";
+    let remedy = slips::remedy(
+        slips::micrometres(um),
+        "give it in the unit of the name",
+        other,
+    );
     let thinning = um * UM * cos_phi - natural;
     // A billionth of a metre: rounding of the file, no thicker teeth.
     ensure!(thinning >= -1e-9, "backlash_um" => um;

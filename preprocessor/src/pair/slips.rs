@@ -30,6 +30,11 @@ fn slip(value: f64, expected: f64, spread: f64, slips: &[Slip], unit: &str) -> O
     ))
 }
 
+/// The remedy for a value: `give`, as what it is `probably` meant, else `otherwise`.
+pub(super) fn remedy(probably: Option<String>, give: &str, otherwise: impl Into<String>) -> String {
+    probably.map_or_else(|| otherwise.into(), |meant| format!("{give}: {meant}"))
+}
+
 /// What a length (mm) probably is of which about `expected` (mm) was to be expected.
 pub(super) fn length(value: f64, expected: f64) -> Option<String> {
     slip(value, expected, 1.5, &LENGTHS, "mm")
@@ -105,30 +110,34 @@ pub(super) fn notes(file: &PairFile, geometry: &PairGeometry) -> Vec<String> {
     let mut note = |field: &str, value: f64, unit: &str, doubt: String| {
         odd.push(format!("`{field}` = {value} {unit} is odd: {doubt}"));
     };
-    if let Some(radians) = degrees(helix) {
-        let doubt = format!("{radians}; the field takes degrees");
-        note("helix_angle_deg", helix, "deg", doubt);
+    if let Some(meant) = degrees(helix) {
+        note(
+            "helix_angle_deg",
+            helix,
+            "deg",
+            format!("{meant}; the field takes degrees"),
+        );
     }
     // Lengths in micrometres, and what is odd below.
-    let mut lengths: Vec<(String, f64, f64)> = Vec::new();
-    lengths.extend(file.backlash_um.map(|um| ("backlash_um".into(), um, 1.0)));
+    let offset = farther(operating.center_distance_offset_um);
+    let backlash = file
+        .backlash_um
+        .map(|um| ("backlash_um".to_owned(), um, 1.0));
+    let mut lengths: Vec<(String, f64, f64)> = backlash.into_iter().collect();
     for (name, gear) in [("gear1", &file.gear1), ("gear2", &file.gear2)] {
         for (prefix, flank) in gear.flanks() {
             let all = amounts(&flank, 0.0).into_iter();
             lengths.extend(all.map(|(field, um, _)| (format!("{name}.{prefix}{field}"), um, 0.1)));
         }
     }
-    let offset = farther(operating.center_distance_offset_um);
     lengths.push(("operating.center_distance_offset_um".into(), offset, 0.1));
     for (field, um, least) in lengths {
-        if um.abs() < least
-            && let Some(mm) = micrometres(um)
-        {
+        if let Some(meant) = micrometres(um).filter(|_| um.abs() < least) {
             note(
                 &field,
                 um,
                 "um",
-                format!("{mm}; the field takes micrometres"),
+                format!("{meant}; the field takes micrometres"),
             );
         }
     }

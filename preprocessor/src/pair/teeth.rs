@@ -102,22 +102,21 @@ pub(super) fn teeth(
     folder: &Path,
 ) -> Result<(PairTeeth, Vec<String>), Refusal> {
     let mut all = PairTeeth::default();
-    for flank in [Flank::Drive, Flank::Coast] {
-        for i in 0..2 {
-            let Some(given) = &gear_file(file, i).tooth_errors else {
-                continue;
-            };
-            let gear = Teeth {
-                given,
-                geometry,
-                folder,
-                i,
-                flank,
-            };
-            let errors = gear.errors(&microgeometry.flank(flank)[i])?;
-            match flank {
-                Flank::Drive => all.drive[i] = errors,
-                Flank::Coast => all.coast[i] = errors,
+    let flanks = [
+        (Flank::Drive, &mut all.drive),
+        (Flank::Coast, &mut all.coast),
+    ];
+    for (flank, errors) in flanks {
+        for (i, errors) in errors.iter_mut().enumerate() {
+            if let Some(given) = &gear_file(file, i).tooth_errors {
+                let gear = Teeth {
+                    given,
+                    geometry,
+                    folder,
+                    i,
+                    flank,
+                };
+                *errors = gear.errors(&microgeometry.flank(flank)[i])?;
             }
         }
     }
@@ -164,26 +163,27 @@ impl Teeth<'_> {
             let is_again = self.given.teeth[..place].iter().any(|t| t.tooth == number);
             ensure!(!is_again, name("tooth") => number;
                 "stands in the list twice"; "give a tooth once, with all that is its own");
-            let (factor, range) = (tooth.compliance_factor, Within(1.0, LARGEST_FACTOR));
-            check(
-                &name(""),
-                &[("compliance_factor", Some(factor), range, None)],
-            )?;
+            let factor = tooth.compliance_factor;
+            let row = (
+                "compliance_factor",
+                Some(factor),
+                Within(1.0, LARGEST_FACTOR),
+                None,
+            );
+            check(&name(""), &[row])?;
             if factor > 1.0 {
-                errors.weak.push(WeakTooth {
-                    tooth: number,
-                    factor,
-                });
+                let tooth = number;
+                errors.weak.push(WeakTooth { tooth, factor });
             }
-            let is_here = match tooth.flank {
-                ToothFlank::Both => true,
-                ToothFlank::Drive => self.flank == Flank::Drive,
-                ToothFlank::Coast => self.flank == Flank::Coast,
-            };
-            if let Some(file) = tooth.topography_file.as_ref().filter(|_| is_here) {
-                let start = self
-                    .geometry
-                    .active_start_roll(self.i, self.geometry.center_distance);
+            let other =
+                [ToothFlank::Coast, ToothFlank::Drive][usize::from(self.flank == Flank::Coast)];
+            if let Some(file) = tooth
+                .topography_file
+                .as_ref()
+                .filter(|_| tooth.flank != other)
+            {
+                let g = self.geometry;
+                let start = g.active_start_roll(self.i, g.center_distance);
                 let rolls = [start, gear.tip_form_roll()];
                 let path = self.folder.join(file);
                 let read = topography::read(&path, &name("topography_file"), gear, rolls)?;
@@ -234,13 +234,13 @@ impl Teeth<'_> {
                     "give a finer class");
                 Ok(errors)
             }
-            (given, class) => {
-                let value = given.as_ref().map_or("{}", |_| "two sources");
-                let problem = match class {
-                    Some(_) => {
-                        "`cumulative_pitch_um` and `pitch_class` both say what the errors are"
-                    }
-                    None => "says nothing of the errors",
+            (given, _) => {
+                let (value, problem) = match given {
+                    Some(_) => (
+                        "two sources",
+                        "`cumulative_pitch_um` and `pitch_class` both say what the errors are",
+                    ),
+                    None => ("{}", "says nothing of the errors"),
                 };
                 Err(refusal!(self.field(part) => value; "{problem}";
                     "give `cumulative_pitch_um`, one number for every tooth, or `pitch_class` with a `seed`"))

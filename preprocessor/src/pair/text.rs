@@ -32,6 +32,18 @@ pub(super) fn read(path: &Path) -> std::io::Result<String> {
     String::from_utf8(bytes).or_else(|_| other("it is no text in UTF-8".into()))
 }
 
+/// The fields of the file at `path`.
+///
+/// # Errors
+/// [`PairError::Read`] when the file cannot be read, else as [`parse`].
+pub(super) fn read_fields(path: &Path) -> Result<PairFile, PairError> {
+    let text = read(path).map_err(|source| PairError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    parse(&text)
+}
+
 /// The fields of `text`.
 ///
 /// # Errors
@@ -90,9 +102,8 @@ fn of_syntax(text: &str, path: &str, told: &str, [line, column]: [usize; 2]) -> 
         };
         return (field, decimal_point(&comma));
     }
-    let value = value_at(text, line, column);
     let message = match told {
-        "expected value" if let Some(value) = value => {
+        "expected value" if let Some(value) = value_at(text, line, column) => {
             return (path.to_owned(), no_name(path, &value));
         }
         "expected value" => {
@@ -172,12 +183,11 @@ fn decimal_point(number: &str) -> String {
 
 /// Field and message of JSON that is no pair file.
 fn of_data(path: &str, told: &str) -> (String, String) {
-    let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
     let names: Vec<&str> = told.split('`').skip(1).step_by(2).collect();
     let mut field = path.to_owned();
     let message = match (&names[..], told.split_once(", expected ")) {
         ([given, expected @ ..], _) if told.starts_with("unknown field") => {
-            unknown_field(parent, given, expected)
+            unknown_field(given, expected)
         }
         ([given, expected @ ..], _) if told.starts_with("unknown variant") => {
             let meant = match nearest(given, expected) {
@@ -210,34 +220,27 @@ fn of_data(path: &str, told: &str) -> (String, String) {
 }
 
 /// What to say of a field that a part of the file does not have.
-fn unknown_field(parent: &str, given: &str, expected: &[&str]) -> String {
+fn unknown_field(given: &str, expected: &[&str]) -> String {
     let name_given = shown(given);
     if let Some(name) = nearest(given, expected) {
         return format!("there is no field `{name_given}`; did you mean `{name}`?");
     }
     // A field of another part of the file.
-    #[rustfmt::skip]
     let parts = [
-        ("the whole pair, outside of the gears", "", names::<PairFile>()),
-        ("`gear1` and `gear2`", "gear", names::<GearFile>()),
-        ("`tooth_errors`", "gear", names::<ToothErrorsFile>()),
-        ("`operating`", "operating", names::<OperatingFile>()),
-        ("`friction`", "friction", names::<FrictionFile>()),
+        ("the whole pair, outside of the gears", names::<PairFile>()),
+        ("`gear1` and `gear2`", names::<GearFile>()),
+        ("`tooth_errors`", names::<ToothErrorsFile>()),
+        ("`operating`", names::<OperatingFile>()),
+        ("`friction`", names::<FrictionFile>()),
     ];
-    for (part, prefix, fields) in parts {
-        let is_here = match prefix {
-            "" => parent.is_empty(),
-            _ => parent.starts_with(prefix),
-        };
+    for (part, fields) in parts {
         let fields: Vec<&str> = fields.iter().map(String::as_str).collect();
-        if !is_here && let Some(name) = nearest(given, &fields) {
+        if let Some(name) = nearest(given, &fields) {
             return format!("there is no field `{name_given}` here; `{name}` is a field of {part}");
         }
     }
-    format!(
-        "there is no field `{name_given}`; there are {}",
-        listed(expected)
-    )
+    let all = listed(expected);
+    format!("there is no field `{name_given}`; there are {all}")
 }
 
 /// Names of the fields of a part of the file, as its deserialiser lists them when it refuses one.
@@ -310,34 +313,23 @@ fn listed(names: &[&str]) -> String {
 
 /// What to say of a value of another kind, from the words of the deserialiser.
 fn mistyped(given: &str, expected: &str) -> String {
-    let is_number = matches!(expected, "f64" | "u32" | "u8");
     if let Some(text) = given.strip_prefix("string ")
-        && is_number
+        && matches!(expected, "f64" | "u32" | "u8")
     {
         let number = text.trim_matches('"');
         let pointed = number.replace(',', ".");
-        if pointed.parse::<f64>().is_err() {
-            let text = shown(text);
-            return format!(
-                "{text} is text; write a bare number, its unit is that of the field's name"
-            );
-        }
-        let note = match number.contains(',') {
-            true => decimal_point(number) + " and",
-            false => "write it".into(),
+        let shown = shown(text);
+        return match (pointed.parse::<f64>(), number.contains(',')) {
+            (Err(_), _) => format!(
+                "{shown} is text; write a bare number, its unit is that of the field's name"
+            ),
+            (Ok(_), true) => format!("{} and without quotes: {pointed}", decimal_point(number)),
+            (Ok(_), false) => format!("write it without quotes: {pointed}"),
         };
-        return format!("{note} without quotes: {pointed}");
     }
-    let number = given
-        .split('`')
-        .nth(1)
-        .and_then(|number| number.parse::<f64>().ok());
     let expected = match expected {
         "f64" => "a number",
-        "u32" if number.is_some_and(|number| number > u32::MAX.into()) => {
-            "a whole number, at most 4294967295"
-        }
-        "u32" => "a whole number, at least 0",
+        "u32" => "a whole number, 0 to 4294967295",
         "u8" => "a whole number, 0 to 255",
         "a sequence" => "a list in brackets",
         "newtype variant" => "a value in braces, such as { \"diameter_mm\": 88.0 },",
@@ -347,20 +339,13 @@ fn mistyped(given: &str, expected: &str) -> String {
         part if part.starts_with("struct") => "fields in braces, { ... }",
         other => other,
     };
-    format!("{}; {expected} is expected", kind(given))
-}
-
-/// The deserialiser's words for a value.
-fn kind(given: &str) -> String {
-    match given {
+    let given = match given {
         "map" => "fields in braces".into(),
         "sequence" => "a list in brackets".into(),
         "unit variant" => "the name alone".into(),
         "null" | "unit value" => "null is no value".into(),
-        other => {
-            let kinds = ["floating point ", "integer ", "boolean "];
-            let value = kinds.iter().find_map(|kind| other.strip_prefix(kind));
-            shown(value.unwrap_or(other))
-        }
-    }
+        // A kind, and the value in backticks.
+        other => shown(other.find('`').map_or(other, |value| &other[value..])),
+    };
+    format!("{given}; {expected} is expected")
 }

@@ -132,10 +132,10 @@ fn a_decimal_comma_is_told_by_field_and_number() {
 /// What is put over the paper's pair, the field, and what must be said.
 #[rustfmt::skip]
 const MISTYPED: &[[&str; 3]] = &[
-    [r#"{"gear2": {"teeth": -20}}"#, "gear2.teeth", "`-20`; a whole number, at least 0 is expected"],
-    [r#"{"gear2": {"teeth": 4294967296}}"#, "gear2.teeth", "`4294967296`; a whole number, at most 4294967295 is expected"],
-    [r#"{"gear2": {"tooth_errors": {"drive_flank": {"pitch_class": 6, "seed": 18446744073709551615}}}}"#, "gear2.tooth_errors.drive_flank.seed", "`18446744073709551615`; a whole number, at most 4294967295 is expected"],
-    [r#"{"gear2": {"teeth": 20.5}}"#, "gear2.teeth", "`20.5`; a whole number, at least 0 is expected"],
+    [r#"{"gear2": {"teeth": -20}}"#, "gear2.teeth", "`-20`; a whole number, 0 to 4294967295 is expected"],
+    [r#"{"gear2": {"teeth": 4294967296}}"#, "gear2.teeth", "`4294967296`; a whole number, 0 to 4294967295 is expected"],
+    [r#"{"gear2": {"tooth_errors": {"drive_flank": {"pitch_class": 6, "seed": 18446744073709551615}}}}"#, "gear2.tooth_errors.drive_flank.seed", "`18446744073709551615`; a whole number, 0 to 4294967295 is expected"],
+    [r#"{"gear2": {"teeth": 20.5}}"#, "gear2.teeth", "`20.5`; a whole number, 0 to 4294967295 is expected"],
     [r#"{"gear2": {"teeth": null}}"#, "gear2.teeth", "required and missing"],
     [r#"{"normal_module_mm": "4 mm"}"#, "normal_module_mm", "\"4 mm\" is text; write a bare number"],
     [r#"{"normal_module_mm": "4.0"}"#, "normal_module_mm", "write it without quotes: 4.0"],

@@ -1,0 +1,156 @@
+//! Mesh cycles under their loads, and their results in one number each.
+
+use std::f64::consts::TAU;
+
+use gearmesh::contact::{ContactError, ContactSolver};
+use gearmesh::friction::{Loss, Sliding, loss_factor_of, ohlendorf};
+use gearmesh::pair::Pair;
+use gearmesh::words::rounded;
+use gearmesh_preprocessor::contact::{CycleInput, FaceLoad, GearRoots, LoadCase, MeshCycle};
+
+use crate::columns::{Column, columns};
+use crate::model::Fillets;
+
+pub struct Case {
+    pub input: CycleInput,
+    pub cycle: MeshCycle,
+    /// Stress in the roots of gear 1 and gear 2, where it is asked for.
+    pub roots: Option<[GearRoots; 2]>,
+}
+
+impl Case {
+    /// A mesh cycle for each of `loads`, the rest as in `input`; `progress` is told which share of them is solved.
+    pub fn solve_all(
+        solver: &ContactSolver,
+        input: &CycleInput,
+        loads: &[LoadCase],
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Vec<Case>, ContactError> {
+        let cycles = MeshCycle::solve_all(solver, input, loads, progress)?;
+        let with_load = |(cycle, load): (MeshCycle, &LoadCase)| Case {
+            input: CycleInput {
+                torque: load.torque,
+                misalignment: load.misalignment,
+                ..*input
+            },
+            cycle,
+            roots: None,
+        };
+        Ok(cycles.into_iter().zip(loads).map(with_load).collect())
+    }
+
+    /// Adds the stress in the roots where there are `fillets`.
+    pub fn solve_roots(
+        &mut self,
+        solver: &ContactSolver,
+        fillets: Option<&Fillets>,
+    ) -> Result<(), ContactError> {
+        let stress = |fillets: &Fillets| self.cycle.root_stress(solver, &self.input, &fillets.maps);
+        self.roots = fillets.map(stress).transpose()?;
+        Ok(())
+    }
+
+    /// Load along the face, in the stations of `solver`.
+    pub fn face_load(&self, solver: &ContactSolver) -> FaceLoad {
+        let geometry = solver.geometry();
+        let (low, width) = geometry.face_overlap();
+        let stations = solver.settings().stations;
+        let cos_beta_b = geometry.base_helix_angle().cos();
+        self.cycle
+            .face_load([low, low + width], stations, cos_beta_b)
+    }
+
+    /// The largest root stress of gear `i`, MPa; 0 without load, None where it is not asked for.
+    pub fn root_stress(&self, i: usize) -> Option<f64> {
+        let largest = self.roots.as_ref()?[i].largest();
+        Some(largest.map_or(0.0, |tooth| 1e-6 * tooth.largest.stress))
+    }
+
+    /// The same at the 30 degree tangent (ring: 60 degrees).
+    pub fn root_stress_at_tangent(&self, i: usize) -> Option<f64> {
+        let teeth = self.roots.as_ref()?[i].teeth.iter();
+        let stresses = teeth.filter_map(|tooth| Some(1e-6 * tooth.at_tangent?.stress));
+        Some(stresses.fold(0.0, f64::max))
+    }
+
+    /// Share of the tooth pair `pair` in the load at position `i`.
+    pub fn share(&self, i: usize, pair: i32) -> f64 {
+        let shares = &self.cycle.results[i].load_share;
+        let share = shares.iter().find(|(k, _)| *k == pair);
+        share.map_or(0.0, |(_, share)| *share)
+    }
+
+    /// What friction takes while gear 1 makes `rpm` turns a minute.
+    pub fn loss(&self, pair: &Pair, rpm: f64) -> Loss {
+        let sliding = [&self.cycle.sliding[..], &self.cycle.friction];
+        let spin = rpm * TAU / 60.0;
+        Loss::new(
+            &pair.geometry,
+            &pair.friction,
+            sliding,
+            self.input.torque,
+            spin,
+        )
+    }
+
+    /// Share of the transmitted power that is lost at a coefficient of friction of 1.
+    pub fn loss_factor(&self, solver: &ContactSolver) -> f64 {
+        loss_factor_of(
+            solver.geometry(),
+            Sliding::mean(&self.cycle.sliding).distance,
+        )
+    }
+}
+
+/// A torque in text, `100 N m`.
+pub fn torque_in_words(torque: f64) -> String {
+    format!("{} N m", rounded(torque))
+}
+
+type Row<'a> = &'a Case;
+
+/// What tells cases apart.
+pub fn load<'r>() -> Vec<Column<'static, Row<'r>>> {
+    columns! { |c: &Row|
+        "torque_nm", ["torque", "N m", None] => c.input.torque;
+        "misalignment_mrad", ["misalignment", "mrad", None] => rounded(c.input.misalignment * 1e3);
+    }
+}
+
+/// A row of `summary.csv`; `--json` has it, too.
+pub fn summary<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
+    let width = solver.geometry().face_overlap().1;
+    let stiffness =
+        |cycle: &MeshCycle| cycle.stiffness().iter().sum::<f64>() / cycle.results.len() as f64;
+    columns! { |c: &Row|
+        "mean_ste_loa_um", ["mean STE", "um", 4] => 1e6 * c.cycle.mean_ste();
+        "peak_to_peak_ste_loa_um", ["p-p STE", "um", 4] => 1e6 * c.cycle.peak_to_peak_ste();
+        "", ["1st harm.", "um", 4] => c.cycle.harmonics()[0].map(|h| 1e6 * h.amplitude);
+        "maximum_pressure_mpa", ["p_max", "MPa", 1] => 1e-6 * c.cycle.max_pressure();
+        "edge_line_load_n_per_mm", ["tip edge", "N/mm", 1] => c.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);
+        "face_load_factor", ["K_Hbeta", "", 3] => c.face_load(solver).face_load_factor();
+        "mean_mesh_stiffness_loa_n_per_m", ["stiffness", "N/m", 4] => stiffness(&c.cycle);
+        "", ["per width", "N/(mm um)", 3] => 1e-9 * stiffness(&c.cycle) / width;
+    }
+}
+
+/// What the heads of [`summary`] mean.
+pub const LEGEND: &str = "\
+STE: static transmission error on the line of action at mid-face, p-p: peak to peak, 1st harm.: amplitude of its first
+harmonic; p_max: largest flank pressure; tip edge: largest line load there; K_Hbeta: largest over mean load along the
+face; stiffness: mean of the cycle, tangent, on the line of action, also over the common face width.
+";
+
+/// What else there is to tell of a case.
+pub fn details<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
+    let g = solver.geometry();
+    let center_distance = |input: &CycleInput| g.center_distance + input.center_distance_offset;
+    columns! { |c: &Row|
+        "edge_gear", ["tip edge of gear", "", None] => c.cycle.edge_load().map(|edge| edge.gear + 1);
+        "edge_z_mm", ["tip edge at z", "mm", 2] => c.cycle.edge_load().map(|edge| 1e3 * edge.z);
+        "transverse_contact_ratio", ["transverse contact ratio", "", 4] => g.transverse_contact_ratio(center_distance(&c.input));
+        "overlap_ratio", ["overlap ratio", "", 4] => g.overlap_ratio();
+        "loss_factor", ["loss factor by the load share", "", 4] => c.loss_factor(solver);
+        "loss_factor_ohlendorf", ["loss factor of Ohlendorf", "", 4] => ohlendorf(g, center_distance(&c.input));
+    }
+}

@@ -1,0 +1,346 @@
+//! Mesh cycles as JSON and, for spreadsheets, scripts and rotor programs, as CSV files with a row per thing.
+//!
+//! docs/contact-results.md has every key and column.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use gearmesh::contact::{ContactSolver, StripLoad};
+use gearmesh::gear::PairGeometry;
+use gearmesh::pair::Pair;
+use gearmesh_preprocessor::contact::{GearRoots, HARMONICS, Harmonic, ToothRoot, harmonics};
+use gearmesh_preprocessor::finite_element::RootPoint;
+use gearmesh_preprocessor::{NominalRootStress, pair};
+use serde_json::{Map, Value, json};
+
+use crate::Error;
+use crate::case::{Case, details, load, summary};
+use crate::columns::{Column, columns, csv, lists, object};
+use crate::output;
+
+/// Names of the files in the folder; the last two only where root stress is asked for.
+const NAMES: [&str; 7] = [
+    "load-distribution.csv",
+    "mesh-cycle.csv",
+    "stiffness.csv",
+    "face-load.csv",
+    "summary.csv",
+    "root-stress.csv",
+    "root-stress-field.csv",
+];
+
+/// Refuses a folder that cannot take the files, those of root stress if it is asked for, and makes it if it is not there.
+pub fn check(folder: &Path, root_stress: bool) -> Result<(), Error> {
+    output::make_folder("--output", folder)?;
+    let count = if root_stress { 7 } else { 5 };
+    for name in &NAMES[..count] {
+        output::check_writable(&folder.join(name), [] as [&Path; 0])?;
+    }
+    Ok(())
+}
+
+/// Writes all files of the `cases` of `solver` into `folder`.
+pub fn write(folder: &Path, solver: &ContactSolver, cases: &[Case]) -> Result<(), Error> {
+    let geometry = solver.geometry();
+    let mut pairs: Vec<i32> = cases.iter().flat_map(|c| c.cycle.tooth_pairs()).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    let mut row = summary(solver);
+    row.extend(harmonic_columns());
+    let mut tables = vec![
+        csv(&load(), &distribution(geometry), cases, strips)?,
+        csv(&load(), &positions(&pairs), cases, at_positions)?,
+        csv(&load(), &stiffness(geometry), cases, at_positions)?,
+        csv(&load(), &face_load(), cases, |case| stations(solver, case))?,
+        csv(&load(), &row, cases, |case| [case])?,
+    ];
+    if cases.iter().any(|case| case.roots.is_some()) {
+        tables.push(csv(&load(), &root_stress(), cases, loaded_teeth)?);
+        tables.push(csv(&load(), &root_field(), cases, largest_fields)?);
+    }
+    for (name, table) in NAMES.iter().zip(tables) {
+        output::write_whole(&folder.join(name), &table)?;
+    }
+    Ok(())
+}
+
+/// A case as `--json` prints it, with the losses at `speeds` of gear 1, rpm.
+pub fn json(
+    solver: &ContactSolver,
+    pair: &Pair,
+    case: &Case,
+    speeds: &[f64],
+) -> Map<String, Value> {
+    let cycle = &case.cycle;
+    let pairs = cycle.tooth_pairs();
+    let shares = |i| -> Vec<f64> { pairs.iter().map(|&k| case.share(i, k)).collect() };
+    let mut json = object(&load(), &case);
+    json.extend(object(&summary(solver), &case));
+    json.extend(object(&details(solver), &case));
+    // Of what has both, a list over the positions stands here, not the value of the cycle.
+    json.extend(lists(&positions(&[]), at_positions(case)));
+    let mut more = |name: &str, value: Value| json.insert(name.into(), value);
+    more("load_share", (0..cycle.results.len()).map(shares).collect());
+    more("tooth_pairs", json!(pairs));
+    more("solve_seconds", json!(cycle.solve_seconds));
+    more("notes", json!(notes(pair, case)));
+    let face = case.face_load(solver);
+    let [z, load] = [(face.z, 1e3), (face.load, 1e-3)]
+        .map(|(values, unit)| values.iter().map(|value| unit * value).collect());
+    more("face_z_mm", z);
+    more("face_load_n_per_mm", load);
+    for (k, (_, of, unit)) in HARMONIC_LISTS.into_iter().enumerate() {
+        let all = harmonics_of(case, k);
+        let list =
+            |value: fn(&Harmonic) -> f64| all.iter().map(|h| h.as_ref().map(value)).collect();
+        more(&format!("{of}harmonics_{unit}"), list(|h| h.amplitude));
+        more(&format!("{of}harmonics_phase_rad"), list(|h| h.phase));
+    }
+    if let Some(gears) = &case.roots {
+        let over_cycle = |stress: fn(&ToothRoot) -> Option<f64>| {
+            let stresses = |gear: &GearRoots| gear.over_cycle(cycle.results.len(), stress);
+            let mpa = |stresses: Vec<f64>| stresses.iter().map(|s| 1e-6 * s).collect::<Vec<f64>>();
+            json!(gears.each_ref().map(|gear| mpa(stresses(gear))))
+        };
+        let at_tangent = over_cycle(|tooth| Some(tooth.at_tangent?.stress));
+        more(
+            "root_stress_mpa",
+            over_cycle(|tooth| Some(tooth.largest.stress)),
+        );
+        more("root_stress_at_tangent_mpa", at_tangent);
+        let largest = [0, 1].map(|i| {
+            let mut tooth = object(&root_stress(), &largest_tooth(case, i)?);
+            let mut rename = |column: &str, key: &str| {
+                let value = tooth.remove(column)?;
+                tooth.insert(key.into(), value)
+            };
+            rename("root_stress_mpa", "stress_mpa");
+            rename("root_stress_at_tangent_mpa", "at_tangent_mpa");
+            Some(tooth)
+        });
+        more("largest_root_stress", json!(largest));
+        let nominal = [0, 1].map(|i| Some(object(&nominal(), &nominal_stress(solver, case, i)?)));
+        more("iso_6336_3", json!(nominal));
+    }
+    json.extend(lists(&losses(pair, case), speeds.iter().copied()));
+    json
+}
+
+/// What is to be known of the results, one sentence each.
+pub fn notes(pair: &Pair, case: &Case) -> Vec<String> {
+    let on_teeth = pair::note_on_teeth(&pair.teeth).map(String::from);
+    on_teeth
+        .into_iter()
+        .chain(case.cycle.note_on_segments())
+        .collect()
+}
+
+type At<'a> = (usize, &'a Case);
+
+pub fn at_positions(case: &Case) -> impl Iterator<Item = At<'_>> + Clone {
+    (0..case.cycle.results.len()).map(move |i| (i, case))
+}
+
+/// The cycle position by position, with the shares of the tooth pairs `pairs`.
+pub fn positions<'r>(pairs: &[i32]) -> Vec<Column<'static, At<'r>>> {
+    let mut columns = columns! { |(i, c): &At|
+        "mesh_position", ["mesh", "position", 4] => c.cycle.mesh_position[*i];
+        "ste_loa_um", ["STE (loa)", "um", 4] => 1e6 * c.cycle.results[*i].approach;
+        "contact_z_mm", ["z_c", "mm", 4] => 1e3 * c.cycle.results[*i].contact_z;
+        "maximum_pressure_mpa", ["p_max", "MPa", 1] => 1e-6 * c.cycle.results[*i].max_pressure;
+        "edge_line_load_n_per_mm", ["tip edge", "N/mm", 1] => c.cycle.results[*i].edge_load.map_or(0.0, |edge| 1e-3 * edge.line_load);
+        "edge_gear" => c.cycle.results[*i].edge_load.map(|edge| edge.gear + 1);
+        "edge_z_mm" => c.cycle.results[*i].edge_load.map(|edge| 1e3 * edge.z);
+        "mesh_stiffness_loa_n_per_m" => c.cycle.results[*i].tangent.force_by_approach;
+    };
+    columns.extend(pairs.iter().map(|&k| {
+        let share = move |(i, c): &At| c.share(*i, k).into();
+        Column::new(format!("load_share_{k}"), share).shown(format!("pair {k}"), "share", 4)
+    }));
+    columns
+}
+
+/// Mesh stiffness over the phase, as rotor programs take it.
+fn stiffness<'r>(geometry: &PairGeometry) -> Vec<Column<'static, At<'r>>> {
+    let [rb, teeth] = [geometry.gears[0].base_radius(), geometry.gears[0].z()];
+    let cos_beta_b = geometry.base_helix_angle().cos();
+    let tau = |(i, c): &At| c.cycle.mesh_position[*i];
+    let k = |(i, c): &At| c.cycle.results[*i].tangent.force_by_approach;
+    columns! { |at: &At|
+        "mesh_position" => tau(at);
+        "phase_rad" => TAU * tau(at);
+        "gear1_angle_deg" => 360.0 * tau(at) / teeth;
+        "stiffness_loa_n_per_m" => k(at);
+        "stiffness_normal_n_per_m" => k(at) / (cos_beta_b * cos_beta_b);
+        "torsional_stiffness_gear1_nm_per_rad" => k(at) * rb * rb;
+    }
+}
+
+/// Number of a position with a strip of its contact lines.
+type AtStrip<'a> = (At<'a>, &'a StripLoad);
+
+fn strips(case: &Case) -> impl Iterator<Item = AtStrip<'_>> {
+    at_positions(case).flat_map(|at| case.cycle.loads[at.0].iter().map(move |strip| (at, strip)))
+}
+
+/// Line load, pressure and gap of a strip at a mesh position.
+fn distribution<'s, 'r>(geometry: &'s PairGeometry) -> Vec<Column<'s, AtStrip<'r>>> {
+    let cos_beta_b = geometry.base_helix_angle().cos();
+    let diameter = |i: usize, s: &StripLoad| 2e3 * geometry.gears[i].radius_at_roll(s.roll[i]);
+    columns! { |((i, c), s): &AtStrip|
+        "mesh_position" => c.cycle.mesh_position[*i];
+        "tooth_pair" => s.tooth_pair;
+        "z_mm" => 500.0 * (s.z[0] + s.z[1]);
+        "roll1_mm" => 1e3 * s.roll[0];
+        "roll2_mm" => 1e3 * s.roll[1];
+        "diameter1_mm" => diameter(0, s);
+        "diameter2_mm" => diameter(1, s);
+        "force_n" => s.force;
+        "line_load_n_per_mm" => 1e-3 * s.line_load(cos_beta_b);
+        "pressure_mpa" => 1e-6 * s.pressure;
+        "edge_line_load_n_per_mm" => s.edge.map_or(0.0, |edge| 1e-3 * edge.line_load);
+        "gap_um" => 1e6 * s.gap;
+    }
+}
+
+/// z and load per face width of the stations along the face, m and N/m.
+fn stations(solver: &ContactSolver, case: &Case) -> Vec<(f64, f64)> {
+    let face = case.face_load(solver);
+    face.z.into_iter().zip(face.load).collect()
+}
+
+fn face_load() -> Vec<Column<'static, (f64, f64)>> {
+    columns! { |(z, load): &(f64, f64)|
+        "z_mm" => 1e3 * z;
+        "face_load_n_per_mm" => 1e-3 * load;
+    }
+}
+
+/// What has harmonics: the beginning of its names in CSV and in JSON, and the unit of the amplitudes.
+const HARMONIC_LISTS: [(&str, &str, &str); 2] = [
+    ("ste", "", "loa_um"),
+    ("mesh_stiffness", "mesh_stiffness_", "loa_n_per_m"),
+];
+
+/// The harmonics of item `k` of [`HARMONIC_LISTS`].
+fn harmonics_of(case: &Case, k: usize) -> [Option<Harmonic>; HARMONICS] {
+    match k {
+        0 => harmonics(
+            &case
+                .cycle
+                .ste()
+                .iter()
+                .map(|ste| 1e6 * ste)
+                .collect::<Vec<_>>(),
+        ),
+        _ => harmonics(&case.cycle.stiffness()),
+    }
+}
+
+/// Harmonics in a row; those that the positions cannot tell apart stay empty.
+fn harmonic_columns<'r>() -> Vec<Column<'static, &'r Case>> {
+    let mut columns = Vec::new();
+    for (k, (of, _, unit)) in HARMONIC_LISTS.into_iter().enumerate() {
+        for i in 0..HARMONICS {
+            let order = i + 1;
+            columns.extend(columns! { |c: &&Case|
+                format!("{of}_harmonic_{order}_{unit}") => harmonics_of(c, k)[i].map(|h| h.amplitude);
+                format!("{of}_phase_{order}_rad") => harmonics_of(c, k)[i].map(|h| h.phase);
+            });
+        }
+    }
+    columns
+}
+
+/// Losses of a mesh cycle at speeds of gear 1; the coefficient times `loss_factor` and the transmitted power is the loss.
+pub fn losses<'c>(pair: &'c Pair, case: &'c Case) -> Vec<Column<'c, f64>> {
+    columns! { |rpm: &f64|
+        "speed_rpm", ["speed", "rpm", None] => *rpm;
+        "loss_w", ["loss", "W", 2] => case.loss(pair, *rpm).power;
+        "efficiency", ["efficiency", "", 5] => case.loss(pair, *rpm).efficiency;
+        "friction_coefficient", ["friction", "coefficient", 4] => case.loss(pair, *rpm).coefficient;
+    }
+}
+
+pub struct Tooth<'a> {
+    case: &'a Case,
+    /// 0 or 1.
+    gear: usize,
+    root: &'a ToothRoot,
+}
+
+fn loaded_teeth(case: &Case) -> impl Iterator<Item = Tooth<'_>> {
+    let gears = case.roots.iter().flatten().enumerate();
+    gears.flat_map(move |(gear, roots)| {
+        roots
+            .teeth
+            .iter()
+            .map(move |root| Tooth { case, gear, root })
+    })
+}
+
+/// The tooth of gear `gear` with the largest root stress of the cycle; None without load.
+pub fn largest_tooth(case: &Case, gear: usize) -> Option<Tooth<'_>> {
+    let root = case.roots.as_ref()?[gear].largest()?;
+    Some(Tooth { case, gear, root })
+}
+
+pub fn root_stress<'r>() -> Vec<Column<'static, Tooth<'r>>> {
+    columns! { |t: &Tooth|
+        "mesh_position", ["mesh", "position", 4] => t.case.cycle.mesh_position[t.root.position];
+        "gear", ["gear", "", None] => t.gear + 1;
+        "tooth_pair", ["pair", "", None] => t.root.tooth_pair;
+        "load_share", ["load", "share", 4] => t.case.share(t.root.position, t.root.tooth_pair);
+        "root_stress_mpa", ["root stress", "MPa", 1] => 1e-6 * t.root.largest.stress;
+        "z_mm", ["at z", "mm", 2] => 1e3 * t.root.largest.z;
+        "diameter_mm", ["diameter", "mm", 3] => 2e3 * t.root.largest.radius;
+        "tangent_deg", ["tangent", "deg", 0] => t.root.largest.tangent.to_degrees();
+        "root_stress_at_tangent_mpa", ["at tangent", "MPa", 1] => t.root.at_tangent.map(|point| 1e-6 * point.stress);
+        "at_tangent_z_mm" => t.root.at_tangent.map(|point| 1e3 * point.z);
+    }
+}
+
+/// The points of the fillets of the teeth with the largest root stress, each after its tooth.
+fn largest_fields(case: &Case) -> Vec<(Tooth<'_>, &RootPoint)> {
+    let mut all = Vec::new();
+    for (i, gear) in case.roots.iter().flatten().enumerate() {
+        let points = gear.field.iter().flatten();
+        all.extend(points.filter_map(|point| Some((largest_tooth(case, i)?, point))));
+    }
+    all
+}
+
+/// The fillet of a tooth with the largest root stress of its gear.
+fn root_field<'r>() -> Vec<Column<'static, (Tooth<'r>, &'r RootPoint)>> {
+    columns! { |(t, point): &(Tooth, &RootPoint)|
+        "gear" => t.gear + 1;
+        "mesh_position" => t.case.cycle.mesh_position[t.root.position];
+        "tooth_pair" => t.root.tooth_pair;
+        "z_mm" => 1e3 * point.z;
+        "diameter_mm" => 2e3 * point.radius;
+        "tangent_deg" => point.tangent.to_degrees();
+        "root_stress_mpa" => 1e-6 * point.stress;
+    }
+}
+
+/// Nominal stress of gear `i`; None where the standard does not go.
+pub fn nominal_stress(solver: &ContactSolver, case: &Case, i: usize) -> Option<NominalRootStress> {
+    NominalRootStress::new(solver.geometry(), i, case.input.torque)
+}
+
+/// Terms of ISO 6336-3:2006, method B.
+pub fn nominal() -> Vec<Column<'static, NominalRootStress>> {
+    columns! { |n: &NominalRootStress|
+        "sigma_f0_mpa", ["sigma_F0", "MPa", 1] => 1e-6 * n.stress;
+        "y_f", ["Y_F", "", 3] => n.form_factor;
+        "y_s", ["Y_S", "", 3] => n.correction_factor;
+        "y_beta", ["Y_beta", "", 3] => n.helix_factor;
+        "y_b", ["Y_B", "", 3] => n.rim_factor;
+        "virtual_teeth" => n.virtual_teeth;
+        "virtual_contact_ratio" => n.virtual_contact_ratio;
+        "load_angle_deg" => n.load_angle.to_degrees();
+        "h_fe_over_module" => n.lever_arm;
+        "s_fn_over_module" => n.chord;
+        "rho_f_over_module" => n.fillet_radius;
+    }
+}

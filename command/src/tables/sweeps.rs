@@ -1,0 +1,226 @@
+//! What a tables file is made of: grids of the flanks, sliding, root stress, tooth pairs.
+
+use std::sync::atomic::AtomicBool;
+
+use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
+use gearmesh::gear::Flank;
+use gearmesh::pair::Pair;
+use gearmesh::table::{
+    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError,
+    RootStressRecord, TeethRecord,
+};
+use gearmesh_preprocessor::table::plan::{
+    Coverage, default_axes, measure, measure_at_run_time, misalignments, table_within,
+};
+use gearmesh_preprocessor::table::source::WatchedSolver;
+use gearmesh_preprocessor::table::sweep::{Watch, sweep};
+use gearmesh_preprocessor::table::{
+    RootStressSweep, TeethSweep, default_root_stress_axes, default_sliding_axes,
+    default_teeth_axes, sweep_sliding,
+};
+
+use crate::Error;
+use crate::model::{Model, ModelArgs};
+use crate::progress::Job;
+
+/// Random operating points at which the default grid is measured.
+const HELD_OUT_POINTS: usize = 1000;
+
+/// Random operating points at which contact at run time is measured.
+const RUN_TIME_POINTS: usize = 32;
+
+/// Most stations of the contact that it is measured against; a solve on 400 takes seconds.
+const MOST_STATIONS: usize = 200;
+
+/// Static contact of a pair over its operating range.
+pub(super) struct Sweeps<'a> {
+    pub pair: &'a Pair,
+    pub model: &'a Model,
+    pub coverage: &'a Coverage,
+    /// Misalignment (rad) beyond which the contact changes its form, see `plan::tilt`.
+    pub tilt: f64,
+    pub args: &'a ModelArgs,
+    pub job: &'a Job,
+}
+
+impl Sweeps<'_> {
+    /// The grids of the drive flank and, where it needs one of its own, the coast flank, and their error: default grids, but for
+    /// a drive flank whose error shall stay below `max_error`.
+    pub fn flanks(
+        &self,
+        solver: &WatchedSolver<'_>,
+        max_error: Option<f64>,
+    ) -> Result<(FlankGrid, Option<FlankGrid>, InterpolationError), Error> {
+        let (drive, mut error) = match max_error {
+            None => self.default_grid(solver, Flank::Drive)?,
+            Some(bound) => self.watched("static contact", |watch| {
+                let geometry = &self.pair.geometry;
+                let grid = table_within(solver, geometry, self.coverage, self.tilt, bound, watch);
+                Ok(grid?)
+            })?,
+        };
+        within(max_error, &error)?;
+        let coast = self.on_own_coast(|flank| self.default_grid(solver, flank))?;
+        if let Some((_, found)) = &coast {
+            error = error.with(*found);
+            within(max_error, &error)?;
+        }
+        Ok((drive, coast.map(|(grid, _)| grid), error))
+    }
+
+    /// The default grid of `flank`, and its error at random operating points.
+    fn default_grid(
+        &self,
+        solver: &WatchedSolver<'_>,
+        flank: Flank,
+    ) -> Result<(FlankGrid, InterpolationError), Error> {
+        let axes = self.with_misalignments(default_axes(self.coverage));
+        let largest = self.coverage.maximum_torque;
+        let grid = self.watched("static contact", |watch| {
+            Ok(sweep(solver, flank, &axes, largest, watch)?)
+        })?;
+        let table = FlankTable::new(&grid, Interpolation::Spline)?;
+        let geometry = &self.pair.geometry;
+        let error = self.watched("error of the tables", |watch| {
+            let points = HELD_OUT_POINTS;
+            Ok(measure(
+                solver,
+                geometry,
+                flank,
+                self.coverage,
+                &table,
+                points,
+                watch,
+            )?)
+        })?;
+        Ok((grid, error))
+    }
+
+    pub fn sliding(&self) -> Result<FrictionRecord, Error> {
+        let base_radius = self.pair.geometry.gears[0].base_radius();
+        let axes = default_sliding_axes(self.coverage, base_radius);
+        let of_flank = |flank| {
+            self.watched("sliding", |watch| {
+                Ok(sweep_sliding(&self.model.solver, flank, &axes, watch)?)
+            })
+        };
+        Ok(FrictionRecord {
+            law: self.pair.friction,
+            drive: of_flank(Flank::Drive)?,
+            coast: self.on_own_coast(of_flank)?,
+            axes: axes.clone(),
+        })
+    }
+
+    pub fn root_stress(&self) -> Result<RootStressRecord, Error> {
+        let base_radius = self.pair.geometry.gears[0].base_radius();
+        let axes = default_root_stress_axes(self.coverage, base_radius);
+        let of_flank = |flank| {
+            let sweep = RootStressSweep {
+                solver: &self.model.solver,
+                models: &self.args.fillets(self.pair, flank, self.job)?.maps,
+                flank,
+            };
+            self.watched("root stress", |watch| {
+                let samples = sweep.samples(&axes, watch)?;
+                let table = samples.spline(&axes, [true; 2])?;
+                let error = sweep.measure(self.coverage, &table, HELD_OUT_POINTS, watch)?;
+                Ok((samples, error))
+            })
+        };
+        let (drive, error) = of_flank(Flank::Drive)?;
+        let coast = self.on_own_coast(of_flank)?;
+        Ok(RootStressRecord {
+            drive,
+            interpolation_error: coast
+                .iter()
+                .fold(error, |error, (_, coast)| error.with(*coast)),
+            coast: coast.map(|(samples, _)| samples),
+            axes,
+        })
+    }
+
+    /// Tooth pairs one by one, their error measured against `contact`.
+    pub fn teeth(&self, contact: &ContactFile) -> Result<TeethRecord, Error> {
+        let sweep = TeethSweep {
+            solver: &self.model.solver,
+            contact,
+            coverage: self.coverage,
+            coast_mirrors_drive: self.pair.coast_mirrors_drive(),
+        };
+        let axes = self.with_misalignments(default_teeth_axes(self.coverage));
+        self.watched("tooth pairs", |watch| {
+            Ok(sweep.record(&axes, HELD_OUT_POINTS, watch)?)
+        })
+    }
+
+    /// How far `contact` is over the whole range of the pair file from the static contact on more stations.
+    pub fn error_at_run_time(&self, contact: &ContactFile) -> Result<InterpolationError, Error> {
+        let settings = self.args.contact_settings(self.pair);
+        let usual = ContactSettings::for_pair(self.pair).stations;
+        let own = settings.stations;
+        let finer = ContactSettings {
+            // Twice as many, but no more than are solved in seconds.
+            stations: (2 * own.max(usual)).min(MOST_STATIONS).max(own),
+            ..settings
+        };
+        let solver = ContactSolver::new(self.pair, self.model.compliance.clone(), finer)?;
+        let coverage = super::coverage(self.pair, [true; 2]);
+        let of_flank = |flank| {
+            self.watched("error of contact at run time", |watch| {
+                let points = RUN_TIME_POINTS;
+                Ok(measure_at_run_time(
+                    &solver, contact, flank, &coverage, points, watch,
+                )?)
+            })
+        };
+        let error = of_flank(Flank::Drive)?;
+        let coast = contact
+            .coast
+            .as_ref()
+            .map(|_| of_flank(Flank::Coast))
+            .transpose()?;
+        Ok(coast.map_or(error, |coast| error.with(coast)))
+    }
+
+    fn with_misalignments(&self, axes: Axes) -> Axes {
+        Axes {
+            misalignment: misalignments(self.coverage, self.tilt),
+            ..axes
+        }
+    }
+
+    /// `work` on the coast flank where the drive flank's tables do not serve it.
+    fn on_own_coast<R>(
+        &self,
+        work: impl FnOnce(Flank) -> Result<R, Error>,
+    ) -> Result<Option<R>, Error> {
+        let own = !self.pair.coast_mirrors_drive();
+        own.then(|| work(Flank::Coast)).transpose()
+    }
+
+    /// `work` with its progress shown as that of `stage`.
+    fn watched<R>(
+        &self,
+        stage: &str,
+        work: impl FnOnce(&Watch) -> Result<R, Error>,
+    ) -> Result<R, Error> {
+        work(&Watch {
+            progress: &|done, total| self.job.tell(stage, done as f64 / total as f64),
+            cancel: &AtomicBool::new(false),
+        })
+    }
+}
+
+/// Refuses tables that miss the error asked for.
+fn within(max_error: Option<f64>, found: &InterpolationError) -> Result<(), Error> {
+    match max_error {
+        Some(error) if found.force_rms > error => Err(format!(
+            "--max-error = {error}: the best grid has an rms error of {:.5}; ask for no less, or narrow \
+             the ranges of the pair file",
+            found.force_rms
+        )
+        .into()),
+        _ => Ok(()),
+    }
+}

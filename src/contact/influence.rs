@@ -1,4 +1,4 @@
-//! How strips give way to each other's forces, divided between bulk and local contact.
+//! How segments give way to each other's forces, divided between bulk and local contact.
 
 use nalgebra::DMatrix;
 
@@ -7,13 +7,13 @@ use super::local::{
     constants::{SMOOTHING_OVER_LAYER, SMOOTHING_OVER_REFERENCE},
     divide,
 };
-use super::{candidates::Candidate, numbers::PairNumbers};
+use super::{candidates::Candidate, transverse::PairNumbers};
 use crate::compliance::{BeyondModel, Strip, ToothCompliance};
 
-/// Influence of strips on each other and what completes it.
+/// Influence of segments on each other and what completes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Influence {
-    /// Displacement of strip i per force on strip j, m/N, less what the local contact has taken over.
+    /// Displacement of segment i per force on segment j, m/N, less what the local contact has taken over.
     pub bulk: DMatrix<f64>,
     /// Reference lengths of the local contact, per gear, m.
     pub lengths: [Vec<f64>; 2],
@@ -33,17 +33,17 @@ impl Influence {
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [Vec::new(), Vec::new()];
         for (i, model) in compliance.iter().enumerate() {
-            let strips: Vec<Strip> = seen.iter().map(|both| both[i]).collect();
+            let segments: Vec<Strip> = seen.iter().map(|both| both[i]).collect();
             // The models know forces along the normal of their own flank. Where a tip edge bears, the force acts along that of
             // its mate. What turns the body and bends the tooth is its component along the circumference, by the arm that of
             // the force along the own normal; measured: within a tenth of what the direction does to the transmission error.
-            let mut own = model.bulk(&strips)?;
+            let mut own = model.bulk(&segments)?;
             for (r, c) in candidates.iter().enumerate() {
                 own.row_mut(r).scale_mut(c.arms[i]);
                 own.column_mut(r).scale_mut(c.arms[i]);
             }
             bulk += own;
-            lengths[i] = model.reference_lengths(&strips);
+            lengths[i] = model.reference_lengths(&segments);
         }
         // Rounding must not break the symmetry that the energy rests on.
         let mut bulk = 0.5 * (&bulk + bulk.transpose());

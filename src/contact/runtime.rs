@@ -9,17 +9,14 @@
 
 use std::sync::Arc;
 
-use nalgebra::DVector;
-
-use super::candidates::{Candidate, ContactLines, TeethAt};
+use super::candidates::{Candidate, ContactLines, SegmentName};
 use super::complementarity::{Start, Target};
-use super::condensed::{CondensedFlank, StripName};
+use super::condensed::CondensedFlank;
 use super::error::ContactError;
-use super::numbers::PairNumbers;
 use super::position::{Found, PositionProblem, law};
 use super::result::Tangent;
 use super::setup::ContactSetup;
-use super::transverse::TransverseSection;
+use super::transverse::{PairNumbers, TransverseSection};
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry};
 
@@ -177,27 +174,17 @@ impl RuntimeContact {
         let loaded: Vec<usize> = (0..segments.len())
             .filter(|&i| solution.force[i] > 0.0)
             .collect();
-        let names: Vec<StripName> = loaded.iter().map(|&i| segments[i].name()).collect();
-        let forces = DVector::from_iterator(names.len(), loaded.iter().map(|&i| solution.force[i]));
-        let influence = (self.condensed).slopes(
-            &names,
-            |k| self.compliance(pose, k),
-            [pose.tau, pose.offset],
-        );
-        let mut slopes = [0, 1].map(|axis| -0.5 * (&influence[axis].bulk * &forces).dot(&forces));
+        let names: Vec<SegmentName> = loaded.iter().map(|&i| segments[i].name()).collect();
+        let forces: Vec<f64> = loaded.iter().map(|&i| solution.force[i]).collect();
+        let scale = |k| self.compliance(pose, k);
+        let influence = (self.condensed).slopes(&names, &forces, scale, pose.tau, pose.offset);
+        let mut slopes = [0, 1].map(|axis| -influence[axis].work);
         let offset = pose.offset + STEPS[1];
+        let there = self.setup.section(&self.numbers, offset)?;
+        let tau = pose.tau + STEPS[0];
         let moved = [
-            (
-                Pose {
-                    tau: pose.tau + STEPS[0],
-                    ..pose
-                },
-                section,
-            ),
-            (
-                Pose { offset, ..pose },
-                &self.setup.section(&self.numbers, offset)?,
-            ),
+            (Pose { tau, ..pose }, section),
+            (Pose { offset, ..pose }, &there),
         ];
         let mut energy = 0.0;
         for (place, &i) in loaded.iter().enumerate() {
@@ -210,7 +197,8 @@ impl RuntimeContact {
                 let known = problem.lengths(i);
                 let lengths =
                     [0, 1].map(|g| known[g] + influence[axis].lengths[g][place] * STEPS[axis]);
-                let there = (self.lines(section, *pose).strip(pose.tau, names[place]))
+                let there = (self.lines(section, *pose))
+                    .segment(pose.tau, names[place], segments[i].closest)
                     .map_or(0.0, |segment| {
                         self.local_energy(&segment, lengths, deflection, *pose)
                     });
@@ -265,10 +253,7 @@ impl RuntimeContact {
     /// The contact lines in `section`.
     fn lines<'a>(&'a self, section: &'a TransverseSection, pose: Pose) -> ContactLines<'a> {
         ContactLines {
-            teeth: self.teeth.as_deref().map(|passing| TeethAt {
-                passing,
-                counts: pose.counts,
-            }),
+            teeth: self.teeth.as_deref().map(|passing| (passing, pose.counts)),
             ..self.setup.lines(self.flank, section)
         }
     }
@@ -283,10 +268,9 @@ impl RuntimeContact {
     /// bear nothing.
     fn problem(&self, mut candidates: Vec<Candidate>, pose: Pose) -> PositionProblem {
         let influence = |candidates: &[Candidate]| {
-            let names: Vec<StripName> = candidates.iter().map(Candidate::name).collect();
-            let at = [pose.tau, pose.offset];
-            self.condensed
-                .influence(&names, |k| self.compliance(pose, k), at)
+            let names: Vec<SegmentName> = candidates.iter().map(Candidate::name).collect();
+            let scale = |k| self.compliance(pose, k);
+            (self.condensed).influence(&names, scale, pose.tau, pose.offset)
         };
         let mut known = influence(&candidates);
         let [first, second] = &known.lengths;

@@ -1,6 +1,6 @@
 //! Pressures of the contact solver, laid out for drawing.
 
-use gearmesh::contact::{ContactSolver, StripLoad};
+use gearmesh::contact::{ContactSolver, SegmentLoad};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    fn of(self, strip: &StripLoad, length: f64) -> f64 {
+    fn of(self, strip: &SegmentLoad, length: f64) -> f64 {
         match self {
             Quantity::Pressure => strip.pressure * 1e-6,
             Quantity::LineLoad => strip.force / length * 1e-3,
@@ -64,10 +64,10 @@ fn strips(
     torque: f64,
     misalignment: f64,
     tau: f64,
-) -> Result<Vec<StripLoad>, Error> {
+) -> Result<Vec<SegmentLoad>, Error> {
     let problem = solver.position(Flank::Drive, tau, 0.0)?;
     let result = problem.solve_torque(torque, misalignment, None)?;
-    Ok(problem.strip_loads(&result))
+    Ok(problem.segment_loads(&result))
 }
 
 /// Every loaded strip of the mesh cycle as a patch of gear 1's flank: as long as the strip, and as high

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use gearmesh::contact::StripLoad;
+use gearmesh::contact::SegmentLoad;
 use gearmesh::gear::PairGeometry;
 use gearmesh_preprocessor::contact::MeshCycle;
 use gearmesh_preprocessor::finite_element::RootPoint;
@@ -99,8 +99,8 @@ fn csv<'a, T, Rows: IntoIterator<Item = T>>(
 }
 
 /// Line load, pressure and gap of a strip at a mesh position.
-fn distribution(geometry: &PairGeometry) -> Vec<Column<'_, (f64, &StripLoad)>> {
-    type Row<'a> = (f64, &'a StripLoad);
+fn distribution(geometry: &PairGeometry) -> Vec<Column<'_, (f64, &SegmentLoad)>> {
+    type Row<'a> = (f64, &'a SegmentLoad);
     let cos_beta_b = geometry.base_helix_angle().cos();
     let diameter = |i: usize| move |(_, s): &Row| 2e3 * geometry.gears[i].radius_at_roll(s.roll[i]);
     vec![

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::mesh_cycle::MeshCycle;
-use gearmesh::contact::StripLoad;
+use gearmesh::contact::SegmentLoad;
 
 /// Harmonics of the mesh frequency that are reported.
 pub const HARMONICS: usize = 10;
@@ -85,7 +85,7 @@ impl MeshCycle {
     pub fn face_load(&self, ends: [f64; 2], stations: usize, cos_base_helix: f64) -> FaceLoad {
         let step = (ends[1] - ends[0]) / stations as f64;
         let mut load = vec![0.0; stations];
-        let middle = |strip: &StripLoad| 0.5 * (strip.z[0] + strip.z[1]);
+        let middle = |strip: &SegmentLoad| 0.5 * (strip.z[0] + strip.z[1]);
         for strip in self.loads.iter().flatten() {
             let station = (middle(strip) - ends[0]) / step;
             load[(station as usize).min(stations - 1)] += strip.force * cos_base_helix;

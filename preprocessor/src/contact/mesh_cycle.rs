@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use gearmesh::contact::{ContactError, ContactResult, ContactSolver, EdgeLoad, StripLoad};
+use gearmesh::contact::{ContactError, ContactResult, ContactSolver, EdgeLoad, SegmentLoad};
 use gearmesh::friction::{FrictionLaw, Sliding};
 use gearmesh::gear::Flank;
 use gearmesh::words::count;
@@ -40,7 +40,7 @@ pub struct MeshCycle {
     /// The same with the weights of the pair's law of friction.
     pub friction: Vec<Sliding>,
     /// What every strip carries at each.
-    pub loads: Vec<Vec<StripLoad>>,
+    pub loads: Vec<Vec<SegmentLoad>>,
     /// Wall clock of the whole cycle, s; of cycles that were solved together their mean.
     pub solve_seconds: f64,
 }
@@ -48,7 +48,7 @@ pub struct MeshCycle {
 /// One load at one position.
 struct Solved {
     result: ContactResult,
-    loads: Vec<StripLoad>,
+    loads: Vec<SegmentLoad>,
     sliding: Sliding,
     friction: Sliding,
 }
@@ -118,7 +118,7 @@ impl MeshCycle {
                 Ok(results
                     .into_iter()
                     .map(|result| Solved {
-                        loads: at.strip_loads(&result),
+                        loads: at.segment_loads(&result),
                         sliding: solver.sliding(&at, &result, &even),
                         friction: solver.sliding(&at, &result, solver.friction()),
                         result,
@@ -189,8 +189,8 @@ impl MeshCycle {
     pub fn note_on_segments(&self) -> Option<String> {
         let mut fewest = ENOUGH_SEGMENTS;
         let mut values = Vec::new();
-        let pressure: fn(&StripLoad) -> f64 = |strip| strip.pressure;
-        let edge: fn(&StripLoad) -> f64 = |strip| strip.edge.map_or(0.0, |edge| edge.line_load);
+        let pressure: fn(&SegmentLoad) -> f64 = |strip| strip.pressure;
+        let edge: fn(&SegmentLoad) -> f64 = |strip| strip.edge.map_or(0.0, |edge| edge.line_load);
         for (of, name) in [
             (pressure, "the largest flank pressure"),
             (edge, "the largest line load at a tip edge"),

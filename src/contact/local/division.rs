@@ -1,13 +1,13 @@
 //! Where the bulk ends and the local contact begins.
 //!
-//! With c = sum of 2 (1 - nu²) / (pi E), a strip of the length l and the line load w, the local contact
-//! h(w) = c w (ln(2 L / b) + 1/2) and the strip's own entry A_ii of the bulk matrix act as one: the model stays
+//! With c = sum of 2 (1 - nu²) / (pi E), a segment of the length l and the line load w, the local contact
+//! h(w) = c w (ln(2 L / b) + 1/2) and the segment's own entry A_ii of the bulk matrix act as one: the model stays
 //! the same when L becomes L' and A_ii becomes A_ii - c ln(L' / L) / l. But the law of local contact rises
 //! only up to b = 2 L, and near a tip edge, where the kernel that spreads the load is narrow, L is smaller
 //! than the contacts of high loads and of the flat flanks of internal pairs are wide. So L' is made as long as the
 //! contacts of the pair's loads ask for.
 //!
-//! A load that changes from strip to strip faster than the elements resolve, or within the width of contact,
+//! A load that changes from segment to segment faster than the elements resolve, or within the width of contact,
 //! leaves the bulk nothing to give away: there the discretisation gives way. What is taken off the bulk is
 //! then not D = c ln(L' / L) / l alone but theta D + (1 - theta) S' D S, S the mean of the line load over
 //! neighbours on the same contact line, weighted with their lengths. For loads that are smooth along the
@@ -23,20 +23,20 @@ use super::constants::{INDEFINITE, SHARE_OF_A_LINE};
 /// the contact solve.
 const BISECTIONS: usize = 20;
 
-/// A strip on its contact line.
+/// A segment on its contact line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
     /// Number of the contact line.
     pub line: i32,
-    /// Middle of the strip along its contact line, m.
+    /// Middle of the segment along its contact line, m.
     pub at: f64,
     /// Length along the contact line, m.
     pub length: f64,
 }
 
-/// Moves displacement from `bulk` (m/N) to the local contact, whose reference lengths `lengths` (m; of every strip, per gear)
-/// grow to `reference` (m), or as near to it as the bulk matrix can give. Strips of one contact line follow each other in
-/// `pieces`. `c` is that of each gear, 1/Pa; `smoothing` (m) the distance along the line up to which strips share a mean
+/// Moves displacement from `bulk` (m/N) to the local contact, whose reference lengths `lengths` (m; of every segment, per gear)
+/// grow to `reference` (m), or as near to it as the bulk matrix can give. Segments of one contact line follow each other in
+/// `pieces`. `c` is that of each gear, 1/Pa; `smoothing` (m) the distance along the line up to which segments share a mean
 /// line load.
 pub fn divide(
     bulk: &mut DMatrix<f64>,
@@ -73,7 +73,7 @@ pub fn divide(
         share[range.clone()].fill(part);
         let mut block = smooth.view_range_mut(range.clone(), range.clone());
         for (at, taken) in line.iter().zip(&taken[range]) {
-            // Smooth, so that little of a load that alternates from strip to strip is left.
+            // Smooth, so that little of a load that alternates from segment to segment is left.
             let weights = DVector::from_fn(line.len(), |i, _| {
                 let t = (line[i].at - at.at) / smoothing;
                 (1.0 - t * t).max(0.0).powi(2)
@@ -148,20 +148,20 @@ mod tests {
 
     #[test]
     fn what_the_bulk_gives_away_the_local_contact_takes() {
-        let strips = [piece(0, 0.0, 1e-3), piece(1, 0.0, 2e-3)];
+        let segments = [piece(0, 0.0, 1e-3), piece(1, 0.0, 2e-3)];
         let mut bulk = DMatrix::from_row_slice(2, 2, &[3e-8, 1e-8, 1e-8, 2e-8]);
         let mut lengths = [vec![0.1e-3, 0.3e-3], vec![0.05e-3, 0.9e-3]];
         let (before, old) = (bulk.clone(), lengths.clone());
-        divide(&mut bulk, &mut lengths, C, &strips, 0.4e-3, 1e-3);
+        divide(&mut bulk, &mut lengths, C, &segments, 0.4e-3, 1e-3);
         assert_relative_eq!(lengths[0][0], 0.4e-3, max_relative = 1e-14);
         assert_relative_eq!(lengths[1][0], 0.4e-3, max_relative = 1e-14);
         assert_eq!(lengths[1][1], 0.9e-3, "already longer than wanted");
-        for (i, strip) in strips.iter().enumerate() {
+        for (i, segment) in segments.iter().enumerate() {
             let logs: f64 = (0..2)
                 .map(|g| C[g] * (lengths[g][i] / old[g][i]).ln())
                 .sum();
             let taken = before[i * 3] - bulk[i * 3];
-            assert_relative_eq!(taken, logs / strip.length, max_relative = 1e-12);
+            assert_relative_eq!(taken, logs / segment.length, max_relative = 1e-12);
         }
         assert_eq!((bulk[1], bulk[2]), (1e-8, 1e-8));
     }
@@ -170,17 +170,17 @@ mod tests {
     fn an_even_load_on_a_line_gives_way_as_before_however_finely_it_is_cut() {
         for count in [4_usize, 40] {
             let length = 8e-3 / count as f64;
-            let strips: Vec<Piece> = (0..count)
+            let segments: Vec<Piece> = (0..count)
                 .map(|i| piece(0, (i as f64 + 0.5) * length, length))
                 .collect();
             // Much alike all over: no room for a matrix that is diagonal.
             let mut bulk = DMatrix::from_fn(count, count, |i, j| {
-                5e-8 * (-(strips[i].at - strips[j].at).abs() / 4e-3).exp()
+                5e-8 * (-(segments[i].at - segments[j].at).abs() / 4e-3).exp()
             });
             let mut lengths = [vec![0.05e-3; count], vec![0.1e-3; count]];
             let energy = |bulk: &DMatrix<f64>| 1e-6 * bulk.sum() * length * length;
             let before = energy(&bulk);
-            divide(&mut bulk, &mut lengths, C, &strips, 0.2e-3, 1.5e-3);
+            divide(&mut bulk, &mut lengths, C, &segments, 0.2e-3, 1.5e-3);
             let gained = 1e-6
                 * 8e-3
                 * (C[0] * (lengths[0][0] / 0.05e-3).ln() + C[1] * (lengths[1][0] / 0.1e-3).ln());
@@ -191,11 +191,11 @@ mod tests {
 
     #[test]
     fn no_more_is_moved_than_a_short_line_can_give() {
-        let strips = [piece(0, 0.0, 1e-3)];
+        let segments = [piece(0, 0.0, 1e-3)];
         let mut lengths = [vec![0.1e-3], vec![0.1e-3]];
         // ln 4 would take 6.9e-9; half of what there is goes.
         let mut bulk = DMatrix::from_element(1, 1, 4e-9);
-        divide(&mut bulk, &mut lengths, C, &strips, 0.4e-3, 1e-3);
+        divide(&mut bulk, &mut lengths, C, &segments, 0.4e-3, 1e-3);
         assert_relative_eq!(bulk[0], 2e-9, max_relative = 1e-12);
         let moved = 5e-9 * (lengths[0][0] / 0.1e-3).ln();
         assert_relative_eq!(moved, 2e-9, max_relative = 1e-12);

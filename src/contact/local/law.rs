@@ -114,11 +114,10 @@ impl LocalContact {
         let each = bodies.map(|body| 2.0 / PI * body.plane_compliance);
         let c = each[0] + each[1];
         let [first, second] = bodies.map(|body| body.reference_length.ln());
-        let [of_second, of_first] = profile.edges;
         let elastic = Elastic {
             c,
             log_reference: (each[0] * first + each[1] * second) / c,
-            corner: bodies[usize::from(-of_second < of_first)].corner,
+            corner: bodies[profile.edge_gear()].corner,
         };
         let kappa = 2.0 * c / profile.curvature;
         // What the corner adds to dh/dw over c / 2; at the edge itself contact is never inside the flank.
@@ -162,7 +161,7 @@ impl LocalContact {
                     return None;
                 }
                 let state = edge.state(2.0 * half_width);
-                (state.load, state.penetration)
+                (state.at.load, state.penetration)
             }
             _ if half_width == 0.0 => (0.0, 0.0),
             _ => {
@@ -267,7 +266,7 @@ impl LocalContact {
         match self.relief.as_deref() {
             // Past the start of the relief flanks close more slowly.
             Some(knee) if knee.is_inside() => knee.load_at_edge(),
-            _ => (self.edge).map_or(f64::INFINITY, |edge| edge.least().load),
+            _ => (self.edge).map_or(f64::INFINITY, |edge| edge.least().at.load),
         }
     }
 

@@ -1,4 +1,4 @@
-//! Local contact: what the flanks of one strip give way close to where they touch, and how much of it the
+//! Local contact: what the flanks of one segment give way close to where they touch, and how much of it the
 //! elastic model of the teeth holds already.
 //!
 //! ```text
@@ -10,7 +10,7 @@
 //!                            means of the gap over a contact (profile)
 //! ```
 //!
-//! `width` estimates how wide the contacts of a pair become, `constants` holds every threshold.
+//! `constants` holds every threshold.
 
 pub mod constants;
 mod division;
@@ -18,10 +18,8 @@ mod knee;
 mod law;
 mod profile;
 mod tip_edge;
-mod width;
 
 pub(super) use division::{Piece, divide};
 pub(super) use law::{LocalBody, LocalContact, PointLoads};
 pub(super) use profile::{Break, GapProfile};
 pub(super) use tip_edge::Corner;
-pub use width::widest_contact;

@@ -156,7 +156,7 @@ impl PositionProblem {
             Sample {
                 segment: i,
                 z: segment.middle() + along,
-                line_load: law.force(penetration).0 / law.length(),
+                line_load: law.line_load(penetration).load,
                 law,
             }
         };

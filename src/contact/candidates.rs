@@ -2,10 +2,11 @@
 
 use super::closest::{Flanks, LeastGap};
 use super::local::GapProfile;
-use super::transverse::TransverseSection;
+use super::setup::ContactSetup;
+use super::transverse::{TransversePoint, TransverseSection};
 use crate::compliance::Strip;
 use crate::gear::teeth::{Counts, Passing};
-use crate::gear::{Flank, Microgeometry, PairGeometry};
+use crate::gear::{Flank, Microgeometry};
 
 /// Points of a segment at which the local contact is evaluated apart, so that the edge of the contact crosses
 /// a segment in small steps: at the middles of equal parts.
@@ -83,18 +84,12 @@ fn points(z: [f64; 2]) -> [f64; POINTS] {
 
 /// The contact lines of one flank: what does not change with the position of the mesh.
 pub struct ContactLines<'a> {
-    /// The pair.
-    pub geometry: &'a PairGeometry,
-    /// Modifications of both gears.
-    pub microgeometry: &'a [Microgeometry; 2],
+    /// The pair and its discretisation.
+    pub setup: &'a ContactSetup,
     /// Transverse section at the centre distance.
     pub section: &'a TransverseSection,
     /// Loaded flank of gear 1.
     pub flank: Flank,
-    /// Number of equal stations over the overlap of both faces.
-    pub stations: usize,
-    /// See [`super::ContactSettings::own_share`].
-    pub own_share: f64,
     /// Teeth that differ, and the mesh cycles counted; `None`: all are alike.
     pub teeth: Option<(&'a Passing, Counts)>,
 }
@@ -109,7 +104,7 @@ impl ContactLines<'_> {
     pub fn candidates(&self, tau: f64, within: [f64; 2]) -> Vec<Candidate> {
         let mut all = vec![];
         for k in self.pairs(tau, 0.0) {
-            for station in 0..self.stations {
+            for station in 0..self.setup.settings.stations {
                 let [low, high] = self.span(tau, k, self.station(station));
                 if high >= within[0] && low <= within[1] {
                     all.extend(self.segment(tau, (k, station), ClosestOffsets::default()));
@@ -121,7 +116,8 @@ impl ContactLines<'_> {
 
     /// Those of tooth pair `k` alone.
     pub fn of_pair(&self, tau: f64, k: i32) -> impl Iterator<Item = Candidate> {
-        (0..self.stations).filter_map(move |i| self.segment(tau, (k, i), ClosestOffsets::default()))
+        (0..self.setup.settings.stations)
+            .filter_map(move |i| self.segment(tau, (k, i), ClosestOffsets::default()))
     }
 
     /// Mesh positions between which tooth pair 0 comes within the reach of contact.
@@ -152,7 +148,7 @@ impl ContactLines<'_> {
     /// Ends of a station, m.
     pub(super) fn station(&self, station: usize) -> [f64; 2] {
         let [low, width] = self.section.numbers().face;
-        let step = width / self.stations as f64;
+        let step = width / self.setup.settings.stations as f64;
         [0, 1].map(|end| low + step * (station + end) as f64)
     }
 
@@ -182,7 +178,7 @@ impl ContactLines<'_> {
         let [first, last] = self.section.reach();
         let mut all = vec![];
         for k in self.pairs(tau, margin) {
-            for station in 0..self.stations {
+            for station in 0..self.setup.settings.stations {
                 let z = self.station(station);
                 let [low, high] = self.span(tau, k, z);
                 if high >= first - margin && low <= last + margin {
@@ -217,24 +213,28 @@ impl ContactLines<'_> {
     fn microgeometry(&self, k: i32) -> [&Microgeometry; 2] {
         [0, 1].map(|i| {
             let own = (self.teeth).and_then(|(passing, counts)| passing.own_flank(i, counts, k));
-            own.unwrap_or(&self.microgeometry[i])
+            own.unwrap_or(&self.setup.microgeometry.flank(self.flank)[i])
         })
     }
 
-    /// Both flanks of tooth pair `k` in the plane `z` about the point that may touch there; `clamped`: beyond the reach of
-    /// contact about that at its end.
-    fn flanks(&self, tau: f64, k: i32, z: f64, clamped: bool) -> Flanks<'_> {
+    /// The point of tooth pair `k` that may touch in the plane `z`; `clamped`: beyond the reach of contact that at its end.
+    fn point(&self, tau: f64, k: i32, z: f64, clamped: bool) -> TransversePoint {
         let mut xi = self.contact_line(tau, k, z);
         if clamped {
             let [first, last] = self.section.reach();
             xi = xi.clamp(first, last);
         }
-        let (point, microgeometry) = (self.section.point(xi), self.microgeometry(k));
-        Flanks::new(self.geometry, self.section, microgeometry, point, z)
+        self.section.point(xi)
+    }
+
+    /// Both flanks of tooth pair `k` about that point.
+    fn flanks(&self, tau: f64, k: i32, z: f64, clamped: bool) -> Flanks<'_> {
+        let (point, microgeometry) = (self.point(tau, k, z, clamped), self.microgeometry(k));
+        Flanks::new(&self.setup.geometry, self.section, microgeometry, point, z)
     }
 
     /// The segment of tooth pair `k` at `station` with the ends `z`; `start` as in [`ContactLines::segment`], `clamped` as in
-    /// [`ContactLines::flanks`].
+    /// [`ContactLines::point`].
     fn candidate(
         &self,
         tau: f64,
@@ -246,21 +246,30 @@ impl ContactLines<'_> {
         let numbers = self.section.numbers();
         let teeth_close =
             (self.teeth).map_or(0.0, |(passing, counts)| passing.closing(counts, k, tau)[0]);
-        let flanks = |z| self.flanks(tau, k, z, clamped);
-        let middle = flanks(0.5 * (z[0] + z[1])).closest_point(start[POINTS]);
-        let points = points(z);
         let both = self.microgeometry(k);
-        // Spur teeth look the same in every section, but for their lead.
-        let is_even = numbers.tan_beta_b == 0.0 && !both.iter().any(|m| m.varies_along_face());
+        let mut flanks = self.flanks(tau, k, 0.5 * (z[0] + z[1]), clamped);
+        // The same profile all along the face; with spur teeth in the same section, too.
+        let is_even = !both.iter().any(|m| m.varies_along_face());
+        let is_spur = numbers.tan_beta_b == 0.0;
+        if is_even && !is_spur {
+            flanks.look_at(start[POINTS]);
+        }
+        let middle = flanks.closest_point(start[POINTS]);
+        let points = points(z);
         let mut closest = [middle.least.s; POINTS + 1];
         let gap = std::array::from_fn(|q| {
-            let LeastGap { gap, s } = match is_even {
-                true => middle.least,
-                false => flanks(points[q]).least_gap(start[q]),
-            };
+            let mut least = middle.least;
+            if !(is_even && is_spur) {
+                flanks.move_to(self.point(tau, k, points[q], clamped), points[q]);
+                least = flanks.least_gap(start[q]);
+            }
+            let LeastGap { gap, s } = least;
             closest[q] = s;
             let lead = |i: usize| {
-                both[i].lead(&self.geometry.gears[i], points[q] - numbers.face_offset[i])
+                both[i].lead(
+                    &self.setup.geometry.gears[i],
+                    points[q] - numbers.face_offset[i],
+                )
             };
             gap + (lead(0) + lead(1)) / numbers.cos_beta_b
         });
@@ -274,8 +283,8 @@ impl ContactLines<'_> {
             station,
             z,
             roll: middle.roll,
-            gap: along_segment(gap, self.own_share).map(|gap| gap - teeth_close),
-            levers: along_segment(levers, self.own_share),
+            gap: along_segment(gap, self.setup.settings.own_share).map(|gap| gap - teeth_close),
+            levers: along_segment(levers, self.setup.settings.own_share),
             radius: curvature.recip(),
             profile: middle.profile,
             closest,
@@ -284,14 +293,14 @@ impl ContactLines<'_> {
     }
 
     /// The segment of tooth pair `k` with the ends `z` at the mesh position `tau` in the canonical coordinates of gear 1 and
-    /// gear 2; `clamped` as in [`ContactLines::flanks`].
+    /// gear 2; `clamped` as in [`ContactLines::point`].
     ///
     /// Tooth pair k lies k pitches ahead in the sense of rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k
     /// and -k.
     pub fn seen_by_gears(&self, tau: f64, k: i32, z: [f64; 2], clamped: bool) -> [Strip; 2] {
         let ends = z.map(|z| self.flanks(tau, k, z, clamped).closest_point(0.0).roll);
         [0, 1].map(|i| {
-            let gear = &self.geometry.gears[i];
+            let gear = &self.setup.geometry.gears[i];
             let tooth = if i == 0 { k } else { -k };
             let b = gear.face_width;
             let z = z.map(|z| (z - gear.face_offset).clamp(0.0, b));
@@ -305,8 +314,8 @@ impl ContactLines<'_> {
         })
     }
 
-    /// See [`PairGeometry::is_mirrored`].
+    /// See [`crate::gear::PairGeometry::is_mirrored`].
     pub fn is_mirrored(&self, i: usize) -> bool {
-        self.geometry.is_mirrored(self.flank, i)
+        self.setup.geometry.is_mirrored(self.flank, i)
     }
 }

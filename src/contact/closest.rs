@@ -16,7 +16,7 @@
 use super::local::constants::{LEAST_CURVATURE, TOPOGRAPHY_OVER_RADIUS};
 use super::local::{Break, GapProfile};
 use super::transverse::{TransversePoint, TransverseSection};
-use crate::gear::{Microgeometry, PairGeometry};
+use crate::gear::{Microgeometry, PairGeometry, ProfilePiece};
 
 /// Relative distance at which the search for the closest point ends, over the relative radius of curvature.
 const TOLERANCE: f64 = 1e-10;
@@ -64,6 +64,8 @@ pub struct Flanks<'a> {
     per_cos: f64,
     /// Whether nothing moves the closest point off the nominal line.
     nominal: bool,
+    /// Lengths of roll and what is known of both flanks about them.
+    known: Option<[(f64, ProfilePiece); 2]>,
 }
 
 /// The gap over the distance from one s: a cubic.
@@ -85,24 +87,55 @@ impl<'a> Flanks<'a> {
         at: TransversePoint,
         z: f64,
     ) -> Flanks<'a> {
-        let numbers = section.numbers();
-        let (kappa, rb, offset) = (&numbers.kappa, &numbers.base_radius, &numbers.face_offset);
-        let roll_by_s = [
-            kappa[0] * rb[0] / at.roll[0],
-            -kappa[1] * rb[1] / at.roll[1],
-        ];
-        Flanks {
+        let mut flanks = Flanks {
             geometry,
             section,
             microgeometry,
-            z: [z - offset[0], z - offset[1]],
+            z: [0.0; 2],
             at,
-            roll_by_s,
-            s_by_roll: roll_by_s.map(f64::recip),
-            curvature: kappa[0] / at.roll[0] + kappa[1] / at.roll[1],
-            per_cos: numbers.cos_beta_b.recip(),
+            roll_by_s: [0.0; 2],
+            s_by_roll: [0.0; 2],
+            curvature: 0.0,
+            per_cos: section.numbers().cos_beta_b.recip(),
             nominal: !microgeometry.iter().any(|m| m.has_profile()),
+            known: None,
+        };
+        flanks.move_to(at, z);
+        flanks
+    }
+
+    /// The same flanks about `at` at `z` (gear 1's frame, m).
+    #[inline]
+    pub fn move_to(&mut self, at: TransversePoint, z: f64) {
+        let numbers = self.section.numbers();
+        let (kappa, rb) = (&numbers.kappa, &numbers.base_radius);
+        let per_roll = at.roll.map(f64::recip);
+        self.at = at;
+        self.z = numbers.face_offset.map(|offset| z - offset);
+        self.roll_by_s = [
+            kappa[0] * rb[0] * per_roll[0],
+            -kappa[1] * rb[1] * per_roll[1],
+        ];
+        self.s_by_roll = self.roll_by_s.map(f64::recip);
+        self.curvature = kappa[0] * per_roll[0] + kappa[1] * per_roll[1];
+    }
+
+    /// Looks at both flanks once about `s`; it counts wherever along the face their profiles are those here.
+    pub fn look_at(&mut self, s: f64) {
+        let rolls = self.rolls(s);
+        self.known = Some([0, 1].map(|i| (rolls[i], self.piece(i, rolls[i]))));
+    }
+
+    /// Flank `i` about the length of roll `roll`.
+    #[inline(always)]
+    fn piece(&self, i: usize, roll: f64) -> ProfilePiece {
+        if let Some(known) = &self.known {
+            let (from, piece) = &known[i];
+            if piece.range[0] < roll && roll < piece.range[1] {
+                return piece.moved(roll - from);
+            }
         }
+        self.microgeometry[i].profile(&self.geometry.gears[i], roll, self.z[i])
     }
 
     fn rolls(&self, s: f64) -> [f64; 2] {
@@ -121,8 +154,7 @@ impl<'a> Flanks<'a> {
         };
         let rolls = self.rolls(s);
         for i in 0..2 {
-            let gear = &self.geometry.gears[i];
-            let piece = self.microgeometry[i].profile(gear, rolls[i], self.z[i]);
+            let piece = self.piece(i, rolls[i]);
             let by_s = self.roll_by_s[i];
             cubic.gap += self.per_cos * piece.removal;
             cubic.slope += self.per_cos * by_s * piece.slope;

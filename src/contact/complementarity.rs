@@ -20,6 +20,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::candidates::POINTS;
 use super::local::{LocalContact, PointLoads};
+use crate::vector::Lanes;
 
 /// One frictionless contact problem.
 pub struct Problem<'a> {
@@ -100,11 +101,23 @@ pub struct Factor {
 
 impl Factor {
     /// Of the matrix of `n` rows whose lower triangle stands in `values`, column by column; `None`: it is not positive definite.
+    #[inline(always)]
     fn new(n: usize, mut values: Vec<f64>) -> Option<Factor> {
         for j in 0..n {
             let (before, column) = values.split_at_mut(j * n);
             let column = &mut column[j..n];
-            for other in before.chunks_exact(n) {
+            // Four of the columns before at a time: the present one is then read and written a quarter as often.
+            let fours = before.chunks_exact(4 * n);
+            let rest = fours.remainder();
+            for four in fours {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|k| &four[k * n + j..(k + 1) * n]);
+                let factors = [a[0], b[0], c[0], d[0]];
+                let others = a.iter().zip(b).zip(c).zip(d);
+                for (value, (((a, b), c), d)) in column.iter_mut().zip(others) {
+                    *value -= factors[0] * a + factors[1] * b + (factors[2] * c + factors[3] * d);
+                }
+            }
+            for other in rest.chunks_exact(n) {
                 let factor = other[j];
                 for (value, other) in column.iter_mut().zip(&other[j..]) {
                     *value -= factor * other;
@@ -113,8 +126,8 @@ impl Factor {
             if column[0] <= 0.0 || column[0].is_nan() {
                 return None;
             }
-            let root = column[0].sqrt();
-            column.iter_mut().for_each(|value| *value /= root);
+            let root = column[0].sqrt().recip();
+            column.iter_mut().for_each(|value| *value *= root);
         }
         Some(Factor { n, values })
     }
@@ -305,7 +318,8 @@ impl Problem<'_> {
             }
             column[place] += at.loads[i].slope().recip();
         }
-        Factor::new(n, matrix).ok_or(Failure::NotPositiveDefinite)
+        let factor = Lanes::widest().run(|_| Factor::new(n, matrix));
+        factor.ok_or(Failure::NotPositiveDefinite)
     }
 
     /// Newton step with the `factor` of the segments in contact, `active`.

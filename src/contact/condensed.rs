@@ -17,6 +17,7 @@ use super::error::ContactError;
 use super::influence::Influence;
 use super::solver::ContactSolver;
 use crate::gear::Flank;
+use crate::vector::Lanes;
 
 /// Influence of the segments of one flank at nodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -140,6 +141,7 @@ fn triangle(i: usize) -> usize {
 }
 
 /// Adds `values`, times `weight`, to `sums`.
+#[inline(always)]
 fn add(sums: &mut [f64], values: &[f32], weight: f64) {
     for (sum, value) in sums.iter_mut().zip(values) {
         *sum += weight * f64::from(*value);
@@ -202,6 +204,17 @@ impl CondensedFlank {
     /// Influence of the segments `names`, ascending, at the mesh position `tau` in [0, 1) and at `offset` (m); beyond the
     /// offsets of the nodes that of the outermost one. That of a tooth pair on itself is `scale` times as large.
     pub(super) fn influence(
+        &self,
+        names: &[SegmentName],
+        scale: impl Fn(i32) -> f64,
+        tau: f64,
+        offset: f64,
+    ) -> Influence {
+        Lanes::widest().run(|_| self.interpolated(names, scale, tau, offset))
+    }
+
+    #[inline(always)]
+    fn interpolated(
         &self,
         names: &[SegmentName],
         scale: impl Fn(i32) -> f64,

@@ -190,8 +190,7 @@ impl RuntimeContact {
         for (place, &i) in loaded.iter().enumerate() {
             // What the forces displace the bodies by on this segment.
             let deflection = problem.arm[i] * pose.approach - solution.closing[i];
-            let local = found.gap[i].map(|gap| problem.local[i].energy(solution.closing[i] - gap));
-            let local: f64 = local.iter().sum();
+            let local = solution.loads[i].energy();
             energy += 0.5 * solution.force[i] * deflection + local;
             for (axis, (pose, section)) in moved.iter().enumerate() {
                 let known = problem.lengths(i);
@@ -220,9 +219,9 @@ impl RuntimeContact {
         let cos_beta_b = self.numbers.cos_beta_b;
         let law = law(&self.numbers, segment, &segment.profile, lengths);
         let closing = segment.arms[0] * cos_beta_b * pose.approach - deflection;
-        let points = segment.levers.into_iter().zip(segment.gap);
-        let left = points.map(|(lever, gap)| gap - pose.misalignment * lever);
-        left.map(|gap| law.energy(closing - cos_beta_b * gap)).sum()
+        let left = |q: usize| segment.gap[q] - pose.misalignment * segment.levers[q];
+        law.loads(std::array::from_fn(|q| closing - cos_beta_b * left(q)))
+            .energy()
     }
 
     /// The segments that may carry at `pose`; none if none touches.

@@ -159,12 +159,9 @@ impl ContactSetup {
         section: &'a TransverseSection,
     ) -> ContactLines<'a> {
         ContactLines {
-            geometry: &self.geometry,
-            microgeometry: self.microgeometry.flank(flank),
+            setup: self,
             section,
             flank,
-            stations: self.settings.stations,
-            own_share: self.settings.own_share,
             teeth: None,
         }
     }

@@ -97,6 +97,8 @@ pub struct TipEdge {
     log_end: f64,
     /// alpha.
     slope: f64,
+    /// What the law of Hertz has taken up beyond this one where contact just reaches the edge, m.
+    inside: f64,
     /// Energy by the law of Hertz up to where contact reaches the edge, less that of this law, J/m.
     more_before: f64,
     /// Where contact reaches the edge.
@@ -144,7 +146,9 @@ impl TipEdge {
         if least.is_nan() || wide.is_nan() || least >= wide {
             return None;
         }
+        let inside = slope.min(0.0);
         let mut edge = TipEdge {
+            inside: 0.25 * (1.0 + with_corner / c) * inside * inside / curvature,
             c,
             curvature,
             with_corner,
@@ -184,23 +188,21 @@ impl TipEdge {
     pub fn state(&self, a: f64) -> State {
         let log = self.log_end - a.ln();
         let (slope, bend) = (self.slope, self.curvature * a);
-        let of_slope = (slope + 0.5 * bend) * a / (2.0 * self.c);
-        let of_curvature = a * bend / (8.0 * self.c);
+        let per_c = self.c.recip();
+        let of_slope = 0.5 * (slope + 0.5 * bend) * a * per_c;
+        let of_curvature = 0.125 * a * bend * per_c;
         // Minus the means of ln s under both parts of the pressure.
         let at_edge = self.with_corner * (of_slope * (log + 1.0) + of_curvature * (log - 0.5));
-        // Of the law of Hertz where contact just reaches the edge.
-        let inside = slope.min(0.0);
-        let part = 0.25 * (1.0 + self.with_corner / self.c);
-        let work = 0.25 * slope * slope / 2.0 * (log + 1.0 / 2.0)
-            + 9.0 / 16.0 * slope * bend / 3.0 * (log + 1.0 / 3.0)
-            + 9.0 / 32.0 * bend * bend / 4.0 * (log + 1.0 / 4.0);
+        let work = 0.125 * slope * slope * (log + 1.0 / 2.0)
+            + 0.1875 * slope * bend * (log + 1.0 / 3.0)
+            + 0.0703125 * bend * bend * (log + 1.0 / 4.0);
         State {
             width: a,
-            penetration: at_edge + part * inside * inside / self.curvature,
+            penetration: at_edge + self.inside,
             at: LineLoad {
                 load: of_slope + of_curvature,
                 slope: (self.with_corner * log).recip(),
-                energy: self.more_before + a * a * work * self.with_corner / (self.c * self.c),
+                energy: self.more_before + a * a * work * self.with_corner * per_c * per_c,
             },
         }
     }
@@ -232,14 +234,19 @@ impl TipEdge {
             } else {
                 low = state.width;
             }
-            let by_width = self.growth(state.width) / state.at.slope;
-            let newton = state.width - (state.penetration - x) / by_width;
-            let inside = low < newton && newton < high;
-            let next = if inside { newton } else { 0.5 * (low + high) };
+            // dh/da and half of its own slope over it, for a step of Halley's method.
+            let growth = self.growth(state.width);
+            let by_width = growth / state.at.slope;
+            let bend = 0.375 * self.curvature / (self.c * growth)
+                - 0.5 * self.with_corner * state.at.slope / state.width;
+            let way = (x - state.penetration) / by_width;
+            let halley = state.width + way / (1.0 + way * bend);
+            let inside = low < halley && halley < high;
+            let next = if inside { halley } else { 0.5 * (low + high) };
             let step = (next - state.width).abs();
             state = self.state(next);
-            // Quadratic: what a step of Newton's method leaves is the square of it.
-            let enough = if inside { 1e-9 } else { 4.0 * f64::EPSILON };
+            // Cubic: what a step leaves is the third power of it.
+            let enough = if inside { 1e-6 } else { 4.0 * f64::EPSILON };
             if step <= enough * next {
                 break;
             }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::spring::Spring;
+use super::spring::Spring;
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::Flank;
 use gearmesh::table::{

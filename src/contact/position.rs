@@ -146,7 +146,7 @@ impl PositionProblem {
             finite("misalignment", misalignment)?;
             return self.solve_approach(self.no_load_approach(misalignment), misalignment, None);
         }
-        self.solve(Target::Force(torque / self.base_radius), misalignment, warm)
+        self.solve(Prescribed::Torque(torque), misalignment, warm)
     }
 
     /// Contact at the given `approach` (m on the line of action at mid-face) and `misalignment` (rad),
@@ -164,17 +164,17 @@ impl PositionProblem {
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
         finite("approach", approach)?;
-        self.solve(Target::Approach(approach), misalignment, warm)
+        self.solve(Prescribed::Approach(approach), misalignment, warm)
     }
 
     fn solve(
         &self,
-        target: Target,
+        prescribed: Prescribed,
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        let found = self.solution(target, misalignment, warm.map(start).as_ref())?;
-        let at = self.operating_point(target, misalignment);
+        let found = self.solution(prescribed, misalignment, warm.map(start).as_ref())?;
+        let at = self.operating_point(prescribed, misalignment);
         match found.excess {
             Some(Excess::Pressure(pressure)) => Err(ContactError::Overload {
                 at,
@@ -200,20 +200,13 @@ impl PositionProblem {
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        let target = match prescribed {
-            Prescribed::Torque(torque) => Target::Force(torque / self.base_radius),
-            Prescribed::Approach(approach) => Target::Approach(approach),
-        };
-        let found = self.solution(target, misalignment, warm.map(start).as_ref())?;
+        let found = self.solution(prescribed, misalignment, warm.map(start).as_ref())?;
         Ok(self.result(found))
     }
 
-    fn operating_point(&self, target: Target, misalignment: f64) -> OperatingPoint {
+    fn operating_point(&self, prescribed: Prescribed, misalignment: f64) -> OperatingPoint {
         OperatingPoint {
-            prescribed: match target {
-                Target::Force(force) => Prescribed::Torque(force * self.base_radius),
-                Target::Approach(approach) => Prescribed::Approach(approach),
-            },
+            prescribed,
             misalignment,
             center_distance_offset: self.limits.center_distance_offset,
         }
@@ -222,11 +215,15 @@ impl PositionProblem {
     /// Solves from `start` where there is one, and says what the solution exceeds of what the model is made for.
     pub(super) fn solution(
         &self,
-        target: Target,
+        prescribed: Prescribed,
         misalignment: f64,
         start: Option<&Start>,
     ) -> Result<Found, ContactError> {
         finite("misalignment", misalignment)?;
+        let target = match prescribed {
+            Prescribed::Torque(torque) => Target::Force(torque / self.base_radius),
+            Prescribed::Approach(approach) => Target::Approach(approach),
+        };
         let gap = self.gaps(misalignment);
         let problem = Problem {
             bulk: &self.bulk,
@@ -237,7 +234,7 @@ impl PositionProblem {
         let solution = problem
             .solve(target, start, self.limits.foundation)
             .map_err(|failure| {
-                let at = self.operating_point(target, misalignment);
+                let at = self.operating_point(prescribed, misalignment);
                 match failure {
                     Failure::NotPositiveDefinite => ContactError::NotPositiveDefinite { at },
                     Failure::NotConverged {

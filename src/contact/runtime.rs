@@ -10,9 +10,9 @@
 use std::sync::Arc;
 
 use super::candidates::{Candidate, ContactLines, SegmentName};
-use super::complementarity::{Start, Target};
+use super::complementarity::Start;
 use super::condensed::CondensedFlank;
-use super::error::ContactError;
+use super::error::{ContactError, Prescribed};
 use super::position::{Found, PositionProblem, law};
 use super::result::Tangent;
 use super::setup::ContactSetup;
@@ -129,7 +129,7 @@ impl RuntimeContact {
         let problem = self.problem(candidates, pose);
         let all_held = problem.candidates().len() == count;
         let start = last.start(problem.candidates(), pose);
-        let solve = |start| problem.solution(Target::Approach(approach), misalignment, start);
+        let solve = |start| problem.solution(Prescribed::Approach(approach), misalignment, start);
         let found = match solve(start.as_ref()) {
             // A start that leads nowhere must not decide.
             Err(_) if start.is_some() => solve(None),

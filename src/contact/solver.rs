@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use super::candidates::{Candidate, ContactLines, SegmentName, along_segment};
-use super::complementarity::Target;
 use super::deflection::Deflection;
-use super::error::ContactError;
+use super::error::{ContactError, Prescribed};
 use super::influence::Influence;
 use super::local::constants::{OWN_SHARE_ALONG_SEGMENT, REFERENCE_OVER_HERTZ, RUN_TIME_STATIONS};
 use super::position::{Excess, PositionProblem, finite};
@@ -120,7 +119,7 @@ impl ContactSolver {
 
     /// Largest approach, m, beyond the present reach at the positions tried.
     fn needed_reach(&self, pair: &Pair) -> Result<Option<f64>, ContactError> {
-        let force = pair.operating.maximum_torque / pair.geometry.gears[0].base_radius();
+        let torque = Prescribed::Torque(pair.operating.maximum_torque);
         let flanks: &[Flank] = match pair.coast_mirrors_drive() {
             true => &[Flank::Drive],
             false => &[Flank::Drive, Flank::Coast],
@@ -130,7 +129,7 @@ impl ContactSolver {
             for position in TRIED {
                 let problem = self.position(*flank, position, 0.0)?;
                 for misalignment in pair.operating.misalignment {
-                    let found = problem.solution(Target::Force(force), misalignment, None)?;
+                    let found = problem.solution(torque, misalignment, None)?;
                     if let Some(Excess::Reach { needed, .. }) = found.excess {
                         largest = Some(largest.map_or(needed, |l| l.max(needed)));
                     }

@@ -85,10 +85,10 @@ impl MeshCycle {
     pub fn face_load(&self, ends: [f64; 2], stations: usize, cos_base_helix: f64) -> FaceLoad {
         let step = (ends[1] - ends[0]) / stations as f64;
         let mut load = vec![0.0; stations];
-        let middle = |strip: &SegmentLoad| 0.5 * (strip.z[0] + strip.z[1]);
-        for strip in self.loads.iter().flatten() {
-            let station = (middle(strip) - ends[0]) / step;
-            load[(station as usize).min(stations - 1)] += strip.force * cos_base_helix;
+        let middle = |segment: &SegmentLoad| 0.5 * (segment.z[0] + segment.z[1]);
+        for segment in self.loads.iter().flatten() {
+            let station = (middle(segment) - ends[0]) / step;
+            load[(station as usize).min(stations - 1)] += segment.force * cos_base_helix;
         }
         let per_width = step * self.loads.len() as f64;
         load.iter_mut().for_each(|load| *load /= per_width);

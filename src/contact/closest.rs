@@ -152,9 +152,8 @@ impl<'a> Flanks<'a> {
             twist: 0.0,
             ends: [f64::NEG_INFINITY, f64::INFINITY],
         };
-        let rolls = self.rolls(s);
-        for i in 0..2 {
-            let piece = self.piece(i, rolls[i]);
+        for (i, roll) in self.rolls(s).into_iter().enumerate() {
+            let piece = self.piece(i, roll);
             let by_s = self.roll_by_s[i];
             cubic.gap += self.per_cos * piece.removal;
             cubic.slope += self.per_cos * by_s * piece.slope;

@@ -1,13 +1,16 @@
 //! What is measured: evaluations of tables and of the element at fixed points, by name.
 
+#[path = "../../tests/common/spring.rs"]
+mod spring;
+
 use gearmesh::element::{
     Element, Formulation, Inputs, InputsChange, Jacobian, LoadedFlank, Parameters, StiffnessModel,
 };
 use gearmesh::random::Random;
-use gearmesh::table::samples::Spring;
 use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
 use gearmesh_preprocessor::pair;
 use nalgebra::{Rotation3, Vector3};
+use spring::Spring;
 use std::hint::black_box;
 use std::sync::Arc;
 

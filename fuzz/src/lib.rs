@@ -10,6 +10,8 @@ pub mod contact_file;
 mod gears;
 pub mod pair_file;
 pub mod samples;
+#[path = "../../tests/common/spring.rs"]
+mod spring;
 pub mod stored_state;
 pub mod tables;
 pub mod unit_file;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::spring::Spring;
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::Flank;
-use gearmesh::table::samples::Spring;
 use gearmesh::table::{
     CouplingRecord, Effects, FrictionRecord, GearTeethRecord, Interpolation, InterpolationError,
     Load, LoadAxes, LoadJet, Potential, Query, RootStressError, RootStressRecord,

@@ -17,3 +17,6 @@ pub use iso_6336_3::NominalRootStress;
 #[cfg(test)]
 #[path = "../../tests/common/gears.rs"]
 mod samples;
+#[cfg(test)]
+#[path = "../../tests/common/spring.rs"]
+mod spring;

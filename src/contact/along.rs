@@ -1,23 +1,23 @@
-//! Loads and pressures along each strip, where contact reaches a tip edge or the start of a relief.
+//! Loads and pressures along each segment, where contact reaches a tip edge or the start of a relief.
 //!
-//! An oblique contact line runs out at a tip edge, and crosses the start of a relief, within a fraction of a strip. Contact reaches
+//! An oblique contact line runs out at a tip edge, and crosses the start of a relief, within a fraction of a segment. Contact reaches
 //! the edge only on the last few hundredths of a millimetre of flank, and a relieved flank bears little there, less than the
-//! strip does in its mean; at the start of a relief pressure is largest. So such strips are looked at in several places, each
+//! segment does in its mean; at the start of a relief pressure is largest. So such segments are looked at in several places, each
 //! with the law of its own gap and its own distance from the edge. Between two places contact reaches the edge as far as the
 //! load there exceeds the least that does.
 //!
-//! Strips know one displacement of the teeth each. Bodies give way smoothly along the face, the gap does not: the penetration at a
-//! place near an edge is what a straight line between the middles of neighbouring strips closes there, less the gap at the place.
-//! It shares out what the strip bears. The line load at the start of a relief lies between those of neighbouring strips.
+//! Segments know one displacement of the teeth each. Bodies give way smoothly along the face, the gap does not: the penetration at a
+//! place near an edge is what a straight line between the middles of neighbouring segments closes there, less the gap at the place.
+//! It shares out what the segment bears. The line load at the start of a relief lies between those of neighbouring segments.
 
 use super::candidates::{Candidate, POINTS};
 use super::complementarity::Solution;
 use super::local::{LocalContact, PointLoads};
 use super::position::PositionProblem;
 use super::result::{EdgeLoad, larger};
-use super::{candidates::ContactLines, numbers::PairNumbers, position::law};
+use super::{candidates::ContactLines, position::law, transverse::PairNumbers};
 
-/// The points of a strip, parts of its length from its middle.
+/// The points of a segment, parts of its length from its middle.
 const PLACES: [f64; POINTS] = [-0.375, -0.125, 0.125, 0.375];
 
 /// Places at which the start of a relief is looked for.
@@ -26,7 +26,7 @@ const RELIEF_PLACES: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 /// Halvings in the search for the place at which the contact line comes to an edge: to a micrometre of face.
 const BISECTIONS: usize = 12;
 
-/// Laws along a strip, each at a part of its length from its middle, ascending.
+/// Laws along a segment, each at a part of its length from its middle, ascending.
 pub(super) struct Along {
     /// Near a tip edge; none where contact does not come to one.
     edge: Vec<(f64, LocalContact)>,
@@ -36,7 +36,7 @@ pub(super) struct Along {
 
 /// What a place bears.
 struct Sample<'a> {
-    strip: usize,
+    segment: usize,
     /// Gear 1's frame, m.
     z: f64,
     /// N/m.
@@ -71,25 +71,25 @@ impl Sample<'_> {
 }
 
 impl PositionProblem {
-    /// Makes the laws along the strips, which lie on `lines` at the mesh position `tau`.
+    /// Makes the laws along the segments, which lie on `lines` at the mesh position `tau`.
     pub(super) fn look_along(&mut self, numbers: &PairNumbers, lines: &ContactLines<'_>, tau: f64) {
         // The contact lines of spur pairs run along edges and the starts of reliefs.
         if numbers.tan_beta_b == 0.0 {
             return;
         }
-        let along = |(i, strip): (usize, &Candidate)| {
+        let along = |(i, segment): (usize, &Candidate)| {
             let laws = |places: &[f64]| -> Vec<(f64, LocalContact)> {
                 let there = places
                     .iter()
-                    .map(|&at| (at, lines.profile_along(tau, strip, at)));
+                    .map(|&at| (at, lines.profile_along(tau, segment, at)));
                 let lengths = self.lengths(i);
                 there
-                    .map(|(at, profile)| (at, law(numbers, strip, &profile, lengths)))
+                    .map(|(at, profile)| (at, law(numbers, segment, &profile, lengths)))
                     .collect()
             };
             Along {
                 edge: match self.local[i].has_edge() {
-                    true => laws(&places_near_edge(lines, tau, strip)),
+                    true => laws(&places_near_edge(lines, tau, segment)),
                     false => vec![],
                 },
                 relief: match self.local[i].has_relief() {
@@ -101,7 +101,7 @@ impl PositionProblem {
         self.along = self.candidates.iter().enumerate().map(along).collect();
     }
 
-    /// Largest line load at a tip edge of each strip that bears in `solution`; `gap` are the gaps at the points of the strips
+    /// Largest line load at a tip edge of each segment that bears in `solution`; `gap` are the gaps at the points of the segments
     /// along the normal under its misalignment, m.
     pub(super) fn edge_loads(
         &self,
@@ -113,16 +113,16 @@ impl PositionProblem {
             .flat_map(|i| self.samples(i, solution, &gap[i]))
             .collect();
         for (at, sample) in samples.iter().enumerate() {
-            let i = sample.strip;
+            let i = sample.segment;
             if solution.force[i] <= 0.0 || !sample.reaches() {
                 continue;
             }
-            let strip = &self.candidates[i];
+            let segment = &self.candidates[i];
             let mut add = |z: f64, line_load: f64| {
                 let here = EdgeLoad {
                     line_load,
                     z,
-                    gear: strip.edge_gear(),
+                    gear: segment.profile.edge_gear(),
                 };
                 all[i] = larger(all[i], Some(here));
             };
@@ -131,7 +131,7 @@ impl PositionProblem {
                 let Some(other) = beside.and_then(|beside| samples.get(beside)) else {
                     continue;
                 };
-                if are_neighbours(strip, &self.candidates[other.strip]) && !other.reaches() {
+                if are_neighbours(segment, &self.candidates[other.segment]) && !other.reaches() {
                     let (z, line_load) = sample.last_towards(other);
                     add(z, line_load);
                 }
@@ -140,23 +140,23 @@ impl PositionProblem {
         all
     }
 
-    /// What the places of strip `i` bear; those of a strip that was not looked at are its points.
+    /// What the places of segment `i` bear; those of a segment that was not looked at are its points.
     fn samples<'a>(
         &'a self,
         i: usize,
         solution: &Solution,
         gap: &[f64; POINTS],
     ) -> Vec<Sample<'a>> {
-        let strip = &self.candidates[i];
+        let segment = &self.candidates[i];
         let [before, behind] = self.closing_rises(i, solution);
         let sample = |(at, law): (f64, &'a LocalContact)| {
-            let along = at * (strip.z[1] - strip.z[0]);
+            let along = at * (segment.z[1] - segment.z[0]);
             let rise = if at < 0.0 { before } else { behind };
             let penetration = solution.closing[i] + along * rise - between_points(gap, at);
             Sample {
-                strip: i,
-                z: strip.middle() + along,
-                line_load: law.force(penetration).0 / law.length(),
+                segment: i,
+                z: segment.middle() + along,
+                line_load: law.line_load(penetration).load,
                 law,
             }
         };
@@ -167,7 +167,7 @@ impl PositionProblem {
         let mut samples: Vec<_> = places.iter().copied().map(sample).collect();
         let points = || (0..places.len()).filter(|&at| PLACES.contains(&places[at].0));
         let sum: f64 = points().map(|at| samples[at].line_load).sum();
-        // The points share what the strip bears, or less: one in whose corner contact ends bears more than the line does there.
+        // The points share what the segment bears, or less: one in whose corner contact ends bears more than the line does there.
         let known = solution.force[i] / self.local[i].length();
         if sum > known {
             samples.iter_mut().for_each(|s| s.line_load *= known / sum);
@@ -185,7 +185,7 @@ impl PositionProblem {
         samples
     }
 
-    /// Slopes over z (m/m) of what the strips close, from the middle of strip `i` to those of its neighbours below and above;
+    /// Slopes over z (m/m) of what the segments close, from the middle of segment `i` to those of its neighbours below and above;
     /// where one is missing, that on the other side.
     fn closing_rises(&self, i: usize, solution: &Solution) -> [f64; 2] {
         let rise = |other: usize| {
@@ -201,7 +201,7 @@ impl PositionProblem {
             [None, None] => [0.0; 2],
         }
     }
-    /// Largest pressure (Pa) inside the flanks of each strip under `loads`; `edges` are the loads at their tip edges.
+    /// Largest pressure (Pa) inside the flanks of each segment under `loads`; `edges` are the loads at their tip edges.
     pub(super) fn pressures(&self, loads: &[PointLoads], edges: &[Option<EdgeLoad>]) -> Vec<f64> {
         let inside: Vec<_> = (0..loads.len())
             .map(|i| self.inside(i, &loads[i]))
@@ -228,9 +228,9 @@ impl PositionProblem {
         inside.iter().enumerate().map(largest).collect()
     }
 
-    /// Mean force (N) of the loaded points of strip `i` that stay inside the flanks by the law of its middle.
+    /// Mean force (N) of the loaded points of segment `i` that stay inside the flanks by the law of its middle.
     ///
-    /// Only the local law tells the points of a strip apart: where the gap changes along it, a point bears more than the line does
+    /// Only the local law tells the points of a segment apart: where the gap changes along it, a point bears more than the line does
     /// there. Their mean is what the line bears.
     fn inside(&self, i: usize, loads: &PointLoads) -> Option<f64> {
         let (mut inside, mut points) = (0.0, 0.0);
@@ -243,22 +243,22 @@ impl PositionProblem {
         (points > 0.0).then(|| inside / points)
     }
 
-    /// Line load (N/m) at `place` of strip `i`, linear towards its neighbour on that side, if that bears inside the flanks; `forces` are
+    /// Line load (N/m) at `place` of segment `i`, linear towards its neighbour on that side, if that bears inside the flanks; `forces` are
     /// the mean ones of the points.
     fn line_load(&self, forces: &[Option<f64>], i: usize, place: f64) -> f64 {
         let known = |i: usize| Some(forces[i]? / self.local[i].length());
         let here = known(i).unwrap_or(0.0);
-        let strip = &self.candidates[i];
+        let segment = &self.candidates[i];
         let [below, above] = self.neighbours(i);
         let neighbour = if place < 0.0 { below } else { above };
         let rise = neighbour.and_then(|other| {
-            let way = self.candidates[other].middle() - strip.middle();
+            let way = self.candidates[other].middle() - segment.middle();
             Some((known(other)? - here) / way)
         });
-        here + rise.unwrap_or(0.0) * place * (strip.z[1] - strip.z[0])
+        here + rise.unwrap_or(0.0) * place * (segment.z[1] - segment.z[0])
     }
 
-    /// The strips below and above strip `i` on its contact line.
+    /// The segments below and above segment `i` on its contact line.
     fn neighbours(&self, i: usize) -> [Option<usize>; 2] {
         let candidates = &self.candidates;
         [i.checked_sub(1), Some(i + 1)].map(|other| {
@@ -269,9 +269,9 @@ impl PositionProblem {
     }
 }
 
-/// [`PLACES`], and where on `strip` the contact line comes to a tip edge.
-fn places_near_edge(lines: &ContactLines<'_>, tau: f64, strip: &Candidate) -> Vec<f64> {
-    let is_off = |at: f64| lines.profile_along(tau, strip, at).edge_distance() > 0.0;
+/// [`PLACES`], and where on `segment` the contact line comes to a tip edge.
+fn places_near_edge(lines: &ContactLines<'_>, tau: f64, segment: &Candidate) -> Vec<f64> {
+    let is_off = |at: f64| lines.profile_along(tau, segment, at).edge_distance() > 0.0;
     let mut places = PLACES.to_vec();
     let (mut at_edge, mut off) = (-0.5, 0.5);
     let ends = [is_off(at_edge), is_off(off)];
@@ -293,12 +293,12 @@ fn places_near_edge(lines: &ContactLines<'_>, tau: f64, strip: &Candidate) -> Ve
     places
 }
 
-/// Whether two strips follow each other on one contact line, or are one.
+/// Whether two segments follow each other on one contact line, or are one.
 fn are_neighbours(a: &Candidate, b: &Candidate) -> bool {
     a.tooth_pair == b.tooth_pair && a.station.abs_diff(b.station) <= 1
 }
 
-/// The cubic through `values` at [`PLACES`], at the part `at` of a strip's length from its middle.
+/// The cubic through `values` at [`PLACES`], at the part `at` of a segment's length from its middle.
 fn between_points(values: &[f64; POINTS], at: f64) -> f64 {
     let weight = |q: usize| {
         let others = PLACES.into_iter().enumerate().filter(|(r, _)| *r != q);

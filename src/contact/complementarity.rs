@@ -16,10 +16,11 @@
 //! contact, D + A with D = 1 / phi', bordered by the load. A search along each step for the zero of the
 //! (monotone) directional derivative makes it descend from any start.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
 use super::candidates::POINTS;
 use super::local::{LocalContact, PointLoads};
+use crate::vector::Lanes;
 
 /// One frictionless contact problem.
 pub struct Problem<'a> {
@@ -71,7 +72,7 @@ pub struct Solution {
     /// Indices of the segments in contact.
     pub active: Vec<usize>,
     /// Factor of D + A over the segments in contact.
-    pub factor: Cholesky<f64, Dyn>,
+    pub factor: Factor,
 }
 
 /// Why there is no solution; [`super::ContactError`] adds where.
@@ -90,6 +91,66 @@ const TOLERANCE: f64 = 1e-12;
 
 /// Relative error that a few roundings leave.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// Lower Cholesky factor of a matrix, column by column.
+#[derive(Debug, Clone)]
+pub struct Factor {
+    n: usize,
+    values: Vec<f64>,
+}
+
+impl Factor {
+    /// Of the matrix of `n` rows whose lower triangle stands in `values`, column by column; `None`: it is not positive definite.
+    #[inline(always)]
+    fn new(n: usize, mut values: Vec<f64>) -> Option<Factor> {
+        for j in 0..n {
+            let (before, column) = values.split_at_mut(j * n);
+            let column = &mut column[j..n];
+            // Four of the columns before at a time: the present one is then read and written a quarter as often.
+            let fours = before.chunks_exact(4 * n);
+            let rest = fours.remainder();
+            for four in fours {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|k| &four[k * n + j..(k + 1) * n]);
+                let factors = [a[0], b[0], c[0], d[0]];
+                let others = a.iter().zip(b).zip(c).zip(d);
+                for (value, (((a, b), c), d)) in column.iter_mut().zip(others) {
+                    *value -= factors[0] * a + factors[1] * b + (factors[2] * c + factors[3] * d);
+                }
+            }
+            for other in rest.chunks_exact(n) {
+                let factor = other[j];
+                for (value, other) in column.iter_mut().zip(&other[j..]) {
+                    *value -= factor * other;
+                }
+            }
+            if column[0] <= 0.0 || column[0].is_nan() {
+                return None;
+            }
+            let root = column[0].sqrt().recip();
+            column.iter_mut().for_each(|value| *value *= root);
+        }
+        Some(Factor { n, values })
+    }
+
+    /// Puts the solution with the right-hand side `x` in its place.
+    pub fn solve(&self, x: &mut DVector<f64>) {
+        let x = x.as_mut_slice();
+        for j in 0..self.n {
+            let column = &self.values[j * self.n..][..self.n];
+            x[j] /= column[j];
+            let factor = x[j];
+            for (x, value) in x[j + 1..].iter_mut().zip(&column[j + 1..]) {
+                *x -= factor * value;
+            }
+        }
+        for j in (0..self.n).rev() {
+            let column = &self.values[j * self.n..][..self.n];
+            let after = x[j + 1..].iter().zip(&column[j + 1..]);
+            let known: f64 = after.map(|(x, value)| x * value).sum();
+            x[j] = (x[j] - known) / column[j];
+        }
+    }
+}
 
 /// Forces and approach, and what follows from them.
 #[derive(Debug, Clone)]
@@ -243,22 +304,26 @@ impl Problem<'_> {
         }
     }
 
-    fn factor(&self, at: &Iterate, active: &[usize]) -> Result<Cholesky<f64, Dyn>, Failure> {
-        let mut matrix = self.bulk.select_rows(active).select_columns(active);
-        for (place, &i) in active.iter().enumerate() {
-            matrix[(place, place)] += at.loads[i].slope().recip();
+    fn factor(&self, at: &Iterate, active: &[usize]) -> Result<Factor, Failure> {
+        let n = active.len();
+        let mut matrix = vec![0.0; n * n];
+        for (place, (&i, column)) in active
+            .iter()
+            .zip(matrix.chunks_exact_mut(n.max(1)))
+            .enumerate()
+        {
+            let bulk = self.bulk.column(i);
+            for (value, &row) in column.iter_mut().zip(active).skip(place) {
+                *value = bulk[row];
+            }
+            column[place] += at.loads[i].slope().recip();
         }
-        Cholesky::new(matrix).ok_or(Failure::NotPositiveDefinite)
+        let factor = Lanes::widest().run(|_| Factor::new(n, matrix));
+        factor.ok_or(Failure::NotPositiveDefinite)
     }
 
     /// Newton step with the `factor` of the segments in contact, `active`.
-    fn newton_step(
-        &self,
-        target: Target,
-        at: &Iterate,
-        active: &[usize],
-        factor: &Cholesky<f64, Dyn>,
-    ) -> Step {
+    fn newton_step(&self, target: Target, at: &Iterate, active: &[usize], factor: &Factor) -> Step {
         // Segments out of contact give up what they still carry.
         let mut y = -&at.y;
         active.iter().for_each(|&i| y[i] = 0.0);
@@ -270,11 +335,12 @@ impl Problem<'_> {
                 (loads.force() - at.y[i]) / loads.slope() - freed[i]
             }),
         );
-        factor.solve_mut(&mut change);
+        factor.solve(&mut change);
         let mut delta = 0.0;
         if let Target::Force(force) = target {
             let arm = self.arm.select_rows(active);
-            let unit = factor.solve(&arm);
+            let mut unit = arm.clone();
+            factor.solve(&mut unit);
             let carried = arm.dot(&change) + arm.dot(&at.y.select_rows(active));
             delta = (force - carried) / arm.dot(&unit);
             change.axpy(delta, &unit, 1.0);

@@ -12,9 +12,12 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
+use super::candidates::SegmentName;
+use super::error::ContactError;
 use super::influence::Influence;
-use super::{error::ContactError, solver::ContactSolver};
+use super::solver::ContactSolver;
 use crate::gear::Flank;
+use crate::vector::Lanes;
 
 /// Influence of the segments of one flank at nodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,20 +40,12 @@ pub struct CondensedFlank {
     pub values: Vec<f32>,
 }
 
-/// A segment: tooth pair and station.
-pub type StripName = (i32, usize);
-
 /// Mesh positions of the nodes over a cycle.
 const POSITIONS: usize = 48;
 
-/// Weights of the four nodes along the cycle and of the three centre distances about a point.
-struct Weights {
-    along: [f64; 4],
-    across: [f64; 3],
-}
-
 /// Segments of one tooth pair without a gap between them, as they lie in a node.
 struct Run {
+    tooth_pair: i32,
     /// Number of the first one among all segments, and their count.
     first: usize,
     count: usize,
@@ -58,9 +53,17 @@ struct Run {
     place: usize,
 }
 
+/// How the influence of some segments changes.
+pub(super) struct InfluenceSlope {
+    /// y' A y / 2, J.
+    pub work: f64,
+    /// Reference lengths of gear 1 and gear 2, m.
+    pub lengths: [Vec<f64>; 2],
+}
+
 /// What one node is made of.
 pub struct CondensedNode {
-    names: Vec<StripName>,
+    names: Vec<SegmentName>,
     influence: Influence,
 }
 
@@ -137,6 +140,30 @@ fn triangle(i: usize) -> usize {
     i * (i + 1) / 2
 }
 
+/// Adds `values`, times `weight`, to `sums`.
+#[inline(always)]
+fn add(sums: &mut [f64], values: &[f32], weight: f64) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += weight * f64::from(*value);
+    }
+}
+
+/// Sum of the first `count` values of `columns` in `row` times the forces there, four at a time.
+fn dot(row: &[f32], columns: &Run, count: usize, forces: &[f64]) -> f64 {
+    let values = row[columns.place..][..count].chunks_exact(4);
+    let forces = forces[columns.first..][..count].chunks_exact(4);
+    let rest = values.remainder().iter().zip(forces.remainder());
+    let mut sum: f64 = rest.map(|(value, force)| f64::from(*value) * force).sum();
+    let mut sums = [0.0; 4];
+    for (values, forces) in values.zip(forces) {
+        for i in 0..4 {
+            sums[i] += f64::from(values[i]) * forces[i];
+        }
+    }
+    sum += sums.iter().sum::<f64>();
+    sum
+}
+
 impl CondensedFlank {
     fn segments(&self) -> usize {
         self.pairs * self.stations
@@ -161,7 +188,7 @@ impl CondensedFlank {
     }
 
     /// Place of a segment, its tooth pair counted on by `turns`.
-    fn place(&self, (pair, station): StripName, turns: i32) -> Option<usize> {
+    fn place(&self, (pair, station): SegmentName, turns: i32) -> Option<usize> {
         let pair = usize::try_from(pair + turns - self.first_pair).ok()?;
         (pair < self.pairs).then_some(pair * self.stations + station)
     }
@@ -178,97 +205,176 @@ impl CondensedFlank {
     /// offsets of the nodes that of the outermost one. That of a tooth pair on itself is `scale` times as large.
     pub(super) fn influence(
         &self,
-        names: &[StripName],
-        scale: impl Fn(i32) -> f64,
-        [tau, offset]: [f64; 2],
-    ) -> Influence {
-        let ([along, _], [across, _]) = (self.along(tau), self.across(offset));
-        self.combined(names, scale, tau, &Weights { along, across })
-    }
-
-    /// Slopes of [`CondensedFlank::influence`] by mesh position (1/cycle) and by centre distance (1/m).
-    pub(super) fn slopes(
-        &self,
-        names: &[StripName],
-        scale: impl Fn(i32) -> f64,
-        [tau, offset]: [f64; 2],
-    ) -> [Influence; 2] {
-        let ([along, by_tau], [across, by_offset]) = (self.along(tau), self.across(offset));
-        [(by_tau, across), (along, by_offset)]
-            .map(|(along, across)| self.combined(names, &scale, tau, &Weights { along, across }))
-    }
-
-    /// Sum of the nodes about `tau`, each times its weight.
-    fn combined(
-        &self,
-        names: &[StripName],
+        names: &[SegmentName],
         scale: impl Fn(i32) -> f64,
         tau: f64,
-        weights: &Weights,
+        offset: f64,
     ) -> Influence {
-        let (n, segments, size) = (names.len(), self.segments(), self.node_size());
+        Lanes::widest().run(|_| self.interpolated(names, scale, tau, offset))
+    }
+
+    #[inline(always)]
+    fn interpolated(
+        &self,
+        names: &[SegmentName],
+        scale: impl Fn(i32) -> f64,
+        tau: f64,
+        offset: f64,
+    ) -> Influence {
+        let n = names.len();
+        let ([along, _], [across, _]) = (self.along(tau), self.across(offset));
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [vec![0.0; n], vec![0.0; n]];
-        let first = (tau * self.positions as f64).floor() as i64 - 1;
-        for (step, along) in weights.along.iter().enumerate() {
-            let node = first + step as i64;
-            let turns = node.div_euclid(self.positions as i64) as i32;
-            let node = node.rem_euclid(self.positions as i64) as usize;
-            let runs = self.runs(names, turns);
-            for (k, across) in weights.across.iter().enumerate() {
+        for ((node, runs), along) in self.around(names, tau).into_iter().zip(along) {
+            for (k, across) in across.into_iter().enumerate() {
                 let weight = along * across;
                 // Where there is one offset, the other two count nothing.
                 if weight == 0.0 {
                     continue;
                 }
-                let values = &self.values[(k * self.positions + node) * size..][..size];
-                let add = |sums: &mut [f64], values: &[f32]| {
-                    for (sum, value) in sums.iter_mut().zip(values) {
-                        *sum += weight * f64::from(*value);
-                    }
-                };
                 for (number, rows) in runs.iter().enumerate() {
                     for i in 0..rows.count {
                         // Row by row of the lower triangle, which is column by column of the upper one.
-                        let row = &values[triangle(rows.place + i)..];
+                        let row = self.row(k, node, rows.place + i);
                         let mut sums = bulk.column_mut(rows.first + i);
                         let sums = &mut sums.as_mut_slice()[..=rows.first + i];
                         for columns in &runs[..=number] {
                             let end = (columns.first + columns.count).min(sums.len());
-                            add(&mut sums[columns.first..end], &row[columns.place..]);
+                            let weight = match columns.tooth_pair == rows.tooth_pair {
+                                true => weight * scale(rows.tooth_pair),
+                                false => weight,
+                            };
+                            add(&mut sums[columns.first..end], &row[columns.place..], weight);
                         }
                     }
-                    for (gear, lengths) in lengths.iter_mut().enumerate() {
-                        let known = &values[triangle(segments) + gear * segments + rows.place..];
-                        add(&mut lengths[rows.first..][..rows.count], known);
-                    }
                 }
-            }
-        }
-        for (i, (pair, _)) in names.iter().enumerate() {
-            let scale = scale(*pair);
-            if scale != 1.0 {
-                for j in (0..=i).filter(|&j| names[j].0 == *pair) {
-                    bulk[(j, i)] *= scale;
-                }
+                self.add_lengths(k, node, &runs, weight, &mut lengths);
             }
         }
         bulk.fill_lower_triangle_with_upper_triangle();
         Influence { bulk, lengths }
     }
 
+    /// Slopes by mesh position (1/cycle) and by centre distance (1/m) of what [`CondensedFlank::influence`] says of the segments
+    /// `names`: of the work of the `forces` on them by the bulk matrix, J, and of the reference lengths, m.
+    pub(super) fn slopes(
+        &self,
+        names: &[SegmentName],
+        forces: &[f64],
+        scale: impl Fn(i32) -> f64,
+        tau: f64,
+        offset: f64,
+    ) -> [InfluenceSlope; 2] {
+        let n = names.len();
+        let ([along, by_tau], [across, by_offset]) = (self.along(tau), self.across(offset));
+        let mut slopes = [(); 2].map(|()| InfluenceSlope {
+            work: 0.0,
+            lengths: [vec![0.0; n], vec![0.0; n]],
+        });
+        for (step, (node, runs)) in self.around(names, tau).into_iter().enumerate() {
+            for k in 0..self.offsets.len() {
+                let weights = [by_tau[step] * across[k], along[step] * by_offset[k]];
+                if weights == [0.0; 2] {
+                    continue;
+                }
+                let work = self.work(k, node, &runs, forces, &scale);
+                for (slope, weight) in slopes.iter_mut().zip(weights) {
+                    slope.work += weight * work;
+                    self.add_lengths(k, node, &runs, weight, &mut slope.lengths);
+                }
+            }
+        }
+        slopes
+    }
+
+    /// Row of the lower triangle of node `node` at the offset number `k`.
+    fn row(&self, k: usize, node: usize, place: usize) -> &[f32] {
+        &self.node_values(k, node)[triangle(place)..]
+    }
+
+    /// y' A y / 2 of one node, y the `forces` on the segments `runs`.
+    fn work(
+        &self,
+        k: usize,
+        node: usize,
+        runs: &[Run],
+        forces: &[f64],
+        scale: impl Fn(i32) -> f64,
+    ) -> f64 {
+        let mut work = 0.0;
+        for (number, rows) in runs.iter().enumerate() {
+            for i in 0..rows.count {
+                let row = self.row(k, node, rows.place + i);
+                let force = forces[rows.first + i];
+                let (mut own, mut others) = (0.5 * f64::from(row[rows.place + i]) * force, 0.0);
+                own += dot(row, rows, i, forces);
+                for columns in &runs[..number] {
+                    let displaced = dot(row, columns, columns.count, forces);
+                    match columns.tooth_pair == rows.tooth_pair {
+                        true => own += displaced,
+                        false => others += displaced,
+                    }
+                }
+                work += force * (scale(rows.tooth_pair) * own + others);
+            }
+        }
+        work
+    }
+
+    /// Adds the reference lengths of one node, times `weight`, to `lengths`.
+    fn add_lengths(
+        &self,
+        k: usize,
+        node: usize,
+        runs: &[Run],
+        weight: f64,
+        lengths: &mut [Vec<f64>; 2],
+    ) {
+        let segments = self.segments();
+        for (gear, lengths) in lengths.iter_mut().enumerate() {
+            let known = &self.node_values(k, node)[triangle(segments) + gear * segments..];
+            for run in runs {
+                add(
+                    &mut lengths[run.first..][..run.count],
+                    &known[run.place..],
+                    weight,
+                );
+            }
+        }
+    }
+
+    fn node_values(&self, k: usize, node: usize) -> &[f32] {
+        let size = self.node_size();
+        &self.values[(k * self.positions + node) * size..][..size]
+    }
+
+    /// The four nodes about `tau`, and where they hold the segments `names`.
+    fn around(&self, names: &[SegmentName], tau: f64) -> [(usize, Vec<Run>); 4] {
+        let first = (tau * self.positions as f64).floor() as i64 - 1;
+        [0, 1, 2, 3].map(|step| {
+            let (node, positions) = (first + step, self.positions as i64);
+            let runs = self.runs(names, node.div_euclid(positions) as i32);
+            (node.rem_euclid(positions) as usize, runs)
+        })
+    }
+
     /// The segments `names` that a node holds, `turns` cycles on.
-    fn runs(&self, names: &[StripName], turns: i32) -> Vec<Run> {
+    fn runs(&self, names: &[SegmentName], turns: i32) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::with_capacity(8);
         for (first, &name) in names.iter().enumerate() {
             let Some(place) = self.place(name, turns) else {
                 continue;
             };
             match runs.last_mut() {
-                Some(run) if run.first + run.count == first && run.place + run.count == place => {
+                Some(run)
+                    if run.tooth_pair == name.0
+                        && run.first + run.count == first
+                        && run.place + run.count == place =>
+                {
                     run.count += 1;
                 }
                 _ => runs.push(Run {
+                    tooth_pair: name.0,
                     first,
                     count: 1,
                     place,

@@ -1,7 +1,7 @@
 //! Static tooth contact: where teeth may touch, what separates them there, and the forces that follow.
 //!
 //! ```text
-//! transverse section ──> candidates: strips of all ──> position: influence matrix, gaps ──> complementarity
+//! transverse section ──> candidates: segments of all ──> position: influence matrix, gaps ──> complementarity
 //! (path, tip corners)    contact lines in reach        local contact law                     (load or approach)
 //! ```
 //!
@@ -10,11 +10,11 @@
 //!
 //! Everything is measured on the line of action at mid-face: the approach delta (STE) counts from where
 //! the unmodified involutes just touch at the same centre distance, M > 0 closes the side of larger z.
-//! The gap of a strip is that of the modified flanks where they come closest (`closest.rs`), minus what the misalignment closes,
+//! The gap of a segment is that of the modified flanks where they come closest (`closest.rs`), minus what the misalignment closes,
 //! M (z - z_ref + sigma y), y from the pitch point along the path and sigma = dy/dz the slope of the contact lines in the plane of
-//! action: a rigid tilt turns their generators, too. It is taken at several points of each strip, so that the edge of the
-//! contact moves in small steps; forces and bulk displacements are those of whole strips. At run time
-//! local contact takes up less than half of what gaps change by along a strip ([`ContactSettings::own_share`]).
+//! action: a rigid tilt turns their generators, too. It is taken at several points of each segment, so that the edge of the
+//! contact moves in small steps; forces and bulk displacements are those of whole segments. At run time
+//! local contact takes up less than half of what gaps change by along a segment ([`ContactSettings::own_share`]).
 //!
 //! The torque on gear 1 is F_bt rb1, F_bt = cos beta_b sum a_i F_i with a_i the arm of the transverse force
 //! about the axis of gear 1 over rb1: 1, but for a tip edge of gear 1 on the flank of gear 2, whose normals
@@ -31,15 +31,11 @@ mod error;
 mod file;
 mod influence;
 mod local;
-mod numbers;
 mod position;
-mod reach;
 mod result;
 mod runtime;
 mod setup;
-mod sliding;
 mod solver;
-mod tooth_pairs;
 mod transverse;
 
 pub use candidates::Candidate;
@@ -48,11 +44,10 @@ pub use condensed::{CondensedFlank, CondensedNode};
 pub use deflection::Deflection;
 pub use error::{ContactError, OperatingPoint, Prescribed};
 pub use file::ContactFile;
-pub use local::widest_contact;
 pub use position::PositionProblem;
-pub use result::{ContactResult, EdgeLoad, StripLoad, Tangent};
+pub use result::{ContactResult, EdgeLoad, SegmentLoad, Tangent};
 pub use runtime::{ContactPotential, RuntimeContact, Warm};
-pub use setup::{ContactSettings, ContactSetup};
+pub use setup::{ContactSettings, ContactSetup, widest_contact};
 pub use solver::ContactSolver;
 
 #[cfg(test)]

@@ -8,21 +8,21 @@ use super::complementarity::{Failure, Problem, Solution, Start, Target};
 use super::error::{ContactError, OperatingPoint, Prescribed};
 use super::influence::Influence;
 use super::local::{GapProfile, LocalBody, LocalContact};
-use super::numbers::PairNumbers;
 use super::result::ContactResult;
+use super::transverse::PairNumbers;
 
 /// The contact problem at one position and centre distance: influence matrix and gaps.
 pub struct PositionProblem {
     pub(super) candidates: Vec<Candidate>,
-    /// Bulk influence matrix of both gears over the strips, m/N, less what local contact has taken over.
+    /// Bulk influence matrix of both gears over the segments, m/N, less what local contact has taken over.
     pub(super) bulk: DMatrix<f64>,
-    /// Law of one point of each strip.
+    /// Law of one point of each segment.
     pub(super) local: Vec<LocalContact>,
-    /// Laws along each strip; none at all where loads along strips are not asked for.
+    /// Laws along each segment; none at all where loads along segments are not asked for.
     pub(super) along: Vec<Along>,
-    /// Reference lengths of both gears at each strip, m.
+    /// Reference lengths of both gears at each segment, m.
     lengths: [Vec<f64>; 2],
-    /// Arm of the normal force on each strip about the axis of gear 1, over its base radius.
+    /// Arm of the normal force on each segment about the axis of gear 1, over its base radius.
     pub(super) arm: DVector<f64>,
     pub(super) cos_beta_b: f64,
     base_radius: f64,
@@ -30,10 +30,10 @@ pub struct PositionProblem {
     limits: Limits,
 }
 
-/// Law of one point of `strip` where the gap is `profile`, with the reference lengths `lengths` (m) of both gears.
+/// Law of one point of `segment` where the gap is `profile`, with the reference lengths `lengths` (m) of both gears.
 pub(super) fn law(
     numbers: &PairNumbers,
-    strip: &Candidate,
+    segment: &Candidate,
     profile: &GapProfile,
     lengths: [f64; 2],
 ) -> LocalContact {
@@ -42,7 +42,7 @@ pub(super) fn law(
         reference_length: lengths[i],
         corner: numbers.corners[i],
     });
-    let length = strip.length(numbers.cos_beta_b) / POINTS as f64;
+    let length = segment.length(numbers.cos_beta_b) / POINTS as f64;
     LocalContact::new(bodies, profile, length)
 }
 
@@ -67,9 +67,9 @@ impl PositionProblem {
     ) -> PositionProblem {
         let cos_beta_b = numbers.cos_beta_b;
         let each = candidates.iter().enumerate();
-        let local = each.map(|(i, strip)| {
+        let local = each.map(|(i, segment)| {
             let lengths = [0, 1].map(|gear| influence.lengths[gear][i]);
-            law(numbers, strip, &strip.profile, lengths)
+            law(numbers, segment, &segment.profile, lengths)
         });
         PositionProblem {
             local: local.collect(),
@@ -85,27 +85,27 @@ impl PositionProblem {
         }
     }
 
-    /// The strips that may touch.
+    /// The segments that may touch.
     pub fn candidates(&self) -> &[Candidate] {
         &self.candidates
     }
 
-    /// Bulk influence matrix of both gears over the strips, m/N, less what the local contact has taken over from its diagonal.
+    /// Bulk influence matrix of both gears over the segments, m/N, less what the local contact has taken over from its diagonal.
     pub fn bulk(&self) -> &DMatrix<f64> {
         &self.bulk
     }
 
-    /// Gaps at the points of each strip along the normal under `misalignment`, m. At a tip edge the normal is turned by so little that
+    /// Gaps at the points of each segment along the normal under `misalignment`, m. At a tip edge the normal is turned by so little that
     /// a tilt closes there, unlike an approach, as much as on the path.
     fn gaps(&self, misalignment: f64) -> Vec<[f64; POINTS]> {
         let left = |gap: f64, lever: f64| self.cos_beta_b * (gap - misalignment * lever);
-        let strips = self.candidates.iter();
-        strips
+        let segments = self.candidates.iter();
+        segments
             .map(|c| std::array::from_fn(|q| left(c.gap[q], c.levers[q])))
             .collect()
     }
 
-    /// Approach at which the first strip touches, m: the no-load transmission error.
+    /// Approach at which the first segment touches, m: the no-load transmission error.
     pub fn no_load_approach(&self, misalignment: f64) -> f64 {
         // Rounded so that it closes no gap.
         let touch = |gap: f64, arm: f64| {
@@ -146,7 +146,7 @@ impl PositionProblem {
             finite("misalignment", misalignment)?;
             return self.solve_approach(self.no_load_approach(misalignment), misalignment, None);
         }
-        self.solve(Target::Force(torque / self.base_radius), misalignment, warm)
+        self.solve(Prescribed::Torque(torque), misalignment, warm)
     }
 
     /// Contact at the given `approach` (m on the line of action at mid-face) and `misalignment` (rad),
@@ -164,17 +164,17 @@ impl PositionProblem {
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
         finite("approach", approach)?;
-        self.solve(Target::Approach(approach), misalignment, warm)
+        self.solve(Prescribed::Approach(approach), misalignment, warm)
     }
 
     fn solve(
         &self,
-        target: Target,
+        prescribed: Prescribed,
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        let found = self.solution(target, misalignment, warm.map(start).as_ref())?;
-        let at = self.operating_point(target, misalignment);
+        let found = self.solution(prescribed, misalignment, warm.map(start).as_ref())?;
+        let at = self.operating_point(prescribed, misalignment);
         match found.excess {
             Some(Excess::Pressure(pressure)) => Err(ContactError::Overload {
                 at,
@@ -200,20 +200,13 @@ impl PositionProblem {
         misalignment: f64,
         warm: Option<&ContactResult>,
     ) -> Result<ContactResult, ContactError> {
-        let target = match prescribed {
-            Prescribed::Torque(torque) => Target::Force(torque / self.base_radius),
-            Prescribed::Approach(approach) => Target::Approach(approach),
-        };
-        let found = self.solution(target, misalignment, warm.map(start).as_ref())?;
+        let found = self.solution(prescribed, misalignment, warm.map(start).as_ref())?;
         Ok(self.result(found))
     }
 
-    fn operating_point(&self, target: Target, misalignment: f64) -> OperatingPoint {
+    fn operating_point(&self, prescribed: Prescribed, misalignment: f64) -> OperatingPoint {
         OperatingPoint {
-            prescribed: match target {
-                Target::Force(force) => Prescribed::Torque(force * self.base_radius),
-                Target::Approach(approach) => Prescribed::Approach(approach),
-            },
+            prescribed,
             misalignment,
             center_distance_offset: self.limits.center_distance_offset,
         }
@@ -222,11 +215,15 @@ impl PositionProblem {
     /// Solves from `start` where there is one, and says what the solution exceeds of what the model is made for.
     pub(super) fn solution(
         &self,
-        target: Target,
+        prescribed: Prescribed,
         misalignment: f64,
         start: Option<&Start>,
     ) -> Result<Found, ContactError> {
         finite("misalignment", misalignment)?;
+        let target = match prescribed {
+            Prescribed::Torque(torque) => Target::Force(torque / self.base_radius),
+            Prescribed::Approach(approach) => Target::Approach(approach),
+        };
         let gap = self.gaps(misalignment);
         let problem = Problem {
             bulk: &self.bulk,
@@ -237,7 +234,7 @@ impl PositionProblem {
         let solution = problem
             .solve(target, start, self.limits.foundation)
             .map_err(|failure| {
-                let at = self.operating_point(target, misalignment);
+                let at = self.operating_point(prescribed, misalignment);
                 match failure {
                     Failure::NotPositiveDefinite => ContactError::NotPositiveDefinite { at },
                     Failure::NotConverged {
@@ -265,7 +262,7 @@ impl PositionProblem {
         })
     }
 
-    /// Reference lengths of gear 1 and gear 2 at strip `i`, m.
+    /// Reference lengths of gear 1 and gear 2 at segment `i`, m.
     pub(super) fn lengths(&self, i: usize) -> [f64; 2] {
         self.lengths.each_ref().map(|lengths| lengths[i])
     }
@@ -274,7 +271,7 @@ impl PositionProblem {
 /// A solution as it is found.
 pub(super) struct Found {
     pub solution: Solution,
-    /// Gaps at the points of each strip along the normal under the misalignment, m.
+    /// Gaps at the points of each segment along the normal under the misalignment, m.
     pub gap: Vec<[f64; POINTS]>,
     pub excess: Option<Excess>,
 }
@@ -296,7 +293,7 @@ fn start(warm: &ContactResult) -> Start {
     }
 }
 
-fn finite(field: &'static str, value: f64) -> Result<(), ContactError> {
+pub(super) fn finite(field: &'static str, value: f64) -> Result<(), ContactError> {
     if value.is_finite() {
         return Ok(());
     }

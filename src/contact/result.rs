@@ -2,8 +2,11 @@
 
 use nalgebra::DVector;
 
+use super::candidates::POINTS;
 use super::complementarity::Solution;
 use super::position::{Found, PositionProblem};
+use super::solver::ContactSolver;
+use crate::friction::{FrictionLaw, Sliding, StripContact, TRANSITION_OVER_PITCH};
 
 /// Derivatives of load and moment at a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -16,9 +19,9 @@ pub struct Tangent {
     pub moment_by_misalignment: f64,
 }
 
-/// One strip in a solution.
+/// One segment in a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StripLoad {
+pub struct SegmentLoad {
     /// Tooth pair, counted in the sense in which contact moves; 0 touches at the pitch point at mid-face at mesh
     /// position 0.
     pub tooth_pair: i32,
@@ -36,7 +39,7 @@ pub struct StripLoad {
     pub gap: f64,
 }
 
-impl StripLoad {
+impl SegmentLoad {
     /// Normal force per length of contact line, N/m; `cos_base_helix` is that of the base helix angle.
     pub fn line_load(&self, cos_base_helix: f64) -> f64 {
         self.force * cos_base_helix / (self.z[1] - self.z[0])
@@ -46,7 +49,7 @@ impl StripLoad {
 /// Contact at a tip edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeLoad {
-    /// Normal force per length of contact line, N/m, at this place, not the mean of a strip.
+    /// Normal force per length of contact line, N/m, at this place, not the mean of a segment.
     pub line_load: f64,
     /// Where along the face, in gear 1's frame, m.
     pub z: f64,
@@ -74,20 +77,20 @@ pub struct ContactResult {
     /// Largest line load at a tip edge, if contact reaches one.
     pub edge_load: Option<EdgeLoad>,
     /// Largest violation of equilibrium or of the contact conditions over the largest force: force on a
-    /// strip less what its gaps and local contact ask for under the displacement of all forces.
+    /// segment less what its gaps and local contact ask for under the displacement of all forces.
     pub kkt_residual: f64,
     /// Newton steps it took.
     pub iterations: usize,
     /// Derivatives at the solution.
     pub tangent: Tangent,
-    /// Normal force on each strip, N, in the order of [`PositionProblem::candidates`].
+    /// Normal force on each segment, N, in the order of [`PositionProblem::candidates`].
     pub forces: Vec<f64>,
-    /// Pressure of each strip inside the flanks, Pa, under the mean line load of its loaded part: Hertz, and where the contact
-    /// straddles the start of a relief the half-ellipse of the same line load and spread, the largest along the strip.
+    /// Pressure of each segment inside the flanks, Pa, under the mean line load of its loaded part: Hertz, and where the contact
+    /// straddles the start of a relief the half-ellipse of the same line load and spread, the largest along the segment.
     pub pressures: Vec<f64>,
-    /// Largest line load on each strip where its contact reaches a tip edge.
+    /// Largest line load on each segment where its contact reaches a tip edge.
     pub edge_loads: Vec<Option<EdgeLoad>>,
-    /// What stays open on each strip where the flanks are closest, along the normal, m; zero in contact.
+    /// What stays open on each segment where the flanks are closest, along the normal, m; zero in contact.
     pub gaps: Vec<f64>,
 }
 
@@ -137,8 +140,8 @@ impl PositionProblem {
 
     /// Moment of the forces about mid-face on the line of action, N m, and the derivatives at the solution.
     ///
-    /// With K the matrix over the strips in contact, c their arms, b = cos beta_b, and s_n the sums of phi' times the
-    /// n-th power of the lever over the points of a strip: dF = K^-1 (c d delta + b s_1 / s_0 dM), and the
+    /// With K the matrix over the segments in contact, c their arms, b = cos beta_b, and s_n the sums of phi' times the
+    /// n-th power of the lever over the points of a segment: dF = K^-1 (c d delta + b s_1 / s_0 dM), and the
     /// moment changes by b (s_1 / s_0 dF + b (s_2 - s_1^2 / s_0) dM).
     pub(super) fn moment(&self, solution: &Solution) -> (f64, Tangent) {
         let (mut moment, mut within) = (0.0, 0.0);
@@ -157,8 +160,9 @@ impl PositionProblem {
             within += normal * normal * (sums[2] - sums[1] * sums[1] / sums[0]);
         }
         let arms = self.arm.select_rows(&solution.active);
-        let by_approach = solution.factor.solve(&arms);
-        let by_misalignment = solution.factor.solve(&levers);
+        let [mut by_approach, mut by_misalignment] = [arms.clone(), levers.clone()];
+        solution.factor.solve(&mut by_approach);
+        solution.factor.solve(&mut by_misalignment);
         let tangent = Tangent {
             force_by_approach: by_approach.dot(&arms),
             force_by_misalignment: by_misalignment.dot(&arms),
@@ -170,16 +174,18 @@ impl PositionProblem {
     /// Centroid of the load of `result` along the face, m in gear 1's frame; NaN without load.
     pub fn load_centroid(&self, result: &ContactResult) -> f64 {
         let moments = self.candidates.iter().zip(&result.forces);
-        let moment: f64 = moments.map(|(strip, force)| strip.middle() * force).sum();
+        let moment: f64 = moments
+            .map(|(segment, force)| segment.middle() * force)
+            .sum();
         moment / result.forces.iter().sum::<f64>()
     }
 
-    /// Every strip with what it carries in `result`, for plots of the pressure.
-    pub fn strip_loads(&self, result: &ContactResult) -> Vec<StripLoad> {
+    /// Every segment with what it carries in `result`, for plots of the pressure.
+    pub fn segment_loads(&self, result: &ContactResult) -> Vec<SegmentLoad> {
         self.candidates
             .iter()
             .enumerate()
-            .map(|(i, candidate)| StripLoad {
+            .map(|(i, candidate)| SegmentLoad {
                 tooth_pair: candidate.tooth_pair,
                 z: candidate.z,
                 roll: candidate.roll,
@@ -189,6 +195,48 @@ impl PositionProblem {
                 gap: result.gaps[i],
             })
             .collect()
+    }
+}
+
+impl ContactSolver {
+    /// Sliding of `result`, a solution of `problem`, weighted by `law`.
+    ///
+    /// The distance from the pitch point follows from the lengths of roll of both flanks, so that it is that of the
+    /// flank and the tip edge where contact has left the path.
+    pub fn sliding(
+        &self,
+        problem: &PositionProblem,
+        result: &ContactResult,
+        law: &FrictionLaw,
+    ) -> Sliding {
+        let g = self.geometry();
+        let rb = [0, 1].map(|i| g.gears[i].base_radius());
+        let per_roll = g.gears[0].kappa() / (1.0 / rb[0] + g.e() / rb[1]);
+        let spin = g.rolling_speed_per_spin(g.center_distance).recip();
+        let plane = |i: usize| (1.0 - g.gears[i].poisson_ratio.powi(2)) / g.gears[i].youngs_modulus;
+        let transition = TRANSITION_OVER_PITCH * g.base_pitch();
+        let mut sum = Sliding::default();
+        if result.loa_force <= 0.0 {
+            return sum;
+        }
+        let normal = result.loa_force / g.base_helix_angle().cos();
+        for (i, candidate) in problem.candidates().iter().enumerate() {
+            let force = result.forces[i];
+            if force <= 0.0 {
+                continue;
+            }
+            let turned = [0, 1].map(|k| candidate.roll[k] / rb[k]);
+            let segment = StripContact {
+                line_load: force / (POINTS as f64 * problem.local[i].length()),
+                radius: candidate.radius,
+                plane_compliance: plane(0) + plane(1),
+                rolling: turned.map(|angle| spin * rb[0] * angle),
+            };
+            let weight = law.weight(&segment) * force / normal;
+            let s = (turned[0] - turned[1]) * per_roll;
+            sum.add(weight, s, candidate.middle() - problem.z_ref, transition);
+        }
+        sum
     }
 }
 

@@ -9,17 +9,14 @@
 
 use std::sync::Arc;
 
-use nalgebra::DVector;
-
-use super::candidates::{Candidate, ContactLines, TeethAt};
-use super::complementarity::{Start, Target};
-use super::condensed::{CondensedFlank, StripName};
-use super::error::ContactError;
-use super::numbers::PairNumbers;
+use super::candidates::{Candidate, ContactLines, SegmentName};
+use super::complementarity::Start;
+use super::condensed::CondensedFlank;
+use super::error::{ContactError, Prescribed};
 use super::position::{Found, PositionProblem, law};
 use super::result::Tangent;
 use super::setup::ContactSetup;
-use super::transverse::TransverseSection;
+use super::transverse::{PairNumbers, TransverseSection};
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry};
 
@@ -132,7 +129,7 @@ impl RuntimeContact {
         let problem = self.problem(candidates, pose);
         let all_held = problem.candidates().len() == count;
         let start = last.start(problem.candidates(), pose);
-        let solve = |start| problem.solution(Target::Approach(approach), misalignment, start);
+        let solve = |start| problem.solution(Prescribed::Approach(approach), misalignment, start);
         let found = match solve(start.as_ref()) {
             // A start that leads nowhere must not decide.
             Err(_) if start.is_some() => solve(None),
@@ -177,40 +174,30 @@ impl RuntimeContact {
         let loaded: Vec<usize> = (0..segments.len())
             .filter(|&i| solution.force[i] > 0.0)
             .collect();
-        let names: Vec<StripName> = loaded.iter().map(|&i| segments[i].name()).collect();
-        let forces = DVector::from_iterator(names.len(), loaded.iter().map(|&i| solution.force[i]));
-        let influence = (self.condensed).slopes(
-            &names,
-            |k| self.compliance(pose, k),
-            [pose.tau, pose.offset],
-        );
-        let mut slopes = [0, 1].map(|axis| -0.5 * (&influence[axis].bulk * &forces).dot(&forces));
+        let names: Vec<SegmentName> = loaded.iter().map(|&i| segments[i].name()).collect();
+        let forces: Vec<f64> = loaded.iter().map(|&i| solution.force[i]).collect();
+        let scale = |k| self.compliance(pose, k);
+        let influence = (self.condensed).slopes(&names, &forces, scale, pose.tau, pose.offset);
+        let mut slopes = [0, 1].map(|axis| -influence[axis].work);
         let offset = pose.offset + STEPS[1];
+        let there = self.setup.section(&self.numbers, offset)?;
+        let tau = pose.tau + STEPS[0];
         let moved = [
-            (
-                Pose {
-                    tau: pose.tau + STEPS[0],
-                    ..pose
-                },
-                section,
-            ),
-            (
-                Pose { offset, ..pose },
-                &self.setup.section(&self.numbers, offset)?,
-            ),
+            (Pose { tau, ..pose }, section),
+            (Pose { offset, ..pose }, &there),
         ];
         let mut energy = 0.0;
         for (place, &i) in loaded.iter().enumerate() {
             // What the forces displace the bodies by on this segment.
             let deflection = problem.arm[i] * pose.approach - solution.closing[i];
-            let local = found.gap[i].map(|gap| problem.local[i].energy(solution.closing[i] - gap));
-            let local: f64 = local.iter().sum();
+            let local = solution.loads[i].energy();
             energy += 0.5 * solution.force[i] * deflection + local;
             for (axis, (pose, section)) in moved.iter().enumerate() {
                 let known = problem.lengths(i);
                 let lengths =
                     [0, 1].map(|g| known[g] + influence[axis].lengths[g][place] * STEPS[axis]);
-                let there = (self.lines(section, *pose).strip(pose.tau, names[place]))
+                let there = (self.lines(section, *pose))
+                    .segment(pose.tau, names[place], segments[i].closest)
                     .map_or(0.0, |segment| {
                         self.local_energy(&segment, lengths, deflection, *pose)
                     });
@@ -232,9 +219,9 @@ impl RuntimeContact {
         let cos_beta_b = self.numbers.cos_beta_b;
         let law = law(&self.numbers, segment, &segment.profile, lengths);
         let closing = segment.arms[0] * cos_beta_b * pose.approach - deflection;
-        let points = segment.levers.into_iter().zip(segment.gap);
-        let left = points.map(|(lever, gap)| gap - pose.misalignment * lever);
-        left.map(|gap| law.energy(closing - cos_beta_b * gap)).sum()
+        let left = |q: usize| segment.gap[q] - pose.misalignment * segment.levers[q];
+        law.loads(std::array::from_fn(|q| closing - cos_beta_b * left(q)))
+            .energy()
     }
 
     /// The segments that may carry at `pose`; none if none touches.
@@ -265,10 +252,7 @@ impl RuntimeContact {
     /// The contact lines in `section`.
     fn lines<'a>(&'a self, section: &'a TransverseSection, pose: Pose) -> ContactLines<'a> {
         ContactLines {
-            teeth: self.teeth.as_deref().map(|passing| TeethAt {
-                passing,
-                counts: pose.counts,
-            }),
+            teeth: self.teeth.as_deref().map(|passing| (passing, pose.counts)),
             ..self.setup.lines(self.flank, section)
         }
     }
@@ -283,10 +267,9 @@ impl RuntimeContact {
     /// bear nothing.
     fn problem(&self, mut candidates: Vec<Candidate>, pose: Pose) -> PositionProblem {
         let influence = |candidates: &[Candidate]| {
-            let names: Vec<StripName> = candidates.iter().map(Candidate::name).collect();
-            let at = [pose.tau, pose.offset];
-            self.condensed
-                .influence(&names, |k| self.compliance(pose, k), at)
+            let names: Vec<SegmentName> = candidates.iter().map(Candidate::name).collect();
+            let scale = |k| self.compliance(pose, k);
+            (self.condensed).influence(&names, scale, pose.tau, pose.offset)
         };
         let mut known = influence(&candidates);
         let [first, second] = &known.lengths;

@@ -4,11 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use super::candidates::ContactLines;
 use super::error::ContactError;
-use super::local::constants::{MOST_STATIONS, STIFFNESS_OVER_MODULUS};
-use super::numbers::PairNumbers;
+use super::local::constants::{
+    FEWEST_STATIONS, MOST_STATIONS, SEGMENT_OVER_WIDTH, STIFFNESS_OVER_MODULUS,
+};
 use super::position::Limits;
-use super::transverse::TransverseSection;
+use super::transverse::{PairNumbers, TransverseSection};
 use crate::gear::{Flank, PairGeometry, PairMicrogeometry, PairTeeth};
+use crate::pair::{Pair, Refinement};
 use crate::table::GeometryRecord;
 
 /// How the contact is discretised.
@@ -16,9 +18,9 @@ use crate::table::GeometryRecord;
 pub struct ContactSettings {
     /// Number of equal stations over the overlap of both faces.
     pub stations: usize,
-    /// Part of what a gap changes by along a strip that local contact takes up. The bulk displacement of a strip is one number, its
+    /// Part of what a gap changes by along a segment that local contact takes up. The bulk displacement of a segment is one number, its
     /// mean; that of the teeth follows a load that changes along the line. With 1, all of the change, forces come out too high by the square of the
-    /// strips' length.
+    /// segments' length.
     #[serde(default = "all")]
     pub own_share: f64,
     /// Whether tip corners outside the path of contact may touch.
@@ -40,6 +42,28 @@ impl Default for ContactSettings {
             own_share: all(),
             tip_corner_contact: true,
             reach: None,
+        }
+    }
+}
+
+/// Elements of level coarse over those of level normal; segments shorter than the elements follow no load of
+/// their own either.
+const COARSE_OVER_NORMAL: f64 = 5.0 / 3.0;
+
+impl ContactSettings {
+    /// Settings for `pair`: 40 stations, or as many as leave each as long as the widest contact of the
+    /// pair's loads and misalignments is wide, but at least 10; tip corners as the pair file says.
+    pub fn for_pair(pair: &Pair) -> ContactSettings {
+        let elements = match pair.refinement {
+            Refinement::Coarse => COARSE_OVER_NORMAL,
+            Refinement::Normal | Refinement::Fine => 1.0,
+        };
+        let least = elements * SEGMENT_OVER_WIDTH * 2.0 * widest_contact(pair);
+        let (_, face) = pair.geometry.face_overlap();
+        ContactSettings {
+            stations: ((face / least) as usize).clamp(FEWEST_STATIONS, MOST_STATIONS),
+            tip_corner_contact: pair.tip_corner_contact,
+            ..ContactSettings::default()
         }
     }
 }
@@ -67,8 +91,8 @@ pub struct ContactSetup {
     pub form_rolls: [f64; 2],
 }
 
-/// Strips of one position, more than which are no contact of a pair: ten times those of the widest face.
-const MOST_STRIPS: usize = 4000;
+/// Segments of one position, more than which are no contact of a pair: ten times those of the widest face.
+const MOST_SEGMENTS: usize = 4000;
 
 impl ContactSetup {
     /// Refuses what a file may hold and no solver writes.
@@ -82,12 +106,12 @@ impl ContactSetup {
         let pairs = self.lines(Flank::Drive, &section).pairs(0.0, 0.0);
         let pairs = i64::from(*pairs.end()) - i64::from(*pairs.start());
         let stations = self.settings.stations;
-        let strips = usize::try_from(pairs)
+        let segments = usize::try_from(pairs)
             .ok()
             .and_then(|n| n.checked_mul(stations));
-        if !strips.is_some_and(|strips| (1..MOST_STRIPS).contains(&strips)) {
+        if !segments.is_some_and(|segments| (1..MOST_SEGMENTS).contains(&segments)) {
             return Err(format!(
-                "{stations} stations of {pairs} tooth pairs: together 1 to {MOST_STRIPS} make sense"
+                "{stations} stations of {pairs} tooth pairs: together 1 to {MOST_SEGMENTS} make sense"
             ));
         }
         for errors in [&self.teeth.drive, &self.teeth.coast] {
@@ -135,12 +159,9 @@ impl ContactSetup {
         section: &'a TransverseSection,
     ) -> ContactLines<'a> {
         ContactLines {
-            geometry: &self.geometry,
-            microgeometry: self.microgeometry.flank(flank),
+            setup: self,
             section,
             flank,
-            stations: self.settings.stations,
-            own_share: self.settings.own_share,
             teeth: None,
         }
     }
@@ -154,4 +175,66 @@ impl ContactSetup {
             foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
         }
     }
+}
+
+/// Estimate of the largest Hertz half-width of the pair, m: the maximum torque on one tooth pair, spread
+/// over the face evenly or, with misalignment, as a triangle on an elastic foundation.
+pub fn widest_contact(pair: &Pair) -> f64 {
+    let g = &pair.geometry;
+    let c = g.center_distance;
+    let path = g.path_of_contact(c);
+    let radius = (0..=20)
+        .map(|i| {
+            let xi = path.start + path.length() * f64::from(i) / 20.0;
+            let rho = [0, 1].map(|k| g.gears[k].kappa() * g.roll_at(k, c, xi));
+            1.0 / (1.0 / rho[0] + 1.0 / rho[1])
+        })
+        .fold(0.0, f64::max)
+        / g.base_helix_angle().cos();
+    let force = pair.operating.maximum_torque / g.gears[0].base_radius();
+    let modulus = g
+        .gears
+        .iter()
+        .map(|g| g.youngs_modulus)
+        .fold(f64::INFINITY, f64::min);
+    let misalignment = pair
+        .operating
+        .misalignment
+        .iter()
+        .fold(0.0f64, |m, v| m.max(v.abs()));
+    let triangle = (2.0 * force * STIFFNESS_OVER_MODULUS * modulus * misalignment).sqrt();
+    let line_load = (force / g.face_overlap().1).max(triangle);
+    let softness: f64 = g
+        .gears
+        .iter()
+        .map(|g| (1.0 - g.poisson_ratio * g.poisson_ratio) / g.youngs_modulus)
+        .sum();
+    (4.0 * line_load * radius * softness / std::f64::consts::PI).sqrt()
+}
+
+/// Approach that the pair's largest load and misalignment can cause, with a margin, m: twice that of a stiff
+/// tooth pair, how both bodies give way, what misalignment adds at the ends of the face and of the path, and what
+/// modifications take off at most.
+pub(super) fn estimated_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
+    let g = &pair.geometry;
+    let force = pair.operating.maximum_torque / g.gears[0].base_radius();
+    let modulus = g.gears[0].youngs_modulus.min(g.gears[1].youngs_modulus);
+    let width = g.face_overlap().1;
+    let [low, high] = pair.operating.misalignment.map(f64::abs);
+    let (mut removal, mut bodies) = (0.0, 0.0);
+    for (i, gear) in g.gears.iter().enumerate() {
+        let rolls = [form_rolls[i], gear.tip_form_roll()];
+        let flanks = [&pair.microgeometry.drive[i], &pair.microgeometry.coast[i]];
+        let largest = flanks.map(|flank| flank.largest_removal(gear, rolls));
+        removal += largest[0].max(largest[1]);
+        let twist = force * gear.base_radius().powi(2) * gear.body_twist();
+        bodies += twist + force * gear.body_tilt_and_foundation();
+    }
+    let cos_beta_b = g.base_helix_angle().cos();
+    // Force and displacement along the normal are those on the line of action over cos beta_b, the contact line
+    // is the face over it.
+    2.0 * force / (STIFFNESS_OVER_MODULUS * modulus * width * cos_beta_b)
+        + bodies
+        + 0.5 * low.max(high) * (width + g.base_helix_angle().tan() * g.base_pitch())
+        + removal / cos_beta_b
 }

@@ -2,55 +2,33 @@
 
 use std::sync::Arc;
 
-use super::candidates::{Candidate, ContactLines, along_strip};
-use super::condensed::StripName;
+use super::candidates::{Candidate, ContactLines, SegmentName, along_segment};
 use super::deflection::Deflection;
-use super::error::ContactError;
+use super::error::{ContactError, Prescribed};
 use super::influence::Influence;
-use super::local::constants::{
-    FEWEST_STATIONS, MOST_STATIONS, OWN_SHARE_ALONG_STRIP, REFERENCE_OVER_HERTZ, RUN_TIME_STATIONS,
-    STRIP_OVER_WIDTH,
-};
-use super::local::widest_contact;
-use super::numbers::PairNumbers;
-use super::position::PositionProblem;
-use super::reach;
-use super::setup::{ContactSettings, ContactSetup};
-use super::transverse::TransverseSection;
-use crate::compliance::{Strip, ToothCompliance};
+use super::local::constants::{OWN_SHARE_ALONG_SEGMENT, REFERENCE_OVER_HERTZ, RUN_TIME_STATIONS};
+use super::position::{Excess, PositionProblem, finite};
+use super::setup::{ContactSettings, ContactSetup, estimated_reach, widest_contact};
+use super::transverse::{PairNumbers, TransverseSection};
+use crate::compliance::{BeyondModel, Strip, ToothCompliance};
 use crate::friction::FrictionLaw;
 use crate::gear::{Flank, PairGeometry, PairTeeth, ToothProfile};
-use crate::pair::{Pair, Refinement};
+use crate::pair::Pair;
 
-/// Elements of level coarse over those of level normal; strips shorter than the elements follow no load of
-/// their own either.
-const COARSE_OVER_NORMAL: f64 = 5.0 / 3.0;
-
-impl ContactSettings {
-    /// Settings for `pair`: 40 stations, or as many as leave each as long as the widest contact of the
-    /// pair's loads and misalignments is wide, but at least 10; tip corners as the pair file says.
-    pub fn for_pair(pair: &Pair) -> ContactSettings {
-        let elements = match pair.refinement {
-            Refinement::Coarse => COARSE_OVER_NORMAL,
-            Refinement::Normal | Refinement::Fine => 1.0,
-        };
-        let least = elements * STRIP_OVER_WIDTH * 2.0 * widest_contact(pair);
-        let (_, face) = pair.geometry.face_overlap();
-        ContactSettings {
-            stations: ((face / least) as usize).clamp(FEWEST_STATIONS, MOST_STATIONS),
-            tip_corner_contact: pair.tip_corner_contact,
-            ..ContactSettings::default()
-        }
-    }
-}
+/// Positions of the mesh at which the largest load is tried for how far tip edges have to be followed.
+const TRIED: [f64; 2] = [0.0, 0.5];
+/// Reach over the approach that was found there, for other positions and centre distances.
+const MARGIN: f64 = 1.25;
+/// Farther edges take up load, so that approaches fall: one more trial as a rule.
+const TRIALS: usize = 8;
 
 /// Static contact of one pair of gears.
 ///
 /// Clones share nothing mutable; one solver serves all threads.
 #[derive(Clone)]
 pub struct ContactSolver {
-    pub(super) setup: ContactSetup,
-    pub(super) numbers: PairNumbers,
+    setup: ContactSetup,
+    numbers: PairNumbers,
     compliance: [Arc<dyn ToothCompliance>; 2],
     friction: FrictionLaw,
     deflection: Deflection,
@@ -81,9 +59,7 @@ impl ContactSolver {
                 .form_roll()
                 .max(1e-3 * gear.base_radius());
         }
-        let reach = settings
-            .reach
-            .unwrap_or_else(|| reach::estimate(pair, form_rolls));
+        let reach = (settings.reach).unwrap_or_else(|| estimated_reach(pair, form_rolls));
         if !(reach.is_finite() && reach > 0.0) {
             return Err(ContactError::Setting {
                 field: "reach",
@@ -111,7 +87,7 @@ impl ContactSolver {
         if settings.reach.is_some() || !settings.tip_corner_contact {
             return Ok(solver);
         }
-        Ok(reach::followed_as_needed(solver, pair))
+        Ok(solver.followed_as_needed(pair))
     }
 
     /// The same pair with tip edges followed up to the approach `reach`, m.
@@ -121,19 +97,61 @@ impl ContactSolver {
         self
     }
 
-    /// The same pair on as few stations as contact at run time needs, with the share along a strip that makes them enough.
+    /// With edges followed farther where the largest load and misalignment of `pair` bring the teeth nearer to each
+    /// other than [`estimated_reach`] says, as bodies that tilt under the axial force of a steep helix do.
+    ///
+    /// What cannot be solved here is refused by name when it is asked for; edges that only more teeth than the elastic models
+    /// hold could reach are not followed.
+    fn followed_as_needed(mut self, pair: &Pair) -> ContactSolver {
+        let mut followed = self.setup.reach;
+        for _ in 0..TRIALS {
+            let Ok(needed) = self.needed_reach(pair) else {
+                break;
+            };
+            followed = self.setup.reach;
+            match needed {
+                Some(needed) => self.setup.reach = MARGIN * needed,
+                None => break,
+            }
+        }
+        self.followed_to(followed)
+    }
+
+    /// Largest approach, m, beyond the present reach at the positions tried.
+    fn needed_reach(&self, pair: &Pair) -> Result<Option<f64>, ContactError> {
+        let torque = Prescribed::Torque(pair.operating.maximum_torque);
+        let flanks: &[Flank] = match pair.coast_mirrors_drive() {
+            true => &[Flank::Drive],
+            false => &[Flank::Drive, Flank::Coast],
+        };
+        let mut largest: Option<f64> = None;
+        for flank in flanks {
+            for position in TRIED {
+                let problem = self.position(*flank, position, 0.0)?;
+                for misalignment in pair.operating.misalignment {
+                    let found = problem.solution(torque, misalignment, None)?;
+                    if let Some(Excess::Reach { needed, .. }) = found.excess {
+                        largest = Some(largest.map_or(needed, |l| l.max(needed)));
+                    }
+                }
+            }
+        }
+        Ok(largest)
+    }
+
+    /// The same pair on as few stations as contact at run time needs, with the share along a segment that makes them enough.
     #[must_use]
     pub fn at_run_time(mut self) -> ContactSolver {
         let settings = &mut self.setup.settings;
         settings.stations = RUN_TIME_STATIONS.min(settings.stations);
-        settings.own_share = OWN_SHARE_ALONG_STRIP;
+        settings.own_share = OWN_SHARE_ALONG_SEGMENT;
         self
     }
 
     /// The same pair with its flanks deflected along the face.
     #[must_use]
     pub fn with_deflection(mut self, deflection: Deflection) -> ContactSolver {
-        let [least, largest] = deflection.range(self.face(), self.beside_pitch_line());
+        let [least, largest] = self.deflection_range(&deflection);
         // Tip edges are followed by what the deflection closes, and the approach that bears the load grows by its
         // range.
         self.setup.reach += largest.max(0.0) + largest - least;
@@ -141,18 +159,14 @@ impl ContactSolver {
         self
     }
 
-    /// Ends of the overlap of both faces, m in gear 1's frame.
-    fn face(&self) -> [f64; 2] {
-        let (low, width) = self.setup.geometry.face_overlap();
-        [low, low + width]
-    }
-
-    /// Largest sigma y of contact on the path at the nominal centre distance, m.
-    fn beside_pitch_line(&self) -> f64 {
+    /// Least and largest closing of `deflection` over the overlap of both faces, m.
+    fn deflection_range(&self, deflection: &Deflection) -> [f64; 2] {
         let geometry = &self.setup.geometry;
-        let path =
-            geometry.base_pitch() * geometry.transverse_contact_ratio(geometry.center_distance);
-        self.numbers.tan_beta_b * path
+        let (low, width) = geometry.face_overlap();
+        // Largest sigma y of contact on the path at the nominal centre distance.
+        let ratio = geometry.transverse_contact_ratio(geometry.center_distance);
+        let path = geometry.base_pitch() * ratio;
+        deflection.range([low, low + width], self.numbers.tan_beta_b * path)
     }
 
     /// The pair's geometry.
@@ -170,6 +184,11 @@ impl ContactSolver {
         &self.setup.settings
     }
 
+    /// What the contact knows without the elastic models.
+    pub fn setup(&self) -> &ContactSetup {
+        &self.setup
+    }
+
     /// The problem at `mesh_position` (base pitches; 0: a tooth pair touches at the pitch point at
     /// mid-face) and at the deviation `center_distance_offset` (m) from the nominal centre distance. It
     /// holds the influence matrix and serves all loads and misalignments.
@@ -183,18 +202,8 @@ impl ContactSolver {
         mesh_position: f64,
         center_distance_offset: f64,
     ) -> Result<PositionProblem, ContactError> {
-        for (field, value) in [
-            ("mesh_position", mesh_position),
-            ("center_distance_offset", center_distance_offset),
-        ] {
-            if !value.is_finite() {
-                return Err(ContactError::Input {
-                    field,
-                    value,
-                    remedy: "give a finite number",
-                });
-            }
-        }
+        finite("mesh_position", mesh_position)?;
+        finite("center_distance_offset", center_distance_offset)?;
         let geometry = &self.setup.geometry;
         let center_distance = geometry.center_distance + center_distance_offset;
         if (0..2).any(|i| geometry.tip_clearance(i, center_distance) <= 0.0) {
@@ -212,41 +221,91 @@ impl ContactSolver {
         self.problem(&lines, tau, candidates, center_distance_offset)
     }
 
+    /// As [`ContactSolver::position`] of tooth pair 0 alone, all other teeth out of the way, at `place` base pitches from where it
+    /// touches at the pitch point at mid-face.
+    ///
+    /// # Errors
+    /// As there; [`ContactError::OutOfMesh`] where it is not within reach.
+    pub fn tooth_pair(
+        &self,
+        flank: Flank,
+        place: f64,
+        center_distance_offset: f64,
+    ) -> Result<PositionProblem, ContactError> {
+        let section = self.section(center_distance_offset)?;
+        let lines = self.setup.lines(flank, &section);
+        let candidates = lines.of_pair(place, 0).collect();
+        self.problem(&lines, place, candidates, center_distance_offset)
+    }
+
+    /// Places between which a tooth pair comes within the reach of contact at the deviation `center_distance_offset` (m).
+    ///
+    /// # Errors
+    /// [`ContactError::OutOfMesh`] where teeth cannot meet.
+    pub fn passage(
+        &self,
+        flank: Flank,
+        center_distance_offset: f64,
+    ) -> Result<[f64; 2], ContactError> {
+        let section = self.section(center_distance_offset)?;
+        Ok(self.setup.lines(flank, &section).passage())
+    }
+
+    /// Approach at which tooth pair 0, alone, first touches at `place` and `misalignment` (rad), m; infinite where it is not
+    /// within reach.
+    ///
+    /// # Errors
+    /// As [`ContactSolver::passage`].
+    pub fn first_touch(
+        &self,
+        flank: Flank,
+        place: f64,
+        center_distance_offset: f64,
+        misalignment: f64,
+    ) -> Result<f64, ContactError> {
+        let section = self.section(center_distance_offset)?;
+        let lines = self.setup.lines(flank, &section);
+        let touches = lines.of_pair(place, 0).flat_map(|segment| {
+            let points = segment.levers.into_iter().zip(segment.gap);
+            points.map(move |(lever, gap)| (gap - misalignment * lever) / segment.arms[0])
+        });
+        Ok(touches.fold(f64::INFINITY, f64::min))
+    }
+
     /// The problem of `candidates`, which lie on `lines` at the mesh position `tau`.
-    pub(super) fn problem(
+    fn problem(
         &self,
         lines: &ContactLines<'_>,
         tau: f64,
         mut candidates: Vec<Candidate>,
         center_distance_offset: f64,
     ) -> Result<PositionProblem, ContactError> {
-        let own_share = self.setup.settings.own_share;
+        if candidates.is_empty() {
+            return Err(self.setup.out_of_mesh(center_distance_offset));
+        }
         for candidate in &mut candidates {
             let closed = candidate.points().map(|z| {
                 let [closing, slope] = self.deflection.closing(z);
                 let y = lines.contact_line(tau, candidate.tooth_pair, z);
                 closing + slope * self.numbers.lean(lines.flank) * y
             });
-            for (gap, closed) in candidate.gap.iter_mut().zip(along_strip(closed, own_share)) {
+            let closed = along_segment(closed, self.setup.settings.own_share);
+            for (gap, closed) in candidate.gap.iter_mut().zip(closed) {
                 *gap -= closed;
             }
         }
-        if candidates.is_empty() {
-            return Err(self.setup.out_of_mesh(center_distance_offset));
-        }
-        let seen = |c: &Candidate| lines.seen_by_gears(tau, (c.tooth_pair, c.z), false);
-        let seen: Vec<_> = candidates.iter().map(seen).collect();
-        let influence = self.influence_of(lines, &candidates, &seen, center_distance_offset)?;
+        let influence = self.influence_of(lines, tau, &candidates, false);
+        let influence = influence.map_err(|model| beyond(center_distance_offset, model))?;
         let mut limits = self.setup.limits(center_distance_offset);
         // Compared with approach and misalignment alone.
-        let [_, largest] = self.deflection.range(self.face(), self.beside_pitch_line());
+        let [_, largest] = self.deflection_range(&self.deflection);
         limits.reach = limits.reach.map(|reach| reach - largest.max(0.0));
         let mut problem = PositionProblem::with(&self.numbers, candidates, influence, limits);
         problem.look_along(&self.numbers, lines, tau);
         Ok(problem)
     }
 
-    /// Strips at the mesh position `tau` in [0, 1), each by its tooth pair and its ends (m in gear 1's frame), as gear 1 and gear 2 see them.
+    /// Segments at the mesh position `tau` in [0, 1), each by its tooth pair and its ends (m in gear 1's frame), as gear 1 and gear 2 see them.
     ///
     /// # Errors
     /// [`ContactError::OutOfMesh`] where teeth cannot meet.
@@ -255,21 +314,16 @@ impl ContactSolver {
         flank: Flank,
         tau: f64,
         center_distance_offset: f64,
-        strips: impl Iterator<Item = (i32, [f64; 2])>,
+        segments: impl Iterator<Item = (i32, [f64; 2])>,
     ) -> Result<Vec<[Strip; 2]>, ContactError> {
         let section = self.section(center_distance_offset)?;
         let lines = self.setup.lines(flank, &section);
-        Ok(strips
-            .map(|strip| lines.seen_by_gears(tau, strip, false))
+        Ok(segments
+            .map(|(k, z)| lines.seen_by_gears(tau, k, z, false))
             .collect())
     }
 
-    /// What the contact knows without the elastic models.
-    pub fn setup(&self) -> &ContactSetup {
-        &self.setup
-    }
-
-    /// Influence of whole strips at the mesh position `tau` in [0, 1), those up to `margin` (base pitches) beyond the reach of
+    /// Influence of whole segments at the mesh position `tau` in [0, 1), those up to `margin` (base pitches) beyond the reach of
     /// contact, too.
     pub(super) fn influence(
         &self,
@@ -277,72 +331,66 @@ impl ContactSolver {
         tau: f64,
         center_distance_offset: f64,
         margin: f64,
-    ) -> Result<(Vec<StripName>, Influence), ContactError> {
+    ) -> Result<(Vec<SegmentName>, Influence), ContactError> {
         let section = self.section(center_distance_offset)?;
         let lines = self.setup.lines(flank, &section);
-        let strips = lines.strips_beyond(tau, margin * self.setup.geometry.base_pitch());
-        let seen = |c: &Candidate| lines.seen_by_gears(tau, (c.tooth_pair, c.z), true);
-        let seen: Vec<_> = strips.iter().map(seen).collect();
-        let influence = self.influence_of(&lines, &strips, &seen, center_distance_offset)?;
-        Ok((strips.iter().map(|c| c.name()).collect(), influence))
+        let segments = lines.segments_beyond(tau, margin * self.numbers.base_pitch);
+        let influence = self.influence_of(&lines, tau, &segments, true);
+        let influence = influence.map_err(|model| beyond(center_distance_offset, model))?;
+        Ok((segments.iter().map(Candidate::name).collect(), influence))
     }
 
     /// Shares of gear 1 and gear 2 in the bulk displacement of a tooth pair at the pitch point under a uniform load on itself.
     pub(super) fn tooth_shares(&self, flank: Flank) -> Result<[f64; 2], ContactError> {
         let section = self.section(0.0)?;
         let lines = self.setup.lines(flank, &section);
-        let mut strips = lines.strips_beyond(0.0, 0.0);
-        strips.retain(|strip| strip.tooth_pair == 0);
+        let mut segments = lines.segments_beyond(0.0, 0.0);
+        segments.retain(|segment| segment.tooth_pair == 0);
         let mut sums = [0.0; 2];
         for (i, sum) in sums.iter_mut().enumerate() {
-            let seen: Vec<Strip> = strips
+            let seen = segments
                 .iter()
-                .map(|strip| lines.seen_by_gears(0.0, (strip.tooth_pair, strip.z), true)[i])
-                .collect();
-            *sum = match self.models(&lines)[i].bulk(&seen) {
-                Ok(bulk) => bulk.sum(),
-                Err(model) => {
-                    return Err(ContactError::BeyondModel {
-                        center_distance_offset_um: 0.0,
-                        model,
-                    });
-                }
-            };
+                .map(|s| lines.seen_by_gears(0.0, 0, s.z, true)[i]);
+            let bulk = self.model(&lines, i).bulk(&seen.collect::<Vec<_>>());
+            *sum = bulk.map_err(|model| beyond(0.0, model))?.sum();
         }
         let all = sums[0] + sums[1];
         Ok(sums.map(|sum| sum / all))
     }
 
     /// The transverse section at a centre distance offset, m.
-    pub(super) fn section(&self, offset: f64) -> Result<TransverseSection, ContactError> {
+    fn section(&self, offset: f64) -> Result<TransverseSection, ContactError> {
         self.setup.section(&self.numbers, offset)
     }
 
-    /// The elastic models of both gears, turned where the gear is seen from its other end.
-    fn models(&self, lines: &ContactLines<'_>) -> [&dyn ToothCompliance; 2] {
-        [0, 1].map(|i| {
-            let model: &dyn ToothCompliance = &*self.compliance[i];
-            match model.turned() {
-                Some(turned) if lines.is_mirrored(i) => turned,
-                _ => model,
-            }
-        })
+    /// The elastic model of gear `i`, turned where the gear is seen from its other end.
+    fn model(&self, lines: &ContactLines<'_>, i: usize) -> &dyn ToothCompliance {
+        let model: &dyn ToothCompliance = &*self.compliance[i];
+        match model.turned() {
+            Some(turned) if lines.is_mirrored(i) => turned,
+            _ => model,
+        }
     }
 
+    /// Influence of `segments`; `clamped`: those beyond the reach of contact as if they lay at its end.
     fn influence_of(
         &self,
         lines: &ContactLines<'_>,
-        candidates: &[Candidate],
-        seen: &[[Strip; 2]],
-        center_distance_offset: f64,
-    ) -> Result<Influence, ContactError> {
+        tau: f64,
+        segments: &[Candidate],
+        clamped: bool,
+    ) -> Result<Influence, BeyondModel> {
+        let seen = |s: &Candidate| lines.seen_by_gears(tau, s.tooth_pair, s.z, clamped);
+        let seen: Vec<_> = segments.iter().map(seen).collect();
+        let models = [0, 1].map(|i| self.model(lines, i));
         let reference = self.setup.reference_length;
-        let models = self.models(lines);
-        Influence::new(&self.numbers, models, candidates, seen, reference).map_err(|model| {
-            ContactError::BeyondModel {
-                center_distance_offset_um: 1e6 * center_distance_offset,
-                model,
-            }
-        })
+        Influence::new(&self.numbers, models, segments, &seen, reference)
+    }
+}
+
+fn beyond(center_distance_offset: f64, model: BeyondModel) -> ContactError {
+    ContactError::BeyondModel {
+        center_distance_offset_um: 1e6 * center_distance_offset,
+        model,
     }
 }

@@ -314,7 +314,6 @@ mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
     use nalgebra::Rotation3;
-    use std::f64::consts::FRAC_PI_2;
 
     const FINE: Resolution = Resolution {
         angle: 1e9,

@@ -60,12 +60,12 @@ impl Microgeometry {
     /// from the z = 0 face of this gear towards its other face. This is the gear as it stands: who
     /// mirrors a gear along its axis must mirror `z` back first.
     pub fn removal(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
-        self.piece(gear, roll, z).removal
+        self.profile(gear, roll, z).removal + self.lead(gear, z)
     }
 
     /// d [`Microgeometry::removal`] / d roll at the length of roll `roll` and at `z`, m per m.
     pub fn slope(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
-        self.piece(gear, roll, z).slope
+        self.profile(gear, roll, z).slope
     }
 
     /// d [`Microgeometry::slope`] / d roll at the length of roll `roll`, m per m², without that of a topography.
@@ -100,18 +100,15 @@ impl Microgeometry {
             + self.topography.as_ref().map_or(0.0, bend)
     }
 
-    /// [`Microgeometry::removal`] and its derivatives by the length of roll at `roll` and at `z`.
+    /// [`Microgeometry::removal`] less [`Microgeometry::lead`], and its derivatives by the length of roll.
     #[inline]
-    pub fn piece(&self, gear: &Gear, roll: f64, z: f64) -> ProfilePiece {
+    pub fn profile(&self, gear: &Gear, roll: f64, z: f64) -> ProfilePiece {
         let mut piece = self.profile_piece(roll);
-        let mut add = |[removal, slope]: [f64; 2]| {
+        if let Some(slope) = &self.profile_slope {
+            let [removal, slope] = slope.evaluate(roll, along_face(gear, z));
             piece.removal += removal;
             piece.slope += slope;
-        };
-        if let Some(slope) = &self.profile_slope {
-            add(slope.evaluate(roll, along_face(gear, z)));
         }
-        add([self.lead_removal(gear, z), 0.0]);
         match &self.topography {
             Some(topography) => piece.and(topography.piece(roll, z)),
             None => piece,
@@ -145,8 +142,8 @@ impl Microgeometry {
             && self.topography.is_none()
     }
 
-    /// The part of [`Microgeometry::removal`] that depends on the place along the face alone, m.
-    fn lead_removal(&self, gear: &Gear, z: f64) -> f64 {
+    /// The part of [`Microgeometry::removal`] that depends on `z` alone, m.
+    pub fn lead(&self, gear: &Gear, z: f64) -> f64 {
         let t = along_face(gear, z);
         let ends = [z, gear.face_width - z];
         let end_relief: f64 = (self.end_relief.iter().zip(ends))
@@ -307,12 +304,13 @@ mod tests {
         };
         for roll in [6.5e-3, 7.7e-3, 9.5e-3, 12.1e-3, 13.9e-3] {
             for z in [0.0, 1e-3, 12e-3, 23.3e-3] {
-                let piece = smooth.piece(&gear, roll, z);
+                let piece = smooth.profile(&gear, roll, z);
                 let [low, high] = piece.range;
                 assert!(low <= roll && roll <= high);
                 for other in [low.max(6e-3), high.min(14e-3)] {
                     let by = other - roll;
-                    let removal = piece.removal + by * (piece.slope + 0.5 * by * piece.curvature);
+                    let profile = piece.removal + by * (piece.slope + 0.5 * by * piece.curvature);
+                    let removal = profile + smooth.lead(&gear, z);
                     let expected = smooth.removal(&gear, other, z);
                     assert_abs_diff_eq!(removal, expected, epsilon = 1e-19);
                 }

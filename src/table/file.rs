@@ -2,7 +2,10 @@
 //! settings, the interpolation error, and a checksum over all of it.
 
 use super::file_geometry::GeometryRecord;
-use super::{Axes, FlankGrid, FrictionRecord, RootStressRecord, TableError, TeethRecord};
+use super::{
+    Axes, FlankGrid, FrictionRecord, PerLoad, RootStressRecord, RootStressSamples, SlidingSamples,
+    TableError, TeethRecord,
+};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -262,10 +265,14 @@ impl TableFile {
             grid.check("coast")?;
         }
         if let Some(friction) = &self.friction {
-            friction.check()?;
+            let flanks = [Some(&friction.drive), friction.coast.as_ref()];
+            let columns = flanks.map(|flank| flank.map(SlidingSamples::columns));
+            (friction.axes).check_record("friction", PerLoad::Ratio, columns)?;
         }
         if let Some(root_stress) = &self.root_stress {
-            root_stress.check()?;
+            let flanks = [Some(&root_stress.drive), root_stress.coast.as_ref()];
+            let columns = flanks.map(|flank| flank.map(RootStressSamples::columns));
+            (root_stress.axes).check_record("root_stress", PerLoad::Effect, columns)?;
         }
         match &self.teeth {
             Some(teeth) => teeth.check(&geometry),

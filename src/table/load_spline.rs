@@ -117,20 +117,20 @@ pub struct LoadSpline {
 }
 
 impl LoadSpline {
-    /// Of the samples of each of the `quantities` on `axes`, cut at 0 along the axes of centre distance and misalignment whose
+    /// Of the samples of each of the `quantities`, by name, on `axes`, cut at 0 along the axes of centre distance and misalignment whose
     /// effect is off.
     ///
     /// # Errors
     /// Nodes through which no spline passes; an axis to be cut that does not hold 0.
     pub fn new(
         axes: &LoadAxes,
-        quantities: &[&[f64]],
+        quantities: &[(&'static str, &[f64])],
         per_load: PerLoad,
         effects: [bool; 2],
     ) -> Result<Self, TableError> {
         let mut axes = axes.clone();
         let lengths = axes.lengths();
-        let block = |values: &&[f64]| Block {
+        let block = |(_, values): &(&str, &[f64])| Block {
             lengths,
             values: values.to_vec(),
         };
@@ -241,7 +241,7 @@ mod tests {
             values
         };
         let quantities = [0, 1, 2].map(quantity);
-        let quantities = quantities.each_ref().map(|q| &q[..]);
+        let quantities = quantities.each_ref().map(|q| ("", &q[..]));
         LoadSpline::new(&axes, &quantities, per_load, wanted).unwrap()
     }
 

@@ -14,11 +14,12 @@ mod file;
 mod file_geometry;
 mod grid;
 mod interpolation;
+mod load_records;
 mod load_spline;
-mod root_stress;
 mod runtime;
+#[cfg(test)]
+#[path = "../../tests/common/spring.rs"]
 pub mod samples;
-mod sliding;
 mod summary;
 mod teeth;
 
@@ -27,10 +28,11 @@ pub use file::{InterpolationError, TableFile, VERSION, rms_and_largest};
 pub use file_geometry::GeometryRecord;
 pub use grid::{Axes, Axis, FlankGrid};
 pub use interpolation::{FlankTable, Interpolation};
+pub use load_records::{
+    FrictionRecord, RootStressError, RootStressRecord, RootStressSamples, SlidingSamples,
+};
 pub use load_spline::{LoadAxes, LoadJet, LoadSpline, PerLoad};
-pub use root_stress::{RootStressError, RootStressRecord, RootStressSamples};
 pub use runtime::{Effects, Load, Table};
-pub use sliding::{FrictionRecord, SlidingSamples};
 pub use teeth::{Closing, CouplingRecord, GearTeethRecord, TeethFlank, TeethRecord, TeethTable};
 
 /// Where the table is asked, for one flank (coast flank: after mapping to its own table).

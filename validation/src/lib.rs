@@ -10,6 +10,9 @@ pub mod page;
 pub mod plot;
 pub mod setup;
 pub mod speed_accuracy;
+#[rustfmt::skip] // formatted where it stands
+#[path = "../../tests/common/spring.rs"]
+mod spring;
 pub mod stability;
 pub mod timing;
 

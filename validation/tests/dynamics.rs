@@ -3,17 +3,20 @@
 #[rustfmt::skip] // formatted where it stands
 #[path = "../../tests/common/gears.rs"]
 mod gears;
+#[rustfmt::skip] // formatted where it stands
+#[path = "../../tests/common/spring.rs"]
+mod spring;
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use gearmesh::element::{Element, FlankLaws, Formulation, LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::gear::PairGeometry;
-use gearmesh::table::samples::Spring;
 use gearmesh::table::{FlankTable, Interpolation};
 use gearmesh_validation::driver::{
     Bearing, Gear, INERTIA, Method, Scene, Spin, State, gear_state, set_gear_state, twist,
 };
 use gears::paper_pair;
 use nalgebra::Vector3;
+use spring::Spring;
 use std::sync::Arc;
 
 fn gear(pair: &PairGeometry, i: usize, spin: Spin) -> Gear {

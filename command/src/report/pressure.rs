@@ -1,6 +1,6 @@
 //! Pressures of the contact solver, laid out for drawing.
 
-use gearmesh::contact::{ContactSolver, StripLoad};
+use gearmesh::contact::{ContactSolver, SegmentLoad};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ const VISIBLE: f64 = 1.0;
 pub struct Quantity {
     unit: &'static str,
     /// Of a strip of this length, m.
-    value: fn(&StripLoad, f64) -> f64,
+    value: fn(&SegmentLoad, f64) -> f64,
     /// Whether contact at a tip edge has a value on the scale.
     at_edges: bool,
 }
@@ -61,10 +61,10 @@ fn strips(
     torque: f64,
     misalignment: f64,
     tau: f64,
-) -> Result<Vec<StripLoad>, Error> {
+) -> Result<Vec<SegmentLoad>, Error> {
     let problem = solver.position(Flank::Drive, tau, 0.0)?;
     let result = problem.solve_torque(torque, misalignment, None)?;
-    Ok(problem.strip_loads(&result))
+    Ok(problem.segment_loads(&result))
 }
 
 /// Every loaded strip of the mesh cycle as a patch of gear 1's flank: as long as the strip, and as high

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use gearmesh::contact::{ContactSolver, StripLoad};
+use gearmesh::contact::{ContactSolver, SegmentLoad};
 use gearmesh::gear::PairGeometry;
 use gearmesh::pair::Pair;
 use gearmesh_preprocessor::contact::{GearRoots, HARMONICS, Harmonic, ToothRoot, harmonics};
@@ -177,7 +177,7 @@ fn stiffness<'r>(geometry: &PairGeometry) -> Vec<Column<'static, At<'r>>> {
 }
 
 /// Number of a position with a strip of its contact lines.
-type AtStrip<'a> = (At<'a>, &'a StripLoad);
+type AtStrip<'a> = (At<'a>, &'a SegmentLoad);
 
 fn strips(case: &Case) -> impl Iterator<Item = AtStrip<'_>> {
     at_positions(case).flat_map(|at| case.cycle.loads[at.0].iter().map(move |strip| (at, strip)))
@@ -186,7 +186,7 @@ fn strips(case: &Case) -> impl Iterator<Item = AtStrip<'_>> {
 /// Line load, pressure and gap of a strip at a mesh position.
 fn distribution<'s, 'r>(geometry: &'s PairGeometry) -> Vec<Column<'s, AtStrip<'r>>> {
     let cos_beta_b = geometry.base_helix_angle().cos();
-    let diameter = |i: usize, s: &StripLoad| 2e3 * geometry.gears[i].radius_at_roll(s.roll[i]);
+    let diameter = |i: usize, s: &SegmentLoad| 2e3 * geometry.gears[i].radius_at_roll(s.roll[i]);
     columns! { |((i, c), s): &AtStrip|
         "mesh_position" => c.cycle.mesh_position[*i];
         "tooth_pair" => s.tooth_pair;

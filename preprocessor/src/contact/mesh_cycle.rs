@@ -6,12 +6,12 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use gearmesh::contact::{ContactError, ContactResult, ContactSolver, EdgeLoad, StripLoad};
+use gearmesh::contact::{ContactError, ContactResult, ContactSolver, EdgeLoad, SegmentLoad};
 use gearmesh::friction::{FrictionLaw, Sliding};
 use gearmesh::gear::Flank;
 use gearmesh::words::count;
 
-/// Loaded strips along a contact line that tell its largest pressure to some 4 %; two of them tell it 25 % too low.
+/// Loaded segments along a contact line that tell its largest pressure to some 4 %; two of them tell it 25 % too low.
 pub const ENOUGH_SEGMENTS: usize = 6;
 
 /// Where a mesh cycle is asked for.
@@ -36,12 +36,12 @@ pub struct MeshCycle {
     pub mesh_position: Vec<f64>,
     /// The solution at each.
     pub results: Vec<ContactResult>,
-    /// How the load slides at each, every strip counted alike.
+    /// How the load slides at each, every segment counted alike.
     pub sliding: Vec<Sliding>,
     /// The same with the weights of the pair's law of friction.
     pub friction: Vec<Sliding>,
-    /// What every strip carries at each.
-    pub loads: Vec<Vec<StripLoad>>,
+    /// What every segment carries at each.
+    pub loads: Vec<Vec<SegmentLoad>>,
     /// Wall clock of the whole cycle, s; of cycles that were solved together their mean.
     pub solve_seconds: f64,
 }
@@ -49,7 +49,7 @@ pub struct MeshCycle {
 /// One load at one position.
 struct Solved {
     result: ContactResult,
-    loads: Vec<StripLoad>,
+    loads: Vec<SegmentLoad>,
     sliding: Sliding,
     friction: Sliding,
 }
@@ -119,7 +119,7 @@ impl MeshCycle {
                 Ok(results
                     .into_iter()
                     .map(|result| Solved {
-                        loads: at.strip_loads(&result),
+                        loads: at.segment_loads(&result),
                         sliding: solver.sliding(&at, &result, &even),
                         friction: solver.sliding(&at, &result, solver.friction()),
                         result,
@@ -186,24 +186,26 @@ impl MeshCycle {
         loads.reduce(|a, b| if b.line_load > a.line_load { b } else { a })
     }
 
-    /// What rests on fewer than [`ENOUGH_SEGMENTS`] loaded strips of a contact line, and comes out too low for it; None where nothing does.
+    /// What rests on fewer than [`ENOUGH_SEGMENTS`] loaded segments of a contact line, and comes out too low for it; None where nothing does.
     pub fn note_on_segments(&self) -> Option<String> {
         let mut fewest = ENOUGH_SEGMENTS;
         let mut values = Vec::new();
-        let pressure: fn(&StripLoad) -> f64 = |strip| strip.pressure;
-        let edge: fn(&StripLoad) -> f64 = |strip| strip.edge.map_or(0.0, |edge| edge.line_load);
+        let pressure: fn(&SegmentLoad) -> f64 = |segment| segment.pressure;
+        let edge: fn(&SegmentLoad) -> f64 =
+            |segment| segment.edge.map_or(0.0, |edge| edge.line_load);
         for (of, name) in [
             (pressure, "the largest flank pressure"),
             (edge, "the largest line load at a tip edge"),
         ] {
             let all = self.loads.iter();
-            let all = all.flat_map(|strips| strips.iter().map(move |strip| (strips, strip)));
+            let all =
+                all.flat_map(|segments| segments.iter().map(move |segment| (segments, segment)));
             let top = all.max_by(|a, b| of(a.1).total_cmp(&of(b.1)));
-            let Some((strips, top)) = top.filter(|(_, top)| of(top) > 0.0) else {
+            let Some((segments, top)) = top.filter(|(_, top)| of(top) > 0.0) else {
                 continue;
             };
-            let line = strips.iter().filter(|s| s.tooth_pair == top.tooth_pair);
-            let loaded = line.filter(|strip| strip.force > 0.0).count();
+            let line = segments.iter().filter(|s| s.tooth_pair == top.tooth_pair);
+            let loaded = line.filter(|segment| segment.force > 0.0).count();
             if loaded < ENOUGH_SEGMENTS {
                 values.push(name);
                 fewest = fewest.min(loaded);
@@ -251,7 +253,7 @@ impl MeshCycle {
     pub fn face_load(&self, ends: [f64; 2], stations: usize, cos_base_helix: f64) -> FaceLoad {
         let step = (ends[1] - ends[0]) / stations as f64;
         let mut load = vec![0.0; stations];
-        let middle = |strip: &StripLoad| 0.5 * (strip.z[0] + strip.z[1]);
+        let middle = |strip: &SegmentLoad| 0.5 * (strip.z[0] + strip.z[1]);
         for strip in self.loads.iter().flatten() {
             let station = (middle(strip) - ends[0]) / step;
             load[(station as usize).min(stations - 1)] += strip.force * cos_base_helix;

@@ -57,15 +57,15 @@ impl GearRoots {
 /// Strips of both gears at one position of the mesh, and what their loads do to the roots.
 pub struct PositionRoots<'a> {
     models: &'a [Arc<RootStress>; 2],
-    /// The strips as each gear sees them.
-    strips: [SpreadStrips; 2],
+    /// The segments as each gear sees them.
+    segments: [SpreadStrips; 2],
     /// The tooth pair of each, ascending.
     tooth_pairs: Vec<i32>,
     center_distance_offset: f64,
 }
 
 impl<'a> PositionRoots<'a> {
-    /// Of all strips of `problem`, the one of `solver` at this flank, mesh position and centre distance offset (m);
+    /// Of all segments of `problem`, the one of `solver` at this flank, mesh position and centre distance offset (m);
     /// `models` are those of gear 1 and gear 2 for this flank.
     ///
     /// # Errors
@@ -77,40 +77,49 @@ impl<'a> PositionRoots<'a> {
         models: &'a [Arc<RootStress>; 2],
     ) -> Result<Self, ContactError> {
         let tau = mesh_position - mesh_position.floor();
-        let strips = problem.candidates().iter().map(|c| (c.tooth_pair, c.z));
-        Self::of_strips(solver, (flank, tau, center_distance_offset), strips, models)
+        let segments = problem.candidates().iter().map(|c| (c.tooth_pair, c.z));
+        Self::of_segments(
+            solver,
+            (flank, tau, center_distance_offset),
+            segments,
+            models,
+        )
     }
 
-    fn of_strips(
+    fn of_segments(
         solver: &ContactSolver,
         (flank, tau, center_distance_offset): (Flank, f64, f64),
-        strips: impl Iterator<Item = (i32, [f64; 2])>,
+        segments: impl Iterator<Item = (i32, [f64; 2])>,
         models: &'a [Arc<RootStress>; 2],
     ) -> Result<Self, ContactError> {
-        let strips: Vec<_> = strips.collect();
-        let tooth_pairs = strips.iter().map(|(k, _)| *k).collect();
-        let seen = solver.seen_by_gears(flank, tau, center_distance_offset, strips.into_iter())?;
+        let segments: Vec<_> = segments.collect();
+        let tooth_pairs = segments.iter().map(|(k, _)| *k).collect();
+        let seen =
+            solver.seen_by_gears(flank, tau, center_distance_offset, segments.into_iter())?;
         let of_gear = |i: usize| {
-            let seen: Vec<Strip> = seen.iter().map(|strip| strip[i]).collect();
+            let seen: Vec<Strip> = seen.iter().map(|segment| segment[i]).collect();
             models[i].spread(&seen)
         };
         Ok(PositionRoots {
             models,
-            strips: [of_gear(0), of_gear(1)],
+            segments: [of_gear(0), of_gear(1)],
             tooth_pairs,
             center_distance_offset,
         })
     }
 
-    /// The tooth pairs with a force among `forces`, N, on the strips.
+    /// The tooth pairs with a force among `forces`, N, on the segments.
     fn under_load(&self, forces: &[f64]) -> Vec<i32> {
-        let strips = self.tooth_pairs.iter().zip(forces);
-        let mut pairs: Vec<i32> = strips.filter(|(_, f)| **f > 0.0).map(|(k, _)| *k).collect();
+        let segments = self.tooth_pairs.iter().zip(forces);
+        let mut pairs: Vec<i32> = segments
+            .filter(|(_, f)| **f > 0.0)
+            .map(|(k, _)| *k)
+            .collect();
         pairs.dedup();
         pairs
     }
 
-    /// The fillet of gear `i` + 1 on its tooth of `tooth_pair` under `forces`, N, on the strips.
+    /// The fillet of gear `i` + 1 on its tooth of `tooth_pair` under `forces`, N, on the segments.
     fn field(
         &self,
         i: usize,
@@ -118,7 +127,7 @@ impl<'a> PositionRoots<'a> {
         forces: &[f64],
     ) -> Result<RootField<'_>, ContactError> {
         let tooth = if i == 0 { tooth_pair } else { -tooth_pair };
-        let field = self.models[i].of_tooth_under(tooth, &self.strips[i], forces);
+        let field = self.models[i].of_tooth_under(tooth, &self.segments[i], forces);
         field.map_err(|model| ContactError::BeyondModel {
             center_distance_offset_um: 1e6 * self.center_distance_offset,
             model,
@@ -156,12 +165,12 @@ impl MeshCycle {
     ) -> Result<[GearRoots; 2], ContactError> {
         let positions: Vec<(PositionRoots, Vec<f64>)> = (&self.mesh_position, &self.loads)
             .into_par_iter()
-            .map(|(tau, strips)| {
-                let loaded = || strips.iter().filter(|strip| strip.force > 0.0);
+            .map(|(tau, segments)| {
+                let loaded = || segments.iter().filter(|segment| segment.force > 0.0);
                 let at = (input.flank, *tau, input.center_distance_offset);
-                let strips = loaded().map(|strip| (strip.tooth_pair, strip.z));
-                let roots = PositionRoots::of_strips(solver, at, strips, models)?;
-                Ok((roots, loaded().map(|strip| strip.force).collect()))
+                let segments = loaded().map(|segment| (segment.tooth_pair, segment.z));
+                let roots = PositionRoots::of_segments(solver, at, segments, models)?;
+                Ok((roots, loaded().map(|segment| segment.force).collect()))
             })
             .collect::<Result<_, ContactError>>()?;
         let [first, second] = [0, 1].map(|i| of_gear(solver, input, i, &positions));

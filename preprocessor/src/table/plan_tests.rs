@@ -3,8 +3,8 @@
 use super::super::source::{Sample, StaticPosition};
 use super::*;
 use crate::samples::spur_pair;
+use crate::spring::Spring;
 use gearmesh::root::bisection;
-use gearmesh::table::samples::Spring;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 struct Formula;

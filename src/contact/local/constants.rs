@@ -42,14 +42,14 @@ pub const SMOOTHING_OVER_REFERENCE: f64 = 3.0;
 pub const SHARE_OF_A_LINE: f64 = 0.5;
 
 /// How far the bulk matrix may be from positive definite, over c / l: the law of local contact, at
-/// least ln(2 / [`WIDTH_OVER_REFERENCE`]) of c / l, is added to it, and rounding makes the matrix of strips
+/// least ln(2 / [`WIDTH_OVER_REFERENCE`]) of c / l, is added to it, and rounding makes the matrix of segments
 /// much shorter than the elements indefinite by itself.
 pub const INDEFINITE: f64 = 2e-5;
 
-/// Part of the change of a gap along a strip that local contact takes up at run time; the bulk displacement follows the rest. Less
-/// makes force and moment more exact, more the stiffness, whose error is the steps in which strips meet
+/// Part of the change of a gap along a segment that local contact takes up at run time; the bulk displacement follows the rest. Less
+/// makes force and moment more exact, more the stiffness, whose error is the steps in which segments meet
 /// (docs/contact-at-run-time.md).
-pub const OWN_SHARE_ALONG_STRIP: f64 = 0.45;
+pub const OWN_SHARE_ALONG_SEGMENT: f64 = 0.45;
 
 /// Stiffness of a tooth pair per length of contact line over Young's modulus: for starting values, for how
 /// far tip edges are followed and for how wide contacts become. ISO 6336-1: 14 N/(mm um) for steel.
@@ -64,5 +64,5 @@ pub const RUN_TIME_STATIONS: usize = 22;
 /// Least number of stations.
 pub const FEWEST_STATIONS: usize = 10;
 
-/// Least length of a station over the width of the widest contact: a shorter strip is no line contact of its own.
-pub const STRIP_OVER_WIDTH: f64 = 1.0;
+/// Least length of a station over the width of the widest contact: a shorter segment is no line contact of its own.
+pub const SEGMENT_OVER_WIDTH: f64 = 1.0;

@@ -410,13 +410,13 @@ mod tests {
             let state = edge.state(2.0 * least);
             let onset = Onset {
                 half_width: least,
-                load: state.load,
+                load: state.at.load,
                 penetration: state.penetration,
                 energy: edge.line_load(state.penetration).energy,
             };
             let widest = WIDEST.min(0.5 * edge.widest());
             let knee = Knee::new(elastic(corner), &profile, onset, widest);
-            assert_relative_eq!(knee.node(0).at.load, state.load, max_relative = 1e-9);
+            assert_relative_eq!(knee.node(0).at.load, state.at.load, max_relative = 1e-9);
             for x in [1.0, 1.3, 2.0, 5.0].map(|times| times * state.penetration) {
                 let (found, known) = (knee.line_load(x), edge.line_load(x));
                 assert_relative_eq!(found.load, known.load, max_relative = 2e-3);

@@ -75,6 +75,8 @@ pub struct PointLoads {
     pub forces: [f64; POINTS],
     /// Their derivatives by the penetrations, N/m.
     pub slopes: [f64; POINTS],
+    /// Their integrals over the penetrations, J.
+    pub energies: [f64; POINTS],
 }
 
 impl Elastic {
@@ -105,6 +107,11 @@ impl PointLoads {
     pub fn slope(&self) -> f64 {
         self.slopes.iter().sum()
     }
+
+    /// Energy of the local contact, J.
+    pub fn energy(&self) -> f64 {
+        self.energies.iter().sum()
+    }
 }
 
 impl LocalContact {
@@ -114,11 +121,10 @@ impl LocalContact {
         let each = bodies.map(|body| 2.0 / PI * body.plane_compliance);
         let c = each[0] + each[1];
         let [first, second] = bodies.map(|body| body.reference_length.ln());
-        let [of_second, of_first] = profile.edges;
         let elastic = Elastic {
             c,
             log_reference: (each[0] * first + each[1] * second) / c,
-            corner: bodies[usize::from(-of_second < of_first)].corner,
+            corner: bodies[profile.edge_gear()].corner,
         };
         let kappa = 2.0 * c / profile.curvature;
         // What the corner adds to dh/dw over c / 2; at the edge itself contact is never inside the flank.
@@ -162,7 +168,7 @@ impl LocalContact {
                     return None;
                 }
                 let state = edge.state(2.0 * half_width);
-                (state.load, state.penetration)
+                (state.at.load, state.penetration)
             }
             _ if half_width == 0.0 => (0.0, 0.0),
             _ => {
@@ -184,7 +190,7 @@ impl LocalContact {
     }
 
     /// Line load at the penetration `x` (m); none for x <= 0.
-    fn line_load(&self, x: f64) -> LineLoad {
+    pub fn line_load(&self, x: f64) -> LineLoad {
         match &self.relief {
             Some(knee) if x > knee.onset().penetration => knee.line_load(x),
             _ => self.before_relief(x),
@@ -215,24 +221,14 @@ impl LocalContact {
         }
     }
 
-    /// Force (N) and its derivative (N/m) at the penetration `x` (m); zero for x <= 0.
-    pub fn force(&self, x: f64) -> (f64, f64) {
-        let LineLoad { load, slope, .. } = self.line_load(x);
-        (self.length * load, self.length * slope)
-    }
-
-    /// As [`LocalContact::force`] at the points of a segment.
+    /// Local contact at the penetrations `x` (m) of the points of a segment.
     pub fn loads(&self, x: [f64; POINTS]) -> PointLoads {
-        let each = x.map(|x| self.force(x));
+        let each = x.map(|x| self.line_load(x));
         PointLoads {
-            forces: each.map(|e| e.0),
-            slopes: each.map(|e| e.1),
+            forces: each.map(|at| self.length * at.load),
+            slopes: each.map(|at| self.length * at.slope),
+            energies: each.map(|at| self.length * at.energy),
         }
-    }
-
-    /// Energy of the local contact at the penetration `x` (m), J: the integral of the force, zero for x <= 0.
-    pub fn energy(&self, x: f64) -> f64 {
-        self.length * self.line_load(x).energy
     }
 
     /// Pressure, Pa, of the force `f`, N, where that is more than any flank carries
@@ -267,7 +263,7 @@ impl LocalContact {
         match self.relief.as_deref() {
             // Past the start of the relief flanks close more slowly.
             Some(knee) if knee.is_inside() => knee.load_at_edge(),
-            _ => (self.edge).map_or(f64::INFINITY, |edge| edge.least().load),
+            _ => (self.edge).map_or(f64::INFINITY, |edge| edge.least().at.load),
         }
     }
 
@@ -408,7 +404,7 @@ mod tests {
                 .iter()
                 .map(|l| 2.0 * STEEL / std::f64::consts::PI * w * ((2.0 * l / b).ln() + 0.5))
                 .sum();
-            assert_relative_eq!(law.force(h).0, w * 0.6e-3, max_relative = 1e-13);
+            assert_relative_eq!(law.line_load(h).load, w, max_relative = 1e-13);
         }
     }
 
@@ -427,8 +423,9 @@ mod tests {
         let law = law();
         for x in [1e-9, 1e-7, 2e-6, 1e-5, 1e-3, 1e-2] {
             let d = 1e-5 * x;
-            let numeric = (law.force(x + d).0 - law.force(x - d).0) / (2.0 * d);
-            assert_relative_eq!(law.force(x).1, numeric, max_relative = 1e-8);
+            let load = |x| law.line_load(x).load;
+            let numeric = (load(x + d) - load(x - d)) / (2.0 * d);
+            assert_relative_eq!(law.line_load(x).slope, numeric, max_relative = 1e-8);
         }
     }
 
@@ -443,10 +440,11 @@ mod tests {
             let law = LocalContact::new(bodies, &profile, 0.6e-3);
             for x in [1e-8, 1e-6, 5e-6, 2e-5, 1e-4, 1e-3] {
                 let d = 1e-4 * x;
-                let slope = (law.energy(x + d) - law.energy(x - d)) / (2.0 * d);
-                assert_relative_eq!(law.force(x).0, slope, max_relative = 1e-6);
+                let energy = |x| law.line_load(x).energy;
+                let slope = (energy(x + d) - energy(x - d)) / (2.0 * d);
+                assert_relative_eq!(law.line_load(x).load, slope, max_relative = 1e-6);
             }
-            assert_eq!(law.energy(-1e-6), 0.0);
+            assert_eq!(law.line_load(-1e-6).energy, 0.0);
         }
     }
 
@@ -463,11 +461,10 @@ mod tests {
             let edge = law.edge.as_ref().map(|edge| edge.least().penetration);
             for at in [relief, edge].into_iter().flatten().filter(|x| *x > 0.0) {
                 let [below, above] = [1.0 - 1e-9, 1.0 + 1e-9].map(|near| near * at);
-                let ([f, slope], [g, other]) = (law.force(below).into(), law.force(above).into());
-                assert_relative_eq!(f, g, max_relative = 1e-7);
-                assert_relative_eq!(slope, other, max_relative = 1e-7);
-                let energies = [below, above].map(|x| law.energy(x));
-                assert_relative_eq!(energies[0], energies[1], max_relative = 1e-7);
+                let [below, above] = [below, above].map(|x| law.line_load(x));
+                assert_relative_eq!(below.load, above.load, max_relative = 1e-7);
+                assert_relative_eq!(below.slope, above.slope, max_relative = 1e-7);
+                assert_relative_eq!(below.energy, above.energy, max_relative = 1e-7);
             }
         }
     }

@@ -135,6 +135,12 @@ impl GapProfile {
         self.edges[1].min(-self.edges[0])
     }
 
+    /// The gear, 0 or 1, whose tip edge is nearest.
+    pub fn edge_gear(&self) -> usize {
+        let [of_second, of_first] = self.edges;
+        usize::from(-of_second < of_first)
+    }
+
     /// Slope of the gap at the nearest tip edge, away from it into the flank; negative where the closest point lies
     /// inside the flank.
     pub fn edge_slope(&self) -> f64 {

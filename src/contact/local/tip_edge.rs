@@ -97,6 +97,10 @@ pub struct TipEdge {
     log_end: f64,
     /// alpha.
     slope: f64,
+    /// What the law of Hertz has taken up beyond this one where contact just reaches the edge, m.
+    inside: f64,
+    /// Energy by the law of Hertz up to where contact reaches the edge, less that of this law, J/m.
+    more_before: f64,
     /// Where contact reaches the edge.
     least: State,
     /// Where the tangent begins.
@@ -108,10 +112,10 @@ pub struct TipEdge {
 pub struct State {
     /// m.
     pub width: f64,
-    /// N/m.
-    pub load: f64,
     /// m.
     pub penetration: f64,
+    /// At this penetration; the energy with that of Hertz up to where contact reaches the edge.
+    pub at: LineLoad,
 }
 
 impl TipEdge {
@@ -142,17 +146,26 @@ impl TipEdge {
         if least.is_nan() || wide.is_nan() || least >= wide {
             return None;
         }
+        let inside = slope.min(0.0);
         let mut edge = TipEdge {
+            inside: 0.25 * (1.0 + with_corner / c) * inside * inside / curvature,
             c,
             curvature,
             with_corner,
             log_end,
             slope,
+            more_before: 0.0,
             least: State::default(),
             wide: State::default(),
         };
         if least > 0.0 {
             edge.least = edge.state(least);
+            let State {
+                penetration, at, ..
+            } = edge.least;
+            let hertz = 0.5 * penetration * at.load - 0.125 * c * at.load * at.load;
+            edge.more_before = hertz - at.energy;
+            edge.least.at.energy = hertz;
         }
         edge.wide = edge.state(wide);
         Some(edge)
@@ -168,88 +181,82 @@ impl TipEdge {
         self.wide.width
     }
 
-    /// Contact of the width `a` (m) up to [`TipEdge::widest`].
+    /// Contact of the width `a` (m) > 0 up to [`TipEdge::widest`].
+    ///
+    /// With w and dw/da as here and dh/dw = c' (l - ln a), w dh is (alpha²/4 a + 9 alpha/(16 R) a² + 9/(32 R²) a³) (l - ln a) c' / c²
+    /// da.
     pub fn state(&self, a: f64) -> State {
-        let of_slope = (self.slope + 0.5 * a * self.curvature) * a / (2.0 * self.c);
-        let of_curvature = a * a * self.curvature / (8.0 * self.c);
-        // Minus the means of ln s under both parts of the pressure.
-        let log = self.log_end - a.ln();
-        let at_edge = self.with_corner * (of_slope * (log + 1.0) + of_curvature * (log - 0.5));
-        // Of the law of Hertz where contact just reaches the edge.
-        let inside = self.slope.min(0.0);
-        let part = 0.25 * (1.0 + self.with_corner / self.c);
-        State {
-            width: a,
-            load: of_slope + of_curvature,
-            penetration: at_edge + part * inside * inside / self.curvature,
-        }
-    }
-
-    /// Compliance dh/dw at the width `a`, 1/Pa.
-    fn compliance(&self, a: f64) -> f64 {
-        self.with_corner * (self.log_end - a.ln())
-    }
-
-    /// Integral of w dh over the width from 0 to `a`, J/m. With w and dw/da of [`TipEdge::state`] and dh/dw = c' (l - ln a)
-    /// the integrand is (alpha²/4 a + 9 alpha/(16 R) a² + 9/(32 R²) a³) (l - ln a) c' / c².
-    fn work(&self, a: f64) -> f64 {
-        if a <= 0.0 {
-            return 0.0;
-        }
         let log = self.log_end - a.ln();
         let (slope, bend) = (self.slope, self.curvature * a);
-        let sum = 0.25 * slope * slope / 2.0 * (log + 1.0 / 2.0)
-            + 9.0 / 16.0 * slope * bend / 3.0 * (log + 1.0 / 3.0)
-            + 9.0 / 32.0 * bend * bend / 4.0 * (log + 1.0 / 4.0);
-        a * a * sum * self.with_corner / (self.c * self.c)
+        let per_c = self.c.recip();
+        let of_slope = 0.5 * (slope + 0.5 * bend) * a * per_c;
+        let of_curvature = 0.125 * a * bend * per_c;
+        // Minus the means of ln s under both parts of the pressure.
+        let at_edge = self.with_corner * (of_slope * (log + 1.0) + of_curvature * (log - 0.5));
+        let work = 0.125 * slope * slope * (log + 1.0 / 2.0)
+            + 0.1875 * slope * bend * (log + 1.0 / 3.0)
+            + 0.0703125 * bend * bend * (log + 1.0 / 4.0);
+        State {
+            width: a,
+            penetration: at_edge + self.inside,
+            at: LineLoad {
+                load: of_slope + of_curvature,
+                slope: (self.with_corner * log).recip(),
+                energy: self.more_before + a * a * work * self.with_corner * per_c * per_c,
+            },
+        }
     }
 
-    /// Line load at the penetration `x` (m) beyond the least one; its energy with that of Hertz up to there.
+    /// Line load at the penetration `x` (m) beyond the least one.
     pub fn line_load(&self, x: f64) -> LineLoad {
-        let a = self.width(x.min(self.wide.penetration));
-        let State {
-            load, penetration, ..
-        } = self.least;
-        let reached = 0.5 * penetration * load - 0.125 * self.c * load * load;
-        let at = LineLoad {
-            load: self.state(a).load,
-            slope: self.compliance(a).recip(),
-            energy: reached + self.work(a) - self.work(self.least.width),
+        let wide = &self.wide;
+        if x >= wide.penetration {
+            return wide.at.beyond(x - wide.penetration);
+        }
+        // From a parabola with the slope at the least width and the other end.
+        let (mut low, mut high) = (self.least.width, wide.width);
+        let (way, range) = (
+            x - self.least.penetration,
+            wide.penetration - self.least.penetration,
+        );
+        let rise = |state: &State| self.growth(state.width) / state.at.slope * (high - low);
+        let first = if low > 0.0 {
+            rise(&self.least).min(range)
+        } else {
+            0.0
         };
-        match x > self.wide.penetration {
-            true => at.beyond(x - self.wide.penetration),
-            false => at,
-        }
-    }
-
-    /// Width at the penetration `x` (m) between the least one and that where the tangent begins, m.
-    fn width(&self, x: f64) -> f64 {
-        let (mut low, mut high) = (self.least.width, self.wide.width);
-        let least = self.least.penetration;
-        if x >= self.wide.penetration {
-            return high;
-        }
-        let mut a = low + (high - low) * (x - least) / (self.wide.penetration - least);
+        let second = range - first;
+        let part = 2.0 * way / (first + (first * first + 4.0 * second * way).sqrt());
+        let mut state = self.state(low + (high - low) * part);
         for _ in 0..100 {
-            let h = self.state(a).penetration;
-            if h > x {
-                high = a;
+            if state.penetration > x {
+                high = state.width;
             } else {
-                low = a;
+                low = state.width;
             }
-            let growth = (0.5 * self.slope + 0.75 * a * self.curvature) / self.c;
-            let newton = a - (h - x) / (growth * self.compliance(a));
-            let inside = low < newton && newton < high;
-            let next = if inside { newton } else { 0.5 * (low + high) };
-            let step = (next - a).abs();
-            a = next;
-            // Quadratic: what a step of Newton's method leaves is the square of it.
-            let enough = if inside { 1e-9 } else { 4.0 * f64::EPSILON };
-            if step <= enough * a {
+            // dh/da and half of its own slope over it, for a step of Halley's method.
+            let growth = self.growth(state.width);
+            let by_width = growth / state.at.slope;
+            let bend = 0.375 * self.curvature / (self.c * growth)
+                - 0.5 * self.with_corner * state.at.slope / state.width;
+            let way = (x - state.penetration) / by_width;
+            let halley = state.width + way / (1.0 + way * bend);
+            let inside = low < halley && halley < high;
+            let next = if inside { halley } else { 0.5 * (low + high) };
+            let step = (next - state.width).abs();
+            state = self.state(next);
+            // Cubic: what a step leaves is the third power of it.
+            let enough = if inside { 1e-6 } else { 4.0 * f64::EPSILON };
+            if step <= enough * next {
                 break;
             }
         }
-        a
+        state.at
+    }
+
+    /// dw/da at the width `a`, N/m².
+    fn growth(&self, a: f64) -> f64 {
+        (0.5 * self.slope + 0.75 * a * self.curvature) / self.c
     }
 }
 
@@ -322,7 +329,7 @@ mod tests {
         let b = 0.1e-3;
         let law = law(-b / RADIUS);
         let w = b * b / (2.0 * RADIUS * C);
-        assert_relative_eq!(law.least().load, w, max_relative = 1e-13);
+        assert_relative_eq!(law.least().at.load, w, max_relative = 1e-13);
         let hertz = C * w * ((2.0 * REFERENCE / b).ln() + 0.5);
         assert_relative_eq!(law.least().penetration, hertz, max_relative = 1e-13);
     }
@@ -333,12 +340,10 @@ mod tests {
             let law = law(slope);
             for a in [0.2e-3, 0.4e-3, 0.8e-3] {
                 let State {
-                    load,
-                    penetration: x,
-                    ..
+                    at, penetration: x, ..
                 } = law.state(a);
                 let found = law.line_load(x);
-                assert_relative_eq!(found.load, load, max_relative = 1e-11);
+                assert_relative_eq!(found.load, at.load, max_relative = 1e-11);
                 let d = 1e-6 * x;
                 let numeric = (law.line_load(x + d).load - law.line_load(x - d).load) / (2.0 * d);
                 assert_relative_eq!(found.slope, numeric, max_relative = 1e-6);

@@ -3,8 +3,7 @@
 use super::{plain_pair, relieved};
 use crate::contact::closest::Flanks;
 use crate::contact::local::constants::LEAST_CURVATURE;
-use crate::contact::numbers::PairNumbers;
-use crate::contact::transverse::TransverseSection;
+use crate::contact::transverse::{PairNumbers, TransverseSection};
 use crate::gear::{ReliefShape, ToothProfile, Topography};
 use crate::pair::Pair;
 use approx::assert_abs_diff_eq;
@@ -27,7 +26,7 @@ fn steeply_relieved_flanks_touch_below_the_nominal_line() {
     // Well within the relief of gear 1.
     let at = section.point(path.end - 0.03 * path.length());
     let found =
-        Flanks::new(g, &section, pair.microgeometry.drive.each_ref(), at, Z).closest_point();
+        Flanks::new(g, &section, pair.microgeometry.drive.each_ref(), at, Z).closest_point(0.0);
     let gear = &g.gears[0];
     let cos = g.base_helix_angle().cos();
     let radius = 1.0 / (1.0 / at.roll[0] + 1.0 / at.roll[1]);
@@ -39,7 +38,7 @@ fn steeply_relieved_flanks_touch_below_the_nominal_line() {
     let expected = radius * theta * gear.base_radius() / at.roll[0];
     assert!((moved / expected - 1.0).abs() < 1e-6, "{moved} {expected}");
     let nominal = relief.piece(at.roll[0]).removal / cos;
-    let less = nominal - found.gap;
+    let less = nominal - found.least.gap;
     assert!(
         (less / (0.5 * theta * theta * radius) - 1.0).abs() < 1e-6,
         "{less}"
@@ -59,7 +58,7 @@ fn the_closest_point_is_the_least_gap_of_all() {
     for step in 0..=200 {
         let at = section.point(first + (last - first) * f64::from(step) / 200.0);
         let found =
-            Flanks::new(g, &section, pair.microgeometry.drive.each_ref(), at, Z).closest_point();
+            Flanks::new(g, &section, pair.microgeometry.drive.each_ref(), at, Z).closest_point(0.0);
         let curvature: f64 = at.roll.iter().map(|roll| roll.recip()).sum();
         let at_distance = |s: f64| {
             let rolls = [0, 1].map(|i| {
@@ -84,23 +83,23 @@ fn the_closest_point_is_the_least_gap_of_all() {
             .filter_map(|s| at_distance(1e-6 * f64::from(s)))
             .fold(f64::INFINITY, f64::min);
         assert!(
-            found.gap <= least + 1e-13 && found.gap > least - 2e-8,
+            found.least.gap <= least + 1e-13 && found.least.gap > least - 2e-8,
             "{step}: {} {least}",
-            found.gap
+            found.least.gap
         );
         if at.separation > 0.0 {
             continue;
         }
         // The profile is the gap about that point, but for its involutes' curvature, which is that of the closest point.
         for t in [-0.2e-3, -0.05e-3, 0.05e-3, 0.2e-3] {
-            let Some(gap) = at_distance(found.s + t) else {
+            let Some(gap) = at_distance(found.least.s + t) else {
                 continue;
             };
             let along_action = found.profile.gap(t) / g.base_helix_angle().cos();
             let involutes = 0.5 * t * t * found.profile.curvature;
             assert_abs_diff_eq!(
                 along_action,
-                gap - found.gap,
+                gap - found.least.gap,
                 epsilon = 0.2 * involutes + 1e-12
             );
         }
@@ -120,8 +119,8 @@ fn flanks_without_profile_modifications_touch_on_the_nominal_line() {
             at,
             Z,
         )
-        .closest_point();
-        assert_eq!((found.roll, found.gap), (at.roll, at.separation));
+        .closest_point(0.0);
+        assert_eq!((found.roll, found.least.gap), (at.roll, at.separation));
         assert_eq!((found.profile.slope, found.arms), (0.0, at.arms));
     }
 }
@@ -133,8 +132,8 @@ fn a_hollow_that_fits_the_mate_leaves_a_tenth_of_the_curvature() {
     let at = section.point(0.0);
     let curvature = |pair: &Pair| {
         let drive = pair.microgeometry.drive.each_ref();
-        let found = Flanks::new(&pair.geometry, &section, drive, at, Z).closest_point();
-        assert!(found.s.abs() < 1e-8, "{}", found.s);
+        let found = Flanks::new(&pair.geometry, &section, drive, at, Z).closest_point(0.0);
+        assert!(found.least.s.abs() < 1e-8, "{}", found.least.s);
         found.profile.curvature
     };
     let plain = curvature(&pair);

@@ -7,21 +7,21 @@ use crate::gear::Flank;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// Strips that do not know of each other.
+/// Segments that do not know of each other.
 struct Alone;
 
 impl ToothCompliance for Alone {
-    fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
-        Ok(DMatrix::identity(strips.len(), strips.len()) * 1e-8)
+    fn bulk(&self, segments: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
+        Ok(DMatrix::identity(segments.len(), segments.len()) * 1e-8)
     }
 
-    fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
-        vec![1e-3; strips.len()]
+    fn reference_lengths(&self, segments: &[Strip]) -> Vec<f64> {
+        vec![1e-3; segments.len()]
     }
 }
 
 #[test]
-fn a_strip_whose_gap_or_arm_is_not_a_number_fails_the_solve() {
+fn a_segment_whose_gap_or_arm_is_not_a_number_fails_the_solve() {
     let pair = plain_pair("palermo2013");
     let solver = ContactSolver::new(
         &pair,

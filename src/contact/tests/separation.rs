@@ -1,8 +1,7 @@
 //! The closed form of the separation against flanks set up from formulation.md's signed distance.
 
 use super::plain_pair;
-use crate::contact::numbers::PairNumbers;
-use crate::contact::transverse::TransverseSection;
+use crate::contact::transverse::{PairNumbers, TransverseSection};
 use crate::gear::{Gear, PairGeometry, ToothProfile};
 
 /// Signed distance G / cos beta_b of formulation.md from the involute of `gear` on the flank `sigma` in the

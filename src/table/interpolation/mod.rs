@@ -7,7 +7,6 @@
 mod basis;
 mod chain;
 mod continuation;
-mod dual;
 mod fit;
 mod frame;
 mod kernel;

@@ -6,25 +6,69 @@
 //! spacings of node k, so a node of a sparse region reaches farther. The nodes that reach into a cell are
 //! listed per axis when the table is made; no other node is looked at.
 
-use super::dual::{DIMENSIONS, Dual};
 use super::fit::Block;
+use std::array::from_fn;
+use std::ops::AddAssign;
 
 /// Distance, in node spacings, at which a node's weight vanishes. The middle of a four-dimensional cell is 1 away
 /// from its corners; half a cell beyond the edge, it is 1 again.
 const REACH: f64 = 1.75;
 
-/// A node's quadratic: value and derivatives there, by ways in spacings of the node.
-#[derive(Debug, Clone, Copy, Default)]
-struct Quadratic {
-    value: f64,
-    gradient: [f64; DIMENSIONS],
-    hessian: [[f64; DIMENSIONS]; DIMENSIONS],
+/// Coordinates: centre distance, misalignment, displacement, mesh position.
+pub const DIMENSIONS: usize = 4;
+
+/// Value with its first and second derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Dual {
+    /// Value.
+    pub value: f64,
+    /// First derivatives.
+    pub gradient: [f64; DIMENSIONS],
+    /// Second derivatives, symmetric.
+    pub hessian: [[f64; DIMENSIONS]; DIMENSIONS],
 }
 
-impl Quadratic {
-    /// At a point, by the coordinates.
+impl Dual {
+    /// 1, a constant.
+    pub const ONE: Dual = Dual {
+        value: 1.0,
+        gradient: [0.0; DIMENSIONS],
+        hessian: [[0.0; DIMENSIONS]; DIMENSIONS],
+    };
+
+    /// A function of this number from its value `f`, slope `d` and second derivative `dd` there.
     #[inline(always)]
-    fn at(&self, way: &[f64; DIMENSIONS], scale: &[f64; DIMENSIONS]) -> Dual {
+    pub fn chain(&self, f: f64, d: f64, dd: f64) -> Dual {
+        let g = &self.gradient;
+        Dual {
+            value: f,
+            gradient: from_fn(|i| d * g[i]),
+            hessian: from_fn(|i| from_fn(|j| d * self.hessian[i][j] + dd * g[i] * g[j])),
+        }
+    }
+
+    /// This number times `b`.
+    #[inline(always)]
+    pub fn times(&self, b: &Dual) -> Dual {
+        let (g, h) = (&self.gradient, &b.gradient);
+        Dual {
+            value: self.value * b.value,
+            gradient: from_fn(|i| g[i] * b.value + self.value * h[i]),
+            hessian: from_fn(|i| {
+                from_fn(|j| {
+                    self.hessian[i][j] * b.value
+                        + g[i] * h[j]
+                        + g[j] * h[i]
+                        + self.value * b.hessian[i][j]
+                })
+            }),
+        }
+    }
+
+    /// Of a quadratic with this value and these derivatives by ways in units of their own, at `way`, by the coordinates, of which
+    /// `scale` makes one such unit.
+    #[inline(always)]
+    fn moved(&self, way: &[f64; DIMENSIONS], scale: &[f64; DIMENSIONS]) -> Dual {
         let mut out = Dual {
             value: self.value,
             ..Dual::default()
@@ -38,6 +82,26 @@ impl Quadratic {
             }
         }
         out
+    }
+
+    /// This number over `b`.
+    #[inline(always)]
+    pub fn over(&self, b: &Dual) -> Dual {
+        let per = 1.0 / b.value;
+        self.times(&b.chain(per, -per * per, 2.0 * per * per * per))
+    }
+}
+
+impl AddAssign for Dual {
+    #[inline(always)]
+    fn add_assign(&mut self, b: Dual) {
+        self.value += b.value;
+        for i in 0..DIMENSIONS {
+            self.gradient[i] += b.gradient[i];
+            for j in 0..DIMENSIONS {
+                self.hessian[i][j] += b.hessian[i][j];
+            }
+        }
     }
 }
 
@@ -153,9 +217,8 @@ impl Line {
         // The middle period of a periodic axis.
         let i = if n == self.count { i } else { i + self.count };
         let first = i.clamp(1, n - 2) - 1;
-        let t: [f64; 3] =
-            std::array::from_fn(|k| (self.nodes[first + k] - self.nodes[i]) * self.scale[i]);
-        Some(std::array::from_fn(|k| {
+        let t: [f64; 3] = from_fn(|k| (self.nodes[first + k] - self.nodes[i]) * self.scale[i]);
+        Some(from_fn(|k| {
             let (a, b) = (t[(k + 1) % 3], t[(k + 2) % 3]);
             let denominator = (t[k] - a) * (t[k] - b);
             (
@@ -172,25 +235,24 @@ impl Line {
 pub struct Scatter {
     lines: [Line; DIMENSIONS],
     strides: [usize; DIMENSIONS],
-    quadratics: Vec<Quadratic>,
+    quadratics: Vec<Dual>,
 }
 
 impl Scatter {
     /// Through `values` at `nodes`; the last coordinate has period 1. A coordinate with one node is not there.
     pub fn new(nodes: [&[f64]; DIMENSIONS], values: &Block) -> Self {
-        let lines: [Line; DIMENSIONS] = std::array::from_fn(|i| Line::new(nodes[i], i == 3));
-        let strides: [usize; DIMENSIONS] = std::array::from_fn(|i| values.stride(i));
+        let lines: [Line; DIMENSIONS] = from_fn(|i| Line::new(nodes[i], i == 3));
+        let strides: [usize; DIMENSIONS] = from_fn(|i| values.stride(i));
         let parabolas: Vec<Vec<_>> = lines
             .iter()
             .map(|l| (0..l.count).map(|i| l.parabola(i)).collect())
             .collect();
         let v = &values.values;
         let quadratic = |at: usize| {
-            let index: [usize; DIMENSIONS] =
-                std::array::from_fn(|i| at / strides[i] % values.lengths[i]);
-            let mut q = Quadratic {
+            let index: [usize; DIMENSIONS] = from_fn(|i| at / strides[i] % values.lengths[i]);
+            let mut q = Dual {
                 value: v[at],
-                ..Quadratic::default()
+                ..Dual::default()
             };
             for i in 0..DIMENSIONS {
                 let Some(along) = &parabolas[i][index[i]] else {
@@ -234,10 +296,9 @@ impl Scatter {
     /// over all others: nothing is infinite at a node, and no neighbourhood of it has a rule of its own.
     pub fn at(&self, x: [f64; DIMENSIONS]) -> Dual {
         let mut near = [[Near::default(); MOST]; DIMENSIONS];
-        let counts: [usize; DIMENSIONS] =
-            std::array::from_fn(|i| self.lines[i].near(x[i], &mut near[i]));
+        let counts: [usize; DIMENSIONS] = from_fn(|i| self.lines[i].near(x[i], &mut near[i]));
         // Distances add up axis by axis, so the nearest node is the nearest along each.
-        let nearest: [usize; DIMENSIONS] = std::array::from_fn(|i| {
+        let nearest: [usize; DIMENSIONS] = from_fn(|i| {
             let way = |n: &usize| near[i][*n].way.abs();
             (0..counts[i])
                 .min_by(|a, b| way(a).total_cmp(&way(b)))
@@ -269,7 +330,7 @@ impl Scatter {
                 }
             }
         }
-        let (square, mut above) = self.node(std::array::from_fn(|i| &near[i][nearest[i]]));
+        let (square, mut above) = self.node(from_fn(|i| &near[i][nearest[i]]));
         let per_weight = inverse_weight(&square);
         let mut below = Dual::ONE;
         below += per_weight.times(&weights);
@@ -290,7 +351,7 @@ impl Scatter {
         let at: usize = (0..DIMENSIONS)
             .map(|i| axes[i].index * self.strides[i])
             .sum();
-        (square, self.quadratics[at].at(&way, &scale))
+        (square, self.quadratics[at].moved(&way, &scale))
     }
 }
 

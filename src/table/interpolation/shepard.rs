@@ -7,11 +7,10 @@
 
 use super::basis::{Basis, Ends};
 use super::chain;
-use super::dual::{DIMENSIONS, Dual};
 use super::fit::{Block, Fit, breaks, integrated, make_increasing};
 use super::frame::Frame;
 use super::kernel::{ANY, Jet, SECOND, Shape};
-use super::scatter::{Scatter, saturated};
+use super::scatter::{DIMENSIONS, Dual, Scatter, saturated};
 use super::tensor::Tensor;
 use crate::table::{Axis, FlankGrid, Potential, Query, TableError};
 use crate::vector::Lanes;

@@ -139,12 +139,15 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         self.shape.bytes() + self.frame.bytes() + moment
     }
 
-    /// See [`FlankTable::evaluate`](super::FlankTable::evaluate). Values are compiled for the axes that there are, with the
-    /// registers that nearly every processor has and a mesh position; all else shares one evaluation, since each more would
+    /// See [`FlankTable::evaluate`](super::FlankTable::evaluate). Values are compiled for the displacement alone, and for the axes
+    /// that there are with the registers that nearly every processor has and a mesh position; all else shares one evaluation, since each more would
     /// cost seconds of every build.
     pub fn evaluate(&self, lanes: Lanes, q: &Query, want_hessian: bool) -> Potential {
         if want_hessian {
             return self.on::<true, ANY>(lanes, q);
+        }
+        if self.frame.axes() == 0 {
+            return self.on::<false, 0>(lanes, q);
         }
         if !lanes.are_wide() {
             return self.on::<false, ANY>(lanes, q);

@@ -3,11 +3,11 @@
 use super::Sampled;
 use crate::page::{Page, fixed};
 use crate::plot::{Series, Style};
+use crate::spring::Spring;
 use crate::timing::{Candidate, medians, timed};
 use crate::{Context, Result, row};
 use gearmesh::gear::Flank;
 use gearmesh::random::Random;
-use gearmesh::table::samples::Spring;
 use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
 
 const POINTS: usize = 512;

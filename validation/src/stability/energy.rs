@@ -7,13 +7,13 @@ use crate::driver::{
 use crate::page::Page;
 use crate::plot::{Plot, Series};
 use crate::setup::external_and_internal;
+use crate::spring::Spring;
 use crate::{Context, Result, row};
 use gearmesh::element::{
     Element, FlankLaws, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel,
 };
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::FlankTable;
-use gearmesh::table::samples::Spring;
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
 use std::sync::Arc;

@@ -1,6 +1,8 @@
 //! Grids from formulas, for tests and benchmarks: a spring whose potential is known exactly.
 
-use super::{Axes, FlankGrid, Potential, Query};
+#![allow(dead_code)] // none needs all of it
+
+use gearmesh::table::{Axes, FlankGrid, Potential, Query};
 use std::f64::consts::TAU;
 
 /// Axes with `counts` = (displacement, centre distance, misalignment, mesh position) nodes; 1 leaves an axis out.

@@ -12,7 +12,7 @@ use gearmesh::table::{FlankTable, Interpolation, Query, Table, TableFile};
 
 const POINTS: usize = 512;
 
-/// Random points in the range of [`Spring`]'s grids.
+/// Random points in the range of `Spring`'s grids.
 fn points() -> Vec<Query> {
     let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
     let mut point = || {

@@ -22,7 +22,7 @@ const TORQUE: f64 = 60.0;
 
 /// A pair with its law.
 pub enum Case {
-    /// The sampled four-dimensional potential of [`Spring`].
+    /// The sampled four-dimensional potential of `Spring`.
     Sampled(PairGeometry),
     /// The paper's modified pair with its table.
     Real(Real),

@@ -254,6 +254,9 @@ def test_the_description_and_the_page_name_pair_damping_and_step(shipped_fmus, n
         return float(found.group(1))
 
     step = description.defaultExperiment.stepSize
+    cost = re.search(r"<code>stepSize</code>: ([0-9.]+) % rms", text)
+    assert 0 < float(cost.group(1)) < 0.7
+    assert f"costs {float(cost.group(1)):.2f} % rms" in gearmesh("inspect", shipped_fmus[name])
     assert row("<code>stepSize</code>") == pytest.approx(float(step), rel=1e-3)
     assert row("<code>damping</code> c") == pytest.approx(float(start["damping"]), rel=1e-3)
     k, m = row("mean tangent stiffness k at nominal torque"), row("reduced mass m on the pitch circle, both spinning")

@@ -47,9 +47,11 @@ pub(super) fn files(
     unit: &UnitFile,
     tables: Option<&TableFile>,
     coupling: &Coupling,
+    step_error: Option<f64>,
     example: Option<String>,
 ) -> Vec<(String, Vec<u8>)> {
-    let page = page(unit, tables, coupling, example.is_some());
+    let damping_and_step = step(coupling, step_error);
+    let page = page(unit, tables, &damping_and_step, example.is_some());
     let files = [
         ("index.html", page.as_str()),
         ("licenses/license.txt", LICENCE),
@@ -67,7 +69,7 @@ pub(super) fn files(
         .collect()
 }
 
-fn page(unit: &UnitFile, tables: Option<&TableFile>, coupling: &Coupling, example: bool) -> String {
+fn page(unit: &UnitFile, tables: Option<&TableFile>, coupling: &str, example: bool) -> String {
     let frames = FRAMES.find("<svg").map_or(FRAMES, |start| &FRAMES[start..]);
     let mut starts = template_starts();
     for (i, v) in VARIABLES.iter().enumerate() {
@@ -85,7 +87,7 @@ fn page(unit: &UnitFile, tables: Option<&TableFile>, coupling: &Coupling, exampl
             "@EXAMPLE@",
             &first_run(starts[index::NOMINAL_TORQUE], example),
         )
-        .replace("@COUPLING@", &step(coupling))
+        .replace("@COUPLING@", coupling)
         .replace("@PARAMETERS@", &variables(Causality::Parameter, &starts))
         .replace("@INPUTS@", &variables(Causality::Input, &starts))
         .replace("@OUTPUTS@", &variables(Causality::Output, &starts))
@@ -140,7 +142,7 @@ fn first_run(torque: f64, example: bool) -> String {
 }
 
 /// Damping and communication step, with the numbers of this unit.
-fn step(c: &Coupling) -> String {
+fn step(c: &Coupling, step_error: Option<f64>) -> String {
     let [b1, b2] = &c.blanks;
     #[rustfmt::skip]
     let blanks = [
@@ -169,6 +171,14 @@ fn step(c: &Coupling) -> String {
         table(&["", "gear 1", "gear 2"], blanks),
         table(&[], numbers)
     );
+    if let Some(error) = step_error {
+        let _ = write!(
+            out,
+            "\n<p>Error of <code>mesh.transmissionError</code> at this <code>stepSize</code>: {} % rms of its variation, while both \
+             discs spin at 750 tooth pitches a second and take up the nominal torque within 2 ms.</p>",
+            short(100.0 * error)
+        );
+    }
     if c.held && c.damping == 0.0 {
         let _ = write!(
             out,

@@ -109,7 +109,7 @@ fn table(starts: &[f64], rows: &[[f64; 2]]) -> String {
 }
 
 /// `starts` with both gears turned on by `spins`, in angles and in quaternions.
-fn turned(starts: &[f64], spins: [f64; 2]) -> Vec<f64> {
+pub(super) fn turned(starts: &[f64], spins: [f64; 2]) -> Vec<f64> {
     let mut inputs = starts.to_vec();
     for (gear, spin) in spins.into_iter().enumerate() {
         let first = gear * BODY_INPUTS;

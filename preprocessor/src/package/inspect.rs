@@ -15,6 +15,8 @@ use gearmesh::table::InterpolationError;
 /// Longest file that is read from a unit, bytes: some hundred times the tables of a pair.
 const LONGEST_FILE: u64 = 256 << 20;
 
+const DESCRIPTION: &str = "modelDescription.xml";
+
 /// Most files of a unit that is looked into; one of gearmesh has some twenty.
 const MOST_FILES: usize = 10_000;
 
@@ -86,6 +88,8 @@ pub struct Inspection {
     pub unit: UnitFile,
     /// Text of the tables, if there are any.
     pub tables: Option<String>,
+    /// Communication step of the default experiment, s.
+    pub step_size: f64,
     /// How far contact at run time is from static contact on more stations, if that was measured.
     pub contact_error: Option<InterpolationError>,
     /// Platforms there are libraries for, in words, each with what its library needs.
@@ -119,6 +123,11 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
         text(&unit)?.ok_or_else(|| faulty(&unit, "is missing; it was not packed by gearmesh"))?;
     let unit = parse_unit(&found).map_err(|reason| faulty(&unit, &reason))?;
     let tables = text(&format!("resources/{TABLES_FILE}"))?;
+    let description = text(DESCRIPTION)?.unwrap_or_default();
+    let step_size = description.split_once("stepSize=\"");
+    let step_size = step_size.and_then(|(_, rest)| rest.split('"').next()?.parse().ok());
+    let step_size =
+        step_size.ok_or_else(|| faulty(DESCRIPTION, "no stepSize in its default experiment"))?;
     let contact = format!("resources/{CONTACT_FILE}");
     let contact_error = match bytes(&contact)?.as_deref().map(ContactFile::from_bytes) {
         Some(found) => found.map_err(|reason| faulty(&contact, &reason))?.error,
@@ -137,6 +146,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
     Ok(Inspection {
         unit,
         tables,
+        step_size,
         contact_error,
         platforms,
         files,

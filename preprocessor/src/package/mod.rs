@@ -13,6 +13,7 @@ mod library;
 mod mass;
 mod settings;
 mod starts;
+mod step_error;
 mod stiffness;
 
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ pub use library::{Library, libraries_beside};
 pub use mass::Blank;
 pub use settings::{Setting, SettingError};
 pub use starts::{Starts, meshing_spin};
+pub use step_error::step_error;
 pub use stiffness::{Stiffness, estimated_stiffness, theoretical_pair_stiffness};
 
 use gearmesh::contact::ContactFile;
@@ -166,7 +168,10 @@ pub fn pack(
     let example = example::signals(&resources)?;
     let unit = &resources.unit;
     let tables = contents.tables;
-    files.extend(documentation::files(unit, tables, &coupling, example));
+    let error = step_error(unit, tables, coupling.step());
+    files.extend(documentation::files(
+        unit, tables, &coupling, error, example,
+    ));
     for (i, library) in libraries.iter().enumerate() {
         let platform = library.platform;
         if libraries[..i]

@@ -12,11 +12,13 @@ use gearmesh::table::{Table, TableError, TableFile, TeethRecord};
 
 /// Numbers of the enumerations' items, as in modelDescription.xml.
 const CONSTANT: f64 = 1.0;
-const TABLE: f64 = 2.0;
+pub(super) const TABLE: f64 = 2.0;
+pub(super) const CONTACT: f64 = 3.0;
 const TEETH: f64 = 4.0;
 const BOTH_FLANKS: f64 = 3.0;
 const ABSOLUTE: f64 = 2.0;
 const HELD: f64 = 1.0;
+pub(super) const SEQUENTIAL: f64 = 2.0;
 const PARALLEL: f64 = 3.0;
 
 /// Start values of a unit that belong to its pair.

@@ -1,4 +1,4 @@
-"""Time of one step of a unit from C, from ctypes with arrays made beforehand, and through fmpy.
+"""Time of one step of a unit from C, from ctypes with arrays made beforehand, through fmpy, and by the masters libcosim and Ecos.
 
     python benches/fmu_step.py UNIT.fmu
 
@@ -109,6 +109,18 @@ def instance(folder, description):
     return slave
 
 
+def masters(fmu, values):
+    """Median time, ns, of a step of the masters libcosim and Ecos with this unit alone, its inputs resting at `values` (by name)."""
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+    from examples.hosts import with_ecos, with_libcosim
+
+    times = {}
+    for name, host in (("libcosim", with_libcosim), ("ecos", with_ecos)):
+        with host.resting(fmu, values, STEP) as step:
+            times[name] = median_step(step, 1000)
+    return times
+
+
 def main(fmu):
     folder = extract(fmu)
     try:
@@ -167,6 +179,7 @@ def main(fmu):
         }
         slave.terminate()
         slave.freeInstance()
+        result |= masters(fmu, {"gear1.angles[3]": values[5]})
         print(json.dumps(result))
     finally:
         shutil.rmtree(folder, ignore_errors=True)

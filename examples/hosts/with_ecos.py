@@ -2,6 +2,7 @@
 
 import tempfile
 import zipfile
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 
@@ -25,24 +26,36 @@ STRUCTURE = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def co_simulation(fmu, scenario, outputs):
+@contextmanager
+def simulation(fmu, step):
+    """The unit alone, in communication steps of `step` s."""
     EcosLib.set_log_level("err")
     with tempfile.TemporaryDirectory() as folder:
         ssp = Path(folder, "gears.ssp")
         with zipfile.ZipFile(ssp, "w") as archive:
             archive.writestr("SystemStructure.ssd", STRUCTURE)
             archive.write(fmu, "resources/mesh.fmu")
-        step = float(scenario.times[1] - scenario.times[0])
-        with EcosSimulation(step, ssp_path=str(ssp)) as simulation:
-            rows = []
+        with EcosSimulation(step, ssp_path=str(ssp)) as running:
+            yield running
 
-            def hand_over(row):
-                for name, value in zip(scenario.names, row):
-                    simulation.set_real(f"mesh::{name}", float(value))
 
-            simulation.init()
-            for row in scenario.values[:-1]:
-                hand_over(row)
-                simulation.step()
-                rows.append([simulation.get_real(f"mesh::{name}") for name in outputs])
-            return np.array(rows)
+@contextmanager
+def resting(fmu, values, step):
+    """A function that makes one step with the inputs at rest, those in `values` not at their start."""
+    with simulation(fmu, step) as running:
+        running.init()
+        for name, value in values.items():
+            running.set_real(f"mesh::{name}", value)
+        yield running.step
+
+
+def co_simulation(fmu, scenario, outputs):
+    rows = []
+    with simulation(fmu, float(scenario.times[1] - scenario.times[0])) as running:
+        running.init()
+        for row in scenario.values[:-1]:
+            for name, value in zip(scenario.names, row):
+                running.set_real(f"mesh::{name}", float(value))
+            running.step()
+            rows.append([running.get_real(f"mesh::{name}") for name in outputs])
+    return np.array(rows)

@@ -22,12 +22,13 @@ use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
 
 /// In the order of the page.
-pub const CHAPTERS: [(&str, Chapter); 9] = [
+pub const CHAPTERS: [(&str, Chapter); 10] = [
     ("machine", |_, page| page.part("machine", &timing::description())),
     ("interpolants", interpolants::report),
     ("element", element::report),
     ("effects", effects::report),
     ("growth", growth::report),
+    ("cost-per-second", hosts::cost),
     ("hosts", hosts::report),
     ("run-up", run_up::report),
     ("preprocessing", preprocessing::report),

@@ -103,7 +103,7 @@ fn ratio(pair: &PairGeometry) -> f64 {
 }
 
 /// What so many bisections leave between the values inside, where `holds`, and outside.
-fn last_that_holds(
+pub fn last_that_holds(
     [mut inside, mut outside]: [f64; 2],
     bisections: usize,
     mut holds: impl FnMut(f64) -> Result<bool>,

@@ -9,6 +9,7 @@ mod cache;
 mod case;
 mod columns;
 mod cost;
+mod drawing;
 mod flank_summary;
 mod import;
 mod inspect;

@@ -22,6 +22,7 @@ mod pair_summary;
 mod preflight;
 mod progress;
 mod report;
+mod rexs;
 mod solve;
 mod study;
 mod tables;

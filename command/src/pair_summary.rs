@@ -16,8 +16,8 @@ use crate::output::{Listing, rows};
 pub fn pair_summary(pair: &Pair, gauges: [Gauges; 2]) -> String {
     let mut text = format!("{}\n", pair.name);
     let _ = write!(text, "{}", in_mesh(pair));
-    for i in 0..2 {
-        let _ = write!(text, "\ngear {}\n{}", i + 1, gear(pair, i, gauges[i]));
+    for (i, gauges) in gauges.into_iter().enumerate() {
+        let _ = write!(text, "\ngear {}\n{}", i + 1, gear(pair, i, gauges));
     }
     let _ = write!(text, "\noperating\n{}", operating(pair));
     for warning in &pair.warnings {

@@ -557,9 +557,9 @@ impl<'a> Draft<'a> {
             ("tool_tip_radius_coefficient", "0.38"),
             ("youngs_modulus_gpa", "206"),
         ] {
-            if !fields.contains_key(default)
-                && !(default == "dedendum_coefficient" && fields.contains_key("root_diameter_mm"))
-            {
+            let is_given = fields.contains_key(default)
+                || default == "dedendum_coefficient" && fields.contains_key("root_diameter_mm");
+            if !is_given {
                 self.assumed.push(format!("{name}.{default} = {what}"));
             }
         }

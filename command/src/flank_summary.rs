@@ -92,6 +92,7 @@ fn topography(pair: &Pair, i: usize, m: &Microgeometry) -> Option<String> {
 
 fn flank(name: &str, gear: &Gear, m: &Microgeometry, rows: &mut Listing) {
     let diameters = |rolls: [f64; 2]| rolls.map(|roll| fixed(2e3 * gear.radius_at_roll(roll), 3));
+    let angle = |roll: f64| fixed((roll / gear.base_radius()).to_degrees(), 3);
     let mut row = |what: &str, words: String| {
         rows.row(format!("{name}: {what}"), words);
     };
@@ -101,7 +102,13 @@ fn flank(name: &str, gear: &Gear, m: &Microgeometry, rows: &mut Listing) {
             let (um, shape) = (um(r.amount), shape(r.shape));
             row(
                 what,
-                format!("{um} um, {shape} from diameter {from} to {to} mm"),
+                format!(
+                    "{um} um, {shape} from diameter {from} to {to} mm, roll length {} to {} mm, roll angle {} to {} deg",
+                    fixed(1e3 * r.start_roll, 4),
+                    fixed(1e3 * r.end_roll, 4),
+                    angle(r.start_roll),
+                    angle(r.end_roll),
+                ),
             );
         }
     }

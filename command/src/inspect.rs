@@ -14,6 +14,7 @@ use serde::de::IgnoredAny;
 use crate::Error;
 use crate::accuracy;
 use crate::cost;
+use crate::drawing::as_json;
 use crate::output::{self, Listing};
 use crate::pair_summary::pair_summary;
 
@@ -22,19 +23,43 @@ use crate::pair_summary::pair_summary;
 pub struct Inspect {
     /// The file
     file: PathBuf,
+
+    /// JSON of a pair file, with the quantities of a drawing
+    #[arg(long)]
+    json: bool,
 }
 
 impl Inspect {
     pub fn run(self) -> Result<(), Error> {
+        let no_json = || {
+            let place = self.file.display();
+            match self.json {
+                true => Err(format!(
+                    "--json: {place} is no pair file; leave the option out"
+                )),
+                false => Ok(()),
+            }
+        };
         let text = if is_archive(&self.file)? {
+            no_json()?;
             fmu(&self.file)?
         } else {
             let text = output::read_text(&self.file)?;
             let place = |error: Error| format!("{}: {error}", self.file.display());
             match is_tables(&text) {
-                true => table_file(&TableFile::from_json(&text).map_err(|e| place(e.into()))?)?,
+                true => {
+                    no_json()?;
+                    table_file(&TableFile::from_json(&text).map_err(|e| place(e.into()))?)?
+                }
                 // Files that it names are sought in its folder.
-                false => pair_summary(&pair::read(&self.file).map_err(|e| place(e.into()))?),
+                false => {
+                    let read = pair::read_with_gauges(&self.file);
+                    let (pair, gauges) = read.map_err(|e| place(e.into()))?;
+                    match self.json {
+                        true => format!("{:#}\n", as_json(&pair, gauges)),
+                        false => pair_summary(&pair, gauges),
+                    }
+                }
             }
         };
         output::print(&text)?;

@@ -9,6 +9,7 @@ use gearmesh_preprocessor::pair;
 
 use crate::limits;
 use crate::output;
+use crate::rexs;
 
 /// Write a commented pair file to start from.
 ///
@@ -17,20 +18,28 @@ use crate::output;
 #[derive(Debug, Args)]
 pub struct New {
     /// Numbers of teeth of gear 1 and gear 2
-    #[arg(long, num_args = 2, value_names = ["Z1", "Z2"], required = true)]
+    #[arg(long, num_args = 2, value_names = ["Z1", "Z2"], required_unless_present = "rexs")]
     teeth: Vec<u32>,
 
     /// Normal module, mm
-    #[arg(long, value_parser = limits::finite)]
-    module_mm: f64,
+    #[arg(long, required_unless_present = "rexs", value_parser = limits::finite)]
+    module_mm: Option<f64>,
 
     /// Face widths of gear 1 and gear 2, mm
-    #[arg(long, num_args = 2, value_names = ["B1", "B2"], required = true, value_parser = limits::finite)]
+    #[arg(long, num_args = 2, value_names = ["B1", "B2"], required_unless_present = "rexs", value_parser = limits::finite)]
     face_width_mm: Vec<f64>,
 
     /// Nominal torque on gear 1, N m
-    #[arg(long, value_parser = limits::finite)]
-    torque_nm: f64,
+    #[arg(long, required_unless_present = "rexs", value_parser = limits::finite)]
+    torque_nm: Option<f64>,
+
+    /// Take a cylindrical stage of this REXS file, .rexs (XML) or .rexsj (JSON); lists what it took, assumed and left
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["teeth", "module_mm", "face_width_mm", "helix_angle_deg", "pressure_angle_deg", "internal", "name"])]
+    rexs: Option<PathBuf>,
+
+    /// Component of that stage [default: the only one]
+    #[arg(long, value_name = "ID", requires = "rexs")]
+    stage: Option<u64>,
 
     /// Helix angle at the reference cylinder, degrees; > 0: gear 1 right-handed
     #[arg(long, default_value_t = 0.0, value_parser = limits::finite)]
@@ -55,6 +64,10 @@ pub struct New {
 
 impl New {
     pub fn run(self) -> Result<(), crate::Error> {
+        if let Some(file) = &self.rexs {
+            let taken = rexs::pair_file(file, self.stage, self.torque_nm)?;
+            return self.write(&taken.text, &taken.summary);
+        }
         // What is filled in follows from the pair without it.
         let bare = pair::from_json(
             &self
@@ -63,8 +76,13 @@ impl New {
         )?;
         let text = self.text(usual_backlash_um(&bare), &derived(&bare));
         pair::from_json(&text)?;
+        self.write(&text, "")
+    }
+
+    /// Writes the pair file `text`; `summary` is printed beside a file.
+    fn write(&self, text: &str, summary: &str) -> Result<(), crate::Error> {
         let Some(path) = &self.output else {
-            return Ok(output::print(&text)?);
+            return Ok(output::print(text)?);
         };
         let place = path.display();
         if path.exists() {
@@ -75,7 +93,7 @@ impl New {
         }
         output::write_whole(path, text.as_bytes())?;
         output::print(&format!(
-            "Wrote {place}; look at it with `gearmesh inspect {place}`\n"
+            "{summary}Wrote {place}; look at it with `gearmesh inspect {place}`\n"
         ))?;
         Ok(())
     }
@@ -99,20 +117,21 @@ impl New {
                 "\"bore_diameter_mm\": 0.0, // where the body is held; default: half of the root diameter",
             ],
         };
+        let torque = self.torque_nm.unwrap_or_default();
         let [shift1, shift2] = self.profile_shifts();
         let [b1, b2] = [self.face_width_mm[0], self.face_width_mm[1]];
         format!(
             include_str!("new.template.json"),
             name = serde_json::Value::from(name),
-            module = self.module_mm,
+            module = self.module_mm.unwrap_or_default(),
             alpha = self.pressure_angle_deg,
             beta = self.helix_angle_deg,
             offset = rounded(0.5 * (b1 - b2)),
             z1 = self.teeth[0],
             z2 = self.teeth[1],
             round = self.tool_tip_radius(),
-            torque = self.torque_nm,
-            most = rounded(1.5 * self.torque_nm),
+            torque = torque,
+            most = rounded(1.5 * torque),
             derived = derived,
             meshing = meshing,
             of_ring = of_ring,

@@ -1,21 +1,23 @@
 //! What a pair is, in the figures an engineer checks first against the drawing.
 
-use gearmesh_preprocessor::pair;
+use gearmesh_preprocessor::pair::{self, Gauges};
 use std::fmt::Write;
 
 use gearmesh::gear::{Gear, GearKind, ToothProfile};
 use gearmesh::pair::Pair;
 use gearmesh::words::{fixed, rounded};
 
+use crate::columns;
+use crate::drawing::{hand, quantities};
 use crate::flank_summary::{modifications, tooth_errors, topographies};
 use crate::output::{Listing, rows};
 
 /// The pair in text: geometry in mesh, each gear, its modifications, the ranges to be covered.
-pub fn pair_summary(pair: &Pair) -> String {
+pub fn pair_summary(pair: &Pair, gauges: [Gauges; 2]) -> String {
     let mut text = format!("{}\n", pair.name);
     let _ = write!(text, "{}", in_mesh(pair));
-    for i in 0..2 {
-        let _ = write!(text, "\ngear {}\n{}", i + 1, gear(pair, i));
+    for (i, gauges) in gauges.into_iter().enumerate() {
+        let _ = write!(text, "\ngear {}\n{}", i + 1, gear(pair, i, gauges));
     }
     let _ = write!(text, "\noperating\n{}", operating(pair));
     for warning in &pair.warnings {
@@ -42,11 +44,16 @@ pub fn at_build(pair: &Pair) -> Vec<String> {
 fn thinning(pair: &Pair) -> String {
     let g = &pair.geometry;
     let cos_phi = g.operating_pressure_angle(g.center_distance).cos();
-    // Both gears are thinned alike.
-    let um = g.gears[0].tooth_thinning / cos_phi * 1e6;
+    let [first, second] = g
+        .gears
+        .each_ref()
+        .map(|g| fixed(g.tooth_thinning / cos_phi * 1e6, 1));
+    let by = match first == second {
+        true => format!("each thinned by {first} um"),
+        false => format!("thinned by {first} um on gear 1 and {second} um on gear 2,"),
+    };
     format!(
-        "each thinned by {} um at the operating pitch circle, from the thickness without backlash that its profile shift gives",
-        fixed(um, 1)
+        "{by} at the operating pitch circle, from the thickness without backlash that its profile shift gives"
     )
 }
 
@@ -58,10 +65,9 @@ pub fn in_mesh(pair: &Pair) -> Listing {
     let overlap = g.overlap_ratio();
     let phi = g.operating_pressure_angle(c);
     let loa_force = pair.operating.nominal_torque / g.gears[0].base_radius();
-    let hand = match (g.gears[0].helix_angle > 0.0, g.gears[0].hand > 0.0) {
-        (false, _) => "",
-        (true, true) => ", gear 1 right-handed",
-        (true, false) => ", gear 1 left-handed",
+    let hand = match g.gears.each_ref().map(hand) {
+        ["spur", _] => String::new(),
+        [one, two] => format!(", gear 1 {one}-handed, gear 2 {two}-handed"),
     };
     let meshing = g.ring().map_or("external", |_| "internal");
     let backlash = |share: f64| fixed(g.backlash(c) * share * 1e6, 1);
@@ -79,13 +85,14 @@ pub fn in_mesh(pair: &Pair) -> Listing {
         "base pitch, transverse" => "{:.4} mm", g.base_pitch() * 1e3;
         "backlash on the line of action" => "{} um", backlash(1.0);
         "backlash at the operating pitch circle" => "{} um", backlash(1.0 / phi.cos());
+        "backlash normal to the flanks j_bn" => "{} um", backlash(g.base_helix_angle().cos());
         "teeth" => "{}", thinning(pair);
         "normal force at nominal torque" => "{:.1} N", loa_force / g.base_helix_angle().cos();
     }
     rows
 }
 
-fn gear(pair: &Pair, i: usize) -> Listing {
+fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Listing {
     let mesh = &pair.geometry;
     let g = &mesh.gears[i];
     let ring = if g.kind == GearKind::Ring {
@@ -129,6 +136,7 @@ fn gear(pair: &Pair, i: usize) -> Listing {
         "root diameter" => "{}", diameter(g.root_radius());
         format!("{held} diameter") => "{}", diameter(g.held_radius);
     }
+    columns::list(&mut rows, &quantities(pair, i, gauges), &());
     body(g, &mut rows);
     rows! { rows;
         "material" => "E {:.1} GPa, Poisson ratio {}", g.youngs_modulus * 1e-9, g.poisson_ratio;

@@ -78,7 +78,8 @@ pub struct Report {
 
 impl Report {
     pub fn run(self) -> Result<(), Error> {
-        let mut pair = self.model.applied_to(pair::read(&self.pair)?);
+        let (pair, gauges) = pair::read_with_gauges(&self.pair)?;
+        let mut pair = self.model.applied_to(pair);
         for &torque in &self.torques_nm {
             widen(&mut pair, torque, [0.0; 2], [0.0; 2]);
         }
@@ -94,7 +95,7 @@ impl Report {
 
         let mut page = Page::new(&format!("Static tooth contact: {}", pair.name));
         page.section("Pair", &format!("Elastic model: {}.", model.description));
-        page.preformatted(&pair_summary(&pair));
+        page.preformatted(&pair_summary(&pair, gauges));
         if let Some(path) = &self.tables {
             let file = TableFile::read(path)?;
             if file.geometry.pair_geometry()? != pair.geometry {

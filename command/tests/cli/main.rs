@@ -3,6 +3,7 @@
 mod inspecting;
 mod models;
 mod reporting;
+mod rexs;
 mod solving;
 mod studying;
 mod tables;

@@ -1,7 +1,7 @@
 //! What can be said of each field on its own, before any geometry is built from it.
 
 use super::error::{Refusal, ensure, refusal};
-use super::file::{EndReliefFile, FlankFile, GearFile, Meshing, PairFile};
+use super::file::{Dimension, EndReliefFile, FlankFile, GearFile, Meshing, PairFile};
 use super::modifications::STEEPEST;
 use super::slips;
 use gearmesh::words::{number, rounded};
@@ -67,9 +67,10 @@ pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
     check("", &[
         ("normal_module_mm", Some(module), MODULES, slips::module(module)),
         ("normal_pressure_angle_deg", Some(alpha), Within(10.0, 35.0), slips::degrees(alpha)),
-        ("helix_angle_deg", Some(file.helix_angle_deg), Within(-60.0, 60.0), None),
+        ("helix_angle_deg", file.helix_angle_deg, Within(-60.0, 60.0), None),
         ("center_distance_mm", file.center_distance_mm, UpTo(1e5), None),
         ("backlash_um", file.backlash_um, Within(0.0, 250.0 * module), None),
+        ("normal_backlash_um", file.normal_backlash_um.map(Dimension::middle), Within(0.0, 250.0 * module), None),
         ("face_offset_mm", file.face_offset_mm, Within(-1e4, 1e4), None),
     ])?;
     for (name, gear) in [("gear1", &file.gear1), ("gear2", &file.gear2)] {
@@ -90,18 +91,34 @@ fn check_gear(name: &str, g: &GearFile, module: f64) -> Result<(), Refusal> {
     // Beyond a hundred modules of face the elastic model outgrows memory.
     let face = Within(0.05 * module, 100.0 * module);
     check(&format!("{name}."), &[
-        ("profile_shift", Some(g.profile_shift), Within(-3.0, 3.0), None),
+        ("profile_shift", g.profile_shift, Within(-3.0, 3.0), None),
+        ("profile_shift_iso_21771", g.profile_shift_iso_21771, Within(-3.0, 3.0), None),
+        ("ball_diameter_mm", g.ball_diameter_mm, UpTo(5.0 * module), None),
+        ("span_teeth", g.span_teeth.map(f64::from), Within(1.0, f64::from(g.teeth)), None),
         ("face_width_mm", Some(g.face_width_mm), UpTo(1e4), None),
         ("face_width_mm", Some(g.face_width_mm), face, slips::face_width(g.face_width_mm, module)),
         ("tip_diameter_mm", g.tip_diameter_mm, UpTo(1e5), None),
         ("addendum_coefficient", g.addendum_coefficient, UpTo(3.0), None),
-        ("dedendum_coefficient", Some(g.dedendum_coefficient), UpTo(3.0), None),
+        ("dedendum_coefficient", g.dedendum_coefficient, UpTo(3.0), None),
         ("tool_tip_radius_coefficient", Some(g.tool_tip_radius_coefficient), Within(0.0, 1.0), None),
         ("bore_diameter_mm", g.bore_diameter_mm, UpTo(1e5), None),
         ("rim_diameter_mm", g.rim_diameter_mm, UpTo(1e5), None),
         ("youngs_modulus_gpa", Some(g.youngs_modulus_gpa), UpTo(2000.0), slips::modulus(g.youngs_modulus_gpa)),
         ("poisson_ratio", Some(g.poisson_ratio), Within(0.0, 0.49), None),
     ])?;
+    let dimensions = [
+        ("normal_tooth_thickness_mm", g.normal_tooth_thickness_mm),
+        ("span_measurement_mm", g.span_measurement_mm),
+        ("dimension_over_balls_mm", g.dimension_over_balls_mm),
+        ("root_diameter_mm", g.root_diameter_mm),
+    ];
+    for (field, dimension) in dimensions {
+        let path = format!("{name}.{field}");
+        if let Some(Dimension::Limits([low, high])) = dimension {
+            ensure!(low <= high, path => format!("[{low}, {high}]"); "is reversed"; "give the lower limit first");
+        }
+        check(&path, &[("", dimension.map(Dimension::middle), UpTo(1e5), None)])?;
+    }
     check_amounts(name, g, module)
 }
 

@@ -28,10 +28,15 @@ impl PairDraft {
         })
     }
 
-    /// The number at `field`, such as `gear1.tip_relief.amount_um`; None where there is none.
+    /// The number at `field`, such as `gear1.tip_relief.amount_um`; the middle of limits; None where there is none.
     pub fn number(&self, field: &str) -> Option<f64> {
         let path = format!("/{}", field.replace('.', "/"));
-        self.fields.pointer(&path)?.as_f64()
+        let value = self.fields.pointer(&path)?;
+        let limit = |i: usize| value.get(i)?.as_f64();
+        // Of limits the middle counts.
+        value
+            .as_f64()
+            .or_else(|| Some(0.5 * (limit(0)? + limit(1)?)))
     }
 
     /// Sets `field` to `value`, in the unit of its name; groups of fields on the way to it are made.

@@ -7,6 +7,7 @@
 use gearmesh::pair::Refinement;
 use serde::{Deserialize, Serialize};
 
+pub use super::drawing::Dimension;
 pub use super::teeth::{IndexFile, ToothErrorsFile, ToothFile, ToothFlank};
 
 /// The whole file.
@@ -23,14 +24,15 @@ pub struct PairFile {
     pub normal_module_mm: f64,
     /// Normal pressure angle of the basic rack, degrees.
     pub normal_pressure_angle_deg: f64,
-    /// Helix angle at the reference cylinder, degrees; > 0: gear 1 right-handed. Default 0.
-    #[serde(default)]
-    pub helix_angle_deg: f64,
+    /// Helix angle at the reference cylinder, degrees; > 0: gear 1 right-handed. Default: that of `lead_mm`, else 0.
+    pub helix_angle_deg: Option<f64>,
     /// Default: the centre distance without backlash that follows from the profile shifts.
     pub center_distance_mm: Option<f64>,
     /// Circumferential backlash at the operating pitch circle and nominal centre distance, both gears
     /// together. Default: what centre distance and profile shifts leave.
     pub backlash_um: Option<f64>,
+    /// Backlash normal to the flanks j_bn in place of `backlash_um`.
+    pub normal_backlash_um: Option<Dimension>,
     /// z of gear 2's z = 0 face minus gear 1's. Default 0.
     pub face_offset_mm: Option<f64>,
     /// Gear 1.
@@ -113,9 +115,25 @@ with_modifications! {
     pub struct GearFile {
         /// Number of teeth, positive for a ring, too.
         pub teeth: u32,
-        /// Profile shift coefficient; > 0 thickens teeth, widens the spaces of a ring. Default 0.
-        #[serde(default)]
-        pub profile_shift: f64,
+        /// Profile shift coefficient; > 0 thickens teeth, widens the spaces of a ring. Default: what the quantities of the
+        /// drawing say, else 0.
+        pub profile_shift: Option<f64>,
+        /// Profile shift coefficient in the sign of ISO 21771 in its place: > 0 thickens the teeth of a ring, too.
+        pub profile_shift_iso_21771: Option<f64>,
+        /// Normal tooth thickness s_n on the reference circle.
+        pub normal_tooth_thickness_mm: Option<Dimension>,
+        /// Span W_k over `span_teeth` teeth (ring: spaces).
+        pub span_measurement_mm: Option<Dimension>,
+        /// Number k of teeth in the span.
+        pub span_teeth: Option<u32>,
+        /// Dimension over balls (ring: between balls) M_dK.
+        pub dimension_over_balls_mm: Option<Dimension>,
+        /// Diameter of the balls D_M.
+        pub ball_diameter_mm: Option<f64>,
+        /// Root diameter d_f, in place of the dedendum.
+        pub root_diameter_mm: Option<Dimension>,
+        /// Lead p_z, > 0 right-handed, in place of the helix angle.
+        pub lead_mm: Option<f64>,
         /// Face width.
         pub face_width_mm: f64,
         /// Tip diameter (ring: inner). Default: from `addendum_coefficient`.
@@ -125,9 +143,8 @@ with_modifications! {
         pub tip_form_diameter_mm: Option<f64>,
         /// Addendum over the normal module. Default 1.0; only without `tip_diameter_mm`.
         pub addendum_coefficient: Option<f64>,
-        /// Dedendum of the basic rack over the normal module. Default 1.25.
-        #[serde(default = "default_dedendum")]
-        pub dedendum_coefficient: f64,
+        /// Dedendum of the basic rack over the normal module. Default: that of `root_diameter_mm`, else 1.25.
+        pub dedendum_coefficient: Option<f64>,
         /// Tip radius of the tool (ring: radius of the fillet) over the normal module. Default 0.38.
         #[serde(default = "default_tool_tip_radius")]
         pub tool_tip_radius_coefficient: f64,
@@ -209,6 +226,12 @@ pub enum ReliefStart {
     PitchPoint,
     /// At this diameter.
     DiameterMm(f64),
+    /// At this length of roll.
+    RollLengthMm(f64),
+    /// At this roll angle: the length of roll over the base radius.
+    RollAngleDeg(f64),
+    /// This length of roll before the end of the involute at the tip.
+    FromTipMm(f64),
 }
 
 /// `shape` of a relief.
@@ -292,10 +315,6 @@ pub enum FrictionLawFile {
 
 fn yes() -> bool {
     true
-}
-
-fn default_dedendum() -> f64 {
-    1.25
 }
 
 fn default_tool_tip_radius() -> f64 {

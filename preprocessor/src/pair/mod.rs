@@ -7,6 +7,7 @@
 mod bodies;
 mod checks;
 mod draft;
+pub mod drawing;
 mod error;
 pub mod file;
 mod friction;
@@ -23,6 +24,7 @@ use std::path::Path;
 
 pub use checks::TORQUES;
 pub use draft::PairDraft;
+pub use drawing::Gauges;
 pub use error::{PairError, Refusal};
 pub use teeth::note_on_teeth;
 
@@ -46,9 +48,32 @@ pub fn from_json(text: &str) -> Result<Pair, PairError> {
 /// # Errors
 /// [`PairError::Read`] when the file cannot be read, else as [`from_json`].
 pub fn read(path: impl AsRef<Path>) -> Result<Pair, PairError> {
+    Ok(read_with_gauges(path)?.0)
+}
+
+/// The pair as [`read`] gives it, and with what the tooth thickness of each gear is measured: what the file names, else what
+/// is usual.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_with_gauges(path: impl AsRef<Path>) -> Result<(Pair, [Gauges; 2]), PairError> {
     let path = path.as_ref();
     let folder = path.parent().unwrap_or(Path::new(""));
-    Ok(resolve::resolve(&text::read_fields(path)?, folder)?)
+    let file = text::read_fields(path)?;
+    let pair = resolve::resolve(&file, folder)?;
+    let gauges = [0, 1].map(|i| {
+        let (given, usual) = (
+            resolve::gear_file(&file, i),
+            Gauges::usual(&pair.geometry.gears[i]),
+        );
+        Gauges {
+            span_teeth: given.span_teeth.unwrap_or(usual.span_teeth),
+            ball_diameter: given
+                .ball_diameter_mm
+                .map_or(usual.ball_diameter, |mm| mm * resolve::MM),
+        }
+    });
+    Ok((pair, gauges))
 }
 
 #[cfg(test)]

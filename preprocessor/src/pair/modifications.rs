@@ -125,6 +125,15 @@ impl Flanks<'_> {
                 gear.roll_length(0.5 * mm * MM),
                 format!("{{\"diameter_mm\": {mm}}}"),
             ),
+            ReliefStart::RollLengthMm(mm) => (mm * MM, format!("{{\"roll_length_mm\": {mm}}}")),
+            ReliefStart::RollAngleDeg(deg) => (
+                gear.base_radius() * deg.to_radians(),
+                format!("{{\"roll_angle_deg\": {deg}}}"),
+            ),
+            ReliefStart::FromTipMm(mm) => (
+                gear.tip_form_roll() - gear.kappa() * mm * MM,
+                format!("{{\"from_tip_mm\": {mm}}}"),
+            ),
         };
         let (low, high) = (active[0].min(active[1]), active[0].max(active[1]));
         let diameter = |roll: f64| 2.0 * gear.radius_at_roll(roll) / MM;
@@ -136,12 +145,13 @@ impl Flanks<'_> {
         }
         let meant = match r.start {
             ReliefStart::DiameterMm(mm) => slips::diameter(mm, diameter(0.5 * (low + high))),
-            ReliefStart::PitchPoint => None,
+            _ => None,
         };
         let other = "give {\"diameter_mm\": ...} within it";
         let remedy = slips::remedy(meant, "give the diameter in millimetres", other);
         ensure!(is_within, format!("{path}.start") => value;
-            "lies outside the active profile, diameters {:.3} to {:.3} mm", diameter(low), diameter(high);
+            "lies outside the active profile, diameters {:.3} to {:.3} mm, lengths of roll {:.3} to {:.3} mm",
+            diameter(low), diameter(high), low / MM, high / MM;
             "{remedy}");
         let length = (end_roll - start_roll).abs();
         ensure!(r.amount_um * UM <= STEEPEST * length, format!("{path}.start") => value;

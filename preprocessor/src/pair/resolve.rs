@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::checks::check_fields;
+use super::drawing::settle;
 use super::error::{Refusal, ensure, refusal};
 use super::file::{GearFile, Meshing, PairFile};
 use super::friction::friction;
@@ -27,16 +28,18 @@ const ROUNDING_OF_CENTER_DISTANCE: f64 = 1e-6;
 /// Fills in defaults, checks, converts.
 pub(super) fn resolve(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
     check_fields(file)?;
-    resolve_checked(file, folder).map_err(|refusal| helix_in_radians(file).unwrap_or(refusal))
+    let (file, thinning) = &settle(file)?;
+    resolve_checked(file, *thinning, folder)
+        .map_err(|refusal| helix_in_radians(file).unwrap_or(refusal))
 }
 
 /// The helix angle, where in degrees instead of radians it would fit the centre distance of a pair that is refused.
 fn helix_in_radians(file: &PairFile) -> Option<Refusal> {
-    let (given, mm) = (file.helix_angle_deg, file.center_distance_mm?);
+    let (given, mm) = (file.helix_angle_deg?, file.center_distance_mm?);
     let degrees = slips::degrees(given)?;
     let free = |helix_angle_deg: f64| {
         let other = PairFile {
-            helix_angle_deg,
+            helix_angle_deg: Some(helix_angle_deg),
             ..file.clone()
         };
         let geometry = unplaced_gears(&other).ok()?;
@@ -51,11 +54,16 @@ fn helix_in_radians(file: &PairFile) -> Option<Refusal> {
     })
 }
 
-fn resolve_checked(file: &PairFile, folder: &Path) -> Result<Pair, Refusal> {
+/// `thinning`: that of the teeth of both gears on the base circle, m, where the drawing has it.
+fn resolve_checked(
+    file: &PairFile,
+    thinning: [Option<f64>; 2],
+    folder: &Path,
+) -> Result<Pair, Refusal> {
     let mut notes = Vec::new();
     let mut geometry = unplaced_gears(file)?;
     place(file, &mut geometry)?;
-    set_backlash(file, &mut geometry)?;
+    set_backlash(file, &mut geometry, thinning)?;
     shorten_default_ring(file, &mut geometry, &mut notes)?;
     let profiles = [
         check_gear(file, &geometry.gears[0], 0)?,
@@ -258,19 +266,16 @@ fn check_faces(file: &PairFile, geometry: &PairGeometry) -> Result<Vec<String>, 
 }
 
 /// Which gear is the ring: gear 2 of an internal pair, or gear 1 when it alone has a rim.
-fn ring_index(file: &PairFile) -> Option<usize> {
+pub(super) fn ring_index(file: &PairFile) -> Option<usize> {
     let has_rim = |g: &GearFile| g.rim_diameter_mm.is_some();
     let ring = usize::from(has_rim(&file.gear2) || !has_rim(&file.gear1));
     (file.meshing == Meshing::Internal).then_some(ring)
 }
 
-fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
+pub(super) fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
     let g = gear_file(file, i);
-    let hand1 = if file.helix_angle_deg < 0.0 {
-        -1.0
-    } else {
-        1.0
-    };
+    let helix_angle = file.helix_angle_deg.unwrap_or(0.0);
+    let hand1 = if helix_angle < 0.0 { -1.0 } else { 1.0 };
     // Gear 2 of an external pair has the other hand.
     let is_other = i == 1 && file.meshing == Meshing::External;
     let offset = if i == 0 { None } else { file.face_offset_mm };
@@ -281,12 +286,12 @@ fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
         hand: if is_other { -hand1 } else { hand1 },
         normal_module: file.normal_module_mm * MM,
         normal_pressure_angle: file.normal_pressure_angle_deg.to_radians(),
-        helix_angle: file.helix_angle_deg.abs().to_radians(),
-        profile_shift: g.profile_shift,
+        helix_angle: helix_angle.abs().to_radians(),
+        profile_shift: g.profile_shift.unwrap_or(0.0),
         face_width: g.face_width_mm * MM,
         face_offset: offset.unwrap_or(0.0) * MM,
         tip_radius: 0.0,
-        dedendum_coefficient: g.dedendum_coefficient,
+        dedendum_coefficient: g.dedendum_coefficient.unwrap_or(1.25),
         tool_tip_radius_coefficient: g.tool_tip_radius_coefficient,
         held_radius: 0.0,
         body: None,
@@ -298,7 +303,7 @@ fn gear(file: &PairFile, i: usize, is_ring: bool) -> Gear {
     };
     let radius = |diameter_mm: f64| 0.5 * diameter_mm * MM;
     let addendum = gear.kappa() * g.addendum_coefficient.unwrap_or(1.0);
-    let tip = gear.reference_radius() + gear.normal_module * (g.profile_shift + addendum);
+    let tip = gear.reference_radius() + gear.normal_module * (gear.profile_shift + addendum);
     gear.tip_radius = g.tip_diameter_mm.map_or(tip, radius);
     if let Some(mm) = g.tip_form_diameter_mm {
         gear.tip_chamfer = gear.kappa() * (gear.tip_radius - radius(mm));
@@ -320,46 +325,83 @@ fn backlash_free_center_distance(geometry: &PairGeometry) -> f64 {
     geometry.base_radius_sum() / inverse_involute(geometry.backlash_free_involute()).cos()
 }
 
-/// Thins both gears alike so that the file's backlash results.
-fn set_backlash(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), Refusal> {
+/// Thins the teeth as the drawing says, and those of which it does not alike, so that the backlash wanted results.
+fn set_backlash(
+    file: &PairFile,
+    geometry: &mut PairGeometry,
+    given: [Option<f64>; 2],
+) -> Result<(), Refusal> {
     let c = geometry.center_distance;
     let cos_phi = geometry.operating_pressure_angle(c).cos();
-    // Of full teeth, on the line of action.
+    let cos_b = geometry.base_helix_angle().cos();
+    for (gear, given) in geometry.gears.iter_mut().zip(given) {
+        gear.tooth_thinning = given.unwrap_or(0.0);
+    }
+    // On the line of action, that of teeth that are full as far as nothing is known.
     let natural = geometry.backlash(c);
+    let circumferential = file.backlash_um.map(|um| um * UM * cos_phi);
+    let normal = file.normal_backlash_um.map(|j| j.middle() * UM / cos_b);
+    let in_field = |k: usize, backlash: f64| backlash / UM * [1.0 / cos_phi, cos_b][k];
+    let [name1, name2] = ["backlash_um", "normal_backlash_um"];
+    if let (Some(first), Some(second)) = (circumferential, normal) {
+        ensure!((first - second).abs() <= 2.0 * UM, name2 => in_field(1, second);
+            "`{name1}` = {} says otherwise", in_field(0, first); "give one of them, or {:.1}", in_field(1, first));
+    }
+    let k = usize::from(circumferential.is_none());
+    let wanted = circumferential.or(normal);
+    let name = [name1, name2][k];
     // Beyond half a module it is no backlash, but another centre distance.
     let out_of_place = 0.5 * geometry.gears[0].normal_module * cos_phi;
-    let leaves_in_place = |um: f64| (natural - um * UM * cos_phi).abs() <= out_of_place;
-    ensure!(file.backlash_um.is_none_or(leaves_in_place), "center_distance_mm" => c / MM;
+    ensure!(wanted.is_none_or(|j| (natural - j).abs() <= out_of_place), "center_distance_mm" => c / MM;
         "module, tooth numbers and profile shifts leave a backlash of {:.3} mm there", natural / cos_phi / MM;
         "{}", check_distance(geometry));
     let free = backlash_free_center_distance(geometry);
     let is_rounding = geometry.e() * (free - c) < ROUNDING_OF_CENTER_DISTANCE;
-    let Some(um) = file.backlash_um else {
+    let Some(wanted) = wanted else {
         ensure!(natural >= 0.0 || is_rounding, "center_distance_mm" => c / MM;
             "the teeth jam by {:.1} um at the operating pitch circle", -natural / cos_phi / UM;
             "give {:.4} or {}, or thin the teeth by `backlash_um`",
             free / MM, if geometry.e() > 0.0 { "more" } else { "less" });
-        thin(geometry, -natural);
+        thin(geometry, given, -natural);
         return Ok(());
     };
+    let um = rounded(in_field(k, wanted));
+    let thinning = wanted - natural;
+    let left = in_field(k, natural);
+    if given.iter().all(Option::is_some) {
+        let slack = file.normal_backlash_um.map_or(0.0, |j| j.slack()) * UM;
+        ensure!(thinning.abs() <= ROUNDING_OF_BACKLASH + slack, name => um;
+            "tooth thicknesses and centre distance leave {left:.1} um"; "give {left:.1}, or leave it out");
+        return Ok(());
+    }
     let other = "give at least that, or change `center_distance_mm` or `profile_shift`";
     let remedy = slips::remedy(
         slips::micrometres(um),
         "give it in the unit of the name",
         other,
     );
-    let thinning = um * UM * cos_phi - natural;
     // A billionth of a metre: rounding of the file, no thicker teeth.
-    ensure!(thinning >= -1e-9, "backlash_um" => um;
-        "centre distance and profile shifts alone give {:.1} um", natural / cos_phi / UM; "{remedy}");
-    thin(geometry, thinning);
+    ensure!(thinning >= -1e-9, name => um;
+        "centre distance and profile shifts alone give {left:.1} um"; "{remedy}");
+    thin(geometry, given, thinning);
     Ok(())
 }
 
-/// Thins the teeth of both gears, together by `thinning` (m) on the line of action if that is positive.
-fn thin(geometry: &mut PairGeometry, thinning: f64) {
-    for gear in &mut geometry.gears {
-        gear.tooth_thinning = 0.5 * thinning.max(0.0);
+/// Backlash that is given beside both tooth thicknesses is rounded, m.
+const ROUNDING_OF_BACKLASH: f64 = 5.0 * UM;
+
+/// Thins the teeth, together by `thinning` (m) on the line of action if that is positive: those of gears whose thickness
+/// is not `given`, else those of both.
+fn thin(geometry: &mut PairGeometry, given: [Option<f64>; 2], thinning: f64) {
+    let is_open = given.map(|j| j.is_none());
+    let share = match is_open {
+        [true, false] | [false, true] => 1.0,
+        _ => 0.5,
+    };
+    for (gear, is_open) in geometry.gears.iter_mut().zip(is_open) {
+        if is_open || share == 0.5 {
+            gear.tooth_thinning += share * thinning.max(0.0);
+        }
     }
 }
 
@@ -386,11 +428,15 @@ fn odd_thickness(file: &PairFile, geometry: &PairGeometry) -> Option<String> {
             / (2.0 * gears[0].normal_pressure_angle.tan());
         return Some(format!(
             "the profile shifts do not fit the centre distance: x1 {} x2 = {}, and {} leaves no backlash there; \
-             `backlash_um` = {} thins each tooth by {} um, {} um of it to make room",
+             {} thins each tooth by {} um, {} um of it to make room",
             if e > 0.0 { "+" } else { "-" },
             fixed(shifts, 3),
             fixed(shifts - excess, 3),
-            rounded(file.backlash_um.unwrap_or(0.0)),
+            file.backlash_um
+                .map_or("the thickness given".into(), |um| format!(
+                    "`backlash_um` = {}",
+                    rounded(um)
+                )),
             um(0.5 * thinned),
             um(0.5 * lacking)
         ));

@@ -105,7 +105,7 @@ pub(super) fn torque(geometry: &PairGeometry, value: f64) -> Option<String> {
 pub(super) fn notes(file: &PairFile, geometry: &PairGeometry) -> Vec<String> {
     // The end of a range that is farther from nominal.
     let farther = |[low, high]: [f64; 2]| if high >= -low { high } else { low };
-    let (helix, operating) = (file.helix_angle_deg, &file.operating);
+    let (helix, operating) = (file.helix_angle_deg.unwrap_or(0.0), &file.operating);
     let mut odd = Vec::new();
     let mut note = |field: &str, value: f64, unit: &str, doubt: String| {
         odd.push(format!("`{field}` = {value} {unit} is odd: {doubt}"));

@@ -260,12 +260,17 @@ const LETTERS: &[(&str, &str)] = &[
     ("b", "face_width_mm"),
     ("beta", "helix_angle_deg"),
     ("da", "tip_diameter_mm"),
-    ("df", "dedendum_coefficient"),
+    ("df", "root_diameter_mm"),
+    ("dm", "ball_diameter_mm"),
+    ("jbn", "normal_backlash_um"),
+    ("mdk", "dimension_over_balls_mm"),
+    ("pz", "lead_mm"),
+    ("sn", "normal_tooth_thickness_mm"),
+    ("wk", "span_measurement_mm"),
     ("e", "youngs_modulus_gpa"),
     ("m", "normal_module_mm"),
     ("mn", "normal_module_mm"),
     ("nu", "poisson_ratio"),
-    ("rootdiametermm", "dedendum_coefficient"),
     ("x", "profile_shift"),
     ("z", "teeth"),
 ];
@@ -314,7 +319,10 @@ fn listed(names: &[&str]) -> String {
 /// What to say of a value of another kind, from the words of the deserialiser.
 fn mistyped(given: &str, expected: &str) -> String {
     if let Some(text) = given.strip_prefix("string ")
-        && matches!(expected, "f64" | "u32" | "u8")
+        && matches!(
+            expected,
+            "f64" | "u32" | "u8" | "a number, or [lower, upper]"
+        )
     {
         let number = text.trim_matches('"');
         let pointed = number.replace(',', ".");

@@ -3,6 +3,7 @@ use super::*;
 
 mod accepted;
 mod bodies;
+mod drawings;
 mod flanks;
 mod refused;
 mod slips;

@@ -1,0 +1,267 @@
+//! Pairs typed from the quantities of their drawings alone.
+
+use approx::{assert_abs_diff_eq, assert_relative_eq};
+use serde_json::Value;
+
+use super::*;
+use crate::pair::{
+    self,
+    drawing::{self, Gauges},
+};
+use gearmesh::gear::Gear;
+
+/// Twelve drawings. Their dimensions were computed in the signs of ISO 21771 (ring: negative tooth numbers) from profile
+/// shifts, with the involute equations of that standard solved by bisection in another program; no file has a profile shift.
+const DRAWINGS: &str = include_str!("drawings.json");
+
+fn drawings() -> Vec<Value> {
+    serde_json::from_str(DRAWINGS).unwrap()
+}
+
+fn read(file: &Value) -> Pair {
+    pair::from_json(&file.to_string()).unwrap_or_else(|error| panic!("{}: {error}", file["name"]))
+}
+
+fn refused(patch: &str) -> String {
+    let text = patched(&drawings()[0]["file"].to_string(), patch);
+    pair::from_json(&text).unwrap_err().to_string()
+}
+
+fn middle(value: &Value) -> Option<f64> {
+    let limit = |i: usize| value.get(i)?.as_f64();
+    value
+        .as_f64()
+        .or_else(|| Some(0.5 * (limit(0)? + limit(1)?)))
+}
+
+#[test]
+fn drawings_without_profile_shifts_give_the_teeth_that_they_were_computed_from() {
+    for drawing in drawings() {
+        let (file, expected) = (&drawing["file"], &drawing["expected"]);
+        let pair = read(file);
+        for (i, gear) in pair.geometry.gears.iter().enumerate() {
+            let s = 1e3 * drawing::normal_tooth_thickness(gear);
+            let right = expected["normal_tooth_thickness_mm"][i].as_f64().unwrap();
+            assert_abs_diff_eq!(s, right, epsilon = 2e-3);
+            let x = gear.kappa() * drawing::generating_profile_shift(gear, 1e-3 * s);
+            let right = expected["generating_profile_shift_iso"][i]
+                .as_f64()
+                .unwrap();
+            assert_abs_diff_eq!(x, right, epsilon = 2e-3);
+            let given = &file[format!("gear{}", i + 1)];
+            assert_abs_diff_eq!(
+                2e3 * gear.root_radius(),
+                middle(&given["root_diameter_mm"]).unwrap(),
+                epsilon = 0.011
+            );
+            shown_as_given(gear, given);
+        }
+        if let Some(helix) = expected["helix_angle_deg"].as_f64() {
+            let gear = &pair.geometry.gears[0];
+            assert_abs_diff_eq!(
+                gear.hand * gear.helix_angle.to_degrees(),
+                helix,
+                epsilon = 1e-4
+            );
+        }
+    }
+}
+
+/// The measures of a drawing come out of the gear that was read from it.
+fn shown_as_given(gear: &Gear, given: &Value) {
+    let mm = |name: &str| middle(&given[name]);
+    if let Some(w) = mm("span_measurement_mm") {
+        let k = given["span_teeth"].as_u64().unwrap() as u32;
+        assert_abs_diff_eq!(1e3 * drawing::span(gear, k).unwrap(), w, epsilon = 3e-3);
+    }
+    if let (Some(m), Some(ball)) = (mm("dimension_over_balls_mm"), mm("ball_diameter_mm")) {
+        let over = drawing::over_balls(gear, 1e-3 * ball).unwrap();
+        assert_abs_diff_eq!(1e3 * over, m, epsilon = 3e-3);
+    }
+    if let Some(lead) = mm("lead_mm") {
+        assert_relative_eq!(1e3 * drawing::lead(gear), lead, max_relative = 1e-6);
+    }
+}
+
+#[test]
+fn spans_are_those_of_published_tables() {
+    // m_n 3, 20 degrees, z 24, x 0.4: 4 teeth, with 25 degrees of helix 5 (gear technical reference of KHK).
+    for (drawing, k, mm) in [(0, 4, 32.8266), (1, 5, 42.0085)] {
+        let gear = &read(&drawings()[drawing]["file"]).geometry.gears[0];
+        assert_abs_diff_eq!(1e3 * drawing::span(gear, k).unwrap(), mm, epsilon = 1e-4);
+        assert_eq!(Gauges::usual(gear).span_teeth, k);
+    }
+    // m 2, 20 degrees, z 20: 3 teeth.
+    let gear = &read(&drawings()[2]["file"]).geometry.gears[0];
+    assert_abs_diff_eq!(
+        1e3 * drawing::span(gear, 3).unwrap(),
+        15.321,
+        epsilon = 1e-3
+    );
+}
+
+#[test]
+fn usual_gauges_touch_between_root_and_tip() {
+    for drawing in drawings() {
+        for gear in &read(&drawing["file"]).geometry.gears {
+            let gauges = Gauges::usual(gear);
+            let ball = gauges.ball_diameter;
+            let over = drawing::over_balls(gear, ball).unwrap();
+            let mut radii = vec![drawing::ball_contact_radius(gear, ball, over)];
+            radii.extend(
+                drawing::span(gear, gauges.span_teeth)
+                    .map(|w| drawing::span_contact_radius(gear, w)),
+            );
+            let (low, high) = (
+                gear.root_radius().min(gear.tip_radius),
+                gear.root_radius().max(gear.tip_radius),
+            );
+            assert!(
+                radii.iter().all(|r| (low..high).contains(r)),
+                "{}: {radii:?}",
+                drawing["file"]["name"]
+            );
+        }
+    }
+}
+
+#[test]
+fn quantities_that_do_not_fit_are_refused_with_those_that_would() {
+    for (patch, field, right) in [
+        (
+            r#"{"gear1": {"span_measurement_mm": 32.9, "normal_tooth_thickness_mm": 5.5859}}"#,
+            "span_measurement_mm",
+            "give 32.8266",
+        ),
+        (
+            r#"{"gear1": {"profile_shift": 0.3}}"#,
+            "span_measurement_mm",
+            "32.6214",
+        ),
+        (
+            r#"{"gear1": {"span_teeth": 5}}"#,
+            "span_measurement_mm",
+            "span_teeth",
+        ),
+        (
+            r#"{"gear1": {"span_teeth": null}}"#,
+            "span_measurement_mm",
+            "span_teeth",
+        ),
+        (
+            r#"{"gear1": {"ball_diameter_mm": 5.25, "dimension_over_balls_mm": 81.4}}"#,
+            "dimension_over_balls_mm",
+            "give 81.317",
+        ),
+        (
+            r#"{"gear1": {"dedendum_coefficient": 1.4, "profile_shift": 0.4}}"#,
+            "root_diameter_mm",
+            "give 66.000",
+        ),
+        (
+            r#"{"gear1": {"profile_shift": 0.4, "profile_shift_iso_21771": 0.3}}"#,
+            "profile_shift_iso_21771",
+            "0.4",
+        ),
+        (r#"{"gear1": {"lead_mm": 100}}"#, "lead_mm", "spur"),
+        (
+            r#"{"helix_angle_deg": 10, "gear1": {"lead_mm": 1300}}"#,
+            "lead_mm",
+            "give 1302.6",
+        ),
+        (
+            r#"{"gear1": {"span_measurement_mm": [32.9, 32.8]}}"#,
+            "span_measurement_mm",
+            "lower limit first",
+        ),
+        (
+            r#"{"gear1": {"span_measurement_mm": "32,8"}}"#,
+            "span_measurement_mm",
+            "32.8",
+        ),
+        (
+            r#"{"gear1": {"span_measurement_mm": [1, 2, 3]}}"#,
+            "span_measurement_mm",
+            "[lower, upper]",
+        ),
+        (r#"{"backlash_um": 40}"#, "backlash_um", "leave"),
+        (
+            r#"{"normal_backlash_um": 40}"#,
+            "normal_backlash_um",
+            "leave",
+        ),
+    ] {
+        let error = refused(patch);
+        assert!(
+            error.contains(field) && error.contains(right),
+            "{patch}: {error}"
+        );
+    }
+}
+
+#[test]
+fn the_profile_shift_of_a_ring_has_the_sign_of_its_field() {
+    let ours = pair::from_json(INTERNAL).unwrap();
+    let iso = r#"{"gear2": {"profile_shift": null, "profile_shift_iso_21771": -0.2}}"#;
+    let iso = pair::from_json(&patched(INTERNAL, iso)).unwrap();
+    assert_eq!(ours, iso);
+    let external = r#"{"gear1": {"profile_shift": null, "profile_shift_iso_21771": 0.2}}"#;
+    assert_eq!(ours, pair::from_json(&patched(INTERNAL, external)).unwrap());
+}
+
+#[test]
+fn normal_backlash_is_that_of_the_flanks() {
+    let normal = r#"{"backlash_um": null, "normal_backlash_um": [60, 100]}"#;
+    let pair = pair::from_json(&patched(HELICAL, normal)).unwrap();
+    let g = &pair.geometry;
+    let j = g.backlash(g.center_distance) * g.base_helix_angle().cos();
+    assert_relative_eq!(j, 80e-6, max_relative = 1e-9);
+}
+
+#[test]
+fn a_relief_starts_where_any_of_its_forms_says() {
+    let diameter = pair::from_json(SPUR).unwrap();
+    let gear = &diameter.geometry.gears[0];
+    let start = diameter.microgeometry.drive[0]
+        .tip_relief
+        .unwrap()
+        .start_roll;
+    let angle = (start / gear.base_radius()).to_degrees();
+    let from_tip = 1e3 * (gear.tip_form_roll() - start);
+    for (name, value) in [
+        ("roll_length_mm", 1e3 * start),
+        ("roll_angle_deg", angle),
+        ("from_tip_mm", from_tip),
+    ] {
+        let patch = format!(
+            r#"{{"gear1": {{"tip_relief": {{"start": {{"diameter_mm": null, "{name}": {value}}}}}}}}}"#
+        );
+        let pair = pair::from_json(&patched(SPUR, &patch)).unwrap();
+        let read = pair.microgeometry.drive[0].tip_relief.unwrap().start_roll;
+        assert_relative_eq!(read, start, max_relative = 1e-9);
+        let beyond = patch.replace(&value.to_string(), "300");
+        let error = pair::from_json(&patched(SPUR, &beyond))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains(name) && error.contains("lengths of roll"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_draft_varies_the_middle_of_limits() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pair.json");
+    std::fs::write(&path, drawings()[5]["file"].to_string()).unwrap();
+    let mut draft = PairDraft::read(&path).unwrap();
+    let s = draft.number("gear1.normal_tooth_thickness_mm").unwrap();
+    let before = draft.pair().unwrap().geometry;
+    draft
+        .set("gear1.normal_tooth_thickness_mm", s - 0.01)
+        .unwrap();
+    let after = draft.pair().unwrap().geometry;
+    let [a, b] = [&before, &after].map(|g| drawing::normal_tooth_thickness(&g.gears[0]));
+    assert_abs_diff_eq!(a - b, 10e-6, epsilon = 1e-9);
+}

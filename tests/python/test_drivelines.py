@@ -47,6 +47,21 @@ def test_bearings_carry_what_statics_asks_for():
     assert housing.deviation_from_statics(line, history) < 2e-3
 
 
+def test_the_run_up_by_co_simulation_is_that_of_model_exchange():
+    def runs(coupling):
+        mesh = housing.run_up("variable load", duration=0.1, coupling=coupling)
+        return mesh.time, mesh.mesh["mesh.tangentialForce"], mesh.mesh["mesh.transmissionError"]
+
+    time, force, error = runs(None)
+    for coupling in ("sequential", "parallel"):
+        _, found_force, found_error = runs(coupling)
+        assert found_force.max() == pytest.approx(force.max(), rel=0.02)
+        # Evenly accelerated: the share of the time is the share of the speed.
+        assert time[found_force.argmax()] == pytest.approx(time[force.argmax()], rel=0.005)
+        assert found_force.std() == pytest.approx(force.std(), rel=0.005)
+        assert np.sqrt(np.mean((found_error - error) ** 2)) < 0.02 * error.std()
+
+
 def test_vibration_of_the_mesh_comes_with_its_changing_stiffness_alone():
     swing = {}
     for variant in ("variable load", "constant stiffness"):

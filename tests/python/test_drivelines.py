@@ -212,13 +212,19 @@ def test_predicted_loads_bear_twice_the_packed_step_and_err_by_less_than_a_perce
     assert masters.distance(found, reference) < 0.01
 
 
-
 def test_an_idle_gear_bounces_once_a_period_where_its_restitution_lets_it():
     low, high = idle.period_one(idle.restitution())
     assert low < 1.0 < high
     below, within = idle.shaken(0.9 * low, periods=30), idle.shaken(1.0, periods=30)
     assert np.abs(below).max() < 2e-6
     assert within.min() > 3e-5 and np.ptp(within) < 4e-6
+
+
+def test_an_idle_gear_rattles_by_co_simulation_as_by_model_exchange_once_loads_are_predicted():
+    flight = {c: idle.shaken(1.0, periods=30, coupling=c).mean() for c in (None, "sequential", "parallel", "held")}
+    for coupling in ("sequential", "parallel"):
+        assert flight[coupling] == pytest.approx(flight[None], rel=5e-3)
+    assert flight["held"] > 1.015 * flight[None]
 
 
 def test_an_idle_gear_in_a_gearbox_rattles_once_its_drag_cannot_follow():

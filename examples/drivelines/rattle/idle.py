@@ -24,11 +24,13 @@ STEP = 1e-5
 
 
 class Turning:
-    """One pair of which both gears turn on fixed axes."""
+    """One pair of which both gears turn on fixed axes; with a `coupling` by co-simulation, in steps of `STEP`."""
 
-    def __init__(self, name: str, parameters: dict):
-        self.pair = GearPair(shipped(name), parameters, "model-exchange")
+    def __init__(self, name: str, parameters: dict, coupling: str | None = None):
+        choices = parameters | ({"coupling": coupling} if coupling else {})
+        self.pair = GearPair(shipped(name), choices, "co-simulation" if coupling else "model-exchange")
         self.pair.initialize()
+        self.ask = (lambda: self.pair.step(STEP)) if coupling else (lambda: self.pair.evaluate(0.0))
         at_input, at_output = self.pair.input, self.pair.output
         self.places = [at_input[f"gear{g}.{q}[3]"] for g in (1, 2) for q in ("angles", "angularVelocity")]
         self.moments = [at_output[f"gear{g}.moment[3]"] for g in (1, 2)]
@@ -38,7 +40,7 @@ class Turning:
         u, y = self.pair.u, self.pair.y
         for place, value in zip(self.places, motion):
             u[place] = value
-        self.pair.evaluate(0.0)
+        self.ask()
         return y[self.moments[0]], y[self.moments[1]]
 
     def close(self) -> None:
@@ -70,13 +72,14 @@ def period_one(r: float) -> tuple[float, float]:
     return low, float(np.sqrt(low**2 + 4.0 * (1.0 + r * r) ** 2 / (1.0 + r) ** 4))
 
 
-def shaken(gamma: float, periods: int = 60, kept: int = 12) -> np.ndarray:
+def shaken(gamma: float, periods: int = 60, kept: int = 12, coupling: str | None = None) -> np.ndarray:
     """Gap between the flanks, m, once a period in mid-flight, over the last `kept` periods.
 
     Gear 1 turns with a swing of acceleration gamma DRAG / INERTIA at the idle gear, which starts, where there is one, on
-    the orbit with one impact a period (impacts without duration), else at rest on its flank.
+    the orbit with one impact a period (impacts without duration), else at rest on its flank. With a `coupling` the loads
+    cross a border once a step, those of a `parallel` master one step late.
     """
-    mesh = Turning("fzg-c", IDLE)
+    mesh = Turning("fzg-c", IDLE, coupling)
     fall = DRAG / INERTIA
     amplitude, period = gamma * fall / SHAKE**2, 2.0 * np.pi / SHAKE
     cosine = period_one(restitution())[0] / gamma
@@ -95,12 +98,17 @@ def shaken(gamma: float, periods: int = 60, kept: int = 12) -> np.ndarray:
 
         state = np.array([0.0, -RATIO * SPEED - bounce])
         count = round(period / STEP)
-        out = []
+        out, late = [], 0.0
         for n in range(periods * count):
+            now = mesh(*drive(n * STEP), *state)[1]
             if n % count == count // 2:
-                mesh(*drive(n * STEP), *state)
                 out.append(-mesh.pair["mesh.transmissionError"])
-            state = runge_kutta(rate, n * STEP, state, STEP)
+            if coupling:
+                acceleration = ((late if coupling == "parallel" else now) + DRAG) / INERTIA
+                late = now
+                state = state + STEP * np.array([state[1] + 0.5 * STEP * acceleration, acceleration])
+            else:
+                state = runge_kutta(rate, n * STEP, state, STEP)
         return np.array(out[-kept:])
     finally:
         mesh.close()

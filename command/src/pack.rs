@@ -82,15 +82,30 @@ impl Pack {
     }
 }
 
-/// The unit that was `packed` into the file `path`, in one line.
+/// The unit that was `packed` into the file `path`; a last line where it runs on one platform alone.
 pub fn in_words(packed: &Packed, path: &Path) -> String {
-    format!(
+    let words = format!(
         "{}: {:.2} MB, GUID {}, runs on {}",
         path.display(),
         packed.bytes as f64 / 1e6,
         packed.guid,
         packed.platforms.join(" and ")
-    )
+    );
+    match &packed.platforms[..] {
+        [only] => {
+            let platform = only.split(' ').next().unwrap_or(only);
+            let other = if platform == "win64" {
+                "Linux"
+            } else {
+                "Windows"
+            };
+            format!(
+                "{words}\n{platform} only: for {other} as well, give the libraries of a release, \
+                 --library libgearmesh.so --library gearmesh.dll"
+            )
+        }
+        _ => words,
+    }
 }
 
 /// Packs the unit of these tables and of `contact` at run time with the start values of `settings`.

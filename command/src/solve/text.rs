@@ -54,19 +54,22 @@ pub fn text(solved: &Solved, speeds: &[f64]) -> String {
 /// One cycle, position by position.
 fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> String {
     let solver = &solved.model.solver;
-    let mut text = table(&positions(&case.cycle.tooth_pairs()), at_positions(case));
+    let harmonics = case.cycle.harmonics();
+    let harmonics =
+        harmonics.map(|h| h.map_or("-".into(), |h| format!("{:.4}", 1e6 * h.amplitude)));
+    let mut first = Listing::default();
+    for columns in [load(), summary(solver)] {
+        list(&mut first, &columns, &case);
+    }
+    rows! { first; "harmonics 1 to 10" => "{} um", harmonics.join(" "); }
+    let mut text = format!("{first}\n");
+    text += &table(&positions(&case.cycle.tooth_pairs()), at_positions(case));
     text += "\nz_c: axial position of the resulting force, from the z = 0 face of gear 1.\n\
          pair k: share of a tooth pair in the load. Pair 0 touches at the pitch point at mid-face at mesh position 0;\n\
          pair 1 is ahead of it by one pitch and leaves the mesh first, pair -1 comes into mesh after it.\n";
     text += LEGEND;
-    let harmonics = case.cycle.harmonics();
-    let harmonics =
-        harmonics.map(|h| h.map_or("-".into(), |h| format!("{:.4}", 1e6 * h.amplitude)));
-    for columns in [load(), summary(solver), details(solver)] {
-        list(rows, &columns, &case);
-    }
+    list(rows, &details(solver), &case);
     rows! { rows;
-        "harmonics 1 to 10" => "{} um", harmonics.join(" ");
         "largest KKT residual" => "{:.1e}", case.cycle.kkt_residual();
     }
     if !speeds.is_empty() {

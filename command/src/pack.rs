@@ -77,35 +77,32 @@ impl Pack {
             };
             package::pack(&contents, &libraries, path)?
         };
-        output::print(&format!("{}\n", in_words(&packed, path)))?;
+        output::print(&in_words(&packed, path, ""))?;
         Ok(())
     }
 }
 
-/// The unit that was `packed` into the file `path`; a last line where it runs on one platform alone.
-pub fn in_words(packed: &Packed, path: &Path) -> String {
+/// The unit that was `packed` into the file `path` and `more` about it; a last line where it runs on one platform alone.
+pub fn in_words(packed: &Packed, path: &Path, more: &str) -> String {
     let words = format!(
-        "{}: {:.2} MB, GUID {}, runs on {}",
+        "{}: {:.2} MB, GUID {}, runs on {}{more}\n",
         path.display(),
         packed.bytes as f64 / 1e6,
         packed.guid,
         packed.platforms.join(" and ")
     );
-    match &packed.platforms[..] {
-        [only] => {
-            let platform = only.split(' ').next().unwrap_or(only);
-            let other = if platform == "win64" {
-                "Linux"
-            } else {
-                "Windows"
-            };
-            format!(
-                "{words}\n{platform} only: for {other} as well, give the libraries of a release, \
-                 --library libgearmesh.so --library gearmesh.dll"
-            )
-        }
-        _ => words,
-    }
+    let [only] = &packed.platforms[..] else {
+        return words;
+    };
+    let platform = only.split(' ').next().unwrap_or(only);
+    let other = match platform {
+        "win64" => "Linux",
+        _ => "Windows",
+    };
+    format!(
+        "{words}{platform} only: for {other} as well, give the libraries of a release, \
+         --library libgearmesh.so --library gearmesh.dll\n"
+    )
 }
 
 /// Packs the unit of these tables and of `contact` at run time with the start values of `settings`.

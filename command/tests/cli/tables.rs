@@ -308,6 +308,11 @@ fn packing_and_inspecting_say_what_the_unit_runs_on() {
         let minor: u32 = minor.parse().expect(said);
         assert!((2..100).contains(&minor), "{said}");
     }
+    let last = stdout(&packed).lines().last().unwrap();
+    assert!(
+        last.starts_with("linux64 only: for Windows as well"),
+        "{last}"
+    );
 }
 
 #[test]

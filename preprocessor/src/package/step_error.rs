@@ -25,7 +25,7 @@ const MESH_FREQUENCY: f64 = 750.0;
 const FINER: usize = 20;
 
 /// Root mean square error of `mesh.transmissionError` at the communication step `step` (s) over the standard deviation of its
-/// exact course. Both gears spin as steel discs at [`MESH_FREQUENCY`] and carry the nominal torque, which rises over [`RISE`];
+/// exact course. Both gears spin as steel discs at `MESH_FREQUENCY` and carry the nominal torque, which rises over `RISE`;
 /// exact is the same motion in steps a twentieth as long. A unit that starts with `stiffnessModel = contact` is measured on its
 /// tables. `None` where a step is refused, or a unit with contact has no tables.
 pub fn step_error(unit: &UnitFile, tables: Option<&TableFile>, step: f64) -> Option<f64> {

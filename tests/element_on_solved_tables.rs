@@ -9,7 +9,9 @@ use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::Refinement;
 use gearmesh::random::Random;
-use gearmesh::table::{Axes, FrictionRecord, LoadAxes, RootStressRecord, Table, TableFile};
+use gearmesh::table::{
+    Axes, FrictionRecord, LoadAxes, LoadSamples, RootStressRecord, Table, TableFile,
+};
 use gearmesh_preprocessor::contact::PositionRoots;
 use gearmesh_preprocessor::finite_element::{Settings, pair_root_stress};
 use gearmesh_preprocessor::pair;

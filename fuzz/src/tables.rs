@@ -6,7 +6,7 @@ use super::spring::Spring;
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::Flank;
 use gearmesh::table::{
-    CouplingRecord, Effects, FrictionRecord, GearTeethRecord, Interpolation, InterpolationError,
+    Effects, FrictionRecord, GearTeethRecord, Interpolation, InterpolationError,
     Load, LoadAxes, LoadJet, Potential, Query, RootStressError, RootStressRecord,
     RootStressSamples, SlidingSamples, Table, TableError, TableFile, TeethRecord,
 };
@@ -73,7 +73,7 @@ pub fn formula(counts: [usize; 4]) -> TableFile {
         axes: file.axes.clone(),
         first_place: -1.0,
         last_place: 1.2,
-        coupling_m_per_n: CouplingRecord(vec![vec![1e-10]]),
+        coupling_m_per_n: vec![vec![1e-10]],
         drive: file.drive.clone(),
         coast: None,
         coast_coupling_m_per_n: None,

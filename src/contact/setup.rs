@@ -11,7 +11,6 @@ use super::position::Limits;
 use super::transverse::{PairNumbers, TransverseSection};
 use crate::gear::{Flank, PairGeometry, PairMicrogeometry, PairTeeth};
 use crate::pair::{Pair, Refinement};
-use crate::table::GeometryRecord;
 
 /// How the contact is discretised.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -100,7 +99,7 @@ impl ContactSetup {
     /// # Errors
     /// The first such field, as text.
     pub(super) fn check(&self) -> Result<(), String> {
-        GeometryRecord::check(&self.geometry).map_err(|error| error.to_string())?;
+        (self.geometry.check()).map_err(|error| error.to_string())?;
         let numbers = PairNumbers::new(&self.geometry);
         let section = (self.section(&numbers, 0.0)).map_err(|error| error.to_string())?;
         let pairs = self.lines(Flank::Drive, &section).pairs(0.0, 0.0);

@@ -62,7 +62,7 @@ fn set(instance: &mut Instance, i: usize, value: f64) {
 
 fn paper() -> (PairGeometry, TableFile) {
     let tables = shipped("palermo2013");
-    (tables.geometry.pair_geometry().unwrap(), tables)
+    (tables.geometry.clone(), tables)
 }
 
 fn started_with(i: usize, value: f64, tables: bool) -> Result<(), Refusal> {
@@ -356,10 +356,7 @@ fn numbers_out_of_all_proportion_are_refused_in_few_digits() {
 
 #[test]
 fn inputs_that_a_host_fills_with_zeros_are_told_where_gear_2_belongs() {
-    let rings = shipped("planet-ring-27-84")
-        .geometry
-        .pair_geometry()
-        .unwrap();
+    let rings = shipped("planet-ring-27-84").geometry;
     for geometry in [paper().0, rings] {
         let place = format!("gear2.position[1] starts as {} m", geometry.center_distance);
         let mut instance = start(geometry, None);

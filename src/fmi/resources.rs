@@ -20,7 +20,7 @@ use super::variables::{FIRST_PARAMETER, PARAMETERS, index_by_name, template_star
 use crate::contact::ContactFile;
 use crate::element::{Element, ElementError, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
-use crate::table::{Effects, GeometryRecord, Table, TableError, TableFile};
+use crate::table::{Effects, Table, TableError, TableFile};
 
 /// File with the pair and the GUID.
 pub const UNIT_FILE: &str = "unit.json";
@@ -275,8 +275,7 @@ fn unusable(path: &Path, reason: impl Display) -> Refusal {
 
 fn parse_tables(text: &str, unit: &UnitFile) -> Result<TableFile, String> {
     let tables = TableFile::from_json(text).map_err(|error| error.to_string())?;
-    let geometry = tables.geometry.pair_geometry();
-    if geometry.map_err(|error| error.to_string())? != unit.geometry {
+    if tables.geometry != unit.geometry {
         return Err(format!("the tables are not those of {UNIT_FILE}"));
     }
     Ok(tables)
@@ -294,7 +293,7 @@ pub fn parse_unit(text: &str) -> Result<UnitFile, String> {
             "version {found}, this library reads {UNIT_VERSION}"
         ));
     }
-    GeometryRecord::check(&unit.geometry).map_err(|error| error.to_string())?;
+    (unit.geometry.check()).map_err(|error| error.to_string())?;
     Starts::new(&unit)?;
     Ok(unit)
 }

@@ -5,6 +5,7 @@
 //! the flank that faces the +theta sense.
 
 mod body;
+mod check;
 mod macrogeometry;
 mod microgeometry;
 mod modification;
@@ -20,6 +21,7 @@ mod topography;
 mod trochoid;
 
 pub use body::{Annulus, Body};
+pub use check::GeometryError;
 pub use macrogeometry::{Gear, GearKind, LEAST_WALL};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};
 pub use modification::{

@@ -6,7 +6,7 @@ use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use gearmesh::table::{
-    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError,
+    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSamples,
     RootStressRecord, TeethRecord,
 };
 use gearmesh_preprocessor::table::plan::{

@@ -135,9 +135,8 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Listing {
         "base diameter" => "{}", diameter(g.base_radius());
         "root diameter" => "{}", diameter(g.root_radius());
     }
-    match g.body {
-        Some(body) if body.is_shaft() => {}
-        _ => rows.row(format!("{held} diameter"), diameter(g.held_radius)),
+    if !g.body.is_some_and(|body| body.is_shaft()) {
+        rows.row(format!("{held} diameter"), diameter(g.held_radius));
     }
     columns::list(&mut rows, &quantities(pair, i, gauges), &());
     body(g, &mut rows);

@@ -20,7 +20,7 @@ pub mod tolerance;
 mod topography;
 mod trochoid;
 
-pub use body::{Annulus, Body};
+pub use body::{Annulus, Body, Stub};
 pub use check::GeometryError;
 pub use macrogeometry::{Gear, GearKind, LEAST_WALL};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};

@@ -6,9 +6,9 @@ use super::spring::Spring;
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::Flank;
 use gearmesh::table::{
-    Effects, FrictionRecord, GearTeethRecord, Interpolation, InterpolationError,
-    Load, LoadAxes, LoadJet, Potential, Query, RootStressError, RootStressRecord,
-    RootStressSamples, SlidingSamples, Table, TableError, TableFile, TeethRecord,
+    Effects, FrictionRecord, GearTeethRecord, Interpolation, InterpolationError, Load, LoadAxes,
+    LoadJet, Potential, Query, RootStressError, RootStressRecord, RootStressSamples,
+    SlidingSamples, Table, TableError, TableFile, TeethRecord,
 };
 
 use super::{Target, change, gears};

@@ -43,11 +43,7 @@ impl TableFile {
             rows.push(("friction", words));
         }
         if let Some(stress) = &self.root_stress {
-            let words = format!(
-                "{}, {}",
-                stress.axes.in_words(),
-                stress.interpolation_error
-            );
+            let words = format!("{}, {}", stress.axes.in_words(), stress.interpolation_error);
             rows.push(("root stress", words));
         }
         if let Some(teeth) = &self.teeth {
@@ -64,7 +60,9 @@ impl TableFile {
                 text.unwrap_or_else(|| value.to_string()),
             )
         });
-        let rows = rows.into_iter().map(|(name, value)| (name.to_owned(), value));
+        let rows = rows
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), value));
         rows.chain(settings).collect()
     }
 
@@ -84,11 +82,18 @@ impl TableFile {
 }
 
 /// Coordinates of a grid in the order of its samples.
-const GRID: [&str; 4] = ["centre distance", "misalignment", "displacement", "mesh position"];
+const GRID: [&str; 4] = [
+    "centre distance",
+    "misalignment",
+    "displacement",
+    "mesh position",
+];
 
 /// `lengths` of axes with their `names`, displacement or load first.
 fn in_words(lengths: [usize; 4], names: &[&str; 4]) -> String {
-    [2, 0, 1, 3].map(|i| count(lengths[i], names[i])).join(" x ")
+    [2, 0, 1, 3]
+        .map(|i| count(lengths[i], names[i]))
+        .join(" x ")
 }
 
 impl fmt::Display for InterpolationError {

@@ -110,7 +110,12 @@ impl TeethFlank {
             let passing = self.passing.as_ref();
             passing.map_or([0.0; 2], |passing| passing.closing(counts, k, tau))
         };
-        let coordinates = [query.delta, query.center_distance_offset, query.misalignment, tau];
+        let coordinates = [
+            query.delta,
+            query.center_distance_offset,
+            query.misalignment,
+            tau,
+        ];
         let mut pairs = self.pairs.near(coordinates, closing);
         let mut sum = Potential {
             out_of_range: pairs.all().iter().any(|pair| pair.found.out_of_range),
@@ -156,7 +161,9 @@ impl PairTable {
         };
         let grid = record.grid(flank);
         let spans = grid.top_load_approach.iter().zip(&grid.no_load_approach);
-        let span = spans.map(|(top, low)| top - low).fold(f64::INFINITY, f64::min);
+        let span = spans
+            .map(|(top, low)| top - low)
+            .fold(f64::INFINITY, f64::min);
         let mut coupling = Coupling::new(&grid.axes.misalignment, &record.coupling(flank))?;
         let (grid, pair) = flank_table(grid, &effects)?;
         if !effects.misalignment {

@@ -63,7 +63,11 @@ impl From<&ToothErrors> for GearTeethRecord {
 }
 
 /// A refusal of the field teeth.`field`.
-fn refused<T>(field: &str, value: impl ToString, reason: impl Into<String>) -> Result<T, TableError> {
+fn refused<T>(
+    field: &str,
+    value: impl ToString,
+    reason: impl Into<String>,
+) -> Result<T, TableError> {
     let remedy = "make the tables again with `gearmesh tables --teeth`";
     let field = format!("teeth.{field}");
     Err(TableError::field(field, value, reason, remedy))
@@ -85,7 +89,11 @@ impl GearTeethRecord {
         let count = self.index_m.len();
         if count != 0 && count != teeth as usize {
             let reason = format!("the gear has {teeth} teeth");
-            return refused(&format!("{name}.index_m"), format!("{count} numbers"), reason);
+            return refused(
+                &format!("{name}.index_m"),
+                format!("{count} numbers"),
+                reason,
+            );
         }
         let is_length = |x: &f64| x.abs() <= LARGEST_ERROR;
         let reason = format!("errors of teeth are at most {LARGEST_ERROR} m");

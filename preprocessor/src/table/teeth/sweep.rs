@@ -10,8 +10,8 @@ use gearmesh::gear::Flank;
 use gearmesh::random::Random;
 use gearmesh::root::bisection;
 use gearmesh::table::{
-    Axes, CouplingRecord, Effects, GearTeethRecord, Interpolation, InterpolationError, Load, Query,
-    TableError, TeethFlank, TeethRecord,
+    Axes, Effects, GearTeethRecord, Interpolation, InterpolationError, Load, Query, TableError,
+    TeethFlank, TeethRecord,
 };
 
 /// Approach beyond all loads, m.
@@ -92,7 +92,7 @@ impl TeethSweep<'_> {
             let source = source.over([first, last - first]);
             grids.push(sweep(&source, flank, &axes, torque, watch)?.for_file());
             let told = coupling(self.solver, self.coverage, flank, &axes.misalignment)?;
-            couplings.push(CouplingRecord(told));
+            couplings.push(told);
         }
         let (mut grids, mut couplings) = (grids.into_iter(), couplings.into_iter());
         let errors = |gears: &[_; 2]| gears.each_ref().map(GearTeethRecord::from);

@@ -159,8 +159,11 @@ pub fn axis<const N: usize>(
     Ok((basis, fit))
 }
 
+/// A number from samples along a line.
+type Functional = Box<dyn Fn(&[f64]) -> f64>;
+
 /// What takes samples at `nodes` to the value at 0, by the spline through them.
-pub fn at_zero(nodes: &[f64], name: &str) -> Result<Box<dyn Fn(&[f64]) -> f64>, TableError> {
+pub fn at_zero(nodes: &[f64], name: &str) -> Result<Functional, TableError> {
     if let Some(k) = nodes.iter().position(|&x| x == 0.0) {
         return Ok(Box::new(move |line| line[k]));
     }

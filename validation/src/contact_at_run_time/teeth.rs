@@ -10,8 +10,7 @@ use gearmesh::gear::Flank;
 use gearmesh::gear::tolerance::random_index_errors;
 use gearmesh::random::Random;
 use gearmesh::table::{FlankTable, Interpolation, Query, TeethFlank, TeethRecord};
-use gearmesh_preprocessor::table::plan::default_axes;
-use gearmesh_preprocessor::table::sweep::sweep;
+use gearmesh_preprocessor::table::{default_axes, sweep};
 use std::sync::Arc;
 
 pub fn report(context: &Context, page: &mut Page) -> Result<()> {

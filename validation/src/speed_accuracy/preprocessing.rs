@@ -1,14 +1,14 @@
 //! What tables cost to make, and how far the levels of refinement are from each other.
 
 use super::{PAIR, at, interpolants, points};
-use crate::page::{Page, fixed};
+use crate::data::{Data, fixed};
 use crate::setup::ste;
 use crate::timing::timed;
 use crate::{Context, Result, row};
 use gearmesh::pair::Refinement;
 use gearmesh::table::{FlankTable, Interpolation};
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let mut levels = vec![("coarse", timed(|| at(PAIR, Refinement::Coarse)))];
     if !context.quick {
         levels.push(("normal", timed(|| at(PAIR, Refinement::Normal))));
@@ -27,7 +27,7 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         setups.push((name, setup));
     }
     let head = ["refinement", "models, s", "12, s", "12 × 32, s", "12 × 9 × 32, s", "12 × 5 × 9 × 16, s"];
-    page.table("sweeps", &head, &rows)?;
+    data.table("sweeps", &head, &rows)?;
 
     let (_, best) = &setups[setups.len() - 1];
     let nominal = best.pair.operating.nominal_torque;
@@ -45,5 +45,5 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         rows.push(row);
     }
     let [a, b, c] = torques.map(|t| format!("{t:.0} N m"));
-    page.table("refinements", &["refinement", &a, &b, &c, "rms error, %", "largest, %"], &rows)
+    data.table("refinements", &["refinement", &a, &b, &c, "rms error, %", "largest, %"], &rows)
 }

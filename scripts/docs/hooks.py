@@ -2,6 +2,7 @@
 
     <!-- commands -->                      the help of every subcommand of target/release/gearmesh
     <!-- variables: input|output|parameter -->   the variables of modelDescription.xml
+    <!-- data -->                          all CSV files of docs/data
     [text](data/NAME.csv)                  alone in its paragraph: the table, folded
     $...$ and $$...$$                      equations
 """
@@ -113,10 +114,26 @@ def variables(causality: str) -> str:
     return "\n\n".join(table(head, rows[first : first + 12]) for first in range(0, len(rows), 12))
 
 
+def data(page: Path) -> str:
+    """All CSV files, by folder: rows and columns."""
+    parts, rows, before = [], [], None
+    for file in sorted((page.parent / "data").rglob("*.csv"), key=lambda f: (f.parent != page.parent / "data", f)):
+        if file.parent != before and rows:
+            parts.append(table(["file", "rows", "columns"], rows))
+            rows = []
+        before = file.parent
+        with file.open(encoding="utf-8", newline="") as stream:
+            head, *lines = csv.reader(stream)
+        name = file.relative_to(page.parent).as_posix()
+        rows.append([f"[{name.removeprefix('data/')}]({name})", str(len(lines)), ", ".join(filter(None, head))])
+    return "\n\n".join([*parts, table(["file", "rows", "columns"], rows)])
+
+
 def on_page_markdown(markdown: str, page, **_) -> str:
     """Parts from elsewhere."""
     source = Path(page.file.abs_src_path)
     markdown = markdown.replace("<!-- commands -->", commands() if "<!-- commands -->" in markdown else "")
+    markdown = markdown.replace("<!-- data -->", data(source) if "<!-- data -->" in markdown else "")
     markdown = re.sub(r"<!-- variables: (\w+) -->", lambda m: variables(m[1]), markdown)
     return re.sub(r"^\[([^\]\n]+)\]\(([^)\n]+\.csv)\)$", lambda m: csv_table(m, source), markdown, flags=re.M)
 

@@ -10,17 +10,15 @@ mod reference;
 use crate::data::{Data, fixed, percent};
 use crate::setup::{SHIPPED, shipped, ste};
 use crate::{Chapter, Context, Result, row, timing};
-use gearmesh::contact::ContactSolver;
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::pair;
 
-pub const CHAPTERS: [(&str, Chapter); 9] = [
+pub const CHAPTERS: [(&str, Chapter); 8] = [
     ("machine", |_, data| timing::machine(data)),
     ("plane-strain", plane::report),
     ("reference", reference::report),
     ("convergence", convergence::report),
     ("held", held::report),
-    ("paper", paper_pair),
     ("properties", properties::report),
     ("levels", levels),
     ("cost", cost::report),
@@ -82,41 +80,6 @@ fn thick_spur() -> Result<Pair> {
         face_mm: 25.0,
     };
     spur.pair([100.0, 200.0])
-}
-
-/// Peak-to-peak of the paper's pair over the load, and where it is least.
-fn paper_pair(context: &Context, data: &Data) -> Result<()> {
-    let positions = if context.quick { 8 } else { 64 };
-    let [modified, plain] = [paper(true, 30.0)?, paper(false, 30.0)?];
-    let [modified, plain] = [context.models.solver(&modified)?, context.models.solver(&plain)?];
-    let mut rows = vec![];
-    for (torque, printed, plain_printed) in
-        [(70.0, "larger than at 100", ""), (100.0, "0.2", "2"), (130.0, "larger than at 100", "")]
-    {
-        let [a, b] = [ste(&modified, torque, positions)?, ste(&plain, torque, positions)?];
-        rows.push(row![torque, fixed(a[0], 3), fixed(a[1], 3), printed, fixed(b[1], 3), plain_printed]);
-    }
-    let (least, swing) = optimum(&modified, positions)?;
-    rows.push(row![format!("{least:.0} (least of the modified)"), "", fixed(swing, 3), "at 100", "", ""]);
-    let head = ["torque, N m", "modified mean", "modified p-p", "paper", "unmodified p-p", "paper"];
-    data.table("paper", &head, &rows)
-}
-
-/// Torque of the least peak-to-peak by golden section between 70 and 160 N m, and that value.
-fn optimum(solver: &ContactSolver, positions: usize) -> Result<(f64, f64)> {
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let swing = |t: f64| -> Result<f64> { Ok(ste(solver, t, positions / 2)?[1]) };
-    let (mut low, mut high) = (70.0, 160.0);
-    while high - low > 1.0 {
-        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-        if swing(a)? < swing(b)? {
-            high = b;
-        } else {
-            low = a;
-        }
-    }
-    let at = 0.5 * (low + high);
-    Ok((at, ste(solver, at, positions)?[1]))
 }
 
 /// The levels of detail of the shipped pairs side by side.

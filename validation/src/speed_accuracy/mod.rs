@@ -6,7 +6,6 @@ mod growth;
 mod hosts;
 mod interpolants;
 mod levels;
-mod preprocessing;
 mod run_up;
 
 use crate::setup::{Setup, shipped_at};
@@ -19,7 +18,7 @@ use gearmesh::table::{Axis, FlankGrid, Table};
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
 
-pub const CHAPTERS: [(&str, Chapter); 10] = [
+pub const CHAPTERS: [(&str, Chapter); 9] = [
     ("machine", |_, data| timing::machine(data)),
     ("interpolants", interpolants::report),
     ("element", element::report),
@@ -28,7 +27,6 @@ pub const CHAPTERS: [(&str, Chapter); 10] = [
     ("cost-per-second", hosts::cost),
     ("hosts", hosts::report),
     ("run-up", run_up::report),
-    ("preprocessing", preprocessing::report),
     ("levels", levels::report),
 ];
 

@@ -20,7 +20,6 @@ from gearmesh import GearPair
 from scipy.integrate import solve_ivp
 
 from .document import replace_table
-from .scenario import ratio_of
 
 INERTIA = 8e-4  # kg m^2, gear 2
 SPEED = 100.0  # rad/s, gear 1
@@ -38,7 +37,7 @@ class Hinge:
         parameters = {} if backlash is None else {"backlash": backlash}
         self.pair = GearPair(fmu, parameters, interface="model-exchange")
         self.pair.initialize()
-        self.ratio, self.torque, self.backlash, self.calls = ratio_of(fmu), torque, backlash, 0
+        self.ratio, self.torque, self.backlash, self.calls = self.pair.geometry.ratio, torque, backlash, 0
 
     def place(self, time: float, state: np.ndarray) -> None:
         pair = self.pair

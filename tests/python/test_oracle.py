@@ -3,9 +3,10 @@
 import json
 from pathlib import Path
 
+import gearmesh
 import numpy as np
 import pytest
-from conftest import PAIRS, gearmesh, instances, other_hand, pair_files, swapped
+from conftest import PAIRS, instances, other_hand, pair_files, swapped
 from host import Unit
 from oracle import STEP, Flank, Mesh
 from test_mechanics import body, product, rotation
@@ -39,12 +40,7 @@ PAIR_NAMES = [*pair_files(), *shifted_files()]
 @pytest.fixture(scope="module")
 def every_unit(units, tmp_path_factory):
     folder = tmp_path_factory.mktemp("shifted")
-    shifted = {}
-    for name, pair in shifted_files().items():
-        file, fmu = folder / f"{name}.json", folder / f"{name}.fmu"
-        file.write_text(json.dumps(pair))
-        gearmesh("pack", "--pair", file, "-o", fmu)
-        shifted[name] = Unit(fmu)
+    shifted = {name: Unit(gearmesh.pack(pair, folder / f"{name}.fmu")) for name, pair in shifted_files().items()}
     yield units | shifted
     for unit in shifted.values():
         unit.close()

@@ -67,24 +67,6 @@ def test_a_unit_runs_from_folders_with_awkward_names(fmus, tmp_path):
         instance.close()
 
 
-@pytest.mark.parametrize(
-    "form", ["file://{}", "file:{}", "file://localhost{}", "FILE://{}", "{}"]
-)
-def test_every_form_of_the_resource_location_is_found(units, form):
-    from urllib.parse import quote
-
-    unit = units["external"]
-    instance = unit.instance(resources=form.format(quote(unit.folder) + "/resources"))
-    assert instance.component, instance.log()
-    instance.close()
-
-
-def test_fmpy_can_unpack_and_run_the_folder(fmus, tmp_path):
-    folder = extract(str(fmus["ring2"]), str(tmp_path / "unit"))
-    result = simulate_fmu(folder, stop_time=1e-3, output_interval=1e-5, output=OUTPUTS)
-    assert np.abs(result["gear1.moment[3]"]).max() < 1e-6
-
-
 @pytest.mark.parametrize("coupling", [1, 2, 3], ids=["held", "sequential", "parallel"])
 def test_inputs_with_derivatives_advance_inside_the_step(mesh, coupling):
     step, rate = 1e-4, 2.0

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from gearmesh import GearPair
+from gearmesh import GearPair, integrate
+from gearmesh.energy import mesh_loss
 
-from ..balance import followed, mesh_loss
 from ..files import local
 
 TEETH = (21, 39, 99)  # sun, planet, ring
@@ -184,7 +184,8 @@ class Stage:
             push = push + self.pin * (self.pins(q[-1]) - self._planets(q)).sum(axis=0) - self.sun_support * q[:2]
             return [load @ q_t, sum(mesh_loss(pair) for pairs in self.meshes for pair in pairs), *push]
 
-        for time, z, integrals in followed(rate, accounts, np.concatenate([q, q_t]), step, round(duration / step), every):
+        run = integrate(rate, np.concatenate([q, q_t]), step, round(duration / step), every=every, accounts=accounts)
+        for time, z, integrals in run:
             yield time, z[:half], z[half:], integrals
 
     def momentum(self, q_t: np.ndarray) -> np.ndarray:

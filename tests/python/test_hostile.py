@@ -1,6 +1,5 @@
 """Hosts that err: altered files, absurd values, far places, many threads."""
 
-import ctypes
 import math
 import shutil
 from concurrent.futures import ThreadPoolExecutor

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 from differences import directional, evaluate, variables
-from host import CO_SIMULATION, DISCARD, ERROR, MODEL_EXCHANGE, OK, EventInfo, Unit
+from host import CO_SIMULATION, DISCARD, ERROR, MODEL_EXCHANGE, OK, EventInfo
 
 REAL = ctypes.c_double
 NULL = ctypes.c_void_p(None)

@@ -1,6 +1,5 @@
 """The mechanics of the element through the unit, against formulas of their own."""
 
-import ctypes
 import json
 from pathlib import Path
 
@@ -8,6 +7,7 @@ import numpy as np
 import pytest
 from differences import check_derivatives, values_of, variables
 from host import OK
+from scipy.spatial.transform import Rotation
 
 RNG_SEED = 20130411
 INPUTS_PER_BODY = 16
@@ -96,15 +96,7 @@ def rotation(rng):
     """A random unit quaternion and its matrix."""
     q = rng.normal(size=4)
     q /= np.linalg.norm(q)
-    w, x, y, z = q
-    matrix = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    return q, matrix
+    return q, Rotation.from_quat(q, scalar_first=True).as_matrix()
 
 
 def product(p, q):

@@ -9,6 +9,7 @@ import pytest
 from conftest import PAIRS, instances, other_hand, pair_files, swapped
 from host import Unit
 from oracle import STEP, Flank, Mesh
+from scipy.spatial.transform import Rotation
 from test_mechanics import body, product, rotation
 
 POSES = 20
@@ -51,12 +52,6 @@ def make(every_unit):
     yield from instances(every_unit)
 
 
-def matrix(q):
-    w, x, y, z = q
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + 2 * w * cross + 2 * cross @ cross
-
-
 class Poses:
     """Poses of both gears (position, unit quaternion) anywhere in the world."""
 
@@ -80,7 +75,7 @@ class Poses:
 
 
 def matrices(poses):
-    return [(p, matrix(q)) for p, q in poses]
+    return [(p, Rotation.from_quat(q, scalar_first=True).as_matrix()) for p, q in poses]
 
 
 def inputs(poses, velocities=np.zeros((2, 2, 3))):

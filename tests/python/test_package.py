@@ -16,6 +16,7 @@ from gearmesh import History, plots
 from gearmesh.energy import Ledger, mesh_energy, mesh_loss, wrench_residual
 from gearmesh.poses import generalised, place
 from gearmesh.sweep import grid, sweep
+from scipy.spatial.transform import Rotation
 
 matplotlib.use("Agg")
 PAIR = PAIRS / "palermo2013.json"
@@ -23,12 +24,7 @@ PAIR = PAIRS / "palermo2013.json"
 
 def rotation(*angles):
     """Rx Ry Rz."""
-    out = np.eye(3)
-    for axis, angle in enumerate(angles):
-        turn, (i, j) = np.eye(3), ((1, 2), (2, 0), (0, 1))[axis]
-        turn[[i, j], [i, j]], turn[i, j], turn[j, i] = math.cos(angle), -math.sin(angle), math.sin(angle)
-        out = out @ turn
-    return out
+    return Rotation.from_euler("XYZ", angles).as_matrix()
 
 
 @pytest.fixture(scope="module")

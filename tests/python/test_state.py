@@ -1,6 +1,5 @@
 """Reset, kept states, and states carried into another process."""
 
-import ctypes
 import json
 import subprocess
 import sys

@@ -1,6 +1,5 @@
 """Defects of FMUs that the public checkers let pass, looked for in the packed file itself."""
 
-import ctypes
 import re
 import subprocess
 import zipfile

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -258,9 +258,9 @@ FIGURES = (
 )
 
 
-def draw_all(results: Results, folder: Path) -> None:
-    """Writes every figure as PNG into `folder`."""
-    for one in FIGURES:
+def draw_all(results: Results, folder: Path, shown: Sequence[Figure] = FIGURES) -> None:
+    """Writes figures as PNG into `folder`."""
+    for one in shown:
         picture, axes = figure()
         one.draw(results, axes)
         save(picture, folder / one.file)

@@ -1,6 +1,6 @@
 //! The short form of the fuzzing in fuzz/: changed inputs for every reader, the same ones in each run.
 //!
-//! `GEARMESH_FUZZ` sets the number of inputs for each of them; 2000 without it. docs/robustness.md has the long form.
+//! `GEARMESH_FUZZ` sets the number of inputs for each of them; 2000 without it. docs/developers.md has the long form.
 
 use gearmesh_fuzz::{Target, change, changed, random};
 

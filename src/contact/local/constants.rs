@@ -48,17 +48,17 @@ pub const INDEFINITE: f64 = 2e-5;
 
 /// Part of the change of a gap along a segment that local contact takes up at run time; the bulk displacement follows the rest. Less
 /// makes force and moment more exact, more the stiffness, whose error is the steps in which segments meet
-/// (docs/contact-at-run-time.md).
+/// (docs/theory/contact.md).
 pub const OWN_SHARE_ALONG_SEGMENT: f64 = 0.45;
 
 /// Stiffness of a tooth pair per length of contact line over Young's modulus: for starting values, for how
 /// far tip edges are followed and for how wide contacts become. ISO 6336-1: 14 N/(mm um) for steel.
 pub const STIFFNESS_OVER_MODULUS: f64 = 0.07;
 
-/// Stations along the face of a pair whose contacts are narrow (docs/finite-elements.md).
+/// Stations along the face of a pair whose contacts are narrow (docs/validation.md).
 pub const MOST_STATIONS: usize = 40;
 
-/// Stations at most of contact at run time (docs/contact-at-run-time.md). Loads need no more, the pressure along the face does.
+/// Stations at most of contact at run time (docs/theory/contact.md). Loads need no more, the pressure along the face does.
 pub const RUN_TIME_STATIONS: usize = 22;
 
 /// Least number of stations.

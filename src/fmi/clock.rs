@@ -34,8 +34,7 @@ impl Clock {
     /// Times that are not finite or in the wrong order.
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         check_finite(Function::SetupExperiment, "startTime", start)?;
-        // Never for NaN.
-        if let Some(stop) = stop.filter(|stop| !(*stop >= start)) {
+        if let Some(stop) = stop.filter(|stop| stop.is_nan() || *stop < start) {
             return Err(Refusal::error(format!(
                 "stopTime = {stop} lies before startTime = {start}"
             )));

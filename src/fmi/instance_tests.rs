@@ -252,11 +252,11 @@ fn in_initialization_mode_there_are_derivatives_by_real_parameters() {
     for (slope, right) in found.iter().zip(right) {
         assert!((slope - right).abs() <= 1e-8 * right, "{slope} {right}");
     }
-    for i in FIRST_PARAMETER..VARIABLES.len() {
-        if VARIABLES[i].kind == Kind::Real {
+    for (i, variable) in VARIABLES.iter().enumerate().skip(FIRST_PARAMETER) {
+        if variable.kind == Kind::Real {
             let slopes = along(&mut instance, i).unwrap();
             let finite = slopes.iter().all(|x| x.is_finite());
-            assert!(finite, "{}: {slopes:?}", VARIABLES[i].name);
+            assert!(finite, "{}: {slopes:?}", variable.name);
         }
     }
     instance.exit_initialization().unwrap();

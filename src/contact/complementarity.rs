@@ -16,11 +16,10 @@
 //! contact, D + A with D = 1 / phi', bordered by the load. A search along each step for the zero of the
 //! (monotone) directional derivative makes it descend from any start.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::candidates::POINTS;
-use super::local::{LocalContact, PointLoads};
-use crate::vector::Lanes;
+use super::error::Failure;
+use super::local_law::{LocalContact, POINTS, PointLoads};
 
 /// One frictionless contact problem.
 pub struct Problem<'a> {
@@ -45,10 +44,10 @@ pub enum Target {
 }
 
 /// Where the iteration starts.
-#[derive(Debug, Clone)]
-pub struct Start {
+#[derive(Debug, Clone, Copy)]
+pub struct Start<'a> {
     /// Normal force on each segment, N.
-    pub forces: Vec<f64>,
+    pub forces: &'a [f64],
     /// Approach on the line of action, m; that of the target takes its place.
     pub approach: f64,
 }
@@ -75,14 +74,8 @@ pub struct Solution {
     pub factor: Factor,
 }
 
-/// Why there is no solution; [`super::ContactError`] adds where.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Failure {
-    /// The bulk influence matrix has no Cholesky factor.
-    NotPositiveDefinite,
-    /// Newton's iteration stopped short of its tolerance at this relative residual, or where a force was NaN.
-    NotConverged { iterations: usize, residual: f64 },
-}
+/// Cholesky factor of a matrix over segments.
+type Factor = Cholesky<f64, Dyn>;
 
 /// Newton steps after which a solve gives up with an error. Twenty are seldom needed.
 pub const MAXIMUM_ITERATIONS: usize = 200;
@@ -91,66 +84,6 @@ const TOLERANCE: f64 = 1e-12;
 
 /// Relative error that a few roundings leave.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
-
-/// Lower Cholesky factor of a matrix, column by column.
-#[derive(Debug, Clone)]
-pub struct Factor {
-    n: usize,
-    values: Vec<f64>,
-}
-
-impl Factor {
-    /// Of the matrix of `n` rows whose lower triangle stands in `values`, column by column; `None`: it is not positive definite.
-    #[inline(always)]
-    fn new(n: usize, mut values: Vec<f64>) -> Option<Factor> {
-        for j in 0..n {
-            let (before, column) = values.split_at_mut(j * n);
-            let column = &mut column[j..n];
-            // Four of the columns before at a time: the present one is then read and written a quarter as often.
-            let fours = before.chunks_exact(4 * n);
-            let rest = fours.remainder();
-            for four in fours {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|k| &four[k * n + j..(k + 1) * n]);
-                let factors = [a[0], b[0], c[0], d[0]];
-                let others = a.iter().zip(b).zip(c).zip(d);
-                for (value, (((a, b), c), d)) in column.iter_mut().zip(others) {
-                    *value -= factors[0] * a + factors[1] * b + (factors[2] * c + factors[3] * d);
-                }
-            }
-            for other in rest.chunks_exact(n) {
-                let factor = other[j];
-                for (value, other) in column.iter_mut().zip(&other[j..]) {
-                    *value -= factor * other;
-                }
-            }
-            if column[0] <= 0.0 || column[0].is_nan() {
-                return None;
-            }
-            let root = column[0].sqrt().recip();
-            column.iter_mut().for_each(|value| *value *= root);
-        }
-        Some(Factor { n, values })
-    }
-
-    /// Puts the solution with the right-hand side `x` in its place.
-    pub fn solve(&self, x: &mut DVector<f64>) {
-        let x = x.as_mut_slice();
-        for j in 0..self.n {
-            let column = &self.values[j * self.n..][..self.n];
-            x[j] /= column[j];
-            let factor = x[j];
-            for (x, value) in x[j + 1..].iter_mut().zip(&column[j + 1..]) {
-                *x -= factor * value;
-            }
-        }
-        for j in (0..self.n).rev() {
-            let column = &self.values[j * self.n..][..self.n];
-            let after = x[j + 1..].iter().zip(&column[j + 1..]);
-            let known: f64 = after.map(|(x, value)| x * value).sum();
-            x[j] = (x[j] - known) / column[j];
-        }
-    }
-}
 
 /// Forces and approach, and what follows from them.
 #[derive(Debug, Clone)]
@@ -181,7 +114,7 @@ impl Problem<'_> {
     pub fn solve(
         &self,
         target: Target,
-        start: Option<&Start>,
+        start: Option<Start<'_>>,
         foundation: f64,
     ) -> Result<Solution, Failure> {
         let mut at = self.start(target, start, foundation);
@@ -240,7 +173,7 @@ impl Problem<'_> {
         if error > 0.0 { error / largest } else { 0.0 }
     }
 
-    fn start(&self, target: Target, start: Option<&Start>, foundation: f64) -> Iterate {
+    fn start(&self, target: Target, start: Option<Start<'_>>, foundation: f64) -> Iterate {
         let n = self.local.len();
         let known = start.filter(|start| start.forces.len() == n);
         let delta = match (target, known) {
@@ -253,7 +186,7 @@ impl Problem<'_> {
             foundation * self.local[i].length() * closed.iter().sum::<f64>()
         };
         let y = match known {
-            Some(start) => DVector::from_column_slice(&start.forces),
+            Some(start) => DVector::from_column_slice(start.forces),
             None => DVector::from_fn(n, spring),
         };
         self.iterate(y, delta)
@@ -305,21 +238,11 @@ impl Problem<'_> {
     }
 
     fn factor(&self, at: &Iterate, active: &[usize]) -> Result<Factor, Failure> {
-        let n = active.len();
-        let mut matrix = vec![0.0; n * n];
-        for (place, (&i, column)) in active
-            .iter()
-            .zip(matrix.chunks_exact_mut(n.max(1)))
-            .enumerate()
-        {
-            let bulk = self.bulk.column(i);
-            for (value, &row) in column.iter_mut().zip(active).skip(place) {
-                *value = bulk[row];
-            }
-            column[place] += at.loads[i].slope().recip();
+        let mut matrix = self.bulk.select_rows(active).select_columns(active);
+        for (number, &i) in active.iter().enumerate() {
+            matrix[(number, number)] += at.loads[i].slope().recip();
         }
-        let factor = Lanes::widest().run(|_| Factor::new(n, matrix));
-        factor.ok_or(Failure::NotPositiveDefinite)
+        matrix.cholesky().ok_or(Failure::NotPositiveDefinite)
     }
 
     /// Newton step with the `factor` of the segments in contact, `active`.
@@ -335,12 +258,12 @@ impl Problem<'_> {
                 (loads.force() - at.y[i]) / loads.slope() - freed[i]
             }),
         );
-        factor.solve(&mut change);
+        factor.solve_mut(&mut change);
         let mut delta = 0.0;
         if let Target::Force(force) = target {
             let arm = self.arm.select_rows(active);
             let mut unit = arm.clone();
-            factor.solve(&mut unit);
+            factor.solve_mut(&mut unit);
             let carried = arm.dot(&change) + arm.dot(&at.y.select_rows(active));
             delta = (force - carried) / arm.dot(&unit);
             change.axpy(delta, &unit, 1.0);

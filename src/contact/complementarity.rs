@@ -20,6 +20,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::error::Failure;
 use super::local_law::{LocalContact, POINTS, PointLoads};
+use crate::root::bisection;
 
 /// One frictionless contact problem.
 pub struct Problem<'a> {
@@ -176,43 +177,32 @@ impl Problem<'_> {
     fn start(&self, target: Target, start: Option<Start<'_>>, foundation: f64) -> Iterate {
         let n = self.local.len();
         let known = start.filter(|start| start.forces.len() == n);
-        let delta = match (target, known) {
-            (Target::Approach(approach), _) => approach,
-            (Target::Force(_), Some(start)) => start.approach,
-            (Target::Force(force), None) => self.foundation_approach(force, foundation),
-        };
-        let spring = |i: usize, _| {
-            let closed = self.gap[i].map(|gap| (self.arm[i] * delta - gap).max(0.0));
-            foundation * self.local[i].length() * closed.iter().sum::<f64>()
-        };
-        let y = match known {
-            Some(start) => DVector::from_column_slice(start.forces),
-            None => DVector::from_fn(n, spring),
-        };
-        self.iterate(y, delta)
-    }
-
-    /// Approach at which independent springs of the stiffness `foundation` per length carry `force`.
-    fn foundation_approach(&self, force: f64, foundation: f64) -> f64 {
-        // Approach at which each point touches, and the stiffness it adds.
-        let mut order: Vec<(f64, f64)> = (0..self.local.len())
-            .flat_map(|i| {
-                let c = self.arm[i];
-                let stiffness = c * c * foundation * self.local[i].length();
-                self.gap[i].map(|g| (g / c, stiffness))
+        let springs = |delta: f64| {
+            DVector::from_fn(n, |i, _| {
+                let closed = self.gap[i].map(|gap| (self.arm[i] * delta - gap).max(0.0));
+                foundation * self.local[i].length() * closed.iter().sum::<f64>()
             })
-            .collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut stiffness, mut moment) = (0.0, 0.0);
-        for (rank, (gap, k)) in order.iter().enumerate() {
-            stiffness += k;
-            moment += k * gap;
-            let delta = (force + moment) / stiffness;
-            if order.get(rank + 1).is_none_or(|next| delta <= next.0) {
-                return delta;
+        };
+        match (known, target) {
+            (Some(start), Target::Force(_)) => {
+                self.iterate(DVector::from_column_slice(start.forces), start.approach)
+            }
+            (Some(start), Target::Approach(approach)) => {
+                self.iterate(DVector::from_column_slice(start.forces), approach)
+            }
+            (None, Target::Approach(approach)) => self.iterate(springs(approach), approach),
+            (None, Target::Force(force)) => {
+                let touches = || (0..n).flat_map(|i| self.gap[i].map(|gap| gap / self.arm[i]));
+                let all = touches().fold(f64::NEG_INFINITY, f64::max);
+                let least = touches().fold(f64::INFINITY, f64::min);
+                // Where all touch they are as stiff as they get.
+                let stiffness = self.arm.dot(&(springs(all + 1.0) - springs(all)));
+                let carried = |delta| self.arm.dot(&springs(delta));
+                let ends = [least, all + force / stiffness];
+                let delta = bisection(ends, 60, |delta| carried(delta) < force);
+                self.iterate(springs(delta), delta)
             }
         }
-        0.0
     }
 
     /// The forces `y` at the approach `delta`.

@@ -37,7 +37,7 @@ const LARGEST_HALF_WIDTH_OVER_RADIUS: f64 = 0.15;
 
 /// Contacts that are solved between the end of the law of Hertz and the tangent, closer together where they begin. Measured: line loads
 /// within 1e-3 of the largest, at the start of a relief within 5e-3.
-const NODES: usize = 10;
+const NODES: usize = 12;
 
 /// Tip corner of one gear: how much more the tooth gives way close to its tip edge than a half-plane.
 ///
@@ -291,9 +291,9 @@ impl LocalContact {
 
     fn wider_contact(&self, i: usize) -> Contact {
         let before = self.contact(i - 1);
-        let share = i as f64 / NODES as f64;
+        let share = (i as f64 / NODES as f64).powi(2);
         let least = self.hertz_end.half_width;
-        let a = least + (self.widest - least) * share * share.sqrt();
+        let a = least + (self.widest - least) * share;
         let onwards = match i.checked_sub(2).map(|other| self.contact(other)) {
             Some(other) => (before.middle - other.middle) / (before.half_width - other.half_width),
             None => 0.0,

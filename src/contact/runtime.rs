@@ -199,7 +199,8 @@ impl RuntimeContact {
         let influence = self.condensed.slopes(&names, scale, pose.tau, pose.offset);
         let mut slopes = [0, 1].map(|axis| -0.5 * (&influence[axis].bulk * &forces).dot(&forces));
         let (tau, offset) = (pose.tau + STEPS[0], pose.offset + STEPS[1]);
-        let farther = self.setup.section(&self.numbers, offset)?;
+        let farther = (section.near(self.setup.geometry.center_distance + offset))
+            .ok_or_else(|| self.setup.out_of_mesh(offset))?;
         let moved = [
             (Pose { tau, ..pose }, section),
             (Pose { offset, ..pose }, &farther),

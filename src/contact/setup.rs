@@ -12,9 +12,6 @@ use crate::table::GeometryRecord;
 const MOST_STATIONS: usize = 40;
 const FEWEST_STATIONS: usize = 10;
 
-/// Least length of a station over the width of the widest contact: a shorter segment is no line contact of its own.
-const SEGMENT_OVER_WIDTH: f64 = 1.0;
-
 /// Stiffness of a tooth pair per length of contact line over Young's modulus: for starting values, for how
 /// far tip edges are followed and for how wide contacts become. ISO 6336-1: 14 N/(mm um) for steel.
 pub(super) const STIFFNESS_OVER_MODULUS: f64 = 0.07;
@@ -24,9 +21,8 @@ pub(super) const STIFFNESS_OVER_MODULUS: f64 = 0.07;
 pub struct ContactSettings {
     /// Number of equal stations over the overlap of both faces.
     pub stations: usize,
-    /// Part of what a gap changes by along a segment that local contact takes up. The bulk displacement of a segment is one number, its
-    /// mean; that of the teeth follows a load that changes along the line. With 1, all of the change, forces come out too high by the square of the
-    /// segments' length.
+    /// Part of what a gap changes by along a segment that local contact takes up; the displacement of the teeth follows the rest,
+    /// of which the bulk of a segment knows the mean alone. With 1 forces come out too high by the square of its length.
     #[serde(default = "all")]
     pub own_share: f64,
     /// Whether tip corners outside the path of contact may touch.
@@ -52,8 +48,7 @@ impl Default for ContactSettings {
     }
 }
 
-/// Elements of level coarse over those of level normal; segments shorter than the elements follow no load of
-/// their own either.
+/// Elements of level coarse over those of level normal: segments shorter than the elements follow no load of their own either.
 const COARSE_OVER_NORMAL: f64 = 5.0 / 3.0;
 
 impl ContactSettings {
@@ -64,7 +59,8 @@ impl ContactSettings {
             Refinement::Coarse => COARSE_OVER_NORMAL,
             Refinement::Normal | Refinement::Fine => 1.0,
         };
-        let least = elements * SEGMENT_OVER_WIDTH * 2.0 * widest_contact(pair);
+        // A segment shorter than its contact is wide is no line contact of its own.
+        let least = elements * 2.0 * widest_contact(pair);
         let (_, face) = pair.geometry.face_overlap();
         ContactSettings {
             stations: ((face / least) as usize).clamp(FEWEST_STATIONS, MOST_STATIONS),
@@ -170,16 +166,9 @@ pub fn widest_contact(pair: &Pair) -> f64 {
         .fold(0.0, f64::max)
         / g.base_helix_angle().cos();
     let force = pair.operating.maximum_torque / g.gears[0].base_radius();
-    let modulus = g
-        .gears
-        .iter()
-        .map(|g| g.youngs_modulus)
-        .fold(f64::INFINITY, f64::min);
-    let misalignment = pair
-        .operating
-        .misalignment
-        .iter()
-        .fold(0.0f64, |m, v| m.max(v.abs()));
+    let modulus = g.gears[0].youngs_modulus.min(g.gears[1].youngs_modulus);
+    let [low, high] = pair.operating.misalignment.map(f64::abs);
+    let misalignment = low.max(high);
     let triangle = (2.0 * force * STIFFNESS_OVER_MODULUS * modulus * misalignment).sqrt();
     let line_load = (force / g.face_overlap().1).max(triangle);
     let softness: f64 = g

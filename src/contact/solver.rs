@@ -22,10 +22,6 @@ const MARGIN: f64 = 1.25;
 /// Farther edges take up load, so that approaches fall: one more trial as a rule.
 const TRIALS: usize = 8;
 
-/// Reference length aimed at over the half-width of the widest contact: the local law then holds up to 2.25 times the line load
-/// that was estimated.
-const REFERENCE_OVER_HERTZ: f64 = 1.0;
-
 /// Stations at most of contact at run time (docs/contact-at-run-time.md). Loads need no more, the pressure along the face does.
 const RUN_TIME_STATIONS: usize = 22;
 
@@ -84,7 +80,8 @@ impl ContactSolver {
                 teeth: PairTeeth::default(),
                 settings,
                 reach,
-                reference_length: REFERENCE_OVER_HERTZ * widest_contact(pair),
+                // The local law then holds up to 2.25 times the line load that was estimated.
+                reference_length: widest_contact(pair),
                 corner_resolution,
                 form_rolls,
             },

@@ -6,8 +6,8 @@ use super::local_law::Corner;
 use crate::gear::{Flank, Gear, PairGeometry};
 use crate::root::bisection;
 
-/// Halvings in the search for how far tip edges reach: to a hundredth of a picometre.
-const HALVINGS: usize = 38;
+/// Halvings in the search for how far tip edges reach: to some picometres.
+const HALVINGS: usize = 30;
 
 /// The numbers of a pair that contact needs again and again; in [`PairGeometry`] they follow from the nominal data through
 /// several angles. Index 0 is gear 1.
@@ -186,6 +186,14 @@ impl TransverseSection {
             }
         }
         Some(section)
+    }
+
+    /// The section at a `center_distance` (m) next to this one, with candidates as far as here.
+    pub fn near(&self, center_distance: f64) -> Option<TransverseSection> {
+        let form_rolls = self.sides.map(|side| side.form_roll);
+        let section = TransverseSection::new(&self.numbers, center_distance, form_rolls, None)?;
+        let reach = self.reach;
+        Some(TransverseSection { reach, ..section })
     }
 
     /// The pair's numbers.

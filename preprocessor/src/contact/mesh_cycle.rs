@@ -174,11 +174,11 @@ impl MeshCycle {
         let mut values = Vec::new();
         let pressure = |segment: &SegmentLoad| segment.pressure;
         let edge = |segment: &SegmentLoad| segment.edge.map_or(0.0, |edge| edge.line_load);
-        let quantities: [(fn(&SegmentLoad) -> f64, _); 2] = [
-            (pressure, "the largest flank pressure"),
+        type Quantity = fn(&SegmentLoad) -> f64;
+        for (value, name) in [
+            (pressure as Quantity, "the largest flank pressure"),
             (edge, "the largest line load at a tip edge"),
-        ];
-        for (value, name) in quantities {
+        ] {
             let all = (self.loads.iter()).flat_map(|line| line.iter().map(move |top| (line, top)));
             let top = all.max_by(|a, b| value(a.1).total_cmp(&value(b.1)));
             let Some((segments, top)) = top.filter(|(_, top)| value(top) > 0.0) else {

@@ -8,14 +8,12 @@
 //! Nodes also hold segments a little beyond the reach of contact, so that whatever can carry load is there at all four
 //! neighbours of a position. Mesh position 1 is 0 with tooth pairs counted on by one.
 //!
-//! The file: magic line, SHA-256 of all that follows, length of the head, head (JSON), influence matrices (32-bit floats);
-//! little endian.
+//! The file, [`sealed`]: length of the head, head (JSON), influence matrices (32-bit floats); little endian.
 
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::candidates::SegmentName;
 use super::error::ContactError;
@@ -23,6 +21,7 @@ use super::influence::Influence;
 use super::setup::ContactSetup;
 use super::solver::ContactSolver;
 use crate::gear::Flank;
+use crate::sealed;
 use crate::table::InterpolationError;
 use crate::vector::Lanes;
 
@@ -312,8 +311,6 @@ fn triangle(i: usize) -> usize {
 
 /// Changes with the layout.
 const MAGIC: &[u8; 32] = b"gearmesh condensed contact v002\n";
-const HASH: std::ops::Range<usize> = 32..64;
-const HEAD: usize = 72;
 
 /// Contact of both flanks.
 #[derive(Debug, Clone, PartialEq)]
@@ -353,9 +350,7 @@ impl ContactFile {
             error: self.error,
         };
         let head = serde_json::to_vec(&head).expect("plain structs become JSON");
-        let mut bytes = MAGIC.to_vec();
-        bytes.resize(HASH.end, 0);
-        bytes.extend((head.len() as u64).to_le_bytes());
+        let mut bytes = (head.len() as u64).to_le_bytes().to_vec();
         bytes.extend(head);
         for flank in [Some(&self.drive), self.coast.as_ref()]
             .into_iter()
@@ -363,9 +358,7 @@ impl ContactFile {
         {
             bytes.extend(flank.values.iter().flat_map(|value| value.to_le_bytes()));
         }
-        let hash = Sha256::digest(&bytes[HASH.end..]);
-        bytes[HASH].copy_from_slice(&hash);
-        bytes
+        sealed::seal(MAGIC, &bytes)
     }
 
     /// Reads the bytes of a file.
@@ -373,23 +366,15 @@ impl ContactFile {
     /// # Errors
     /// What is wrong with them, as text.
     pub fn from_bytes(bytes: &[u8]) -> Result<ContactFile, String> {
-        if bytes.len() < HEAD || !bytes.starts_with(MAGIC) {
-            return Err("not a file of this version with the contact of a pair".into());
-        }
-        if bytes[HASH] != Sha256::digest(&bytes[HASH.end..])[..] {
-            return Err(
-                "the content does not belong to its checksum: the file was cut or altered".into(),
-            );
-        }
-        let length = bytes[HASH.end..HEAD].try_into().map(u64::from_le_bytes);
-        let end = length
+        let bytes = sealed::open(MAGIC, bytes)?;
+        let (length, rest) = bytes.split_first_chunk::<8>().ok_or("it has no head")?;
+        let (head, values) = usize::try_from(u64::from_le_bytes(*length))
             .ok()
-            .and_then(|length| usize::try_from(length).ok()?.checked_add(HEAD))
-            .filter(|end| *end <= bytes.len())
+            .and_then(|length| rest.split_at_checked(length))
             .ok_or("the head is longer than the file")?;
-        let head: Head = serde_json::from_slice(&bytes[HEAD..end]).map_err(|e| e.to_string())?;
+        let head: Head = serde_json::from_slice(head).map_err(|e| e.to_string())?;
         head.setup.check()?;
-        let mut rest = bytes[end..].chunks_exact(4);
+        let mut rest = values.chunks_exact(4);
         let mut filled = |mut flank: CondensedFlank| -> Result<Arc<CondensedFlank>, String> {
             let count = flank.value_count().ok_or("a grid without nodes")?;
             let stations = head.setup.settings.stations;

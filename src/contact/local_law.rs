@@ -54,7 +54,7 @@ const NODES: usize = 12;
 ///
 /// dh/dw = c ln(2 L / a) + r c_g ln(d / m),
 ///
-/// d that of the contact line, no less than what the elements resolve. Measured (docs/finite-elements.md): with it, single
+/// d that of the contact line, no less than what the elements resolve. Measured (docs/theory/compliance.md): with it, single
 /// transmission errors at tip edges of 20/20 teeth come within 0.4 % instead of 1 %, at a ring's edge within 0.9 % instead of 1.5 %.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner {

@@ -22,12 +22,12 @@ const MARGIN: f64 = 1.25;
 /// Farther edges take up load, so that approaches fall: one more trial as a rule.
 const TRIALS: usize = 8;
 
-/// Stations at most of contact at run time (docs/contact-at-run-time.md). Loads need no more, the pressure along the face does.
+/// Stations at most of contact at run time (docs/theory/contact.md). Loads need no more, the pressure along the face does.
 const RUN_TIME_STATIONS: usize = 22;
 
 /// Part of the change of a gap along a segment that local contact takes up at run time; the bulk displacement follows the rest. Less
 /// makes force and moment more exact, more the stiffness, whose error is the steps in which segments meet
-/// (docs/contact-at-run-time.md).
+/// (docs/theory/contact.md).
 const OWN_SHARE_AT_RUN_TIME: f64 = 0.45;
 
 /// Static contact of one pair of gears.

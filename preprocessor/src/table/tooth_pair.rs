@@ -100,7 +100,7 @@ impl ToothPair {
         let outer = |nodes: &[f64]| [nodes[0], nodes[nodes.len() / 2], nodes[nodes.len() - 1]];
         let mut ends = [0.0f64; 2];
         for c in outer(&self.nodes[0]) {
-            let passage = self.solver.passage(self.flank, c)?;
+            let passage = self.solver.passage(c)?;
             for m in outer(&self.nodes[1]) {
                 let ceiling = self
                     .level(c, m)
@@ -128,7 +128,7 @@ impl StaticSource for ToothPairOver<'_> {
     ) -> Result<Box<dyn StaticPosition + '_>, String> {
         let place = self.places[0] + mesh_position * self.places[1];
         let (pair, c) = (self.pair, center_distance_offset);
-        let [first, last] = pair.solver.passage(flank, c).map_err(|e| e.to_string())?;
+        let [first, last] = pair.solver.passage(c).map_err(|e| e.to_string())?;
         let within = place.clamp(first + STEP, last - STEP);
         let problem = pair.solver.tooth_pair(flank, within, c);
         Ok(Box::new(ToothPairPosition {

@@ -2,44 +2,40 @@
 //!
 //! With t the distance along the flanks from there, in the normal section,
 //!
-//! gap(t) = slope t + curvature t² / 2 + sum of breaks (k u + kappa u² / 2), u = max(side (t - at), 0),
+//! gap(t) = slope t + curvature t² / 2 + sum of reliefs (k u + kappa u² / 2), u = max(side (t - at), 0),
 //!
-//! one break for each relief: k its kink (linear), kappa its curvature (parabolic). None holds the closest point: a relief on
-//! which that lies is the parabola there, and its break the flank before it. All that removes material is convex, and so
-//! is the gap. Over a contact from m - a to m + a, t = m + a cos(theta), the law of a contact
-//! needs no more than the first coefficients of gap = g_0 + g_1 cos(theta) + g_2 cos(2 theta) + ...
+//! k the jump of slope at the start of a relief (linear), kappa that of curvature (parabolic). None holds the closest point: a
+//! relief on which that lies is the parabola there, and the flank before it the relief. All that removes material is
+//! convex, and so is the gap. Over a contact from m - a to m + a, t = m + a cos(theta), the law of a contact needs no more
+//! than the first coefficients of gap = g_0 + g_1 cos(theta) + g_2 cos(2 theta) + ...
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Where a relief begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Break {
+pub struct ReliefStart {
     /// Distance from the closest point, m.
     pub at: f64,
     /// 1 where the relief lies at larger t, -1 at smaller.
     pub side: f64,
-    /// Kink k of the gap, >= 0.
+    /// Jump of the slope of the gap k, >= 0.
     pub slope: f64,
-    /// Its jump of curvature kappa, 1/m.
+    /// Jump of its curvature kappa, 1/m.
     pub curvature: f64,
 }
 
-impl Break {
+impl ReliefStart {
     /// None.
-    pub const NONE: Break = Break {
+    pub const NONE: ReliefStart = ReliefStart {
         at: f64::INFINITY,
         side: 1.0,
         slope: 0.0,
         curvature: 0.0,
     };
-
-    fn is_none(&self) -> bool {
-        self.slope == 0.0 && self.curvature == 0.0
-    }
 }
 
 /// Tip and root reliefs of both gears.
-const BREAKS: usize = 4;
+const RELIEFS: usize = 4;
 
 /// The gap about the closest point, over that there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,8 +44,8 @@ pub struct GapProfile {
     pub slope: f64,
     /// Curvature there, 1/m.
     pub curvature: f64,
-    /// The breaks, any that are not there [`Break::NONE`].
-    breaks: [Break; BREAKS],
+    /// The reliefs, any that are not there [`ReliefStart::NONE`].
+    reliefs: [ReliefStart; RELIEFS],
     /// Tip edge of gear 2, <= 0, and of gear 1, >= 0, m.
     pub edges: [f64; 2],
 }
@@ -71,7 +67,7 @@ impl GapProfile {
         GapProfile {
             slope,
             curvature,
-            breaks: [Break::NONE; BREAKS],
+            reliefs: [ReliefStart::NONE; RELIEFS],
             edges,
         }
     }
@@ -79,37 +75,32 @@ impl GapProfile {
     /// Gap at the distance `t` (m), m.
     #[cfg(test)]
     pub fn gap(&self, t: f64) -> f64 {
-        let of = |b: &Break| {
+        let removal = |b: &ReliefStart| {
             let u = (b.side * (t - b.at)).max(0.0);
             u * (b.slope + 0.5 * u * b.curvature)
         };
-        let breaks = self.present();
-        t * (self.slope + 0.5 * t * self.curvature) + breaks.map(of).sum::<f64>()
+        let reliefs = self.reliefs.iter().map(removal).sum::<f64>();
+        t * (self.slope + 0.5 * t * self.curvature) + reliefs
     }
 
-    /// [`GapProfile::parabola`] far from both edges, with reliefs: the fields of [`Break`] in their order.
+    /// [`GapProfile::parabola`] far from both edges, with reliefs: the fields of [`ReliefStart`] in their order.
     #[cfg(test)]
     pub fn relieved(slope: f64, curvature: f64, reliefs: [(f64, f64, f64, f64); 2]) -> GapProfile {
         let mut profile = GapProfile::parabola(slope, curvature, [-1.0, 1.0]);
-        for (place, (at, side, slope, curvature)) in reliefs.into_iter().enumerate() {
-            let relief = Break {
+        for (number, (at, side, slope, curvature)) in reliefs.into_iter().enumerate() {
+            let relief = ReliefStart {
                 at,
                 side,
                 slope,
                 curvature,
             };
-            profile.add(place, relief);
+            profile.add(number, relief);
         }
         profile
     }
 
-    /// The breaks that are there.
-    fn present(&self) -> impl Iterator<Item = &Break> {
-        self.breaks.iter().filter(|b| !b.is_none())
-    }
-
-    /// Adds the break of a relief in place of the `place`-th of the breaks.
-    pub fn add(&mut self, place: usize, relief: Break) {
+    /// Sets relief number `number`.
+    pub fn add(&mut self, number: usize, relief: ReliefStart) {
         let mut other = relief;
         if relief.side * relief.at < 0.0 {
             // With v = -side (t - at): max(-v, 0) = -v + max(v, 0), and its square is v² less that of max(v, 0).
@@ -118,16 +109,19 @@ impl GapProfile {
             other.side = -relief.side;
             other.curvature = -relief.curvature;
         }
-        self.breaks[place] = other;
+        self.reliefs[number] = other;
     }
 
     /// Slopes of the gap before and behind the closest point.
     pub fn slopes_at_closest(&self) -> [f64; 2] {
-        let kink = |side: f64| {
-            let here = self.breaks.iter().filter(|b| b.at == 0.0 && b.side == side);
+        let jump = |side: f64| {
+            let here = self
+                .reliefs
+                .iter()
+                .filter(|b| b.at == 0.0 && b.side == side);
             here.map(|b| b.slope).sum::<f64>()
         };
-        [self.slope - kink(-1.0), self.slope + kink(1.0)]
+        [self.slope - jump(-1.0), self.slope + jump(1.0)]
     }
 
     /// Distance from the closest point to the nearest tip edge, m.
@@ -141,23 +135,12 @@ impl GapProfile {
         usize::from(-of_second < of_first)
     }
 
-    /// Slope of the gap at the nearest tip edge, away from it into the flank; negative where the closest point lies
-    /// inside the flank.
-    pub fn edge_slope(&self) -> f64 {
-        let [low, high] = self.edges;
-        if high < -low {
-            -(self.slope + self.curvature * high)
-        } else {
-            self.slope + self.curvature * low
-        }
-    }
-
     /// Half-width of a contact that just reaches the start of a relief, m; one that reaches a tip edge before grows from
     /// there.
-    pub fn room(&self) -> f64 {
+    pub fn relief_distance(&self) -> f64 {
         let [low, high] = self.edges;
         let to_edge = self.edge_distance();
-        let of = |b: &Break| {
+        let half_width = |b: &ReliefStart| {
             if b.at.abs() <= to_edge {
                 b.at.abs()
             } else if high < -low {
@@ -167,15 +150,17 @@ impl GapProfile {
             }
         };
         // Beyond the tip edge there is no flank.
-        let inside = self.present().filter(|b| low < b.at && b.at < high);
-        inside.map(of).fold(f64::INFINITY, f64::min)
+        let is_there =
+            |b: &&ReliefStart| low < b.at && b.at < high && (b.slope, b.curvature) != (0.0, 0.0);
+        let inside = self.reliefs.iter().filter(is_there);
+        inside.map(half_width).fold(f64::INFINITY, f64::min)
     }
 
     /// Mean of the slope over the contact and its derivative by `m`.
     fn tilt(&self, m: f64, a: f64) -> (f64, f64) {
         let (mut tilt, mut by_m) = (self.slope + self.curvature * m, self.curvature);
-        for b in &self.breaks {
-            let Some((tau, theta, sine)) = place(b, m, a) else {
+        for b in &self.reliefs {
+            let Some((tau, theta, sine)) = part_in_contact(b, m, a) else {
                 continue;
             };
             tilt += b.side * FRAC_1_PI * (b.slope * theta + b.curvature * a * (sine - tau * theta));
@@ -240,8 +225,8 @@ impl GapProfile {
                 0.25 * self.curvature * a * a,
             ],
         };
-        for b in &self.breaks {
-            let Some((tau, theta, sine)) = place(b, m, a) else {
+        for b in &self.reliefs {
+            let Some((tau, theta, sine)) = part_in_contact(b, m, a) else {
                 continue;
             };
             let cube = sine * sine * sine;
@@ -263,9 +248,9 @@ impl GapProfile {
     }
 }
 
-/// Place tau of a break in a contact, seen from the side away from its relief, and the angle and sine of it: the relief
+/// Position tau of the start of a relief in a contact, seen from the side away from it, its angle and sine: the relief
 /// takes part from theta = 0 to this angle; `None` where it takes no part.
-fn place(b: &Break, m: f64, a: f64) -> Option<(f64, f64, f64)> {
+fn part_in_contact(b: &ReliefStart, m: f64, a: f64) -> Option<(f64, f64, f64)> {
     let tau = b.side * (b.at - m) / a;
     if tau >= 1.0 {
         return None;

@@ -299,7 +299,7 @@ fn table(page: &mut Page, solver: &ContactSolver, cases: &[Case]) {
         "In numbers",
         &format!(
             "{LEGEND} Pressure after Hertz inside the flanks. Where contact reaches a sharp tip edge pressure has no bound: there \
-             the load per length of contact line, with the gear whose edge it is. Largest KKT residual {residual:.1e}.{notes}"
+             the load per length of contact line, with the gear whose edge it is. Largest residual of the contact conditions {residual:.1e}.{notes}"
         ),
     );
     let mut columns = load();

@@ -70,7 +70,7 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
     text += LEGEND;
     list(rows, &details(solver), &case);
     rows! { rows;
-        "largest KKT residual" => "{:.1e}", case.cycle.kkt_residual();
+        "residual of the contact conditions" => "{:.1e}", case.cycle.kkt_residual();
     }
     if !speeds.is_empty() {
         let _ = write!(

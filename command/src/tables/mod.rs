@@ -157,7 +157,7 @@ pub fn compute(
     } = quality;
     lines.push(format!(
         "static contact: {}, {solves} contact solves, Newton steps {most_iterations} at most of {MAXIMUM_ITERATIONS} allowed, \
-         KKT residual {kkt_residual:.1e} at most",
+         residual of the contact conditions {kkt_residual:.1e} at most",
         seconds_since(begin)
     ));
     lines.extend(at_build(&pair));

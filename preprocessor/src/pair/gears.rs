@@ -2,8 +2,8 @@
 
 use super::checks::{Range::Within, check, in_gear};
 use super::error::{Refusal, ensure, refusal};
-use super::file::{GearFile, MM, Meshing, PairFile};
-use gearmesh::gear::{Body, Gear, GearKind};
+use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
+use gearmesh::gear::{Body, Gear, GearKind, Stub};
 use gearmesh::words::rounded;
 
 /// Gear `i` with neither backlash nor a body of its own.
@@ -70,6 +70,8 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
     let first = parts
         .into_iter()
         .find_map(|(name, value)| Some((name, value?)));
+    ensure!(gear.kind == GearKind::External || g.shaft.is_none(), in_gear(i, "shaft") => "a shaft";
+        "the gear is a ring"; "leave it out");
     match (gear.kind, first) {
         (GearKind::Ring, Some((name, value))) => Err(refusal!(in_gear(i, name) => value;
             "the gear is a ring, which has neither web nor hub";
@@ -85,6 +87,14 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
         (GearKind::External, first) => {
             ensure!(foundation.is_none(), in_gear(i, "rim_foundation_n_per_mm3") => foundation.unwrap_or(0.0);
                 "the gear is no ring and is held at its bore"; "leave it out");
+            if let Some(given) = &g.shaft {
+                if let Some((name, value)) = first {
+                    return Err(refusal!(in_gear(i, name) => value;
+                        "`shaft` is given, too, and its teeth are cut from it"; "give one of them"));
+                }
+                gear.body = Some(shaft(g, given, gear, i)?);
+                return Ok(());
+            }
             gear.body = match (first, g.rim_thickness_mm, g.web_thickness_mm) {
                 (None, ..) => None,
                 (_, Some(rim), Some(web)) => Some(body(g, gear, i, [rim, web])?),
@@ -165,7 +175,56 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
             .hub_diameter_mm
             .map_or(gear.held_radius, |mm| 0.5 * mm * MM),
         hub: hub.0.map(|z| z * MM),
+        held_ends: [false; 2],
     })
+}
+
+/// Bore of a shaft that is called solid, over the diameter of its thinner piece: it makes the shaft 1e-4 softer.
+const BORE_OF_SOLID: f64 = 0.1;
+
+/// The shaft that the teeth of `gear` are cut from; sets its bore.
+fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<Body, Refusal> {
+    let module = gear.normal_module / MM;
+    let [wall, longest] = [LEAST_PART, LONGEST_HUB].map(|modules| rounded(modules * module));
+    let thickest = 2.0 * gear.root_radius() / MM - 2.0 * rounded(LEAST_RIM * module);
+    let thinnest = g.bore_diameter_mm.unwrap_or(0.0) + 2.0 * wall;
+    let pieces = [("lower", shaft.lower), ("upper", shaft.upper)];
+    for (name, piece) in pieces {
+        let Some(piece) = piece else { continue };
+        let path = in_gear(i, &format!("shaft.{name}"));
+        ensure!((thinnest..=thickest).contains(&piece.diameter_mm), format!("{path}.diameter_mm") => piece.diameter_mm;
+            "lies outside {thinnest:.3} mm (the bore and a wall) to {thickest:.3} mm (half a normal module below the root circle)";
+            "give the diameter of the shaft beside the teeth; of a thicker one give the largest that is taken");
+        ensure!((wall..=longest).contains(&piece.length_mm), format!("{path}.length_mm") => piece.length_mm;
+            "lies outside {wall} to {longest} mm (a tenth to a hundred normal modules)";
+            "give the length from the face to where the shaft of the multibody model takes over");
+    }
+    let held = match (shaft.held, shaft.lower, shaft.upper) {
+        (Some(held), ..) => [held != HeldEnds::Upper, held != HeldEnds::Lower],
+        (None, Some(_), None) => [true, false],
+        (None, None, Some(_)) => [false, true],
+        _ => {
+            return Err(refusal!(in_gear(i, "shaft") => "no `held`";
+                "it has two pieces, or none, and no `held`";
+                "give the end that passes the torque on: `lower` (z < 0), `upper` or `both`"));
+        }
+    };
+    for ((name, piece), held) in pieces.into_iter().zip(held) {
+        ensure!(piece.is_some() || !held, in_gear(i, "shaft.held") => name;
+            "there is no `{name}` piece to hold"; "give its diameter_mm and length_mm, or hold the other end");
+    }
+    let stubs = [0, 1].map(|end| Stub {
+        radius: pieces[end]
+            .1
+            .map_or(0.0, |piece| 0.5 * piece.diameter_mm * MM),
+        length: pieces[end].1.map_or(0.0, |piece| piece.length_mm * MM),
+        held: held[end],
+    });
+    let body = Body::shaft(stubs, gear.face_width);
+    if g.bore_diameter_mm.is_none() {
+        gear.held_radius = BORE_OF_SOLID * body.hub_radius;
+    }
+    Ok(body)
 }
 
 /// Both ends of a part along the axis, mm.

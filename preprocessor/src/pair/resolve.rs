@@ -179,8 +179,10 @@ fn small_bore(geometry: &PairGeometry, i: usize) -> Option<String> {
     let [mm, root] = [gear.held_radius, gear.root_radius()].map(|radius| 2e3 * radius);
     let (name, mm) = (in_gear(i, "bore_diameter_mm"), rounded(mm));
     let meant = meant_about(&name, mm, 0.5 * root);
-    let other = || "give the diameter of the hub or shaft at which the gear is held".into();
-    (mm < 0.02 * root).then(|| {
+    let other = || {
+        "give the diameter of the hub at which the gear is held, or `shaft` if its teeth are cut from one".into()
+    };
+    (gear.body.is_none() && mm < 0.02 * root).then(|| {
         format!(
             "`{name}` = {mm} is a suspicious value: {}",
             meant.unwrap_or_else(other)

@@ -173,6 +173,7 @@ fn rim_web_and_hub_stand_where_the_file_puts_them() {
         web,
         hub_radius,
         hub,
+        ..
     } = gear.body.unwrap();
     for (found, expected) in [
         (rim_radius, gear.root_radius() - 6e-3),
@@ -200,6 +201,28 @@ fn rim_web_and_hub_stand_where_the_file_puts_them() {
     for off in ["{}", r#"{"gear1": {"web_offset_mm": 0}}"#] {
         assert!(!with(off).coast_mirrors_drive());
     }
+}
+
+/// The paper's pair with gear 1 cut from a shaft.
+pub const SHAFT: &str = r#"{"gear1": {"bore_diameter_mm": null, "shaft": {
+    "lower": {"diameter_mm": 40, "length_mm": 15}, "upper": {"diameter_mm": 30, "length_mm": 50}, "held": "upper"}}}"#;
+
+#[test]
+fn a_pinion_shaft_has_its_pieces_beside_the_face_and_is_solid_unless_it_has_a_bore() {
+    let gear = |patch: &str| pair(&patched(PAPER, SHAFT), patch).geometry.gears[0].clone();
+    let solid = gear("{}");
+    let body = solid.body.unwrap();
+    assert_eq!((body.rim_radius, body.hub_radius), (20e-3, 15e-3));
+    assert_eq!((body.web, body.held_ends), ([-15e-3, 25e-3], [false, true]));
+    assert_abs_diff_eq!(body.hub[1], 75e-3, epsilon = 1e-12);
+    assert_abs_diff_eq!(solid.held_radius, 1.5e-3, epsilon = 1e-12);
+    let bored = gear(r#"{"gear1": {"bore_diameter_mm": 12}}"#);
+    assert_abs_diff_eq!(bored.held_radius, 6e-3, epsilon = 1e-12);
+    assert!(bored.body_twist() > solid.body_twist());
+    // Of one piece alone the end is held.
+    let one = gear(r#"{"gear1": {"shaft": {"upper": null, "held": null}}}"#);
+    assert_eq!(one.body.unwrap().held_ends, [true, false]);
+    assert_eq!(one.body.unwrap().hub, [-15e-3, 25e-3]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Files that are refused, and what is said of them: field, value, problem and remedy.
 
-use super::accepted::WEBBED;
+use super::accepted::{SHAFT, WEBBED};
 use super::*;
 
 /// A file, a field of it that gets this value (JSON), and words of the message.
@@ -335,6 +335,22 @@ fn bodies_that_cannot_be_are_refused_with_field_value_and_remedy() {
     for (patch, field, value, words) in without {
         check(&webbed, &setting("gear1", patch), field, value, words);
     }
+    let cut = patched(PAPER, SHAFT);
+    #[rustfmt::skip]
+    let shafts = [
+        (r#"{"shaft": {"lower": {"diameter_mm": 71}}}"#, "gear1.shaft.lower.diameter_mm", "71", "root circle"),
+        (r#"{"shaft": {"upper": {"diameter_mm": 0.5}}}"#, "gear1.shaft.upper.diameter_mm", "0.5", "wall"),
+        (r#"{"bore_diameter_mm": 29.5}"#, "gear1.shaft.upper.diameter_mm", "30", "bore"),
+        (r#"{"shaft": {"upper": {"length_mm": 0}}}"#, "gear1.shaft.upper.length_mm", "0", "modules"),
+        (r#"{"shaft": {"held": null}}"#, "gear1.shaft", "no `held`", "two pieces"),
+        (r#"{"shaft": {"upper": null}}"#, "gear1.shaft.held", "upper", "no `upper` piece"),
+        (r#"{"rim_thickness_mm": 5}"#, "gear1.rim_thickness_mm", "5", "cut from it"),
+    ];
+    for (patch, field, value, words) in shafts {
+        check(&cut, &setting("gear1", patch), field, value, words);
+    }
+    let ring = r#"{"gear2": {"shaft": {"lower": {"diameter_mm": 9, "length_mm": 9}}}}"#;
+    check(INTERNAL, ring, "gear2.shaft", "a shaft", "ring");
 }
 
 #[test]

@@ -170,7 +170,9 @@ fn unknown_field(given: &str, known: &[&str]) -> String {
 
 /// What to say of a name that is none of those `known`.
 fn unknown_name(given: &str, known: &[&str], what: &str) -> String {
-    let (name, meant) = (shown(given), nearest(given, known));
+    // The path has it in full.
+    let name = shown(&given.chars().take(60).collect::<String>());
+    let meant = nearest(given, known);
     // Names of older files begin with a capital.
     let known: Vec<&str> = known
         .iter()

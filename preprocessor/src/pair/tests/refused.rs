@@ -509,7 +509,7 @@ const FORMS: &[(&str, &str, &str)] = &[
 ];
 
 #[test]
-fn what_is_of_another_form_is_told_by_field_and_value_without_the_words_of_a_parser() {
+fn a_value_of_another_form_is_refused_by_field_and_value_without_the_words_of_a_parser() {
     for (name, value, words) in FORMS {
         let (field, message) = form(&patched(PAPER, &setting(name, value)));
         assert_eq!(field, *name, "{message}");
@@ -533,7 +533,7 @@ fn what_is_of_another_form_is_told_by_field_and_value_without_the_words_of_a_par
 }
 
 #[test]
-fn text_that_is_no_json_is_told_by_line_and_column_with_the_text_there() {
+fn text_that_is_no_json_is_refused_by_line_and_column_with_the_text_there() {
     #[rustfmt::skip]
     let cases = [
         (PAPER.replacen("4.0,", "NaN,", 1), "\"normal_module_mm\": NaN"),

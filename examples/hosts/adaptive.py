@@ -19,7 +19,6 @@ import numpy as np
 from gearmesh import GearPair
 from scipy.integrate import solve_ivp
 
-from .scenario import ratio_of
 from .tables import show
 
 INERTIA = 8e-4  # kg m^2, gear 2
@@ -38,7 +37,7 @@ class Hinge:
         parameters = {} if backlash is None else {"backlash": backlash}
         self.pair = GearPair(fmu, parameters, interface="model-exchange")
         self.pair.initialize()
-        self.ratio, self.torque, self.backlash, self.calls = ratio_of(fmu), torque, backlash, 0
+        self.ratio, self.torque, self.backlash, self.calls = self.pair.geometry.ratio, torque, backlash, 0
 
     def place(self, time: float, state: np.ndarray) -> None:
         pair = self.pair

@@ -125,7 +125,7 @@ def data(page: Path) -> str:
         with file.open(encoding="utf-8", newline="") as stream:
             head, *lines = csv.reader(stream)
         name = file.relative_to(page.parent).as_posix()
-        rows.append([f"[{name.removeprefix('data/')}]({name})", str(len(lines)), ", ".join(filter(None, head))])
+        rows.append([f"[{name.removeprefix('data/')}]({name})", str(len(lines)), "; ".join(filter(None, head))])
     return "\n\n".join([*parts, table(["file", "rows", "columns"], rows)])
 
 

@@ -3,11 +3,13 @@
 import json
 from pathlib import Path
 
+import gearmesh
 import numpy as np
 import pytest
-from conftest import PAIRS, gearmesh, instances, other_hand, pair_files, swapped
+from conftest import PAIRS, instances, other_hand, pair_files, swapped
 from host import Unit
 from oracle import STEP, Flank, Mesh
+from scipy.spatial.transform import Rotation
 from test_mechanics import body, product, rotation
 
 POSES = 20
@@ -39,12 +41,7 @@ PAIR_NAMES = [*pair_files(), *shifted_files()]
 @pytest.fixture(scope="module")
 def every_unit(units, tmp_path_factory):
     folder = tmp_path_factory.mktemp("shifted")
-    shifted = {}
-    for name, pair in shifted_files().items():
-        file, fmu = folder / f"{name}.json", folder / f"{name}.fmu"
-        file.write_text(json.dumps(pair))
-        gearmesh("pack", "--pair", file, "-o", fmu)
-        shifted[name] = Unit(fmu)
+    shifted = {name: Unit(gearmesh.pack(pair, folder / f"{name}.fmu")) for name, pair in shifted_files().items()}
     yield units | shifted
     for unit in shifted.values():
         unit.close()
@@ -53,12 +50,6 @@ def every_unit(units, tmp_path_factory):
 @pytest.fixture
 def make(every_unit):
     yield from instances(every_unit)
-
-
-def matrix(q):
-    w, x, y, z = q
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + 2 * w * cross + 2 * cross @ cross
 
 
 class Poses:
@@ -84,7 +75,7 @@ class Poses:
 
 
 def matrices(poses):
-    return [(p, matrix(q)) for p, q in poses]
+    return [(p, Rotation.from_quat(q, scalar_first=True).as_matrix()) for p, q in poses]
 
 
 def inputs(poses, velocities=np.zeros((2, 2, 3))):
@@ -189,15 +180,15 @@ def foot(flank, x):
 @pytest.mark.parametrize("kind", ["external", "ring"])
 def test_the_oracles_distance_is_that_of_the_closest_point_on_the_surface(kind, helix):
     rng = np.random.default_rng(1842)
-    gear = {"kind": kind, "teeth": 30, "helix_angle": helix, "normal_pressure_angle": np.radians(20.0)}
-    gear |= {"normal_module": 4e-3, "profile_shift": 0.3}
-    module = gear["normal_module"] / np.cos(helix)
+    gear = {"kind": kind, "teeth": 30, "helix_angle_rad": helix, "normal_pressure_angle_rad": np.radians(20.0)}
+    gear |= {"normal_module_m": 4e-3, "profile_shift": 0.3}
+    module = gear["normal_module_m"] / np.cos(helix)
     for hand in (1, -1):
         flanks = {sigma: Flank(gear, sigma, hand, 2e-5) for sigma in (1, -1)}
         # On the reference circle a tooth (ring: a space) is as thick as the rack that cuts it says.
         reference = np.sqrt((0.5 * 30 * module / flanks[1].rb) ** 2 - 1)
         ends = [np.arctan2(*flanks[s].surface(reference, 0.0)[1::-1]) for s in (1, -1)]
-        rack = 0.5 * np.pi * module + 2 * 0.3 * module * np.tan(gear["normal_pressure_angle"])
+        rack = 0.5 * np.pi * module + 2 * 0.3 * module * np.tan(gear["normal_pressure_angle_rad"])
         thinned = (1 if kind == "external" else -1) * 2e-5 / flanks[1].rb
         thickness = abs(ends[0] - ends[1]) + thinned
         assert thickness == pytest.approx(rack / (0.5 * 30 * module), abs=1e-15)

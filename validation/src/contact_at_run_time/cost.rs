@@ -56,6 +56,6 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
             fixed(1e6 * seconds / STEPS as f64, 0),
         ]);
     }
-    let head = ["pair", "stations", "condensed, MB", "force error rms, %", "largest, %", "cold, us", "warm, us"];
+    let head = ["pair", "segments", "condensed, MB", "force error rms, %", "largest, %", "cold, us", "warm, us"];
     data.table("cost", &head, &rows)
 }

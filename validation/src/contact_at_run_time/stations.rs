@@ -52,6 +52,6 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
             rows.push([row![name, stations, own_share], cells.to_vec()].concat());
         }
     }
-    let head = ["pair", "stations", "own share", "force rms, %", "largest, %", "moment rms, %", "stiffness rms, %"];
+    let head = ["pair", "segments", "own share", "force rms, %", "largest, %", "moment rms, %", "stiffness rms, %"];
     data.table("stations", &head, &rows)
 }

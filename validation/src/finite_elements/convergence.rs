@@ -48,8 +48,8 @@ fn variants(quick: bool) -> Vec<(&'static str, Discretization, usize)> {
         ("layers x 2/3", layers, 40),
         ("kernel 0.12", Discretization { kernel_half_width: 0.12, ..n }, 40),
         ("kernel 0.25", Discretization { kernel_half_width: 0.25, ..n }, 40),
-        ("20 stations along the face", n, 20),
-        ("80 stations along the face", n, 80),
+        ("20 segments along the face", n, 20),
+        ("80 segments along the face", n, 80),
     ];
     if quick {
         all.retain(|v| v.1 == n || v.1 == coarse);

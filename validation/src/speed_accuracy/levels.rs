@@ -2,7 +2,7 @@
 
 use super::{PAIR, everything, ratio};
 use crate::data::{Data, fixed, range, rms};
-use crate::driver::{Bearing, Gear, Method, Scene, Spin, gear_state, set_gear_state};
+use crate::driver::{Bearing, Gear, Scene, Spin, gear_state, set_gear_state};
 use crate::setup::{Setup, quiet, shipped_at, ste};
 use crate::timing::{median, timed};
 use crate::{Context, Result, row};
@@ -69,8 +69,7 @@ impl Run {
         for sample in 0..(DURATION / STEP).round() as usize / STEPS_PER_SAMPLE {
             let begin = (sample * STEPS_PER_SAMPLE) as f64 * STEP;
             let (stepped, time) = timed(|| {
-                (0..STEPS_PER_SAMPLE)
-                    .try_fold(state, |state, n| Method::RungeKutta4.step(&scene, begin + n as f64 * STEP, &state, STEP))
+                (0..STEPS_PER_SAMPLE).try_fold(state, |state, n| scene.step(begin + n as f64 * STEP, &state, STEP))
             });
             state = stepped?;
             seconds.push(time / STEPS_PER_SAMPLE as f64);

@@ -2,7 +2,7 @@
 
 use super::{at, everything};
 use crate::data::{Data, fixed, range, rms};
-use crate::driver::{CoSimulation, Gear, INERTIA, Master, Method, Scene, Spin, State, Way};
+use crate::driver::{CoSimulation, Gear, INERTIA, Master, Scene, Spin, State, Way};
 use crate::setup::Setup;
 use crate::timing::timed;
 use crate::{Context, Result, row};
@@ -42,7 +42,7 @@ fn scene(setup: &Setup) -> Result<Scene> {
 /// Who integrates: one solver over everything, or a master with the element on the other side.
 #[derive(Clone, Copy)]
 enum Host {
-    Monolithic(Method),
+    Monolithic,
     Coupled(Way),
 }
 
@@ -51,16 +51,15 @@ fn run(scene: &Scene, host: Host, step: f64) -> Result<Vec<f64>> {
     let mut state = scene.rest();
     let mut coupling = match host {
         Host::Coupled(way) => Some(CoSimulation::new(scene, way, state, step, 1)?),
-        Host::Monolithic(_) => None,
+        Host::Monolithic => None,
     };
     let mut advance = |t: f64, state: &State| -> Result<State> {
-        Ok(match (&mut coupling, host) {
-            (Some(coupling), _) => {
+        Ok(match &mut coupling {
+            Some(coupling) => {
                 coupling.advance()?;
                 coupling.state
             }
-            (None, Host::Monolithic(method)) => method.step(scene, t, state, step)?,
-            (None, Host::Coupled(_)) => unreachable!("a coupling was made"),
+            None => scene.step(t, state, step)?,
         })
     };
     let per_sample = (SAMPLE / step).round() as usize;
@@ -78,14 +77,13 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let setup = at("palermo2013-unmodified", Refinement::Coarse)?;
     let scene = scene(&setup)?;
     let mass = INERTIA / setup.pair.geometry.gears[1].base_radius().powi(2);
-    let runge_kutta = Host::Monolithic(Method::RungeKutta4);
+    let runge_kutta = Host::Monolithic;
     let reference = run(&scene, runge_kutta, if context.quick { 1e-6 } else { 2.5e-7 })?;
     let [low, high] = range(reference[reference.len() / 5..].iter().copied());
     let swing = high - low;
     let mut rows = vec![row!["(the DTE itself swings by)", "", format!("{:.2}", 1e6 * swing), ""]];
     for (name, host) in [
         ("monolithic, Runge-Kutta 4", runge_kutta),
-        ("monolithic, semi-implicit Euler", Host::Monolithic(Method::SemiImplicitEuler)),
         ("sequential co-simulation, held", Host::Coupled(Way::held(Master::Sequential))),
         ("sequential co-simulation", Host::Coupled(Way::predicted(Master::Sequential, mass))),
         ("parallel co-simulation", Host::Coupled(Way::predicted(Master::Parallel, mass))),

@@ -2,9 +2,7 @@
 
 use super::Real;
 use crate::data::Data;
-use crate::driver::{
-    Bearing, Gear, MASS, Method, Scene, Spin, State, TRANSVERSE_INERTIA, gear_state, set_gear_state, twist,
-};
+use crate::driver::{Bearing, Gear, MASS, Scene, Spin, State, TRANSVERSE_INERTIA, gear_state, set_gear_state, twist};
 use crate::setup::external_and_internal;
 use crate::spring::Spring;
 use crate::{Context, Result, row};
@@ -156,7 +154,7 @@ pub fn long_run(pair: &PairGeometry, element: Element, steps: usize) -> Result<f
     let mut worst = 0.0_f64;
     for n in 1..=steps {
         let t = n as f64 * STEP;
-        y = match Method::RungeKutta4.step(&scene, t, &y, STEP) {
+        y = match scene.step(t, &y, STEP) {
             Ok(y) => y,
             // The paper's law can throw the gear out of mesh: the run ends there.
             Err(_) => break,

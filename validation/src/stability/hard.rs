@@ -2,7 +2,7 @@
 
 use super::{Real, pose, ratio, spin, undamped};
 use crate::data::{Data, fixed};
-use crate::driver::{Gear, Method, Scene, Spin};
+use crate::driver::{Gear, Scene, Spin};
 use crate::setup::external_and_internal;
 use crate::{Context, Result, row};
 use gearmesh::element::{Element, Formulation, Inputs, Interpolation, LoadedFlank, Outputs};
@@ -120,7 +120,7 @@ fn motion(
     let mut found = Vec::new();
     for &end in times {
         while (n as f64) * STEP < end {
-            y = Method::RungeKutta4.step(&scene, n as f64 * STEP, &y, STEP)?;
+            y = scene.step(n as f64 * STEP, &y, STEP)?;
             n += 1;
         }
         found.push(in_words(&scene.contact(end, &y)?));

@@ -2,7 +2,7 @@
 
 use super::experiment::{ModulatedSpring, STIFFNESS, SingleFreedom};
 use crate::data::{Data, fixed};
-use crate::driver::{CoSimulation, INERTIA, Master, Method, Spin, State, Way};
+use crate::driver::{CoSimulation, INERTIA, Master, Spin, State, Way};
 use crate::setup::external_and_internal;
 use crate::{Context, Result, row};
 use gearmesh::element::{Element, FlankLaws, LoadedFlank, Parameters};
@@ -108,7 +108,7 @@ fn run(case: &Case, host: Host, frequency: f64, start: Motion, settle: usize, me
             squares += y * y;
         }
         y = match &mut coupled {
-            None => Method::RungeKutta4.step(&o.scene, t, &y, h)?,
+            None => o.scene.step(t, &y, h)?,
             Some(coupled) => {
                 coupled.advance()?;
                 coupled.state
@@ -172,7 +172,7 @@ pub fn growth(case: &Case, frequency: f64) -> Result<f64> {
             peaks[1] = peaks[1].max(difference);
         }
         for y in &mut pair {
-            *y = Method::RungeKutta4.step(&o.scene, t, y, h)?;
+            *y = o.scene.step(t, y, h)?;
         }
     }
     Ok((peaks[1] / peaks[0]).ln())
@@ -187,7 +187,7 @@ pub fn free_period(case: &Case, a: f64) -> Result<f64> {
     let mut crossings = Vec::new();
     let mut t = 0.0;
     while crossings.len() < 3 {
-        y = Method::RungeKutta4.step(&o.scene, t, &y, h)?;
+        y = o.scene.step(t, &y, h)?;
         let now = o.elongation(t, &y)? - 1.0;
         if before > 0.0 && now <= 0.0 {
             crossings.push((t + h * before / (before - now)) * o.omega);

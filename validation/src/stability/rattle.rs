@@ -2,7 +2,7 @@
 
 use super::experiment::{ModulatedSpring, STIFFNESS, SingleFreedom};
 use crate::data::{Data, fixed};
-use crate::driver::{INERTIA, Method, Spin, State, gear_state};
+use crate::driver::{INERTIA, Spin, State, gear_state};
 use crate::setup::external_and_internal;
 use crate::{Context, Result, row};
 use gearmesh::element::Parameters;
@@ -72,7 +72,7 @@ pub fn restitution(damping: f64, speed: f64) -> Result<f64> {
     let mut t = 0.0;
     loop {
         let (h, _) = step(&o, t, &y)?;
-        y = Method::RungeKutta4.step(&o.scene, t, &y, h)?;
+        y = o.scene.step(t, &y, h)?;
         t += h;
         if rate(&y) < 0.0 && o.scene.contact(t, &y)?.flank == 0 {
             return Ok(-rate(&y) / speed);
@@ -121,7 +121,7 @@ pub fn period_one(damping: f64, restitution: f64, gamma: f64) -> Result<bool> {
             // It rests on the flank for a part of the cycle.
             return Ok(false);
         }
-        y = Method::RungeKutta4.step(&o.scene, t, &y, h)?;
+        y = o.scene.step(t, &y, h)?;
         t += h;
     }
     let off: Vec<f64> = impacts.windows(2).map(|w| (w[1] - w[0] - 1.0).abs()).collect();

@@ -3,11 +3,8 @@
 use super::error::ElementError;
 use super::parameters::Parameters;
 use crate::gear::{Flank, PairGeometry, involute};
+use crate::root::bisection;
 use crate::words::number;
-
-/// Largest angle between the axes, rad. The misalignment enters to first order (residual C tilt^2),
-/// so this is far beyond where the result is good, yet near enough to stop a wrong frame.
-pub(crate) const TILT_LIMIT: f64 = 0.1;
 
 /// Constants of the pair for the element, symbols as in the crate's table.
 #[derive(Debug, Clone)]
@@ -177,6 +174,28 @@ impl Constants {
             nominal_force: parameters.nominal_torque / g[0].base_radius(),
         })
     }
+
+    /// Whether there is a line of action at the centre distance `c`; false: no tooth is within reach of another.
+    ///
+    /// # Errors
+    /// Base circles without a common tangent, except for an internal pair pulled apart so far that its
+    /// teeth have already left each other.
+    #[inline(always)]
+    pub(crate) fn has_line_of_action(&self, c: f64) -> Result<bool, ElementError> {
+        if c > self.base_sum {
+            return Ok(true);
+        }
+        let apart = self.e < 0.0 && self.reach.none > self.base_sum * (1.0 + 1e-6);
+        // The direction O1 -> O2 must be more than rounding.
+        if apart && c > 1e-6 * self.center_distance {
+            return Ok(false);
+        }
+        Err(ElementError::NoLineOfAction {
+            center_distance_mm: 1e3 * c,
+            limit_mm: 1e3 * self.base_sum,
+            nominal_m: self.center_distance,
+        })
+    }
 }
 
 /// Centre distances between which the teeth come out of mesh, m.
@@ -210,30 +229,22 @@ impl Reach {
                 per_span: 1.0 / pair.base_radius_sum(),
             };
         }
-        let full = crossing(pair, half, nominal, end);
+        // Where the transverse contact ratio falls to `ratio`.
+        let crossing = |ratio: f64| {
+            bisection([nominal, end], 60, |c| {
+                pair.transverse_contact_ratio(c) > ratio
+            })
+        };
+        let full = crossing(half);
         // Where some is left the factor is to be as much at the end, so that no pair falls steeply there.
         let none = if left > 0.0 {
             (end - left * full) / (1.0 - left)
         } else {
-            crossing(pair, 0.0, nominal, end)
+            crossing(0.0)
         };
         Self {
             none,
             per_span: 1.0 / (full - none),
         }
     }
-}
-
-/// Where the transverse contact ratio falls to `ratio` between `near`, where it is above that, and `far`.
-fn crossing(pair: &PairGeometry, ratio: f64, near: f64, far: f64) -> f64 {
-    let (mut inside, mut outside) = (near, far);
-    for _ in 0..60 {
-        let middle = 0.5 * (inside + outside);
-        if pair.transverse_contact_ratio(middle) > ratio {
-            inside = middle;
-        } else {
-            outside = middle;
-        }
-    }
-    0.5 * (inside + outside)
 }

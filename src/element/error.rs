@@ -88,7 +88,7 @@ pub enum ElementError {
     },
     /// At the initial pose the teeth press by more than any load of the table.
     #[error(
-        "the initial pose jams the teeth with {} kN on the line of action, where the largest load is {} kN: {place}; correct the positions and orientations of the gears",
+        "the initial pose jams the teeth with {} kN on the line of action, where the largest load is {} kN: {pose}; correct the positions and orientations of the gears",
         fixed(*force_kn, 2), fixed(*largest_kn, 2)
     )]
     Jammed {
@@ -96,8 +96,8 @@ pub enum ElementError {
         force_kn: f64,
         /// Force of the largest load, kN.
         largest_kn: f64,
-        /// Centre distance and misalignment beside what they should be.
-        place: String,
+        /// Centre distance and misalignment, and what they should be.
+        pose: String,
     },
     /// The table cannot give what the parameters ask for.
     #[error(transparent)]

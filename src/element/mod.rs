@@ -12,8 +12,11 @@
 //!
 //! ```text
 //! poses ─> map: coordinates q ─> law: slopes g of the potential ─> loads -J^T g
-//! velocities ─> map: rates J v ──> damper ──────────┘
+//! velocities ─> map: rates J v ──> damper, friction ─────┘
 //! ```
+//!
+//! The walk from a pose to its force: this file, `contact` (both flanks under load), `kinematics` (the map), `law` (a table or
+//! what stands for it), `friction`. (`paper` takes the place of a part of the map in [`Formulation::Paper`].)
 //!
 //! - [`Formulation::Conjugate`]: coordinates and loads from the exact helicoids, through one map J and its
 //!   transpose. Undamped it keeps energy, and the damper can only take some; the default.
@@ -29,26 +32,22 @@
 //! An evaluation remembers nothing: phase zeros ([`Latch`]) and where a contact solve starts ([`Workspace`]) are the
 //! caller's. It allocates under contact at run time alone.
 
-mod check;
 mod constants;
+mod contact;
 mod dual;
-mod engagement;
 mod error;
-mod evaluate;
-mod flank;
 mod friction;
 mod jacobian;
+mod kinematics;
 mod law;
-mod map;
 mod motion;
 mod paper;
 mod parameters;
 mod prediction;
-mod scalar;
 mod start;
 
 pub use crate::table::Interpolation;
-pub use dual::Dual;
+pub use dual::Scalar;
 pub use error::ElementError;
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
 pub use law::{Elasticity, FlankLaws, Workspace};
@@ -57,7 +56,6 @@ pub(crate) use motion::row;
 pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 pub use prediction::{Coupling, Loads, Prediction, Step, StepRequest};
-pub use scalar::Scalar;
 
 #[cfg(test)]
 pub(crate) mod testing;
@@ -89,9 +87,9 @@ use crate::gear::PairGeometry;
 use crate::table::Table;
 use crate::words::number;
 use constants::{Constants, FLANKS};
-use flank::Damper;
+use contact::{Damper, Solution};
 use friction::Friction;
-use law::Law;
+use law::{Law, Source};
 use nalgebra::Vector3;
 use start::Covered;
 use std::sync::Arc;
@@ -187,9 +185,10 @@ impl Element {
             StiffnessModel::Constant => {
                 let phi = pair.operating_pressure_angle(pair.center_distance);
                 let stiffness = parameters.constant_stiffness / phi.cos().powi(2);
-                let law = Law::linear(stiffness, parameters.table_effects(pair));
+                let effects = parameters.table_effects(pair);
+                let law = Law::new(Source::Linear(stiffness), false, effects);
                 let mut element = Self::build(pair, parameters, [law.clone(), law])?;
-                element.covered = Some(Covered::NOTHING);
+                element.covered = Some(Covered::default());
                 Ok(element)
             }
         }
@@ -271,16 +270,17 @@ impl Element {
         inputs: &Inputs,
         workspace: &mut Workspace,
     ) -> Result<Outputs, ElementError> {
-        check::inputs(inputs, self.with_carrier())?;
-        Ok(evaluate::evaluate(self, latch, inputs, false, workspace)?.outputs)
+        inputs.check(self.with_carrier())?;
+        Ok(Solution::new(self, latch, inputs, false, workspace)?.outputs)
     }
 
     fn with_carrier(&self) -> bool {
         self.parameters.formulation == Formulation::Paper
     }
 
-    /// Displacement that a law takes over the elongation: the paper's constant k is tangential at the actual
+    /// Displacement that a law takes over the penetration: the paper's constant k is tangential at the actual
     /// operating pitch circle.
+    #[inline(always)]
     fn law_scale<T: Scalar>(&self, cos_phi: T) -> T {
         let p = &self.parameters;
         if p.formulation == Formulation::Paper && p.stiffness_model == StiffnessModel::Constant {
@@ -296,12 +296,12 @@ impl Element {
     ///
     /// # Errors
     /// It is, and one flank alone can carry: the gears have turned back through the flank that is missing.
-    fn have_passed(&self, elongation: f64, half_gap: f64) -> Result<bool, ElementError> {
+    fn have_passed(&self, penetration: f64, half_gap: f64) -> Result<bool, ElementError> {
         let limit = 0.5 * (0.5 * self.constants.base_pitch - half_gap);
-        let passed = elongation > limit;
+        let passed = penetration > limit;
         if passed && self.parameters.loaded_flank != LoadedFlank::Both {
             return Err(ElementError::TeethPassed {
-                overlap_mm: 1e3 * elongation,
+                overlap_mm: 1e3 * penetration,
                 loaded_flank: match self.parameters.loaded_flank {
                     LoadedFlank::Coast => "coast",
                     _ => "drive",

@@ -16,12 +16,12 @@
 use nalgebra::Rotation3;
 use serde::{Deserialize, Serialize};
 
+use super::Element;
 use super::constants::FLANKS;
+use super::contact::Solution;
 use super::error::ElementError;
-use super::evaluate::{Solution, evaluate};
 use super::law::Workspace;
 use super::motion::{Inputs, Latch, Motion, Outputs, row};
-use super::{Element, check};
 
 /// In which step a master lets the loads act that it reads after a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub struct StepRequest {
 /// What the prediction remembers of one communication step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Step {
-    /// Turn part of the elongation and half the gap at the start of the step, m.
+    /// Turn part of the penetration and half the gap at the start of the step, m.
     position: [f64; 2],
     /// Their rates, m/s.
     rate: [f64; 2],
@@ -127,7 +127,7 @@ const AGREEMENT: f64 = 1e-9;
 /// The element at one moment.
 struct Instant {
     outputs: Outputs,
-    /// Turn part of the elongation and half the gap, m, and their rates, m/s.
+    /// Turn part of the penetration and half the gap, m, and their rates, m/s.
     position: [f64; 2],
     rate: [f64; 2],
     /// N, along the turn.
@@ -149,8 +149,8 @@ impl Element {
         request: &StepRequest,
         workspace: &mut Workspace,
     ) -> Result<Prediction, ElementError> {
-        check::inputs(inputs, self.with_carrier())?;
-        let solution = evaluate::<f64>(self, latch, inputs, false, workspace)?;
+        inputs.check(self.with_carrier())?;
+        let solution = Solution::<f64>::new(self, latch, inputs, false, workspace)?;
         let outputs = solution.outputs;
         let Some(now) = Instant::new(&solution) else {
             return Ok(Prediction {
@@ -332,7 +332,7 @@ impl Element {
             let time = motion.start + ahead;
             if time > 0.0 {
                 let there = self.moved(inputs, time, y, u);
-                let solution = evaluate::<f64>(self, latch, &there, false, workspace).ok()?;
+                let solution = Solution::<f64>::new(self, latch, &there, false, workspace).ok()?;
                 let force = Instant::new(&solution).map_or(0.0, |instant| instant.force);
                 *stage = (Loads::at(&solution.outputs), force);
             }
@@ -371,8 +371,8 @@ impl Instant {
         Some(Self {
             outputs: solution.outputs,
             position: [
-                0.5 * (drive.elongation - coast.elongation),
-                -0.5 * (drive.elongation + coast.elongation),
+                0.5 * (drive.penetration - coast.penetration),
+                -0.5 * (drive.penetration + coast.penetration),
             ],
             rate: [mesh.rates.turn, mesh.rates.half_gap],
             force: drive.force() - coast.force(),

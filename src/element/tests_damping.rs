@@ -1,6 +1,6 @@
 //! Claims about the damper: it takes energy at every state, and nothing else changes.
 
-use super::map::{Coordinates, Map, Placed};
+use super::kinematics::{Coordinates, Map};
 use super::testing::{FORMULATIONS, Noise, random_pose, smooth_laws, three_pairs, undamped};
 use super::*;
 use crate::gear::samples::paper_pair;
@@ -32,11 +32,7 @@ fn loads_are_minus_the_transpose_of_rates() {
             let element = element.unwrap();
             for _ in 0..20 {
                 let inputs = moving(&element, &mut noise, 0.1);
-                let Placed::Near(map) =
-                    Map::<f64>::place(&element.constants, formulation, &inputs.gears).unwrap()
-                else {
-                    panic!("out of reach");
-                };
+                let map = Map::<f64>::new(&element.constants, formulation, &inputs.gears).unwrap();
                 let slopes = Coordinates {
                     turn: noise.next(),
                     half_gap: noise.next(),
@@ -55,7 +51,7 @@ fn loads_are_minus_the_transpose_of_rates() {
                     slopes.mesh_angle * r.mesh_angle,
                     slopes.axial * r.axial,
                 ];
-                let loads = map.on_gears(&map.loads(&slopes));
+                let loads = map.on_gears(&map.wrench(&slopes));
                 let work: f64 = (0..2)
                     .map(|i| {
                         let m = &inputs.gears[i];

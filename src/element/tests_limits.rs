@@ -1,7 +1,7 @@
 //! Claims about damping, a turning carrier, and poses at and beyond the limits.
 
 use super::constants::FLANKS;
-use super::engagement::radial_share;
+use super::contact::radial_share;
 use super::testing::{
     FORMULATIONS, Noise, at, compressed, constant, random_pose, spun, three_pairs, undamped,
 };

@@ -288,14 +288,8 @@ mod tests {
         use crate::element::row;
         for (row, i) in [
             (row::CONTACT_POINT, index::CONTACT_POINT_1),
-            (
-                row::TRANSMISSION_ERROR_RATE,
-                index::MESH_TRANSMISSION_ERROR_RATE,
-            ),
             (row::TANGENTIAL_FORCE, index::MESH_TANGENTIAL_FORCE),
             (row::NORMAL_FORCE, index::MESH_NORMAL_FORCE),
-            (row::FRICTION_POWER, index::MESH_FRICTION_POWER),
-            (row::FRICTION_COEFFICIENT, index::MESH_FRICTION_COEFFICIENT),
         ] {
             assert_eq!(output_row(i), Some(row));
         }

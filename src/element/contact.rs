@@ -11,10 +11,10 @@ use super::constants::{Constants, FLANKS};
 use super::dual::{Scalar, fraction, lift, whole_turns, wrap};
 use super::error::ElementError;
 use super::kinematics::{Coordinates, Map};
-use super::law::{Response, Workspace};
+use super::law::Workspace;
 use super::motion::{Inputs, Latch, Motion, Outputs};
 use super::paper::Carried;
-use super::{Element, Formulation};
+use super::{Element, Formulation, Parameters};
 use crate::gear::teeth::Counts;
 use crate::table::{Effects, LoadJet, Table};
 use nalgebra::Vector3;
@@ -63,7 +63,7 @@ impl<T: Scalar> Pose<T> {
     /// Mesh position of flank `i` before the latch, (13).
     #[inline(always)]
     pub(crate) fn mesh_position(&self, k: &Constants, i: usize) -> T {
-        self.coordinates.mesh_angle * (-FLANKS[i].sign() * k.per_pitch_angle) + k.mesh_zero[i]
+        self.coordinates.mesh_angle * (-FLANKS[i].sign() / k.pitch_angle) + k.mesh_zero[i]
     }
 
     /// Mesh cycles that passed on gear 1 and gear 2 under flank `i`, from the pose alone: the whole part of the mesh position,
@@ -72,7 +72,7 @@ impl<T: Scalar> Pose<T> {
     pub(crate) fn counts(&self, k: &Constants, i: usize, latch: &Latch<T>) -> Counts {
         let s = FLANKS[i].sign();
         let first = (self.mesh_position(k, i).re() + s * latch.mesh_position.re()).floor();
-        let angle = self.coordinates.turn.re() * k.tooth_angle_per + latch.tooth_angle.re();
+        let angle = self.coordinates.turn.re() / k.per_tooth_angle + latch.tooth_angle.re();
         [first as i64, (first - s * whole_turns(angle)) as i64]
     }
 
@@ -98,17 +98,9 @@ pub(crate) struct FlankLoad<T> {
     /// Elastic force on the line of action dU/d delta, N, >= 0; zero: no contact.
     pub elastic: T,
     /// z_c - z_ref, m; zero out of contact.
-    arm: T,
+    pub arm: T,
     /// Force of the damper on the line of action, N, >= -`elastic`.
     damping: T,
-    /// Lever of M in the rate that the damper opposes, m.
-    damping_arm: T,
-    /// dU/dC, N.
-    by_center_distance: T,
-    /// dU/dPMC, J.
-    by_mesh_position: T,
-    /// dU/d lambda, N.
-    by_axial_position: T,
     /// Elastic energy U, J.
     energy: T,
     /// Elastic tangent stiffness on the line of action, N/m.
@@ -116,69 +108,10 @@ pub(crate) struct FlankLoad<T> {
 }
 
 impl<T: Scalar> FlankLoad<T> {
-    /// Flank `sign` at these conditions, without load.
+    /// Total force on the line of action, N, >= 0.
     #[inline(always)]
-    fn unloaded(sign: f64, penetration: T, misalignment: T, mesh_position: T) -> Self {
-        let zero = T::from(0.0);
-        Self {
-            sign,
-            penetration,
-            misalignment,
-            mesh_position,
-            elastic: zero,
-            arm: zero,
-            damping: zero,
-            damping_arm: zero,
-            by_center_distance: zero,
-            by_mesh_position: zero,
-            by_axial_position: zero,
-            energy: zero,
-            stiffness: zero,
-        }
-    }
-
-    /// Takes the slopes of the potential U = (engagement) W.
-    #[inline(always)]
-    fn press(&mut self, response: &Response<T>, mesh: &Engagement<T>) {
-        let elastic = response.gradient[0] * mesh.factor;
-        if elastic.re() <= 0.0 {
-            return;
-        }
-        self.elastic = elastic;
-        self.arm = response.gradient[2] / response.gradient[0];
-        self.energy = response.energy * mesh.factor;
-        self.stiffness = response.stiffness * mesh.factor;
-        self.by_center_distance =
-            response.gradient[1] * mesh.factor + response.energy * mesh.by_center_distance;
-        self.by_mesh_position = response.gradient[3] * mesh.factor;
-        self.by_axial_position = response.energy * mesh.by_axial_position;
-    }
-
-    /// Rate of approach that the damper opposes, m/s, out of the rates of the coordinates:
-    /// s x' - H' + `damping_arm` M'.
-    #[inline(always)]
-    fn approach(&self, rates: &Coordinates<T>) -> T {
-        let [even, odd] = rates.misalignment;
-        rates.turn * self.sign - rates.half_gap + (even + odd * self.sign) * self.damping_arm
-    }
-
-    /// Adds the slopes by the coordinates of a `force` along that rate: its transpose.
-    #[inline(always)]
-    fn add_along_approach(&self, force: T, arm: T, slopes: &mut Coordinates<T>) {
-        slopes.turn += force * self.sign;
-        slopes.half_gap -= force;
-        slopes.misalignment[0] += arm;
-        slopes.misalignment[1] += arm * self.sign;
-    }
-
-    /// Adds all slopes of this flank by the coordinates, damper included.
-    #[inline(always)]
-    fn add_slopes(&self, per_pitch_angle: f64, slopes: &mut Coordinates<T>) {
-        let moment = self.elastic * self.arm + self.damping * self.damping_arm;
-        self.add_along_approach(self.force(), moment, slopes);
-        slopes.center_distance += self.by_center_distance;
-        slopes.mesh_angle += self.by_mesh_position * (-self.sign * per_pitch_angle);
-        slopes.axial += self.by_axial_position;
+    pub(crate) fn force(&self) -> T {
+        self.elastic + self.damping
     }
 
     /// Where tables over the load are looked up: elastic force, centre distance offset (m), misalignment and mesh position,
@@ -200,18 +133,6 @@ impl<T: Scalar> FlankLoad<T> {
             self.mesh_position,
         ]
     }
-
-    /// Total force on the line of action, N, >= 0.
-    #[inline(always)]
-    pub(crate) fn force(&self) -> T {
-        self.elastic + self.damping
-    }
-
-    /// Elastic force and z_c - z_ref.
-    #[inline(always)]
-    pub(crate) fn elastic_part(&self) -> (T, T) {
-        (self.elastic, self.arm)
-    }
 }
 
 /// Damper on the line of action.
@@ -225,6 +146,19 @@ pub(crate) enum Damper {
 }
 
 impl Damper {
+    /// That of the formulation.
+    pub(crate) fn new(p: &Parameters, k: &Constants) -> Self {
+        match p.formulation {
+            Formulation::Conjugate => Damper::Rising {
+                coefficient: p.damping / k.cos_phi.powi(2),
+                full_at: p.damping_onset * k.nominal_force,
+            },
+            Formulation::Paper => Damper::Constant {
+                tangential: p.damping,
+            },
+        }
+    }
+
     /// Force of the damper, N, on the line of action, beside the elastic force `elastic` > 0 while the flanks approach at
     /// `rate`, m/s. It has the sign of the rate at every state, so that its power -f rate is never positive,
     /// and never pulls by more than the flanks press: the sum of both forces is >= 0.
@@ -310,27 +244,38 @@ impl<T: Scalar> Solution<T> {
         let twist = pose.map.twist(&inputs.gears);
         let rates = pose.map.rates(&twist);
         let mesh = Engagement::new(k, c, q.axial);
-        let x = wrap(q.turn * k.tooth_angle_per + latch.tooth_angle) * k.per_tooth_angle;
+        let x = wrap(q.turn * (1.0 / k.per_tooth_angle) + latch.tooth_angle) * k.per_tooth_angle;
 
         let mut out_of_range = mesh.leaving;
+        let zero = T::from(0.0);
         // Arrays are filled by hand here: `map` over them is not always inlined.
         let unloaded = |i: usize| {
-            let s = FLANKS[i].sign();
-            let mesh_position = fraction(pose.mesh_position(k, i) + latch.mesh_position * s);
-            FlankLoad::unloaded(s, x * s - q.half_gap, pose.misalignment(i), mesh_position)
+            let sign = FLANKS[i].sign();
+            FlankLoad {
+                sign,
+                penetration: x * sign - q.half_gap,
+                misalignment: pose.misalignment(i),
+                mesh_position: fraction(pose.mesh_position(k, i) + latch.mesh_position * sign),
+                elastic: zero,
+                arm: zero,
+                damping: zero,
+                energy: zero,
+                stiffness: zero,
+            }
         };
         let mut flanks = [unloaded(0), unloaded(1)];
+        // By the coordinates, of both flanks.
+        let mut slopes = Coordinates::zero();
         for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {
             let Some(law) = law else { continue };
             let scale = el.law_scale(cos_phi);
-            let delta = flank.penetration + flank.misalignment * pose.lever;
             let counts = if law.tells_teeth_apart() {
                 pose.counts(k, i, latch)
             } else {
                 [0; 2]
             };
             let coordinates = [
-                delta * scale,
+                (flank.penetration + flank.misalignment * pose.lever) * scale,
                 c - k.center_distance,
                 flank.misalignment,
                 flank.mesh_position,
@@ -338,33 +283,42 @@ impl<T: Scalar> Solution<T> {
             let response =
                 law.respond(coordinates, counts, stiffness_slopes, &mut workspace.0[i])?;
             out_of_range |= response.out_of_range;
-            flank.press(&response, &mesh);
-            if flank.elastic.re() <= 0.0 {
+            // The potential is U = (engagement) W.
+            let elastic = response.gradient[0] * mesh.factor;
+            if elastic.re() <= 0.0 {
                 continue;
             }
             out_of_range |= el.have_passed(flank.penetration.re(), q.half_gap.re())?;
-            flank.stiffness *= scale;
-            flank.damping_arm = match el.parameters.formulation {
+            let s = flank.sign;
+            flank.elastic = elastic;
+            flank.arm = response.gradient[2] / response.gradient[0];
+            flank.energy = response.energy * mesh.factor;
+            flank.stiffness = response.stiffness * mesh.factor * scale;
+            // The damper opposes the rate of approach, and acts along its slopes.
+            let by_misalignment = match el.parameters.formulation {
                 Formulation::Conjugate => flank.arm,
                 Formulation::Paper => pose.lever,
             };
-            let approach = flank.approach(&rates);
-            flank.damping = el.damper.force(flank.elastic, approach, cos_phi);
+            let [even, odd] = rates.misalignment;
+            let approach = rates.turn * s - rates.half_gap + (even + odd * s) * by_misalignment;
+            flank.damping = el.damper.force(elastic, approach, cos_phi);
+            let (mut force, mut moment) = (flank.damping, flank.damping * by_misalignment);
+            if pose.carried.is_none() {
+                force += elastic;
+                moment += elastic * flank.arm;
+                slopes.center_distance +=
+                    response.gradient[1] * mesh.factor + response.energy * mesh.by_center_distance;
+                slopes.mesh_angle += response.gradient[3] * mesh.factor * (-s / k.pitch_angle);
+                slopes.axial += response.energy * mesh.by_axial_position;
+            }
+            slopes.turn += force * s;
+            slopes.half_gap -= force;
+            slopes.misalignment[0] += moment;
+            slopes.misalignment[1] += moment * s;
         }
 
-        let mut slopes = Coordinates::zero();
-        for flank in &flanks {
-            match pose.carried {
-                None => flank.add_slopes(k.per_pitch_angle, &mut slopes),
-                Some(_) => {
-                    let moment = flank.damping * flank.damping_arm;
-                    flank.add_along_approach(flank.damping, moment, &mut slopes);
-                }
-            }
-        }
         let mut on_2 = pose.map.wrench(&slopes);
         let (index, flank) = carrying_flank(&flanks, el.reference_flank);
-        let zero = T::from(0.0);
         let (mut friction_power, mut friction_coefficient, mut loss_factor) = (zero, zero, zero);
         if let Some(friction) = &el.friction {
             for (i, load) in flanks.iter().enumerate() {
@@ -398,7 +352,7 @@ impl<T: Scalar> Solution<T> {
             Some(carried) => carried.contact(k, shown.arm),
         };
         let rate = rates.turn * reference.sign - rates.half_gap;
-        let per_base_sum = k.per_base_sum * reference.sign;
+        let per_base_sum = reference.sign / k.base_sum;
         let [drive, coast] = &flanks;
         let force = drive.force() + coast.force();
         let outputs = Outputs {
@@ -501,7 +455,7 @@ impl<T: Scalar> Engagement<T> {
         let one = T::from(1.0);
         let (radial, radial_slope) = radial_share(k, c);
         let [(low, low_slope), (high, high_slope)] = face_overlap(k, lambda);
-        let per_half = k.per_half_overlap;
+        let per_half = 2.0 / (k.common_face[1] - k.common_face[0]);
         let (axial, axial_slope) = step((high - low) * per_half);
         Engagement {
             factor: radial * axial,

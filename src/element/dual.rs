@@ -220,7 +220,10 @@ pub(crate) fn turned<T: Scalar>(v: &Vector3<f64>, first: usize) -> Vector3<T> {
 
 /// Scalar product; `w` may be a plain vector.
 #[inline(always)]
-pub(crate) fn dot<T: Scalar + Mul<U, Output = T>, U: nalgebra::Scalar + Copy>(v: &Vector3<T>, w: &Vector3<U>) -> T {
+pub(crate) fn dot<T: Scalar + Mul<U, Output = T>, U: nalgebra::Scalar + Copy>(
+    v: &Vector3<T>,
+    w: &Vector3<U>,
+) -> T {
     v.x * w.x + v.y * w.y + v.z * w.z
 }
 

@@ -7,7 +7,7 @@ use super::contact::Solution;
 use super::dual::{Dual, part};
 use super::error::ElementError;
 use super::law::Workspace;
-use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, row};
+use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch};
 use crate::vector::Lanes;
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -57,6 +57,9 @@ const POSITION: usize = 0;
 const ROTATION: usize = 3;
 const VELOCITY: usize = 6;
 const SPIN: usize = 9;
+
+/// First row of the contact point.
+const CONTACT_POINT: usize = 12;
 
 impl Element {
     /// Derivative of the continuous outputs ([`Outputs::to_array`](super::Outputs::to_array)) at `inputs` along `direction`:
@@ -168,9 +171,9 @@ fn by_gear_1(jacobian: &mut Jacobian, values: &[f64; CONTINUOUS_OUTPUTS], inputs
         combine(ROTATION + axis, &terms);
     }
     for (axis, next, last) in axes {
-        jacobian[(row::CONTACT_POINT + axis, GEAR_1 + POSITION + axis)] += 1.0;
-        for first in (0..=row::CONTACT_POINT).step_by(3) {
-            let origin = if first == row::CONTACT_POINT {
+        jacobian[(CONTACT_POINT + axis, GEAR_1 + POSITION + axis)] += 1.0;
+        for first in (0..=CONTACT_POINT).step_by(3) {
+            let origin = if first == CONTACT_POINT {
                 g1.p
             } else {
                 Vector3::zeros()

@@ -29,7 +29,7 @@
 //! gears feel. J is never written out: it is the few slopes of q by the scalars of the frame, times theirs by t.
 
 use super::Formulation;
-use super::constants::Constants;
+use super::constants::{Constants, behind};
 use super::dual::{Scalar, angles, cross, dot, lift, part, shifted, turned};
 use super::error::ElementError;
 use super::motion::Motion;
@@ -245,7 +245,7 @@ impl<T: Scalar> Map<T> {
             half_gap: lift(gap, &self.half_gap.map(T::re), &[self.c, bx]),
             center_distance: self.c,
             misalignment: [self.even[1] * bx, self.odd[1] * by],
-            mesh_angle: theta1 - k.behind,
+            mesh_angle: theta1 - behind(self.w),
             axial: self.lambda,
         }
     }

@@ -253,29 +253,36 @@ impl Law {
     ) -> Result<[f64; COORDINATES], ElementError> {
         const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
         let is_contact = matches!(self.source, Source::Contact(_));
-        let mut slopes = |i: usize| -> Result<_, ElementError> {
-            let mut row = |sign: f64| {
-                let mut x = at;
-                x[i] += sign * STEP[i];
+        let mut slopes = |axis: usize| {
+            central_difference(at, axis, STEP[axis], |x| {
                 Ok::<_, ElementError>(self.potential(x, counts, !is_contact, warm)?.hessian[0])
-            };
-            let (above, below) = (row(1.0)?, row(-1.0)?);
-            Ok(std::array::from_fn(|j| {
-                (above[j] - below[j]) / (2.0 * STEP[i])
-            }))
+            })
         };
-        let mut gradient: [f64; COORDINATES] = slopes(0)?;
+        let mut gradient = slopes(0)?;
         if is_contact {
-            for (i, slope) in gradient.iter_mut().enumerate().skip(1) {
-                *slope = slopes(i)?[0];
+            for axis in 1..COORDINATES {
+                gradient[axis] = slopes(axis)?[0];
             }
         }
         Ok(gradient)
     }
 }
 
-/// Steps of the central differences of the contact's slopes by centre distance, m, and by mesh position.
-const CONTACT_STEPS: [(usize, f64); 2] = [(1, 1e-7), (3, 1e-4)];
+/// Slopes of the four numbers `f` by the coordinate `axis`.
+fn central_difference<E>(
+    at: [f64; COORDINATES],
+    axis: usize,
+    step: f64,
+    mut f: impl FnMut([f64; COORDINATES]) -> Result<[f64; COORDINATES], E>,
+) -> Result<[f64; COORDINATES], E> {
+    let mut side = |step: f64| {
+        let mut x = at;
+        x[axis] += step;
+        f(x)
+    };
+    let (up, down) = (side(step)?, side(-step)?);
+    Ok(std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * step)))
+}
 
 /// The potential of a static contact solve at the coordinates `at`.
 ///
@@ -288,6 +295,8 @@ fn contact_potential(
     want_hessian: bool,
     warm: &mut Warm,
 ) -> Result<Potential, ContactError> {
+    /// Of the central differences of the slopes by centre distance, m, and by mesh position.
+    const STEPS: [(usize, f64); 2] = [(1, 1e-7), (3, 1e-4)];
     let here = contact.potential(at, counts, warm)?;
     let mut out = Potential {
         value: here.energy,
@@ -302,15 +311,11 @@ fn contact_potential(
     out.hessian[0][2] = here.tangent.force_by_misalignment;
     out.hessian[2][0] = here.tangent.force_by_misalignment;
     out.hessian[2][2] = here.tangent.moment_by_misalignment;
-    for (axis, step) in CONTACT_STEPS {
-        let mut side = |sign: f64| {
-            let mut x = at;
-            x[axis] += sign * step;
+    for (axis, step) in STEPS {
+        let slopes = central_difference(at, axis, step, |x| {
             contact.potential(x, counts, warm).map(|w| w.gradient)
-        };
-        let (up, down) = (side(1.0)?, side(-1.0)?);
-        for i in 0..COORDINATES {
-            let slope = (up[i] - down[i]) / (2.0 * step);
+        })?;
+        for (i, slope) in slopes.into_iter().enumerate() {
             // Both mixed slopes of both axes are found: the last one counts for either.
             out.hessian[i][axis] = slope;
             out.hessian[axis][i] = slope;

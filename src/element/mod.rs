@@ -51,36 +51,12 @@ pub use dual::Scalar;
 pub use error::ElementError;
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
 pub use law::{Elasticity, FlankLaws, Workspace};
-#[cfg(test)]
-pub(crate) use motion::row;
 pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 pub use prediction::{Coupling, Loads, Prediction, Step, StepRequest};
 
 #[cfg(test)]
-pub(crate) mod testing;
-#[cfg(test)]
-mod tests;
-#[cfg(test)]
-mod tests_constant_load;
-#[cfg(test)]
-mod tests_damping;
-#[cfg(test)]
-mod tests_flanks;
-#[cfg(test)]
-mod tests_friction;
-#[cfg(test)]
-mod tests_jacobian;
-#[cfg(test)]
-mod tests_limits;
-#[cfg(test)]
-mod tests_poses;
-#[cfg(test)]
-mod tests_prediction;
-#[cfg(test)]
-mod tests_root_stress;
-#[cfg(test)]
-mod tests_teeth;
+pub(crate) mod tests;
 
 use crate::contact::ContactFile;
 use crate::gear::PairGeometry;
@@ -155,16 +131,25 @@ impl Element {
         table: Option<Arc<Table>>,
     ) -> Result<Self, ElementError> {
         parameters.check()?;
+        let effects = parameters.table_effects(pair);
         match parameters.stiffness_model {
+            StiffnessModel::Contact => Err(ElementError::NoContact),
+            StiffnessModel::Constant => {
+                let phi = pair.operating_pressure_angle(pair.center_distance);
+                let stiffness = parameters.constant_stiffness / phi.cos().powi(2);
+                let law = Law::new(Source::Linear(stiffness), false, effects);
+                let mut element = Self::build(pair, parameters, [law.clone(), law])?;
+                element.covered = Some(Covered::default());
+                Ok(element)
+            }
             StiffnessModel::Table | StiffnessModel::Teeth => {
                 let mut table = table.ok_or(ElementError::NoTable)?;
-                let wanted = parameters.table_effects(pair);
-                if *table.effects() != wanted {
-                    table = Arc::new(table.sliced(&wanted)?);
+                if *table.effects() != effects {
+                    table = Arc::new(table.sliced(&effects)?);
                 }
+                let largest = table.file().maximum_torque_nm;
                 // Else the damping would never act in full, without a word.
-                let full = parameters.damping_onset * parameters.nominal_torque;
-                if full > table.file().maximum_torque_nm {
+                if parameters.damping_onset * parameters.nominal_torque > largest {
                     return Err(ElementError::Parameter {
                         name: "nominalTorque",
                         value: format!("{} N m", number(parameters.nominal_torque)),
@@ -173,23 +158,14 @@ impl Element {
                     });
                 }
                 let [drive, coast] = FLANKS.map(|flank| Law::table(&table, flank));
-                let mut element = Self::build(pair, parameters, [drive?, coast?])?;
-                element.friction = Friction::new(pair, parameters, &table);
-                element.root_stress = parameters.root_stress.then(|| table.clone());
-                element.largest_force =
-                    table.file().maximum_torque_nm / pair.gears[0].base_radius();
-                element.covered = Some(Covered::by(&table));
-                Ok(element)
-            }
-            StiffnessModel::Contact => Err(ElementError::NoContact),
-            StiffnessModel::Constant => {
-                let phi = pair.operating_pressure_angle(pair.center_distance);
-                let stiffness = parameters.constant_stiffness / phi.cos().powi(2);
-                let effects = parameters.table_effects(pair);
-                let law = Law::new(Source::Linear(stiffness), false, effects);
-                let mut element = Self::build(pair, parameters, [law.clone(), law])?;
-                element.covered = Some(Covered::default());
-                Ok(element)
+                let element = Self::build(pair, parameters, [drive?, coast?])?;
+                Ok(Self {
+                    friction: Friction::new(pair, parameters, &table),
+                    largest_force: largest / pair.gears[0].base_radius(),
+                    covered: Some(Covered::by(&table)),
+                    root_stress: parameters.root_stress.then_some(table),
+                    ..element
+                })
             }
         }
     }
@@ -207,7 +183,7 @@ impl Element {
             LoadedFlank::Both => [Some(drive), Some(coast)],
         };
         Ok(Self {
-            damper: damper(parameters, &constants),
+            damper: Damper::new(parameters, &constants),
             friction: None,
             root_stress: None,
             largest_force: START_FORCE * constants.nominal_force,
@@ -222,7 +198,7 @@ impl Element {
     /// Sets the damping (the one tunable parameter), N s/m, tangential, >= 0.
     pub fn set_damping(&mut self, damping: f64) {
         self.parameters.damping = damping;
-        self.damper = self::damper(&self.parameters, &self.constants);
+        self.damper = Damper::new(&self.parameters, &self.constants);
     }
 
     /// The parameters it was made with.
@@ -314,15 +290,3 @@ impl Element {
 
 /// Multiple of the nominal force that teeth of constant stiffness may start with.
 const START_FORCE: f64 = 10.0;
-
-fn damper(parameters: &Parameters, k: &Constants) -> Damper {
-    match parameters.formulation {
-        Formulation::Conjugate => Damper::Rising {
-            coefficient: parameters.damping / k.cos_phi.powi(2),
-            full_at: parameters.damping_onset * k.nominal_force,
-        },
-        Formulation::Paper => Damper::Constant {
-            tangential: parameters.damping,
-        },
-    }
-}

@@ -217,13 +217,6 @@ impl<T: Scalar> Outputs<T> {
     }
 }
 
-/// Rows of [`Outputs::to_array`] by name.
-pub(crate) mod row {
-    pub const CONTACT_POINT: usize = 12;
-    pub const TANGENTIAL_FORCE: usize = 20;
-    pub const NORMAL_FORCE: usize = 21;
-}
-
 /// Phase zeros, taken once from the initial pose. They belong to the state of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Latch<T = f64> {

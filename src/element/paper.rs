@@ -8,14 +8,13 @@
 //! The damper opposes the rate of that penetration. It acts along the same row of the map, tangentially, for
 //! there alone it cannot give energy; the radial and axial force of (9) follow the elastic force.
 
-use super::constants::Constants;
+use super::constants::{Constants, behind};
 use super::contact::FlankLoad;
 use super::dual::{Scalar, angles, cross, dot, part, shifted, turned};
 use super::error::ElementError;
 use super::kinematics::{Coordinates, Spatial, check_tilt};
 use super::motion::Inputs;
 use nalgebra::Vector3;
-use std::f64::consts::PI;
 
 /// Both gears in the carrier.
 pub(crate) struct Carried<T> {
@@ -80,8 +79,7 @@ impl<T: Scalar> Carried<T> {
         };
         // Tooth angle of the `absolute` reference at theta1 = theta2 = gamma, mid-face, nominal faces.
         let w = k.pitch_fraction;
-        let [behind_1, behind_2] = [w < 0.0, w < 1.0].map(|is| if is { PI } else { 0.0 });
-        let tooth_angle_zero = k.tooth_zero - k.z[0] * behind_1 - k.e * k.z[1] * behind_2
+        let tooth_angle_zero = k.tooth_zero - k.z[0] * behind(w) - k.e * k.z[1] * behind(w - 1.0)
             + k.hand * k.face_offset * k.tan_beta_b * k.z[0] / k.rb[0];
         Ok(Self {
             axes,
@@ -140,13 +138,13 @@ impl<T: Scalar> Carried<T> {
     ) {
         let (cos_phi, sin_phi) = self.pressure_angle(k);
         let tan_phi = sin_phi / cos_phi;
-        let tan_beta_w = self.c * (k.z[0] / k.tooth_sum * k.tan_beta_per_radius);
+        let tan_beta_w = self.c * (k.pitch_fraction.abs() * k.tan_beta_per_radius);
         for flank in flanks {
-            let (s, (elastic, arm)) = (flank.sign, flank.elastic_part());
+            let s = flank.sign;
             let mut direction = self.xh * (tan_phi * k.e) + self.yh * T::from(s * k.sc);
             direction.z -= tan_beta_w * (s * k.hand);
-            let force = direction * (elastic * cos_phi);
-            let point = self.pitch_point(k, self.middle + arm);
+            let force = direction * (flank.elastic * cos_phi);
+            let point = self.pitch_point(k, self.middle + flank.arm);
             let linear = self.in_world(&force);
             let about_1 = self.in_world(&cross(&point, &force));
             let about_2 = self.in_world(&cross(&(point - self.between), &force));

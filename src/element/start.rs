@@ -179,8 +179,8 @@ impl Element {
             return 0.0;
         }
         let k = &self.constants;
-        let width = 2.0 / k.per_half_overlap;
-        let overlap = 0.5 * (outputs.misalignment.abs() * width - k.backlash * k.cos_phi);
+        let [low, high] = k.common_face;
+        let overlap = 0.5 * (outputs.misalignment.abs() * (high - low) - k.backlash * k.cos_phi);
         0.25 * self.parameters.constant_stiffness / k.cos_phi.powi(2) * overlap.max(0.0)
     }
 
@@ -267,8 +267,8 @@ impl Element {
         }
         let penetration = lift(found - ROUNDING * k.base_pitch, &slopes, &q) - pose.lever * q[1];
         Ok(Latch {
-            tooth_angle: (penetration + pose.coordinates.half_gap) * (s * k.tooth_angle_per)
-                - pose.coordinates.turn * k.tooth_angle_per,
+            tooth_angle: ((penetration + pose.coordinates.half_gap) * s - pose.coordinates.turn)
+                * (1.0 / k.per_tooth_angle),
             mesh_position: (-pose.mesh_position(k, i) + mesh_position) * s,
         })
     }

@@ -284,15 +284,11 @@ mod tests {
     }
 
     #[test]
-    fn the_rows_that_the_element_names_are_those_variables() {
-        use crate::element::row;
-        for (row, i) in [
-            (row::CONTACT_POINT, index::CONTACT_POINT_1),
-            (row::TANGENTIAL_FORCE, index::MESH_TANGENTIAL_FORCE),
-            (row::NORMAL_FORCE, index::MESH_NORMAL_FORCE),
-        ] {
-            assert_eq!(output_row(i), Some(row));
-        }
+    fn the_rows_of_the_loads_are_those_variables() {
+        use crate::element::Loads;
+        let forces = [index::MESH_TANGENTIAL_FORCE, index::MESH_NORMAL_FORCE];
+        let loads = (index::GEAR1_FORCE_1..index::CONTACT_POINT_1).chain(forces);
+        assert!(loads.map(output_row).eq(Loads::ROWS.map(Some)));
     }
 
     #[test]

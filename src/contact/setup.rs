@@ -227,8 +227,7 @@ pub(super) fn estimated_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
         let flanks = [&pair.microgeometry.drive[i], &pair.microgeometry.coast[i]];
         let largest = flanks.map(|flank| flank.largest_removal(gear, rolls));
         removal += largest[0].max(largest[1]);
-        let twist = force * gear.base_radius().powi(2) * gear.body_twist();
-        bodies += twist + force * gear.body_tilt_and_foundation();
+        bodies += force * gear.body_compliance();
     }
     let cos_beta_b = g.base_helix_angle().cos();
     // Force and displacement along the normal are those on the line of action over cos beta_b, the contact line

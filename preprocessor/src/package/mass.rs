@@ -118,6 +118,7 @@ mod tests {
             web: face,
             hub_radius: 20e-3,
             hub: face,
+            held_ends: [false; 2],
         };
         let [whole, webbed] = [face, [8e-3, 12e-3]].map(|web| {
             Blank::new(&Gear {

@@ -4,7 +4,7 @@ use super::error::ElementError;
 use super::parameters::Parameters;
 use crate::gear::{Flank, PairGeometry, involute};
 use crate::root::bisection;
-use crate::words::number;
+use crate::words::{fixed, number};
 
 /// Constants of the pair for the element, symbols as in the crate's table.
 #[derive(Debug, Clone)]
@@ -74,11 +74,7 @@ impl Constants {
         let c = pair.center_distance;
         let phi = pair.operating_pressure_angle(c);
         if phi.is_nan() {
-            return Err(ElementError::NoLineOfAction {
-                center_distance_mm: 1e3 * c,
-                limit_mm: 1e3 * pair.base_radius_sum(),
-                nominal_m: c,
-            });
+            return Err(no_line_of_action(c, pair.base_radius_sum(), c));
         }
         let [z1, z2] = [g[0].z(), g[1].z()];
         let tooth_sum = z1 + e * z2;
@@ -157,12 +153,21 @@ impl Constants {
         if apart && c > 1e-6 * self.center_distance {
             return Ok(false);
         }
-        Err(ElementError::NoLineOfAction {
-            center_distance_mm: 1e3 * c,
-            limit_mm: 1e3 * self.base_sum,
-            nominal_m: self.center_distance,
-        })
+        Err(no_line_of_action(c, self.base_sum, self.center_distance))
     }
+}
+
+/// The base circles overlap (external) or do not contain one another (internal) at the centre distance `c`, m.
+#[cold]
+fn no_line_of_action(c: f64, limit: f64, nominal: f64) -> ElementError {
+    ElementError::Pose(format!(
+        "centre distance {} mm is below {} mm, where the base circles leave no common tangent; move the gears apart or check \
+         which gear is which (with gear 1 at the origin gear2.position[1] starts as {} m: a host that fills all inputs with \
+         zeros must set it)",
+        fixed(1e3 * c, 6),
+        fixed(1e3 * limit, 6),
+        number(nominal)
+    ))
 }
 
 /// Direction of the pitch point seen from O1, which lies at this fraction of O1 -> O2: 0, or pi behind O1, rad.

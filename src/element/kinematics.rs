@@ -379,18 +379,18 @@ impl<T: Scalar> Map<T> {
 /// # Errors
 /// The axes of `body` and `reference`, whose unit vectors have the product `cosine`, do not run alike.
 #[inline(always)]
-pub(crate) fn check_tilt(
-    body: &'static str,
-    reference: &'static str,
-    cosine: f64,
-) -> Result<(), ElementError> {
+pub(crate) fn check_tilt(body: &str, reference: &str, cosine: f64) -> Result<(), ElementError> {
     if cosine < TILT_LIMIT.cos() {
-        return Err(ElementError::Tilt {
-            body,
-            reference,
-            tilt_deg: cosine.clamp(-1.0, 1.0).acos().to_degrees(),
-            limit_deg: TILT_LIMIT.to_degrees(),
-        });
+        return Err(tilted(body, reference, cosine));
     }
     Ok(())
+}
+
+#[cold]
+fn tilted(body: &str, reference: &str, cosine: f64) -> ElementError {
+    let [tilt, limit] = [cosine.clamp(-1.0, 1.0).acos(), TILT_LIMIT].map(f64::to_degrees);
+    ElementError::Pose(format!(
+        "the axis of {body} is tilted by {tilt:.3} deg against {reference}; the element holds up to {limit:.1} deg and both z \
+         axes must point alike"
+    ))
 }

@@ -276,13 +276,15 @@ impl Element {
         let limit = 0.5 * (0.5 * self.constants.base_pitch - half_gap);
         let passed = penetration > limit;
         if passed && self.parameters.loaded_flank != LoadedFlank::Both {
-            return Err(ElementError::TeethPassed {
-                overlap_mm: 1e3 * penetration,
-                loaded_flank: match self.parameters.loaded_flank {
-                    LoadedFlank::Coast => "coast",
-                    _ => "drive",
-                },
-            });
+            let flank = match self.parameters.loaded_flank {
+                LoadedFlank::Coast => "coast",
+                _ => "drive",
+            };
+            return Err(ElementError::Pose(format!(
+                "loadedFlank = {flank}: the teeth overlap by {:.3} mm on the line of action; nothing holds the gears when they turn \
+                 back from this flank, and they have come to the tooth behind: set loadedFlank = both",
+                1e3 * penetration
+            )));
         }
         Ok(passed)
     }

@@ -47,7 +47,9 @@ impl Motion {
         if !(parts[0].1 + parts[1].1 + parts[2].1 + parts[3].1).is_finite() {
             let wrong = parts.iter().find(|(_, sum)| !sum.is_finite());
             let quantity = wrong.map_or("their sum", |(name, _)| name);
-            return Err(ElementError::NotFinite { body, quantity });
+            return Err(ElementError::Pose(format!(
+                "{body}: {quantity} is not finite; every position and velocity must be a finite number"
+            )));
         }
         let (x, y, z) = (self.r.column(0), self.r.column(1), self.r.column(2));
         let third = x.cross(&y) - z;
@@ -60,7 +62,10 @@ impl Motion {
         }
         let departure = departures.into_iter().fold(0.0, f64::max);
         if departure > ROTATION_TOLERANCE {
-            return Err(ElementError::NotARotation { body, departure });
+            return Err(ElementError::Pose(format!(
+                "{body}: the orientation is no rotation (it departs from an orthonormal, right-handed matrix by {departure:.1e}); \
+                 normalise the quaternion or rebuild the matrix"
+            )));
         }
         Ok(())
     }
@@ -224,4 +229,14 @@ pub struct Latch<T = f64> {
     pub tooth_angle: T,
     /// Added to the mesh position of the drive flank (taken off the coast flank's), base pitches.
     pub mesh_position: T,
+}
+
+impl<T: Scalar> Latch<T> {
+    /// The phases of the body frames.
+    pub(crate) fn zero() -> Self {
+        Self {
+            tooth_angle: T::from(0.0),
+            mesh_position: T::from(0.0),
+        }
+    }
 }

@@ -80,7 +80,9 @@ impl Element {
         let latch = self.latch(inputs)?;
         let reasons = self.apart(inputs)?.join("; ");
         if !reasons.is_empty() {
-            return Err(ElementError::NoMesh { reasons });
+            return Err(ElementError::Pose(format!(
+                "the initial pose is no mesh: {reasons}; correct the positions of the gears, in m, or start from a pose in mesh"
+            )));
         }
         let solution = Solution::new(self, &latch, inputs, false, &mut Workspace::default())?;
         let pressed = solution.mesh.map_or(0.0, |mesh| {
@@ -91,11 +93,12 @@ impl Element {
         let largest_rigid = START_FORCE * self.constants.nominal_force;
         for (force, largest) in [(pressed, self.largest_force), (rigid, largest_rigid)] {
             if force > largest {
-                return Err(ElementError::Jammed {
-                    force_kn: 1e-3 * force,
-                    largest_kn: 1e-3 * largest,
-                    pose: self.pose_in_words(&solution.outputs),
-                });
+                let [force, largest] = [force, largest].map(|x| fixed(1e-3 * x, 2));
+                let pose = self.pose_in_words(&solution.outputs);
+                return Err(ElementError::Pose(format!(
+                    "the initial pose jams the teeth with {force} kN on the line of action, where the largest load is {largest} \
+                     kN: {pose}; correct the positions and orientations of the gears"
+                )));
             }
         }
         Ok(latch)
@@ -214,16 +217,15 @@ impl Element {
     pub(crate) fn phases<T: Scalar>(&self, inputs: &Inputs) -> Result<Latch<T>, ElementError> {
         let pose = Pose::<T>::new(self, inputs)?;
         if !pose.map.in_reach {
-            return Err(ElementError::OutOfReach);
+            return Err(ElementError::Pose(
+                "at the initial pose the gears are out of reach of one another; start from a pose in mesh".into(),
+            ));
         }
         match self.parameters.phase_reference {
             PhaseReference::FromInitialPose => self.touching_phases(&pose),
             PhaseReference::Absolute => {
                 self.refuse_overlap(&pose)?;
-                Ok(Latch {
-                    tooth_angle: T::from(0.0),
-                    mesh_position: T::from(0.0),
-                })
+                Ok(Latch::zero())
             }
         }
     }
@@ -240,7 +242,9 @@ impl Element {
         let i = self.reference_flank;
         let s = FLANKS[i].sign();
         let mesh_position = self.parameters.mesh_phase / k.pitch_angle;
-        let law = self.laws[i].as_ref().ok_or(ElementError::OutOfReach)?;
+        let Some(law) = &self.laws[i] else {
+            return Ok(Latch::zero());
+        };
         let mut touch = Touch {
             law,
             quarter_pitch: 0.25 * k.base_pitch,
@@ -281,10 +285,6 @@ impl Element {
         let x = wrap(q.turn.re() / k.per_tooth_angle) * k.per_tooth_angle;
         let offset = q.center_distance.re() - k.center_distance;
         let scale = self.law_scale(k.base_sum / q.center_distance.re());
-        let latch = Latch {
-            tooth_angle: T::from(0.0),
-            mesh_position: T::from(0.0),
-        };
         for (i, law) in self.laws.iter().enumerate() {
             let Some(law) = law else { continue };
             let s = FLANKS[i].sign();
@@ -294,7 +294,7 @@ impl Element {
                 law,
                 quarter_pitch: 0.25 * k.base_pitch,
                 mesh_position: fraction(pose.mesh_position(k, i).re()),
-                counts: pose.counts(k, i, &latch),
+                counts: pose.counts(k, i, &Latch::zero()),
                 warm: Warm::default(),
             };
             let force = touch.force_energy_stiffness([offset, misalignment], delta * scale)?[0];

@@ -8,7 +8,7 @@ use super::dual::{Dual, part};
 use super::error::ElementError;
 use super::law::Workspace;
 use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch};
-use crate::vector::Lanes;
+use crate::vector::{Lanes, Work};
 use nalgebra::{SMatrix, SVector, Vector3};
 
 /// Change of one body's motion; a rotation is a small rotation vector in world axes.
@@ -118,22 +118,45 @@ impl Element {
             },
             None => self.phases(inputs)?,
         };
-        Lanes::widest().run(|_| {
-            let solution =
-                Solution::<Dual>::new(self, &latch, inputs, stiffness_slopes, workspace)?;
-            let rows = solution.outputs.to_array();
-            let columns = &mut jacobian.data.0;
-            for lane in 0..12 {
-                columns[GEAR_2 + lane] = rows.map(|y| y.eps[part::POSITION_2 + lane]);
-                columns[CARRIER + lane].fill(0.0);
-            }
-            for axis in 0..3 {
-                columns[CARRIER + ROTATION + axis] =
-                    rows.map(|y| y.eps[part::CARRIER_ROTATION + axis]);
-            }
-            by_gear_1(jacobian, &rows.map(|y| y.re), inputs);
-            Ok(())
+        Lanes::widest().run_long(Filling {
+            element: self,
+            latch: &latch,
+            inputs,
+            stiffness_slopes,
+            jacobian,
+            workspace,
         })
+    }
+}
+
+/// One Jacobian to be filled.
+struct Filling<'a> {
+    element: &'a Element,
+    latch: &'a Latch<Dual>,
+    inputs: &'a Inputs,
+    stiffness_slopes: bool,
+    jacobian: &'a mut Jacobian,
+    workspace: &'a mut Workspace,
+}
+
+impl Work for Filling<'_> {
+    type Output = Result<(), ElementError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let (inputs, stiffness) = (self.inputs, self.stiffness_slopes);
+        let solution = Solution::new(self.element, self.latch, inputs, stiffness, self.workspace)?;
+        let rows = solution.outputs.to_array();
+        let columns = &mut self.jacobian.data.0;
+        for lane in 0..12 {
+            columns[GEAR_2 + lane] = rows.map(|y| y.eps[part::POSITION_2 + lane]);
+            columns[CARRIER + lane].fill(0.0);
+        }
+        for axis in 0..3 {
+            columns[CARRIER + ROTATION + axis] = rows.map(|y| y.eps[part::CARRIER_ROTATION + axis]);
+        }
+        by_gear_1(self.jacobian, &rows.map(|y| y.re), inputs);
+        Ok(())
     }
 }
 

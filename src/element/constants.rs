@@ -3,11 +3,8 @@
 use super::error::ElementError;
 use super::parameters::Parameters;
 use crate::gear::{Flank, PairGeometry, involute};
-use crate::words::number;
-
-/// Largest angle between the axes, rad. The misalignment enters to first order (residual C tilt^2),
-/// so this is far beyond where the result is good, yet near enough to stop a wrong frame.
-pub(crate) const TILT_LIMIT: f64 = 0.1;
+use crate::root::bisection;
+use crate::words::{fixed, number};
 
 /// Constants of the pair for the element, symbols as in the crate's table.
 #[derive(Debug, Clone)]
@@ -24,14 +21,10 @@ pub(crate) struct Constants {
     pub kappa: [f64; 2],
     /// h: hand of gear 1 (gear 2 has -e h).
     pub hand: f64,
-    /// abs(z1 + e z2).
-    pub tooth_sum: f64,
     /// Pitch point over O1 -> O2: z1 / (z1 + e z2).
     pub pitch_fraction: f64,
     /// abs(rb1 + e rb2), m.
     pub base_sum: f64,
-    /// One over it, 1/m.
-    pub per_base_sum: f64,
     /// Nominal centre distance, m.
     pub center_distance: f64,
     /// cos phi at the nominal centre distance.
@@ -46,8 +39,6 @@ pub(crate) struct Constants {
     pub z_ref: f64,
     /// Nominal axial position of gear 2 against gear 1, m.
     pub face_offset: f64,
-    /// One over half the width of the nominal face overlap, 1/m.
-    pub per_half_overlap: f64,
     /// Ends of the common face at the nominal pose, in gear 1's frame, m.
     pub common_face: [f64; 2],
     /// Where the teeth come out of mesh.
@@ -56,12 +47,8 @@ pub(crate) struct Constants {
     pub face_width: [f64; 2],
     /// theta_p1 = 2 pi / z1, rad.
     pub pitch_angle: f64,
-    /// 1 / theta_p1, 1/rad.
-    pub per_pitch_angle: f64,
-    /// Elongation on the line of action per tooth angle, m/rad: rb1 / z1 = base_sum / tooth_sum.
+    /// Penetration on the line of action per tooth angle, m/rad: rb1 / z1 = base_sum / tooth_sum.
     pub per_tooth_angle: f64,
-    /// One over it, rad/m.
-    pub tooth_angle_per: f64,
     /// One base pitch, m.
     pub base_pitch: f64,
     /// -sum kappa rb psi, m, less whole half pitches, backlash override included: half the gap on the
@@ -71,8 +58,6 @@ pub(crate) struct Constants {
     pub tooth_zero: f64,
     /// Circumferential backlash at the nominal operating pitch circle, m.
     pub backlash: f64,
-    /// Angle of the pitch point from the line of centres, seen from O1: 0, or pi where the mesh lies behind O1, rad.
-    pub behind: f64,
     /// Mesh position of both flanks where theta1 = gamma, in the `absolute` reference.
     pub mesh_zero: [f64; 2],
     /// Nominal force on the line of action, N.
@@ -89,11 +74,7 @@ impl Constants {
         let c = pair.center_distance;
         let phi = pair.operating_pressure_angle(c);
         if phi.is_nan() {
-            return Err(ElementError::NoLineOfAction {
-                center_distance_mm: 1e3 * c,
-                limit_mm: 1e3 * pair.base_radius_sum(),
-                nominal_m: c,
-            });
+            return Err(no_line_of_action(c, pair.base_radius_sum(), c));
         }
         let [z1, z2] = [g[0].z(), g[1].z()];
         let tooth_sum = z1 + e * z2;
@@ -111,34 +92,22 @@ impl Constants {
         }
         // H = sum kappa rb (inv - psi) is half the backlash up to whole half pitches: at zero angles a tooth
         // may face a tooth. Those go into the tooth angle, so that the gap is centred on it.
-        let turn_to_gap: f64 = -g
-            .iter()
-            .map(|g| g.kappa() * g.base_radius() * g.half_base_angle())
-            .sum::<f64>();
-        let involutes: f64 = (0..2)
-            .map(|i| {
-                let ratio = pair.operating_pitch_radius(i, c) / g[i].base_radius();
-                g[i].kappa() * g[i].base_radius() * involute((1.0 / ratio).acos())
-            })
-            .sum();
-        let half_pitches =
-            ((turn_to_gap + involutes - 0.5 * nominal_backlash) / half_pitch).round();
+        let [r1, r2] = g.each_ref().map(|g| g.kappa() * g.base_radius());
+        let turn_to_gap = -r1 * g[0].half_base_angle() - r2 * g[1].half_base_angle();
+        let whole_gap = turn_to_gap + (r1 + r2) * involute(phi);
+        let half_pitches = ((whole_gap - 0.5 * nominal_backlash) / half_pitch).round();
         let half_gap =
             turn_to_gap - half_pitches * half_pitch + 0.5 * (backlash - nominal_backlash);
         let pitch_angle = std::f64::consts::TAU / z1;
+        let (low, width) = pair.face_overlap();
         let tan_beta_b = pair.base_helix_angle().tan();
         let z_ref = pair.z_ref();
         // The flank of gear 1 stands at theta = eta + h z tan(beta_b)/rb - sigma kappa inv(rho) in its
         // body; PMC = 0 where that is the direction of the pitch point at mid-face.
         let helix_turn = g[0].hand * z_ref * tan_beta_b / g[0].base_radius();
-        let behind = if tooth_sum < 0.0 {
-            std::f64::consts::PI
-        } else {
-            0.0
-        };
         let half_tooth = g[0].kappa() * (g[0].half_base_angle() - involute(phi));
-        let mesh_zero =
-            FLANKS.map(|f| (f.sign() * (helix_turn - behind) + half_tooth) / pitch_angle);
+        let mesh_zero = FLANKS
+            .map(|f| (f.sign() * (helix_turn - behind(z1 / tooth_sum)) + half_tooth) / pitch_angle);
         Ok(Self {
             e,
             sc: pair.sc(),
@@ -146,10 +115,8 @@ impl Constants {
             rb: [g[0].base_radius(), g[1].base_radius()],
             kappa: [g[0].kappa(), g[1].kappa()],
             hand: g[0].hand,
-            tooth_sum: tooth_sum.abs(),
             pitch_fraction: z1 / tooth_sum,
             base_sum: pair.base_radius_sum(),
-            per_base_sum: 1.0 / pair.base_radius_sum(),
             center_distance: c,
             cos_phi: phi.cos(),
             tan_beta_b,
@@ -157,25 +124,58 @@ impl Constants {
             tan_beta_per_radius: g[0].helix_angle.tan() / g[0].reference_radius(),
             z_ref,
             face_offset: g[1].face_offset,
-            per_half_overlap: 2.0 / pair.face_overlap().1,
-            common_face: {
-                let (low, width) = pair.face_overlap();
-                [low, low + width]
-            },
+            common_face: [low, low + width],
             reach: Reach::new(pair),
             face_width: [g[0].face_width, g[1].face_width],
             pitch_angle,
-            per_pitch_angle: 1.0 / pitch_angle,
             per_tooth_angle: g[0].base_radius() / z1,
-            tooth_angle_per: z1 / g[0].base_radius(),
             base_pitch: pair.base_pitch(),
             half_gap,
             tooth_zero: half_pitches * std::f64::consts::PI,
             backlash: backlash / phi.cos(),
-            behind,
             mesh_zero,
             nominal_force: parameters.nominal_torque / g[0].base_radius(),
         })
+    }
+
+    /// Whether there is a line of action at the centre distance `c`; false: no tooth is within reach of another.
+    ///
+    /// # Errors
+    /// Base circles without a common tangent, except for an internal pair pulled apart so far that its
+    /// teeth have already left each other.
+    #[inline(always)]
+    pub(crate) fn has_line_of_action(&self, c: f64) -> Result<bool, ElementError> {
+        if c > self.base_sum {
+            return Ok(true);
+        }
+        let apart = self.e < 0.0 && self.reach.none > self.base_sum * (1.0 + 1e-6);
+        // The direction O1 -> O2 must be more than rounding.
+        if apart && c > 1e-6 * self.center_distance {
+            return Ok(false);
+        }
+        Err(no_line_of_action(c, self.base_sum, self.center_distance))
+    }
+}
+
+/// The base circles overlap (external) or do not contain one another (internal) at the centre distance `c`, m.
+#[cold]
+fn no_line_of_action(c: f64, limit: f64, nominal: f64) -> ElementError {
+    ElementError::Pose(format!(
+        "centre distance {} mm is below {} mm, where the base circles leave no common tangent; move the gears apart or check \
+         which gear is which (with gear 1 at the origin gear2.position[1] starts as {} m: a host that fills all inputs with \
+         zeros must set it)",
+        fixed(1e3 * c, 6),
+        fixed(1e3 * limit, 6),
+        number(nominal)
+    ))
+}
+
+/// Direction of the pitch point seen from O1, which lies at this fraction of O1 -> O2: 0, or pi behind O1, rad.
+pub(crate) fn behind(fraction: f64) -> f64 {
+    if fraction < 0.0 {
+        std::f64::consts::PI
+    } else {
+        0.0
     }
 }
 
@@ -210,30 +210,22 @@ impl Reach {
                 per_span: 1.0 / pair.base_radius_sum(),
             };
         }
-        let full = crossing(pair, half, nominal, end);
+        // Where the transverse contact ratio falls to `ratio`.
+        let crossing = |ratio: f64| {
+            bisection([nominal, end], 60, |c| {
+                pair.transverse_contact_ratio(c) > ratio
+            })
+        };
+        let full = crossing(half);
         // Where some is left the factor is to be as much at the end, so that no pair falls steeply there.
         let none = if left > 0.0 {
             (end - left * full) / (1.0 - left)
         } else {
-            crossing(pair, 0.0, nominal, end)
+            crossing(0.0)
         };
         Self {
             none,
             per_span: 1.0 / (full - none),
         }
     }
-}
-
-/// Where the transverse contact ratio falls to `ratio` between `near`, where it is above that, and `far`.
-fn crossing(pair: &PairGeometry, ratio: f64, near: f64, far: f64) -> f64 {
-    let (mut inside, mut outside) = (near, far);
-    for _ in 0..60 {
-        let middle = 0.5 * (inside + outside);
-        if pair.transverse_contact_ratio(middle) > ratio {
-            inside = middle;
-        } else {
-            outside = middle;
-        }
-    }
-    0.5 * (inside + outside)
 }

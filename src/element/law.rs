@@ -1,7 +1,7 @@
 //! Elastic law of one flank: from the four mesh coordinates to the derivatives of the potential.
 
+use super::dual::{Scalar, lift};
 use super::error::ElementError;
-use super::scalar::{Scalar, lift};
 use crate::contact::{ContactError, ContactFile, RuntimeContact, Warm};
 use crate::gear::Flank;
 use crate::gear::teeth::Counts;
@@ -52,7 +52,7 @@ impl Elasticity for FlankTable {
 
 /// What gives the potential of one flank.
 #[derive(Clone)]
-enum Source {
+pub(crate) enum Source {
     /// Spring of this stiffness on the line of action, N/m.
     Linear(f64),
     /// A flank of the pair's table.
@@ -74,9 +74,11 @@ pub struct Workspace(pub(crate) [Warm; 2]);
 #[derive(Clone)]
 pub(crate) struct Law {
     source: Source,
-    mirrored: bool,
     tells_teeth_apart: bool,
-    effects: Effects,
+    /// Factors on the coordinates: 0 where the effect is off, -1 on the misalignment of a mirrored flank.
+    coordinate_factors: [f64; COORDINATES],
+    /// Likewise on the gradient.
+    gradient_factors: [f64; COORDINATES],
 }
 
 /// Derivatives of the potential, as numbers that carry derivatives on.
@@ -92,13 +94,24 @@ pub(crate) struct Response<T> {
 }
 
 impl Law {
-    /// Linear spring of `stiffness` N/m on the line of action.
-    pub(crate) fn linear(stiffness: f64, effects: Effects) -> Self {
+    /// Effects that are off leave out their coordinate; `mirrored`: the source is that of the other flank.
+    pub(crate) fn new(source: Source, mirrored: bool, effects: Effects) -> Self {
+        let sign = if mirrored { -1.0 } else { 1.0 };
+        let if_on = |effect: bool, factor: f64| if effect { factor } else { 0.0 };
+        let by_distance = if_on(effects.center_distance, 1.0);
         Self {
-            source: Source::Linear(stiffness),
-            mirrored: false,
-            tells_teeth_apart: false,
-            effects,
+            tells_teeth_apart: match &source {
+                Source::Linear(_) | Source::Table(..) => false,
+                Source::Teeth(table, flank) => {
+                    let teeth = table.teeth(*flank);
+                    teeth.is_some_and(|(teeth, _)| teeth.tells_teeth_apart())
+                }
+                Source::Contact(_) => true,
+                Source::Custom(law) => law.tells_teeth_apart(),
+            },
+            coordinate_factors: [1.0, by_distance, if_on(effects.misalignment, sign), 1.0],
+            gradient_factors: [1.0, by_distance, if_on(effects.shuttling, sign), 1.0],
+            source,
         }
     }
 
@@ -108,53 +121,42 @@ impl Law {
     /// Tooth pairs are among the effects and the table does not have them.
     pub(crate) fn table(table: &Arc<Table>, flank: Flank) -> Result<Self, TableError> {
         let effects = *table.effects();
-        if !effects.teeth {
-            return Ok(Self {
-                mirrored: table.flank(flank).1,
-                source: Source::Table(table.clone(), flank),
-                tells_teeth_apart: false,
-                effects,
-            });
-        }
-        let (teeth, mirrored) = table.teeth(flank).ok_or(TableError::NO_TEETH)?;
-        Ok(Self {
-            tells_teeth_apart: teeth.tells_teeth_apart(),
-            source: Source::Teeth(table.clone(), flank),
-            mirrored,
-            effects,
-        })
+        let (source, mirrored) = if effects.teeth {
+            let (_, mirrored) = table.teeth(flank).ok_or(TableError::NO_TEETH)?;
+            (Source::Teeth(table.clone(), flank), mirrored)
+        } else {
+            (Source::Table(table.clone(), flank), table.flank(flank).1)
+        };
+        Ok(Self::new(source, mirrored, effects))
     }
 
     /// `flank` of `file`, or the drive flank mirrored where that is all it holds.
     pub(crate) fn contact(file: &ContactFile, flank: Flank, effects: Effects) -> Option<Self> {
         let own = file.flank(flank);
-        Some(Self {
-            mirrored: own.is_none(),
-            source: Source::Contact(Arc::new(own.or_else(|| file.flank(Flank::Drive))?)),
-            tells_teeth_apart: true,
+        let mirrored = own.is_none();
+        let contact = own.or_else(|| file.flank(Flank::Drive))?;
+        Some(Self::new(
+            Source::Contact(Arc::new(contact)),
+            mirrored,
             effects,
-        })
+        ))
     }
 
     /// `flank` of the laws of a caller.
     pub(crate) fn custom(laws: &FlankLaws, flank: Flank, effects: Effects) -> Self {
         let coast = laws.coast.as_ref().filter(|_| flank == Flank::Coast);
-        let law = coast.unwrap_or(&laws.drive);
-        Self {
-            source: Source::Custom(law.clone()),
-            mirrored: flank == Flank::Coast && coast.is_none(),
-            tells_teeth_apart: law.tells_teeth_apart(),
-            effects,
-        }
+        let mirrored = flank == Flank::Coast && coast.is_none();
+        let law = coast.unwrap_or(&laws.drive).clone();
+        Self::new(Source::Custom(law), mirrored, effects)
     }
 
-    /// Potential at the coordinates (delta, C - C_nominal, M, PMC), effects that are off left out, with the mesh cycles that
-    /// passed on either gear. The derivatives of the stiffness are not numbers unless `stiffness_slopes` asks for them: they cost
+    /// Potential at the coordinates (delta, C - C_nominal, M, PMC) with the mesh cycles that
+    /// passed on either gear. The derivatives of the stiffness are NaN unless `stiffness_slopes` asks for them: they cost
     /// two evaluations.
     ///
     /// # Errors
     /// The law has no potential there.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn respond<T: Scalar>(
         &self,
         coordinates: [T; COORDINATES],
@@ -163,53 +165,36 @@ impl Law {
         warm: &mut Warm,
     ) -> Result<Response<T>, ElementError> {
         let mut q = coordinates;
-        if !self.effects.center_distance {
-            q[1] = T::from(0.0);
-        }
-        if !self.effects.misalignment {
-            q[2] = T::from(0.0);
-        }
-        if self.mirrored {
-            q[2] = -q[2];
+        for (q, factor) in q.iter_mut().zip(self.coordinate_factors) {
+            *q = *q * factor;
         }
         let at = [q[0].re(), q[1].re(), q[2].re(), q[3].re()];
         let w = self.potential(at, counts, T::CARRIES, warm)?;
-        let mut gradient = [T::from(0.0); COORDINATES];
+        let mut gradient = q;
         for (i, g) in gradient.iter_mut().enumerate() {
-            *g = lift(w.gradient[i], &w.hessian[i], &q);
+            *g = lift(w.gradient[i], &w.hessian[i], &q) * self.gradient_factors[i];
         }
-        if self.mirrored {
-            gradient[2] = -gradient[2];
-        }
-        if !self.effects.center_distance {
-            gradient[1] = T::from(0.0);
-        }
-        if !self.effects.shuttling {
-            gradient[2] = T::from(0.0);
-        }
-        let stiffness = if T::CARRIES && w.gradient[0] > 0.0 {
-            let slopes = match stiffness_slopes {
-                true => self.stiffness_gradient(at, counts, warm)?,
-                false => [f64::NAN; COORDINATES],
-            };
-            lift(w.hessian[0][0], &slopes, &q)
+        let slopes = if !T::CARRIES || w.gradient[0] <= 0.0 {
+            [0.0; COORDINATES]
+        } else if stiffness_slopes {
+            self.stiffness_gradient(at, counts, warm)?
         } else {
-            T::from(w.hessian[0][0])
+            [f64::NAN; COORDINATES]
         };
         Ok(Response {
             energy: lift(w.value, &w.gradient, &q),
             gradient,
-            stiffness,
+            stiffness: lift(w.hessian[0][0], &slopes, &q),
             out_of_range: w.out_of_range,
         })
     }
 
     /// Whether it follows the centre distance and the misalignment.
     pub(crate) fn follows(&self) -> [bool; 2] {
-        [self.effects.center_distance, self.effects.misalignment]
+        [1, 2].map(|i| self.coordinate_factors[i] != 0.0)
     }
 
-    /// Whether it is to be told which teeth are in mesh.
+    /// Whether it needs to know which teeth are in mesh.
     #[inline]
     pub(crate) fn tells_teeth_apart(&self) -> bool {
         self.tells_teeth_apart
@@ -268,29 +253,36 @@ impl Law {
     ) -> Result<[f64; COORDINATES], ElementError> {
         const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
         let is_contact = matches!(self.source, Source::Contact(_));
-        let mut slopes = |i: usize| -> Result<_, ElementError> {
-            let mut row = |sign: f64| {
-                let mut x = at;
-                x[i] += sign * STEP[i];
+        let mut slopes = |axis: usize| {
+            central_difference(at, axis, STEP[axis], |x| {
                 Ok::<_, ElementError>(self.potential(x, counts, !is_contact, warm)?.hessian[0])
-            };
-            let (above, below) = (row(1.0)?, row(-1.0)?);
-            Ok(std::array::from_fn(|j| {
-                (above[j] - below[j]) / (2.0 * STEP[i])
-            }))
+            })
         };
-        let mut gradient: [f64; COORDINATES] = slopes(0)?;
+        let mut gradient = slopes(0)?;
         if is_contact {
-            for (i, slope) in gradient.iter_mut().enumerate().skip(1) {
-                *slope = slopes(i)?[0];
+            for axis in 1..COORDINATES {
+                gradient[axis] = slopes(axis)?[0];
             }
         }
         Ok(gradient)
     }
 }
 
-/// Steps of the central differences of the contact's slopes by centre distance, m, and by mesh position.
-const CONTACT_STEPS: [(usize, f64); 2] = [(1, 1e-7), (3, 1e-4)];
+/// Slopes of the four numbers `f` by the coordinate `axis`.
+fn central_difference<E>(
+    at: [f64; COORDINATES],
+    axis: usize,
+    step: f64,
+    mut f: impl FnMut([f64; COORDINATES]) -> Result<[f64; COORDINATES], E>,
+) -> Result<[f64; COORDINATES], E> {
+    let mut side = |step: f64| {
+        let mut x = at;
+        x[axis] += step;
+        f(x)
+    };
+    let (up, down) = (side(step)?, side(-step)?);
+    Ok(std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * step)))
+}
 
 /// The potential of a static contact solve at the coordinates `at`.
 ///
@@ -303,6 +295,8 @@ fn contact_potential(
     want_hessian: bool,
     warm: &mut Warm,
 ) -> Result<Potential, ContactError> {
+    /// Of the central differences of the slopes by centre distance, m, and by mesh position.
+    const STEPS: [(usize, f64); 2] = [(1, 1e-7), (3, 1e-4)];
     let here = contact.potential(at, counts, warm)?;
     let mut out = Potential {
         value: here.energy,
@@ -317,15 +311,11 @@ fn contact_potential(
     out.hessian[0][2] = here.tangent.force_by_misalignment;
     out.hessian[2][0] = here.tangent.force_by_misalignment;
     out.hessian[2][2] = here.tangent.moment_by_misalignment;
-    for (axis, step) in CONTACT_STEPS {
-        let mut side = |sign: f64| {
-            let mut x = at;
-            x[axis] += sign * step;
+    for (axis, step) in STEPS {
+        let slopes = central_difference(at, axis, step, |x| {
             contact.potential(x, counts, warm).map(|w| w.gradient)
-        };
-        let (up, down) = (side(1.0)?, side(-1.0)?);
-        for i in 0..COORDINATES {
-            let slope = (up[i] - down[i]) / (2.0 * step);
+        })?;
+        for (i, slope) in slopes.into_iter().enumerate() {
             // Both mixed slopes of both axes are found: the last one counts for either.
             out.hessian[i][axis] = slope;
             out.hessian[axis][i] = slope;

@@ -12,8 +12,11 @@
 //!
 //! ```text
 //! poses ─> map: coordinates q ─> law: slopes g of the potential ─> loads -J^T g
-//! velocities ─> map: rates J v ──> damper ──────────┘
+//! velocities ─> map: rates J v ──> damper, friction ─────┘
 //! ```
+//!
+//! The walk from a pose to its force: this file, `contact` (both flanks under load), `kinematics` (the map), `law` (a table or
+//! what stands for it), `friction`. (`paper` takes the place of a part of the map in [`Formulation::Paper`].)
 //!
 //! - [`Formulation::Conjugate`]: coordinates and loads from the exact helicoids, through one map J and its
 //!   transpose. Undamped it keeps energy, and the damper can only take some; the default.
@@ -29,69 +32,40 @@
 //! An evaluation remembers nothing: phase zeros ([`Latch`]) and where a contact solve starts ([`Workspace`]) are the
 //! caller's. It allocates under contact at run time alone.
 
-mod check;
 mod constants;
+mod contact;
 mod dual;
-mod engagement;
 mod error;
-mod evaluate;
-mod flank;
 mod friction;
 mod jacobian;
+mod kinematics;
 mod law;
-mod map;
 mod motion;
 mod paper;
 mod parameters;
 mod prediction;
-mod scalar;
 mod start;
 
 pub use crate::table::Interpolation;
-pub use dual::Dual;
+pub use dual::Scalar;
 pub use error::ElementError;
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
 pub use law::{Elasticity, FlankLaws, Workspace};
-#[cfg(test)]
-pub(crate) use motion::row;
 pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 pub use prediction::{Coupling, Loads, Prediction, Step, StepRequest};
-pub use scalar::Scalar;
 
 #[cfg(test)]
-pub(crate) mod testing;
-#[cfg(test)]
-mod tests;
-#[cfg(test)]
-mod tests_constant_load;
-#[cfg(test)]
-mod tests_damping;
-#[cfg(test)]
-mod tests_flanks;
-#[cfg(test)]
-mod tests_friction;
-#[cfg(test)]
-mod tests_jacobian;
-#[cfg(test)]
-mod tests_limits;
-#[cfg(test)]
-mod tests_poses;
-#[cfg(test)]
-mod tests_prediction;
-#[cfg(test)]
-mod tests_root_stress;
-#[cfg(test)]
-mod tests_teeth;
+pub(crate) mod tests;
 
 use crate::contact::ContactFile;
 use crate::gear::PairGeometry;
 use crate::table::Table;
 use crate::words::number;
 use constants::{Constants, FLANKS};
-use flank::Damper;
+use contact::{Damper, Solution};
 use friction::Friction;
-use law::Law;
+use law::{Law, Source};
 use nalgebra::Vector3;
 use start::Covered;
 use std::sync::Arc;
@@ -157,16 +131,25 @@ impl Element {
         table: Option<Arc<Table>>,
     ) -> Result<Self, ElementError> {
         parameters.check()?;
+        let effects = parameters.table_effects(pair);
         match parameters.stiffness_model {
+            StiffnessModel::Contact => Err(ElementError::NoContact),
+            StiffnessModel::Constant => {
+                let phi = pair.operating_pressure_angle(pair.center_distance);
+                let stiffness = parameters.constant_stiffness / phi.cos().powi(2);
+                let law = Law::new(Source::Linear(stiffness), false, effects);
+                let mut element = Self::build(pair, parameters, [law.clone(), law])?;
+                element.covered = Some(Covered::default());
+                Ok(element)
+            }
             StiffnessModel::Table | StiffnessModel::Teeth => {
                 let mut table = table.ok_or(ElementError::NoTable)?;
-                let wanted = parameters.table_effects(pair);
-                if *table.effects() != wanted {
-                    table = Arc::new(table.sliced(&wanted)?);
+                if *table.effects() != effects {
+                    table = Arc::new(table.sliced(&effects)?);
                 }
+                let largest = table.file().maximum_torque_nm;
                 // Else the damping would never act in full, without a word.
-                let full = parameters.damping_onset * parameters.nominal_torque;
-                if full > table.file().maximum_torque_nm {
+                if parameters.damping_onset * parameters.nominal_torque > largest {
                     return Err(ElementError::Parameter {
                         name: "nominalTorque",
                         value: format!("{} N m", number(parameters.nominal_torque)),
@@ -175,22 +158,14 @@ impl Element {
                     });
                 }
                 let [drive, coast] = FLANKS.map(|flank| Law::table(&table, flank));
-                let mut element = Self::build(pair, parameters, [drive?, coast?])?;
-                element.friction = Friction::new(pair, parameters, &table);
-                element.root_stress = parameters.root_stress.then(|| table.clone());
-                element.largest_force =
-                    table.file().maximum_torque_nm / pair.gears[0].base_radius();
-                element.covered = Some(Covered::by(&table));
-                Ok(element)
-            }
-            StiffnessModel::Contact => Err(ElementError::NoContact),
-            StiffnessModel::Constant => {
-                let phi = pair.operating_pressure_angle(pair.center_distance);
-                let stiffness = parameters.constant_stiffness / phi.cos().powi(2);
-                let law = Law::linear(stiffness, parameters.table_effects(pair));
-                let mut element = Self::build(pair, parameters, [law.clone(), law])?;
-                element.covered = Some(Covered::NOTHING);
-                Ok(element)
+                let element = Self::build(pair, parameters, [drive?, coast?])?;
+                Ok(Self {
+                    friction: Friction::new(pair, parameters, &table),
+                    largest_force: largest / pair.gears[0].base_radius(),
+                    covered: Some(Covered::by(&table)),
+                    root_stress: parameters.root_stress.then_some(table),
+                    ..element
+                })
             }
         }
     }
@@ -208,7 +183,7 @@ impl Element {
             LoadedFlank::Both => [Some(drive), Some(coast)],
         };
         Ok(Self {
-            damper: damper(parameters, &constants),
+            damper: Damper::new(parameters, &constants),
             friction: None,
             root_stress: None,
             largest_force: START_FORCE * constants.nominal_force,
@@ -223,7 +198,7 @@ impl Element {
     /// Sets the damping (the one tunable parameter), N s/m, tangential, >= 0.
     pub fn set_damping(&mut self, damping: f64) {
         self.parameters.damping = damping;
-        self.damper = self::damper(&self.parameters, &self.constants);
+        self.damper = Damper::new(&self.parameters, &self.constants);
     }
 
     /// The parameters it was made with.
@@ -271,16 +246,17 @@ impl Element {
         inputs: &Inputs,
         workspace: &mut Workspace,
     ) -> Result<Outputs, ElementError> {
-        check::inputs(inputs, self.with_carrier())?;
-        Ok(evaluate::evaluate(self, latch, inputs, false, workspace)?.outputs)
+        inputs.check(self.with_carrier())?;
+        Ok(Solution::new(self, latch, inputs, false, workspace)?.outputs)
     }
 
     fn with_carrier(&self) -> bool {
         self.parameters.formulation == Formulation::Paper
     }
 
-    /// Displacement that a law takes over the elongation: the paper's constant k is tangential at the actual
+    /// Displacement that a law takes over the penetration: the paper's constant k is tangential at the actual
     /// operating pitch circle.
+    #[inline(always)]
     fn law_scale<T: Scalar>(&self, cos_phi: T) -> T {
         let p = &self.parameters;
         if p.formulation == Formulation::Paper && p.stiffness_model == StiffnessModel::Constant {
@@ -296,17 +272,19 @@ impl Element {
     ///
     /// # Errors
     /// It is, and one flank alone can carry: the gears have turned back through the flank that is missing.
-    fn have_passed(&self, elongation: f64, half_gap: f64) -> Result<bool, ElementError> {
+    fn have_passed(&self, penetration: f64, half_gap: f64) -> Result<bool, ElementError> {
         let limit = 0.5 * (0.5 * self.constants.base_pitch - half_gap);
-        let passed = elongation > limit;
+        let passed = penetration > limit;
         if passed && self.parameters.loaded_flank != LoadedFlank::Both {
-            return Err(ElementError::TeethPassed {
-                overlap_mm: 1e3 * elongation,
-                loaded_flank: match self.parameters.loaded_flank {
-                    LoadedFlank::Coast => "coast",
-                    _ => "drive",
-                },
-            });
+            let flank = match self.parameters.loaded_flank {
+                LoadedFlank::Coast => "coast",
+                _ => "drive",
+            };
+            return Err(ElementError::Pose(format!(
+                "loadedFlank = {flank}: the teeth overlap by {:.3} mm on the line of action; nothing holds the gears when they turn \
+                 back from this flank, and they have come to the tooth behind: set loadedFlank = both",
+                1e3 * penetration
+            )));
         }
         Ok(passed)
     }
@@ -314,15 +292,3 @@ impl Element {
 
 /// Multiple of the nominal force that teeth of constant stiffness may start with.
 const START_FORCE: f64 = 10.0;
-
-fn damper(parameters: &Parameters, k: &Constants) -> Damper {
-    match parameters.formulation {
-        Formulation::Conjugate => Damper::Rising {
-            coefficient: parameters.damping / k.cos_phi.powi(2),
-            full_at: parameters.damping_onset * k.nominal_force,
-        },
-        Formulation::Paper => Damper::Constant {
-            tangential: parameters.damping,
-        },
-    }
-}

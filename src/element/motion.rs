@@ -1,6 +1,11 @@
 //! What goes into the element and what comes out of it.
 
+use super::dual::Scalar;
+use super::error::ElementError;
 use nalgebra::{Matrix3, Vector3};
+
+/// Departure from an orthonormal right-handed matrix above which an orientation is refused.
+const ROTATION_TOLERANCE: f64 = 1e-6;
 
 /// Pose and velocity of one body in the world frame W, SI.
 ///
@@ -29,6 +34,41 @@ impl Motion {
             w: Vector3::zeros(),
         }
     }
+
+    /// Refuses numbers that are not finite and an orientation that is no rotation, in the name of `body`.
+    fn check(&self, body: &'static str) -> Result<(), ElementError> {
+        // One comparison on the usual path: a sum is finite only if all its terms are.
+        let parts = [
+            ("position", self.p.sum()),
+            ("orientation", self.r.sum()),
+            ("velocity", self.v.sum()),
+            ("angular velocity", self.w.sum()),
+        ];
+        if !(parts[0].1 + parts[1].1 + parts[2].1 + parts[3].1).is_finite() {
+            let wrong = parts.iter().find(|(_, sum)| !sum.is_finite());
+            let quantity = wrong.map_or("their sum", |(name, _)| name);
+            return Err(ElementError::Pose(format!(
+                "{body}: {quantity} is not finite; every position and velocity must be a finite number"
+            )));
+        }
+        let (x, y, z) = (self.r.column(0), self.r.column(1), self.r.column(2));
+        let third = x.cross(&y) - z;
+        let lengths = [x.norm_squared() - 1.0, y.norm_squared() - 1.0];
+        let departures =
+            [lengths[0], lengths[1], x.dot(&y), third.x, third.y, third.z].map(f64::abs);
+        // The largest one is not above their sum, as a rule far below the limit.
+        if departures.iter().sum::<f64>() <= ROTATION_TOLERANCE {
+            return Ok(());
+        }
+        let departure = departures.into_iter().fold(0.0, f64::max);
+        if departure > ROTATION_TOLERANCE {
+            return Err(ElementError::Pose(format!(
+                "{body}: the orientation is no rotation (it departs from an orthonormal, right-handed matrix by {departure:.1e}); \
+                 normalise the quaternion or rebuild the matrix"
+            )));
+        }
+        Ok(())
+    }
 }
 
 impl Default for Motion {
@@ -44,6 +84,19 @@ pub struct Inputs {
     pub gears: [Motion; 2],
     /// The carrier; looked at by [`super::Formulation::Paper`] alone.
     pub carrier: Motion,
+}
+
+impl Inputs {
+    /// # Errors
+    /// Numbers that are not finite, orientations that are no rotations; of the carrier only if `with_carrier`.
+    pub(crate) fn check(&self, with_carrier: bool) -> Result<(), ElementError> {
+        self.gears[0].check("gear1")?;
+        self.gears[1].check("gear2")?;
+        if with_carrier {
+            self.carrier.check("carrier")?;
+        }
+        Ok(())
+    }
 }
 
 /// Contact loads and diagnostics.
@@ -101,7 +154,7 @@ pub struct Outputs<T = f64> {
 /// Number of outputs of the FMU, in the order of [`Outputs::to_array`].
 pub const CONTINUOUS_OUTPUTS: usize = 31;
 
-impl<T: super::Scalar> Outputs<T> {
+impl<T: Scalar> Outputs<T> {
     /// No load, for gears so far apart that phase and transmission error have no meaning (zero).
     pub(crate) fn out_of_reach(
         contact_point: Vector3<T>,
@@ -109,7 +162,7 @@ impl<T: super::Scalar> Outputs<T> {
         contact_z: T,
     ) -> Self {
         let zero = T::from(0.0);
-        let none = [Vector3::zeros(); 2];
+        let none = [Vector3::repeat(zero); 2];
         Self {
             force: none,
             moment: none,
@@ -136,26 +189,18 @@ impl<T: super::Scalar> Outputs<T> {
     /// All outputs of the FMU in its order: force and moment of gear 1, force and moment of
     /// gear 2, contact point, then the scalars from `transmission_error` to `contact_z`, `flank` and `out_of_range` (0 or 1)
     /// as steps without slopes, those of friction and the stress in both roots (`energy` is left out: the FMU does not show it).
+    #[inline(always)]
     pub fn to_array(&self) -> [T; CONTINUOUS_OUTPUTS] {
-        let [f1, f2] = self.force;
-        let [m1, m2] = self.moment;
-        let p = self.contact_point;
-        [
-            f1.x,
-            f1.y,
-            f1.z,
-            m1.x,
-            m1.y,
-            m1.z,
-            f2.x,
-            f2.y,
-            f2.z,
-            m2.x,
-            m2.y,
-            m2.z,
-            p.x,
-            p.y,
-            p.z,
+        let ([f1, f2], [m1, m2]) = (self.force, self.moment);
+        let mut rows = [T::from(0.0); CONTINUOUS_OUTPUTS];
+        let (vectors, scalars) = rows.split_at_mut(15);
+        for (row, v) in vectors
+            .chunks_exact_mut(3)
+            .zip([f1, m1, f2, m2, self.contact_point])
+        {
+            row.copy_from_slice(v.as_slice());
+        }
+        scalars.copy_from_slice(&[
             self.transmission_error,
             self.transmission_error_rate,
             self.mesh_position,
@@ -172,18 +217,9 @@ impl<T: super::Scalar> Outputs<T> {
             self.loss_factor,
             self.root_stress[0],
             self.root_stress[1],
-        ]
+        ]);
+        rows
     }
-}
-
-/// Rows of [`Outputs::to_array`] by name.
-pub(crate) mod row {
-    pub const CONTACT_POINT: usize = 12;
-    pub const TRANSMISSION_ERROR_RATE: usize = 16;
-    pub const TANGENTIAL_FORCE: usize = 20;
-    pub const NORMAL_FORCE: usize = 21;
-    pub const FRICTION_POWER: usize = 26;
-    pub const FRICTION_COEFFICIENT: usize = 27;
 }
 
 /// Phase zeros, taken once from the initial pose. They belong to the state of a simulation.
@@ -193,4 +229,14 @@ pub struct Latch<T = f64> {
     pub tooth_angle: T,
     /// Added to the mesh position of the drive flank (taken off the coast flank's), base pitches.
     pub mesh_position: T,
+}
+
+impl<T: Scalar> Latch<T> {
+    /// The phases of the body frames.
+    pub(crate) fn zero() -> Self {
+        Self {
+            tooth_angle: T::from(0.0),
+            mesh_position: T::from(0.0),
+        }
+    }
 }

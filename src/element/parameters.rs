@@ -158,72 +158,51 @@ impl Parameters {
         }
     }
 
-    /// Every number has a meaning.
+    /// # Errors
+    /// A number without a meaning, and what only tables hold without one.
     pub(crate) fn check(&self) -> Result<(), ElementError> {
-        let positive = "give a finite number above zero";
-        let not_negative = "give a finite number, zero or above";
-        let refuse = |name, value: f64, unit: &str, remedy| {
+        let refuse = |name, value: String, remedy| {
             Err(ElementError::Parameter {
                 name,
-                value: format!("{} {unit}", number(value)),
+                value,
                 remedy,
             })
         };
-        let above_zero = |x: f64| x.is_finite() && x > 0.0;
-        let at_least_zero = |x: f64| x.is_finite() && x >= 0.0;
-        if !above_zero(self.constant_stiffness) {
-            return refuse(
-                "constantStiffness",
-                self.constant_stiffness,
-                "N/m",
-                positive,
-            );
-        }
-        if !above_zero(self.nominal_torque) {
-            return refuse("nominalTorque", self.nominal_torque, "N m", positive);
-        }
-        if !at_least_zero(self.damping) {
-            return refuse("damping", self.damping, "N s/m", not_negative);
-        }
+        let number = |value: f64, unit: &str| format!("{} {unit}", number(value));
+        let positive = |name, value: f64, unit| match value.is_finite() && value > 0.0 {
+            true => Ok(()),
+            false => refuse(name, number(value, unit), "give a finite number above zero"),
+        };
+        let not_negative = |name, value: f64, unit| match value.is_finite() && value >= 0.0 {
+            true => Ok(()),
+            false => {
+                let remedy = "give a finite number, zero or above";
+                refuse(name, number(value, unit), remedy)
+            }
+        };
+        positive("constantStiffness", self.constant_stiffness, "N/m")?;
+        positive("nominalTorque", self.nominal_torque, "N m")?;
+        not_negative("damping", self.damping, "N s/m")?;
+        not_negative("backlash", self.backlash.unwrap_or_default(), "m")?;
+        not_negative("frictionFactor", self.friction_factor, "")?;
+        let speed = self.friction_transition_speed;
+        positive("frictionTransitionSpeed", speed, "m/s")?;
         if !(self.damping_onset > 0.0 && self.damping_onset <= 1.0) {
             let remedy = "give a share of the nominal force, above 0 and up to 1; damping = 0 switches damping off";
-            return refuse("dampingOnset", self.damping_onset, "", remedy);
-        }
-        if let Some(j) = self.backlash
-            && !at_least_zero(j)
-        {
-            return refuse("backlash", j, "m", not_negative);
-        }
-        if !at_least_zero(self.friction_factor) {
-            return refuse("frictionFactor", self.friction_factor, "", not_negative);
-        }
-        if !above_zero(self.friction_transition_speed) {
-            let speed = self.friction_transition_speed;
-            return refuse("frictionTransitionSpeed", speed, "m/s", positive);
-        }
-        let of_the_table = [
-            (
-                self.friction,
-                "friction",
-                "how the load slides stands in the table: set stiffnessModel = table, or friction = false",
-            ),
-            (
-                self.root_stress,
-                "rootStress",
-                "the stress in the tooth roots stands in the table: set stiffnessModel = table, or rootStress = false",
-            ),
-        ];
-        for (on, name, remedy) in of_the_table {
-            if on && self.stiffness_model != StiffnessModel::Table {
-                return Err(ElementError::Parameter {
-                    name,
-                    value: "true".into(),
-                    remedy,
-                });
-            }
+            return refuse("dampingOnset", number(self.damping_onset, ""), remedy);
         }
         if !self.mesh_phase.is_finite() {
-            return refuse("meshPhase", self.mesh_phase, "rad", "give a finite angle");
+            let value = number(self.mesh_phase, "rad");
+            return refuse("meshPhase", value, "give a finite angle");
+        }
+        let has_table = self.stiffness_model == StiffnessModel::Table;
+        if self.friction && !has_table {
+            let remedy = "how the load slides stands in the table: set stiffnessModel = table, or friction = false";
+            return refuse("friction", "true".into(), remedy);
+        }
+        if self.root_stress && !has_table {
+            let remedy = "the stress in the tooth roots stands in the table: set stiffnessModel = table, or rootStress = false";
+            return refuse("rootStress", "true".into(), remedy);
         }
         Ok(())
     }

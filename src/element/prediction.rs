@@ -16,12 +16,12 @@
 use nalgebra::Rotation3;
 use serde::{Deserialize, Serialize};
 
+use super::Element;
 use super::constants::FLANKS;
+use super::contact::{Mesh, Solution};
 use super::error::ElementError;
-use super::evaluate::{Solution, evaluate};
 use super::law::Workspace;
-use super::motion::{Inputs, Latch, Motion, Outputs, row};
-use super::{Element, check};
+use super::motion::{Inputs, Latch, Motion, Outputs};
 
 /// In which step a master lets the loads act that it reads after a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub struct StepRequest {
 /// What the prediction remembers of one communication step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Step {
-    /// Turn part of the elongation and half the gap at the start of the step, m.
+    /// Turn part of the penetration and half the gap at the start of the step, m.
     position: [f64; 2],
     /// Their rates, m/s.
     rate: [f64; 2],
@@ -56,33 +56,28 @@ pub struct Step {
     sign: f64,
     /// s.
     length: f64,
-    /// Force along the turn that acts in the step, N, positive from the drive flank.
+    /// Forces along the turn that act in the step, in the one after it as far as it is known, and in the one before it, N,
+    /// positive from the drive flank.
     force: f64,
-    /// Likewise in the step after it, as far as it is known.
     next: f64,
-    /// Likewise in the step before it.
     before: f64,
     /// Mean rate of change of the approach's rate in the step before it, m/s²; `None`: no step before, or none of the same motion.
     acceleration: Option<f64>,
     /// By how much that force and that acceleration differ from those one step earlier, N, m/s².
     change: Option<[f64; 2]>,
-    /// What the steps told of the mass.
     sums: Sums,
 }
 
-/// Sums of products of second differences over the steps, of which the last count most. (First differences of a load that rises slowly
-/// look like those of an infinite mass.)
+/// What the steps showed of the mass: sums of products of second differences, of which the last count most. (First differences of a
+/// load that rises slowly look like those of an infinite mass.)
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 struct Sums {
-    /// Of the force that was taken to act, squared, N².
-    force: f64,
-    /// Of that force and the acceleration that it brought, N m/s².
-    product: f64,
-    /// Of the acceleration squared, m²/s⁴.
+    /// The force that was taken to act, squared, N², and times the acceleration that it brought, N m/s².
+    ours: [f64; 2],
+    /// The same for the force of the step after: that of a sequential master where a parallel one was expected.
+    other: [f64; 2],
+    /// The acceleration squared, m²/s⁴.
     acceleration: f64,
-    /// As the first two for the force of the step after: that of a sequential master where a parallel one was expected.
-    next_force: f64,
-    next_product: f64,
 }
 
 /// Contact loads, of a moment or constant over a step: the outputs of [`Loads::ROWS`].
@@ -115,92 +110,14 @@ const EQUIVALENT: [f64; 4] = [-1.0 / 6.0, 2.0 / 3.0, 2.0 / 3.0, -1.0 / 6.0];
 /// The same for the mean: where teeth part or meet the load has no second derivative, and would come out negative.
 const MEAN: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
-/// Weight of what the step before told of the mass.
+/// Weight of what the step before showed of the mass.
 const MEMORY: f64 = 0.98;
 
-/// Changes of the force from step to step, over the nominal one, below which they tell nothing of the mass.
+/// Changes of the force from step to step, over the nominal one, below which they show nothing of the mass.
 const NOISE: f64 = 1e-3;
 
 /// Poses and velocities of one body that agree better than this, m, are of one motion.
 const AGREEMENT: f64 = 1e-9;
-
-/// The element at one moment.
-struct Instant {
-    outputs: Outputs,
-    /// Turn part of the elongation and half the gap, m, and their rates, m/s.
-    position: [f64; 2],
-    rate: [f64; 2],
-    /// N, along the turn.
-    force: f64,
-}
-
-impl Element {
-    /// Loads for the step that `request` tells, from the communication point with `inputs`, `last` being the step that ended there.
-    /// The first step, one whose poses and velocities do not follow from the last, and one too long to
-    /// tell the mesh's oscillation get the loads at the communication point.
-    ///
-    /// # Errors
-    /// As [`Element::evaluate`], at the communication point.
-    pub fn predict(
-        &self,
-        latch: &Latch,
-        inputs: &Inputs,
-        last: Option<&Step>,
-        request: &StepRequest,
-        workspace: &mut Workspace,
-    ) -> Result<Prediction, ElementError> {
-        check::inputs(inputs, self.with_carrier())?;
-        let solution = evaluate::<f64>(self, latch, inputs, false, workspace)?;
-        let outputs = solution.outputs;
-        let Some(now) = Instant::new(&solution) else {
-            return Ok(Prediction {
-                outputs,
-                loads: Loads::at(&outputs),
-                step: None,
-                seems_sequential: false,
-            });
-        };
-        let sign = match outputs.flank {
-            0 => last.map_or(FLANKS[self.reference_flank].sign(), |last| last.sign),
-            flank => f64::from(flank),
-        };
-        let mut step = Step {
-            position: now.position,
-            rate: now.rate,
-            sign,
-            length: request.length,
-            force: match (request.coupling, last) {
-                (Coupling::Parallel, Some(last)) => last.next,
-                _ => now.force,
-            },
-            next: now.force,
-            before: 0.0,
-            acceleration: None,
-            change: None,
-            sums: Sums::default(),
-        };
-        if let Some(last) = last {
-            step.follow(last);
-        }
-        let mut loads = Loads::at(&outputs);
-        if let Some(motion) = self.approach(&step, request)
-            && let Some((mean, force)) = self.step_loads(latch, inputs, &now, &motion, workspace)
-        {
-            loads = mean;
-            step.next = force;
-            if request.coupling == Coupling::Sequential {
-                step.force = force;
-            }
-        }
-        Ok(Prediction {
-            outputs,
-            loads,
-            step: Some(step),
-            seems_sequential: request.coupling == Coupling::Parallel
-                && step.sums.tells_sequential(self.noise()),
-        })
-    }
-}
 
 /// Motion along the line of action while the loads act.
 struct Approach {
@@ -216,6 +133,171 @@ struct Approach {
     length: f64,
 }
 
+impl Element {
+    /// Loads for the step of `request`, from the communication point with `inputs`, `last` being the step that ended there.
+    /// The first step, one whose poses and velocities do not follow from the last, and one too long for the mesh's
+    /// oscillation get the loads at the communication point.
+    ///
+    /// # Errors
+    /// As [`Element::evaluate`], at the communication point.
+    pub fn predict(
+        &self,
+        latch: &Latch,
+        inputs: &Inputs,
+        last: Option<&Step>,
+        request: &StepRequest,
+        workspace: &mut Workspace,
+    ) -> Result<Prediction, ElementError> {
+        inputs.check(self.with_carrier())?;
+        let solution = Solution::new(self, latch, inputs, false, workspace)?;
+        let outputs = solution.outputs;
+        let mut prediction = Prediction {
+            outputs,
+            loads: Loads::at(&outputs),
+            step: None,
+            seems_sequential: false,
+        };
+        let Some(mesh) = &solution.mesh else {
+            return Ok(prediction);
+        };
+        let force = mesh.force_along_turn();
+        let [drive, coast] = mesh.flanks.each_ref().map(|flank| flank.penetration);
+        let mut step = Step {
+            position: [0.5 * (drive - coast), -0.5 * (drive + coast)],
+            rate: [mesh.rates.turn, mesh.rates.half_gap],
+            sign: match outputs.flank {
+                0 => last.map_or(FLANKS[self.reference_flank].sign(), |last| last.sign),
+                flank => f64::from(flank),
+            },
+            length: request.length,
+            force: match (request.coupling, last) {
+                (Coupling::Parallel, Some(last)) => last.next,
+                _ => force,
+            },
+            next: force,
+            before: 0.0,
+            acceleration: None,
+            change: None,
+            sums: Sums::default(),
+        };
+        if let Some(last) = last {
+            step.follow(last);
+        }
+        if let Some(motion) = self.approach(&step, request)
+            && let Some((loads, mean)) =
+                self.step_loads(latch, inputs, (prediction.loads, force), &motion, workspace)
+        {
+            prediction.loads = loads;
+            step.next = mean;
+            if request.coupling == Coupling::Sequential {
+                step.force = mean;
+            }
+        }
+        prediction.step = Some(step);
+        prediction.seems_sequential =
+            request.coupling == Coupling::Parallel && step.sums.look_sequential(self.noise());
+        Ok(prediction)
+    }
+
+    /// Square of a change of the force that shows nothing of the mass, N².
+    fn noise(&self) -> f64 {
+        (NOISE * self.constants.nominal_force).powi(2)
+    }
+
+    /// The motion while the loads of `request` act, from the start of `step`; `None`: they are held, nothing is known of
+    /// the motion, or the step is too long for it.
+    fn approach(&self, step: &Step, request: &StepRequest) -> Option<Approach> {
+        let mut motion = Approach {
+            start: match request.coupling {
+                Coupling::Held => return None,
+                Coupling::Sequential => 0.0,
+                Coupling::Parallel => request.length,
+            },
+            given: 0.0,
+            others: 0.0,
+            mobility: 0.0,
+            length: request.length,
+        };
+        let mass = request.effective_mass;
+        if mass > 0.0 {
+            let stiffness = self.parameters.constant_stiffness / self.constants.cos_phi.powi(2);
+            if request.length * (stiffness / mass).sqrt() > LONGEST_STEP {
+                return None;
+            }
+            motion.mobility = step.sums.mobility(mass, self.noise());
+            motion.others = step.acceleration? + step.before * motion.mobility;
+            motion.given = motion.others - step.force * motion.mobility;
+        }
+        Some(motion)
+    }
+
+    /// Constant loads for the step of `motion`, and their part along the turn, N, from those at the communication point;
+    /// `None`: it leads where the element has no loads.
+    fn step_loads(
+        &self,
+        latch: &Latch,
+        inputs: &Inputs,
+        now: (Loads, f64),
+        motion: &Approach,
+        workspace: &mut Workspace,
+    ) -> Option<(Loads, f64)> {
+        let h = motion.length;
+        // Displacement beside the drift with the present velocities, m, and its rate.
+        let y = 0.5 * motion.given * motion.start.powi(2);
+        let u = motion.given * motion.start;
+        // One step of the classical Runge-Kutta method for y'' = a - F/m.
+        let mut stages = [now; 4];
+        let (mut dy, mut du) = (0.0, 0.0);
+        for (stage, ahead) in stages.iter_mut().zip([0.0, 0.5 * h, 0.5 * h, h]) {
+            let (y, u) = (y + ahead * dy, u + ahead * du);
+            let time = motion.start + ahead;
+            if time > 0.0 {
+                let there = self.moved(inputs, time, y, u);
+                let solution = Solution::new(self, latch, &there, false, workspace).ok()?;
+                let force = solution.mesh.map_or(0.0, |mesh| mesh.force_along_turn());
+                *stage = (Loads::at(&solution.outputs), force);
+            }
+            (dy, du) = (u, motion.others - stage.1 * motion.mobility);
+        }
+        let parted = stages.iter().any(|(_, force)| *force == 0.0);
+        let weights = if parted { MEAN } else { EQUIVALENT };
+        let (mut loads, mut force) = (Loads([0.0; Loads::ROWS.len()]), 0.0);
+        for ((stage, f), weight) in stages.iter().zip(weights) {
+            for (sum, x) in loads.0.iter_mut().zip(stage.0) {
+                *sum += weight * x;
+            }
+            force += weight * f;
+        }
+        Some((loads, force))
+    }
+
+    /// The bodies `time` s on with their velocities, gear 1 turned so that the approach is `y` m larger and its rate `u` m/s.
+    pub(super) fn moved(&self, inputs: &Inputs, time: f64, y: f64, u: f64) -> Inputs {
+        let after = |body: &Motion| Motion {
+            p: body.p + body.v * time,
+            r: Rotation3::new(body.w * time).matrix() * body.r,
+            ..*body
+        };
+        let mut there = Inputs {
+            gears: inputs.gears.each_ref().map(after),
+            carrier: after(&inputs.carrier),
+        };
+        let per_radius = 1.0 / self.constants.rb[0];
+        let gear = &mut there.gears[0];
+        let axis = gear.r.column(2).into_owned();
+        gear.r = Rotation3::new(axis * (y * per_radius)).matrix() * gear.r;
+        gear.w += axis * (u * per_radius);
+        there
+    }
+}
+
+impl Mesh<f64> {
+    /// N, positive from the drive flank.
+    fn force_along_turn(&self) -> f64 {
+        self.flanks[0].force() - self.flanks[1].force()
+    }
+}
+
 impl Step {
     /// s.
     pub fn length(&self) -> f64 {
@@ -224,29 +306,29 @@ impl Step {
 
     /// Whether a prediction can have made it.
     pub fn is_valid(&self) -> bool {
+        let Sums {
+            ours,
+            other,
+            acceleration,
+        } = self.sums;
         let numbers = [self.length, self.force, self.next, self.before];
-        let pairs = [self.position, self.rate, self.change.unwrap_or_default()];
-        let mut all = numbers
-            .iter()
-            .chain(pairs.as_flattened())
-            .chain(&self.acceleration);
-        self.sums.is_valid()
+        let changes = self.change.unwrap_or_default();
+        let pairs = [self.position, self.rate, changes, ours, other];
+        let rest = [self.acceleration.unwrap_or_default(), acceleration];
+        let mut all = numbers.iter().chain(pairs.as_flattened()).chain(&rest);
+        all.all(|x| x.is_finite())
             && self.length > 0.0
             && self.sign.abs() == 1.0
-            && all.all(|x| x.is_finite())
+            && ours[0].min(other[0]).min(acceleration) >= 0.0
     }
 
-    /// Rate of the approach of the flank `sign`, m/s, signed as the turn.
-    fn approach_rate(&self, sign: f64) -> f64 {
-        self.rate[0] - sign * self.rate[1]
-    }
-
-    /// Takes from the step `last` before it what it tells, if the motion of this one follows from it.
+    /// Takes over from the step `last` before it what it shows, if the motion of this one follows from it.
     fn follow(&mut self, last: &Step) {
-        let rates = [last, self].map(|step| step.approach_rate(self.sign));
-        let [x0, x1] = [last, self].map(|step| step.position[0] - self.sign * step.position[1]);
-        let acceleration = (rates[1] - rates[0]) / last.length;
-        let change = 0.5 * (rates[0] + rates[1]) * last.length;
+        let sign = self.sign;
+        let [x0, x1] = [last.position, self.position].map(|x| x[0] - sign * x[1]);
+        let [v0, v1] = [last.rate, self.rate].map(|v| v[0] - sign * v[1]);
+        let acceleration = (v1 - v0) / last.length;
+        let change = 0.5 * (v0 + v1) * last.length;
         let tolerance = acceleration.abs() * last.length.powi(2) + AGREEMENT;
         if ((x1 - x0) - change).abs() > tolerance {
             return;
@@ -258,159 +340,39 @@ impl Step {
             self.change = Some(change);
             self.sums = last.sums;
             if let Some(old) = last.change {
-                let force = change[0] - old[0];
-                let brought = old[1] - change[1];
                 let next = (self.force - last.force) - change[0];
-                self.sums.enter(force, brought, next);
+                self.sums.add(change[0] - old[0], next, old[1] - change[1]);
             }
         }
-    }
-
-    /// 1/m, 1/kg, from the changes of force and acceleration so far, or where they tell less than changes of the square `weight`, N²,
-    /// from twice the least mass.
-    fn mobility(&self, least_mass: f64, weight: f64) -> f64 {
-        let mobility = (weight * 0.5 / least_mass + self.sums.product) / (weight + self.sums.force);
-        mobility.clamp(0.0, 2.0 / least_mass)
-    }
-}
-
-impl Element {
-    /// Square of a change of the force that tells nothing of the mass, N².
-    fn noise(&self) -> f64 {
-        (NOISE * self.constants.nominal_force).powi(2)
-    }
-
-    /// The motion while the loads of `request` act, from the start of `step`; `None`: they are held, nothing is known of
-    /// the motion, or the step is too long for it.
-    fn approach(&self, step: &Step, request: &StepRequest) -> Option<Approach> {
-        let start = match request.coupling {
-            Coupling::Held => return None,
-            Coupling::Sequential => 0.0,
-            Coupling::Parallel => request.length,
-        };
-        let mut motion = Approach {
-            start,
-            given: 0.0,
-            others: 0.0,
-            mobility: 0.0,
-            length: request.length,
-        };
-        let mass = request.effective_mass;
-        if mass > 0.0 {
-            let stiffness = self.parameters.constant_stiffness / self.constants.cos_phi.powi(2);
-            let angle = request.length * (stiffness / mass).sqrt();
-            if angle > LONGEST_STEP {
-                return None;
-            }
-            motion.mobility = step.mobility(mass, self.noise());
-            motion.others = step.acceleration? + step.before * motion.mobility;
-            motion.given = motion.others - step.force * motion.mobility;
-        }
-        Some(motion)
-    }
-
-    /// Constant loads for the step of `motion`, and their part along the turn, N; `None`: it leads where the element has no loads.
-    fn step_loads(
-        &self,
-        latch: &Latch,
-        inputs: &Inputs,
-        now: &Instant,
-        motion: &Approach,
-        workspace: &mut Workspace,
-    ) -> Option<(Loads, f64)> {
-        let h = motion.length;
-        // Displacement beside the drift with the present velocities, m, and its rate.
-        let (y, u) = (
-            0.5 * motion.given * motion.start.powi(2),
-            motion.given * motion.start,
-        );
-        // One step of the classical Runge-Kutta method for y'' = a - F/m.
-        let mut stages = [(Loads::at(&now.outputs), now.force); 4];
-        let (mut dy, mut du) = (0.0, 0.0);
-        for (stage, ahead) in stages.iter_mut().zip([0.0, 0.5 * h, 0.5 * h, h]) {
-            let (y, u) = (y + ahead * dy, u + ahead * du);
-            let time = motion.start + ahead;
-            if time > 0.0 {
-                let there = self.moved(inputs, time, y, u);
-                let solution = evaluate::<f64>(self, latch, &there, false, workspace).ok()?;
-                let force = Instant::new(&solution).map_or(0.0, |instant| instant.force);
-                *stage = (Loads::at(&solution.outputs), force);
-            }
-            (dy, du) = (u, motion.others - stage.1 * motion.mobility);
-        }
-        let parted = stages.iter().any(|(_, force)| *force == 0.0);
-        let weights = if parted { MEAN } else { EQUIVALENT };
-        let (mut loads, mut force) = (Loads([0.0; Loads::ROWS.len()]), 0.0);
-        for ((stage, f), weight) in stages.iter().zip(weights) {
-            loads.add(stage, weight);
-            force += weight * f;
-        }
-        Some((loads, force))
-    }
-
-    /// The bodies `time` s on with their velocities, gear 1 turned so that the approach is `y` m larger and its rate `u` m/s.
-    pub(super) fn moved(&self, inputs: &Inputs, time: f64, y: f64, u: f64) -> Inputs {
-        let mut there = Inputs {
-            gears: inputs.gears.map(|gear| gear.after(time)),
-            carrier: inputs.carrier.after(time),
-        };
-        let per_radius = 1.0 / self.constants.rb[0];
-        let gear = &mut there.gears[0];
-        let axis = gear.r.column(2).into_owned();
-        gear.r = Rotation3::new(axis * (y * per_radius)).matrix() * gear.r;
-        gear.w += axis * (u * per_radius);
-        there
-    }
-}
-
-impl Instant {
-    /// `None`: the gears are out of reach of one another.
-    fn new(solution: &Solution<f64>) -> Option<Self> {
-        let mesh = solution.mesh.as_ref()?;
-        let [drive, coast] = &mesh.flanks;
-        Some(Self {
-            outputs: solution.outputs,
-            position: [
-                0.5 * (drive.elongation - coast.elongation),
-                -0.5 * (drive.elongation + coast.elongation),
-            ],
-            rate: [mesh.rates.turn, mesh.rates.half_gap],
-            force: drive.force() - coast.force(),
-        })
     }
 }
 
 impl Sums {
-    fn enter(&mut self, force: f64, brought: f64, next: f64) {
-        for (sum, product) in [
-            (&mut self.force, force * force),
-            (&mut self.product, force * brought),
-            (&mut self.acceleration, brought * brought),
-            (&mut self.next_force, next * next),
-            (&mut self.next_product, next * brought),
-        ] {
-            *sum = MEMORY * *sum + product;
+    /// Adds one step: second differences of both forces, N, and of the acceleration that they brought, m/s².
+    fn add(&mut self, ours: f64, other: f64, acceleration: f64) {
+        for (sums, force) in [(&mut self.ours, ours), (&mut self.other, other)] {
+            sums[0] = MEMORY * sums[0] + force * force;
+            sums[1] = MEMORY * sums[1] + force * acceleration;
         }
+        self.acceleration = MEMORY * self.acceleration + acceleration * acceleration;
     }
 
-    fn is_valid(&self) -> bool {
-        let squares = [self.force, self.acceleration, self.next_force];
-        let products = [self.product, self.next_product];
-        squares.iter().all(|x| *x >= 0.0 && x.is_finite()) && products.iter().all(|x| x.is_finite())
+    /// 1/m, 1/kg, from the changes of force and acceleration so far, or where they show less than changes of the square `weight`, N²,
+    /// from twice the least mass.
+    fn mobility(&self, least_mass: f64, weight: f64) -> f64 {
+        let mobility = (weight * 0.5 / least_mass + self.ours[1]) / (weight + self.ours[0]);
+        mobility.clamp(0.0, 2.0 / least_mass)
     }
 
     /// Whether the accelerations follow the forces of the step after, and not those that were taken to act.
-    fn tells_sequential(&self, noise: f64) -> bool {
+    fn look_sequential(&self, noise: f64) -> bool {
         /// Share of the accelerations that the force taken to act leaves unexplained, at least, and of that what the other one does, at
         /// most: a swing whose period is 20 steps leaves a tenth, and nothing.
         const LEFT: f64 = 1e-3;
         const LEFT_BY_OTHER: f64 = 0.05;
-        let rest = |force: f64, product: f64| self.acceleration - product * product / force;
-        let [ours, other] = [
-            rest(self.force, self.product),
-            rest(self.next_force, self.next_product),
-        ];
-        self.force.min(self.next_force) > 100.0 * noise
+        let [ours, other] = [self.ours, self.other]
+            .map(|[square, product]| self.acceleration - product * product / square);
+        self.ours[0].min(self.other[0]) > 100.0 * noise
             && ours > LEFT * self.acceleration
             && other < LEFT_BY_OTHER * ours
     }
@@ -418,43 +380,11 @@ impl Sums {
 
 impl Loads {
     /// Rows of [`Outputs::to_array`]: forces and moments on both gears, tangential and normal force.
-    pub const ROWS: [usize; 14] = [
-        0,
-        1,
-        2,
-        3,
-        4,
-        5,
-        6,
-        7,
-        8,
-        9,
-        10,
-        11,
-        row::TANGENTIAL_FORCE,
-        row::NORMAL_FORCE,
-    ];
+    pub const ROWS: [usize; 14] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 20, 21];
 
     /// Those of `outputs`.
     pub fn at(outputs: &Outputs) -> Self {
         let rows = outputs.to_array();
         Self(Self::ROWS.map(|row| rows[row]))
-    }
-
-    fn add(&mut self, other: &Self, weight: f64) {
-        for (sum, x) in self.0.iter_mut().zip(other.0) {
-            *sum += weight * x;
-        }
-    }
-}
-
-impl Motion {
-    /// The body `time` s on with its velocities.
-    fn after(&self, time: f64) -> Self {
-        Self {
-            p: self.p + self.v * time,
-            r: Rotation3::new(self.w * time).matrix() * self.r,
-            ..*self
-        }
     }
 }

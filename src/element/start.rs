@@ -1,21 +1,20 @@
-//! The start of a simulation: phase zeros from the initial pose, and the poses that make no mesh, with what would be right.
+//! The start of a simulation: phases of the teeth from the initial pose; and in words what is wrong with a pose.
 
 use super::constants::{Constants, FLANKS};
-use super::engagement::{face_overlap, is_shifted, radial_share};
+use super::contact::{Pose, Solution, face_overlap, is_shifted, radial_share};
+use super::dual::{Scalar, fraction, lift, wrap};
 use super::error::ElementError;
-use super::evaluate::{Pose, evaluate, pose};
 use super::law::{Law, Workspace};
 use super::motion::{Inputs, Latch, Outputs};
 use super::parameters::PhaseReference;
-use super::scalar::{Scalar, fraction, lift, wrap};
-use super::{Element, START_FORCE, check};
+use super::{Element, START_FORCE};
 use crate::contact::Warm;
 use crate::gear::teeth::Counts;
 use crate::table::Table;
 use crate::words::fixed;
 
-/// What the tables of an element cover.
-#[derive(Debug, Clone, Copy)]
+/// Ranges that the tables of an element cover.
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Covered {
     /// Actual minus nominal centre distance, m; `None`: the element does not look at it.
     center_distance_offset: Option<[f64; 2]>,
@@ -26,13 +25,6 @@ pub(crate) struct Covered {
 }
 
 impl Covered {
-    /// Constant stiffness: looks at neither.
-    pub(crate) const NOTHING: Self = Self {
-        center_distance_offset: None,
-        misalignment: None,
-        mirrored: false,
-    };
-
     pub(crate) fn by(table: &Table) -> Self {
         let (effects, file) = (table.effects(), table.file());
         let range = |on: bool, nodes: &[f64]| match nodes {
@@ -61,14 +53,22 @@ impl Covered {
 /// Multiple of the nominal centre distance that only a wrong unit brings about.
 const WRONG_UNIT: f64 = 100.0;
 
+fn mm(length: f64) -> String {
+    fixed(1e3 * length, 3)
+}
+
+fn is_outside(range: Option<[f64; 2]>, value: f64) -> bool {
+    range.is_some_and(|[low, high]| value < low || value > high)
+}
+
 impl Element {
     /// Phase zeros for a simulation that starts at `inputs`.
     ///
     /// # Errors
     /// A pose without meaning; with [`PhaseReference::Absolute`], teeth that overlap.
     pub fn latch(&self, inputs: &Inputs) -> Result<Latch, ElementError> {
-        check::inputs(inputs, self.with_carrier())?;
-        latch(self, inputs)
+        inputs.check(self.with_carrier())?;
+        self.phases(inputs)
     }
 
     /// As [`Element::latch`], where `inputs` can be a mesh.
@@ -78,13 +78,13 @@ impl Element {
     /// values and what would be right.
     pub fn start(&self, inputs: &Inputs) -> Result<Latch, ElementError> {
         let latch = self.latch(inputs)?;
-        let apart = self.apart(inputs)?;
-        if !apart.is_empty() {
-            return Err(ElementError::NoMesh {
-                reasons: apart.join("; "),
-            });
+        let reasons = self.apart(inputs)?.join("; ");
+        if !reasons.is_empty() {
+            return Err(ElementError::Pose(format!(
+                "the initial pose is no mesh: {reasons}; correct the positions of the gears, in m, or start from a pose in mesh"
+            )));
         }
-        let solution = evaluate::<f64>(self, &latch, inputs, false, &mut Workspace::default())?;
+        let solution = Solution::new(self, &latch, inputs, false, &mut Workspace::default())?;
         let pressed = solution.mesh.map_or(0.0, |mesh| {
             let [drive, coast] = mesh.flanks.map(|flank| flank.elastic);
             drive.max(coast)
@@ -93,11 +93,12 @@ impl Element {
         let largest_rigid = START_FORCE * self.constants.nominal_force;
         for (force, largest) in [(pressed, self.largest_force), (rigid, largest_rigid)] {
             if force > largest {
-                return Err(ElementError::Jammed {
-                    force_kn: 1e-3 * force,
-                    largest_kn: 1e-3 * largest,
-                    place: self.place(&solution.outputs),
-                });
+                let [force, largest] = [force, largest].map(|x| fixed(1e-3 * x, 2));
+                let pose = self.pose_in_words(&solution.outputs);
+                return Err(ElementError::Pose(format!(
+                    "the initial pose jams the teeth with {force} kN on the line of action, where the largest load is {largest} \
+                     kN: {pose}; correct the positions and orientations of the gears"
+                )));
             }
         }
         Ok(latch)
@@ -112,34 +113,27 @@ impl Element {
         let k = &self.constants;
         let mut reasons = self.apart(inputs)?;
         if reasons.is_empty() {
-            if let Ok(pose) = pose(self, inputs)? {
-                let q = &pose.coordinates;
-                if radial_share(k, q.center_distance).0 < 1.0 {
-                    reasons.push(format!(
-                        "centre distance {}, where little of the path of contact is left",
-                        center_distance(k, q.center_distance)
-                    ));
-                }
-                let (low, high) = faces(k, q.axial);
-                if is_shifted(k, [low, high]) {
-                    let [right_low, right_high] = k.common_face;
-                    let [low, high, right_low, right_high] =
-                        [low, high, right_low, right_high].map(|z| fixed(1e3 * z, 3));
-                    reasons.push(format!(
-                        "common face from z = {low} to {high} mm of gear 1, where the stiffness is that from {right_low} to \
-                         {right_high} mm"
-                    ));
-                }
+            let q = Pose::<f64>::new(self, inputs)?.coordinates;
+            if radial_share(k, q.center_distance).0 < 1.0 {
+                let found = k.center_distance_in_words(q.center_distance);
+                reasons.push(format!(
+                    "centre distance {found}, where little of the path of contact is left"
+                ));
+            }
+            let ends = face_overlap(k, q.axial).map(|(end, _)| end);
+            if is_shifted(k, ends) {
+                let ([low, high], [right_low, right_high]) = (ends.map(mm), k.common_face.map(mm));
+                reasons.push(format!(
+                    "common face from z = {low} to {high} mm of gear 1, where the stiffness is that from {right_low} to \
+                     {right_high} mm"
+                ));
             }
             if let Some(covered) = &self.covered {
-                let outside = |range: Option<[f64; 2]>, value: f64| {
-                    range.is_some_and(|[low, high]| value < low || value > high)
-                };
                 let offset = outputs.center_distance - k.center_distance;
-                if outside(covered.center_distance_offset, offset)
-                    || outside(covered.misalignment(outputs.flank), outputs.misalignment)
+                if is_outside(covered.center_distance_offset, offset)
+                    || is_outside(covered.misalignment(outputs.flank), outputs.misalignment)
                 {
-                    reasons.push(self.place(outputs));
+                    reasons.push(self.pose_in_words(outputs));
                 }
             }
         }
@@ -149,35 +143,28 @@ impl Element {
     /// Why no tooth reaches the other gear, if none does.
     fn apart(&self, inputs: &Inputs) -> Result<Vec<String>, ElementError> {
         let k = &self.constants;
-        let beyond = |c: f64| {
-            let limit = if k.e > 0.0 { "below" } else { "above" };
+        let pose = Pose::<f64>::new(self, inputs)?;
+        let (c, lambda) = (pose.coordinates.center_distance, pose.coordinates.axial);
+        let mut reasons = Vec::new();
+        if !pose.map.in_reach || radial_share(k, c).0 <= 0.0 {
+            let side = if k.e > 0.0 { "below" } else { "above" };
             let unit = if c > WRONG_UNIT * k.center_distance {
                 ": positions are in metres"
             } else {
                 ""
             };
-            format!(
-                "centre distance {}, in mesh {limit} {} mm{unit}",
-                center_distance(k, c),
-                fixed(1e3 * k.reach.none, 3)
-            )
-        };
-        let q = match pose(self, inputs)? {
-            Ok(pose) => pose.coordinates,
-            Err(far) => return Ok(vec![beyond(far.center_distance)]),
-        };
-        let mut reasons = Vec::new();
-        if radial_share(k, q.center_distance).0 <= 0.0 {
-            reasons.push(beyond(q.center_distance));
+            let (found, limit) = (k.center_distance_in_words(c), mm(k.reach.none));
+            reasons.push(format!(
+                "centre distance {found}, in mesh {side} {limit} mm{unit}"
+            ));
         }
-        let (low, high) = faces(k, q.axial);
-        if high <= low {
-            let at = k.z_ref - q.axial;
+        let [low, high] = face_overlap(k, lambda).map(|(end, _)| end);
+        if pose.map.in_reach && high <= low {
             reasons.push(format!(
                 "gear 2's z = 0 face at z = {} mm of gear 1 (nominal {} mm), so that the faces are {} mm apart",
-                fixed(1e3 * at, 3),
-                fixed(1e3 * k.face_offset, 3),
-                fixed(1e3 * (low - high), 3)
+                mm(k.z_ref - lambda),
+                mm(k.face_offset),
+                mm(low - high)
             ));
         }
         Ok(reasons)
@@ -190,212 +177,211 @@ impl Element {
         let Some(covered) = self.covered else {
             return 0.0;
         };
-        let known = |[low, high]: [f64; 2]| (low..=high).contains(&outputs.misalignment);
-        if covered.misalignment(outputs.flank).is_some_and(known) {
+        let tilts = covered.misalignment(outputs.flank);
+        if tilts.is_some() && !is_outside(tilts, outputs.misalignment) {
             return 0.0;
         }
         let k = &self.constants;
-        let width = 2.0 / k.per_half_overlap;
-        let overlap = 0.5 * (outputs.misalignment.abs() * width - k.backlash * k.cos_phi);
+        let [low, high] = k.common_face;
+        let overlap = 0.5 * (outputs.misalignment.abs() * (high - low) - k.backlash * k.cos_phi);
         0.25 * self.parameters.constant_stiffness / k.cos_phi.powi(2) * overlap.max(0.0)
     }
 
-    /// Centre distance and misalignment of `outputs` beside what they should be.
-    fn place(&self, outputs: &Outputs) -> String {
+    /// Centre distance and misalignment of `outputs`, and what they should be.
+    fn pose_in_words(&self, outputs: &Outputs) -> String {
         let k = &self.constants;
-        let range = |range: Option<[f64; 2]>, unit: f64, digits: usize| match range {
-            Some(ends) => {
-                let [low, high] = ends.map(|end| fixed(unit * end, digits));
-                format!("tables {low} to {high}")
-            }
-            None => "right: near 0".into(),
+        let covered = self.covered.unwrap_or_default();
+        let tables = |ends: [f64; 2], unit: f64, digits: usize| {
+            let [low, high] = ends.map(|end| fixed(unit * end, digits));
+            format!("tables {low} to {high}")
         };
-        let tilts = self.covered.and_then(|c| c.misalignment(outputs.flank));
+        let tilts = covered.misalignment(outputs.flank);
         let mut text = format!(
             "centre distance {}, misalignment {} mrad ({})",
-            center_distance(k, outputs.center_distance),
+            k.center_distance_in_words(outputs.center_distance),
             fixed(1e3 * outputs.misalignment, 3),
-            range(tilts, 1e3, 3)
+            tilts.map_or("right: near 0".into(), |ends| tables(ends, 1e3, 3))
         );
-        if let Some(offsets) = self.covered.and_then(|c| c.center_distance_offset) {
-            let offset = 1e6 * (outputs.center_distance - k.center_distance);
-            text += &format!(
-                ", centre distance offset {} um ({})",
-                fixed(offset, 1),
-                range(Some(offsets), 1e6, 1)
-            );
+        if let Some(offsets) = covered.center_distance_offset {
+            let offset = fixed(1e6 * (outputs.center_distance - k.center_distance), 1);
+            let range = tables(offsets, 1e6, 1);
+            text += &format!(", centre distance offset {offset} um ({range})");
         }
         text
     }
-}
 
-fn center_distance(k: &Constants, c: f64) -> String {
-    let [c, nominal] = [c, k.center_distance].map(|c| fixed(1e3 * c, 3));
-    format!("{c} mm (nominal {nominal} mm)")
-}
-
-/// Ends of the common face in gear 1's frame, m, with gear 2 at the axial position `lambda`.
-fn faces(k: &Constants, lambda: f64) -> (f64, f64) {
-    let [(low, _), (high, _)] = face_overlap(k, lambda);
-    (low, high)
-}
-
-/// Base pitches by which the start pose stays short of contact, so that rounding does not decide whether the paper's
-/// damper, which acts at once, is at work.
-const ROUNDING: f64 = 2e-14;
-
-/// The latch that `element` takes from `inputs`.
-pub(crate) fn latch<T: Scalar>(
-    element: &Element,
-    inputs: &Inputs,
-) -> Result<Latch<T>, ElementError> {
-    let Ok(pose) = pose(element, inputs)? else {
-        return Err(ElementError::OutOfReach);
-    };
-    match element.parameters.phase_reference {
-        PhaseReference::FromInitialPose => from_initial_pose(element, &pose),
-        PhaseReference::Absolute => absolute(element, &pose),
-    }
-}
-
-/// The phases with which the pose is the one where the reference flank is about to carry.
-fn from_initial_pose<T: Scalar>(
-    element: &Element,
-    pose: &Pose<T>,
-) -> Result<Latch<T>, ElementError> {
-    /// Of the central differences, m and rad: small against a tooth, large against the 1e-16 m to which the onset is
-    /// known.
-    const STEP: f64 = 1e-6;
-    let k = &element.constants;
-    let i = element.reference_flank;
-    let s = FLANKS[i].sign();
-    let mesh_position = element.parameters.mesh_phase / k.pitch_angle;
-    let law = element.laws[i].as_ref().ok_or(ElementError::OutOfReach)?;
-    // The pair of teeth 0 touches where the mesh position is 0.
-    let counts = [mesh_position.floor() as i64; 2];
-    let mut warm = Warm::default();
-    let mut touching = |[offset, misalignment]: [f64; 2], start| {
-        let at = [offset, misalignment, fraction(mesh_position)];
-        onset(element, law, at, counts, start, &mut warm)
-    };
-    let q = [
-        pose.coordinates.center_distance - k.center_distance,
-        pose.misalignment(i),
-    ];
-    let at = q.map(T::re);
-    let found = touching(at, 0.0)?;
-    let mut slopes = [0.0; 2];
-    for (axis, slope) in slopes.iter_mut().enumerate() {
-        if !T::CARRIES || !law.follows()[axis] {
-            continue;
+    /// The phases that the pose `inputs` gives, following it with their derivatives.
+    ///
+    /// # Errors
+    /// As [`Element::latch`], but for numbers that are not checked.
+    pub(crate) fn phases<T: Scalar>(&self, inputs: &Inputs) -> Result<Latch<T>, ElementError> {
+        let pose = Pose::<T>::new(self, inputs)?;
+        if !pose.map.in_reach {
+            return Err(ElementError::Pose(
+                "at the initial pose the gears are out of reach of one another; start from a pose in mesh".into(),
+            ));
         }
-        let mut beside = |step: f64| {
-            let mut x = at;
-            x[axis] += step;
-            touching(x, found + STEP)
-        };
-        *slope = (beside(STEP)? - beside(-STEP)?) / (2.0 * STEP);
-    }
-    let elongation = lift(found, &slopes, &q) - pose.lever * q[1];
-    Ok(Latch {
-        tooth_angle: (elongation + pose.coordinates.half_gap) * (s * k.tooth_angle_per)
-            - pose.coordinates.turn * k.tooth_angle_per,
-        mesh_position: (-pose.mesh_position(k, i) + mesh_position) * s,
-    })
-}
-
-/// The largest elongation, m, at which a flank carries nothing at this centre distance offset (m), misalignment and mesh position,
-/// within half a base pitch about zero, where the force rises; `start` (m) is looked at first.
-///
-/// Energy, force and stiffness are those of a power of the distance to the onset, the more so the nearer it is: they tell the
-/// distance, so that a few evaluations are enough. Where they mislead, bisection goes on.
-fn onset(
-    element: &Element,
-    law: &Law,
-    [offset, misalignment, mesh_position]: [f64; 3],
-    counts: Counts,
-    start: f64,
-    warm: &mut Warm,
-) -> Result<f64, ElementError> {
-    /// First step, m, in search of a load: reliefs are larger, so that none is met by chance far inside.
-    const FIRST: f64 = 1e-6;
-    /// To which the onset is found, m: a hundredth of the rounding of microns.
-    const NEAR: f64 = 1e-17;
-    /// Evaluations after which bisection takes over.
-    const MOST: usize = 20;
-    let quarter = 0.25 * element.constants.base_pitch;
-    let (mut free, mut pressed) = (-quarter, quarter);
-    let (mut next, mut step) = (start, FIRST);
-    for tried in 0.. {
-        let w = law.respond(
-            [next, offset, misalignment, mesh_position],
-            counts,
-            false,
-            warm,
-        )?;
-        let force = w.gradient[0];
-        let guess = if force > 0.0 {
-            pressed = next;
-            let way = w.energy / force / (1.0 - w.energy / force * (w.stiffness / force));
-            // Not a number under a law without energy.
-            pressed
-                - if way > 0.0 {
-                    (0.99 * way).max(3.0 * NEAR)
-                } else {
-                    f64::NAN
-                }
-        } else {
-            free = next;
-            step *= 4.0;
-            if pressed < quarter {
-                pressed
-            } else {
-                free + step
+        match self.parameters.phase_reference {
+            PhaseReference::FromInitialPose => self.touching_phases(&pose),
+            PhaseReference::Absolute => {
+                self.refuse_overlap(&pose)?;
+                Ok(Latch::zero())
             }
-        };
-        let middle = 0.5 * (free + pressed);
-        // Two neighbouring numbers, or nothing but rounding of the zero between them.
-        if middle == free || middle == pressed || pressed - free < 4.0 * NEAR {
-            break;
         }
-        let helps = free < guess && guess < pressed && tried < MOST;
-        next = if helps { guess } else { middle };
     }
-    Ok(free - ROUNDING * element.constants.base_pitch)
+
+    /// The phases with which the pose is the one where the reference flank is about to carry.
+    fn touching_phases<T: Scalar>(&self, pose: &Pose<T>) -> Result<Latch<T>, ElementError> {
+        /// Of the central differences, m and rad: small against a tooth, large against the 1e-16 m to which the onset is
+        /// known.
+        const STEP: f64 = 1e-6;
+        /// Base pitches by which the start pose stays short of contact, so that rounding does not decide whether the paper's
+        /// damper, which acts at once, is at work.
+        const ROUNDING: f64 = 2e-14;
+        let k = &self.constants;
+        let i = self.reference_flank;
+        let s = FLANKS[i].sign();
+        let mesh_position = self.parameters.mesh_phase / k.pitch_angle;
+        let Some(law) = &self.laws[i] else {
+            return Ok(Latch::zero());
+        };
+        let mut touch = Touch {
+            law,
+            quarter_pitch: 0.25 * k.base_pitch,
+            mesh_position: fraction(mesh_position),
+            // The pair of teeth 0 touches where the mesh position is 0.
+            counts: [mesh_position.floor() as i64; 2],
+            warm: Warm::default(),
+        };
+        let offset = pose.coordinates.center_distance - k.center_distance;
+        let q = [offset, pose.misalignment(i)];
+        let here = q.map(T::re);
+        let found = touch.onset(here, 0.0)?;
+        let mut slopes = [0.0; 2];
+        for (axis, slope) in slopes.iter_mut().enumerate() {
+            if !T::CARRIES || !law.follows()[axis] {
+                continue;
+            }
+            let mut side = |step: f64| {
+                let mut x = here;
+                x[axis] += step;
+                touch.onset(x, found + STEP)
+            };
+            *slope = (side(STEP)? - side(-STEP)?) / (2.0 * STEP);
+        }
+        let penetration = lift(found - ROUNDING * k.base_pitch, &slopes, &q) - pose.lever * q[1];
+        Ok(Latch {
+            tooth_angle: ((penetration + pose.coordinates.half_gap) * s - pose.coordinates.turn)
+                * (1.0 / k.per_tooth_angle),
+            mesh_position: (-pose.mesh_position(k, i) + mesh_position) * s,
+        })
+    }
+
+    /// # Errors
+    /// In the phases of the body frames the teeth overlap by more than a load of the table brings about.
+    fn refuse_overlap<T: Scalar>(&self, pose: &Pose<T>) -> Result<(), ElementError> {
+        let k = &self.constants;
+        let q = &pose.coordinates;
+        let x = wrap(q.turn.re() / k.per_tooth_angle) * k.per_tooth_angle;
+        let offset = q.center_distance.re() - k.center_distance;
+        let scale = self.law_scale(k.base_sum / q.center_distance.re());
+        for (i, law) in self.laws.iter().enumerate() {
+            let Some(law) = law else { continue };
+            let s = FLANKS[i].sign();
+            let misalignment = pose.misalignment(i).re();
+            let delta = s * x - q.half_gap.re() + pose.lever.re() * misalignment;
+            let mut touch = Touch {
+                law,
+                quarter_pitch: 0.25 * k.base_pitch,
+                mesh_position: fraction(pose.mesh_position(k, i).re()),
+                counts: pose.counts(k, i, &Latch::zero()),
+                warm: Warm::default(),
+            };
+            let force = touch.force_energy_stiffness([offset, misalignment], delta * scale)?[0];
+            if force > self.largest_force {
+                let overlap = delta - touch.onset([offset, misalignment], 0.0)?;
+                return Err(ElementError::TeethOverlap {
+                    overlap_um: 1e6 * overlap,
+                    force_kn: 1e-3 * force,
+                    largest_kn: 1e-3 * self.largest_force,
+                    turn_rad: -s * overlap / k.rb[0],
+                });
+            }
+        }
+        Ok(())
+    }
 }
 
-/// The phases of the body frames, unless the teeth overlap there by more than a load of the table brings about.
-fn absolute<T: Scalar>(element: &Element, pose: &Pose<T>) -> Result<Latch<T>, ElementError> {
-    let k = &element.constants;
-    let latch = Latch {
-        tooth_angle: T::from(0.0),
-        mesh_position: T::from(0.0),
-    };
-    let q = &pose.coordinates;
-    let per_tooth = k.per_tooth_angle;
-    let x = wrap(q.turn.re() / per_tooth) * per_tooth;
-    let offset = q.center_distance.re() - k.center_distance;
-    let scale = element.law_scale(k.base_sum / q.center_distance.re());
-    for (i, law) in element.laws.iter().enumerate() {
-        let Some(law) = law else { continue };
-        let s = FLANKS[i].sign();
-        let misalignment = pose.misalignment(i).re();
-        let delta = s * x - q.half_gap.re() + pose.lever.re() * misalignment;
-        let position = fraction(pose.mesh_position(k, i).re());
-        let counts = pose.counts(k, i, &latch);
-        let at = [delta * scale, offset, misalignment, position];
-        let warm = &mut Warm::default();
-        let force = law.respond(at, counts, false, warm)?.gradient[0];
-        if force > element.largest_force {
-            let at = [offset, misalignment, position];
-            let touching = onset(element, law, at, counts, 0.0, warm)?;
-            return Err(ElementError::TeethOverlap {
-                overlap_um: 1e6 * (delta - touching),
-                force_kn: 1e-3 * force,
-                largest_kn: 1e-3 * element.largest_force,
-                turn_rad: -s * (delta - touching) / k.rb[0],
-            });
-        }
+impl Constants {
+    fn center_distance_in_words(&self, c: f64) -> String {
+        format!("{} mm (nominal {} mm)", mm(c), mm(self.center_distance))
     }
-    Ok(latch)
+}
+
+/// A flank at one mesh position, while its penetration is sought.
+struct Touch<'a> {
+    law: &'a Law,
+    quarter_pitch: f64,
+    mesh_position: f64,
+    counts: Counts,
+    warm: Warm,
+}
+
+impl Touch<'_> {
+    fn force_energy_stiffness(
+        &mut self,
+        [offset, misalignment]: [f64; 2],
+        penetration: f64,
+    ) -> Result<[f64; 3], ElementError> {
+        let q = [penetration, offset, misalignment, self.mesh_position];
+        let w = self.law.respond(q, self.counts, false, &mut self.warm)?;
+        Ok([w.gradient[0], w.energy, w.stiffness])
+    }
+
+    /// The largest penetration, m, at which the flank carries nothing at the centre distance offset (m) and the misalignment
+    /// `pose`, within half a base pitch about zero, where the force rises; `start` (m) is looked at first.
+    ///
+    /// Energy, force and stiffness are those of a power of the distance to the onset, the more so the nearer it is: they tell the
+    /// distance, so that a few evaluations are enough. Where they mislead, bisection goes on.
+    fn onset(&mut self, pose: [f64; 2], start: f64) -> Result<f64, ElementError> {
+        /// First step, m, in search of a load: reliefs are larger, so that none is met by chance far inside.
+        const FIRST: f64 = 1e-6;
+        /// To which the onset is found, m: a hundredth of the rounding of microns.
+        const NEAR: f64 = 1e-17;
+        /// Evaluations after which bisection takes over.
+        const MOST: usize = 20;
+        let (mut free, mut pressed) = (-self.quarter_pitch, self.quarter_pitch);
+        let (mut next, mut step) = (start, FIRST);
+        for tried in 0.. {
+            let [force, energy, stiffness] = self.force_energy_stiffness(pose, next)?;
+            let guess = if force > 0.0 {
+                pressed = next;
+                let way = energy / force / (1.0 - energy / force * (stiffness / force));
+                // Without energy there is no way: bisection.
+                let helps = way > 0.0;
+                pressed
+                    - if helps {
+                        (0.99 * way).max(3.0 * NEAR)
+                    } else {
+                        f64::NAN
+                    }
+            } else {
+                free = next;
+                step *= 4.0;
+                if pressed < self.quarter_pitch {
+                    pressed
+                } else {
+                    free + step
+                }
+            };
+            let middle = 0.5 * (free + pressed);
+            // Two neighbouring numbers, or nothing but rounding of the zero between them.
+            if middle == free || middle == pressed || pressed - free < 4.0 * NEAR {
+                break;
+            }
+            let helps = free < guess && guess < pressed && tried < MOST;
+            next = if helps { guess } else { middle };
+        }
+        Ok(free)
+    }
 }

@@ -233,6 +233,14 @@ mod tests {
     }
 
     #[test]
+    fn the_rows_of_the_loads_are_those_variables() {
+        use crate::element::Loads;
+        let forces = [index::MESH_TANGENTIAL_FORCE, index::MESH_NORMAL_FORCE];
+        let loads = (index::GEAR1_FORCE_1..index::CONTACT_POINT_1).chain(forces);
+        assert!(loads.map(output_row).eq(Loads::ROWS.map(Some)));
+    }
+
+    #[test]
     fn a_refusal_names_variable_value_and_remedy() {
         for (i, value, text) in [
             (

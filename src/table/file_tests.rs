@@ -101,8 +101,11 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
     assert!(refused(|f| f.nominal_torque_nm = -1.0).contains("nominal_torque_nm = -1"));
     // The record of root stress, by its name.
     fn record(change: fn(&mut RootStressRecord)) -> Option<RootStressRecord> {
-        let table =
-            crate::element::testing::rubbing_table(&paper_pair(1.0), Default::default(), false);
+        let table = crate::element::tests::fixtures::rubbing_table(
+            &paper_pair(1.0),
+            Default::default(),
+            false,
+        );
         let mut record = table.file().root_stress.clone()?;
         change(&mut record);
         Some(record)

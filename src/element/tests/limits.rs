@@ -1,94 +1,14 @@
-//! Claims about damping, a turning carrier, and poses at and beyond the limits.
+//! Claims about a turning carrier, and poses and parameters at and beyond the limits.
 
-use super::constants::FLANKS;
-use super::engagement::radial_share;
-use super::testing::{
-    FORMULATIONS, Noise, at, compressed, constant, random_pose, spun, three_pairs, undamped,
-};
 use super::*;
-use crate::gear::samples::{gear, paper_pair, thinned};
+use crate::element::contact::radial_share;
+use crate::gear::samples::{gear, thinned};
 use crate::gear::{GearKind, PairGeometry};
-use approx::{assert_abs_diff_eq, assert_relative_eq};
-use nalgebra::Rotation3;
-use std::f64::consts::{FRAC_PI_2, TAU};
-
-#[test]
-fn a_static_tilt_of_turning_gears_makes_no_damping_force() {
-    for formulation in FORMULATIONS {
-        let pair = paper_pair(1.0);
-        let element = Element::new(
-            &pair,
-            &Parameters {
-                damping: 1e5,
-                ..undamped(formulation, LoadedFlank::Drive)
-            },
-            None,
-        )
-        .unwrap();
-        let mut inputs = compressed(&element, 1.0, 20e-6);
-        let tilt = Rotation3::from_euler_angles(1e-3, 1e-3, 0.0);
-        inputs.gears[0].r = tilt.matrix() * inputs.gears[0].r;
-        let still = at(&element, &inputs);
-        let speed = 3000.0 * TAU / 60.0;
-        for i in 0..2 {
-            let a = inputs.gears[i].r.column(2).into_owned();
-            inputs.gears[i].w = a * if i == 0 { speed } else { -speed };
-        }
-        let turning = at(&element, &inputs);
-        // The printed (20) would give 838 N. What is left is the change of C' tilt^2 along the way.
-        let difference = (turning.tangential_force - still.tangential_force).abs();
-        assert!(difference < 20.0, "{formulation:?}: {difference} N");
-    }
-}
-
-#[test]
-fn damping_never_pulls_and_sets_in_without_a_jump() {
-    let pair = paper_pair(1.0);
-    let element = Element::new(
-        &pair,
-        &Parameters {
-            damping: 1e5,
-            ..undamped(Formulation::Conjugate, LoadedFlank::Drive)
-        },
-        None,
-    )
-    .unwrap();
-    for rate in [-1.0, -0.01, 0.01, 1.0] {
-        let force = |delta: f64| {
-            let mut inputs = compressed(&element, 1.0, delta);
-            inputs.gears[0].w.z = rate / pair.gears[0].base_radius();
-            at(&element, &inputs).tangential_force
-        };
-        assert_eq!(force(-1e-12), 0.0);
-        let mut before = 0.0;
-        for i in 0..2000 {
-            let now = force(5e-9 * f64::from(i));
-            assert!(now >= 0.0);
-            // 10 um in 2000 steps; the damper of 1e5 N at 1 m/s comes in over 10 % of the nominal load.
-            assert!(
-                (now - before).abs() < 0.02 * 1.2e5 * rate.abs().max(0.03),
-                "{rate} {i}"
-            );
-            before = now;
-        }
-        let full =
-            4.35e8 * 10e-6 / element.constants.cos_phi + 1e5 * rate / element.constants.cos_phi;
-        assert_relative_eq!(force(10e-6), full.max(0.0), max_relative = 1e-9);
-    }
-}
+use std::f64::consts::FRAC_PI_2;
 
 #[test]
 fn carrier_gears_and_world_turned_alike_change_nothing_and_the_carriers_turning_is_taken_off() {
-    let pair = paper_pair(1.0);
-    let element = Element::new(
-        &pair,
-        &Parameters {
-            damping: 1e5,
-            ..undamped(Formulation::Paper, LoadedFlank::Drive)
-        },
-        None,
-    )
-    .unwrap();
+    let element = damped(Formulation::Paper, 1e5);
     let inputs = compressed(&element, 1.0, 5e-6);
     let fixed = at(&element, &inputs);
     // The whole stage turns about an axis of its own: rigid-body velocities on all bodies.
@@ -100,11 +20,8 @@ fn carrier_gears_and_world_turned_alike_change_nothing_and_the_carriers_turning_
         m.v += w.cross(&(m.p - centre));
     }
     let out = at(&element, &turning);
-    assert_relative_eq!(
-        out.tangential_force,
-        fixed.tangential_force,
-        max_relative = 1e-9
-    );
+    let (force, alone) = (out.tangential_force, fixed.tangential_force);
+    assert_relative_eq!(force, alone, max_relative = 1e-9);
     assert_abs_diff_eq!(out.transmission_error_rate, 0.0, epsilon = 1e-12);
 }
 
@@ -115,30 +32,19 @@ fn poses_without_meaning_are_refused_by_name() {
         let element = constant(&pair, formulation, LoadedFlank::Both);
         let good = element.nominal_inputs();
         let latch = element.latch(&good).unwrap();
-        let refused = |change: &dyn Fn(&mut Inputs)| {
+        let across = *Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2).matrix();
+        let changes: [(&dyn Fn(&mut Inputs), [&str; 2]); 4] = [
+            (&|x| x.gears[1].v.y = f64::NAN, ["gear2", "velocity"]),
+            (&|x| x.gears[0].r *= 1.01, ["gear1", "no rotation"]),
+            (&|x| x.gears[1].r = across, ["gear2", "90.000 deg"]),
+            (&|x| x.gears[1].p.x = 0.0, ["centre distance 0.0", "mm"]),
+        ];
+        for (change, parts) in changes {
             let mut inputs = good;
             change(&mut inputs);
-            element.evaluate(&latch, &inputs).unwrap_err().to_string()
-        };
-        let text = refused(&|x| x.gears[1].v.y = f64::NAN);
-        assert!(
-            text.contains("gear2") && text.contains("velocity"),
-            "{text}"
-        );
-        let text = refused(&|x| x.gears[0].r *= 1.01);
-        assert!(
-            text.contains("gear1") && text.contains("no rotation"),
-            "{text}"
-        );
-        let text = refused(&|x| {
-            x.gears[1].r = *Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2).matrix();
-        });
-        assert!(
-            text.contains("gear2") && text.contains("90.000 deg"),
-            "{text}"
-        );
-        let text = refused(&|x| x.gears[1].p.x = 0.0);
-        assert!(text.contains("centre distance 0.0"), "{text}");
+            let text = element.evaluate(&latch, &inputs).unwrap_err().to_string();
+            assert!(parts.iter().all(|part| text.contains(part)), "{text}");
+        }
     }
 }
 
@@ -262,27 +168,6 @@ fn an_internal_pair_with_few_teeth_between_stays_in_mesh_until_the_base_circles_
 }
 
 #[test]
-fn the_reference_flank_is_the_loaded_one() {
-    let mut noise = Noise::new(2);
-    for pair in three_pairs(1.0) {
-        for (flank, index) in [
-            (LoadedFlank::Drive, 0),
-            (LoadedFlank::Coast, 1),
-            (LoadedFlank::Both, 0),
-        ] {
-            let element = constant(&pair, Formulation::Conjugate, flank);
-            assert_eq!(element.reference_flank, index);
-            for _ in 0..20 {
-                let out = at(&element, &random_pose(&element, &mut noise));
-                if flank != LoadedFlank::Both && out.flank != 0 {
-                    assert_eq!(f64::from(out.flank), FLANKS[index].sign());
-                }
-            }
-        }
-    }
-}
-
-#[test]
 fn a_gear_that_takes_the_common_face_along_is_out_of_range() {
     for pair in three_pairs(1.0) {
         let element = constant(&pair, Formulation::Conjugate, LoadedFlank::Both);
@@ -303,19 +188,62 @@ fn a_gear_that_takes_the_common_face_along_is_out_of_range() {
 }
 
 #[test]
-fn a_backlash_of_half_a_pitch_is_refused_by_name() {
+fn parameters_without_a_meaning_are_refused_by_name() {
     let pair = paper_pair(1.0);
-    let with = |backlash: f64| {
-        let parameters = Parameters {
-            backlash: Some(backlash),
-            stiffness_model: StiffnessModel::Constant,
-            ..Parameters::default()
-        };
-        Element::new(&pair, &parameters, None)
+    let pitch = pair.base_pitch();
+    let table = sealed(spring_file(&pair, [100.0, 200.0], [10, 1, 1, 12]));
+    let refused =
+        |parameters: Parameters| refusal(Element::new(&pair, &parameters, Some(table.clone())));
+    let good = Parameters::default();
+    let with_table = Parameters {
+        stiffness_model: StiffnessModel::Table,
+        center_distance_effect: false,
+        misalignment_effect: false,
+        damping_onset: 1.0,
+        ..good
     };
-    assert!(with(0.4 * pair.base_pitch()).is_ok());
-    for backlash in [0.6 * pair.base_pitch(), 110.0] {
-        let message = with(backlash).err().map(|error| error.to_string()).unwrap();
-        assert!(message.contains("backlash"), "{message}");
+    let backlash = |j: f64| Parameters {
+        backlash: Some(j),
+        ..good
+    };
+    let torque = |nominal_torque: f64| Parameters {
+        nominal_torque,
+        ..with_table
+    };
+    made(&pair, &backlash(0.4 * pitch));
+    Element::new(&pair, &torque(200.0), Some(table.clone())).unwrap();
+    for (parameters, start, remedy) in [
+        (backlash(0.6 * pitch), "backlash = ", "half a pitch"),
+        (backlash(110.0), "backlash = 110 m: ", "half a pitch"),
+        (backlash(-1.0), "backlash = -1 m: ", "zero or above"),
+        (
+            Parameters {
+                friction: true,
+                ..good
+            },
+            "friction = true: ",
+            "stiffnessModel = table",
+        ),
+        (
+            Parameters {
+                root_stress: true,
+                ..good
+            },
+            "rootStress = true: ",
+            "stiffnessModel = table",
+        ),
+        (torque(1e300), "nominalTorque = 1e300 N m: ", "dampingOnset"),
+        (
+            Parameters {
+                load_dependent: false,
+                damping_onset: 1e-9,
+                ..torque(1e6)
+            },
+            "nominalTorque",
+            "choose",
+        ),
+    ] {
+        let text = refused(parameters);
+        assert!(text.contains(start) && text.contains(remedy), "{text}");
     }
 }

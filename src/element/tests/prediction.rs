@@ -1,9 +1,6 @@
 //! Loads that are predicted for a communication step.
 
-use super::testing::three_pairs;
-use super::{Coupling, Element, Inputs, Latch, Loads, Parameters, Step, StepRequest, Workspace};
-use approx::assert_relative_eq;
-use nalgebra::{Rotation3, Vector3};
+use super::*;
 
 const STEP: f64 = 5e-6;
 
@@ -22,8 +19,8 @@ impl Disc {
     fn all() -> Vec<Self> {
         let mut discs = vec![];
         for pair in three_pairs(1.0) {
-            let element = Element::new(&pair, &Parameters::default(), None).unwrap();
-            let latch = element.latch(&element.nominal_inputs()).unwrap();
+            let element = made(&pair, &Parameters::default());
+            let latch = nominal_latch(&element);
             discs.push(Self {
                 element,
                 latch,
@@ -42,39 +39,37 @@ impl Disc {
     }
 
     fn inputs(&self) -> Inputs {
-        let mut inputs = self.element.nominal_inputs();
-        inputs.gears[1].r = Rotation3::from_axis_angle(&Vector3::z_axis(), self.angle).into_inner();
+        let mut inputs = spun(&self.element.nominal_inputs(), 1, self.angle);
         inputs.gears[1].w = Vector3::z() * self.rate;
         inputs
     }
 
-    fn request(coupling: Coupling, length: f64, effective_mass: f64) -> StepRequest {
-        StepRequest {
+    fn predict(
+        &self,
+        last: Option<&Step>,
+        coupling: Coupling,
+        length: f64,
+        mass: f64,
+    ) -> Prediction {
+        let request = StepRequest {
             coupling,
             length,
-            effective_mass,
-        }
+            effective_mass: mass,
+        };
+        let (inputs, workspace) = (self.inputs(), &mut Workspace::default());
+        let found = self
+            .element
+            .predict(&self.latch, &inputs, last, &request, workspace);
+        found.unwrap()
     }
 
     /// Angles after every 4 steps of `STEP`, by a master with `length` that divides it.
     fn run(&mut self, coupling: Coupling, length: f64, effective_mass: f64) -> Vec<f64> {
         let (mut last, mut pending) = (None::<Step>, None::<Loads>);
-        let mut workspace = Workspace::default();
         let every = (4.0 * STEP / length).round() as usize;
         let mut angles = vec![];
         for n in 0..every * 50 {
-            let request = Self::request(coupling, length, effective_mass);
-            let inputs = self.inputs();
-            let found = self
-                .element
-                .predict(
-                    &self.latch,
-                    &inputs,
-                    last.as_ref(),
-                    &request,
-                    &mut workspace,
-                )
-                .unwrap();
+            let found = self.predict(last.as_ref(), coupling, length, effective_mass);
             let acting = match coupling {
                 Coupling::Parallel => pending.unwrap_or(Loads::at(&found.outputs)),
                 _ => found.loads,
@@ -108,7 +103,7 @@ fn a_turn_of_gear_1_brings_the_teeth_together_by_as_much_on_the_line_of_action()
 }
 
 #[test]
-fn a_disc_under_predicted_loads_moves_as_with_steps_fifty_times_shorter_whatever_mass_is_told() {
+fn a_disc_under_predicted_loads_moves_as_with_steps_fifty_times_shorter_whatever_mass_is_given() {
     for coupling in [Coupling::Sequential, Coupling::Parallel] {
         for share in [0.3, 1.0, 2.0] {
             for (mut disc, mut fine) in Disc::all().into_iter().zip(Disc::all()) {
@@ -130,13 +125,8 @@ fn a_disc_under_predicted_loads_moves_as_with_steps_fifty_times_shorter_whatever
 #[test]
 fn poses_that_do_not_follow_from_the_velocities_and_steps_too_long_get_the_loads_of_the_point() {
     for mut disc in Disc::all() {
-        let mut workspace = Workspace::default();
-        let mut ask = |disc: &Disc, last: Option<&Step>, length: f64| {
-            let request = Disc::request(Coupling::Parallel, length, disc.mass());
-            let inputs = disc.inputs();
-            disc.element
-                .predict(&disc.latch, &inputs, last, &request, &mut workspace)
-                .unwrap()
+        let ask = |disc: &Disc, last: Option<&Step>, length: f64| {
+            disc.predict(last, Coupling::Parallel, length, disc.mass())
         };
         // Pressed, and coming nearer.
         let toward = disc.torque.signum();

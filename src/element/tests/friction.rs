@@ -1,14 +1,8 @@
 //! Claims about friction: it takes energy at every state, balances, and is not there when it is off.
 
-use super::testing::{
-    FORMULATIONS, LAWS, Noise, compressed, random_pose, rubbing, rubbing_table, three_pairs,
-};
 use super::*;
 use crate::friction::FrictionLaw;
-use crate::gear::samples::paper_pair;
-use approx::assert_relative_eq;
-use nalgebra::Rotation3;
-use std::f64::consts::TAU;
+use crate::gear::PairGeometry;
 
 fn off(parameters: &Parameters) -> Parameters {
     Parameters {
@@ -17,55 +11,51 @@ fn off(parameters: &Parameters) -> Parameters {
     }
 }
 
-fn power(out: &Outputs, inputs: &Inputs) -> f64 {
-    (0..2)
-        .map(|i| out.force[i].dot(&inputs.gears[i].v) + out.moment[i].dot(&inputs.gears[i].w))
-        .sum()
-}
-
 #[test]
 fn friction_never_gives_energy_and_acts_on_both_gears_alike() {
     let mut noise = Noise::new(71);
     let mut loaded = 0;
-    for formulation in FORMULATIONS {
-        for pair in three_pairs(-1.0) {
-            for (law, own) in LAWS.into_iter().zip([true, false, true]) {
-                let parameters = rubbing(formulation, LoadedFlank::Both);
-                let table = rubbing_table(&pair, law, own);
-                let with = Element::new(&pair, &parameters, Some(table.clone())).unwrap();
-                let without = Element::new(&pair, &off(&parameters), Some(table)).unwrap();
-                let latch = with.latch(&with.nominal_inputs()).unwrap();
-                for n in 0..60 {
-                    let mut inputs = random_pose(&with, &mut noise);
-                    // From creep to some m/s; translation alone, rotation alone and both.
-                    let speed = 10f64.powf(3.0 * noise.next() - 2.0);
-                    for m in &mut inputs.gears {
-                        m.v = noise.vector(if n % 3 == 0 { 0.0 } else { speed });
-                        m.w = noise.vector(if n % 3 == 1 { 0.0 } else { 100.0 * speed });
-                    }
-                    let rubbed = with.evaluate(&latch, &inputs).unwrap();
-                    let free = without.evaluate(&latch, &inputs).unwrap();
-                    let work = power(&rubbed, &inputs) - power(&free, &inputs);
-                    let scale = power(&free, &inputs).abs() + work.abs();
-                    assert!(rubbed.friction_power <= 0.0);
-                    assert!(
-                        (rubbed.friction_power - work).abs() <= 1e-12 * scale,
-                        "{work}"
-                    );
-                    assert_eq!(free.friction_power, 0.0);
-                    assert_eq!(rubbed.force[0], -rubbed.force[1]);
-                    // Moments about gear 1's origin.
-                    let arm = inputs.gears[1].p - inputs.gears[0].p;
-                    let sum = rubbed.moment[0] + rubbed.moment[1] + arm.cross(&rubbed.force[1]);
-                    let moments = rubbed.moment[0].norm() + rubbed.moment[1].norm();
-                    assert!(sum.norm() <= 1e-12 * moments + 1e-300);
-                    // What friction is not.
-                    assert_eq!(rubbed.transmission_error, free.transmission_error);
-                    assert_eq!(rubbed.normal_force, free.normal_force);
-                    assert_eq!(rubbed.stiffness, free.stiffness);
-                    assert_eq!(rubbed.energy, free.energy);
-                    loaded += i32::from(rubbed.friction_power < 0.0);
-                }
+    for (formulation, pair) in formulations_and_pairs(-1.0) {
+        for (law, own) in LAWS.into_iter().zip([true, false, true]) {
+            let parameters = rubbing(formulation, LoadedFlank::Both);
+            let table = rubbing_table(&pair, law, own);
+            let with = Element::new(&pair, &parameters, Some(table.clone())).unwrap();
+            let without = Element::new(&pair, &off(&parameters), Some(table)).unwrap();
+            let latch = nominal_latch(&with);
+            for n in 0..60 {
+                let mut inputs = random_pose(&with, &mut noise);
+                // From creep to some m/s; translation alone, rotation alone and both.
+                let speed = 10f64.powf(3.0 * noise.next() - 2.0);
+                let v = if n % 3 == 0 { 0.0 } else { speed };
+                let w = if n % 3 == 1 { 0.0 } else { 100.0 * speed };
+                set_velocities(&mut inputs, &mut noise, v, w);
+                let rubbed = with.evaluate(&latch, &inputs).unwrap();
+                let free = without.evaluate(&latch, &inputs).unwrap();
+                let work = power(&rubbed, &inputs) - power(&free, &inputs);
+                let scale = power(&free, &inputs).abs() + work.abs();
+                assert!(rubbed.friction_power <= 0.0);
+                assert!(
+                    (rubbed.friction_power - work).abs() <= 1e-12 * scale,
+                    "{work}"
+                );
+                assert_eq!(rubbed.force[0], -rubbed.force[1]);
+                // Moments about gear 1's origin.
+                let arm = inputs.gears[1].p - inputs.gears[0].p;
+                let sum = rubbed.moment[0] + rubbed.moment[1] + arm.cross(&rubbed.force[1]);
+                let moments = rubbed.moment[0].norm() + rubbed.moment[1].norm();
+                assert!(sum.norm() <= 1e-12 * moments + 1e-300);
+                // What friction is not.
+                let rest = |out: &Outputs| {
+                    [
+                        out.transmission_error,
+                        out.normal_force,
+                        out.stiffness,
+                        out.energy,
+                    ]
+                };
+                assert_eq!(rest(&rubbed), rest(&free));
+                assert_eq!(free.friction_power, 0.0);
+                loaded += i32::from(rubbed.friction_power < 0.0);
             }
         }
     }
@@ -73,7 +63,7 @@ fn friction_never_gives_energy_and_acts_on_both_gears_alike() {
 }
 
 #[test]
-fn friction_that_is_off_costs_nothing_and_changes_no_bit() {
+fn effects_that_are_off_change_no_bit_and_a_table_without_them_is_refused_by_name() {
     let pair = paper_pair(1.0);
     let table = rubbing_table(&pair, LAWS[0], false);
     let mut bare = table.file().clone();
@@ -81,37 +71,41 @@ fn friction_that_is_off_costs_nothing_and_changes_no_bit() {
     bare.root_stress = None;
     bare.seal();
     let text = bare.to_json();
-    assert!(!text.contains("friction"));
+    assert!(!text.contains("friction") && !text.contains("root_stress"));
     let bare = Arc::new(Table::from_json(&text).unwrap());
     let mut noise = Noise::new(72);
     for formulation in FORMULATIONS {
-        let parameters = off(&rubbing(formulation, LoadedFlank::Both));
-        let one = Element::new(&pair, &parameters, Some(table.clone())).unwrap();
-        let two = Element::new(&pair, &parameters, Some(bare.clone())).unwrap();
-        assert!(one.friction.is_none());
-        let latch = one.latch(&one.nominal_inputs()).unwrap();
+        let plain = off(&rubbing(formulation, LoadedFlank::Both));
+        let stressed = Parameters {
+            root_stress: true,
+            ..plain
+        };
+        let [one, two, with] = [(plain, &table), (plain, &bare), (stressed, &table)]
+            .map(|(p, table)| Element::new(&pair, &p, Some(table.clone())).unwrap());
+        assert!(one.friction.is_none() && one.root_stress.is_none());
+        let latch = nominal_latch(&one);
         for _ in 0..50 {
             let inputs = random_pose(&one, &mut noise);
-            let [a, b] = [&one, &two].map(|e| e.evaluate(&latch, &inputs).unwrap());
+            let [a, b, mut c] = [&one, &two, &with].map(|e| e.evaluate(&latch, &inputs).unwrap());
             assert_eq!(a, b);
+            // Nothing else depends on the stress.
+            c.root_stress = [0.0; 2];
+            assert_eq!(a, c);
+        }
+        for (parameters, parts) in [
+            (
+                rubbing(formulation, LoadedFlank::Both),
+                ["friction = true", "gearmesh tables --friction"],
+            ),
+            (
+                stressed,
+                ["rootStress = true", "gearmesh tables --root-stress"],
+            ),
+        ] {
+            let text = refusal(Element::new(&pair, &parameters, Some(bare.clone())));
+            assert!(parts.iter().all(|part| text.contains(part)), "{text}");
         }
     }
-    let missing = Element::new(
-        &pair,
-        &rubbing(Formulation::Conjugate, LoadedFlank::Both),
-        Some(bare),
-    );
-    let message = missing.err().unwrap().to_string();
-    assert!(message.contains("gearmesh tables --friction"), "{message}");
-    let constant = Parameters {
-        friction: true,
-        ..Parameters::default()
-    };
-    let message = Element::new(&pair, &constant, None)
-        .err()
-        .unwrap()
-        .to_string();
-    assert!(message.contains("friction = true"), "{message}");
 }
 
 /// Gears that turn in their ratio, the drive flank compressed by `delta`.
@@ -134,18 +128,15 @@ fn loss_is_coefficient_times_load_times_sliding_in_either_sense() {
                 ..rubbing(Formulation::Conjugate, LoadedFlank::Drive)
             };
             let element = Element::new(&pair, &parameters, Some(table)).unwrap();
-            let latch = element.latch(&element.nominal_inputs()).unwrap();
+            let latch = nominal_latch(&element);
             let at = |spin: f64| {
                 let inputs = turning(&element, &pair, 8e-6, spin);
                 element.evaluate(&latch, &inputs).unwrap()
             };
             let [ahead, back] = [300.0, -300.0].map(at);
             assert!(ahead.flank == 1 && ahead.friction_power < -1.0);
-            assert_relative_eq!(
-                ahead.friction_power,
-                back.friction_power,
-                max_relative = 1e-9
-            );
+            let powers = [ahead, back].map(|out| out.friction_power);
+            assert_relative_eq!(powers[0], powers[1], max_relative = 1e-9);
             // Friction brakes: the driver gives more than it would without, the driven gear less.
             let force = ahead.normal_force * pair.base_helix_angle().cos();
             let transmitted = force * pair.gears[0].base_radius() * 300.0;
@@ -174,11 +165,9 @@ fn flanks_that_just_roll_have_a_loss_factor_of_zero() {
         *weight = 4.0 * s(k);
         drive.distance_m[k] = *weight * s(k);
     }
-    file.seal();
-    let table = Arc::new(Table::from_file(file).unwrap());
     let parameters = rubbing(Formulation::Conjugate, LoadedFlank::Drive);
-    let element = Element::new(&pair, &parameters, Some(table)).unwrap();
-    let latch = element.latch(&element.nominal_inputs()).unwrap();
+    let element = Element::new(&pair, &parameters, Some(sealed(file))).unwrap();
+    let latch = nominal_latch(&element);
     let at = |cycles: f64| {
         let mut inputs = turning(&element, &pair, 8e-6, 300.0);
         for (motion, z) in inputs.gears.iter_mut().zip([20.0, -20.0]) {
@@ -207,7 +196,7 @@ fn at_rest_under_load_friction_vanishes_and_creep_meets_it_viscously() {
     let table = rubbing_table(&pair, FrictionLaw::default(), false);
     let parameters = rubbing(Formulation::Conjugate, LoadedFlank::Drive);
     let element = Element::new(&pair, &parameters, Some(table)).unwrap();
-    let latch = element.latch(&element.nominal_inputs()).unwrap();
+    let latch = nominal_latch(&element);
     let at = |spin: f64| {
         let inputs = turning(&element, &pair, 8e-6, spin);
         element.evaluate(&latch, &inputs).unwrap()

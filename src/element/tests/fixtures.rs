@@ -1,23 +1,18 @@
 //! Pairs and poses for the tests of the element.
 
-use super::{
-    Elasticity, Element, FlankLaws, Formulation, Inputs, LoadedFlank, Motion, Outputs, Parameters,
-    StiffnessModel,
-};
+use super::*;
 use crate::friction::{FrictionLaw, Sliding};
 use crate::gear::samples::{gear, thinned};
 use crate::gear::teeth::Counts;
-use crate::gear::{GearKind, PairGeometry};
+use crate::gear::{GearKind, PairGeometry, involute};
 use crate::random::Random;
+use crate::root::bisection;
 use crate::table::samples::Spring;
 use crate::table::{
     FrictionRecord, LoadAxes, Potential, Query, RootStressError, RootStressRecord,
-    RootStressSamples, SlidingSamples, Table, TableFile,
+    RootStressSamples, SlidingSamples, TableFile,
 };
-use nalgebra::{Rotation3, Vector3};
 use num_dual::{DualNum, HyperDual64};
-use std::f64::consts::TAU;
-use std::sync::Arc;
 
 /// External, internal and ring as gear 1, helical, with profile shifts and tooth thinning, gear 1 of
 /// `hand`; the centre distances leave backlash.
@@ -37,18 +32,10 @@ pub(crate) fn three_pairs(hand: f64) -> [PairGeometry; 3] {
         thinned(pair, 20e-6)
     });
     for pair in &mut pairs {
-        // inv phi = inv phi_0 by bisection: the centre distance without backlash but for the thinning.
+        // inv phi = inv phi_0: the centre distance without backlash but for the thinning.
         let target = pair.backlash_free_involute();
-        let (mut low, mut high) = (0.2f64, 0.6f64);
-        for _ in 0..80 {
-            let middle = 0.5 * (low + high);
-            if crate::gear::involute(middle) < target {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        pair.center_distance = pair.base_radius_sum() / low.cos();
+        let phi = bisection([0.2, 0.6], 80, |phi| involute(phi) < target);
+        pair.center_distance = pair.base_radius_sum() / phi.cos();
     }
     pairs
 }
@@ -76,6 +63,16 @@ impl Noise {
 /// Both formulations.
 pub(crate) const FORMULATIONS: [Formulation; 2] = [Formulation::Paper, Formulation::Conjugate];
 
+/// Both formulations with [`three_pairs`] each.
+pub(crate) fn formulations_and_pairs(hand: f64) -> Vec<(Formulation, PairGeometry)> {
+    let with_pairs = |f| three_pairs(hand).map(|pair| (f, pair));
+    FORMULATIONS.into_iter().flat_map(with_pairs).collect()
+}
+
+/// One flank alone, with the sign and the index of it.
+pub(crate) const SINGLE_FLANKS: [(LoadedFlank, f64, usize); 2] =
+    [(LoadedFlank::Drive, 1.0, 0), (LoadedFlank::Coast, -1.0, 1)];
+
 /// Constant stiffness without damping.
 pub(crate) fn undamped(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
     Parameters {
@@ -95,10 +92,54 @@ pub(crate) fn constant(
     Element::new(pair, &undamped(formulation, flank), None).unwrap()
 }
 
+/// The element of `pair` with `parameters`, which need no table.
+pub(crate) fn made(pair: &PairGeometry, parameters: &Parameters) -> Element {
+    Element::new(pair, parameters, None).unwrap()
+}
+
+/// The element of `pair` on [`smooth_laws`] with all effects, undamped.
+pub(crate) fn smooth(pair: &PairGeometry, formulation: Formulation, flank: LoadedFlank) -> Element {
+    let parameters = Parameters {
+        stiffness_model: StiffnessModel::Table,
+        ..undamped(formulation, flank)
+    };
+    Element::with_laws(pair, &parameters, &smooth_laws()).unwrap()
+}
+
+/// That of the paper's pair on one flank, with `damping`.
+pub(crate) fn damped(formulation: Formulation, damping: f64) -> Element {
+    let mut element = constant(&paper_pair(1.0), formulation, LoadedFlank::Drive);
+    element.set_damping(damping);
+    element
+}
+
+/// What is refused, in words.
+pub(crate) fn refusal(made: Result<Element, ElementError>) -> String {
+    made.err().map(|error| error.to_string()).expect("accepted")
+}
+
+/// The phases of the nominal pose.
+pub(crate) fn nominal_latch(element: &Element) -> Latch {
+    element.latch(&element.nominal_inputs()).unwrap()
+}
+
 /// Loads at `inputs` with the phases of the nominal pose.
 pub(crate) fn at(element: &Element, inputs: &Inputs) -> Outputs {
-    let latch = element.latch(&element.nominal_inputs()).unwrap();
-    element.evaluate(&latch, inputs).unwrap()
+    element.evaluate(&nominal_latch(element), inputs).unwrap()
+}
+
+/// Power that the contact gives to the gears, W.
+pub(crate) fn power(out: &Outputs, inputs: &Inputs) -> f64 {
+    (0..2)
+        .map(|i| out.force[i].dot(&inputs.gears[i].v) + out.moment[i].dot(&inputs.gears[i].w))
+        .sum()
+}
+
+/// Random velocities of both gears up to `v` and `w`.
+pub(crate) fn set_velocities(inputs: &mut Inputs, noise: &mut Noise, v: f64, w: f64) {
+    for m in &mut inputs.gears {
+        (m.v, m.w) = (noise.vector(v), noise.vector(w));
+    }
 }
 
 /// Work of the contact over the elliptic loop in the freedoms `i` and `j` (0-11: translation and
@@ -110,12 +151,12 @@ pub(crate) fn loop_work(
     j: usize,
     size: [f64; 2],
 ) -> (f64, f64) {
-    let latch = element.latch(&element.nominal_inputs()).unwrap();
+    let latch = nominal_latch(element);
     let points = 96;
     let (mut work, mut energy) = (0.0, 0.0);
     for n in 0..points {
         // Trapezoidal rule: of spectral accuracy on a smooth closed loop.
-        let t = std::f64::consts::TAU * f64::from(n) / f64::from(points);
+        let t = TAU * f64::from(n) / f64::from(points);
         let mut x = [0.0; 12];
         let mut rate = [0.0; 12];
         x[i] += size[0] * t.cos();
@@ -137,12 +178,10 @@ pub(crate) fn loop_work(
         }
         let out = element.evaluate(&latch, &inputs).unwrap();
         assert_ne!(out.flank, 0, "the loop must stay in contact");
-        for (body, m) in inputs.gears.iter().enumerate() {
-            work += out.force[body].dot(&m.v) + out.moment[body].dot(&m.w);
-        }
+        work += power(&out, &inputs);
         energy += out.energy;
     }
-    let step = std::f64::consts::TAU / f64::from(points);
+    let step = TAU / f64::from(points);
     (work * step, energy / f64::from(points))
 }
 
@@ -270,35 +309,54 @@ pub(crate) fn stress_by_formula([f, c, m, p]: [f64; 4], k: f64) -> [f64; 2] {
     [0.0, 1.0].map(|gear| 2e4 * f * near * (1.0 + 0.3 * k * (TAU * p + gear).cos()))
 }
 
+/// `f` at (force, centre distance offset, misalignment, mesh position) everywhere on `axes`, in the order of tables.
+fn over<R>(axes: &LoadAxes, f: impl Fn([f64; 4]) -> R) -> Vec<R> {
+    let mut all = vec![];
+    for &c in &axes.center_distance_offset_m {
+        for &m in &axes.misalignment_rad {
+            for &force in &axes.loa_force_n {
+                all.extend(axes.mesh_position.iter().map(|p| f([force, c, m, *p])));
+            }
+        }
+    }
+    all
+}
+
+/// The table of a spring known by formula with `counts` nodes, for `pair`; its torques are those given.
+pub(crate) fn spring_file(pair: &PairGeometry, torques: [f64; 2], counts: [usize; 4]) -> TableFile {
+    let grid = Spring::grid(counts);
+    TableFile::new("spring", "a formula", pair, torques, &grid, None)
+}
+
+/// The sealed table of `file`.
+pub(crate) fn sealed(mut file: TableFile) -> Arc<Table> {
+    file.seal();
+    Arc::new(Table::from_file(file).unwrap())
+}
+
 /// Springs as in [`crate::table::samples`], and sliding and root stress by smooth functions, of `pair`; whether the
 /// coast flank has its own.
 pub(crate) fn rubbing_table(pair: &PairGeometry, law: FrictionLaw, own_coast: bool) -> Arc<Table> {
-    let grid = Spring::grid([8, 5, 5, 12]);
-    let mut file = TableFile::new("spring", "a formula", pair, [100.0, 200.0], &grid, None);
-    let axes = LoadAxes {
+    const COUNTS: [usize; 4] = [8, 5, 5, 12];
+    let grid = Spring::grid(COUNTS);
+    let mut file = spring_file(pair, [100.0, 200.0], COUNTS);
+    let mut axes = LoadAxes {
         center_distance_offset_m: grid.axes.center_distance_offset.clone(),
         misalignment_rad: grid.axes.misalignment.clone(),
         loa_force_n: [0.05, 0.2, 0.5, 1.0].map(|x| x * grid.top_force()).to_vec(),
         mesh_position: (0..24).map(|i| f64::from(i) / 24.0).collect(),
     };
     let samples = |k: f64| {
-        let mut all = vec![];
-        for &c in &axes.center_distance_offset_m {
-            for &m in &axes.misalignment_rad {
-                for &f in &axes.loa_force_n {
-                    let near = 1.0 + 500.0 * c + 40.0 * m + 0.1 * f / grid.top_force();
-                    all.extend(axes.mesh_position.iter().map(|p| {
-                        let (sin, cos) = (TAU * p).sin_cos();
-                        Sliding {
-                            weight: 0.04 + 0.01 * k * cos * near,
-                            share: 0.8 * k * cos * near,
-                            share_z: 2e-3 * sin * near,
-                            distance: 3e-3 + 1e-3 * k * sin * near,
-                        }
-                    }));
-                }
+        let all = over(&axes, |[f, c, m, p]| {
+            let near = 1.0 + 500.0 * c + 40.0 * m + 0.1 * f / grid.top_force();
+            let (sin, cos) = (TAU * p).sin_cos();
+            Sliding {
+                weight: 0.04 + 0.01 * k * cos * near,
+                share: 0.8 * k * cos * near,
+                share_z: 2e-3 * sin * near,
+                distance: 3e-3 + 1e-3 * k * sin * near,
             }
-        }
+        });
         SlidingSamples::new(&all, law.is_local())
     };
     file.friction = Some(FrictionRecord {
@@ -307,21 +365,11 @@ pub(crate) fn rubbing_table(pair: &PairGeometry, law: FrictionLaw, own_coast: bo
         coast: own_coast.then(|| samples(-0.7)),
         axes: axes.clone(),
     });
-    let mut axes = axes;
     axes.loa_force_n[0] = 0.0;
     let stresses = |k: f64| {
-        let mut all = [vec![], vec![]];
-        for &c in &axes.center_distance_offset_m {
-            for &m in &axes.misalignment_rad {
-                for &f in &axes.loa_force_n {
-                    for &p in &axes.mesh_position {
-                        let stress = stress_by_formula([f, c, m, p], k);
-                        all.iter_mut().zip(stress).for_each(|(of, s)| of.push(s));
-                    }
-                }
-            }
-        }
-        RootStressSamples::new([&all[0], &all[1]])
+        let all = over(&axes, |x| stress_by_formula(x, k));
+        let [first, second] = [0, 1].map(|i| all.iter().map(|s| s[i]).collect::<Vec<_>>());
+        RootStressSamples::new([&first, &second])
     };
     file.root_stress = Some(RootStressRecord {
         drive: stresses(1.0),
@@ -333,8 +381,7 @@ pub(crate) fn rubbing_table(pair: &PairGeometry, law: FrictionLaw, own_coast: bo
             maximum: 0.0,
         },
     });
-    file.seal();
-    Arc::new(Table::from_file(file).unwrap())
+    sealed(file)
 }
 
 /// A law of each kind.

@@ -62,6 +62,31 @@ impl PairDraft {
         Ok(())
     }
 
+    /// Gives the pair another name.
+    pub fn rename(&mut self, name: &str) {
+        self.fields["name"] = name.into();
+    }
+
+    /// The text of a pair file with these fields, for any folder: files that it names stand with their whole path.
+    pub fn to_json(&self) -> String {
+        fn kept(value: &Value, folder: &Path) -> Value {
+            let field = |(name, value): (&String, &Value)| match value {
+                Value::Null => None,
+                Value::String(file) if name.ends_with("_file") => {
+                    let path = std::path::absolute(folder.join(file)).unwrap_or(file.into());
+                    Some((name.clone(), path.to_string_lossy().into()))
+                }
+                value => Some((name.clone(), kept(value, folder))),
+            };
+            match value {
+                Value::Object(fields) => Value::Object(fields.iter().filter_map(field).collect()),
+                Value::Array(values) => values.iter().map(|value| kept(value, folder)).collect(),
+                value => value.clone(),
+            }
+        }
+        format!("{:#}\n", kept(&self.fields, &self.folder))
+    }
+
     /// The checked pair.
     ///
     /// # Errors
@@ -103,6 +128,19 @@ mod tests {
         assert_eq!(drive[0].tip_relief.unwrap().amount, 9e-6);
         assert_eq!(drive[0].lead_slope, -3e-6);
         assert_eq!(drive[1].profile_slope.unwrap().amount, 2e-6);
+    }
+
+    #[test]
+    fn a_draft_is_written_as_the_pair_file_that_it_is() {
+        let mut draft = paper();
+        draft.rename("other");
+        draft.set("gear2.tip_relief.amount_um", 9.0).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pair.json");
+        std::fs::write(&path, draft.to_json()).unwrap();
+        let pair = pair::read(&path).unwrap();
+        assert_eq!(pair, draft.pair().unwrap());
+        assert_eq!(pair.name, "other");
     }
 
     #[test]

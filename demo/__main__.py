@@ -17,7 +17,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m demo", description=__doc__)
     parser.add_argument("--gearmesh", type=Path, default=ROOT / "target" / "release" / "gearmesh")
     parser.add_argument("--out", type=Path, default=ROOT / "target" / "demo", help="folder for all files")
-    parser.add_argument("--docs", type=Path, help="folder for paper-comparison.md, which is then written, too")
+    parser.add_argument("--docs", type=Path, help="folder of the pages, whose numbers and pictures are then written, too")
     parser.add_argument("--refinement", help="of the finite elements, as of `gearmesh solve`")
     arguments = parser.parse_args()
     model = ["--cache-dir", arguments.out / "cache"]
@@ -29,7 +29,7 @@ def main() -> None:
     figures.draw_all(results, arguments.out)
     index = page.write(results, arguments.out)
     if arguments.docs is not None:
-        comparison.write_markdown(results, arguments.docs)
+        comparison.write_docs(results, arguments.docs)
     print(f"The FMU is {arguments.out / 'palermo2013.fmu'}; open {index} in a browser.")
 
 

@@ -1,7 +1,8 @@
-"""The paper's numbers beside ours, as rows of a table, and the page docs/paper-comparison.md."""
+"""The paper's numbers beside ours, as rows of a table."""
 
 from __future__ import annotations
 
+import csv
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -248,21 +249,11 @@ def rows(results: Results) -> list[Row]:
     ]
 
 
-def write_markdown(results: Results, folder: Path) -> None:
-    """Writes paper-comparison.md into `folder`, with its figures in a folder beside it."""
-    figures.draw_all(results, folder / "paper-comparison")
-    lines = [
-        "# The paper's numbers and ours",
-        "",
-        "Written by `make report` (`python -m demo --docs docs`); do not edit. Pair:",
-        "resources/pairs/palermo2013.json and, unmodified, palermo2013-unmodified.json. Static values come from",
-        "`gearmesh solve`, dynamic ones from the packed FMU driven through fmpy.",
-        "",
-        "| quantity | paper | gearmesh | reason for the difference |",
-        "|---|---|---|---|",
-    ]
-    lines += [f"| {r.quantity} | {r.paper} | {r.ours} | {r.reason} |" for r in rows(results)]
-    for figure in figures.FIGURES:
-        picture = f"![{figure.title}](paper-comparison/{figure.file})"
-        lines += ["", f"## {figure.title}", "", figure.caption, "", picture]
-    (folder / "paper-comparison.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
+def write_docs(results: Results, docs: Path) -> None:
+    """Writes data/paper.csv into the folder of the pages, and the pictures that paper-comparison.md shows."""
+    with (docs / "data" / "paper.csv").open("w", encoding="utf-8", newline="") as file:
+        lines = csv.writer(file, lineterminator="\n")
+        lines.writerow(["quantity", "paper", "gearmesh", "reason for the difference"])
+        lines.writerows([r.quantity, r.paper, r.ours, r.reason] for r in rows(results))
+    shown = [figure for figure in figures.FIGURES if (docs / "paper-comparison" / figure.file).exists()]
+    figures.draw_all(results, docs / "paper-comparison", shown)

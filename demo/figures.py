@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -267,10 +267,10 @@ FIGURES = (
 )
 
 
-def draw_all(results: Results, folder: Path) -> None:
-    """Writes every figure as PNG into `folder`."""
+def draw_all(results: Results, folder: Path, shown: Sequence[Figure] = FIGURES) -> None:
+    """Writes figures as PNG into `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
-    for figure in FIGURES:
+    for figure in shown:
         picture, axes = plt.subplots()
         figure.draw(results, axes)
         picture.tight_layout()

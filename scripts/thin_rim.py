@@ -88,7 +88,7 @@ class Model:
         inside = t_s + w * (0.5 * pitch - t_s)
         columns.append((r_land, t_land, inside))
         columns.append((r_land[::-1], -t_land[::-1], -inside[::-1]))
-        radii = {"web": graded(self.rim_in, gear["hub"], 0.3 * m, 1.6), "hub": graded(gear["hub"], gear["bore"], 0.5 * m, 2.0)}
+        radii = {"web": graded(self.rim_in, gear["hub"], 0.3 * m, 1.6), "hub": graded(gear["hub"], gear["bore"], 0.5 * m, gear["growth"])}
         for surface, theta, deep in columns:
             blocks.append((
                 surface[:, None] + below * (self.rim_in - surface[:, None]),
@@ -129,7 +129,10 @@ class Model:
         self.x, self.points = x, x.reshape(-1, 3)[first]
         self.elements = inverse.reshape(x.shape[0], 20)
         self.flank, self.per_tooth, self.zs = flank, len(cells), zs
-        self.held = np.hypot(self.points[:, 0], self.points[:, 1]) < gear["bore"] * (1 + 1e-9)
+        if gear.get("held_z") is None:
+            self.held = np.hypot(self.points[:, 0], self.points[:, 1]) < gear["bore"] * (1 + 1e-9)
+        else:
+            self.held = np.min(np.abs(self.points[:, 2:] - np.array(gear["held_z"])), axis=1) < 1e-9
 
     def stiffness(self):
         self.number = np.where(self.held, -1, np.cumsum(~self.held) - 1)
@@ -179,10 +182,11 @@ class Model:
         return 0.5 * self.gear["teeth"] * self.gear["module"] / np.cos(beta) * np.cos(alpha_t)
 
 
-def case(name, teeth, module, helix, face, rim, web, hub, hub_z, bore, stations, strips):
+def case(name, teeth, module, helix, face, rim, web, hub, hub_z, bore, stations, strips, held_z=None, growth=2.0):
     gear = dict(teeth=teeth, module=module * 1e-3, helix_deg=helix, shift=0.0, face=face * 1e-3, rim=rim * 1e-3,
                 web=[v * 1e-3 for v in web], hub=0.5e-3 * hub, hub_z=[v * 1e-3 for v in hub_z], bore=0.5e-3 * bore,
-                stations=[v * 1e-3 for v in stations], across=6, land=2)
+                stations=[v * 1e-3 for v in stations], across=6, land=2, growth=growth,
+                held_z=held_z and [v * 1e-3 for v in held_z])
     model = Model(gear)
     matrix = model.stiffness()
     half_width = 0.3 * module * 1e-3
@@ -195,7 +199,7 @@ def case(name, teeth, module, helix, face, rim, web, hub, hub_z, bore, stations,
     influence = loads @ answer
     return dict(name=name, teeth=teeth, normal_module_mm=module, helix_angle_deg=helix, face_width_mm=face,
                 rim_thickness_mm=rim, web_z_mm=web, hub_diameter_mm=hub, hub_z_mm=hub_z, bore_diameter_mm=bore,
-                kernel_half_width_mm=0.3 * module, unknowns=matrix.shape[0], strips=strips,
+                held_z_mm=held_z or [], kernel_half_width_mm=0.3 * module, unknowns=matrix.shape[0], strips=strips,
                 influence_nm_per_n=[[round(1e9 * v, 6) for v in row] for row in influence])
 
 
@@ -215,6 +219,10 @@ def main():
                      stations=[0, 0.6, 1.6, 3.1, 4.5, 6, 7.5, 8.9, 10.4, 11.4, 12], strips=spur),
         "helical": dict(helix=20.0, rim=4.0, web=[2.0, 5.0], hub=28.0, hub_z=[-3.0, 12.0], bore=18.0,
                         stations=[-3, -1.2, 0, 0.7, 2, 3.5, 5, 6.3, 8, 9.9, 11.3, 12], strips=helical),
+        # A pinion shaft of 38 mm at low z and 28 mm at high z, held at its end there; all but solid.
+        "shaft": dict(helix=20.0, rim=4.0, web=[-8.0, 12.0], hub=28.0, hub_z=[-8.0, 32.0], bore=2.0, held_z=[32.0], growth=1.6,
+                      stations=[-8, -4, -1.5, 0, 0.7, 2, 3.5, 5, 6.3, 8, 9.9, 11.3, 12, 13, 15, 18.5, 23, 27.5, 30.5, 32],
+                      strips=helical),
     }
     results = [case(name, **common, **data) for name, data in cases.items() if not chosen or name in chosen]
     text = json.dumps(dict(description=__doc__.strip(), cases=results))

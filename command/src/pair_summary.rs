@@ -134,7 +134,9 @@ fn gear(pair: &Pair, i: usize, gauges: Gauges) -> Listing {
     rows! { rows;
         "base diameter" => "{}", diameter(g.base_radius());
         "root diameter" => "{}", diameter(g.root_radius());
-        format!("{held} diameter") => "{}", diameter(g.held_radius);
+    }
+    if !g.body.is_some_and(|body| body.is_shaft()) {
+        rows.row(format!("{held} diameter"), diameter(g.held_radius));
     }
     columns::list(&mut rows, &quantities(pair, i, gauges), &());
     body(g, &mut rows);
@@ -159,7 +161,14 @@ fn between([low, high]: [f64; 2]) -> String {
 /// Rim, web, hub and foundation, where the body is no full disc held rigidly.
 fn body(g: &Gear, rows: &mut Listing) {
     let z = |z| between(z) + " from the z = 0 face of the gear";
-    if let Some(body) = g.body {
+    if let Some(body) = g.body.filter(|body| body.is_shaft()) {
+        let ends = ["z low", "z high"].into_iter().zip(body.held_ends);
+        let held: Vec<&str> = ends.filter_map(|(end, held)| held.then_some(end)).collect();
+        rows! { rows;
+            "shaft" => "diameters {} and {}, {}", diameter(body.rim_radius), diameter(body.hub_radius), z(body.hub);
+            "shaft held at" => "{}", held.join(" and ");
+        }
+    } else if let Some(body) = g.body {
         let thickness = g.root_radius() - body.rim_radius;
         let [mm, modules] =
             [(1e-3, 3), (g.normal_module, 2)].map(|(unit, d)| fixed(thickness / unit, d));

@@ -106,7 +106,8 @@ impl NominalRootStress {
 
 /// Y_B of ISO 6336-3:2006, clause 9; without a rim of its own the body between root circle and held surface counts.
 fn rim_factor(gear: &Gear) -> Option<f64> {
-    let inside = gear.body.map_or(gear.held_radius, |body| body.rim_radius);
+    let web = gear.body.filter(|body| !body.is_shaft());
+    let inside = web.map_or(gear.held_radius, |body| body.rim_radius);
     let rim = gear.kappa() * (gear.root_radius() - inside);
     // Backup ratio, the least and that of a full body, and the constants between them.
     let (backup, least, full, factor, over) = match gear.kind {

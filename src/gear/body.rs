@@ -1,4 +1,4 @@
-//! What carries the teeth: a full disc, or rim, web and hub.
+//! What carries the teeth: a full disc, rim, web and hub, or the shaft that the teeth are cut from.
 
 use super::{Gear, GearKind};
 use serde::{Deserialize, Serialize};
@@ -12,28 +12,78 @@ use std::f64::consts::PI;
 ///   hub   held radius .. hub_radius   over `hub`
 /// ```
 ///
-/// with sharp corners between them. z counts from the gear's z = 0 face.
+/// with sharp corners between them. z counts from the gear's z = 0 face. A pinion shaft is a body of this kind, too, see
+/// [`Body::shaft`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
     /// Inner radius of the rim, m.
     pub rim_radius: f64,
-    /// z of both faces of the web, m, ascending, within the face.
+    /// z of both faces of the web, m, ascending, within the face unless it is a shaft.
     pub web: [f64; 2],
     /// Outer radius of the hub, m; the held radius where the web reaches down to it.
     pub hub_radius: f64,
     /// z of both ends of the hub, m, ascending; they may lie beyond the face, and enclose the web.
     pub hub: [f64; 2],
+    /// Which ends of a shaft (at low and at high z) are held in place of the bore; a gear on a shaft has none.
+    #[serde(default, skip_serializing_if = "is_held_at_its_bore")]
+    pub held_ends: [bool; 2],
+}
+
+pub(crate) fn is_held_at_its_bore(held_ends: &[bool; 2]) -> bool {
+    *held_ends == [false; 2]
+}
+
+/// A piece of shaft on one side of the face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stub {
+    /// m, below the root radius of the teeth.
+    pub radius: f64,
+    /// From the face to its end, m; 0: there is none.
+    pub length: f64,
+    /// Whether the end is held: there the shaft of the multibody model takes over.
+    pub held: bool,
 }
 
 impl Body {
+    /// The shaft that teeth of the width `face_width` (m) are cut from, with its pieces at low and at high z: solid
+    /// below the root circle, held at the ends that say so, its bore free.
+    pub fn shaft(stubs: [Stub; 2], face_width: f64) -> Body {
+        let [low, high] = stubs;
+        let whole = [-low.length, face_width + high.length];
+        let thick = if low.radius > high.radius {
+            [whole[0], face_width]
+        } else {
+            [0.0, whole[1]]
+        };
+        let radii = match stubs.map(|stub| stub.length > 0.0) {
+            [true, false] => [low.radius; 2],
+            [false, true] => [high.radius; 2],
+            _ => [low.radius.max(high.radius), low.radius.min(high.radius)],
+        };
+        Body {
+            rim_radius: radii[0],
+            web: if radii[0] == radii[1] { whole } else { thick },
+            hub_radius: radii[1],
+            hub: whole,
+            held_ends: stubs.map(|stub| stub.held),
+        }
+    }
+
+    /// Whether it is a shaft, held at an end.
+    pub fn is_shaft(&self) -> bool {
+        !is_held_at_its_bore(&self.held_ends)
+    }
+
     /// The body seen with the face of width `face_width` (m) turned end for end.
     #[must_use]
     pub fn mirrored(&self, face_width: f64) -> Body {
         let turned = |z: [f64; 2]| [face_width - z[1], face_width - z[0]];
+        let [low, high] = self.held_ends;
         Body {
             web: turned(self.web),
             hub: turned(self.hub),
+            held_ends: [high, low],
             ..*self
         }
     }
@@ -42,7 +92,9 @@ impl Body {
     pub fn is_symmetric(&self, face_width: f64) -> bool {
         let turned = self.mirrored(face_width);
         let near = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
-        near(self.web, turned.web) && near(self.hub, turned.hub)
+        near(self.web, turned.web)
+            && near(self.hub, turned.hub)
+            && self.held_ends == turned.held_ends
     }
 }
 
@@ -92,24 +144,54 @@ impl Gear {
         self.body.is_none_or(|b| b.is_symmetric(self.face_width))
     }
 
-    /// Angle by which the rings of the body twist under a torque on the teeth, rad/(N m): shear alone.
+    /// Displacement of the teeth along the line of action per force there that the body causes between them and where it is
+    /// held, m/N: an estimate by its twist, the tilt of a web, the bending of a shaft and the foundation.
+    pub fn body_compliance(&self) -> f64 {
+        self.base_radius().powi(2) * self.body_twist() + self.body_tilt_and_foundation()
+    }
+
+    /// Angle by which the body twists under a torque on the teeth, rad/(N m): rings in shear; a shaft by Saint-Venant's torsion
+    /// from mid-face to the ends that are held, and in shear outside of it.
     pub fn body_twist(&self) -> f64 {
         let shear_modulus = 0.5 * self.youngs_modulus / (1.0 + self.poisson_ratio);
-        self.annuli(self.root_radius())
+        let mut annuli = self.annuli(self.root_radius());
+        let mut torsion = 0.0;
+        if let Some(body) = self.body.filter(Body::is_shaft) {
+            let polar = |radius: f64| 0.5 * PI * (radius.powi(4) - self.held_radius.powi(4));
+            // Of the teeth's part half a face; beyond, the radius of what reaches out there.
+            let stiffness = |end: usize| {
+                let out = |z: f64| if end == 0 { -z } else { z - self.face_width };
+                let [thick, whole] = [out(body.web[end]), out(body.hub[end])];
+                let compliance = 0.5 * self.face_width / polar(self.root_radius())
+                    + thick / polar(body.rim_radius)
+                    + (whole - thick) / polar(body.hub_radius);
+                if body.held_ends[end] {
+                    shear_modulus / compliance
+                } else {
+                    0.0
+                }
+            };
+            torsion = (stiffness(0) + stiffness(1)).recip();
+            annuli.retain(|ring| ring.radii[0] >= body.rim_radius);
+        }
+        let shear: f64 = annuli
             .iter()
             .map(|ring| {
                 let [inner, outer] = ring.radii;
                 (inner.powi(-2) - outer.powi(-2))
                     / (4.0 * PI * shear_modulus * (ring.z[1] - ring.z[0]))
             })
-            .sum()
+            .sum();
+        torsion + shear
     }
 
     /// Displacement of the teeth along the line of action per force there that a web and a foundation add to the
     /// twist, m/N: the tilt of the web under the axial force (a plate between two stiff discs: Timoshenko,
-    /// Woinowsky-Krieger, Theory of Plates and Shells, section 63), and the foundation. An estimate of its size.
+    /// Woinowsky-Krieger, Theory of Plates and Shells, section 63), the bending of a shaft from its held ends to mid-face, and
+    /// the foundation. An estimate of its size.
     pub fn body_tilt_and_foundation(&self) -> f64 {
-        let tilt = self.body.map_or(0.0, |body| {
+        let web = self.body.filter(|body| !body.is_shaft());
+        let tilt = web.map_or(0.0, |body| {
             let thickness = body.web[1] - body.web[0];
             let plate = self.youngs_modulus * thickness.powi(3)
                 / (12.0 * (1.0 - self.poisson_ratio.powi(2)));
@@ -117,12 +199,28 @@ impl Gear {
             let lever = self.reference_radius() * self.base_helix_angle().tan();
             lever.powi(2) * (0.5 * (b / a).ln() - (b - a) / (b + a)) / (4.0 * PI * plate)
         });
+        let bending = self.body.filter(Body::is_shaft).map_or(0.0, |body| {
+            let area_moment = 0.25 * PI * (body.hub_radius.powi(4) - self.held_radius.powi(4));
+            let middle = 0.5 * self.face_width;
+            let arms = [middle - body.hub[0], body.hub[1] - middle];
+            // A cantilever; between two held ends the middle does not turn.
+            let ends = if body.held_ends == [true; 2] {
+                12.0
+            } else {
+                3.0
+            };
+            let held = (arms.iter().zip(body.held_ends)).filter(|(_, held)| *held);
+            let stiffness: f64 = held
+                .map(|(arm, _)| ends * self.youngs_modulus * area_moment / arm.powi(3))
+                .sum();
+            stiffness.recip()
+        });
         let foundation = self.foundation.map_or(0.0, |stiffness| {
             let area = 2.0 * PI * self.held_radius * self.face_width;
             // Turned as a whole, and moved along the line of action.
             ((self.base_radius() / self.held_radius).powi(2) + 1.0) / (stiffness * area)
         });
-        tilt + foundation
+        tilt + bending + foundation
     }
 }
 
@@ -139,6 +237,7 @@ mod tests {
                 web: [5e-3, 12e-3],
                 hub_radius: 20e-3,
                 hub: [-3e-3, 25e-3],
+                held_ends: [false; 2],
             }),
             ..samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0)
         }

@@ -19,7 +19,8 @@ pub mod tolerance;
 mod topography;
 mod trochoid;
 
-pub use body::{Annulus, Body};
+pub(crate) use body::is_held_at_its_bore;
+pub use body::{Annulus, Body, Stub};
 pub use macrogeometry::{Gear, GearKind, LEAST_WALL};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};
 pub use modification::{

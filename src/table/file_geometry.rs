@@ -68,6 +68,8 @@ struct BodyFields {
     hub_radius: f64,
     #[serde(rename = "hub_z_m")]
     hub: [f64; 2],
+    #[serde(default, skip_serializing_if = "crate::gear::is_held_at_its_bore")]
+    held_ends: [bool; 2],
 }
 
 /// Left out of files, so that those without chamfers stay what they were.
@@ -205,7 +207,8 @@ fn check_gear(gear: &Gear, name: &str) -> Result<(), TableError> {
     };
     let ([w0, w1], [h0, h1]) = (body.web, body.hub);
     let ordered = body.hub_radius > 0.0
-        && body.rim_radius > body.hub_radius
+        && (body.rim_radius > body.hub_radius
+            || body.is_shaft() && body.rim_radius == body.hub_radius)
         && body.rim_radius.is_finite()
         && h0 <= w0
         && w0 < w1

@@ -306,9 +306,9 @@ def test_the_example_input_turns_the_gears_under_nominal_torque(shipped_fmus, tm
 
 
 @pytest.mark.parametrize("pair, torque, cosine", [("fzg-c", 302.0, 0.92428), ("palermo2013", 100.0, 0.93678)])
-def test_the_script_of_the_page_on_the_unit_runs(tmp_path, pair, torque, cosine):
+def test_the_script_of_the_page_on_the_fmu_runs(tmp_path, pair, torque, cosine):
     """As a user would: own pair, own FMU, the lines of the page."""
-    page = (ROOT / "docs" / "the-unit.md").read_text()
+    page = (ROOT / "docs" / "fmu.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", page, re.S)
     assert len(blocks) == 1
     assert 10 <= len(blocks[0].splitlines()) <= 25

@@ -101,7 +101,8 @@ def figures(pairs: dict[str, Path], runs: list) -> dict[str, float]:
             found[rf"order {order} reaches [\d.]+ m/s² at {NUMBER} rpm"] = peaks[0][1]
             found[rf"order {order} by {NUMBER} dB at resonance"] = decibels([largest for largest, _ in peaks])
             found[rf"by {NUMBER} dB above 5000 rpm"] = decibels([amplitude[rpm > 5000.0].max() for rpm, amplitude in curves])
-    return found
+    # Lines of the page may end anywhere.
+    return {pattern.replace(" ", r"\s+"): value for pattern, value in found.items()}
 
 
 def decibels(values) -> float:
@@ -164,7 +165,7 @@ def main() -> None:
     order_figure(pairs, runs)
     found = figures(pairs, runs)
     for pattern, value in found.items():
-        print(f"{value:9.3f}  {pattern.replace(NUMBER, '_')}")
+        print(f"{value:9.3f}  {pattern.replace(NUMBER, '_').replace(chr(92) + 's+', ' ')}")
     if docs:
         page = docs / "tutorial.md"
         page.write_text(rewritten(page.read_text(), found))

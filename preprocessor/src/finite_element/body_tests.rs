@@ -3,7 +3,7 @@
 use super::*;
 use crate::samples;
 use approx::assert_relative_eq;
-use gearmesh::gear::{Body, GearKind};
+use gearmesh::gear::{Body, GearKind, Stub};
 use gearmesh::pair::Refinement;
 use serde::Deserialize;
 use std::f64::consts::PI;
@@ -56,6 +56,7 @@ impl Case {
             web: self.web_z_mm.map(|z| 1e-3 * z),
             hub_radius: 0.5e-3 * self.hub_diameter_mm,
             hub: self.hub_z_mm.map(|z| 1e-3 * z),
+            held_ends: [false; 2],
         });
         gear
     }
@@ -105,6 +106,7 @@ fn webbed(helix_deg: f64) -> Gear {
             web: [4e-3, 9e-3],
             hub_radius: 20e-3,
             hub: [-3e-3, 21e-3],
+            held_ends: [false; 2],
         }),
         ..samples::gear(GearKind::External, 20, 1.0, helix_deg, 0.0)
     }
@@ -131,6 +133,7 @@ fn parts_as_wide_as_the_face_are_the_full_disc() {
             web: face,
             hub_radius: 20e-3,
             hub: face,
+            held_ends: [false; 2],
         }),
         ..disc.clone()
     };
@@ -242,6 +245,81 @@ fn a_hard_foundation_is_a_rigid_one() {
     };
     let [a, b] = [&rigid, &hard].map(|gear| model(gear).bulk(&[strip]).unwrap()[(0, 0)]);
     assert_relative_eq!(a, b, max_relative = 1e-6);
+}
+
+/// Spur pinion of 17 teeth on a shaft of 20 mm, 12 mm of it at low z and `length` at high z, held there.
+fn pinion_shaft(length: f64) -> Gear {
+    let mut gear = samples::gear(GearKind::External, 17, 1.0, 0.0, 0.0);
+    let stub = |length, held| Stub {
+        radius: 10e-3,
+        length,
+        held,
+    };
+    gear.body = Some(Body::shaft(
+        [stub(12e-3, false), stub(length, true)],
+        gear.face_width,
+    ));
+    gear.held_radius = 1e-3;
+    gear
+}
+
+#[test]
+fn a_longer_shaft_twists_and_bends_as_beam_theory_says() {
+    let lengths = [20e-3, 60e-3];
+    let compliances = lengths.map(|length| {
+        let gear = pinion_shaft(length);
+        let settings = Settings::new(Refinement::Coarse, 16);
+        let model = FiniteElementCompliance::new(&gear, &settings, &|_, _| true).unwrap();
+        let strips: Vec<Strip> = (0..17)
+            .map(|tooth| Strip {
+                tooth,
+                z: [0.0, gear.face_width],
+                roll: [gear.roll_length(gear.reference_radius()); 2],
+            })
+            .collect();
+        let bulk = model.bulk(&strips).unwrap();
+        let harmonic = |k: f64| -> f64 {
+            let wave = |tooth: usize| (2.0 * PI * k * tooth as f64 / 17.0).cos();
+            (0..17)
+                .map(|tooth| bulk[(tooth, 0)] * wave(tooth))
+                .sum::<f64>()
+                / 17.0
+        };
+        [harmonic(0.0), 2.0 * harmonic(1.0)]
+    });
+    let gear = pinion_shaft(20e-3);
+    let (e, nu, r, hole) = (gear.youngs_modulus, gear.poisson_ratio, 10e-3_f64, 1e-3_f64);
+    let shear = 0.5 * e / (1.0 + nu);
+    let fourth = r.powi(4) - hole.powi(4);
+    let twist =
+        gear.base_radius().powi(2) * (lengths[1] - lengths[0]) / (shear * 0.5 * PI * fourth);
+    assert_relative_eq!(
+        compliances[1][0] - compliances[0][0],
+        twist,
+        max_relative = 5e-3
+    );
+    // Cantilevers under a force at mid-face; Cowper's factor of a round section.
+    let bending = |length: f64| {
+        let half = 0.5 * gear.face_width;
+        let factor = 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu);
+        ((length + half).powi(3) - half.powi(3)) / (3.0 * e * 0.25 * PI * fourth)
+            + length / (factor * shear * PI * (r * r - hole * hole))
+    };
+    let expected = bending(lengths[1]) - bending(lengths[0]);
+    assert_relative_eq!(
+        compliances[1][1] - compliances[0][1],
+        expected,
+        max_relative = 2e-2
+    );
+    // What the estimates say of the whole.
+    let [twist, bent] = [pinion_shaft(60e-3)].map(|gear| {
+        [
+            gear.base_radius().powi(2) * gear.body_twist(),
+            gear.body_tilt_and_foundation(),
+        ]
+    })[0];
+    assert_relative_eq!(compliances[1][0], twist, max_relative = 0.3);
+    assert_relative_eq!(compliances[1][1], bent, max_relative = 0.3);
 }
 
 #[test]

@@ -26,6 +26,7 @@ struct Extrusion<'a> {
     section: &'a Section,
     stations: &'a [f64],
     twist: f64,
+    along: Option<&'a Layers>,
     held: HashSet<usize>,
     numbers: HashMap<(usize, Plane), usize>,
     mesh: Mesh,
@@ -39,6 +40,7 @@ impl Mesh {
             section,
             stations: along.map_or(&[0.0], |along| &along.stations),
             twist: along.map_or(0.0, |_| twist),
+            along,
             held: section.held.iter().copied().collect(),
             numbers: HashMap::new(),
             mesh: Mesh {
@@ -71,7 +73,9 @@ impl Extrusion<'_> {
             let angle = theta + self.twist * z;
             mesh.points.push([r * angle.cos(), r * angle.sin(), z]);
             mesh.angles.push(angle);
-            mesh.held.push(self.held.contains(&node));
+            let is_end = plane[0] == plane[1];
+            let at_end = is_end && self.along.is_some_and(|along| along.is_held(plane[0]));
+            mesh.held.push(at_end || self.held.contains(&node));
             mesh.points.len() - 1
         })
     }
@@ -196,6 +200,7 @@ impl Extrusion<'_> {
         for ((node, plane), number) in all {
             if let Some(twin) = twins.get(node)
                 && !self.mesh.hanging.contains_key(number)
+                && !self.mesh.held[*number]
             {
                 self.mesh.sides[0].push(*number);
                 self.mesh.sides[1].push(self.numbers[&(*twin, *plane)]);
@@ -334,6 +339,7 @@ mod tests {
                 web: [8e-3, 14e-3],
                 hub_radius: 30e-3,
                 hub: [-5e-3, 30e-3],
+                held_ends: [false; 2],
             }),
             ..disc.clone()
         };

@@ -77,7 +77,14 @@ impl Layers {
         let mut stations = vec![stops[0].0];
         for ends in stops.windows(2) {
             let [(low, first), (high, last)] = [ends[0], ends[1]];
-            let parts = graded_from_both(high - low, [first, last], GROWTH, layer);
+            // A shaft is round beyond the face, and as coarse as that.
+            let beyond = body.is_shaft() && (high <= 0.0 || low >= face);
+            let largest = if beyond {
+                layer.max(0.5 * body.hub_radius)
+            } else {
+                layer
+            };
+            let parts = graded_from_both(high - low, [first, last], GROWTH, largest);
             let inner = &parts[1..parts.len() - 1];
             stations.extend(inner.iter().map(|t| low + t * (high - low)));
             stations.push(high);
@@ -93,6 +100,12 @@ impl Layers {
     /// Ends of the layers within the face, m.
     pub fn of_face(&self) -> &[f64] {
         &self.stations[self.face.start..=self.face.end]
+    }
+
+    /// Whether the end of a layer with this number is an end of a shaft that is held.
+    pub fn is_held(&self, station: usize) -> bool {
+        let [low, high] = self.body.map_or([false; 2], |body| body.held_ends);
+        (low && station == 0) || (high && station == self.stations.len() - 1)
     }
 
     /// Every layer by itself.
@@ -140,6 +153,7 @@ mod tests {
                 web,
                 hub_radius: 20e-3,
                 hub,
+                held_ends: [false; 2],
             }),
             ..samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0)
         }

@@ -53,10 +53,14 @@ impl Model {
         }
         if let Some(body) = gear.body {
             let ([w0, w1], [h0, h1]) = (body.web, body.hub);
-            let joins = gear.held_radius <= body.hub_radius
-                && body.hub_radius < body.rim_radius
+            let parts = match body.is_shaft() {
+                true => body.hub_radius <= body.rim_radius && w0 <= 0.0 && gear.face_width <= w1,
+                false => body.hub_radius < body.rim_radius && 0.0 <= w0 && w1 <= gear.face_width,
+            };
+            let joins = parts
+                && gear.held_radius <= body.hub_radius
                 && body.rim_radius < gear.root_radius() - least
-                && (0.0 <= w0 && w0 < w1 && w1 <= gear.face_width)
+                && w0 < w1
                 && (h0 <= w0 && w1 <= h1 && (h1 - h0).is_finite());
             if !joins {
                 return Err(FiniteElementError::Body {

@@ -22,8 +22,8 @@ pub(super) struct Outline {
     pub held_radius: f64,
     /// Rim, web and hub; None: a full disc.
     pub body: Option<Body>,
-    /// Whether the held surface rests on an elastic foundation, so that it is free to move.
-    pub rests: bool,
+    /// Whether the bore or a ring's outside is free to move: it rests on an elastic foundation, or a shaft is held at its ends.
+    pub is_free: bool,
     /// Roll length at the form point, m.
     pub form_roll: f64,
     /// Arc length at the tip, m.
@@ -47,7 +47,7 @@ impl Outline {
             base_radius: gear.base_radius(),
             held_radius: gear.held_radius,
             body: gear.body,
-            rests: gear.foundation.is_some(),
+            is_free: gear.foundation.is_some() || gear.body.is_some_and(|body| body.is_shaft()),
             form_roll: profile.form_roll(),
             tip_arc: 0.0,
             base_half_angle,

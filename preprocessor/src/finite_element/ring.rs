@@ -236,6 +236,7 @@ mod tests {
                 web: [3e-3, 4e-3],
                 hub_radius: disc.held_radius,
                 hub: [3e-3, 4e-3],
+                held_ends: [false; 2],
             }),
             ..disc.clone()
         };

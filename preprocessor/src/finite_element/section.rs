@@ -166,10 +166,15 @@ fn below_root(outline: &Outline, corner: f64, first: f64, growth: f64) -> Vec<De
             }
         }));
     };
-    // At the corners between rim, web and hub half of what is thin there.
-    let half = 0.5 * (body.web[1] - body.web[0]);
+    // At the corners between rim, web and hub half of what is thin there; along a shaft displacements go as the radius does.
     let last = height * (1.0 - rim[rim.len() - 2]);
-    let at_bore = 0.25 * (body.hub[1] - body.hub[0]);
+    let [half, at_bore] = match body.is_shaft() {
+        true => [last, 0.25 * body.hub_radius],
+        false => [
+            0.5 * (body.web[1] - body.web[0]),
+            0.25 * (body.hub[1] - body.hub[0]),
+        ],
+    };
     annulus(
         [body.rim_radius, body.hub_radius],
         body.web,
@@ -205,11 +210,13 @@ impl Section {
         };
         section.rows = stations.rows.windows(2).step_by(2).map(row).collect();
         let lowest = stations.rows.len() - 1;
-        let free = if outline.rests { lowest + 1 } else { lowest };
+        let free = if outline.is_free { lowest + 1 } else { lowest };
         section.sides =
             [&left, &right].map(|grid| grid[stations.columns.len() - 1][..free].to_vec());
         let columns = left.iter().chain(&under).chain(&right);
-        section.held = columns.map(|column| column[lowest]).collect();
+        if !outline.body.is_some_and(|body| body.is_shaft()) {
+            section.held = columns.map(|column| column[lowest]).collect();
+        }
         section.held.sort_unstable();
         section.held.dedup();
         section

@@ -2,10 +2,10 @@
 
 use super::checks::{Range::Within, check};
 use super::error::{Refusal, ensure, refusal};
-use super::file::{GearFile, PairFile};
+use super::file::{GearFile, HeldEnds, PairFile, ShaftFile};
 use super::mesh_checks::field;
 use super::resolve::{MM, gear_file};
-use gearmesh::gear::{Body, Gear, GearKind};
+use gearmesh::gear::{Body, Gear, GearKind, Stub};
 use gearmesh::words::rounded;
 
 /// Least rim below the root circle, normal modules: less is no ring that teeth stand on.
@@ -26,8 +26,14 @@ pub(super) fn complete(file: &PairFile, gear: &mut Gear, i: usize) -> Result<(),
             return Err(refusal!(field(i, "rim_foundation_n_per_mm3") => stiffness;
                 "the gear is no ring and is held at its bore"; "leave it out"));
         }
-        gear.body = body(given, gear, i)?;
+        gear.body = match &given.shaft {
+            Some(shaft) => Some(self::shaft(given, shaft, gear, i)?),
+            None => body(given, gear, i)?,
+        };
         return Ok(());
+    }
+    if given.shaft.is_some() {
+        return Err(refusal!(field(i, "shaft") => "a shaft"; "the gear is a ring"; "leave it out"));
     }
     if let Some((name, value)) = first_body_field(given) {
         return Err(refusal!(field(i, name) => value;
@@ -99,7 +105,60 @@ fn body(g: &GearFile, gear: &Gear, i: usize) -> Result<Option<Body>, Refusal> {
         web: held_within(web_z, [0.0, face]).map(|z| z * MM),
         hub_radius: hub.map_or(gear.held_radius, |mm| 0.5 * mm * MM),
         hub: hub_z.map(|z| z * MM),
+        held_ends: [false; 2],
     }))
+}
+
+/// Bore of a shaft that is called solid, over the diameter of its thinner piece: it makes the shaft 1e-4 softer.
+const BORE_OF_SOLID: f64 = 0.1;
+
+/// The shaft that the teeth of `gear` are cut from; sets its bore.
+fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<Body, Refusal> {
+    if let Some((name, value)) = first_body_field(g) {
+        return Err(refusal!(field(i, name) => value;
+            "`shaft` is given, too, and its teeth are cut from it"; "give one of them"));
+    }
+    let module = gear.normal_module / MM;
+    let [wall, longest] = [LEAST_PART, LONGEST_HUB].map(|modules| rounded(modules * module));
+    let thickest = 2.0 * gear.root_radius() / MM - 2.0 * rounded(LEAST_RIM * module);
+    let thinnest = g.bore_diameter_mm.unwrap_or(0.0) + 2.0 * wall;
+    let pieces = [("lower", shaft.lower), ("upper", shaft.upper)];
+    for (name, piece) in pieces {
+        let Some(piece) = piece else { continue };
+        let name = |of: &str| field(i, &format!("shaft.{name}.{of}"));
+        ensure!((thinnest..=thickest).contains(&piece.diameter_mm), name("diameter_mm") => piece.diameter_mm;
+            "lies outside {thinnest:.3} mm (the bore and a wall) to {thickest:.3} mm (half a normal module below the root circle)";
+            "give the diameter of the shaft beside the teeth; of a thicker one give the largest that is taken");
+        ensure!((wall..=longest).contains(&piece.length_mm), name("length_mm") => piece.length_mm;
+            "lies outside {wall} to {longest} mm (a tenth to a hundred normal modules)";
+            "give the length from the face to where the shaft of the multibody model takes over");
+    }
+    let held = match (shaft.held, shaft.lower, shaft.upper) {
+        (Some(held), ..) => [held != HeldEnds::Upper, held != HeldEnds::Lower],
+        (None, Some(_), None) => [true, false],
+        (None, None, Some(_)) => [false, true],
+        _ => {
+            return Err(refusal!(field(i, "shaft") => "no `held`";
+            "it has two pieces, or none, and no `held`";
+            "say which end passes the torque on: `lower` (z < 0), `upper` or `both`"));
+        }
+    };
+    for ((name, piece), held) in pieces.into_iter().zip(held) {
+        ensure!(piece.is_some() || !held, field(i, "shaft.held") => name;
+            "there is no `{name}` piece to hold"; "give its diameter_mm and length_mm, or hold the other end");
+    }
+    let stubs = [0, 1].map(|end| Stub {
+        radius: pieces[end]
+            .1
+            .map_or(0.0, |piece| 0.5 * piece.diameter_mm * MM),
+        length: pieces[end].1.map_or(0.0, |piece| piece.length_mm * MM),
+        held: held[end],
+    });
+    let body = Body::shaft(stubs, gear.face_width);
+    if g.bore_diameter_mm.is_none() {
+        gear.held_radius = BORE_OF_SOLID * body.hub_radius;
+    }
+    Ok(body)
 }
 
 /// Diameter of the hub, if there is one, and z of its ends (those of the web at `web` if there is none), mm.

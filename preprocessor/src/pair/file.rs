@@ -166,6 +166,9 @@ with_modifications! {
         pub hub_width_mm: Option<f64>,
         /// z of the middle of the hub less mid-face. Default 0.
         pub hub_offset_mm: Option<f64>,
+        /// The shaft that the teeth are cut from, in place of rim, web and hub; external gears. `bore_diameter_mm` is then its
+        /// bore, free; default: solid.
+        pub shaft: Option<ShaftFile>,
         /// Elastic foundation on which the outside of a ring rests, N/mm per mm² in every direction. Default: rigid.
         pub rim_foundation_n_per_mm3: Option<f64>,
         /// Young's modulus. Default 206 (steel).
@@ -201,6 +204,40 @@ impl GearFile {
         }
         all
     }
+}
+
+/// `shaft` of a gear: its pieces on both sides of the face, up to where the shaft of the multibody model takes over.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShaftFile {
+    /// Below z = 0. Default: none.
+    pub lower: Option<ShaftPieceFile>,
+    /// Above z = face width. Default: none.
+    pub upper: Option<ShaftPieceFile>,
+    /// Which ends are held. Default: that of the only piece; of two it must be said.
+    pub held: Option<HeldEnds>,
+}
+
+/// One piece of [`ShaftFile`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShaftPieceFile {
+    /// Diameter, below the root diameter.
+    pub diameter_mm: f64,
+    /// Length from the face.
+    pub length_mm: f64,
+}
+
+/// `held` of a shaft.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HeldEnds {
+    /// The end below z = 0.
+    Lower,
+    /// The end above z = face width.
+    Upper,
+    /// Both ends.
+    Both,
 }
 
 /// Tip or root relief of the file.

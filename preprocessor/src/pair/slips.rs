@@ -157,10 +157,10 @@ pub(super) fn notes(file: &PairFile, geometry: &PairGeometry) -> Vec<String> {
     }
     for (i, gear) in geometry.gears.iter().enumerate() {
         let mm = 2e3 * gear.held_radius;
-        if mm < 0.02 * 2e3 * gear.root_radius() {
+        if gear.body.is_none() && mm < 0.02 * 2e3 * gear.root_radius() {
             let doubt = match length(mm, 1e3 * gear.root_radius()) {
                 Some(metres) => format!("{metres}; the field takes millimetres"),
-                None => "give the diameter of the hub or shaft at which the gear is held".into(),
+                None => "give the diameter of the hub at which the gear is held, or `shaft` if its teeth are cut from one".into(),
             };
             let field = format!("gear{}.bore_diameter_mm", i + 1);
             note(&field, rounded(mm), "mm", doubt);

@@ -1,7 +1,7 @@
 //! What leaving out an effect saves and what it costs in accuracy, where it matters and where it does not.
 
 use super::{Posed, Sampled, Spread, at, direction, everything, points};
-use crate::page::{Page, fixed, mean, rms};
+use crate::data::{Data, fixed, mean, rms};
 use crate::setup::{Exact, Ranges, Setup};
 use crate::timing::{Candidate, medians};
 use crate::{Context, Result, row};
@@ -77,10 +77,10 @@ fn error(setup: &Setup, table: &Arc<Table>, parameters: &Parameters, points: &[E
 /// rms error of the shuttling moment when it is left out, in % of nominal force times half the face.
 fn moment_left_out(setup: &Setup, ranges: &Ranges, points: usize) -> Result<String> {
     let moments = setup.exact(ranges, points)?.into_iter().map(|x| x.moment);
-    Ok(format!("– / {:.2}", 100.0 * rms(moments) / (setup.nominal_force() * setup.half_face())))
+    Ok(format!(" / {:.2}", 100.0 * rms(moments) / (setup.nominal_force() * setup.half_face())))
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let Sampled { setup, grid } = Sampled::of(context)?;
     let table = setup.table(grid)?;
     let all = everything(setup);
@@ -105,7 +105,7 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         moment_left_out(&spur, &spur.ranges(2), points(context))?,
     ]);
     let head = ["effect", "scene where it matters", "error, %", "scene where it does not", "error, %"];
-    page.table("effects", &head, &rows)?;
+    data.table("effects", &head, &rows)?;
 
     let mut variants = vec![("all on".to_owned(), all)];
     variants.extend(effects.iter().map(|e| (format!("without {}", e.name), e.without)));
@@ -135,5 +135,5 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
     for ((name, _, bytes), t) in elements.iter().zip(times.chunks_exact(2)) {
         rows.push(row![name, fixed(t[0], 0), fixed(t[1], 0), fixed(*bytes as f64 / 1e3, 0)]);
     }
-    page.table("effects-price", &["element", "wrench, ns", "directional derivative, ns", "table, kB"], &rows)
+    data.table("effects-price", &["element", "wrench, ns", "directional derivative, ns", "table, kB"], &rows)
 }

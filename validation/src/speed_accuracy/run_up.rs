@@ -1,9 +1,8 @@
 //! Error of the dynamic transmission error in a run-up, against the step size.
 
 use super::{at, everything};
+use crate::data::{Data, fixed, range, rms};
 use crate::driver::{CoSimulation, Gear, INERTIA, Master, Method, Scene, Spin, State, Way};
-use crate::page::{Page, fixed, range, rms};
-use crate::plot::{Series, Style};
 use crate::setup::Setup;
 use crate::timing::timed;
 use crate::{Context, Result, row};
@@ -75,7 +74,7 @@ fn run(scene: &Scene, host: Host, step: f64) -> Result<Vec<f64>> {
     Ok(out)
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let setup = at("palermo2013-unmodified", Refinement::Coarse)?;
     let scene = scene(&setup)?;
     let mass = INERTIA / setup.pair.geometry.gears[1].base_radius().powi(2);
@@ -84,7 +83,6 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
     let [low, high] = range(reference[reference.len() / 5..].iter().copied());
     let swing = high - low;
     let mut rows = vec![row!["(the DTE itself swings by)", "", format!("{:.2}", 1e6 * swing), ""]];
-    let mut series = vec![];
     for (name, host) in [
         ("monolithic, Runge-Kutta 4", runge_kutta),
         ("monolithic, semi-implicit Euler", Host::Monolithic(Method::SemiImplicitEuler)),
@@ -92,7 +90,6 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         ("sequential co-simulation", Host::Coupled(Way::predicted(Master::Sequential, mass))),
         ("parallel co-simulation", Host::Coupled(Way::predicted(Master::Parallel, mass))),
     ] {
-        let mut points = vec![];
         for step in [5e-7, 1e-6, 2e-6, 4e-6, 5e-6, 1e-5].into_iter().skip(if context.quick { 4 } else { 0 }) {
             let (dte, seconds) = timed(|| run(&scene, host, step));
             let error = dte.ok().map(|dte| rms(dte.iter().zip(&reference).map(|(a, b)| a - b)));
@@ -100,16 +97,10 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
             let found = match error {
                 None => "diverges".into(),
                 Some(rms) if !rms.is_finite() || rms > swing => "unstable".into(),
-                Some(rms) => {
-                    points.push((1e6 * step, 1e6 * rms));
-                    format!("{:.2e}", 1e6 * rms)
-                }
+                Some(rms) => format!("{:.2e}", 1e6 * rms),
             };
             rows.push(row![name, fixed(1e6 * step, 1), found, fixed(seconds, 2)]);
         }
-        series.push(Series { name: name.into(), points, style: Style::Both });
     }
-    page.table("run-up", &["host", "step, µs", "rms error of the DTE, µm", "seconds"], &rows)?;
-    let title = "Error of the DTE in a run-up against the step";
-    super::plot(page, "speed-step-size", title, ["step, µs", "rms error of the DTE, µm"], series)
+    data.table("run-up", &["host", "step, µs", "rms error of the DTE, µm", "seconds"], &rows)
 }

@@ -1,8 +1,8 @@
 //! An idle gear that rattles: a ball bouncing on a vibrating table, drag torque in place of gravity.
 
 use super::experiment::{ModulatedSpring, STIFFNESS, SingleFreedom};
+use crate::data::{Data, fixed};
 use crate::driver::{INERTIA, Method, Spin, State, gear_state};
-use crate::page::{Page, fixed};
 use crate::setup::external_and_internal;
 use crate::{Context, Result, row};
 use gearmesh::element::Parameters;
@@ -159,7 +159,7 @@ pub fn impact_speed(restitution: f64) -> f64 {
     2.0 / (1.0 + restitution) * PI * DRAG / INERTIA / frequency()
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
     for wanted in if context.quick { &[0.5_f64][..] } else { &[0.5, 0.8] } {
         let speed = impact_speed(*wanted);
@@ -175,14 +175,14 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         rows.push([row![wanted, fixed(measured, 4), speeds], edges.to_vec()].concat());
     }
     let head = [
-        "restitution wanted",
-        "measured",
-        "at a third and at three times the speed",
-        "stable from, expected",
-        "found",
-        "stable up to, expected",
-        "with this criterion",
-        "found",
+        "restitution",
+        "restitution measured",
+        "restitution at a third and at three times the speed",
+        "lower edge expected",
+        "lower edge found",
+        "upper edge expected",
+        "upper edge with this criterion",
+        "upper edge found",
     ];
-    page.table("rattle", &head, &rows)
+    data.table("rattle", &head, &rows)
 }

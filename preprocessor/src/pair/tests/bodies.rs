@@ -19,6 +19,7 @@ fn rim_web_and_hub_stand_where_the_file_puts_them() {
         web,
         hub_radius,
         hub,
+        ..
     }) = gear.body
     else {
         panic!("no body");
@@ -44,6 +45,31 @@ fn rim_web_and_hub_stand_where_the_file_puts_them() {
     let hub = with(short).unwrap().geometry.gears[0].body.unwrap().hub;
     assert_abs_diff_eq!(hub[0], 0.0, epsilon = 1e-12);
     assert_abs_diff_eq!(hub[1], 25e-3, epsilon = 1e-12);
+}
+
+/// The paper's pair with gear 1 cut from a shaft.
+const SHAFT: &str = r#"{"gear1": {"bore_diameter_mm": null, "shaft": {
+    "lower": {"diameter_mm": 40, "length_mm": 15}, "upper": {"diameter_mm": 30, "length_mm": 50}, "held": "upper"}}}"#;
+
+#[test]
+fn a_pinion_shaft_has_its_pieces_beside_the_face_and_is_solid_unless_it_has_a_bore() {
+    let gear = |patch: &str| {
+        let pair = pair::from_json(&patched(&patched(PAPER, SHAFT), patch)).unwrap();
+        pair.geometry.gears[0].clone()
+    };
+    let solid = gear("{}");
+    let body = solid.body.unwrap();
+    assert_eq!((body.rim_radius, body.hub_radius), (20e-3, 15e-3));
+    assert_eq!((body.web, body.held_ends), ([-15e-3, 25e-3], [false, true]));
+    assert_abs_diff_eq!(body.hub[1], 75e-3, epsilon = 1e-12);
+    assert_abs_diff_eq!(solid.held_radius, 1.5e-3, epsilon = 1e-12);
+    let bored = gear(r#"{"gear1": {"bore_diameter_mm": 12}}"#);
+    assert_abs_diff_eq!(bored.held_radius, 6e-3, epsilon = 1e-12);
+    assert!(bored.body_twist() > solid.body_twist());
+    // Of one piece alone the end is held.
+    let one = gear(r#"{"gear1": {"shaft": {"upper": null, "held": null}}}"#);
+    assert_eq!(one.body.unwrap().held_ends, [true, false]);
+    assert_eq!(one.body.unwrap().hub, [-15e-3, 25e-3]);
 }
 
 #[test]
@@ -92,6 +118,18 @@ const CASES: &[[&str; 4]] = &[
     [r#"{"gear1": {"rim_foundation_n_per_mm3": 5}}"#, "gear1.rim_foundation_n_per_mm3", "5", "no ring"],
 ];
 
+/// The same over [`SHAFT`].
+#[rustfmt::skip]
+const SHAFTS: &[[&str; 4]] = &[
+    [r#"{"gear1": {"shaft": {"lower": {"diameter_mm": 71}}}}"#, "gear1.shaft.lower.diameter_mm", "71", "root circle"],
+    [r#"{"gear1": {"shaft": {"upper": {"diameter_mm": 0.5}}}}"#, "gear1.shaft.upper.diameter_mm", "0.5", "wall"],
+    [r#"{"gear1": {"bore_diameter_mm": 29.5}}"#, "gear1.shaft.upper.diameter_mm", "30", "bore"],
+    [r#"{"gear1": {"shaft": {"upper": {"length_mm": 0}}}}"#, "gear1.shaft.upper.length_mm", "0", "modules"],
+    [r#"{"gear1": {"shaft": {"held": null}}}"#, "gear1.shaft", "no `held`", "two pieces"],
+    [r#"{"gear1": {"shaft": {"upper": null}}}"#, "gear1.shaft.held", "upper", "no `upper` piece"],
+    [r#"{"gear1": {"rim_thickness_mm": 5}}"#, "gear1.rim_thickness_mm", "5", "cut from it"],
+];
+
 fn refused(result: Result<Pair, PairError>, field: &str, value: &str, problem: &str) {
     let Err(PairError::Refused(refusal)) = result else {
         panic!("{field} = {value}: {result:?}");
@@ -109,8 +147,13 @@ fn bodies_that_cannot_be_are_refused_with_field_value_and_remedy() {
     for [patch, field, value, problem] in CASES {
         refused(with(patch), field, value, problem);
     }
+    for [patch, field, value, problem] in SHAFTS {
+        let text = patched(&patched(PAPER, SHAFT), patch);
+        refused(pair::from_json(&text), field, value, problem);
+    }
     #[rustfmt::skip]
     let rings = [
+        (r#"{"gear2": {"shaft": {"lower": {"diameter_mm": 9, "length_mm": 9}}}}"#, "gear2.shaft", "a shaft", "ring"),
         (r#"{"gear2": {"web_thickness_mm": 5}}"#, "gear2.web_thickness_mm", "5", "ring"),
         (r#"{"gear2": {"rim_foundation_n_per_mm3": 0}}"#, "gear2.rim_foundation_n_per_mm3", "0", "outside"),
         (r#"{"gear2": {"rim_foundation_n_per_mm3": 1e10}}"#, "gear2.rim_foundation_n_per_mm3", "10000000000", "outside"),

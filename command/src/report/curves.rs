@@ -28,7 +28,9 @@ fn over_cycle(cases: &[Case], value: impl Fn(&Case, &ContactResult) -> f64) -> V
         let values: Vec<f64> = values.collect();
         let ends = case.cycle.mesh_position.iter().copied().chain([1.0]);
         let points = ends.zip(values.iter().chain(values.first()).copied());
-        Curve::new(torque_in_words(case.input.torque), points)
+        // Torques of a survey have no end of digits.
+        let torque = format!("{:.3e}", case.input.torque).parse();
+        Curve::new(torque_in_words(torque.unwrap_or(case.input.torque)), points)
     };
     cases.iter().map(curve).collect()
 }

@@ -19,53 +19,51 @@ pub fn of_level(
     contact: Option<&InterpolationError>,
 ) -> String {
     let start = |i: usize| {
-        let variable = &VARIABLES[i];
-        let own = unit.starts.get(variable.name).copied();
-        own.or(variable.start).unwrap_or(0.0)
+        let own = unit.starts.get(VARIABLES[i].name).copied();
+        own.or(VARIABLES[i].start).unwrap_or(0.0)
     };
+    // Items are counted from 1.
     let item = |i: usize| {
-        let items = VARIABLES[i].items.iter();
-        items
-            .zip(1..)
-            .find(|(_, number)| *number == start(i) as usize)
-            .map_or("", |(name, _)| *name)
+        let place = (start(i) as usize).wrapping_sub(1);
+        VARIABLES[i].items.get(place).copied().unwrap_or("")
     };
     let level = item(index::STIFFNESS_MODEL);
     let error = match (level, tables) {
         ("contact", _) => at_run_time(contact),
-        (
-            "teeth",
-            Some(TableFile {
-                teeth: Some(teeth), ..
-            }),
-        ) => {
-            format!("{} against contact at run time", teeth.error)
+        ("teeth", Some(TableFile { teeth: Some(t), .. })) => {
+            format!("{} against contact at run time", t.error)
         }
         ("table", Some(tables)) => {
-            let error = tables.interpolation_error;
-            let mut error =
-                error.map_or_else(|| "not measured".to_owned(), |error| error.to_string());
-            let is_off = |i: usize, nodes: &[f64]| start(i) == 0.0 && nodes.len() > 1;
+            let error = tables.interpolation_error.map(|error| error.to_string());
+            let error = error.unwrap_or("not measured".into());
             let axes = &tables.axes;
-            #[rustfmt::skip]
-            let less = [
-                (start(index::LOAD_DEPENDENT) == 0.0, "loadDependent = false"),
-                (item(index::INTERPOLATION) != "spline", "another interpolation"),
-                (is_off(index::CENTER_DISTANCE_EFFECT, &axes.center_distance_offset), "centerDistanceEffect = false"),
-                (is_off(index::MISALIGNMENT_EFFECT, &axes.misalignment), "misalignmentEffect = false"),
-            ];
-            let less: Vec<&str> = less
-                .iter()
-                .filter(|(is_so, _)| *is_so)
-                .map(|(_, name)| *name)
-                .collect();
-            if !less.is_empty() {
-                error += &format!(
-                    "; that of the spline with all axes, more with {}",
-                    less.join(", ")
-                );
+            let off = |i: usize, nodes: usize| start(i) == 0.0 && nodes > 1;
+            let center_distances = axes.center_distance_offset.len();
+            let mut less = Vec::new();
+            for (is_so, name) in [
+                (off(index::LOAD_DEPENDENT, 2), "loadDependent = false"),
+                (
+                    item(index::INTERPOLATION) != "spline",
+                    "another interpolation",
+                ),
+                (
+                    off(index::CENTER_DISTANCE_EFFECT, center_distances),
+                    "centerDistanceEffect = false",
+                ),
+                (
+                    off(index::MISALIGNMENT_EFFECT, axes.misalignment.len()),
+                    "misalignmentEffect = false",
+                ),
+            ] {
+                less.extend(is_so.then_some(name));
             }
-            error
+            match less.is_empty() {
+                true => error,
+                false => format!(
+                    "{error}; that of the spline with all axes, more with {}",
+                    less.join(", ")
+                ),
+            }
         }
         _ => "not measured: one stiffness for all loads and mesh positions".to_owned(),
     };

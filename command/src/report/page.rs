@@ -1,91 +1,72 @@
-//! The HTML around the pictures.
+//! The page: sections of text, tables and figures, in HTML by `templates/page.html`.
 
-use std::fmt::Write;
+use std::path::Path;
 
-use super::picture;
+use askama::Template;
 
+use super::figure::Figure;
+use crate::Error;
+use crate::output;
+
+#[derive(Template, Default)]
+#[template(path = "page.html")]
 pub struct Page {
-    title: String,
-    body: String,
-    /// Heading of the section that is being written, for the names of its pictures.
-    heading: String,
-    figures: Vec<Figure>,
+    pub title: String,
+    pub sections: Vec<Section>,
 }
 
-/// A picture of the page as a file of its own.
-pub struct Figure {
-    /// File name without a folder: the section's heading in small letters and a number from 1.
-    pub file: String,
-    pub svg: String,
+#[derive(Default)]
+pub struct Section {
+    pub heading: String,
+    /// What it shows.
+    pub note: String,
+    pub text: String,
+    /// Rows of cells, the heads first.
+    pub table: Vec<Vec<String>>,
+    pub figures: Vec<Figure>,
 }
 
-/// Text with the characters that HTML reserves replaced.
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+impl Section {
+    pub fn new(heading: &str, note: impl Into<String>, figures: Vec<Figure>) -> Section {
+        Section {
+            heading: heading.into(),
+            note: note.into(),
+            figures,
+            ..Section::default()
+        }
+    }
+
+    pub fn anchor(&self) -> String {
+        slug(&self.heading)
+    }
+
+    /// The same with preformatted text.
+    pub fn with_text(self, text: String) -> Section {
+        Section { text, ..self }
+    }
+}
+
+/// Small letters and digits of `title` with hyphens between words: an anchor, the name of a file.
+fn slug(title: &str) -> String {
+    let words = title.split(|c: char| !c.is_alphanumeric());
+    let words: Vec<String> = words
+        .filter(|w| !w.is_empty())
+        .map(str::to_lowercase)
+        .collect();
+    words.join("-")
 }
 
 impl Page {
-    pub fn new(title: &str) -> Page {
-        Page {
-            title: title.into(),
-            body: String::new(),
-            heading: title.into(),
-            figures: Vec::new(),
+    /// Writes the page to `path`, and every figure as SVG and CSV into the folder `figures`.
+    pub fn write(&self, path: &Path, figures: Option<&Path>) -> Result<(), Error> {
+        if let Some(folder) = figures {
+            for figure in self.sections.iter().flat_map(|section| &section.figures) {
+                let file = |end: &str| folder.join(slug(&figure.title) + end);
+                output::write_whole(&file(".svg"), figure.svg()?.as_bytes())?;
+                output::write_whole(&file(".csv"), &figure.csv()?)?;
+            }
         }
-    }
-
-    /// Adds a heading and a paragraph that says what follows.
-    pub fn section(&mut self, heading: &str, note: &str) {
-        self.heading = heading.into();
-        let _ = writeln!(
-            self.body,
-            "<h2>{}</h2>\n<p class=\"note\">{}</p>",
-            escape(heading),
-            escape(note)
-        );
-    }
-
-    pub fn preformatted(&mut self, text: &str) {
-        let _ = writeln!(self.body, "<pre>{}</pre>", escape(text));
-    }
-
-    pub fn pictures(&mut self, svgs: &[String]) {
-        let name: String = self.heading.to_lowercase().replace(' ', "-");
-        self.figures
-            .extend(svgs.iter().enumerate().map(|(i, svg)| Figure {
-                file: format!("{name}-{}.svg", i + 1),
-                svg: picture::document(svg),
-            }));
-        let _ = writeln!(self.body, "<div class=\"row\">{}</div>", svgs.join("\n"));
-    }
-
-    /// Adds a table; `rows` begin with that of the heads.
-    pub fn table(&mut self, rows: &[Vec<String>]) {
-        let mut text = String::new();
-        for (i, row) in rows.iter().enumerate() {
-            let tag = if i == 0 { "th" } else { "td" };
-            let cells = row
-                .iter()
-                .map(|cell| format!("<{tag}>{}</{tag}>", escape(cell)));
-            let _ = writeln!(text, "<tr>{}</tr>", cells.collect::<String>());
-        }
-        let _ = writeln!(self.body, "<div class=\"wide\"><table>{text}</table></div>");
-    }
-
-    pub fn figures(&self) -> &[Figure] {
-        &self.figures
-    }
-
-    pub fn finish(self) -> String {
-        format!(
-            include_str!("page.html"),
-            title = escape(&self.title),
-            pictures = picture::STYLE,
-            body = self.body
-        )
+        Ok(output::write_whole(path, self.render()?.as_bytes())?)
     }
 }
 
@@ -95,21 +76,20 @@ mod tests {
 
     #[test]
     fn a_name_cannot_break_out_of_the_page() {
-        let mut page = Page::new("<script>");
-        page.section("a & b", "\"c\"");
-        page.table(&[vec!["<i>".into()], vec!["1 < 2".into()]]);
-        let html = page.finish();
-        assert!(!html.contains("<script>") && !html.contains("<i>"));
-        assert!(html.contains("a &amp; b") && html.contains("1 &lt; 2"));
-    }
-
-    #[test]
-    fn every_picture_is_a_file_named_after_its_section() {
-        let mut page = Page::new("Pair");
-        page.section("Load share", "");
-        page.pictures(&["<svg>1</svg>".into(), "<svg>2</svg>".into()]);
-        let files: Vec<&str> = page.figures().iter().map(|f| f.file.as_str()).collect();
-        assert_eq!(files, ["load-share-1.svg", "load-share-2.svg"]);
-        assert!(page.figures()[1].svg.ends_with("2</svg>"));
+        let mut section = Section::new("a & b", "\"c\"", vec![]).with_text("<u>".into());
+        section.table = vec![vec!["<i>".into()], vec!["1 < 2".into()]];
+        let page = Page {
+            title: "<script>".into(),
+            sections: vec![section],
+        };
+        let html = page.render().unwrap();
+        for tag in ["<script>", "<i>", "<u>"] {
+            assert!(!html.contains(tag), "{html}");
+        }
+        assert!(
+            html.contains("a &#38; b") && html.contains("1 &#60; 2"),
+            "{html}"
+        );
+        assert_eq!(slug("STE at 100 N m, 0.5 mrad"), "ste-at-100-n-m-0-5-mrad");
     }
 }

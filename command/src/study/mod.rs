@@ -1,5 +1,6 @@
-//! `gearmesh study PAIR.json`: what tolerances do to transmission error, pressure and root stress.
+//! `gearmesh study PAIR.json`: what modifications and tolerances do to transmission error, pressure and root stress.
 
+mod best;
 mod samples;
 mod show;
 mod statistics;
@@ -13,7 +14,7 @@ use gearmesh::contact::ContactSolver;
 use gearmesh::gear::{Flank, tolerance};
 use gearmesh::pair::Pair;
 use gearmesh::words::{hex, number, rounded};
-use gearmesh_preprocessor::contact::{CycleInput, MeshCycle};
+use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
 use gearmesh_preprocessor::pair::{self, PairDraft};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -24,29 +25,33 @@ use crate::case::Case;
 use crate::limits;
 use crate::model::{Fillets, Model, ModelArgs, widen};
 use crate::output;
-use samples::{Sample, outcomes};
+use best::{Best, BestArgs};
+use samples::{Sample, Table, outcomes};
+pub use show::bands_of;
 use statistics::Statistics;
-use variation::{Requested, Variation};
+use variation::{Plan, Requested, Variation};
 
 const FLANK: Flank = Flank::Drive;
 
-const MOST_SAMPLES: usize = 1_000_000;
+/// Most mesh cycles of a study.
+const MOST_CYCLES: usize = 1_000_000;
 
 /// What can be varied beside fields of the pair file.
 const LOADS: &str = "torque_nm, misalignment_mrad or center_distance_offset_um";
 
-/// Draw samples of a pair within its tolerances and solve the mesh cycle of each.
+/// Solve the mesh cycle of a pair on a grid of modifications, and of samples within tolerances.
 ///
-/// Every sample is the same in every run with the same seed. A study that was stopped goes on where it was when it is
-/// started again.
+/// A grid has every combination of its values, and its best point is written as a pair file. Every sample is the same
+/// in every run with the same seed. A study that was stopped goes on where it was when it is started again.
 #[derive(Debug, Args)]
 pub struct Study {
     /// Pair file
     pair: PathBuf,
 
-    /// Field of the pair file, or torque_nm, misalignment_mrad or center_distance_offset_um, and the interval in which
-    /// it is drawn: FIELD=LOW..HIGH, or FIELD=+-TOLERANCE about the value in the file; repeatable
-    #[arg(long, value_name = "FIELD=INTERVAL")]
+    /// Field of the pair file, or torque_nm, misalignment_mrad or center_distance_offset_um, and its values; repeatable.
+    /// FIELD=LOW..HIGH/POINTS: on a grid, several fields with commas between them share a value. FIELD=LOW..HIGH: drawn in
+    /// that interval. FIELD=+-TOLERANCE: drawn about the value in the file, or about that of the grid
+    #[arg(long, value_name = "FIELD=VALUES")]
     vary: Vec<Requested>,
 
     /// Tolerance class of ISO 1328-1:2013, 1 to 11: profile slope and helix slope of both gears are drawn within its
@@ -54,17 +59,20 @@ pub struct Study {
     #[arg(long, value_name = "CLASS", value_parser = class)]
     iso_1328_class: Option<u8>,
 
-    /// Number of samples
-    #[arg(long, default_value_t = 500, value_parser = limits::within(1..=MOST_SAMPLES))]
-    samples: usize,
+    /// Number of samples of what is drawn [default: 500; on a grid 20 for each point]
+    #[arg(long, value_parser = limits::within(1..=MOST_CYCLES))]
+    samples: Option<usize>,
 
     /// Another seed draws other samples
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// Torque on gear 1, N m, where it is not varied [default: the pair's nominal torque]
-    #[arg(long, value_parser = limits::torque)]
-    torque_nm: Option<f64>,
+    /// Torques on gear 1, N m, with commas between them [default: the pair's nominal torque]
+    #[arg(long, visible_alias = "torque-nm", value_name = "TORQUES", value_delimiter = ',', value_parser = limits::torque)]
+    torques_nm: Vec<f64>,
+
+    #[command(flatten)]
+    best: BestArgs,
 
     /// Number of positions over the mesh cycle; its first harmonic takes three
     #[arg(long, default_value_t = 32, value_parser = limits::within(3..=limits::MOST_POSITIONS))]
@@ -75,7 +83,7 @@ pub struct Study {
     #[arg(long, conflicts_with = "plane_strain")]
     root_stress: bool,
 
-    /// Folder for samples.csv, study.json and study.html; it is made if it is not there
+    /// Folder for samples.csv, study.json, study.html, its charts, and of a grid best.json; it is made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
 
@@ -94,9 +102,14 @@ struct Summary<'a> {
     identity: &'a str,
     seed: u64,
     distribution: &'static str,
-    varied: &'a [Variation],
+    /// The grid first.
+    varied: Vec<&'a Variation>,
+    torques_nm: &'a [f64],
     samples: usize,
     refused: usize,
+    /// Of the grid, by the measure that was chosen.
+    best: Option<&'a Best>,
+    /// Of the pair as drawn at each torque, then of the best point.
     statistics: Vec<Statistics>,
     /// What is to be known of the results, one sentence each; empty where there is nothing.
     notes: Vec<&'static str>,
@@ -104,14 +117,14 @@ struct Summary<'a> {
 
 /// Everything that solving a sample takes.
 struct Bench<'a> {
-    draft: PairDraft,
+    draft: &'a PairDraft,
     /// The pair as drawn, its operating range widened to what is varied.
     pair: Pair,
     model: Model,
     /// For the stress in the roots, where it is asked for.
     fillets: Option<Fillets>,
-    variations: &'a [Variation],
-    torque: f64,
+    plan: &'a Plan,
+    torques: &'a [f64],
     positions: usize,
 }
 
@@ -125,47 +138,81 @@ impl Study {
     pub fn run(self) -> Result<(), Error> {
         let draft = PairDraft::read(&self.pair)?;
         let mut pair = self.model.applied_to(draft.pair()?);
-        let torque = self.torque_nm.unwrap_or(pair.operating.nominal_torque);
-        let variations = Variation::all(&self.vary, self.iso_1328_class, &draft, &pair, torque)?;
-        for variation in &variations {
-            check(variation, &draft, &pair)?;
-        }
-        let range = |field: &str, unit: f64, drawn: f64| {
-            let varied = variations.iter().find(|v| v.field == field);
-            varied.map_or([drawn; 2], |v| [v.low * unit, v.high * unit])
+        let torques = match &self.torques_nm[..] {
+            [] => vec![pair.operating.nominal_torque],
+            given => given.to_vec(),
         };
-        widen(
-            &mut pair,
-            torque.max(range("torque_nm", 1.0, torque)[1]),
-            range("misalignment_mrad", 1e-3, 0.0),
-            range("center_distance_offset_um", 1e-6, 0.0),
-        );
+        let plan = Plan::new(&self.vary, self.iso_1328_class, &draft, &pair, torques[0])?;
+        check(&plan, &draft, &pair)?;
+        if plan.is_varied("torque_nm") && torques.len() > 1 {
+            return Err(
+                "--torques-nm: torque_nm is varied, too; give one torque, or vary something else"
+                    .into(),
+            );
+        }
+        let samples = match (plan.drawn.is_empty(), self.samples) {
+            (true, _) => 0,
+            (_, Some(samples)) => samples,
+            _ if plan.grid.is_empty() => 500,
+            _ => 20,
+        };
+        let points = plan.points();
+        let count = (points + 1)
+            .saturating_mul(samples + 1)
+            .saturating_mul(torques.len());
+        limits::check(Some(count), &(1..=MOST_CYCLES)).map_err(|e| {
+            format!("points of the grid times samples times torques = {count}: {e}")
+        })?;
+        let outcomes = outcomes(self.root_stress);
+        let measure = self.best.measure(&outcomes, &torques)?;
+        let range = |field: &str, unit: f64, drawn: f64| {
+            let varied = plan.grid.iter().chain(&plan.drawn);
+            let ends = varied.filter(|v| v.fields().any(|f| f == field));
+            ends.fold([drawn; 2], |[low, high], v| {
+                [low.min(v.low * unit), high.max(v.high * unit)]
+            })
+        };
+        for &torque in &torques {
+            widen(
+                &mut pair,
+                range("torque_nm", 1.0, torque)[1],
+                range("misalignment_mrad", 1e-3, 0.0),
+                range("center_distance_offset_um", 1e-6, 0.0),
+            );
+        }
 
         output::make_folder("--output", &self.output)?;
-        let [table, summary, page] =
-            ["samples.csv", "study.json", "study.html"].map(|name| self.output.join(name));
-        for path in [&table, &summary, &page] {
+        let names = ["samples.csv", "study.json", "study.html", "best.json"];
+        let [table, summary, page, best] = names.map(|name| self.output.join(name));
+        for path in [&table, &summary, &page, &best] {
             output::check_writable(path, [&self.pair])?;
         }
-        let identity = self.identity(&pair, &variations, torque);
-        let outcomes = outcomes(self.root_stress);
+        let identity = self.identity(&pair, &plan, &torques);
+        let table = Table {
+            path: &table,
+            plan: &plan,
+            torques: &torques,
+            outcomes: &outcomes,
+        };
         let mut done = Vec::new();
         if !self.restart && is_begun(&summary, &identity)? {
-            done = samples::read(&table, &variations, &outcomes)?;
+            done = table.read()?;
         }
         // More samples than asked for now stay in the table.
-        let missing: Vec<usize> = (0..=self.samples)
-            .filter(|n| !done.iter().any(|sample| sample.number == *n))
-            .collect();
+        let all = (0..=points).flat_map(|point| (0..=samples).map(move |number| (point, number)));
+        let is_missing = |id: &(usize, usize)| done.iter().all(|s| (s.point, s.number) != *id);
+        let missing: Vec<(usize, usize)> = all.filter(is_missing).collect();
         let name = pair.name.clone();
         let mut all = Summary {
             pair: &name,
             identity: &identity,
             seed: self.seed,
             distribution: "even",
-            varied: &variations,
-            samples: self.samples,
+            varied: plan.grid.iter().chain(&plan.drawn).collect(),
+            torques_nm: &torques,
+            samples,
             refused: 0,
+            best: None,
             statistics: Vec::new(),
             notes: pair::note_on_teeth(&pair.teeth).into_iter().collect(),
         };
@@ -179,43 +226,60 @@ impl Study {
                 true => Some(self.model.fillets(&pair, FLANK, &job)?),
                 false => None,
             },
-            draft,
+            draft: &draft,
             pair,
-            variations: &variations,
-            torque,
+            plan: &plan,
+            torques: &torques,
             positions: self.positions,
         };
         let finished = AtomicUsize::new(0);
         // A block at a time is written, so that little is lost by a kill.
         for block in missing.chunks(4 * rayon::current_num_threads()) {
-            let solved = block.par_iter().map(|&number| {
-                let sample = bench.sample(number, self.seed);
+            let solved = block.par_iter().map(|&(point, number)| {
+                let sample = bench.sample(point, number, self.seed);
                 let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
                 job.tell("samples", count as f64 / missing.len() as f64);
                 sample
             });
             done.par_extend(solved);
-            done.sort_by_key(|sample| sample.number);
-            samples::write(&table, &variations, &outcomes, &done)?;
+            done.sort_by_key(|sample| (sample.point, sample.number));
+            table.write(&done)?;
         }
         drop(job);
 
-        let names = outcomes.iter().map(|outcome| &outcome.name);
-        all.statistics = spread(&done, names)?;
-        all.samples = done.len() - 1;
+        let found = Best::of(&measure, &plan, &done)?;
+        for point in [0].into_iter().chain(found.as_ref().map(|best| best.point)) {
+            all.statistics.extend(spread(&done, point, &table)?);
+        }
+        if let Some(found) = &found {
+            let values = plan.values(found.point, 0, self.seed);
+            let mut draft = changed(&draft, &plan, &values)?;
+            draft.rename(&format!("{name}-best"));
+            output::write_whole(&best, draft.to_json().as_bytes())?;
+        }
+        all.best = found.as_ref();
         all.refused = done.iter().filter(|s| s.outcome.is_err()).count();
+        all.samples = done.iter().map(|s| s.number).max().unwrap_or(0);
         write_json(&summary, &all)?;
-        let text = show::text(&bench, self.seed, &done, &outcomes, &all.statistics);
-        let html = show::page(&name, &text, &outcomes, &done)?;
-        output::write_whole(&page, html.as_bytes())?;
+        let study = show::Shown {
+            summary: &all,
+            plan: &plan,
+            outcomes: &outcomes,
+            done: &done,
+            measure: &measure,
+        };
+        let text = study.text();
+        let figures = self.output.join("figures");
+        output::make_folder("--output", &figures)?;
+        study.page(&text).write(&page, Some(&figures))?;
         output::print(&text)?;
         Ok(())
     }
 
     /// Hash of everything that the samples depend on.
-    fn identity(&self, pair: &Pair, variations: &[Variation], torque: f64) -> String {
+    fn identity(&self, pair: &Pair, plan: &Plan, torques: &[f64]) -> String {
         let all = format!(
-            "{} {pair:?} {variations:?} {} {} {torque} {:?}",
+            "{} {pair:?} {plan:?} {} {} {torques:?} {:?}",
             env!("CARGO_PKG_VERSION"),
             self.seed,
             self.positions,
@@ -250,122 +314,164 @@ fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
     Ok(output::write_whole(path, text.as_bytes())?)
 }
 
+/// `draft` with the `values` of the fields of `plan` that differ from those as drawn, loads apart.
+fn changed(draft: &PairDraft, plan: &Plan, values: &[f64]) -> Result<PairDraft, Error> {
+    let mut draft = draft.clone();
+    for ((field, drawn), value) in plan.fields.iter().zip(values) {
+        if value != drawn && load_limit(field, *value).is_none() {
+            draft.set(field, *value)?;
+        }
+    }
+    Ok(draft)
+}
+
+/// Whether a load may have `value`; None where `field` is no load.
+fn load_limit(field: &str, value: f64) -> Option<Result<f64, String>> {
+    match field {
+        "torque_nm" => Some(limits::check_torque(value)),
+        "misalignment_mrad" => Some(limits::check(Some(value), &limits::MISALIGNMENTS)),
+        "center_distance_offset_um" => {
+            Some(limits::check(Some(value), &limits::CENTER_DISTANCE_OFFSETS))
+        }
+        _ => None,
+    }
+}
+
 /// Refuses a field that there is not, values that the pair file may not have, and what changes the teeth
 /// themselves, before anything is computed.
-fn check(variation: &Variation, draft: &PairDraft, pair: &Pair) -> Result<(), Error> {
-    let field = &variation.field;
-    let mut acts = false;
-    for value in [variation.low, variation.high] {
-        let load = match field.as_str() {
-            "torque_nm" => Some(limits::check_torque(value)),
-            "misalignment_mrad" => Some(limits::check(Some(value), &limits::MISALIGNMENTS)),
-            "center_distance_offset_um" => {
-                Some(limits::check(Some(value), &limits::CENTER_DISTANCE_OFFSETS))
+fn check(plan: &Plan, draft: &PairDraft, pair: &Pair) -> Result<(), Error> {
+    // Fields of a grid may need each other.
+    let base = match plan.points() {
+        0 => draft.clone(),
+        _ => changed(draft, plan, &plan.values(1, 0, 0))?,
+    };
+    let named = |field: &str, error: Error| format!("--vary {field}: {error}");
+    for variation in plan.grid.iter().chain(&plan.drawn) {
+        let field = &variation.field;
+        let mut acts = false;
+        let mut flanks = Vec::new();
+        for value in [variation.low, variation.high] {
+            let mut changed = base.clone();
+            for name in variation.fields() {
+                match load_limit(name, value) {
+                    Some(load) => {
+                        load.map_err(|error| {
+                            format!("--vary {name} = {}: {error}", number(value))
+                        })?;
+                        acts = true;
+                    }
+                    None => changed.set(name, value)?,
+                }
             }
-            _ => None,
-        };
-        if let Some(load) = load {
-            load.map_err(|error| format!("--vary {field} = {}: {error}", number(value)))?;
-            acts = true;
-            continue;
+            let found = changed.pair().map_err(|e| named(field, e.into()))?;
+            if found.teeth != pair.teeth {
+                return Err(named(field, format!(
+                    "a study takes all teeth as alike, so that it would change nothing; vary what all teeth have, {LOADS}"
+                ).into()).into());
+            }
+            if found.geometry != pair.geometry {
+                return Err(named(field, format!(
+                    "it changes the teeth or where they stand, so that every sample needed an elastic model of its own; vary \
+                     modifications, {LOADS}"
+                ).into()).into());
+            }
+            flanks.push(found.microgeometry.flank(FLANK).clone());
         }
-        let mut changed = draft.clone();
-        changed.set(field, value)?;
-        let found = (changed.pair()).map_err(|error| format!("--vary {field}: {error}"))?;
-        let vain = if found.teeth != pair.teeth {
-            "a study takes all teeth as alike, so that it would change nothing; vary what all teeth have"
-        } else if found.geometry != pair.geometry {
-            "it changes the teeth or where they stand, so that every sample needed an elastic model of its own; vary modifications"
-        } else {
-            acts |= found.microgeometry.flank(FLANK) != pair.microgeometry.flank(FLANK);
-            continue;
-        };
-        return Err(format!("--vary {field}: {vain}, {LOADS}").into());
-    }
-    if !acts {
-        return Err(format!(
-            "--vary {field}: no result of a study depends on it, which takes the drive flank at the torque, misalignment and \
-             centre distance of the command line; vary modifications of that flank, {LOADS}"
-        )
-        .into());
+        flanks.push(pair.microgeometry.flank(FLANK).clone());
+        acts |= flanks.windows(2).any(|two| two[0] != two[1]);
+        if !acts {
+            return Err(named(field, format!(
+                "no result of a study depends on it, which takes the drive flank at the torque, misalignment and centre distance \
+                 of the command line; vary modifications of that flank, {LOADS}"
+            ).into()).into());
+        }
     }
     Ok(())
 }
 
 impl Bench<'_> {
-    /// Sample `number`; 0 is the pair as drawn.
-    fn sample(&self, number: usize, seed: u64) -> Sample {
-        let fields = match number {
-            0 => {
-                let drawn = |v: &Variation| match v.field.as_str() {
-                    "torque_nm" => self.torque,
-                    field => self.draft.number(field).unwrap_or(0.0),
-                };
-                self.variations.iter().map(drawn).collect()
-            }
-            number => variation::draw(self.variations, seed, number),
-        };
+    /// Sample `number` (0: the point itself) at `point` of the grid (0: as drawn).
+    fn sample(&self, point: usize, number: usize, seed: u64) -> Sample {
+        let fields = self.plan.values(point, number, seed);
         Sample {
+            point,
             number,
             outcome: self.solve(&fields).map_err(|error| error.to_string()),
             fields,
         }
     }
 
-    fn solve(&self, fields: &[f64]) -> Result<Vec<f64>, Error> {
-        let mut input = CycleInput {
+    fn solve(&self, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
+        let load = |name: &str| {
+            let place = self.plan.fields.iter().position(|(field, _)| field == name);
+            place.map(|k| values[k])
+        };
+        let misalignment = 1e-3 * load("misalignment_mrad").unwrap_or(0.0);
+        let varied = load("torque_nm");
+        let torques = self.torques.iter().map(|torque| varied.unwrap_or(*torque));
+        let loads: Vec<LoadCase> = torques
+            .map(|torque| LoadCase {
+                torque,
+                misalignment,
+            })
+            .collect();
+        let input = CycleInput {
             flank: FLANK,
-            torque: self.torque,
-            center_distance_offset: 0.0,
-            misalignment: 0.0,
+            torque: loads[0].torque,
+            center_distance_offset: 1e-6 * load("center_distance_offset_um").unwrap_or(0.0),
+            misalignment,
             positions: self.positions,
         };
-        let mut draft = self.draft.clone();
-        for (v, value) in self.variations.iter().zip(fields) {
-            match v.field.as_str() {
-                "torque_nm" => input.torque = *value,
-                "misalignment_mrad" => input.misalignment = value * 1e-3,
-                "center_distance_offset_um" => input.center_distance_offset = value * 1e-6,
-                field => draft.set(field, *value)?,
-            }
-        }
         let pair = Pair {
-            microgeometry: draft.pair()?.microgeometry,
+            microgeometry: changed(self.draft, self.plan, values)?
+                .pair()?
+                .microgeometry,
             ..self.pair.clone()
         };
         let compliance = self.model.compliance.clone();
         let solver = ContactSolver::new(&pair, compliance, *self.model.solver.settings())?;
-        let mut case = Case {
-            cycle: MeshCycle::solve(&solver, &input)?,
-            input,
-            roots: None,
-        };
-        case.solve_roots(&solver, self.fillets.as_ref())?;
         let outcomes = outcomes(self.fillets.is_some());
-        let results = outcomes
-            .iter()
-            .map(|outcome| (outcome.value)(&(&solver, &case)).as_f64());
-        Ok(results
-            .map(|result| result.map_or(f64::NAN, rounded))
-            .collect())
+        let mut results = Vec::new();
+        for mut case in Case::solve_all(&solver, &input, &loads, &|_| ())? {
+            case.solve_roots(&solver, self.fillets.as_ref())?;
+            let values = outcomes
+                .iter()
+                .map(|outcome| (outcome.value)(&solver, &case));
+            results.push(
+                values
+                    .map(|value| value.map_or(f64::NAN, rounded))
+                    .collect(),
+            );
+        }
+        Ok(results)
     }
 }
 
-/// Statistics of every result, called `names`, over the samples that were solved.
-fn spread<'n>(
-    done: &[Sample],
-    names: impl Iterator<Item = &'n String>,
-) -> Result<Vec<Statistics>, Error> {
-    let drawn = done.iter().find(|s| s.number == 0);
+/// Statistics of every result at every torque over the samples of `point` that were solved; where none is drawn, of the
+/// point itself.
+fn spread(done: &[Sample], point: usize, table: &Table) -> Result<Vec<Statistics>, Error> {
+    let all = || done.iter().filter(|s| s.point == point);
+    let drawn = all().find(|s| s.number == 0);
     let drawn = drawn.ok_or("the pair as drawn was not solved; begin anew with --restart")?;
     if let Err(error) = &drawn.outcome {
         return Err(format!("the pair as drawn: {error}").into());
     }
-    let solved = done.iter().filter(|s| s.number > 0 && s.outcome.is_ok());
+    let is_drawn = all().any(|s| s.number > 0);
+    let solved = all().filter(|s| s.outcome.is_ok() && (s.number > 0) == is_drawn);
     let solved: Vec<&Sample> = solved.collect();
     if solved.is_empty() {
         return Err("no sample could be solved; samples.csv says why".into());
     }
-    let statistics = |(k, name): (usize, &String)| Statistics::new(name, k, drawn, &solved);
-    Ok(names.enumerate().map(statistics).collect())
+    let at_torque = |(t, torque): (usize, &f64)| {
+        let statistics = table.outcomes.iter().enumerate();
+        let statistics =
+            statistics.map(|(k, o)| Statistics::new(o.name, k, (t, *torque), drawn, &solved));
+        statistics.collect::<Vec<_>>()
+    };
+    Ok(table
+        .torques
+        .iter()
+        .enumerate()
+        .flat_map(at_torque)
+        .collect())
 }

@@ -4,116 +4,182 @@ use std::path::Path;
 
 use gearmesh::contact::ContactSolver;
 
-use super::variation::Variation;
+use super::variation::Plan;
 use crate::Error;
 use crate::case::Case;
 use crate::columns::{Column, columns, csv};
 use crate::output;
 
-pub type Solved<'a> = (&'a ContactSolver, &'a Case);
+/// A result of a mesh cycle.
+pub struct Outcome {
+    /// Column of samples.csv, with its unit.
+    pub name: &'static str,
+    /// What correlations and charts call it; empty where it has none.
+    pub head: &'static str,
+    pub unit: &'static str,
+    pub value: fn(&ContactSolver, &Case) -> Option<f64>,
+}
 
-/// The results of a sample, the last two only with `root_stress`. Those with a head have correlations and a distribution.
-pub fn outcomes<'r>(root_stress: bool) -> Vec<Column<'static, Solved<'r>>> {
-    let mut all = columns! { |(solver, c): &Solved|
-        "peak_to_peak_ste_loa_um", ["p-p STE", "um", 3] => 1e6 * c.cycle.peak_to_peak_ste();
-        "mean_ste_loa_um" => 1e6 * c.cycle.mean_ste();
-        "harmonic_1_loa_um" => c.cycle.harmonics()[0].map(|h| 1e6 * h.amplitude);
-        "maximum_pressure_mpa", ["pressure", "MPa", 1] => 1e-6 * c.cycle.max_pressure();
-        "edge_line_load_n_per_mm" => c.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);
-        "face_load_factor", ["K_Hbeta", "", 3] => c.face_load(solver).face_load_factor();
+/// The results of a sample at a torque, the last two only with `root_stress`.
+pub fn outcomes(root_stress: bool) -> Vec<Outcome> {
+    let outcome = |name, head, unit, value| Outcome {
+        name,
+        head,
+        unit,
+        value,
     };
+    let mut all = vec![
+        outcome("peak_to_peak_ste_loa_um", "p-p STE", "um", |_, c| {
+            Some(1e6 * c.cycle.peak_to_peak_ste())
+        }),
+        outcome("mean_ste_loa_um", "", "um", |_, c| {
+            Some(1e6 * c.cycle.mean_ste())
+        }),
+        outcome("harmonic_1_loa_um", "1st harm.", "um", |_, c| {
+            Some(1e6 * c.cycle.harmonics()[0]?.amplitude)
+        }),
+        outcome("maximum_pressure_mpa", "pressure", "MPa", |_, c| {
+            Some(1e-6 * c.cycle.max_pressure())
+        }),
+        outcome("edge_line_load_n_per_mm", "", "N/mm", |_, c| {
+            Some(
+                c.cycle
+                    .edge_load()
+                    .map_or(0.0, |edge| 1e-3 * edge.line_load),
+            )
+        }),
+        outcome("face_load_factor", "K_Hbeta", "", |solver, c| {
+            Some(c.face_load(solver).face_load_factor())
+        }),
+    ];
     if root_stress {
-        all.extend(columns! { |(_, c): &Solved|
-            "root_stress_1_mpa", ["root 1", "MPa", 1] => c.root_stress(0);
-            "root_stress_2_mpa", ["root 2", "MPa", 1] => c.root_stress(1);
-        });
+        all.push(outcome("root_stress_1_mpa", "root 1", "MPa", |_, c| {
+            c.root_stress(0)
+        }));
+        all.push(outcome("root_stress_2_mpa", "root 2", "MPa", |_, c| {
+            c.root_stress(1)
+        }));
     }
     all
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
-    /// From 1 on; 0 is the pair as drawn.
+    /// Of the grid, from 1 on; 0: the pair as drawn.
+    pub point: usize,
+    /// From 1 on; 0: the point itself.
     pub number: usize,
     pub fields: Vec<f64>,
-    /// Those of [`outcomes`], or why there are none.
-    pub outcome: Result<Vec<f64>, String>,
+    /// Those of [`outcomes`] at each torque, or why there are none.
+    pub outcome: Result<Vec<Vec<f64>>, String>,
 }
 
 impl Sample {
-    /// Result `k` of [`outcomes`].
-    pub fn result(&self, k: usize) -> Option<f64> {
-        Some(self.outcome.as_ref().ok()?[k])
+    /// Result `k` of [`outcomes`] at torque `t`.
+    pub fn result(&self, t: usize, k: usize) -> Option<f64> {
+        Some(self.outcome.as_ref().ok()?[t][k])
     }
 }
 
-/// Number, fields, results, and what went wrong if something did.
-fn columns<'a, 'r>(
-    variations: &[Variation],
-    outcomes: &[Column<Solved>],
-) -> Vec<Column<'a, &'r Sample>> {
-    let mut all = columns! { |s: &&Sample| "sample" => s.number; };
-    for (k, variation) in variations.iter().enumerate() {
-        all.extend(columns! { |s: &&Sample| variation.field.as_str() => s.fields[k]; });
-    }
-    for (k, outcome) in outcomes.iter().enumerate() {
-        all.extend(columns! { |s: &&Sample| outcome.name.as_str() => s.result(k); });
-    }
-    all.extend(columns! { |s: &&Sample| "error" => s.outcome.as_ref().err().cloned(); });
-    all
+/// The table of samples: a row for each and each torque.
+pub struct Table<'a> {
+    pub path: &'a Path,
+    pub plan: &'a Plan,
+    pub torques: &'a [f64],
+    pub outcomes: &'a [Outcome],
 }
 
-/// Writes `samples` to the CSV file `path`.
-pub fn write(
-    path: &Path,
-    variations: &[Variation],
-    outcomes: &[Column<Solved>],
-    samples: &[Sample],
-) -> Result<(), Error> {
-    let table = csv(&[], &columns(variations, outcomes), &[()], |()| samples)?;
-    Ok(output::write_whole(path, &table)?)
-}
+impl Table<'_> {
+    /// Number, fields, results, and what went wrong if something did.
+    fn columns<'s>(&self) -> Vec<Column<'_, (usize, &'s Sample)>> {
+        let mut all =
+            columns! { |(_, s): &(usize, &Sample)| "point" => s.point; "sample" => s.number; };
+        if self.plan.grid.is_empty() {
+            all.remove(0);
+        }
+        if !self.plan.is_varied("torque_nm") {
+            all.extend(columns! { |(t, _): &(usize, &Sample)| "torque_nm" => self.torques[*t]; });
+        }
+        for (k, (field, _)) in self.plan.fields.iter().enumerate() {
+            all.extend(columns! { |(_, s): &(usize, &Sample)| field.as_str() => s.fields[k]; });
+        }
+        for (k, outcome) in self.outcomes.iter().enumerate() {
+            let name = outcome.name;
+            all.extend(columns! { |(t, s): &(usize, &Sample)| name => s.result(*t, k); });
+        }
+        all.extend(
+            columns! { |(_, s): &(usize, &Sample)| "error" => s.outcome.as_ref().err().cloned(); },
+        );
+        all
+    }
 
-/// The samples in `path`; none if there is no such file.
-///
-/// # Errors
-/// A file of another form.
-pub fn read(
-    path: &Path,
-    variations: &[Variation],
-    outcomes: &[Column<Solved>],
-) -> Result<Vec<Sample>, Error> {
-    if !path.exists() {
-        return Ok(Vec::new());
+    pub fn write(&self, samples: &[Sample]) -> Result<(), Error> {
+        let rows = |sample| (0..self.torques.len()).map(move |t| (t, sample));
+        let table = csv(&[], &self.columns(), samples, rows)?;
+        Ok(output::write_whole(self.path, &table)?)
     }
-    let place = path.display();
-    let wrong =
-        |what: &str| format!("{place}: {what}; name another folder, or begin anew with --restart");
-    let text = output::read_text(path)?;
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let expected = columns(variations, outcomes);
-    let names = expected.iter().map(|column| column.name.as_str());
-    if reader.headers()?.iter().ne(names) {
-        return Err(wrong("columns of another study").into());
-    }
-    let sample = |record: csv::StringRecord| {
-        let number = |text: &str| {
-            let value = text.parse::<f64>();
-            value.map_err(|_| wrong(&format!("`{text}` is no number")))
+
+    /// The samples that are there; none if there is no such file.
+    ///
+    /// # Errors
+    /// A file of another form.
+    pub fn read(&self) -> Result<Vec<Sample>, Error> {
+        if !self.path.exists() {
+            return Ok(Vec::new());
+        }
+        let place = self.path.display();
+        let wrong = |what: &str| {
+            format!("{place}: {what}; name another folder, or begin anew with --restart")
         };
-        let numbers = |from: usize, count: usize| record.iter().skip(from).take(count).map(number);
-        let error = record.iter().next_back().unwrap_or_default();
-        let outcome = match error {
-            "" => Ok(numbers(1 + variations.len(), outcomes.len()).collect::<Result<_, _>>()?),
-            error => Err(error.to_owned()),
-        };
-        Ok(Sample {
-            number: number(&record[0])? as usize,
-            fields: numbers(1, variations.len()).collect::<Result<_, _>>()?,
-            outcome,
-        })
-    };
-    reader.records().map(|record| sample(record?)).collect()
+        let text = output::read_text(self.path)?;
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let expected = self.columns();
+        let names = expected.iter().map(|column| column.name.as_str());
+        if reader.headers()?.iter().ne(names) {
+            return Err(wrong("columns of another study").into());
+        }
+        let first = expected
+            .iter()
+            .position(|column| column.name == self.plan.fields[0].0);
+        let (first, fields) = (first.unwrap_or(0), self.plan.fields.len());
+        let mut samples: Vec<Sample> = Vec::new();
+        for record in reader.records() {
+            let record = record?;
+            let number = |text: &str| {
+                let value = text.parse::<f64>();
+                value.map_err(|_| wrong(&format!("`{text}` is no number")))
+            };
+            let numbers = |from: usize, count: usize| -> Result<Vec<f64>, String> {
+                record.iter().skip(from).take(count).map(number).collect()
+            };
+            let at = usize::from(!self.plan.grid.is_empty());
+            let results = match record.iter().next_back().unwrap_or_default() {
+                "" => Ok(vec![numbers(first + fields, self.outcomes.len())?]),
+                error => Err(error.to_owned()),
+            };
+            let (point, own) = (
+                number(&record[0])? as usize * at,
+                number(&record[at])? as usize,
+            );
+            match samples
+                .last_mut()
+                .filter(|s| (s.point, s.number) == (point, own))
+            {
+                None => samples.push(Sample {
+                    point,
+                    number: own,
+                    fields: numbers(first, fields)?,
+                    outcome: results,
+                }),
+                Some(sample) => {
+                    if let (Ok(all), Ok(more)) = (&mut sample.outcome, results) {
+                        all.extend(more);
+                    }
+                }
+            }
+        }
+        Ok(samples)
+    }
 }
 
 #[cfg(test)]
@@ -123,33 +189,35 @@ mod tests {
     #[test]
     fn what_was_written_is_read_again_and_another_study_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("samples.csv");
-        let of = |field: &str| Variation {
-            field: field.into(),
-            low: 0.0,
-            high: 1.0,
+        let path = &folder.path().join("samples.csv");
+        let plan = |fields: &[&str]| Plan {
+            grid: vec![],
+            drawn: vec![],
+            fields: fields.iter().map(|field| ((*field).into(), 0.0)).collect(),
         };
-        let variations = [of("a"), of("b")];
-        let found = &outcomes(false);
-        assert_eq!(read(&path, &variations, found).unwrap(), []);
+        let (plan, fewer) = (&plan(&["a", "b"]), &plan(&["a"]));
+        let (found, more) = (&outcomes(false), &outcomes(true));
+        let table = |plan, outcomes| Table {
+            path,
+            plan,
+            torques: &[50.0, 100.0],
+            outcomes,
+        };
+        assert_eq!(table(plan, found).read().unwrap(), []);
+        let sample = |number, fields: [f64; 2], outcome| Sample {
+            point: 0,
+            number,
+            fields: fields.into(),
+            outcome,
+        };
+        let results = vec![vec![1.0, 0.1 + 0.2, 3.0, 4e-7, 5.0, 6.0], vec![7.0; 6]];
         let samples = [
-            Sample {
-                number: 0,
-                fields: vec![0.1, -2.0],
-                outcome: Ok(vec![1.0, 0.1 + 0.2, 3.0, 4e-7, 5.0, 6.0]),
-            },
-            Sample {
-                number: 1,
-                fields: vec![0.3, 1.0],
-                outcome: Err("too much, \"far\"".into()),
-            },
+            sample(0, [0.1, -2.0], Ok(results)),
+            sample(1, [0.3, 1.0], Err("too much, \"far\"".into())),
         ];
-        write(&path, &variations, found, &samples).unwrap();
-        assert_eq!(read(&path, &variations, found).unwrap(), samples);
-        for refused in [
-            read(&path, &variations[..1], found),
-            read(&path, &variations, &outcomes(true)),
-        ] {
+        table(plan, found).write(&samples).unwrap();
+        assert_eq!(table(plan, found).read().unwrap(), samples);
+        for refused in [table(fewer, found).read(), table(plan, more).read()] {
             let error = refused.unwrap_err().to_string();
             assert!(error.contains("another study"), "{error}");
         }

@@ -1,12 +1,16 @@
 //! What many samples say about one result.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::samples::Sample;
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
+    /// Of the grid; 0: the pair as drawn.
+    pub point: usize,
+    pub torque_nm: f64,
     pub result: String,
+    /// At the point itself.
     pub nominal: f64,
     pub mean: f64,
     pub least: f64,
@@ -23,9 +27,16 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Of result `k`, called `result`, of the `samples` that were solved (at least one); `drawn` is the pair as drawn.
-    pub fn new(result: &str, k: usize, drawn: &Sample, samples: &[&Sample]) -> Statistics {
-        let value = |sample: &Sample| sample.result(k).unwrap_or(f64::NAN);
+    /// Of result `k`, called `result`, at torque `t` (`torque_nm`), of the `samples` that were solved (at least one); `drawn`
+    /// is their point itself.
+    pub fn new(
+        result: &str,
+        k: usize,
+        (t, torque_nm): (usize, f64),
+        drawn: &Sample,
+        samples: &[&Sample],
+    ) -> Statistics {
+        let value = |sample: &Sample| sample.result(t, k).unwrap_or(f64::NAN);
         let values: Vec<f64> = samples.iter().map(|sample| value(sample)).collect();
         let sorted = ascending(&values);
         let share = |share: f64| {
@@ -43,6 +54,8 @@ impl Statistics {
             fields.map(|k| correlation(&field(k), &values)).collect()
         };
         Statistics {
+            point: drawn.point,
+            torque_nm,
             result: result.into(),
             nominal: value(drawn),
             mean: mean(&values),
@@ -88,9 +101,10 @@ mod tests {
 
     fn sample(fields: &[f64], value: f64) -> Sample {
         Sample {
+            point: 0,
             number: 0,
             fields: fields.to_vec(),
-            outcome: Ok(vec![value]),
+            outcome: Ok(vec![vec![value]]),
         }
     }
 
@@ -99,7 +113,7 @@ mod tests {
         let samples = samples.iter().map(|(fields, value)| sample(fields, *value));
         let samples: Vec<Sample> = samples.collect();
         let samples: Vec<&Sample> = samples.iter().collect();
-        Statistics::new("x", 0, &sample(&drawn, 40.0), &samples)
+        Statistics::new("x", 0, (0, 100.0), &sample(&drawn, 40.0), &samples)
     }
 
     #[test]

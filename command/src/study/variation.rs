@@ -1,4 +1,4 @@
-//! What a study varies: fields of the pair file and the load, each within an interval.
+//! What a study varies: fields of the pair file and the load, on a grid or drawn within an interval.
 
 use std::str::FromStr;
 
@@ -12,10 +12,10 @@ use serde::Serialize;
 use crate::Error;
 use crate::limits;
 
-/// `FIELD=LOW..HIGH` or `FIELD=+-TOLERANCE` of the command line.
+/// `FIELD=LOW..HIGH`, `FIELD=+-TOLERANCE` or `FIELD,FIELD=LOW..HIGH/POINTS` of the command line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requested {
-    field: String,
+    fields: String,
     range: Range,
 }
 
@@ -23,6 +23,7 @@ pub struct Requested {
 enum Range {
     Between([f64; 2]),
     About(f64),
+    Grid([f64; 2], usize),
 }
 
 impl FromStr for Requested {
@@ -31,76 +32,106 @@ impl FromStr for Requested {
     fn from_str(text: &str) -> Result<Requested, String> {
         let wrong = || {
             format!(
-                "`{text}`: give FIELD=LOW..HIGH or FIELD=+-TOLERANCE, such as gear1.lead_slope_um=+-8 or \
-                 misalignment_mrad=-0.5..0.5"
+                "`{text}`: give FIELD=LOW..HIGH, FIELD=+-TOLERANCE or FIELD=LOW..HIGH/POINTS with 2 to 1000 points, such as \
+                 gear1.lead_slope_um=+-8, misalignment_mrad=-0.5..0.5 or gear1.lead_crowning_um=0..10/11"
             )
         };
-        let (field, range) = text.split_once('=').ok_or_else(wrong)?;
         let number = |text: &str| limits::finite(text).map_err(|_| wrong());
+        let (fields, range) = text.split_once('=').ok_or_else(wrong)?;
+        let fields = fields.replace(' ', "");
         let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
         let range = match (tolerance, range.split_once("..")) {
             (Some(tolerance), _) => Range::About(number(tolerance)?.abs()),
-            (None, Some((low, high))) => Range::Between([number(low)?, number(high)?]),
             (None, None) => return Err(wrong()),
+            (None, Some((low, high))) => match high.split_once('/') {
+                None => Range::Between([number(low)?, number(high)?]),
+                Some((high, points)) => {
+                    let points = points.trim().parse().ok();
+                    let points = points
+                        .filter(|n| (2..=1000).contains(n))
+                        .ok_or_else(wrong)?;
+                    Range::Grid([number(low)?, number(high)?], points)
+                }
+            },
         };
-        match range {
-            Range::Between([low, high]) if low > high => Err(wrong()),
-            _ if field.trim().is_empty() => Err(wrong()),
-            range => Ok(Requested {
-                field: field.trim().into(),
-                range,
-            }),
-        }
+        let is_ordered = match range {
+            Range::Between([low, high]) | Range::Grid([low, high], _) => low <= high,
+            Range::About(_) => true,
+        };
+        // Fields that share a value are those of a grid.
+        let is_named = fields.split(',').all(|field| !field.is_empty())
+            && (!fields.contains(',') || matches!(range, Range::Grid(..)));
+        (is_ordered && is_named)
+            .then_some(Requested { fields, range })
+            .ok_or_else(wrong)
     }
 }
 
-/// One varied field and the interval in which its value is drawn, evenly.
+/// One varied field with the ends of its values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Variation {
-    /// Path in the pair file, or where the contact is solved: torque_nm, misalignment_mrad or center_distance_offset_um.
+    /// Path in the pair file, or where the contact is solved: torque_nm, misalignment_mrad or center_distance_offset_um; on
+    /// a grid also several with commas between them, which share a value.
     pub field: String,
     pub low: f64,
     pub high: f64,
+    /// Values from `low` to `high` on a grid; None: drawn evenly between them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<usize>,
 }
 
 impl Variation {
+    pub fn fields(&self) -> impl Iterator<Item = &str> {
+        self.field.split(',')
+    }
+
+    /// Value `i` on a grid.
+    pub fn value(&self, i: usize) -> f64 {
+        let steps = self.points.map_or(1, |points| points - 1) as f64;
+        rounded(self.low + (self.high - self.low) * i as f64 / steps)
+    }
+}
+
+/// All that is varied.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    pub grid: Vec<Variation>,
+    /// Drawn within intervals; about a point of the grid where the field is on it, too.
+    pub drawn: Vec<Variation>,
+    /// Every varied field once, with its value as drawn.
+    pub fields: Vec<(String, f64)>,
+}
+
+impl Plan {
     /// The variations asked for, about `torque` (N m) and the values of `draft`, and the slopes of both gears' flanks within the
     /// tolerance class `class` of ISO 1328-1, if there is one.
     ///
     /// # Errors
-    /// A field that is varied twice.
-    pub fn all(
+    /// A field that is varied twice, or none.
+    pub fn new(
         requested: &[Requested],
         class: Option<u8>,
         draft: &PairDraft,
         pair: &Pair,
         torque: f64,
-    ) -> Result<Vec<Variation>, Error> {
-        let mut all = Vec::new();
-        let about = |field: &str, tolerance: f64| {
-            let middle = match field {
-                "torque_nm" => torque,
-                _ => draft.number(field).unwrap_or(0.0),
-            };
-            [middle - tolerance, middle + tolerance]
+    ) -> Result<Plan, Error> {
+        let mut plan = Plan {
+            grid: vec![],
+            drawn: vec![],
+            fields: vec![],
         };
-        let mut add = |field: String, [low, high]: [f64; 2]| -> Result<(), Error> {
-            if all.iter().any(|v: &Variation| v.field == field) {
-                return Err(format!("`{field}` is varied twice; leave one out").into());
-            }
-            all.push(Variation {
-                field,
-                low: rounded(low),
-                high: rounded(high),
-            });
-            Ok(())
+        let as_drawn = |field: &str| match field {
+            "torque_nm" => torque,
+            _ => draft.number(field).unwrap_or(0.0),
         };
-        for request in requested {
-            let range = match request.range {
-                Range::Between(range) => range,
-                Range::About(tolerance) => about(&request.field, tolerance),
+        for Requested { fields, range } in requested {
+            let about = as_drawn(fields);
+            let ([low, high], points) = match *range {
+                Range::Between(ends) => (ends, None),
+                Range::About(tolerance) => ([about - tolerance, about + tolerance], None),
+                Range::Grid(ends, points) => (ends, Some(points)),
             };
-            add(request.field.clone(), range)?;
+            plan.add(fields.clone(), [low, high], points)?;
         }
         for (i, gear) in pair.geometry.gears.iter().enumerate() {
             let Some(class) = class else { break };
@@ -114,23 +145,96 @@ impl Variation {
                     Some(_) => own,
                     None => format!("gear{}.{name}", i + 1),
                 };
-                let range = about(&field, 1e6 * tolerance);
-                add(field, range)?;
+                let (about, um) = (as_drawn(&field), 1e6 * tolerance);
+                plan.add(field, [about - um, about + um], None)?;
             }
         }
-        if all.is_empty() {
+        let all = plan.grid.iter().chain(&plan.drawn);
+        for field in all.flat_map(Variation::fields) {
+            if plan.fields.iter().all(|(known, _)| known != field) {
+                plan.fields.push((field.into(), as_drawn(field)));
+            }
+        }
+        if plan.fields.is_empty() {
             return Err(
                 "nothing is varied: name fields with --vary, or a class with --iso-1328-class"
                     .into(),
             );
         }
-        Ok(all)
+        Ok(plan)
+    }
+
+    fn add(
+        &mut self,
+        field: String,
+        [low, high]: [f64; 2],
+        points: Option<usize>,
+    ) -> Result<(), Error> {
+        let all = match points {
+            Some(_) => &mut self.grid,
+            None => &mut self.drawn,
+        };
+        let is_known = |field: &&str| all.iter().any(|v| v.fields().any(|known| known == *field));
+        if let Some(twice) = field.split(',').find(is_known) {
+            return Err(format!("`{twice}` is varied twice; leave one out").into());
+        }
+        all.push(Variation {
+            field,
+            low: rounded(low),
+            high: rounded(high),
+            points,
+        });
+        Ok(())
+    }
+
+    pub fn is_varied(&self, field: &str) -> bool {
+        self.fields.iter().any(|(varied, _)| varied == field)
+    }
+
+    /// Number of points of the grid; 0 where there is none.
+    pub fn points(&self) -> usize {
+        let points = self.grid.iter().filter_map(|axis| axis.points);
+        points.reduce(usize::saturating_mul).unwrap_or(0)
+    }
+
+    /// Number of the value of each axis of the grid at `point`, from 1.
+    pub fn indices(&self, point: usize) -> Vec<usize> {
+        let mut rest = point - 1;
+        let points = self.grid.iter().filter_map(|axis| axis.points);
+        points
+            .map(|points| {
+                let i = rest % points;
+                rest /= points;
+                i
+            })
+            .collect()
+    }
+
+    /// Values of the fields at `point` of the grid (0: as drawn) of sample `number` (0: the point itself) with the seed
+    /// `seed`: the same in every run.
+    pub fn values(&self, point: usize, number: usize, seed: u64) -> Vec<f64> {
+        let mut values: Vec<f64> = self.fields.iter().map(|(_, drawn)| *drawn).collect();
+        let place = |field: &str| self.fields.iter().position(|(known, _)| known == field);
+        if point > 0 {
+            for (axis, i) in self.grid.iter().zip(self.indices(point)) {
+                for k in axis.fields().filter_map(place) {
+                    values[k] = axis.value(i);
+                }
+            }
+        }
+        if number > 0 {
+            for (variation, value) in self.drawn.iter().zip(draw(&self.drawn, seed, number)) {
+                if let Some(k) = place(&variation.field) {
+                    values[k] = rounded(value + (values[k] - self.fields[k].1));
+                }
+            }
+        }
+        values
     }
 }
 
-/// The values of sample `number` (from 1) of the study with the seed `seed`: the same in every run, whichever
-/// samples were drawn before.
-pub fn draw(variations: &[Variation], seed: u64, number: usize) -> Vec<f64> {
+/// The values of sample `number` (from 1): the same whichever samples were drawn before.
+fn draw(variations: &[Variation], seed: u64, number: usize) -> Vec<f64> {
     // Bits all over for neighbouring numbers and seeds (splitmix64, Steele, Lea, Flood, OOPSLA 2014).
     let mix = |mut x: u64| {
         x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
@@ -139,8 +243,8 @@ pub fn draw(variations: &[Variation], seed: u64, number: usize) -> Vec<f64> {
         x ^ (x >> 31)
     };
     let mut random = Random::new(mix(mix(seed) ^ number as u64).max(1));
+    let variations = variations.iter();
     variations
-        .iter()
         .map(|v| rounded(random.within([v.low, v.high])))
         .collect()
 }
@@ -150,28 +254,41 @@ mod tests {
     use super::*;
 
     #[test]
-    fn intervals_and_tolerances_are_read_and_anything_else_is_refused() {
-        let of = |text: &str| text.parse::<Requested>();
-        assert_eq!(
-            of("a.b_um=-1..2").unwrap().range,
-            Range::Between([-1.0, 2.0])
-        );
-        assert_eq!(of("a=+-8").unwrap().range, Range::About(8.0));
-        assert_eq!(of("a=±0.5").unwrap().range, Range::About(0.5));
+    fn intervals_tolerances_and_grids_are_read_and_anything_else_is_refused() {
+        let of = |text: &str| text.parse::<Requested>().unwrap().range;
+        assert_eq!(of("a.b_um=-1..2"), Range::Between([-1.0, 2.0]));
+        assert_eq!(of("a=+-8"), Range::About(8.0));
+        assert_eq!(of("a=±0.5"), Range::About(0.5));
+        assert_eq!(of("a, b=1..3/5"), Range::Grid([1.0, 3.0], 5));
         for wrong in [
-            "a", "a=1", "a=2..1", "a=x..1", "=1..2", "a=+-nan", "a=0..inf",
+            "a",
+            "a=1",
+            "a=2..1",
+            "a=x..1",
+            "=1..2",
+            "a=+-nan",
+            "a=0..inf",
+            "a=0..1/1",
+            "a,b=0..1",
+            "a,=0..1/3",
         ] {
-            assert!(of(wrong).is_err(), "{wrong}");
+            assert!(wrong.parse::<Requested>().is_err(), "{wrong}");
+        }
+    }
+
+    fn variation(field: &str, low: f64, high: f64, points: Option<usize>) -> Variation {
+        Variation {
+            field: field.into(),
+            low,
+            high,
+            points,
         }
     }
 
     #[test]
     fn samples_stay_in_their_intervals_fill_them_and_do_not_depend_on_their_order() {
-        let variations = [("a", -2.0, 6.0), ("b", 0.0, 1.0)].map(|(field, low, high)| Variation {
-            field: field.into(),
-            low,
-            high,
-        });
+        let variations =
+            [("a", -2.0, 6.0), ("b", 0.0, 1.0)].map(|(f, low, high)| variation(f, low, high, None));
         let samples: Vec<Vec<f64>> = (1..=2000).map(|n| draw(&variations, 7, n)).collect();
         let mean = |k: usize| samples.iter().map(|s| s[k]).sum::<f64>() / 2000.0;
         assert!((mean(0) - 2.0).abs() < 0.2 && (mean(1) - 0.5).abs() < 0.03);
@@ -180,5 +297,29 @@ mod tests {
         assert!((both / 2000.0 / (8.0 * 1.0 / 12.0)).abs() < 0.1);
         assert_eq!(draw(&variations, 7, 1234), samples[1233]);
         assert_ne!(draw(&variations, 8, 1234), samples[1233]);
+    }
+
+    #[test]
+    fn a_grid_has_every_combination_once_and_tolerances_lie_about_each_of_its_points() {
+        let plan = Plan {
+            grid: vec![
+                variation("a,b", 0.0, 2.0, Some(3)),
+                variation("c", 5.0, 6.0, Some(2)),
+            ],
+            drawn: vec![variation("a", 9.0, 11.0, None)],
+            fields: [("a", 10.0), ("b", 20.0), ("c", 0.0)]
+                .map(|(f, v)| (f.into(), v))
+                .into(),
+        };
+        let all: Vec<Vec<f64>> = (1..=plan.points()).map(|p| plan.values(p, 0, 1)).collect();
+        let expected = [5.0, 6.0]
+            .map(|c| [0.0, 1.0, 2.0].map(|a| vec![a, a, c]))
+            .concat();
+        assert_eq!(all, expected);
+        assert_eq!(plan.values(0, 0, 1), [10.0, 20.0, 0.0]);
+        let [drawn, moved] = [0, 3].map(|point| plan.values(point, 4, 1));
+        assert!((drawn[0] - 10.0).abs() <= 1.0 && drawn[0] != 10.0);
+        assert!((moved[0] - 2.0 - (drawn[0] - 10.0)).abs() < 1e-9);
+        assert_eq!(moved[1..], [2.0, 5.0]);
     }
 }

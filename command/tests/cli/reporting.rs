@@ -24,17 +24,21 @@ fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
     let html = std::fs::read_to_string(&file).unwrap();
     assert!(html.matches("<svg").count() >= 8);
     for picture in [
-        "power lost",
-        "power lost over that transmitted",
+        "Power lost",
+        "Power lost over that transmitted",
         "loss factor",
     ] {
         assert!(html.contains(picture), "{picture}");
     }
-    // Light and dark, in the page and in every file of a picture.
     assert!(html.contains("prefers-color-scheme:dark"));
-    for reference in ["src=", "href=", "url(", "@import"] {
+    for reference in ["src=", "url(", "@import"] {
         assert!(!html.contains(reference), "{reference}");
     }
+    // The table of contents leads to places of the page.
+    assert_eq!(
+        html.matches("href=").count(),
+        html.matches("href=\"#").count()
+    );
     // The name space of SVG is a name, not an address to be loaded.
     let addresses = html.replace("http://www.w3.org/2000/svg", "");
     assert!(!addresses.contains("http"), "an address in the page");
@@ -44,10 +48,76 @@ fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
         2,
         "the page and the folder of figures"
     );
-    assert_eq!(files(&figures), html.matches("<svg").count());
+    // Every picture as SVG, without what only browsers know, and as CSV.
+    assert_eq!(files(&figures), 2 * html.matches("<svg").count());
     for figure in std::fs::read_dir(&figures).unwrap() {
-        let svg = std::fs::read_to_string(figure.unwrap().path()).unwrap();
-        assert!(svg.contains("prefers-color-scheme:dark") && !svg.contains("var("));
+        let path = figure.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        match path.extension().unwrap().to_str() {
+            Some("svg") => assert!(text.starts_with("<svg") && !text.contains("<style")),
+            _ => assert!(
+                text.lines().count() > 2 && text.contains(','),
+                "{}",
+                path.display()
+            ),
+        }
+    }
+}
+
+#[test]
+fn a_report_compares_pair_files_and_tables_in_the_same_charts() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (page, figures, tables) = (path("report.html"), path("figures"), path("tables.json"));
+    let other = pair_file("palermo2013-unmodified.json")
+        .display()
+        .to_string();
+    let pair = paper();
+    let small = [
+        "--no-center-distance",
+        "--no-misalignment",
+        "--stations",
+        "8",
+    ];
+    succeed(&[&["tables", &pair, "-o", &tables], &small[..], &QUICK].concat());
+    let of = |other: &str| -> Vec<(String, f64)> {
+        let asked = [
+            "report",
+            &pair,
+            "-o",
+            &page,
+            "--figures",
+            &figures,
+            "--positions",
+            "8",
+            "--compare",
+            other,
+        ];
+        succeed(&[&asked[..], &["--torques-nm", "100"], &QUICK].concat());
+        let mut csv =
+            csv::Reader::from_path(Path::new(&figures).join("mesh-stiffness.csv")).unwrap();
+        let rows = csv.records().map(|row| row.unwrap());
+        rows.map(|row| (row[0].to_owned(), row[2].parse().unwrap()))
+            .collect()
+    };
+    let rows = of(&other);
+    let name = "100 N m (palermo2013-unmodified)";
+    assert_eq!(rows.iter().filter(|(curve, _)| curve == name).count(), 9);
+    let html = std::fs::read_to_string(&page).unwrap();
+    for shown in [
+        "In numbers: palermo2013-unmodified",
+        "Contact pattern on gear 2 at 100 N m (palermo2013-unmodified)",
+        "Harris map",
+        "K-chart",
+    ] {
+        assert!(html.contains(shown), "{shown}");
+    }
+    // Tables are those of the pair itself.
+    let rows = of(&tables);
+    let (own, table) = rows.split_at(9);
+    for (own, table) in own.iter().zip(table) {
+        assert!(table.0.contains("tables of palermo2013"), "{}", table.0);
+        assert!((own.1 / table.1 - 1.0).abs() < 0.1, "{} {}", own.1, table.1);
     }
 }
 
@@ -104,7 +174,7 @@ fn a_torque_is_refused_by_the_option_that_gave_it() {
         ),
         (
             &["study", &pair, "-o", &out, "--torque-nm=-5"],
-            "'-5' for '--torque-nm <TORQUE_NM>': give 0 or",
+            "'-5' for '--torques-nm <TORQUES>': give 0 or",
         ),
         (
             &["study", &pair, "-o", &out, "--vary", "torque_nm=-5..5"],

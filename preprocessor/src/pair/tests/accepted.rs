@@ -371,6 +371,19 @@ fn fields_of_a_draft_are_changed_by_their_path_and_made_where_they_are_missing()
 }
 
 #[test]
+fn a_draft_is_written_as_the_pair_file_that_it_is() {
+    let mut draft = draft();
+    draft.rename("other");
+    draft.set("gear2.tip_relief.amount_um", 9.0).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pair.json");
+    std::fs::write(&path, draft.to_json()).unwrap();
+    let pair = crate::pair::read(&path).unwrap();
+    assert_eq!(pair, draft.pair().unwrap());
+    assert_eq!(pair.name, "other");
+}
+
+#[test]
 fn a_name_that_is_no_field_of_a_draft_is_refused() {
     let mut draft = draft();
     draft.set("gear1.lead_slop_um", 1.0).unwrap();

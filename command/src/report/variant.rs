@@ -1,0 +1,114 @@
+//! What a report shows and compares: a pair file with its solver, or tables.
+
+use gearmesh::contact::{ContactError, ContactResult, ContactSolver, Tangent};
+use gearmesh::gear::{Flank, PairGeometry};
+use gearmesh::root::bisection;
+use gearmesh::table::{Query, Table};
+use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
+
+use crate::case::Case;
+
+/// Loads at which every variant is shown: those of the operating range of the reported pair.
+pub struct Loads {
+    pub nominal: f64,
+    /// Torques of the curves over the mesh cycle, N m.
+    pub torques: Vec<f64>,
+    /// Torques up to the largest one.
+    pub survey: Vec<f64>,
+    /// Misalignments over their range, rad; empty where there is none.
+    pub tilts: Vec<f64>,
+    /// Positions over the mesh cycle at `torques`.
+    pub positions: usize,
+    /// Speeds of gear 1, rpm.
+    pub speeds: Vec<f64>,
+}
+
+pub enum Variant<'a> {
+    Pair(&'a ContactSolver),
+    Tables(Box<Table>),
+}
+
+impl Variant<'_> {
+    pub fn geometry(&self) -> &PairGeometry {
+        match self {
+            Variant::Pair(solver) => solver.geometry(),
+            Variant::Tables(table) => table.geometry(),
+        }
+    }
+
+    /// Mesh cycles of the drive flank for each of `torques` (N m) with each of `misalignments` (rad). Tables know STE,
+    /// stiffness and z_c.
+    pub fn cases(
+        &self,
+        torques: &[f64],
+        misalignments: &[f64],
+        positions: usize,
+    ) -> Result<Vec<Case>, ContactError> {
+        let at_torque = |&torque| {
+            let misalignments = misalignments.iter();
+            misalignments.map(move |&misalignment| LoadCase {
+                torque,
+                misalignment,
+            })
+        };
+        let loads: Vec<LoadCase> = torques.iter().flat_map(at_torque).collect();
+        let input = |load: &LoadCase| CycleInput {
+            flank: Flank::Drive,
+            torque: load.torque,
+            center_distance_offset: 0.0,
+            misalignment: load.misalignment,
+            positions,
+        };
+        match self {
+            Variant::Pair(solver) => Case::solve_all(solver, &input(&loads[0]), &loads, &|_| {}),
+            Variant::Tables(table) => {
+                let case = |load| of_table(table, input(load));
+                Ok(loads.iter().map(case).collect())
+            }
+        }
+    }
+}
+
+fn of_table(table: &Table, input: CycleInput) -> Case {
+    let geometry = table.geometry();
+    let force = input.torque / geometry.gears[0].base_radius();
+    let (flank, _) = table.flank(Flank::Drive);
+    let result = |&mesh_position: &f64| {
+        let at = |delta| {
+            let query = Query {
+                delta,
+                center_distance_offset: 0.0,
+                misalignment: input.misalignment,
+                mesh_position,
+            };
+            flank.evaluate(&query, false)
+        };
+        // Force rises with the approach, which is a millimetre at most.
+        let approach = bisection([-1e-3, 1e-3], 60, |delta| at(delta).gradient[0] < force);
+        let found = at(approach);
+        ContactResult {
+            approach,
+            contact_z: geometry.z_ref() + found.gradient[2] / found.gradient[0],
+            tangent: Tangent {
+                force_by_approach: found.hessian[0][0],
+                ..Tangent::default()
+            },
+            ..ContactResult::default()
+        }
+    };
+    let positions = (0..input.positions).map(|i| i as f64 / input.positions as f64);
+    let mesh_position: Vec<f64> = positions.collect();
+    let cycle = MeshCycle {
+        results: mesh_position.iter().map(result).collect(),
+        mesh_position,
+        sliding: vec![],
+        friction: vec![],
+        loads: vec![],
+        solve_seconds: 0.0,
+    };
+    Case {
+        input,
+        cycle,
+        roots: None,
+    }
+}

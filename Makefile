@@ -62,8 +62,18 @@ lint: tools setup $(VENV)/.bindgen
 licenses: setup
 	$(VENV)/bin/python scripts/licenses.py
 
+# The pages of docs/ as a site in target/site, with links, lengths and figures checked.
+.PHONY: docs
+docs: build $(VENV)/.docs-complete
+	NO_MKDOCS_2_WARNING=1 $(VENV)/bin/python -m mkdocs build --quiet --strict
+	$(VENV)/bin/python -m scripts.docs.check target/site
+
+$(VENV)/.docs-complete: $(VENV)/.complete requirements-docs.txt
+	scripts/setup.sh requirements-docs.txt
+	touch $@
+
 # The build comes first: the tests of the command line pack the library that lies beside it.
-test: lint build $(VENV)/.examples-complete
+test: lint build docs $(VENV)/.examples-complete
 	$(CARGO) test --release --workspace
 	$(VENV)/bin/python -m pytest -q tests/python
 
@@ -73,23 +83,23 @@ demo:
 	@$(MAKE) --no-print-directory -j2 setup build
 	$(VENV)/bin/python -m demo --out target/demo
 
-# Every figure and table in docs/, and the contact of every shipped pair in target/report.
+# Every number and picture in docs/, and the contact of every shipped pair in target/report.
 report: examples
 	$(CARGO) run --release --package gearmesh-validation -- --python $(VENV)/bin/python
 	$(VENV)/bin/python -m demo.frames docs/frames.svg
 	$(GEARMESH) pack --tables resources/tables/palermo2013.json --set coupling=held -o target/hosts.fmu
-	$(VENV)/bin/python -m examples.hosts target/hosts.fmu --docs docs/hosts.md
+	$(VENV)/bin/python -m examples.hosts target/hosts.fmu --data docs/data/hosts
 	$(GEARMESH) pack --pair resources/pairs/palermo2013.json -o target/constant.fmu
-	$(VENV)/bin/python -m examples.hosts.adaptive target/constant.fmu target/hosts.fmu --docs docs/hosts.md
+	$(VENV)/bin/python -m examples.hosts.adaptive target/constant.fmu target/hosts.fmu --data docs/data/hosts
 	$(VENV)/bin/python -m demo --out target/demo --docs docs
 	mkdir -p target/report
 	for pair in resources/pairs/*.json; do \
 	    page=target/report/$$(basename $$pair .json); \
 	    $(GEARMESH) report $$pair -o $$page.html --figures $$page || exit 1; \
 	done
-	cp target/report/palermo2013/contact-pattern-on-gear-1-2.svg docs/contact-pattern.svg
 	cp target/drivelines/*.png docs/drivelines/
 	$(VENV)/bin/python -m examples.drivelines.tutorial --docs docs
+	$(VENV)/bin/python -m scripts.docs.figures
 
 # The driveline examples; their plots go to target/drivelines, none into docs.
 examples: build $(VENV)/.examples-complete

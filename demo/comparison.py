@@ -1,7 +1,8 @@
-"""The paper's numbers beside ours, as rows of a table, and the page docs/paper-comparison.md."""
+"""The paper's numbers beside ours, as rows of a table."""
 
 from __future__ import annotations
 
+import csv
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,9 +11,9 @@ import numpy as np
 
 from . import figures, scenes
 from .results import Results
+from .scenes import DTE, TORQUE
 
 UM = 1e6
-DTE = "mesh.transmissionError"
 # Tangential, Table 2, N/m.
 PAPER_STIFFNESS = (4.3e8, 4.47e8)
 
@@ -39,35 +40,34 @@ def verdict(claims: dict[str, bool]) -> str:
 def minimum_band(results: Results) -> str:
     """Torque of the smallest peak-to-peak and its share of the unmodified pair's."""
     modified, unmodified = results.static["modified"], results.static["unmodified"]
-    best = min(modified, key=lambda torque: modified[torque].peak_to_peak)
-    share = modified[best].peak_to_peak / unmodified[best].peak_to_peak
+    best = min(modified, key=lambda torque: modified[torque].peak_to_peak_ste_loa_um)
+    share = modified[best].peak_to_peak_ste_loa_um / unmodified[best].peak_to_peak_ste_loa_um
     return f"{best} N m, there {100 * share:.0f} % of the unmodified pair's"
 
 
 def static_rows(results: Results) -> list[Row]:
     """Geometry and static solves."""
-    drawing = results.drawing
     modified, unmodified = results.static["modified"], results.static["unmodified"]
     force = results.slow["modified"]["mesh.normalForce"]
-    means = ", ".join(f"{modified[t].mean * UM:.2f}" for t in (70, 100, 130))
-    spans = ", ".join(f"{modified[t].peak_to_peak * UM:.2f}" for t in (70, 100, 130))
+    means = ", ".join(f"{modified[t].mean_ste_loa_um:.2f}" for t in (70, 100, 130))
+    spans = ", ".join(f"{modified[t].peak_to_peak_ste_loa_um:.2f}" for t in (70, 100, 130))
     return [
         Row(
             "normal force at 100 N m (section 6)",
             "2726 N",
-            f"{drawing.nominal_normal_force:.1f} N; FMU at 50 rpm, mean over the cycles {force.mean():.1f} N",
+            f"{results.geometry.normal_force(TORQUE):.1f} N; FMU at 50 rpm, mean over the cycles {force.mean():.1f} N",
             "T / (r_b cos beta_b) from Table 1 gives 2660.4 N; no combination of the printed data gives 2726 N.",
         ),
         Row(
             "STE peak-to-peak, unmodified, 100 N m",
             "2 µm",
-            f"{unmodified[100].peak_to_peak * UM:.2f} µm (line of action)",
+            f"{unmodified[100].peak_to_peak_ste_loa_um:.2f} µm (line of action)",
             "Read off a figure by the paper; hub and basic rack behind its tables are not published.",
         ),
         Row(
             "STE peak-to-peak, modified, 100 N m",
             "0.2 µm",
-            f"{modified[100].peak_to_peak * UM:.2f} µm (line of action)",
+            f"{modified[100].peak_to_peak_ste_loa_um:.2f} µm (line of action)",
             "As above; small differences of large numbers, so it depends most on the compliance model.",
         ),
         Row(
@@ -79,7 +79,7 @@ def static_rows(results: Results) -> list[Row]:
         Row(
             "mean STE, unmodified, 100 N m",
             "5.1 to 5.4 µm, from k = 4.3 to 4.47e8 N/m of Table 2",
-            f"{unmodified[100].mean * UM:.2f} µm (line of action); modified {modified[100].mean * UM:.2f} µm, which "
+            f"{unmodified[100].mean_ste_loa_um:.2f} µm (line of action); modified {modified[100].mean_ste_loa_um:.2f} µm, which "
             "contains the microgeometry",
             "Depends on the radius at which the gear bodies are held (bore 30 mm here); the paper names none.",
         ),
@@ -121,14 +121,14 @@ def load_row(results: Results) -> Row:
 def misalignment_rows(results: Results) -> list[Row]:
     """Sign of the mean DTE and position of the contact."""
     rows = []
-    middle = results.drawing.face_width * 500.0
+    middle = 1e3 * np.mean(results.geometry.faces[0])
     for kind, sign in (("negative", "rises"), ("positive", "becomes negative")):
         record = results.misalignment[kind]
         angle, mean, span = scenes.per_cycle(record, DTE, record["mesh.misalignment"])
         moved = mean[-1] > mean[0] if kind == "negative" else mean[-1] < 0.0
         reason = verdict({f"the mean {sign}": moved, "the p-p grows": span[-1] > span[0]})
         if kind == "positive":
-            offset = 0.5 * abs(angle[-1]) * results.drawing.face_width / math.cos(results.drawing.pressure_angle)
+            offset = 1e-3 * middle * abs(angle[-1]) / math.cos(results.geometry.pressure_angle)
             reason += f" Between z = 0 and mid-face lie M b / (2 cos phi) = {offset * UM:.1f} µm."
         rows.append(
             Row(
@@ -158,9 +158,8 @@ def misalignment_rows(results: Results) -> list[Row]:
 
 def mean_stiffness(results: Results) -> float:
     """Tangential secant stiffness of the unmodified pair at 100 N m, from its mean STE, N/m."""
-    drawing = results.drawing
-    force = drawing.nominal_torque / drawing.pitch_radii[0]
-    return force * math.cos(drawing.pressure_angle) / results.static["unmodified"][100].mean
+    force, cos_phi = TORQUE / results.geometry.pitch_radii[0], math.cos(results.geometry.pressure_angle)
+    return UM * force * cos_phi / results.static["unmodified"][100].mean_ste_loa_um
 
 
 def stiffness_beside_table_2(results: Results) -> str:
@@ -193,11 +192,8 @@ def dynamic_rows(results: Results) -> list[Row]:
     rows = []
     cycle = results.static["unmodified"][100]
     order = np.argsort(cycle.mesh_position)
-    static = cycle.ste[order] / math.cos(results.drawing.pressure_angle)
-    count = np.arange(len(static))
-    static_harmonics = np.array(
-        [2 / len(static) * abs(np.sum(static * np.exp(-2j * np.pi * n * count / len(static)))) for n in range(1, 6)]
-    )
+    static = cycle.ste_loa_um[order] / math.cos(results.geometry.pressure_angle) / UM
+    static_harmonics = 2 / len(static) * np.abs(np.fft.rfft(static)[1:6])
     response = results.response
     for rpm in (200, 3000):
         paper = scenes.PAPER_GAINS[rpm]
@@ -222,7 +218,7 @@ def dynamic_rows(results: Results) -> list[Row]:
                 stiffness_beside_table_2(results),
             )
         )
-    nominal = results.drawing.nominal_normal_force
+    nominal = results.geometry.normal_force(TORQUE)
     ranges = {}
     for rpm, record in results.steady.items():
         force = record["mesh.normalForce"] / nominal
@@ -248,21 +244,11 @@ def rows(results: Results) -> list[Row]:
     ]
 
 
-def write_markdown(results: Results, folder: Path) -> None:
-    """Writes paper-comparison.md into `folder`, with its figures in a folder beside it."""
-    figures.draw_all(results, folder / "paper-comparison")
-    lines = [
-        "# The paper's numbers and ours",
-        "",
-        "Written by `make report` (`python -m demo --docs docs`); do not edit. Pair:",
-        "resources/pairs/palermo2013.json and, unmodified, palermo2013-unmodified.json. Static values come from",
-        "`gearmesh solve`, dynamic ones from the packed FMU driven through fmpy.",
-        "",
-        "| quantity | paper | gearmesh | reason for the difference |",
-        "|---|---|---|---|",
-    ]
-    lines += [f"| {r.quantity} | {r.paper} | {r.ours} | {r.reason} |" for r in rows(results)]
-    for figure in figures.FIGURES:
-        picture = f"![{figure.title}](paper-comparison/{figure.file})"
-        lines += ["", f"## {figure.title}", "", figure.caption, "", picture]
-    (folder / "paper-comparison.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
+def write_docs(results: Results, docs: Path) -> None:
+    """Writes data/paper.csv into the folder of the pages, and the pictures that paper-comparison.md shows."""
+    with (docs / "data" / "paper.csv").open("w", encoding="utf-8", newline="") as file:
+        lines = csv.writer(file, lineterminator="\n")
+        lines.writerow(["quantity", "paper", "gearmesh", "reason for the difference"])
+        lines.writerows([r.quantity, r.paper, r.ours, r.reason] for r in rows(results))
+    shown = [figure for figure in figures.FIGURES if (docs / "paper-comparison" / figure.file).exists()]
+    figures.draw_all(results, docs / "paper-comparison", shown)

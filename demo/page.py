@@ -40,15 +40,13 @@ def _table(results: Results) -> str:
 def write(results: Results, folder: Path) -> Path:
     """Writes index.html into `folder`, where the figures are, and returns its path."""
     figures = "\n".join(_figure(folder, f.file, f.title, f.caption) for f in FIGURES)
-    steps = results.sweep.steps
     text = f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>gearmesh: the paper's pair</title>
 <meta name="viewport" content="width=device-width"><style>{STYLE}</style></head><body>
 <h1>The gear pair of Palermo et al. (2013) through its FMU</h1>
-<p>Static curves come from <code>gearmesh solve</code>. Everything else is <code>palermo2013.fmu</code> (run-up: the
+<p>The first pictures are a run-up at a usual damping, the others the paper's simulations. Static curves come from <code>gearmesh solve</code>. Everything else is <code>palermo2013.fmu</code> (run-ups: the
 unmodified pair) driven through fmpy: gear 1 turns as imposed, gear 2 turns on a rigid revolute joint and its inertia
-is integrated outside the unit. The run-up took {steps} communication steps, everything on this page
-{results.seconds:.0f} s.</p>
+is integrated outside the unit; in the first pictures both turn freely. Everything on this page took {results.seconds:.0f} s.</p>
 {figures}
 <h2>The paper's numbers and ours</h2>
 {_table(results)}

@@ -1,4 +1,4 @@
-"""Code of the FMU's library by the crate it comes from, as a table for docs/release.md.
+"""Code of the FMU's library by the crate it comes from, for docs/data/library-crates.csv.
 
     cargo build --release --package gearmesh
     python scripts/library_crates.py target/release/libgearmesh.so
@@ -46,11 +46,11 @@ def main():
     found = bytes_by_crate(sys.argv[1])
     if not found:
         sys.exit(f"{sys.argv[1]} has no symbols; build it as said above")
-    print("| crate | code, kB |\n|---|---:|")
+    print('crate,"code, kB"')
     for crate, size in found.most_common():
         if size >= 1000:
-            print(f"| {crate} | {size / 1000:.0f} |")
-    print(f"| all | {sum(found.values()) / 1000:.0f} |")
+            print(f"{crate},{size / 1000:.0f}")
+    print(f"all,{sum(found.values()) / 1000:.0f}")
 
 
 if __name__ == "__main__":

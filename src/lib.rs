@@ -63,6 +63,7 @@ pub mod gear;
 pub mod pair;
 pub mod random;
 pub mod root;
+pub mod sealed;
 pub mod table;
 mod vector;
 pub mod words;

@@ -18,6 +18,29 @@ pub fn fixed(value: f64, digits: usize) -> String {
     }
 }
 
+/// `value` to `digits` significant digits as tables of quantities show it: with an exponent below 0.01 and from 100 000 on.
+pub fn significant(value: f64, digits: usize) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-2..1e5).contains(&size) {
+        return format!("{value:.0$e}", digits - 1);
+    }
+    let before = if size > 0.0 {
+        size.log10().floor() as i32 + 1
+    } else {
+        digits as i32
+    };
+    fixed(value, (digits as i32 - before).max(0) as usize)
+}
+
+/// `value` > 0 to `digits` significant digits, by `round` of whole numbers.
+pub fn to_digits(value: f64, digits: i32, round: fn(f64) -> f64) -> f64 {
+    let exponent = value.log10().floor() as i32 - digits + 1;
+    // Through the decimals, so that what is written is what is meant.
+    format!("{:.0}e{exponent}", round(value / 10f64.powi(exponent)))
+        .parse()
+        .unwrap_or(value)
+}
+
 /// A number and what it counts: `1 node`, `3 nodes`.
 pub fn count(number: usize, of: &str) -> String {
     let s = if number == 1 { "" } else { "s" };
@@ -91,6 +114,22 @@ mod tests {
         assert!(rounded(f64::NAN).is_nan());
         assert_eq!(fixed(3.3357e305, 2), "3.34e305");
         assert_eq!(fixed(-1e-9, 2), "0.00");
+    }
+
+    #[test]
+    fn digits_are_counted_and_cut_in_decimals() {
+        assert_eq!(to_digits(1.2999e-6, 2, f64::floor), 1.2e-6);
+        assert_eq!(to_digits(1034.6, 3, f64::round), 1030.0);
+        assert_eq!(to_digits(9.996, 3, f64::round), 10.0);
+        for (value, text) in [
+            (0.0, "0"),
+            (0.25, "0.2500"),
+            (1034.6, "1035"),
+            (2.5e8, "2.500e8"),
+            (-0.001, "-1.000e-3"),
+        ] {
+            assert_eq!(significant(value, 4), text);
+        }
     }
 
     #[test]

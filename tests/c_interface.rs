@@ -6,8 +6,8 @@ use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr;
 use std::sync::Mutex;
 
-use ::fmi::fmi2::binding::*;
 use gearmesh::fmi::c_interface::*;
+use gearmesh::fmi::header::*;
 use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, UnitFile};
 
 #[path = "units/mod.rs"]
@@ -16,8 +16,8 @@ use units::{GUID, resources, spur as unit, tabulated};
 
 static LOG: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// Takes the one string that the unit's format "%s" has: the symbol of a logger with one argument
-/// stands in for the variadic one, which Rust cannot define.
+/// Takes the one string that the unit's format "%s" has: a logger with one argument stands in for the variadic one,
+/// which Rust cannot define.
 unsafe extern "C" fn logger(
     _environment: *mut c_void,
     _name: *const c_char,
@@ -32,42 +32,40 @@ unsafe extern "C" fn logger(
     LOG.lock().unwrap().push(text.to_str().unwrap().to_owned());
 }
 
-fn callbacks() -> fmi2CallbackFunctions {
-    type OneArgument = unsafe extern "C" fn(
-        *mut c_void,
-        *const c_char,
-        fmi2Status,
-        *const c_char,
-        *const c_char,
-        *const c_char,
-    );
-    // Safety: on the platforms the tests run on, one variadic pointer is passed like a plain one.
-    let logger = unsafe {
-        std::mem::transmute::<OneArgument, <fmi2CallbackLogger as IntoIterator>::Item>(logger)
+/// The instance, or what the log says last.
+fn instantiate(uri: &CStr, guid: &CStr, kind: fmi2Type) -> Result<fmi2Component, String> {
+    // Safety: on the platforms the tests run on, one variadic pointer is passed like a plain one; all pointers are valid
+    // during the call. The callbacks end with it: the unit must have copied them.
+    let c = unsafe {
+        let callbacks = fmi2CallbackFunctions {
+            logger: std::mem::transmute::<*const (), fmi2CallbackLogger>(logger as *const ()),
+            allocateMemory: None,
+            freeMemory: None,
+            stepFinished: None,
+            componentEnvironment: ptr::null_mut(),
+        };
+        let (guid, uri) = (guid.as_ptr(), uri.as_ptr());
+        fmi2Instantiate(c"one".as_ptr(), kind, guid, uri, &callbacks, 0, 1)
     };
-    fmi2CallbackFunctions {
-        logger: Some(logger),
-        allocateMemory: None,
-        freeMemory: None,
-        stepFinished: None,
-        componentEnvironment: ptr::null_mut(),
+    if c.is_null() {
+        return Err(LOG.lock().unwrap().join("\n"));
     }
+    Ok(c)
 }
 
-fn instantiate(uri: &CStr, guid: &CStr, kind: fmi2Type) -> fmi2Component {
-    let callbacks = callbacks();
-    // The callbacks end with this call: the unit must have copied them.
-    // Safety: all pointers are valid during the call.
-    unsafe {
-        fmi2Instantiate(
-            c"one".as_ptr(),
-            kind,
-            guid.as_ptr(),
-            uri.as_ptr(),
-            ptr::from_ref(&callbacks).cast(),
-            fmi2False as fmi2Boolean,
-            fmi2True as fmi2Boolean,
-        )
+#[test]
+fn what_no_instance_can_be_made_of_is_refused_with_what_would_be_right() {
+    let folder = tempfile::tempdir().unwrap();
+    let uri = resources(folder.path(), &unit());
+    let guid = CString::new(GUID).unwrap();
+    let endless = CString::new(vec![b'a'; 1 << 16]).unwrap();
+    for (guid, kind, text) in [
+        (c"{other}", fmi2CoSimulation, "the host passed GUID {other}"),
+        (&guid, 2, "model exchange (0) and co-simulation (1)"),
+        (&endless, fmi2CoSimulation, "fmuGUID does not end within"),
+    ] {
+        let said = instantiate(&uri, guid, kind).unwrap_err();
+        assert!(said.contains(text), "{said}");
     }
 }
 
@@ -76,85 +74,36 @@ fn an_instance_lives_from_instantiation_to_freeing() {
     let folder = tempfile::tempdir().unwrap();
     let uri = resources(folder.path(), &unit());
     let guid = CString::new(GUID).unwrap();
-
-    for (guid, kind, said) in [
-        (
-            c"{other}",
-            fmi2Type_fmi2CoSimulation,
-            "the host passed GUID {other}",
-        ),
-        (
-            guid.as_c_str(),
-            2,
-            "model exchange (0) and co-simulation (1)",
-        ),
-    ] {
-        assert!(instantiate(&uri, guid, kind).is_null());
-        let last = LOG.lock().unwrap().pop().unwrap();
-        assert!(last.contains(said), "{last}");
-    }
-
-    let c = instantiate(&uri, &guid, fmi2Type_fmi2CoSimulation);
-    assert!(!c.is_null());
-    // Safety: `c` is a component, arrays are as long as said or wrong on purpose in a way that the
-    // unit can see.
+    let c = instantiate(&uri, &guid, fmi2CoSimulation).unwrap();
+    // Safety: `c` is a component; arrays are as long as passed, or wrong in a way that the unit can see.
     unsafe {
-        assert_eq!(
-            fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
-            fmi2Status_fmi2OK
-        );
-        assert_eq!(fmi2EnterInitializationMode(c), fmi2Status_fmi2OK);
-        assert_eq!(fmi2ExitInitializationMode(c), fmi2Status_fmi2OK);
-
+        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), fmi2OK);
+        assert_eq!(fmi2EnterInitializationMode(c), fmi2OK);
+        assert_eq!(fmi2ExitInitializationMode(c), fmi2OK);
         // All inputs and all outputs in one call each.
-        let inputs: Vec<u32> = (0..48).collect();
-        let mut values = vec![0.0; 48];
-        assert_eq!(
-            fmi2GetReal(c, inputs.as_ptr(), 48, values.as_mut_ptr()),
-            fmi2Status_fmi2OK
-        );
+        let vr = (0..48).collect::<Vec<u32>>();
+        let mut values = [0.0; 48];
+        let out = values.as_mut_ptr();
+        assert_eq!(fmi2GetReal(c, vr.as_ptr(), 48, out), fmi2OK);
         assert_eq!(values[16], 80e-3);
         values[5] = 1e-3; // gear1.angles[3]
-        assert_eq!(
-            fmi2SetReal(c, inputs.as_ptr(), 48, values.as_ptr()),
-            fmi2Status_fmi2OK
-        );
-        assert_eq!(fmi2DoStep(c, 0.0, 1e-5, 1), fmi2Status_fmi2OK);
-        let outputs: Vec<u32> = (100..131).collect();
-        let mut results = vec![0.0; 31];
-        assert_eq!(
-            fmi2GetReal(c, outputs.as_ptr(), 31, results.as_mut_ptr()),
-            fmi2Status_fmi2OK
-        );
-        assert_eq!(
-            results[24..26],
-            [1.0, 0.0],
-            "mesh.flank and mesh.outOfRange"
-        );
+        assert_eq!(fmi2SetReal(c, vr.as_ptr(), 48, values.as_ptr()), fmi2OK);
+        assert_eq!(fmi2DoStep(c, 0.0, 1e-5, 1), fmi2OK);
+        let vr = (100..131).collect::<Vec<u32>>();
+        let mut results = [0.0; 31];
+        let out = results.as_mut_ptr();
+        assert_eq!(fmi2GetReal(c, vr.as_ptr(), 31, out), fmi2OK);
+        assert_eq!(results[24..26], [1.0, 0.0], "flank and outOfRange");
         // 1 mrad on a pitch radius of 40 mm.
         assert!((results[15] - 40e-6).abs() < 1e-15, "{}", results[15]);
         assert!(results[7] > 0.0, "gear 2 is pushed along +y");
-
         // A length that no array can have is seen before anything is read.
-        assert_eq!(
-            fmi2GetReal(c, inputs.as_ptr(), usize::MAX, values.as_mut_ptr()),
-            fmi2Status_fmi2Error
-        );
-        assert_eq!(fmi2Reset(c), fmi2Status_fmi2OK);
-        assert_eq!(fmi2FreeFMUstate(c, ptr::null_mut()), fmi2Status_fmi2OK);
+        assert_eq!(fmi2GetReal(c, vr.as_ptr(), usize::MAX, out), fmi2Error);
+        assert_eq!(fmi2Reset(c), fmi2OK);
+        assert_eq!(fmi2FreeFMUstate(c, ptr::null_mut()), fmi2OK);
         fmi2FreeInstance(c);
         fmi2FreeInstance(ptr::null_mut());
     }
-}
-
-#[test]
-fn text_without_an_end_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let uri = resources(folder.path(), &unit());
-    let endless = CString::new(vec![b'a'; 1 << 16]).unwrap();
-    assert!(instantiate(&uri, &endless, fmi2Type_fmi2CoSimulation).is_null());
-    let said = LOG.lock().unwrap().join("\n");
-    assert!(said.contains("fmuGUID does not end within"), "{said}");
 }
 
 /// Loads the library that lies beside this test, runs an instance, and unloads it again.
@@ -171,20 +120,20 @@ fn load_and_unload(library: &CStr, uri: &CStr, guid: &CStr, kind: fmi2Type) {
                 std::mem::transmute::<*mut c_void, $type>(symbol($name)).expect("exported")
             };
         }
-        let instantiate = function!(c"fmi2Instantiate": fmi2InstantiateTYPE);
-        let enter = function!(c"fmi2EnterInitializationMode": fmi2EnterInitializationModeTYPE);
-        let exit = function!(c"fmi2ExitInitializationMode": fmi2ExitInitializationModeTYPE);
-        let store = function!(c"fmi2GetFMUstate": fmi2GetFMUstateTYPE);
-        let reset = function!(c"fmi2Reset": fmi2ResetTYPE);
-        let free = function!(c"fmi2FreeInstance": fmi2FreeInstanceTYPE);
+        use ::fmi::fmi2::binding as standard;
+        let instantiate = function!(c"fmi2Instantiate": standard::fmi2InstantiateTYPE);
+        let exit =
+            function!(c"fmi2ExitInitializationMode": standard::fmi2ExitInitializationModeTYPE);
+        let enter =
+            function!(c"fmi2EnterInitializationMode": standard::fmi2EnterInitializationModeTYPE);
+        let store = function!(c"fmi2GetFMUstate": standard::fmi2GetFMUstateTYPE);
+        let free = function!(c"fmi2FreeInstance": standard::fmi2FreeInstanceTYPE);
         let (guid, uri) = (guid.as_ptr(), uri.as_ptr());
         let c = instantiate(c"one".as_ptr(), kind, guid, uri, ptr::null(), 0, 0);
         assert!(!c.is_null());
-        assert_eq!(enter(c), fmi2Status_fmi2OK);
-        assert_eq!(exit(c), fmi2Status_fmi2OK);
+        assert_eq!([enter(c), exit(c)], [fmi2OK; 2]);
         let mut state = ptr::null_mut();
-        assert_eq!(store(c, &mut state), fmi2Status_fmi2OK);
-        assert_eq!(reset(c), fmi2Status_fmi2OK);
+        assert_eq!(store(c, &mut state), fmi2OK);
         free(c);
         assert_eq!(libc::dlclose(handle), 0);
         // Gone, not only counted down.
@@ -226,7 +175,7 @@ fn loading_and_unloading_leaves_no_byte_behind() {
     let given_out = || unsafe { libc::mallinfo2() }.uordblks;
     let mut before = 0;
     for cycle in 0..12 {
-        let kind = [fmi2Type_fmi2CoSimulation, fmi2Type_fmi2ModelExchange][cycle % 2];
+        let kind = [fmi2CoSimulation, fmi2ModelExchange][cycle % 2];
         load_and_unload(&path, &uri, &guid, kind);
         // The loader and C's library keep a few things of the first cycles.
         if cycle == 3 {

@@ -2,7 +2,7 @@
 //!
 //! The standard's c'_th is the stiffness of a pair of spur teeth of the virtual numbers, 18.9 and 114.5, with a dedendum of 1.2
 //! on solid discs, from Weber and Banaschek's formulas; its c' is 0.8 of it, which measurements ask for, times 0.9
-//! for this dedendum of 1.4. docs/contact-results.md sets the numbers printed here (`-- --nocapture`) beside each other.
+//! for this dedendum of 1.4. docs/validation.md sets the numbers printed here (`-- --nocapture`) beside each other.
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};

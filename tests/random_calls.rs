@@ -5,11 +5,11 @@
 
 #![allow(unsafe_code)] // it calls what C calls
 
-use std::ffi::{CStr, CString, c_char, c_void};
+use std::ffi::{CStr, CString, c_char};
 use std::ptr;
 
-use ::fmi::fmi2::binding::*;
 use gearmesh::fmi::c_interface::*;
+use gearmesh::fmi::header::*;
 use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index};
 use gearmesh::random::Random;
 
@@ -70,26 +70,10 @@ struct Accepted {
 impl Host {
     fn new(uri: &CStr, kind: fmi2Type, seed: u64) -> Host {
         let guid = CString::new(units::GUID).unwrap();
-        let callbacks = fmi2CallbackFunctions {
-            logger: None,
-            allocateMemory: None,
-            freeMemory: None,
-            stepFinished: None,
-            componentEnvironment: ptr::null_mut::<c_void>(),
-        };
-        let [off, on] = [fmi2False as fmi2Boolean, fmi2True as fmi2Boolean];
+        let (guid, uri) = (guid.as_ptr(), uri.as_ptr());
         // Safety: all pointers are valid during the call.
-        let component = unsafe {
-            fmi2Instantiate(
-                c"random".as_ptr(),
-                kind,
-                guid.as_ptr(),
-                uri.as_ptr(),
-                ptr::from_ref(&callbacks).cast(),
-                off,
-                on,
-            )
-        };
+        let component =
+            unsafe { fmi2Instantiate(c"random".as_ptr(), kind, guid, uri, ptr::null(), 0, 1) };
         assert!(!component.is_null());
         Host {
             component,
@@ -152,7 +136,7 @@ impl Host {
                     _ => fmi2SetInteger(c, &vr, 1, &whole),
                 }
             };
-            if status != fmi2Status_fmi2OK {
+            if status != fmi2OK {
                 return;
             }
             self.accepted.parameters += 1;
@@ -167,7 +151,7 @@ impl Host {
 
     /// Notes numbers that the unit gave; only those of inputs may be what no computation gives.
     fn take(&mut self, status: fmi2Status, values: &[f64]) {
-        for value in values.iter().filter(|_| status <= fmi2Status_fmi2Warning) {
+        for value in values.iter().filter(|_| status <= fmi2Warning) {
             assert!(value.is_finite(), "{value} with status {status}");
             self.note(value.to_bits());
         }
@@ -193,7 +177,7 @@ impl Host {
                 7..=9 => {
                     let status = fmi2GetReal(c, vr.as_ptr(), n, numbers.as_mut_ptr());
                     self.take(status, &numbers);
-                    let outputs = (100..200).contains(&vr[0]) && status == fmi2Status_fmi2OK;
+                    let outputs = (100..200).contains(&vr[0]) && status == fmi2OK;
                     self.accepted.outputs += usize::from(outputs);
                     status
                 }
@@ -225,15 +209,14 @@ impl Host {
                 }
                 16..=19 => {
                     let step = [1e-5, 1e-6, 1e-3, 0.0, self.real()][self.below(5)];
-                    let point = if self.below(10) == 0 {
-                        self.real()
-                    } else {
-                        self.time
+                    let point = match self.below(10) {
+                        0 => self.real(),
+                        _ => self.time,
                     };
-                    let status = fmi2DoStep(c, point, step, fmi2True as fmi2Boolean);
+                    let status = fmi2DoStep(c, point, step, 1);
                     let mut time = 0.0;
-                    let kind = fmi2StatusKind_fmi2LastSuccessfulTime;
-                    if fmi2GetRealStatus(c, kind, &mut time) == fmi2Status_fmi2OK {
+                    let kind = fmi2LastSuccessfulTime;
+                    if fmi2GetRealStatus(c, kind, &mut time) == fmi2OK {
                         self.time = time;
                     }
                     status
@@ -242,24 +225,21 @@ impl Host {
                 21 => fmi2EnterContinuousTimeMode(c),
                 22 => fmi2EnterEventMode(c),
                 23 => {
-                    let mut info = std::mem::zeroed::<fmi2EventInfo>();
-                    fmi2NewDiscreteStates(c, ptr::from_mut(&mut info).cast())
+                    let mut info = fmi2EventInfo::default();
+                    fmi2NewDiscreteStates(c, &mut info)
                 }
                 24 => {
                     let [mut event, mut terminate] = [0; 2];
                     fmi2CompletedIntegratorStep(c, 1, &mut event, &mut terminate)
                 }
-                25 => self.keep(),
+                25 => self.store(),
                 26 => {
                     let state = self.state();
                     let status = fmi2SetFMUstate(c, state);
-                    self.accepted.restored += usize::from(status == fmi2Status_fmi2OK);
+                    self.accepted.restored += usize::from(status == fmi2OK);
                     status
                 }
-                27 => {
-                    let state = self.state();
-                    self.write(state)
-                }
+                27 => self.write(),
                 28 => self.read(),
                 29 => fmi2SetDebugLogging(c, integers[0], 0, ptr::null::<*const c_char>()),
                 30 => fmi2SetupExperiment(c, 0, 0.0, reals[0], integers[0], reals[n - 1]),
@@ -271,11 +251,8 @@ impl Host {
                 },
             }
         };
-        assert!(
-            status < fmi2Status_fmi2Fatal,
-            "call {which}: status {status}"
-        );
-        self.accepted.calls += usize::from(status == fmi2Status_fmi2OK);
+        assert!(status < fmi2Fatal, "call {which}: status {status}");
+        self.accepted.calls += usize::from(status == fmi2OK);
         self.note(u64::from(status) << 8 | which as u64);
         for value in whole {
             self.note(value as u64);
@@ -303,49 +280,49 @@ impl Host {
             fmi2EnterInitializationMode(c);
             fmi2GetInteger(c, &model, 1, &mut level);
             let status = fmi2ExitInitializationMode(c);
-            if status == fmi2Status_fmi2OK {
+            if status == fmi2OK {
                 self.accepted.begun[level as usize - 1] += 1;
             }
             status
         }
     }
 
-    /// A state that is kept, was freed, or never was.
+    /// A state that is stored, was freed, or never was.
     fn state(&mut self) -> fmi2FMUstate {
-        match self.states.len() {
-            0 => ptr::null_mut(),
-            _ if self.below(10) == 0 => ptr::without_provenance_mut(usize::MAX - self.below(1000)),
-            count => {
-                let place = self.below(count);
-                self.states[place]
-            }
+        if self.states.is_empty() {
+            return ptr::null_mut();
         }
+        if self.below(10) == 0 {
+            return ptr::without_provenance_mut(usize::MAX - self.below(1000));
+        }
+        let i = self.below(self.states.len());
+        self.states[i]
     }
 
-    fn keep(&mut self) -> fmi2Status {
+    fn store(&mut self) -> fmi2Status {
         let mut state = self.state();
-        // Safety: `state` is a place for a state.
-        let status = unsafe { fmi2GetFMUstate(self.component, &mut state) };
-        self.states.push(state);
-        if self.states.len() > 20 {
-            let mut first = self.states.remove(0);
-            // Safety: as above; the same handle may stand in the list twice.
-            unsafe { fmi2FreeFMUstate(self.component, &mut first) };
+        // Safety: `state` is a place for a state; the same handle may stand in the list twice.
+        unsafe {
+            let status = fmi2GetFMUstate(self.component, &mut state);
+            self.states.push(state);
+            if self.states.len() > 20 {
+                let mut first = self.states.remove(0);
+                fmi2FreeFMUstate(self.component, &mut first);
+            }
+            status
         }
-        status
     }
 
-    fn write(&mut self, state: fmi2FMUstate) -> fmi2Status {
-        let mut size = 0;
-        // Safety: the array is as long as said.
+    fn write(&mut self) -> fmi2Status {
+        let (c, state, mut size) = (self.component, self.state(), 0);
+        // Safety: the array is as long as passed.
         unsafe {
-            let status = fmi2SerializedFMUstateSize(self.component, state, &mut size);
-            if status != fmi2Status_fmi2OK {
+            let status = fmi2SerializedFMUstateSize(c, state, &mut size);
+            if status != fmi2OK {
                 return status;
             }
             self.bytes = vec![0; size];
-            let bytes = self.bytes.as_mut_ptr();
-            fmi2SerializeFMUstate(self.component, state, bytes, size)
+            fmi2SerializeFMUstate(c, state, self.bytes.as_mut_ptr(), size)
         }
     }
 
@@ -353,10 +330,10 @@ impl Host {
     fn read(&mut self) -> fmi2Status {
         let mut bytes = self.bytes.clone();
         if !bytes.is_empty() {
-            let place = self.below(bytes.len());
+            let i = self.below(bytes.len());
             match self.below(4) {
-                0 => bytes[place] = self.below(256) as u8 as fmi2Byte,
-                1 => bytes.truncate(place),
+                0 => bytes[i] = self.below(256) as u8 as fmi2Byte,
+                1 => bytes.truncate(i),
                 _ => {}
             }
         }
@@ -365,7 +342,7 @@ impl Host {
         // Safety: the array is as long as said.
         let status =
             unsafe { fmi2DeSerializeFMUstate(self.component, data, bytes.len(), &mut state) };
-        if status == fmi2Status_fmi2OK {
+        if status == fmi2OK {
             self.states.push(state);
         }
         status
@@ -395,30 +372,16 @@ fn complete(folder: &std::path::Path) -> gearmesh::fmi::resources::UnitFile {
     let root = env!("CARGO_MANIFEST_DIR");
     let program = std::env::current_exe().unwrap();
     let program = program.ancestors().nth(2).unwrap().join("gearmesh");
-    assert!(
-        program.exists(),
-        "no {}: build the workspace first",
-        program.display()
-    );
-    let mut build = std::process::Command::new(program);
-    build
-        .args([
-            "build",
-            &format!("{root}/resources/pairs/palermo2013.json"),
-            "-q",
-            "-o",
-        ])
-        .arg(&fmu)
-        .args([
-            "--refinement",
-            "coarse",
-            "--stations",
-            "6",
-            "--no-center-distance",
-        ])
-        .args(["--friction", "--root-stress", "--teeth", "--contact"])
-        .args(["--cache-dir", &format!("{root}/target/tmp/elastic-models")]);
-    let output = build.output().unwrap();
+    let path = program.display();
+    assert!(program.exists(), "no {path}: build the workspace first");
+    let options = "--refinement coarse --stations 6 --no-center-distance --friction --root-stress --teeth --contact -q";
+    let output = std::process::Command::new(program)
+        .args(["build", &format!("{root}/resources/pairs/palermo2013.json")])
+        .args(options.split(' '))
+        .args(["--cache-dir", &format!("{root}/target/tmp/elastic-models")])
+        .args(["-o".as_ref(), fmu.as_os_str()])
+        .output()
+        .unwrap();
     assert!(output.status.success(), "{output:?}");
     let mut archive = zip::ZipArchive::new(std::fs::File::open(fmu).unwrap()).unwrap();
     let mut file = |name: &str| {
@@ -440,38 +403,26 @@ fn complete(folder: &std::path::Path) -> gearmesh::fmi::resources::UnitFile {
 fn random_calls_end_in_answers_or_refusals_and_the_same_ones_twice() {
     let calls = std::env::var("GEARMESH_RANDOM_CALLS");
     let calls = calls.map_or(50_000, |text| text.parse().expect("a number of calls"));
-    let constant = tempfile::tempdir().unwrap();
-    let tables = tempfile::tempdir().unwrap();
-    let mut uris = vec![
-        (units::resources(constant.path(), &units::spur()), 1..2),
-        (
-            units::resources(tables.path(), &units::tabulated(tables.path())),
-            1..3,
-        ),
+    let folders = [(); 3].map(|()| tempfile::tempdir().unwrap());
+    let [constant, tables, full] = folders.each_ref().map(|folder| folder.path());
+    let uris = [
+        (units::resources(constant, &units::spur()), 1..2),
+        (units::resources(tables, &units::tabulated(tables)), 1..3),
+        (units::resources(full, &complete(full)), 1..5),
     ];
-    let full = tempfile::tempdir().unwrap();
-    uris.push((units::resources(full.path(), &complete(full.path())), 1..5));
     for (number, (uri, levels)) in uris.iter().enumerate() {
-        for kind in [fmi2Type_fmi2CoSimulation, fmi2Type_fmi2ModelExchange] {
+        for kind in [fmi2CoSimulation, fmi2ModelExchange] {
             let seed = 0x9e37_79b9_7f4a_7c15 + 2 * number as u64 + u64::from(kind);
             let once = run(uri, kind, seed, calls);
             let accepted = once.1;
             println!("unit {number}, interface {kind}, of {calls}: {accepted:?}");
             assert!(accepted.calls > calls / 20, "{accepted:?}");
-            let [parameters, outputs, restored] =
-                [accepted.parameters, accepted.outputs, accepted.restored];
-            assert!(
-                [parameters, outputs, restored]
-                    .iter()
-                    .all(|n| *n > calls / 500),
-                "{accepted:?}"
-            );
+            let counts = [accepted.parameters, accepted.outputs, accepted.restored];
+            let often = counts.iter().all(|n| *n > calls / 500);
+            assert!(often, "{accepted:?}");
             for (level, begun) in (1..).zip(accepted.begun) {
-                assert_eq!(
-                    begun > calls / 2000,
-                    levels.contains(&level),
-                    "{accepted:?}"
-                );
+                let often = begun > calls / 2000;
+                assert_eq!(often, levels.contains(&level), "{accepted:?}");
             }
             assert_eq!(once, run(uri, kind, seed, calls));
         }

@@ -1,1 +1,1 @@
-"""Drivelines that copy-and-change users can start from; each folder has a README and runs by `python -m`."""
+"""Drivelines to copy and change; each folder runs by `python -m`, and docs/drivelines.md shows what it finds."""

@@ -1,53 +1,52 @@
-"""Where the examples find the command, their units and the place for results."""
+"""Where the examples find their units, and the place for results."""
 
 from __future__ import annotations
 
 import os
-import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
+import gearmesh
 import matplotlib
+from gearmesh import command, plots
 
 matplotlib.use("Agg")
 
 ROOT = Path(__file__).resolve().parents[2]
 OUT = ROOT / "target" / "drivelines"
 PAIRS = Path(__file__).parent / "pairs"
-GEARMESH = ROOT / "target" / "release" / "gearmesh"
 
 
 def save(figure, name: str) -> None:
     """Writes a figure of matplotlib to target/drivelines/NAME.png."""
-    OUT.mkdir(parents=True, exist_ok=True)
-    figure.tight_layout()
-    figure.savefig(OUT / f"{name}.png", dpi=80)
+    plots.save(figure, OUT / f"{name}.png")
 
 
-def shipped(name: str, *settings: str) -> Path:
-    """The unit of the tables in resources/tables, packed once, with settings `NAME=VALUE`."""
-    options = [f"--set={setting}" for setting in settings]
-    return _made("-".join([name, *settings]), "pack", "--tables", ROOT / "resources" / "tables" / f"{name}.json", *options)
+def shipped(name: str, **set: gearmesh.command.Value) -> Path:
+    """The unit of the tables in resources/tables, packed once, with start values."""
+    tables = ROOT / "resources" / "tables" / f"{name}.json"
+    return _made("-".join([name, *(f"{k}={v}" for k, v in set.items())]), tables, lambda out: gearmesh.pack(tables, out, set=set))
 
 
 def local(name: str) -> Path:
     """The unit of a pair of the examples' own, from the tables beside its pair file (examples/drivelines/pairs)."""
-    return _made(name, "pack", "--tables", PAIRS / f"{name}.tables.json")
+    tables = PAIRS / f"{name}.tables.json"
+    return _made(name, tables, lambda out: gearmesh.pack(tables, out))
 
 
 def built(pair: Path) -> Path:
     """The unit of a pair file, with tables over load and mesh position on coarse finite elements."""
-    return _made(f"{pair.stem}-built", "build", pair, "--refinement", "coarse", "--no-center-distance", "--no-misalignment", "-q")
+    options = {"refinement": "coarse", "no_center_distance": True, "no_misalignment": True}
+    return _made(f"{pair.stem}-built", pair, lambda out: gearmesh.build(pair, out, **options))
 
 
-def _made(name: str, command: str, *arguments: object) -> Path:
-    """Runs the command unless its result is newer than what it is made of."""
+def _made(name: str, source: Path, make: Callable[[Path], object]) -> Path:
+    """Makes a unit unless there is one newer than what it is made of."""
     out = OUT / f"{name}.fmu"
-    sources = [GEARMESH, *(a for a in arguments if isinstance(a, Path))]
-    if not out.exists() or out.stat().st_mtime < max(s.stat().st_mtime for s in sources):
+    if not out.exists() or out.stat().st_mtime < max(s.stat().st_mtime for s in (source, command.executable())):
         OUT.mkdir(parents=True, exist_ok=True)
         # Moved into place when whole: several processes may want the same unit at once.
         beside = out.with_name(f"{out.stem}.{os.getpid()}.fmu")
-        run = [str(a) for a in (GEARMESH, command, *arguments, "-o", beside)]
-        subprocess.run(run, check=True, stdout=subprocess.PIPE)
+        make(beside)
         beside.replace(out)
     return out

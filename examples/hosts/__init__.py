@@ -1,1 +1,1 @@
-"""One scenario through many hosts: `python -m examples.hosts` writes docs/hosts.md."""
+"""One scenario through many hosts: `python -m examples.hosts`."""

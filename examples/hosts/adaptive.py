@@ -1,6 +1,6 @@
 """Adaptive solvers on a unit through Model Exchange: what event indicators and directional derivatives would save.
 
-    python -m examples.hosts.adaptive CONSTANT.fmu TABLES.fmu [--docs docs/hosts.md]
+    python -m examples.hosts.adaptive CONSTANT.fmu TABLES.fmu [--data docs/data/hosts]
 
 Gear 1 turns at a constant speed, gear 2 is free on its hinge under a torque: through the backlash and back with
 constant stiffness, where both onsets of contact are known; a torque that swings about its mean with tables. The same
@@ -19,8 +19,7 @@ import numpy as np
 from gearmesh import GearPair
 from scipy.integrate import solve_ivp
 
-from .document import replace_table
-from .scenario import ratio_of
+from .tables import show
 
 INERTIA = 8e-4  # kg m^2, gear 2
 SPEED = 100.0  # rad/s, gear 1
@@ -38,7 +37,7 @@ class Hinge:
         parameters = {} if backlash is None else {"backlash": backlash}
         self.pair = GearPair(fmu, parameters, interface="model-exchange")
         self.pair.initialize()
-        self.ratio, self.torque, self.backlash, self.calls = ratio_of(fmu), torque, backlash, 0
+        self.ratio, self.torque, self.backlash, self.calls = self.pair.geometry.ratio, torque, backlash, 0
 
     def place(self, time: float, state: np.ndarray) -> None:
         pair = self.pair
@@ -116,7 +115,7 @@ def solve(hinge: Hinge, grid: np.ndarray, method: str, rtol: float, events: bool
     return Run(steps, attempts - steps if attempts else 0, hinge.calls, np.array(lead))
 
 
-def onset(fmu: Path) -> list[str]:
+def onset(fmu: Path) -> list[list[object]]:
     """Rows of the table on event indicators: the torque reverses after 1 ms, the flanks part, the other ones meet."""
     hinge = Hinge(fmu, lambda t: 50.0 * math.cos(500.0 * math.pi * t), backlash=50e-6)
     # Few bounces: the error of each grows with the next.
@@ -127,15 +126,13 @@ def onset(fmu: Path) -> list[str]:
         for rtol in (1e-3, 1e-6, 1e-9):
             for events in (False, True):
                 run = solve(hinge, grid, method, rtol, events)
-                rows.append(
-                    f"| {method} | {rtol:.0e} | {'with' if events else 'without'} "
-                    f"| {run.steps} | {run.rejected} | {run.calls} | {run.error(best):.1e} |"
-                )
+                counts = [run.steps, run.rejected, run.calls, f"{run.error(best):.1e}"]
+                rows.append([method, f"{rtol:.0e}", "with" if events else "without", *counts])
     hinge.pair.close()
-    return ["| solver | tolerance | events | steps | rejected | calls of the unit | error |", "|---" * 7 + "|", *rows]
+    return [["solver", "tolerance", "events", "steps", "rejected", "calls of the FMU", "error"], *rows]
 
 
-def implicit(fmu: Path) -> list[str]:
+def implicit(fmu: Path) -> list[list[object]]:
     """Rows of the table on directional derivatives: 20 ms under 100 N m that swing by 20."""
     hinge = Hinge(fmu, lambda t: 100.0 * min(1.0, 500.0 * t) + 20.0 * math.sin(2000.0 * t))
     grid = np.linspace(0.0, 0.02, 2001)
@@ -145,25 +142,20 @@ def implicit(fmu: Path) -> list[str]:
         for rtol in (1e-4, 1e-6):
             for jacobian in (False, True):
                 run = solve(hinge, grid, method, rtol, jacobian=jacobian)
-                rows.append(
-                    f"| {method} | {rtol:.0e} | {'the unit' if jacobian else 'differences'} "
-                    f"| {run.steps} | {run.calls} | {run.error(best):.1e} |"
-                )
+                by = "the FMU" if jacobian else "differences"
+                rows.append([method, f"{rtol:.0e}", by, run.steps, run.calls, f"{run.error(best):.1e}"])
     hinge.pair.close()
-    return ["| solver | tolerance | Jacobian by | steps | calls of the unit | error |", "|---" * 6 + "|", *rows]
+    return [["solver", "tolerance", "Jacobian by", "steps", "calls of the FMU", "error"], *rows]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("constant", type=Path, metavar="CONSTANT.fmu")
     parser.add_argument("tables", type=Path, metavar="TABLES.fmu")
-    parser.add_argument("--docs", type=Path, help="page whose tables are replaced")
+    parser.add_argument("--data", type=Path, help="folder for events.csv and derivatives.csv")
     arguments = parser.parse_args()
     for name, rows in (("events", onset(arguments.constant)), ("derivatives", implicit(arguments.tables))):
-        text = "\n".join(rows) + "\n"
-        print(text)
-        if arguments.docs:
-            replace_table(arguments.docs, name, text)
+        show(name, rows, arguments.data)
 
 
 if __name__ == "__main__":

@@ -7,14 +7,13 @@ and back and the centre distance grows and shrinks, each by a full cosine.
 
 from __future__ import annotations
 
-import json
 import math
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from gearmesh import GearPair
+from gearmesh.poses import cardan_axes
 
 # A power of two, so that times are exact in binary and every host sees the same: 61 us.
 STEP = 2.0**-14
@@ -50,16 +49,6 @@ def write_table(file: Path, names: list[str], rows: np.ndarray) -> None:
     np.savetxt(file, rows, fmt="%.17g", delimiter=",", header=head, comments="")
 
 
-def _rates(angles: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Angular velocity in world axes for R = Rx(a) Ry(b) Rz(c), rad/s."""
-    a, b, _ = angles.T
-    rate = np.gradient(angles, times, axis=0)
-    x = np.array([[1.0, 0.0, 0.0]] * len(times)).T
-    y = np.array([0.0 * a, np.cos(a), np.sin(a)])
-    z = np.array([np.sin(b), -np.sin(a) * np.cos(b), np.cos(a) * np.cos(b)])
-    return (x * rate[:, 0] + y * rate[:, 1] + z * rate[:, 2]).T
-
-
 def revolution(fmu: Path, torque: float, revolutions: float = 1.0, steps: int = 1024) -> Scenario:
     """The scenario for a unit of a pair whose gear 1 bears `torque`, N m, on its drive flank.
 
@@ -74,7 +63,7 @@ def revolution(fmu: Path, torque: float, revolutions: float = 1.0, steps: int = 
         angles = np.column_stack([TILT * wave, 0.5 * TILT * wave, start[SPIN] + 0.0 * wave])
         position = start[POSITION] + CENTRE_DISTANCE * wave
         pair.initialize()
-        ratio = ratio_of(fmu)
+        ratio = pair.geometry.ratio
 
         def bears(behind: float) -> float:
             """Torque with gear 2 turned by `behind` against its own sense."""
@@ -96,21 +85,13 @@ def revolution(fmu: Path, torque: float, revolutions: float = 1.0, steps: int = 
                 middle = 0.5 * (low + high)
                 low, high = (middle, high) if bears(middle) < wanted else (low, middle)
             angles[i, 2] = pair.u[pair.input[SPIN]]
-    turning = _rates(angles, times)
+    turning = (cardan_axes(angles) @ np.gradient(angles, times, axis=0)[..., None])[..., 0]
     names = ["gear1.angles[3]", "gear1.angularVelocity[3]", POSITION, "gear2.velocity[1]"]
     names += [f"gear2.{quantity}[{i}]" for quantity in ("angles", "angularVelocity") for i in (1, 2, 3)]
     speed = np.gradient(turn, times)
     return Scenario(
         times, names, np.column_stack([turn, speed, position, np.gradient(position, times), angles, turning])
     )
-
-
-def ratio_of(fmu: Path) -> float:
-    """Turn of gear 2 per turn of gear 1, from the FMU's own pair."""
-    with zipfile.ZipFile(fmu) as archive:
-        gears = json.loads(archive.read("resources/unit.json"))["geometry"]["gears"]
-    external = all(gear["kind"] == "external" for gear in gears)
-    return (-1.0 if external else 1.0) * gears[0]["teeth"] / gears[1]["teeth"]
 
 
 def reference(fmu: Path, scenario: Scenario, outputs: list[str]) -> np.ndarray:

@@ -9,7 +9,7 @@ const ODD: [f64; 12] = [
 ];
 
 /// A number below `count`, which is not 0.
-fn below(count: usize, random: &mut Random) -> usize {
+pub fn below(count: usize, random: &mut Random) -> usize {
     (random.next() * count as f64) as usize
 }
 
@@ -34,32 +34,38 @@ pub fn json(data: &[u8], random: &mut Random) -> Vec<u8> {
     document.to_string().into_bytes()
 }
 
+/// One item taken out, doubled, exchanged with the first, or all from it on taken out.
+fn list<T: Clone>(items: &mut Vec<T>, random: &mut Random) {
+    let i = below(items.len(), random);
+    match below(4, random) {
+        0 => drop(items.remove(i)),
+        1 => items.insert(i, items[i].clone()),
+        2 => items.swap(0, i),
+        _ => items.truncate(i),
+    }
+}
+
+fn string(text: &str, random: &mut Random) -> String {
+    String::from_utf8_lossy(&bytes(text.as_bytes(), random)).into_owned()
+}
+
 /// Goes down at random, so that a field counts as much as a long array, and changes what it meets.
 fn change(value: &mut Value, random: &mut Random) {
     let stop = below(10, random) == 0;
     match value {
+        Value::Array(items) if !items.is_empty() && stop => list(items, random),
         Value::Array(items) if !items.is_empty() => {
-            let place = below(items.len(), random);
-            match below(4, random) {
-                0 if stop => {
-                    items.remove(place);
-                }
-                1 if stop => items.insert(place, items[place].clone()),
-                2 if stop => items.swap(0, place),
-                3 if stop => items.truncate(place),
-                _ => change(&mut items[place], random),
-            }
+            let i = below(items.len(), random);
+            change(&mut items[i], random);
         }
         Value::Object(fields) if !fields.is_empty() => {
             let names: Vec<String> = fields.keys().cloned().collect();
             let name = &names[below(names.len(), random)];
             match below(3, random) {
-                0 if stop => {
-                    fields.remove(name);
-                }
+                0 if stop => drop(fields.remove(name)),
                 1 if stop => {
-                    let other = fields[&names[below(names.len(), random)]].clone();
-                    fields[name] = other;
+                    let other = &names[below(names.len(), random)];
+                    fields[name] = fields[other].clone();
                 }
                 2 if stop => fields[name] = Value::Null,
                 _ => change(&mut fields[name], random),
@@ -74,14 +80,11 @@ fn change(value: &mut Value, random: &mut Random) {
             };
         }
         Value::Bool(flag) => *flag = !*flag,
-        Value::String(text) => {
-            *text = String::from_utf8_lossy(&bytes(text.as_bytes(), random)).into_owned();
-        }
+        Value::String(text) => *text = string(text, random),
         // Null, empty array, empty object.
         _ => {
-            *value = [Value::from(1.0), Value::Array(vec![]), Value::from("text")]
-                [below(3, random)]
-            .clone();
+            let others = [Value::from(1.0), Value::Array(vec![]), Value::from("text")];
+            *value = others[below(3, random)].clone();
         }
     }
 }
@@ -99,23 +102,17 @@ pub fn csv(data: &[u8], random: &mut Random) -> Vec<u8> {
         if lines.is_empty() {
             break;
         }
-        let at = below(lines.len(), random);
-        match below(12, random) {
-            0 => {
-                lines.remove(at);
-            }
-            1 => lines.insert(at, lines[at].clone()),
-            2 => lines.truncate(at),
-            3 => lines.swap(0, at),
-            _ => {
-                let place = below(lines[at].len(), random);
-                let cell = &mut lines[at][place];
-                *cell = match cell.trim().parse::<f64>() {
-                    Ok(old) => number(old, random).to_string(),
-                    Err(_) => String::from_utf8_lossy(&bytes(cell.as_bytes(), random)).into_owned(),
-                };
-            }
+        if below(3, random) == 0 {
+            list(&mut lines, random);
+            continue;
         }
+        let i = below(lines.len(), random);
+        let k = below(lines[i].len(), random);
+        let cell = &mut lines[i][k];
+        *cell = match cell.trim().parse::<f64>() {
+            Ok(old) => number(old, random).to_string(),
+            Err(_) => string(cell, random),
+        };
     }
     let lines: Vec<String> = lines.iter().map(|cells| cells.join(",")).collect();
     (lines.join("\n") + "\n").into_bytes()
@@ -124,15 +121,13 @@ pub fn csv(data: &[u8], random: &mut Random) -> Vec<u8> {
 /// One byte changed, taken out or put in, or the rest cut off.
 pub fn bytes(data: &[u8], random: &mut Random) -> Vec<u8> {
     let mut data = data.to_vec();
-    let place = below(data.len() + 1, random);
+    let i = below(data.len() + 1, random);
     let byte = below(256, random) as u8;
     match below(4, random) {
-        0 if place < data.len() => data[place] = byte,
-        1 if place < data.len() => {
-            data.remove(place);
-        }
-        2 => data.truncate(place),
-        _ => data.insert(place, byte),
+        0 if i < data.len() => data[i] = byte,
+        1 if i < data.len() => drop(data.remove(i)),
+        2 => data.truncate(i),
+        _ => data.insert(i, byte),
     }
     data
 }

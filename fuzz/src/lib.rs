@@ -1,6 +1,6 @@
 //! What comes from outside and is read: pair files, tables, samples for `import`, the other files of a unit, stored states. Each has inputs to
 //! start from, a way to change them that keeps their form more often than changed bytes do, and a check: the input is
-//! refused with a message or gives something that works; a panic, or a result that is no number, is a finding.
+//! refused with a message or gives something that works; a panic, or a result that is NaN or infinite, is a finding.
 //!
 //! libFuzzer drives this from fuzz/fuzz_targets, `make test` in a short form from tests/fuzz.rs.
 
@@ -20,8 +20,6 @@ use gearmesh::random::Random;
 
 /// One kind of input.
 pub struct Target {
-    /// Its name.
-    pub name: &'static str,
     /// Inputs to start from, all of them accepted.
     pub seeds: fn() -> Vec<Vec<u8>>,
     /// An input changed in one to three places; those without the form, in bytes.
@@ -30,15 +28,28 @@ pub struct Target {
     pub check: fn(&[u8]) -> bool,
 }
 
-/// All of them.
-pub const TARGETS: [&Target; 6] = [
-    &pair_file::TARGET,
-    &tables::TARGET,
-    &samples::TARGET,
-    &stored_state::TARGET,
-    &unit_file::TARGET,
-    &contact_file::TARGET,
-];
+/// The program that runs libFuzzer on one of the modules.
+#[macro_export]
+macro_rules! libfuzzer {
+    ($target:ident) => {
+        use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
+
+        fuzz_target!(|data: &[u8]| {
+            $crate::$target::check(data);
+        });
+
+        fuzz_mutator!(|data: &mut [u8], size: usize, longest: usize, seed: u32| {
+            let target = &$crate::$target::TARGET;
+            match $crate::changed(target, &data[..size], longest, seed) {
+                Some(changed) => {
+                    data[..changed.len()].copy_from_slice(&changed);
+                    changed.len()
+                }
+                None => fuzzer_mutate(data, size, longest),
+            }
+        });
+    };
+}
 
 /// `data` changed as the target has it, or one of its seeds in place of nothing, if that is no longer than `longest` and
 /// this is not the one time in four in which bytes are to be changed.
@@ -50,7 +61,7 @@ pub fn changed(target: &Target, data: &[u8], longest: usize, seed: u32) -> Optio
     // libFuzzer begins with next to nothing.
     let changed = if data.len() < 2 {
         let mut seeds = (target.seeds)();
-        seeds.swap_remove((random.next() * seeds.len() as f64) as usize)
+        seeds.swap_remove(change::below(seeds.len(), &mut random))
     } else {
         (target.change)(data, &mut random)
     };
@@ -65,4 +76,18 @@ pub fn random(seed: u32) -> Random {
         random.next();
     }
     random
+}
+
+/// Whether a reader accepted its input; a refusal says in few words what is wrong.
+pub fn accepted<T>(read: Result<T, String>, use_it: impl FnOnce(T)) -> bool {
+    match read {
+        Ok(made) => {
+            use_it(made);
+            true
+        }
+        Err(reason) => {
+            assert!(!reason.is_empty() && reason.len() < 500, "{reason}");
+            false
+        }
+    }
 }

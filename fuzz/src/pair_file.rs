@@ -9,7 +9,6 @@ use super::{Target, change};
 
 /// The shipped pairs are where it starts.
 pub const TARGET: Target = Target {
-    name: "pair_file",
     seeds: || SHIPPED.map(|text| text.as_bytes().to_vec()).to_vec(),
     change: change::json,
     check,

@@ -7,7 +7,6 @@ use super::{Target, change, gears::spur_pair, tables};
 
 /// Linear springs with one and with two axes are where it starts.
 pub const TARGET: Target = Target {
-    name: "samples",
     seeds: || vec![springs(&[0.0]), springs(&[-50.0, 0.0, 50.0, 100.0])],
     change: change::csv,
     check,

@@ -9,14 +9,13 @@ use gearmesh::fmi::instance::Instance;
 use gearmesh::fmi::lifecycle::{Function, Interface};
 use gearmesh::fmi::resources::Resources;
 use gearmesh::fmi::variables::{VARIABLES, index};
-use sha2::{Digest, Sha256};
+use gearmesh::sealed;
 
 use super::unit_file::{INTERFACES, outputs, unit};
 use super::{Target, change, tables};
 
 /// States in the middle of a simulation through both interfaces are where it starts.
 pub const TARGET: Target = Target {
-    name: "stored_state",
     seeds: || {
         INTERFACES
             .map(|interface| inside(&state(interface)).to_vec())
@@ -25,9 +24,6 @@ pub const TARGET: Target = Target {
     change: change::json,
     check,
 };
-
-/// Bytes before the JSON, magic and version, and after it, the checksum.
-const AROUND: [usize; 2] = [12, 32];
 
 /// A unit with everything that a table may hold.
 static RESOURCES: LazyLock<Arc<Resources>> = LazyLock::new(|| {
@@ -59,10 +55,8 @@ fn state(interface: Interface) -> Vec<u8> {
         .set_real(&references, &[1e-4, -0.1])
         .expect("inputs");
     if interface == Interface::CoSimulation {
-        let rate = (references[0], 1, 0.7);
-        instance
-            .set_input_derivatives(std::iter::once(rate))
-            .expect("a rate");
+        let set = instance.set_input_derivatives(&references[..1], &[1], &[0.7]);
+        set.expect("a rate");
     }
     instance.exit_initialization().expect("the start pose");
     if interface == Interface::CoSimulation {
@@ -72,24 +66,23 @@ fn state(interface: Interface) -> Vec<u8> {
     instance.serialize(handle).expect("its bytes")
 }
 
+/// The JSON inside a state.
 fn inside(state: &[u8]) -> &[u8] {
-    &state[AROUND[0]..state.len() - AROUND[1]]
+    &state[sealed::HEAD..]
 }
 
 /// See [`Target::check`].
 pub fn check(data: &[u8]) -> bool {
-    static HEAD: LazyLock<Vec<u8>> =
-        LazyLock::new(|| state(Interface::CoSimulation)[..AROUND[0]].to_vec());
-    let mut sealed = [HEAD.as_slice(), data].concat();
-    let checksum = Sha256::digest(&sealed);
-    sealed.extend_from_slice(&checksum);
-    let mut accepted = false;
-    for interface in INTERFACES {
-        for bytes in [data, &sealed] {
-            accepted |= go_on(instance(interface), bytes);
-        }
-    }
-    accepted
+    static MAGIC: LazyLock<[u8; 32]> = LazyLock::new(|| {
+        let state = state(Interface::CoSimulation);
+        *state.first_chunk().expect("a head")
+    });
+    let sealed = sealed::seal(&MAGIC, data);
+    let each = INTERFACES.map(|interface| {
+        let is_state = [data, &sealed].map(|bytes| go_on(instance(interface), bytes));
+        is_state.contains(&true)
+    });
+    each.contains(&true)
 }
 
 /// Goes to the state and on from there; false if it is refused.
@@ -104,25 +97,24 @@ fn go_on(mut instance: Instance, bytes: &[u8]) -> bool {
     if instance.restore(handle).is_err() {
         return false;
     }
-    // Kept again it is the same state, but for the sign of a whole number's zero.
+    // Stored again it is the same state, but for the sign of a whole number's zero.
     let again = instance.store(None).expect("the state just entered");
     let [once, twice] = [handle, again].map(|h| {
-        let bytes = instance.serialize(h).expect("a state kept");
+        let bytes = instance.serialize(h).expect("a stored state");
         serde_json::from_slice::<serde_json::Value>(inside(&bytes)).expect("JSON")
     });
     assert_eq!(once, twice, "the state changed when it was entered");
     outputs(&mut instance);
     for _ in 0..2 {
-        let time = instance.time();
-        if instance.admit(Function::DoStep, "fmi2DoStep").is_err()
-            || instance.do_step(time, 1e-5).is_err()
+        if instance.admit(Function::DoStep).is_err()
+            || instance.do_step(instance.time(), 1e-5).is_err()
         {
             break;
         }
         outputs(&mut instance);
     }
     // Nothing of it stays after a reset.
-    if instance.admit(Function::Reset, "fmi2Reset").is_ok() {
+    if instance.admit(Function::Reset).is_ok() {
         instance.reset();
         instance.exit_initialization().expect("the start pose");
         outputs(&mut instance);

@@ -15,7 +15,6 @@ use super::{Target, change, gears};
 
 /// A formula over all axes with everything a table may hold, and tables of a solver.
 pub const TARGET: Target = Target {
-    name: "tables",
     seeds: || {
         vec![
             formula([4, 4, 4, 4]).to_json().into_bytes(),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import logging
 import threading
 import weakref
 from collections import deque
@@ -14,6 +15,8 @@ from typing import Any, Literal, NoReturn
 import fmpy
 from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2EventInfo
 
+from .errors import GearPairError
+from .geometry import Geometry
 from .unpacked import Unpacked
 
 WARNING = 1  # fmi2Status: what is above was refused
@@ -22,10 +25,6 @@ SCALARS = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Boolean": ctypes.c
 # The unit always logs with the format "%s" and one text.
 TEXT = ctypes.c_char_p
 LOGGER = ctypes.CFUNCTYPE(None, ctypes.c_void_p, TEXT, ctypes.c_int, TEXT, TEXT, TEXT)
-
-
-class GearPairError(RuntimeError):
-    """A call was refused; the text says why, from the unit's log where the unit refused it."""
 
 
 class GearPair:
@@ -42,6 +41,8 @@ class GearPair:
     Co-simulation advances by `step`. Model Exchange, for solvers that want the force at every stage, evaluates at any
     time and in any order by `evaluate`; the unit has no states of its own.
 
+    What the unit warns of goes to Python's logger "gearmesh".
+
     An instance cannot be copied; make a second one of the same file, which shares the unpacked files. It ends with
     `close`, with the `with` block, or when nothing refers to it any more. After that `u` and `y` keep their last
     values and every call raises GearPairError, in all threads.
@@ -53,6 +54,8 @@ class GearPair:
     output: dict[str, int]
     #: Of the last call, in s.
     time: float
+    #: Of the pair at its nominal centre distance.
+    geometry: Geometry
 
     def __init__(
         self,
@@ -65,7 +68,7 @@ class GearPair:
         self.time = 0.0
         self._exchange = interface == "model-exchange"
         unpacked = Unpacked.of(fmu)
-        description = unpacked.description
+        description, self.geometry = unpacked.description, unpacked.geometry
         self._variables = {v.name: v for v in description.modelVariables}
         instance: Any = INTERFACES[interface](  # of fmpy, which has no types
             guid=description.guid,
@@ -80,6 +83,8 @@ class GearPair:
         def logger(_environment: Any, _name: bytes, status: int, _category: bytes, _format: bytes, text: bytes) -> None:
             if status > WARNING:
                 log.append(text.decode(errors="replace"))
+            elif status == WARNING:
+                logging.getLogger("gearmesh").warning(text.decode(errors="replace"))
 
         callbacks = fmi2CallbackFunctions()
         callbacks.logger = ctypes.cast(logger, type(callbacks.logger))

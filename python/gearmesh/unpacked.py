@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import threading
 import weakref
@@ -9,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import fmpy
+
+from .geometry import Geometry
 
 _LOCK = threading.Lock()
 _UNPACKED: weakref.WeakValueDictionary[tuple[Path, int, int], Unpacked] = weakref.WeakValueDictionary()
@@ -21,6 +24,8 @@ class Unpacked:
         self.folder: str = fmpy.extract(str(file))
         weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         self.description: Any = fmpy.read_model_description(self.folder)
+        unit = json.loads(Path(self.folder, "resources", "unit.json").read_text(encoding="utf-8"))
+        self.geometry = Geometry.of_unit(unit["geometry"])
 
     @staticmethod
     def of(fmu: str | Path) -> Unpacked:

@@ -59,7 +59,8 @@ def archive(platform: Platform, folder: Path, version: str, licenses: list[Path]
     shutil.rmtree(stage, ignore_errors=True)
     shutil.copytree(folder, stage)
     shutil.copytree(ROOT / "resources" / "pairs", stage / "pairs")
-    shutil.copy(ROOT / "docs" / "pair-file.md", stage)
+    for page in ("pair-file.md", "flanks.md"):
+        shutil.copy(ROOT / "docs" / page, stage)
     for file in licenses:
         shutil.copy(file, stage)
     kind = "zip" if platform is WINDOWS else "gztar"

@@ -63,7 +63,8 @@ def pack(platform: Platform, version: str, programs: Path, licenses: list[Path],
     (about / "METADATA").write_text(
         f"Metadata-Version: 2.4\nName: gearmesh\nVersion: {version}\nSummary: {SUMMARY}\n"
         f"License-Expression: MIT OR Apache-2.0\n{names}"
-        "Requires-Python: >=3.11\nRequires-Dist: fmpy>=0.3.20\n"
+        "Requires-Python: >=3.11\nRequires-Dist: fmpy>=0.3.20\nRequires-Dist: numpy>=1.26\n"
+        "Provides-Extra: plot\nRequires-Dist: matplotlib>=3.8; extra == 'plot'\n"
         "Description-Content-Type: text/markdown\n\n"
         f"{description()}"
     )

@@ -1,22 +1,22 @@
 //! The segments of contact lines that may touch at one position of the mesh.
 
-use super::closest::{Flanks, LeastGap};
-use super::local::GapProfile;
+use super::closest::Flanks;
+use super::local_law::POINTS;
+use super::profile::GapProfile;
 use super::setup::ContactSetup;
-use super::transverse::{TransversePoint, TransverseSection};
+use super::transverse::TransverseSection;
 use crate::compliance::Strip;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry};
 
-/// Points of a segment at which the local contact is evaluated apart, so that the edge of the contact crosses
-/// a segment in small steps: at the middles of equal parts.
-pub const POINTS: usize = 4;
-
-/// A segment: tooth pair and station.
-pub type SegmentName = (i32, usize);
-
-/// Where the closest points of a segment lie from the nominal line, m: those of its points and of its middle.
-pub(super) type ClosestOffsets = [f64; POINTS + 1];
+/// What a segment is known by in all positions of the mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SegmentName {
+    /// See [`Candidate::tooth_pair`].
+    pub tooth_pair: i32,
+    /// See [`Candidate::station`].
+    pub station: usize,
+}
 
 /// A segment of one contact line that may carry load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +41,6 @@ pub struct Candidate {
     pub radius: f64,
     /// The gap about the closest point of the middle.
     pub(super) profile: GapProfile,
-    pub(super) closest: ClosestOffsets,
     /// Arms of the force about the axes of gear 1 and gear 2, in the transverse plane over their base radii; at
     /// the middle.
     pub arms: [f64; 2],
@@ -50,7 +49,10 @@ pub struct Candidate {
 impl Candidate {
     /// What it is known by in all positions of the mesh.
     pub fn name(&self) -> SegmentName {
-        (self.tooth_pair, self.station)
+        SegmentName {
+            tooth_pair: self.tooth_pair,
+            station: self.station,
+        }
     }
 
     /// Middle in gear 1's frame, m.
@@ -94,44 +96,46 @@ pub struct ContactLines<'a> {
     pub teeth: Option<(&'a Passing, Counts)>,
 }
 
+impl<'a> ContactLines<'a> {
+    /// Those of `flank` in `section`, all teeth alike.
+    pub fn new(setup: &'a ContactSetup, section: &'a TransverseSection, flank: Flank) -> Self {
+        ContactLines {
+            setup,
+            section,
+            flank,
+            teeth: None,
+        }
+    }
+}
+
 /// Pieces shorter than this fraction of a station are left out where a path end cuts it: what they could
 /// carry is below the rounding of the load.
 const SHORTEST: f64 = 1e-9;
 
 impl ContactLines<'_> {
-    /// All candidates at the mesh position `tau` whose contact lines lie at least in part within the conjugate positions
-    /// `within` (m), tooth pair by tooth pair, ascending in z.
-    pub fn candidates(&self, tau: f64, within: [f64; 2]) -> Vec<Candidate> {
-        let mut all = vec![];
-        for k in self.pairs(tau, 0.0) {
-            for station in 0..self.setup.settings.stations {
-                let [low, high] = self.span(tau, k, self.station(station));
-                if high >= within[0] && low <= within[1] {
-                    all.extend(self.segment(tau, (k, station), ClosestOffsets::default()));
-                }
-            }
-        }
-        all
+    /// All candidates at the mesh position `tau` tooth pair by tooth pair, ascending in z.
+    pub fn candidates(&self, tau: f64) -> Vec<Candidate> {
+        let pairs = self.pairs(tau, 0.0);
+        pairs.flat_map(|k| self.of_pair(tau, k)).collect()
     }
 
     /// Those of tooth pair `k` alone.
     pub fn of_pair(&self, tau: f64, k: i32) -> impl Iterator<Item = Candidate> {
-        (0..self.setup.settings.stations)
-            .filter_map(move |i| self.segment(tau, (k, i), ClosestOffsets::default()))
-    }
-
-    /// Mesh positions between which tooth pair 0 comes within the reach of contact.
-    pub fn passage(&self) -> [f64; 2] {
-        let numbers = self.section.numbers();
-        let tilt = 0.5 * numbers.face[1] * numbers.tan_beta_b;
-        let [first, last] = self.section.reach();
-        [first - tilt, last + tilt].map(|end| end / numbers.base_pitch)
+        (0..self.setup.settings.stations).filter_map(move |station| {
+            self.segment(
+                tau,
+                SegmentName {
+                    tooth_pair: k,
+                    station,
+                },
+            )
+        })
     }
 
     /// Tooth pairs that come within `margin` (m) of the reach of contact.
     pub(super) fn pairs(&self, tau: f64, margin: f64) -> std::ops::RangeInclusive<i32> {
         let margin = margin / self.section.numbers().base_pitch;
-        let [first, last] = self.passage();
+        let [first, last] = self.section.passage();
         (first - margin - tau).floor() as i32..=(last + margin - tau).ceil() as i32
     }
 
@@ -152,25 +156,20 @@ impl ContactLines<'_> {
         [0, 1].map(|end| low + step * (station + end) as f64)
     }
 
-    /// The segment of this name at the mesh position `tau`, if enough of it lies within the reach of contact to carry. The search
-    /// for its closest points begins at `start`.
-    pub(super) fn segment(
-        &self,
-        tau: f64,
-        name: SegmentName,
-        start: ClosestOffsets,
-    ) -> Option<Candidate> {
-        let whole = self.station(name.1);
-        let z = self.within_reach(tau, name.0, whole)?;
+    /// The segment of this name at the mesh position `tau`, if enough of it lies within the reach of contact to carry.
+    pub(super) fn segment(&self, tau: f64, name: SegmentName) -> Option<Candidate> {
+        let whole = self.station(name.station);
+        let z = self.within_reach(tau, name.tooth_pair, whole)?;
         let is_long = z[1] - z[0] > SHORTEST * (whole[1] - whole[0]);
-        is_long.then(|| self.candidate(tau, name, z, start, false))
+        is_long.then(|| self.candidate(tau, name, z, false))
     }
 
     /// The gap about the closest point of `segment` at the part `at` of its length from its middle, at the mesh position `tau`.
     pub(super) fn profile_along(&self, tau: f64, segment: &Candidate, at: f64) -> GapProfile {
         let z = segment.middle() + at * (segment.z[1] - segment.z[0]);
-        let flanks = self.flanks(tau, segment.tooth_pair, z, false);
-        flanks.closest_point(0.0).profile
+        self.flanks(tau, segment.tooth_pair, z, false)
+            .closest_point()
+            .profile
     }
 
     /// Whole segments, those up to `margin` (m, along the path) beyond the reach of contact, too, as if they lay at its end.
@@ -182,8 +181,15 @@ impl ContactLines<'_> {
                 let z = self.station(station);
                 let [low, high] = self.span(tau, k, z);
                 if high >= first - margin && low <= last + margin {
-                    let start = ClosestOffsets::default();
-                    all.push(self.candidate(tau, (k, station), z, start, true));
+                    all.push(self.candidate(
+                        tau,
+                        SegmentName {
+                            tooth_pair: k,
+                            station,
+                        },
+                        z,
+                        true,
+                    ));
                 }
             }
         }
@@ -217,61 +223,41 @@ impl ContactLines<'_> {
         })
     }
 
-    /// The point of tooth pair `k` that may touch in the plane `z`; `clamped`: beyond the reach of contact that at its end.
-    fn point(&self, tau: f64, k: i32, z: f64, clamped: bool) -> TransversePoint {
+    /// Both flanks of tooth pair `k` about the point that may touch in the plane `z`; `clamped`: beyond the reach of contact that
+    /// at its end.
+    fn flanks(&self, tau: f64, k: i32, z: f64, clamped: bool) -> Flanks<'_> {
         let mut xi = self.contact_line(tau, k, z);
         if clamped {
             let [first, last] = self.section.reach();
             xi = xi.clamp(first, last);
         }
-        self.section.point(xi)
-    }
-
-    /// Both flanks of tooth pair `k` about that point.
-    fn flanks(&self, tau: f64, k: i32, z: f64, clamped: bool) -> Flanks<'_> {
-        let (point, microgeometry) = (self.point(tau, k, z, clamped), self.microgeometry(k));
+        let (point, microgeometry) = (self.section.point(xi), self.microgeometry(k));
         Flanks::new(&self.setup.geometry, self.section, microgeometry, point, z)
     }
 
-    /// The segment of tooth pair `k` at `station` with the ends `z`; `start` as in [`ContactLines::segment`], `clamped` as in
-    /// [`ContactLines::point`].
-    fn candidate(
-        &self,
-        tau: f64,
-        (k, station): SegmentName,
-        z: [f64; 2],
-        start: ClosestOffsets,
-        clamped: bool,
-    ) -> Candidate {
+    /// The segment of this name with the ends `z`; `clamped`: beyond the reach of contact as if it lay at its end.
+    fn candidate(&self, tau: f64, name: SegmentName, z: [f64; 2], clamped: bool) -> Candidate {
+        let k = name.tooth_pair;
         let numbers = self.section.numbers();
         let teeth_close =
             (self.teeth).map_or(0.0, |(passing, counts)| passing.closing(counts, k, tau)[0]);
         let both = self.microgeometry(k);
-        let mut flanks = self.flanks(tau, k, 0.5 * (z[0] + z[1]), clamped);
-        // The same profile all along the face; with spur teeth in the same section, too.
-        let is_even = !both.iter().any(|m| m.varies_along_face());
-        let is_spur = numbers.tan_beta_b == 0.0;
-        if is_even && !is_spur {
-            flanks.look_at(start[POINTS]);
-        }
-        let middle = flanks.closest_point(start[POINTS]);
+        let middle = self
+            .flanks(tau, k, 0.5 * (z[0] + z[1]), clamped)
+            .closest_point();
+        // The same section and profile all along the face.
+        let is_even = numbers.tan_beta_b == 0.0 && !both.iter().any(|m| m.varies_along_face());
         let points = points(z);
-        let mut closest = [middle.least.s; POINTS + 1];
-        let gap = std::array::from_fn(|q| {
-            let mut least = middle.least;
-            if !(is_even && is_spur) {
-                flanks.move_to(self.point(tau, k, points[q], clamped), points[q]);
-                least = flanks.least_gap(start[q]);
-            }
-            let LeastGap { gap, s } = least;
-            closest[q] = s;
-            let lead = |i: usize| {
-                both[i].lead(
-                    &self.setup.geometry.gears[i],
-                    points[q] - numbers.face_offset[i],
-                )
+        let gap = points.map(|z| {
+            let least = match is_even {
+                true => middle.least,
+                false => self.flanks(tau, k, z, clamped).least_gap(),
             };
-            gap + (lead(0) + lead(1)) / numbers.cos_beta_b
+            let lead = |i: usize| {
+                let own_z = z - numbers.face_offset[i];
+                both[i].lead(&self.setup.geometry.gears[i], own_z)
+            };
+            least.gap + (lead(0) + lead(1)) / numbers.cos_beta_b
         });
         let levers = points.map(|z| numbers.lever(self.flank, tau, k, z));
         // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
@@ -280,25 +266,24 @@ impl ContactLines<'_> {
             .sum();
         Candidate {
             tooth_pair: k,
-            station,
+            station: name.station,
             z,
             roll: middle.roll,
             gap: along_segment(gap, self.setup.settings.own_share).map(|gap| gap - teeth_close),
             levers: along_segment(levers, self.setup.settings.own_share),
             radius: curvature.recip(),
             profile: middle.profile,
-            closest,
             arms: middle.arms,
         }
     }
 
     /// The segment of tooth pair `k` with the ends `z` at the mesh position `tau` in the canonical coordinates of gear 1 and
-    /// gear 2; `clamped` as in [`ContactLines::point`].
+    /// gear 2; `clamped`: beyond the reach of contact as if it lay at its end.
     ///
     /// Tooth pair k lies k pitches ahead in the sense of rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k
     /// and -k.
     pub fn seen_by_gears(&self, tau: f64, k: i32, z: [f64; 2], clamped: bool) -> [Strip; 2] {
-        let ends = z.map(|z| self.flanks(tau, k, z, clamped).closest_point(0.0).roll);
+        let ends = z.map(|z| self.flanks(tau, k, z, clamped).closest_point().roll);
         [0, 1].map(|i| {
             let gear = &self.setup.geometry.gears[i];
             let tooth = if i == 0 { k } else { -k };

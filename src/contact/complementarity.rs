@@ -16,11 +16,11 @@
 //! contact, D + A with D = 1 / phi', bordered by the load. A search along each step for the zero of the
 //! (monotone) directional derivative makes it descend from any start.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::candidates::POINTS;
-use super::local::{LocalContact, PointLoads};
-use crate::vector::Lanes;
+use super::error::Failure;
+use super::local_law::{LocalContact, POINTS, PointLoads};
+use crate::root::bisection;
 
 /// One frictionless contact problem.
 pub struct Problem<'a> {
@@ -45,10 +45,10 @@ pub enum Target {
 }
 
 /// Where the iteration starts.
-#[derive(Debug, Clone)]
-pub struct Start {
+#[derive(Debug, Clone, Copy)]
+pub struct Start<'a> {
     /// Normal force on each segment, N.
-    pub forces: Vec<f64>,
+    pub forces: &'a [f64],
     /// Approach on the line of action, m; that of the target takes its place.
     pub approach: f64,
 }
@@ -75,14 +75,8 @@ pub struct Solution {
     pub factor: Factor,
 }
 
-/// Why there is no solution; [`super::ContactError`] adds where.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Failure {
-    /// The bulk influence matrix has no Cholesky factor.
-    NotPositiveDefinite,
-    /// Newton's iteration stopped short of its tolerance at this relative residual, or where a force was NaN.
-    NotConverged { iterations: usize, residual: f64 },
-}
+/// Cholesky factor of a matrix over segments.
+type Factor = Cholesky<f64, Dyn>;
 
 /// Newton steps after which a solve gives up with an error. Twenty are seldom needed.
 pub const MAXIMUM_ITERATIONS: usize = 200;
@@ -91,66 +85,6 @@ const TOLERANCE: f64 = 1e-12;
 
 /// Relative error that a few roundings leave.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
-
-/// Lower Cholesky factor of a matrix, column by column.
-#[derive(Debug, Clone)]
-pub struct Factor {
-    n: usize,
-    values: Vec<f64>,
-}
-
-impl Factor {
-    /// Of the matrix of `n` rows whose lower triangle stands in `values`, column by column; `None`: it is not positive definite.
-    #[inline(always)]
-    fn new(n: usize, mut values: Vec<f64>) -> Option<Factor> {
-        for j in 0..n {
-            let (before, column) = values.split_at_mut(j * n);
-            let column = &mut column[j..n];
-            // Four of the columns before at a time: the present one is then read and written a quarter as often.
-            let fours = before.chunks_exact(4 * n);
-            let rest = fours.remainder();
-            for four in fours {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|k| &four[k * n + j..(k + 1) * n]);
-                let factors = [a[0], b[0], c[0], d[0]];
-                let others = a.iter().zip(b).zip(c).zip(d);
-                for (value, (((a, b), c), d)) in column.iter_mut().zip(others) {
-                    *value -= factors[0] * a + factors[1] * b + (factors[2] * c + factors[3] * d);
-                }
-            }
-            for other in rest.chunks_exact(n) {
-                let factor = other[j];
-                for (value, other) in column.iter_mut().zip(&other[j..]) {
-                    *value -= factor * other;
-                }
-            }
-            if column[0] <= 0.0 || column[0].is_nan() {
-                return None;
-            }
-            let root = column[0].sqrt().recip();
-            column.iter_mut().for_each(|value| *value *= root);
-        }
-        Some(Factor { n, values })
-    }
-
-    /// Puts the solution with the right-hand side `x` in its place.
-    pub fn solve(&self, x: &mut DVector<f64>) {
-        let x = x.as_mut_slice();
-        for j in 0..self.n {
-            let column = &self.values[j * self.n..][..self.n];
-            x[j] /= column[j];
-            let factor = x[j];
-            for (x, value) in x[j + 1..].iter_mut().zip(&column[j + 1..]) {
-                *x -= factor * value;
-            }
-        }
-        for j in (0..self.n).rev() {
-            let column = &self.values[j * self.n..][..self.n];
-            let after = x[j + 1..].iter().zip(&column[j + 1..]);
-            let known: f64 = after.map(|(x, value)| x * value).sum();
-            x[j] = (x[j] - known) / column[j];
-        }
-    }
-}
 
 /// Forces and approach, and what follows from them.
 #[derive(Debug, Clone)]
@@ -181,7 +115,7 @@ impl Problem<'_> {
     pub fn solve(
         &self,
         target: Target,
-        start: Option<&Start>,
+        start: Option<Start<'_>>,
         foundation: f64,
     ) -> Result<Solution, Failure> {
         let mut at = self.start(target, start, foundation);
@@ -240,46 +174,35 @@ impl Problem<'_> {
         if error > 0.0 { error / largest } else { 0.0 }
     }
 
-    fn start(&self, target: Target, start: Option<&Start>, foundation: f64) -> Iterate {
+    fn start(&self, target: Target, start: Option<Start<'_>>, foundation: f64) -> Iterate {
         let n = self.local.len();
         let known = start.filter(|start| start.forces.len() == n);
-        let delta = match (target, known) {
-            (Target::Approach(approach), _) => approach,
-            (Target::Force(_), Some(start)) => start.approach,
-            (Target::Force(force), None) => self.foundation_approach(force, foundation),
-        };
-        let spring = |i: usize, _| {
-            let closed = self.gap[i].map(|gap| (self.arm[i] * delta - gap).max(0.0));
-            foundation * self.local[i].length() * closed.iter().sum::<f64>()
-        };
-        let y = match known {
-            Some(start) => DVector::from_column_slice(&start.forces),
-            None => DVector::from_fn(n, spring),
-        };
-        self.iterate(y, delta)
-    }
-
-    /// Approach at which independent springs of the stiffness `foundation` per length carry `force`.
-    fn foundation_approach(&self, force: f64, foundation: f64) -> f64 {
-        // Approach at which each point touches, and the stiffness it adds.
-        let mut order: Vec<(f64, f64)> = (0..self.local.len())
-            .flat_map(|i| {
-                let c = self.arm[i];
-                let stiffness = c * c * foundation * self.local[i].length();
-                self.gap[i].map(|g| (g / c, stiffness))
+        let springs = |delta: f64| {
+            DVector::from_fn(n, |i, _| {
+                let closed = self.gap[i].map(|gap| (self.arm[i] * delta - gap).max(0.0));
+                foundation * self.local[i].length() * closed.iter().sum::<f64>()
             })
-            .collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut stiffness, mut moment) = (0.0, 0.0);
-        for (rank, (gap, k)) in order.iter().enumerate() {
-            stiffness += k;
-            moment += k * gap;
-            let delta = (force + moment) / stiffness;
-            if order.get(rank + 1).is_none_or(|next| delta <= next.0) {
-                return delta;
+        };
+        match (known, target) {
+            (Some(start), Target::Force(_)) => {
+                self.iterate(DVector::from_column_slice(start.forces), start.approach)
+            }
+            (Some(start), Target::Approach(approach)) => {
+                self.iterate(DVector::from_column_slice(start.forces), approach)
+            }
+            (None, Target::Approach(approach)) => self.iterate(springs(approach), approach),
+            (None, Target::Force(force)) => {
+                let touches = || (0..n).flat_map(|i| self.gap[i].map(|gap| gap / self.arm[i]));
+                let all = touches().fold(f64::NEG_INFINITY, f64::max);
+                let least = touches().fold(f64::INFINITY, f64::min);
+                // Where all touch they are as stiff as they get.
+                let stiffness = self.arm.dot(&(springs(all + 1.0) - springs(all)));
+                let carried = |delta| self.arm.dot(&springs(delta));
+                let ends = [least, all + force / stiffness];
+                let delta = bisection(ends, 60, |delta| carried(delta) < force);
+                self.iterate(springs(delta), delta)
             }
         }
-        0.0
     }
 
     /// The forces `y` at the approach `delta`.
@@ -305,21 +228,11 @@ impl Problem<'_> {
     }
 
     fn factor(&self, at: &Iterate, active: &[usize]) -> Result<Factor, Failure> {
-        let n = active.len();
-        let mut matrix = vec![0.0; n * n];
-        for (place, (&i, column)) in active
-            .iter()
-            .zip(matrix.chunks_exact_mut(n.max(1)))
-            .enumerate()
-        {
-            let bulk = self.bulk.column(i);
-            for (value, &row) in column.iter_mut().zip(active).skip(place) {
-                *value = bulk[row];
-            }
-            column[place] += at.loads[i].slope().recip();
+        let mut matrix = self.bulk.select_rows(active).select_columns(active);
+        for (number, &i) in active.iter().enumerate() {
+            matrix[(number, number)] += at.loads[i].slope().recip();
         }
-        let factor = Lanes::widest().run(|_| Factor::new(n, matrix));
-        factor.ok_or(Failure::NotPositiveDefinite)
+        matrix.cholesky().ok_or(Failure::NotPositiveDefinite)
     }
 
     /// Newton step with the `factor` of the segments in contact, `active`.
@@ -335,12 +248,12 @@ impl Problem<'_> {
                 (loads.force() - at.y[i]) / loads.slope() - freed[i]
             }),
         );
-        factor.solve(&mut change);
+        factor.solve_mut(&mut change);
         let mut delta = 0.0;
         if let Target::Force(force) = target {
             let arm = self.arm.select_rows(active);
             let mut unit = arm.clone();
-            factor.solve(&mut unit);
+            factor.solve_mut(&mut unit);
             let carried = arm.dot(&change) + arm.dot(&at.y.select_rows(active));
             delta = (force - carried) / arm.dot(&unit);
             change.axpy(delta, &unit, 1.0);

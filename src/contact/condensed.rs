@@ -1,13 +1,16 @@
-//! The elastic model of a pair condensed to what a solve at run time needs: influence matrices over the mesh cycle.
+//! The elastic model of a pair condensed to what a solve at run time needs: influence matrices over the mesh cycle, and their file.
 //!
 //! The influence of segments on each other and the reference lengths of their local contact are smooth functions of
 //! mesh position and centre distance, whatever the load, and cost most of a solve. They are computed at nodes, divided
 //! between bulk and local contact as in every solve, and interpolated between them with continuous slopes. All else
 //! (where segments lie, gaps, curvatures, edges, arms) follows from the pose itself.
 //!
-//! Segments are named by tooth pair and station. Nodes also hold those a little beyond the reach of contact, so that
-//! whatever can carry load is there at all four neighbours of a position. Mesh position 1 is 0 with tooth pairs
-//! counted on by one.
+//! Nodes also hold segments a little beyond the reach of contact, so that whatever can carry load is there at all four
+//! neighbours of a position. Mesh position 1 is 0 with tooth pairs counted on by one.
+//!
+//! The file, [`sealed`]: length of the head, head (JSON), influence matrices (32-bit floats); little endian.
+
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -15,8 +18,11 @@ use serde::{Deserialize, Serialize};
 use super::candidates::SegmentName;
 use super::error::ContactError;
 use super::influence::Influence;
+use super::setup::ContactSetup;
 use super::solver::ContactSolver;
 use crate::gear::Flank;
+use crate::sealed;
+use crate::table::InterpolationError;
 use crate::vector::Lanes;
 
 /// Influence of the segments of one flank at nodes.
@@ -43,28 +49,16 @@ pub struct CondensedFlank {
 /// Mesh positions of the nodes over a cycle.
 const POSITIONS: usize = 48;
 
-/// Segments of one tooth pair without a gap between them, as they lie in a node.
-struct Run {
-    tooth_pair: i32,
-    /// Number of the first one among all segments, and their count.
-    first: usize,
-    count: usize,
-    /// Place of the first one in the node.
-    place: usize,
-}
-
-/// How the influence of some segments changes.
-pub(super) struct InfluenceSlope {
-    /// y' A y / 2, J.
-    pub work: f64,
-    /// Reference lengths of gear 1 and gear 2, m.
-    pub lengths: [Vec<f64>; 2],
-}
-
 /// What one node is made of.
 pub struct CondensedNode {
     names: Vec<SegmentName>,
     influence: Influence,
+}
+
+/// Weights of the nodes about a position: four mesh positions by up to three centre distances.
+struct Weights {
+    along: [f64; 4],
+    across: [f64; 3],
 }
 
 impl CondensedFlank {
@@ -101,7 +95,10 @@ impl CondensedFlank {
         offsets: &[f64],
         nodes: &[CondensedNode],
     ) -> Result<CondensedFlank, ContactError> {
-        let pairs = || nodes.iter().flat_map(|node| node.names.iter().map(|s| s.0));
+        let pairs = || {
+            let names = nodes.iter().flat_map(|node| &node.names);
+            names.map(|name| name.tooth_pair)
+        };
         let first_pair = pairs().min().unwrap_or(0);
         let mut condensed = CondensedFlank {
             positions: POSITIONS,
@@ -118,11 +115,12 @@ impl CondensedFlank {
         let mut values = vec![0.0; nodes.len() * size];
         for (node, values) in nodes.iter().zip(values.chunks_exact_mut(size)) {
             let CondensedNode { names, influence } = node;
-            let places: Vec<usize> = (names.iter())
-                .filter_map(|&name| condensed.place(name, 0))
+            let rows: Vec<usize> = names
+                .iter()
+                .filter_map(|&name| condensed.row(name, 0))
                 .collect();
-            for (i, &row) in places.iter().enumerate() {
-                for (j, &column) in places[..=i].iter().enumerate() {
+            for (i, &row) in rows.iter().enumerate() {
+                for (j, &column) in rows[..=i].iter().enumerate() {
                     values[triangle(row) + column] = influence.bulk[(i, j)] as f32;
                 }
                 for (gear, lengths) in influence.lengths.iter().enumerate() {
@@ -133,38 +131,7 @@ impl CondensedFlank {
         condensed.values = values;
         Ok(condensed)
     }
-}
 
-/// Where row `i` of a lower triangle begins.
-fn triangle(i: usize) -> usize {
-    i * (i + 1) / 2
-}
-
-/// Adds `values`, times `weight`, to `sums`.
-#[inline(always)]
-fn add(sums: &mut [f64], values: &[f32], weight: f64) {
-    for (sum, value) in sums.iter_mut().zip(values) {
-        *sum += weight * f64::from(*value);
-    }
-}
-
-/// Sum of the first `count` values of `columns` in `row` times the forces there, four at a time.
-fn dot(row: &[f32], columns: &Run, count: usize, forces: &[f64]) -> f64 {
-    let values = row[columns.place..][..count].chunks_exact(4);
-    let forces = forces[columns.first..][..count].chunks_exact(4);
-    let rest = values.remainder().iter().zip(forces.remainder());
-    let mut sum: f64 = rest.map(|(value, force)| f64::from(*value) * force).sum();
-    let mut sums = [0.0; 4];
-    for (values, forces) in values.zip(forces) {
-        for i in 0..4 {
-            sums[i] += f64::from(values[i]) * forces[i];
-        }
-    }
-    sum += sums.iter().sum::<f64>();
-    sum
-}
-
-impl CondensedFlank {
     fn segments(&self) -> usize {
         self.pairs * self.stations
     }
@@ -187,10 +154,10 @@ impl CondensedFlank {
         triangle(self.segments()) + 2 * self.segments()
     }
 
-    /// Place of a segment, its tooth pair counted on by `turns`.
-    fn place(&self, (pair, station): SegmentName, turns: i32) -> Option<usize> {
-        let pair = usize::try_from(pair + turns - self.first_pair).ok()?;
-        (pair < self.pairs).then_some(pair * self.stations + station)
+    /// Row of a segment in a node, its tooth pair counted on by `turns`.
+    fn row(&self, name: SegmentName, turns: i32) -> Option<usize> {
+        let pair = usize::try_from(name.tooth_pair + turns - self.first_pair).ok()?;
+        (pair < self.pairs).then_some(pair * self.stations + name.station)
     }
 
     /// Whether the nodes hold this centre distance.
@@ -210,178 +177,88 @@ impl CondensedFlank {
         tau: f64,
         offset: f64,
     ) -> Influence {
-        Lanes::widest().run(|_| self.interpolated(names, scale, tau, offset))
+        let [along, _] = self.along(tau);
+        let [across, _] = self.across(offset);
+        self.weighted(names, scale, tau, &Weights { along, across })
     }
 
-    #[inline(always)]
-    fn interpolated(
+    /// Slopes by mesh position (1/cycle) and by centre distance (1/m) of [`CondensedFlank::influence`].
+    pub(super) fn slopes(
         &self,
         names: &[SegmentName],
         scale: impl Fn(i32) -> f64,
         tau: f64,
         offset: f64,
+    ) -> [Influence; 2] {
+        let [along, by_tau] = self.along(tau);
+        let [across, by_offset] = self.across(offset);
+        let weights = [(by_tau, across), (along, by_offset)];
+        weights.map(|(along, across)| self.weighted(names, &scale, tau, &Weights { along, across }))
+    }
+
+    /// Sum of the nodes about `tau` by `weights`.
+    fn weighted(
+        &self,
+        names: &[SegmentName],
+        scale: impl Fn(i32) -> f64,
+        tau: f64,
+        weights: &Weights,
     ) -> Influence {
         let n = names.len();
-        let ([along, _], [across, _]) = (self.along(tau), self.across(offset));
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [vec![0.0; n], vec![0.0; n]];
-        for ((node, runs), along) in self.around(names, tau).into_iter().zip(along) {
-            for (k, across) in across.into_iter().enumerate() {
+        let (segments, positions) = (self.segments(), self.positions as i64);
+        let first = (tau * self.positions as f64).floor() as i64 - 1;
+        for (number, along) in (first..).zip(weights.along) {
+            let turns = number.div_euclid(positions) as i32;
+            let node = number.rem_euclid(positions) as usize;
+            // Number and row of each segment that the node holds.
+            let rows = names.iter().map(|&name| self.row(name, turns)).enumerate();
+            let held: Vec<(usize, usize)> = rows.filter_map(|(i, row)| Some((i, row?))).collect();
+            // Segments that follow each other in both.
+            let runs: Vec<_> = held
+                .chunk_by(|a, b| (a.0 + 1, a.1 + 1) == (b.0, b.1))
+                .collect();
+            for (k, across) in weights.across.into_iter().enumerate() {
                 let weight = along * across;
                 // Where there is one offset, the other two count nothing.
                 if weight == 0.0 {
                     continue;
                 }
-                for (number, rows) in runs.iter().enumerate() {
-                    for i in 0..rows.count {
+                let start = (k * self.positions + node) * self.node_size();
+                let values = &self.values[start..][..self.node_size()];
+                let (matrix, known_lengths) = values.split_at(triangle(segments));
+                Lanes::widest().run(|_| {
+                    for &(i, row) in &held {
                         // Row by row of the lower triangle, which is column by column of the upper one.
-                        let row = self.row(k, node, rows.place + i);
-                        let mut sums = bulk.column_mut(rows.first + i);
-                        let sums = &mut sums.as_mut_slice()[..=rows.first + i];
-                        for columns in &runs[..=number] {
-                            let end = (columns.first + columns.count).min(sums.len());
-                            let weight = match columns.tooth_pair == rows.tooth_pair {
-                                true => weight * scale(rows.tooth_pair),
-                                false => weight,
-                            };
-                            add(&mut sums[columns.first..end], &row[columns.place..], weight);
+                        let row = &matrix[triangle(row)..][..=row];
+                        let sums = &mut bulk.as_mut_slice()[i * n..][..=i];
+                        for run in runs.iter().take_while(|run| run[0].0 <= i) {
+                            let (first, column) = run[0];
+                            let values = row[column..].iter().take(run.len());
+                            for (sum, value) in sums[first..].iter_mut().zip(values) {
+                                *sum += weight * f64::from(*value);
+                            }
                         }
                     }
+                });
+                for (gear, lengths) in lengths.iter_mut().enumerate() {
+                    for &(i, row) in &held {
+                        lengths[i] += weight * f64::from(known_lengths[gear * segments + row]);
+                    }
                 }
-                self.add_lengths(k, node, &runs, weight, &mut lengths);
+            }
+        }
+        for (i, row) in names.iter().enumerate() {
+            let scale = scale(row.tooth_pair);
+            for (j, column) in names[..=i].iter().enumerate() {
+                if column.tooth_pair == row.tooth_pair {
+                    bulk[(j, i)] *= scale;
+                }
             }
         }
         bulk.fill_lower_triangle_with_upper_triangle();
         Influence { bulk, lengths }
-    }
-
-    /// Slopes by mesh position (1/cycle) and by centre distance (1/m) of what [`CondensedFlank::influence`] says of the segments
-    /// `names`: of the work of the `forces` on them by the bulk matrix, J, and of the reference lengths, m.
-    pub(super) fn slopes(
-        &self,
-        names: &[SegmentName],
-        forces: &[f64],
-        scale: impl Fn(i32) -> f64,
-        tau: f64,
-        offset: f64,
-    ) -> [InfluenceSlope; 2] {
-        let n = names.len();
-        let ([along, by_tau], [across, by_offset]) = (self.along(tau), self.across(offset));
-        let mut slopes = [(); 2].map(|()| InfluenceSlope {
-            work: 0.0,
-            lengths: [vec![0.0; n], vec![0.0; n]],
-        });
-        for (step, (node, runs)) in self.around(names, tau).into_iter().enumerate() {
-            for k in 0..self.offsets.len() {
-                let weights = [by_tau[step] * across[k], along[step] * by_offset[k]];
-                if weights == [0.0; 2] {
-                    continue;
-                }
-                let work = self.work(k, node, &runs, forces, &scale);
-                for (slope, weight) in slopes.iter_mut().zip(weights) {
-                    slope.work += weight * work;
-                    self.add_lengths(k, node, &runs, weight, &mut slope.lengths);
-                }
-            }
-        }
-        slopes
-    }
-
-    /// Row of the lower triangle of node `node` at the offset number `k`.
-    fn row(&self, k: usize, node: usize, place: usize) -> &[f32] {
-        &self.node_values(k, node)[triangle(place)..]
-    }
-
-    /// y' A y / 2 of one node, y the `forces` on the segments `runs`.
-    fn work(
-        &self,
-        k: usize,
-        node: usize,
-        runs: &[Run],
-        forces: &[f64],
-        scale: impl Fn(i32) -> f64,
-    ) -> f64 {
-        let mut work = 0.0;
-        for (number, rows) in runs.iter().enumerate() {
-            for i in 0..rows.count {
-                let row = self.row(k, node, rows.place + i);
-                let force = forces[rows.first + i];
-                let (mut own, mut others) = (0.5 * f64::from(row[rows.place + i]) * force, 0.0);
-                own += dot(row, rows, i, forces);
-                for columns in &runs[..number] {
-                    let displaced = dot(row, columns, columns.count, forces);
-                    match columns.tooth_pair == rows.tooth_pair {
-                        true => own += displaced,
-                        false => others += displaced,
-                    }
-                }
-                work += force * (scale(rows.tooth_pair) * own + others);
-            }
-        }
-        work
-    }
-
-    /// Adds the reference lengths of one node, times `weight`, to `lengths`.
-    fn add_lengths(
-        &self,
-        k: usize,
-        node: usize,
-        runs: &[Run],
-        weight: f64,
-        lengths: &mut [Vec<f64>; 2],
-    ) {
-        let segments = self.segments();
-        for (gear, lengths) in lengths.iter_mut().enumerate() {
-            let known = &self.node_values(k, node)[triangle(segments) + gear * segments..];
-            for run in runs {
-                add(
-                    &mut lengths[run.first..][..run.count],
-                    &known[run.place..],
-                    weight,
-                );
-            }
-        }
-    }
-
-    fn node_values(&self, k: usize, node: usize) -> &[f32] {
-        let size = self.node_size();
-        &self.values[(k * self.positions + node) * size..][..size]
-    }
-
-    /// The four nodes about `tau`, and where they hold the segments `names`.
-    fn around(&self, names: &[SegmentName], tau: f64) -> [(usize, Vec<Run>); 4] {
-        let first = (tau * self.positions as f64).floor() as i64 - 1;
-        [0, 1, 2, 3].map(|step| {
-            let (node, positions) = (first + step, self.positions as i64);
-            let runs = self.runs(names, node.div_euclid(positions) as i32);
-            (node.rem_euclid(positions) as usize, runs)
-        })
-    }
-
-    /// The segments `names` that a node holds, `turns` cycles on.
-    fn runs(&self, names: &[SegmentName], turns: i32) -> Vec<Run> {
-        let mut runs: Vec<Run> = Vec::with_capacity(8);
-        for (first, &name) in names.iter().enumerate() {
-            let Some(place) = self.place(name, turns) else {
-                continue;
-            };
-            match runs.last_mut() {
-                Some(run)
-                    if run.tooth_pair == name.0
-                        && run.first + run.count == first
-                        && run.place + run.count == place =>
-                {
-                    run.count += 1;
-                }
-                _ => runs.push(Run {
-                    tooth_pair: name.0,
-                    first,
-                    count: 1,
-                    place,
-                }),
-            }
-        }
-        runs
     }
 
     /// Weights of the four nodes about `tau`, and their slopes, 1/cycle: cubic convolution, continuous slope, parabolas exact
@@ -424,5 +301,111 @@ impl CondensedFlank {
             (to_a + to_b) * per[2],
         ];
         [weights, if x == offset { slopes } else { [0.0; 3] }]
+    }
+}
+
+/// Where row `i` of a lower triangle begins.
+fn triangle(i: usize) -> usize {
+    i * (i + 1) / 2
+}
+
+/// Changes with the layout.
+const MAGIC: &[u8; 32] = b"gearmesh condensed contact v002\n";
+
+/// Contact of both flanks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactFile {
+    /// The pair without its elastic model.
+    pub setup: Arc<ContactSetup>,
+    /// Drive flank.
+    pub drive: Arc<CondensedFlank>,
+    /// Coast flank, if it is not the drive flank's mirror image.
+    pub coast: Option<Arc<CondensedFlank>>,
+    /// How far force and shuttling moment are, all teeth taken as alike, from those of static contact on more stations; `None`:
+    /// not measured.
+    pub error: Option<InterpolationError>,
+}
+
+/// The head, in which the matrices are empty.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    setup: ContactSetup,
+    drive: CondensedFlank,
+    coast: Option<CondensedFlank>,
+    #[serde(default)]
+    error: Option<InterpolationError>,
+}
+
+impl ContactFile {
+    /// The bytes of the file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let bare = |flank: &CondensedFlank| CondensedFlank {
+            values: Vec::new(),
+            ..flank.clone()
+        };
+        let head = Head {
+            setup: (*self.setup).clone(),
+            drive: bare(&self.drive),
+            coast: self.coast.as_deref().map(bare),
+            error: self.error,
+        };
+        let head = serde_json::to_vec(&head).expect("plain structs become JSON");
+        let mut bytes = (head.len() as u64).to_le_bytes().to_vec();
+        bytes.extend(head);
+        for flank in [Some(&self.drive), self.coast.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            bytes.extend(flank.values.iter().flat_map(|value| value.to_le_bytes()));
+        }
+        sealed::seal(MAGIC, &bytes)
+    }
+
+    /// Reads the bytes of a file.
+    ///
+    /// # Errors
+    /// What is wrong with them, as text.
+    pub fn from_bytes(bytes: &[u8]) -> Result<ContactFile, String> {
+        let bytes = sealed::open(MAGIC, bytes)?;
+        let (length, rest) = bytes.split_first_chunk::<8>().ok_or("it has no head")?;
+        let (head, values) = usize::try_from(u64::from_le_bytes(*length))
+            .ok()
+            .and_then(|length| rest.split_at_checked(length))
+            .ok_or("the head is longer than the file")?;
+        let head: Head = serde_json::from_slice(head).map_err(|e| e.to_string())?;
+        head.setup.check()?;
+        let mut rest = values.chunks_exact(4);
+        let mut filled = |mut flank: CondensedFlank| -> Result<Arc<CondensedFlank>, String> {
+            let count = flank.value_count().ok_or("a grid without nodes")?;
+            let stations = head.setup.settings.stations;
+            if flank.stations != stations {
+                return Err(format!(
+                    "{} stations of a flank are not the {stations} of the contact",
+                    flank.stations
+                ));
+            }
+            flank.values = rest
+                .by_ref()
+                .take(count)
+                .map(|v| f32::from_le_bytes([v[0], v[1], v[2], v[3]]))
+                .collect();
+            if flank.values.len() != count || flank.values.iter().any(|v| !v.is_finite()) {
+                return Err(format!("{count} finite values of a flank are not there"));
+            }
+            Ok(Arc::new(flank))
+        };
+        let (drive, coast) = (
+            filled(head.drive)?,
+            head.coast.map(&mut filled).transpose()?,
+        );
+        if rest.next().is_some() || !rest.remainder().is_empty() {
+            return Err("there are more values than those of its flanks".into());
+        }
+        Ok(ContactFile {
+            drive,
+            coast,
+            setup: Arc::new(head.setup),
+            error: head.error,
+        })
     }
 }

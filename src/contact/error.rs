@@ -45,23 +45,57 @@ impl fmt::Display for OperatingPoint {
     }
 }
 
+/// Why a load has no solution, or none that counts.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum Failure {
+    /// The influence matrix is not positive definite.
+    #[error(
+        "the elastic model of the teeth is not positive definite; \
+         choose another compliance.refinement in the pair file"
+    )]
+    NotPositiveDefinite,
+    /// Newton's iteration stopped short of its tolerance, or where a force was NaN.
+    #[error(
+        "the contact solve stopped at a residual of {residual:.1e} after {iterations} iterations; \
+         lower torque or misalignment"
+    )]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Relative residual reached.
+        residual: f64,
+    },
+    /// The load is beyond what any flank carries.
+    #[error(
+        "a contact pressure of {:.0} MPa, far beyond what these teeth can carry: \
+         lower torque or misalignment, or widen the common face",
+        1e-6 * pressure
+    )]
+    Overload {
+        /// Largest pressure, Pa.
+        pressure: f64,
+    },
+    /// The teeth approach farther than the candidates for contact reach, so that some contact would
+    /// be missed.
+    #[error(
+        "the teeth approach by {:.1} um, but tip edges were followed for {:.1} um only; \
+         lower torque or misalignment, or state the larger one as operating.maximum_torque_nm or \
+         operating.misalignment_mrad in the pair file, from which that distance follows",
+        1e6 * needed,
+        1e6 * reach
+    )]
+    BeyondReach {
+        /// Largest approach found, m.
+        needed: f64,
+        /// How far candidates were followed, m.
+        reach: f64,
+    },
+}
+
 /// Errors of the contact solver.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ContactError {
-    /// A setting out of its range.
-    #[error("contact setting `{field}` = {value}: {remedy}")]
-    Setting {
-        /// Name of the setting.
-        field: &'static str,
-        /// What it was.
-        value: f64,
-        /// What it must be.
-        remedy: &'static str,
-    },
-    /// A gear has no usable tooth.
-    #[error("no tooth to touch: {0}; check module, profile shift and tip diameter")]
-    Profile(#[from] ProfileError),
-    /// A load, approach, misalignment or mesh position that is not a usable number.
+    /// A setting, load, approach, misalignment or mesh position out of its range.
     #[error("contact input `{field}` = {value}: {remedy}")]
     Input {
         /// Name of the quantity.
@@ -71,74 +105,56 @@ pub enum ContactError {
         /// What it must be.
         remedy: &'static str,
     },
+    /// A gear has no usable tooth.
+    #[error("no tooth to touch: {0}; check module, profile shift and tip diameter")]
+    Profile(#[from] ProfileError),
     /// No tooth pair can touch at this centre distance.
     #[error(
-        "center distance {center_distance_mm:.4} mm leaves no path of contact; \
-         bring it nearer to the nominal one"
+        "center distance {:.4} mm leaves no path of contact; bring it nearer to the nominal one",
+        1e3 * center_distance
     )]
     OutOfMesh {
-        /// The centre distance, mm.
-        center_distance_mm: f64,
-    },
-    /// The teeth approach farther than the candidates for contact reach, so that some contact would
-    /// be missed.
-    #[error(
-        "{at}: the teeth approach by {needed_um:.1} um, but tip edges were followed for {reach_um:.1} um only; \
-         lower torque or misalignment, or state the larger one as operating.maximum_torque_nm or \
-         operating.misalignment_mrad in the pair file, from which that distance follows"
-    )]
-    BeyondReach {
-        /// Where.
-        at: OperatingPoint,
-        /// Largest approach found, um.
-        needed_um: f64,
-        /// How far candidates were followed, um.
-        reach_um: f64,
-    },
-    /// The load is beyond what any flank carries.
-    #[error(
-        "{at}: a contact pressure of {pressure_mpa:.0} MPa, far beyond what these teeth can carry: \
-         lower torque or misalignment, or widen the common face"
-    )]
-    Overload {
-        /// Where.
-        at: OperatingPoint,
-        /// Largest pressure there, MPa.
-        pressure_mpa: f64,
-    },
-    /// The influence matrix is not positive definite.
-    #[error(
-        "{at}: the elastic model of the teeth is not positive definite; \
-         choose another compliance.refinement in the pair file"
-    )]
-    NotPositiveDefinite {
-        /// Where.
-        at: OperatingPoint,
+        /// The centre distance, m.
+        center_distance: f64,
     },
     /// Teeth may touch that lie farther apart than the elastic model was computed for.
     #[error(
         "center distance offset = {} um: {model}; state it in \
          operating.center_distance_offset_um in the pair file, from which the model's reach follows, or bring \
          it nearer to zero",
-        rounded(*center_distance_offset_um)
+        rounded(1e6 * center_distance_offset)
     )]
     BeyondModel {
-        /// Deviation from the nominal centre distance, um.
-        center_distance_offset_um: f64,
+        /// Deviation from the nominal centre distance, m.
+        center_distance_offset: f64,
         /// What the elastic model said.
         model: BeyondModel,
     },
-    /// Newton's iteration stopped short of its tolerance.
-    #[error(
-        "{at}: the contact solve stopped at a residual of {residual:.1e} after {iterations} iterations; \
-         lower torque or misalignment"
-    )]
-    NotConverged {
+    /// A load without a solution.
+    #[error("{at}: {failure}")]
+    Unsolved {
         /// Where.
         at: OperatingPoint,
-        /// Iterations done.
-        iterations: usize,
-        /// Relative residual reached.
-        residual: f64,
+        /// Why.
+        failure: Failure,
     },
+}
+
+impl ContactError {
+    /// [`ContactError::Input`].
+    pub fn input(field: &'static str, value: f64, remedy: &'static str) -> ContactError {
+        ContactError::Input {
+            field,
+            value,
+            remedy,
+        }
+    }
+}
+
+/// Refuses `value` unless it is finite.
+pub(super) fn finite(field: &'static str, value: f64) -> Result<(), ContactError> {
+    match value.is_finite() {
+        true => Ok(()),
+        false => Err(ContactError::input(field, value, "give a finite number")),
+    }
 }

@@ -17,12 +17,25 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::local::constants::{
-    INDEFINITE, SHARE_OF_A_LINE, SMOOTHING_OVER_LAYER, SMOOTHING_OVER_REFERENCE,
-};
 use super::{candidates::Candidate, transverse::PairNumbers};
 use crate::compliance::{BeyondModel, Strip, ToothCompliance};
 use crate::root::bisection;
+
+/// Range over which a load is smoothed along the contact line, over the layers of the elements: elements
+/// know no load that alternates within a layer. Measured: least at which the bulk stays positive definite at all levels.
+const SMOOTHING_OVER_LAYER: f64 = 1.5;
+
+/// The same over the reference length L. A half-space under a line load of the wavelength 2 l gives way
+/// by c (ln(2 l / (pi L)) - 0.577): nothing is left at l = 2.8 L.
+const SMOOTHING_OVER_REFERENCE: f64 = 3.0;
+
+/// Largest part of the displacement of a whole contact line under an even load that the local contact takes
+/// over: the law of a line contact does not hold for lines shorter than their contact is wide.
+const SHARE_OF_A_LINE: f64 = 0.5;
+
+/// How far the bulk matrix may be from positive definite, over c / l: the law of local contact adds at least ln(4/3) of
+/// c / l to it, and rounding makes the matrix of segments much shorter than the elements indefinite by itself.
+const INDEFINITE: f64 = 2e-5;
 
 /// Halvings in the search for the share that the bulk matrix can give: the rest of 1e-6 is below the tolerance of
 /// the contact solve.

@@ -21,17 +21,16 @@
 //! touch the base circle of gear 2. There the torques are not in the ratio of the base radii, and mesh position
 //! and approach are those of a pair whose gear 2 is held and whose gear 1 is turned.
 
-mod along;
 mod candidates;
 mod closest;
 mod complementarity;
 mod condensed;
-mod deflection;
+mod edge_load;
 mod error;
-mod file;
 mod influence;
-mod local;
+mod local_law;
 mod position;
+mod profile;
 mod result;
 mod runtime;
 mod setup;
@@ -40,14 +39,13 @@ mod transverse;
 
 pub use candidates::Candidate;
 pub use complementarity::MAXIMUM_ITERATIONS;
-pub use condensed::{CondensedFlank, CondensedNode};
-pub use deflection::Deflection;
-pub use error::{ContactError, OperatingPoint, Prescribed};
-pub use file::ContactFile;
+pub use condensed::{CondensedFlank, CondensedNode, ContactFile};
+pub use edge_load::EdgeLoad;
+pub use error::{ContactError, Failure, OperatingPoint, Prescribed};
 pub use position::PositionProblem;
-pub use result::{ContactResult, EdgeLoad, SegmentLoad, Tangent};
+pub use result::{ContactResult, SegmentLoad, Tangent};
 pub use runtime::{ContactPotential, RuntimeContact, Warm};
-pub use setup::{ContactSettings, ContactSetup, widest_contact};
+pub use setup::{ContactSettings, ContactSetup, Deflection, widest_contact};
 pub use solver::ContactSolver;
 
 #[cfg(test)]

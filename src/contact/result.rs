@@ -2,11 +2,10 @@
 
 use nalgebra::DVector;
 
-use super::candidates::POINTS;
-use super::complementarity::Solution;
+use super::complementarity::{Solution, Start};
+use super::edge_load::EdgeLoad;
+use super::error::{ContactError, Prescribed, finite};
 use super::position::{Found, PositionProblem};
-use super::solver::ContactSolver;
-use crate::friction::{FrictionLaw, Sliding, StripContact, TRANSITION_OVER_PITCH};
 
 /// Derivatives of load and moment at a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -46,17 +45,6 @@ impl SegmentLoad {
     }
 }
 
-/// Contact at a tip edge.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EdgeLoad {
-    /// Normal force per length of contact line, N/m, at this place, not the mean of a segment.
-    pub line_load: f64,
-    /// Where along the face, in gear 1's frame, m.
-    pub z: f64,
-    /// The gear whose tip edge it is, 0 or 1.
-    pub gear: usize,
-}
-
 /// Static contact at one operating point.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ContactResult {
@@ -94,8 +82,89 @@ pub struct ContactResult {
     pub gaps: Vec<f64>,
 }
 
+impl ContactResult {
+    /// Where the solve for another load starts.
+    fn start(&self) -> Start<'_> {
+        Start {
+            forces: &self.forces,
+            approach: self.approach,
+        }
+    }
+}
+
 impl PositionProblem {
-    pub(super) fn result(&self, found: Found) -> ContactResult {
+    /// Equilibrium under `torque` (N m on gear 1, >= 0) and `misalignment` (rad), from the forces of
+    /// `warm`, a solution at the same position, where there is one. Without torque the flanks just touch.
+    ///
+    /// # Errors
+    /// [`ContactError::Input`] for a torque that is negative or not finite, else as
+    /// [`PositionProblem::solve_approach`].
+    pub fn solve_torque(
+        &self,
+        torque: f64,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        if !(torque.is_finite() && torque >= 0.0) {
+            return Err(ContactError::input(
+                "torque",
+                torque,
+                "give a finite torque on gear 1 that is not negative; \
+                         the coast flank is a flank of its own",
+            ));
+        }
+        if torque == 0.0 {
+            finite("misalignment", misalignment)?;
+            return self.solve_approach(self.no_load_approach(misalignment), misalignment, None);
+        }
+        self.solve(Prescribed::Torque(torque), misalignment, warm)
+    }
+
+    /// Contact at the given `approach` (m on the line of action at mid-face) and `misalignment` (rad),
+    /// from the forces of `warm` where there is one.
+    ///
+    /// # Errors
+    /// [`ContactError::Input`] for numbers that are not finite, [`ContactError::Unsolved`] where a
+    /// [`Failure`](super::Failure) says why.
+    pub fn solve_approach(
+        &self,
+        approach: f64,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        finite("approach", approach)?;
+        self.solve(Prescribed::Approach(approach), misalignment, warm)
+    }
+
+    fn solve(
+        &self,
+        prescribed: Prescribed,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        let found = self.solution(prescribed, misalignment, warm.map(ContactResult::start))?;
+        match found.excess {
+            Some(failure) => Err(self.unsolved(prescribed, misalignment, failure)),
+            None => Ok(self.result(found)),
+        }
+    }
+
+    /// As [`PositionProblem::solve_torque`] and [`PositionProblem::solve_approach`], also where a flank bears more than any
+    /// does, or where tip edges were not followed: for tables, whose ends no load reaches.
+    ///
+    /// # Errors
+    /// What the solve itself can refuse.
+    pub fn solve_beyond(
+        &self,
+        prescribed: Prescribed,
+        misalignment: f64,
+        warm: Option<&ContactResult>,
+    ) -> Result<ContactResult, ContactError> {
+        let found = self.solution(prescribed, misalignment, warm.map(ContactResult::start))?;
+        Ok(self.result(found))
+    }
+
+    fn result(&self, found: Found) -> ContactResult {
         let Found { solution, gap, .. } = found;
         let loa_force = self.arm.dot(&solution.force);
         let over_force = |value: f64| {
@@ -127,7 +196,7 @@ impl PositionProblem {
             contact_z: self.z_ref + over_force(moment),
             load_share,
             max_pressure: pressures.iter().copied().fold(0.0, f64::max),
-            edge_load: edge_loads.iter().copied().fold(None, larger),
+            edge_load: edge_loads.iter().copied().fold(None, EdgeLoad::larger),
             kkt_residual: solution.kkt_residual,
             iterations: solution.iterations,
             tangent,
@@ -160,9 +229,7 @@ impl PositionProblem {
             within += normal * normal * (sums[2] - sums[1] * sums[1] / sums[0]);
         }
         let arms = self.arm.select_rows(&solution.active);
-        let [mut by_approach, mut by_misalignment] = [arms.clone(), levers.clone()];
-        solution.factor.solve(&mut by_approach);
-        solution.factor.solve(&mut by_misalignment);
+        let [by_approach, by_misalignment] = [&arms, &levers].map(|x| solution.factor.solve(x));
         let tangent = Tangent {
             force_by_approach: by_approach.dot(&arms),
             force_by_misalignment: by_misalignment.dot(&arms),
@@ -195,56 +262,5 @@ impl PositionProblem {
                 gap: result.gaps[i],
             })
             .collect()
-    }
-}
-
-impl ContactSolver {
-    /// Sliding of `result`, a solution of `problem`, weighted by `law`.
-    ///
-    /// The distance from the pitch point follows from the lengths of roll of both flanks, so that it is that of the
-    /// flank and the tip edge where contact has left the path.
-    pub fn sliding(
-        &self,
-        problem: &PositionProblem,
-        result: &ContactResult,
-        law: &FrictionLaw,
-    ) -> Sliding {
-        let g = self.geometry();
-        let rb = [0, 1].map(|i| g.gears[i].base_radius());
-        let per_roll = g.gears[0].kappa() / (1.0 / rb[0] + g.e() / rb[1]);
-        let spin = g.rolling_speed_per_spin(g.center_distance).recip();
-        let plane = |i: usize| (1.0 - g.gears[i].poisson_ratio.powi(2)) / g.gears[i].youngs_modulus;
-        let transition = TRANSITION_OVER_PITCH * g.base_pitch();
-        let mut sum = Sliding::default();
-        if result.loa_force <= 0.0 {
-            return sum;
-        }
-        let normal = result.loa_force / g.base_helix_angle().cos();
-        for (i, candidate) in problem.candidates().iter().enumerate() {
-            let force = result.forces[i];
-            if force <= 0.0 {
-                continue;
-            }
-            let turned = [0, 1].map(|k| candidate.roll[k] / rb[k]);
-            let segment = StripContact {
-                line_load: force / (POINTS as f64 * problem.local[i].length()),
-                radius: candidate.radius,
-                plane_compliance: plane(0) + plane(1),
-                rolling: turned.map(|angle| spin * rb[0] * angle),
-            };
-            let weight = law.weight(&segment) * force / normal;
-            let s = (turned[0] - turned[1]) * per_roll;
-            sum.add(weight, s, candidate.middle() - problem.z_ref, transition);
-        }
-        sum
-    }
-}
-
-/// The one of the larger line load.
-pub(super) fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoad> {
-    match (a, b) {
-        (Some(a), Some(b)) if b.line_load > a.line_load => Some(b),
-        (Some(a), _) => Some(a),
-        (None, b) => b,
     }
 }

@@ -7,18 +7,21 @@
 //! stationary in y: F_bt = dW/d delta and the moment dW/dM come with the solution, and its slopes by centre distance and
 //! mesh position are those at fixed y, segment by segment, by differences of a smooth function of the pose.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use nalgebra::DVector;
+
 use super::candidates::{Candidate, ContactLines, SegmentName};
-use super::complementarity::Start;
-use super::condensed::CondensedFlank;
+use super::complementarity::{Solution, Start};
+use super::condensed::{CondensedFlank, ContactFile};
 use super::error::{ContactError, Prescribed};
-use super::position::{Found, PositionProblem, law};
+use super::position::{Limits, PositionProblem};
 use super::result::Tangent;
 use super::setup::ContactSetup;
 use super::transverse::{PairNumbers, TransverseSection};
+use crate::gear::Flank;
 use crate::gear::teeth::{Counts, Passing};
-use crate::gear::{Flank, Microgeometry};
 
 /// Potential of one flank.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -43,16 +46,14 @@ pub struct RuntimeContact {
     flank: Flank,
     /// `None`: all teeth are alike.
     teeth: Option<Arc<Passing>>,
-    /// Whether no flank stands out of the unmodified one, so that flanks that are far apart there are so in all.
-    only_removes: bool,
 }
 
 /// Forces of the last solve, from which the next one starts. It saves steps of Newton's iteration and changes the solution by no
 /// more than rounding.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Warm {
-    /// Segments that carry by tooth pair, counted from the start, and station, ascending; N.
-    forces: Vec<((i64, usize), f64)>,
+    /// N, by tooth pair, counted from the start, and station; those that carry.
+    forces: BTreeMap<(i64, usize), f64>,
 }
 
 /// A pose of the mesh.
@@ -70,6 +71,14 @@ struct Pose {
     counts: Counts,
 }
 
+impl Pose {
+    /// What a segment is known by in other cycles.
+    fn since_start(self, segment: &Candidate) -> (i64, usize) {
+        let tooth_pair = i64::from(segment.tooth_pair) - self.counts[0];
+        (tooth_pair, segment.station)
+    }
+}
+
 /// Steps of the differences by mesh position and by centre distance, m: what the energy of a segment curves over them is a
 /// millionth of its slope, and so is what rounding leaves.
 const STEPS: [f64; 2] = [1e-8, 1e-10];
@@ -78,21 +87,24 @@ const STEPS: [f64; 2] = [1e-8, 1e-10];
 /// forces push flanks apart nearly everywhere, and where they do not, by far less.
 const MARGIN: f64 = 0.1;
 
-/// Flanks that are farther apart than this many times what approach, misalignment and teeth close at most are beyond that
-/// margin, whatever the arm of their force.
-const CLEARLY_APART: f64 = 1.25;
+impl ContactFile {
+    /// The contact of `flank`; `None`: the drive flank's, mirrored.
+    pub fn flank(&self, flank: Flank) -> Option<RuntimeContact> {
+        let condensed = match flank {
+            Flank::Drive => &self.drive,
+            Flank::Coast => self.coast.as_ref()?,
+        };
+        let (setup, condensed) = (self.setup.clone(), condensed.clone());
+        Some(RuntimeContact::new(setup, condensed, flank))
+    }
+}
 
 impl RuntimeContact {
     /// The contact of `flank`, whose condensed model is `condensed`.
     pub fn new(setup: Arc<ContactSetup>, condensed: Arc<CondensedFlank>, flank: Flank) -> Self {
-        let own = setup.teeth.flank(flank).iter().flat_map(|t| &t.flanks);
-        let only_removes = (setup.microgeometry.flank(flank).iter())
-            .chain(own.map(|own| &own.microgeometry))
-            .all(Microgeometry::only_removes);
         RuntimeContact {
-            numbers: PairNumbers::new(&setup.geometry).with_corners(setup.corner_resolution),
+            numbers: PairNumbers::new(&setup.geometry, setup.corner_resolution),
             teeth: Passing::new(&setup.geometry, &setup.teeth, flank).map(Arc::new),
-            only_removes,
             setup,
             condensed,
             flank,
@@ -119,7 +131,7 @@ impl RuntimeContact {
             tau: position - turns,
             counts: counts.map(|count| count + turns as i64),
         };
-        let last = std::mem::take(warm);
+        let last = std::mem::take(&mut warm.forces);
         let section = self.setup.section(&self.numbers, offset)?;
         let candidates = self.near(&section, pose);
         if candidates.is_empty() {
@@ -127,35 +139,43 @@ impl RuntimeContact {
         }
         let count = candidates.len();
         let problem = self.problem(candidates, pose);
-        let all_held = problem.candidates().len() == count;
-        let start = last.start(problem.candidates(), pose);
+        let segments = problem.candidates();
+        let missing = segments.len() < count;
+        let known = |segment| last.get(&pose.since_start(segment)).copied().unwrap_or(0.0);
+        let forces: Vec<f64> = segments.iter().map(known).collect();
+        let start = (!last.is_empty()).then_some(Start {
+            forces: &forces,
+            approach,
+        });
         let solve = |start| problem.solution(Prescribed::Approach(approach), misalignment, start);
-        let found = match solve(start.as_ref()) {
+        let found = match solve(start) {
             // A start that leads nowhere must not decide.
             Err(_) if start.is_some() => solve(None),
             found => found,
         }?;
         let solution = &found.solution;
-        let carrying = problem.candidates().iter().zip(&solution.force);
+        let carrying = segments
+            .iter()
+            .zip(&solution.force)
+            .filter(|(_, force)| **force > 0.0);
         warm.forces = carrying
-            .filter(|(_, force)| **force > 0.0)
-            .map(|(segment, force)| (pose.since_start(segment), *force))
+            .map(|(segment, f)| (pose.since_start(segment), *f))
             .collect();
         if warm.forces.is_empty() {
             return Ok(ContactPotential {
-                out_of_range: !all_held,
+                out_of_range: missing,
                 ..ContactPotential::default()
             });
         }
         let (energy, [by_tau, by_offset]) =
-            self.at_fixed_forces(&problem, &section, pose, &found)?;
+            self.at_fixed_forces(&problem, &section, pose, solution)?;
         let (moment, tangent) = problem.moment(solution);
         let force = problem.arm.dot(&solution.force);
         Ok(ContactPotential {
             energy,
             gradient: [force, by_offset, moment, by_tau],
             tangent,
-            out_of_range: found.excess.is_some() || !self.condensed.holds(offset) || !all_held,
+            out_of_range: found.excess.is_some() || !self.condensed.holds(offset) || missing,
         })
     }
 
@@ -168,75 +188,50 @@ impl RuntimeContact {
         problem: &PositionProblem,
         section: &TransverseSection,
         pose: Pose,
-        found: &Found,
+        solution: &Solution,
     ) -> Result<(f64, [f64; 2]), ContactError> {
-        let (segments, solution) = (problem.candidates(), &found.solution);
-        let loaded: Vec<usize> = (0..segments.len())
-            .filter(|&i| solution.force[i] > 0.0)
-            .collect();
+        let segments = problem.candidates();
+        let carries = |i: &usize| solution.force[*i] > 0.0;
+        let loaded: Vec<usize> = (0..segments.len()).filter(carries).collect();
         let names: Vec<SegmentName> = loaded.iter().map(|&i| segments[i].name()).collect();
-        let forces: Vec<f64> = loaded.iter().map(|&i| solution.force[i]).collect();
+        let forces: DVector<f64> = solution.force.select_rows(&loaded);
         let scale = |k| self.compliance(pose, k);
-        let influence = (self.condensed).slopes(&names, &forces, scale, pose.tau, pose.offset);
-        let mut slopes = [0, 1].map(|axis| -influence[axis].work);
-        let offset = pose.offset + STEPS[1];
-        let there = self.setup.section(&self.numbers, offset)?;
-        let tau = pose.tau + STEPS[0];
+        let influence = self.condensed.slopes(&names, scale, pose.tau, pose.offset);
+        let mut slopes = [0, 1].map(|axis| -0.5 * (&influence[axis].bulk * &forces).dot(&forces));
+        let (tau, offset) = (pose.tau + STEPS[0], pose.offset + STEPS[1]);
+        let farther = (section.near(self.setup.geometry.center_distance + offset))
+            .ok_or_else(|| self.setup.out_of_mesh(offset))?;
         let moved = [
             (Pose { tau, ..pose }, section),
-            (Pose { offset, ..pose }, &there),
+            (Pose { offset, ..pose }, &farther),
         ];
         let mut energy = 0.0;
-        for (place, &i) in loaded.iter().enumerate() {
+        for (number, &i) in loaded.iter().enumerate() {
             // What the forces displace the bodies by on this segment.
             let deflection = problem.arm[i] * pose.approach - solution.closing[i];
             let local = solution.loads[i].energy();
             energy += 0.5 * solution.force[i] * deflection + local;
             for (axis, (pose, section)) in moved.iter().enumerate() {
                 let known = problem.lengths(i);
-                let lengths =
-                    [0, 1].map(|g| known[g] + influence[axis].lengths[g][place] * STEPS[axis]);
-                let there = (self.lines(section, *pose))
-                    .segment(pose.tau, names[place], segments[i].closest)
-                    .map_or(0.0, |segment| {
-                        self.local_energy(&segment, lengths, deflection, *pose)
-                    });
+                let grown = |g: usize| influence[axis].lengths[g][number] * STEPS[axis];
+                let lengths = [0, 1].map(|g| known[g] + grown(g));
+                let segment = self.lines(section, *pose).segment(pose.tau, names[number]);
+                let there = segment.map_or(0.0, |segment| {
+                    let law = problem.law(&segment, &segment.profile, lengths);
+                    let closing = self.numbers.cos_beta_b * segment.arms[0] * pose.approach;
+                    let left = |q: usize| segment.gap[q] - pose.misalignment * segment.levers[q];
+                    let penetration = |q| closing - deflection - self.numbers.cos_beta_b * left(q);
+                    law.loads(std::array::from_fn(penetration)).energy()
+                });
                 slopes[axis] += (there - local) / STEPS[axis];
             }
         }
         Ok((energy, slopes))
     }
 
-    /// Energy of the local contact of `segment`, whose reference lengths are `lengths` (m), J, where the bodies are displaced by
-    /// `deflection` (m).
-    fn local_energy(
-        &self,
-        segment: &Candidate,
-        lengths: [f64; 2],
-        deflection: f64,
-        pose: Pose,
-    ) -> f64 {
-        let cos_beta_b = self.numbers.cos_beta_b;
-        let law = law(&self.numbers, segment, &segment.profile, lengths);
-        let closing = segment.arms[0] * cos_beta_b * pose.approach - deflection;
-        let left = |q: usize| segment.gap[q] - pose.misalignment * segment.levers[q];
-        law.loads(std::array::from_fn(|q| closing - cos_beta_b * left(q)))
-            .energy()
-    }
-
     /// The segments that may carry at `pose`; none if none touches.
     fn near(&self, section: &TransverseSection, pose: Pose) -> Vec<Candidate> {
-        let [first, last] = section.reach();
-        let within = if self.only_removes {
-            let lever = 0.5 * self.numbers.face[1] + self.numbers.tan_beta_b * last.max(-first);
-            let closing = pose.approach.max(0.0)
-                + (pose.misalignment * lever).abs()
-                + self.setup.teeth.largest_closing();
-            section.within(CLEARLY_APART * closing)
-        } else {
-            [first, last]
-        };
-        let mut segments = self.lines(section, pose).candidates(pose.tau, within);
+        let mut segments = self.lines(section, pose).candidates(pose.tau);
         // How far flanks overlap, along the line of action.
         let overlap = |segment: &Candidate| {
             let closed = segment.arms[0] * pose.approach;
@@ -253,7 +248,7 @@ impl RuntimeContact {
     fn lines<'a>(&'a self, section: &'a TransverseSection, pose: Pose) -> ContactLines<'a> {
         ContactLines {
             teeth: self.teeth.as_deref().map(|passing| (passing, pose.counts)),
-            ..self.setup.lines(self.flank, section)
+            ..ContactLines::new(&self.setup, section, self.flank)
         }
     }
 
@@ -269,7 +264,8 @@ impl RuntimeContact {
         let influence = |candidates: &[Candidate]| {
             let names: Vec<SegmentName> = candidates.iter().map(Candidate::name).collect();
             let scale = |k| self.compliance(pose, k);
-            (self.condensed).influence(&names, scale, pose.tau, pose.offset)
+            self.condensed
+                .influence(&names, scale, pose.tau, pose.offset)
         };
         let mut known = influence(&candidates);
         let [first, second] = &known.lengths;
@@ -283,32 +279,7 @@ impl RuntimeContact {
             candidates.retain(|_| held.next() == Some(true));
             known = influence(&candidates);
         }
-        let limits = self.setup.limits(pose.offset);
+        let limits = Limits::new(&self.setup, pose.offset);
         PositionProblem::with(&self.numbers, candidates, known, limits)
-    }
-}
-
-impl Pose {
-    /// The name by which a segment is known in other cycles.
-    fn since_start(self, segment: &Candidate) -> (i64, usize) {
-        (
-            i64::from(segment.tooth_pair) - self.counts[0],
-            segment.station,
-        )
-    }
-}
-
-impl Warm {
-    /// Where a solve for `segments` at `pose` starts; `None` where nothing is known.
-    fn start(&self, segments: &[Candidate], pose: Pose) -> Option<Start> {
-        let force = |segment: &Candidate| {
-            let name = pose.since_start(segment);
-            let place = self.forces.binary_search_by_key(&name, |known| known.0);
-            place.map_or(0.0, |place| self.forces[place].1)
-        };
-        (!self.forces.is_empty()).then(|| Start {
-            forces: segments.iter().map(force).collect(),
-            approach: pose.approach,
-        })
     }
 }

@@ -2,25 +2,27 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::candidates::ContactLines;
 use super::error::ContactError;
-use super::local::constants::{
-    FEWEST_STATIONS, MOST_STATIONS, SEGMENT_OVER_WIDTH, STIFFNESS_OVER_MODULUS,
-};
-use super::position::Limits;
 use super::transverse::{PairNumbers, TransverseSection};
-use crate::gear::{Flank, PairGeometry, PairMicrogeometry, PairTeeth};
+use crate::gear::{PairGeometry, PairMicrogeometry, PairTeeth};
 use crate::pair::{Pair, Refinement};
 use crate::table::GeometryRecord;
+
+/// Stations along the face: the most, of a pair whose contacts are narrow (docs/validation.md), and the fewest.
+const MOST_STATIONS: usize = 40;
+const FEWEST_STATIONS: usize = 10;
+
+/// Stiffness of a tooth pair per length of contact line over Young's modulus: for starting values, for how
+/// far tip edges are followed and for how wide contacts become. ISO 6336-1: 14 N/(mm um) for steel.
+pub(super) const STIFFNESS_OVER_MODULUS: f64 = 0.07;
 
 /// How the contact is discretised.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ContactSettings {
     /// Number of equal stations over the overlap of both faces.
     pub stations: usize,
-    /// Part of what a gap changes by along a segment that local contact takes up. The bulk displacement of a segment is one number, its
-    /// mean; that of the teeth follows a load that changes along the line. With 1, all of the change, forces come out too high by the square of the
-    /// segments' length.
+    /// Part of what a gap changes by along a segment that local contact takes up; the displacement of the teeth follows the rest,
+    /// of which the bulk of a segment knows the mean alone. With 1 forces come out too high by the square of its length.
     #[serde(default = "all")]
     pub own_share: f64,
     /// Whether tip corners outside the path of contact may touch.
@@ -46,8 +48,7 @@ impl Default for ContactSettings {
     }
 }
 
-/// Elements of level coarse over those of level normal; segments shorter than the elements follow no load of
-/// their own either.
+/// Elements of level coarse over those of level normal: segments shorter than the elements follow no load of their own either.
 const COARSE_OVER_NORMAL: f64 = 5.0 / 3.0;
 
 impl ContactSettings {
@@ -58,7 +59,8 @@ impl ContactSettings {
             Refinement::Coarse => COARSE_OVER_NORMAL,
             Refinement::Normal | Refinement::Fine => 1.0,
         };
-        let least = elements * SEGMENT_OVER_WIDTH * 2.0 * widest_contact(pair);
+        // A segment shorter than its contact is wide is no line contact of its own.
+        let least = elements * 2.0 * widest_contact(pair);
         let (_, face) = pair.geometry.face_overlap();
         ContactSettings {
             stations: ((face / least) as usize).clamp(FEWEST_STATIONS, MOST_STATIONS),
@@ -92,7 +94,7 @@ pub struct ContactSetup {
 }
 
 /// Segments of one position, more than which are no contact of a pair: ten times those of the widest face.
-const MOST_SEGMENTS: usize = 4000;
+const MOST_SEGMENTS: f64 = 4000.0;
 
 impl ContactSetup {
     /// Refuses what a file may hold and no solver writes.
@@ -101,15 +103,11 @@ impl ContactSetup {
     /// The first such field, as text.
     pub(super) fn check(&self) -> Result<(), String> {
         GeometryRecord::check(&self.geometry).map_err(|error| error.to_string())?;
-        let numbers = PairNumbers::new(&self.geometry);
+        let numbers = PairNumbers::new(&self.geometry, self.corner_resolution);
         let section = (self.section(&numbers, 0.0)).map_err(|error| error.to_string())?;
-        let pairs = self.lines(Flank::Drive, &section).pairs(0.0, 0.0);
-        let pairs = i64::from(*pairs.end()) - i64::from(*pairs.start());
-        let stations = self.settings.stations;
-        let segments = usize::try_from(pairs)
-            .ok()
-            .and_then(|n| n.checked_mul(stations));
-        if !segments.is_some_and(|segments| (1..MOST_SEGMENTS).contains(&segments)) {
+        let [first, last] = section.passage();
+        let (pairs, stations) = (last.ceil() - first.floor(), self.settings.stations);
+        if !(1.0..MOST_SEGMENTS).contains(&(pairs * stations as f64)) {
             return Err(format!(
                 "{stations} stations of {pairs} tooth pairs: together 1 to {MOST_SEGMENTS} make sense"
             ));
@@ -148,31 +146,7 @@ impl ContactSetup {
 
     pub(super) fn out_of_mesh(&self, center_distance_offset: f64) -> ContactError {
         ContactError::OutOfMesh {
-            center_distance_mm: 1e3 * (self.geometry.center_distance + center_distance_offset),
-        }
-    }
-
-    /// The contact lines of `flank` in `section`, all teeth alike.
-    pub(super) fn lines<'a>(
-        &'a self,
-        flank: Flank,
-        section: &'a TransverseSection,
-    ) -> ContactLines<'a> {
-        ContactLines {
-            setup: self,
-            section,
-            flank,
-            teeth: None,
-        }
-    }
-
-    /// What holds for all loads at this centre distance.
-    pub(super) fn limits(&self, center_distance_offset: f64) -> Limits {
-        let modulus = self.geometry.gears.iter().map(|g| g.youngs_modulus);
-        Limits {
-            center_distance_offset,
-            reach: self.settings.tip_corner_contact.then_some(self.reach),
-            foundation: STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min),
+            center_distance: self.geometry.center_distance + center_distance_offset,
         }
     }
 }
@@ -192,16 +166,9 @@ pub fn widest_contact(pair: &Pair) -> f64 {
         .fold(0.0, f64::max)
         / g.base_helix_angle().cos();
     let force = pair.operating.maximum_torque / g.gears[0].base_radius();
-    let modulus = g
-        .gears
-        .iter()
-        .map(|g| g.youngs_modulus)
-        .fold(f64::INFINITY, f64::min);
-    let misalignment = pair
-        .operating
-        .misalignment
-        .iter()
-        .fold(0.0f64, |m, v| m.max(v.abs()));
+    let modulus = g.gears[0].youngs_modulus.min(g.gears[1].youngs_modulus);
+    let [low, high] = pair.operating.misalignment.map(f64::abs);
+    let misalignment = low.max(high);
     let triangle = (2.0 * force * STIFFNESS_OVER_MODULUS * modulus * misalignment).sqrt();
     let line_load = (force / g.face_overlap().1).max(triangle);
     let softness: f64 = g
@@ -236,4 +203,89 @@ pub(super) fn estimated_reach(pair: &Pair, form_rolls: [f64; 2]) -> f64 {
         + bodies
         + 0.5 * low.max(high) * (width + g.base_helix_angle().tan() * g.base_pitch())
         + removal / cos_beta_b
+}
+
+/// How far the flanks of both gears have come closer along the pitch line, on the line of action, before the load of
+/// the mesh: > 0 closes, as an approach does. Straight between its points and, beyond them, on as between the
+/// two outermost. Transverse sections turn with its slope, so that at the distance y from the pitch line along the path flanks
+/// close by sigma y times the slope more, sigma that of the contact line. A misalignment M is the deflection M (z - z_ref); both add.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Deflection {
+    /// (z in gear 1's frame, closing), m, ascending in z; none where there is no deflection.
+    points: Vec<[f64; 2]>,
+}
+
+impl Deflection {
+    /// Through `points`: (z in gear 1's frame, closing on the line of action), m.
+    ///
+    /// # Errors
+    /// [`ContactError::Input`] for fewer than two points, numbers that are not finite, and z that do not ascend.
+    pub fn new(points: Vec<[f64; 2]>) -> Result<Deflection, ContactError> {
+        let refused = |field, value, remedy| Err(ContactError::input(field, value, remedy));
+        if points.len() < 2 {
+            let count = points.len() as f64;
+            return refused("points of the deflection", count, "give at least 2");
+        }
+        if let Some(value) = points.iter().flatten().find(|v| !v.is_finite()) {
+            return refused("deflection", *value, "give finite numbers");
+        }
+        if let Some(pair) = points.windows(2).find(|p| p[1][0] <= p[0][0]) {
+            return refused("z of the deflection", pair[1][0], "let z ascend");
+        }
+        Ok(Deflection { points })
+    }
+
+    /// The ends of the face, `ends` (m in gear 1's frame), closed by `bow` (m) less than its middle, where the
+    /// deflection is zero; parabolic.
+    ///
+    /// # Errors
+    /// As [`Deflection::new`].
+    pub fn bow(bow: f64, ends: [f64; 2]) -> Result<Deflection, ContactError> {
+        // 64 straight pieces are off a parabola by a four-thousandth of its height.
+        const PIECES: usize = 64;
+        let points = (0..=PIECES).map(|i| {
+            let t = 2.0 * i as f64 / PIECES as f64 - 1.0;
+            let z = 0.5 * ((1.0 - t) * ends[0] + (1.0 + t) * ends[1]);
+            [z, -bow * t * t]
+        });
+        Deflection::new(points.collect())
+    }
+
+    /// Closing (m) on the pitch line at `z` (m in gear 1's frame), and its slope there: between the middles of two pieces the mean of
+    /// theirs, so that no transverse section turns against its neighbour.
+    pub fn closing(&self, z: f64) -> [f64; 2] {
+        if self.points.is_empty() {
+            return [0.0; 2];
+        }
+        let above = self.points.partition_point(|p| p[0] <= z);
+        let last = above.clamp(1, self.points.len() - 1);
+        let piece = |last: usize| {
+            let ([z0, d0], [z1, d1]) = (self.points[last - 1], self.points[last]);
+            (0.5 * (z0 + z1), (d1 - d0) / (z1 - z0))
+        };
+        let (middle, slope) = piece(last);
+        let beside = if z < middle { last - 1 } else { last + 1 };
+        let smooth = match (1..self.points.len()).contains(&beside) {
+            true => {
+                let (other, turned) = piece(beside);
+                slope + (turned - slope) * (z - middle) / (other - middle)
+            }
+            false => slope,
+        };
+        let [z0, d0] = self.points[last - 1];
+        [d0 + slope * (z - z0), smooth]
+    }
+
+    /// Least and largest closing over the face with the ends `ends`, m, up to `beyond` (sigma y, m) beside the pitch line.
+    pub fn range(&self, ends: [f64; 2], beyond: f64) -> [f64; 2] {
+        let inside = (self.points.iter().map(|p| p[0])).filter(|z| ends[0] < *z && *z < ends[1]);
+        (ends.into_iter().chain(inside)).fold(
+            [f64::INFINITY, f64::NEG_INFINITY],
+            |[low, high], z| {
+                let [closing, slope] = self.closing(z);
+                let turned = (beyond * slope).abs();
+                [low.min(closing - turned), high.max(closing + turned)]
+            },
+        )
+    }
 }

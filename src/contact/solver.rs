@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use super::candidates::{Candidate, ContactLines, SegmentName, along_segment};
-use super::deflection::Deflection;
-use super::error::{ContactError, Prescribed};
+use super::error::{ContactError, Failure, Prescribed, finite};
 use super::influence::Influence;
-use super::local::constants::{OWN_SHARE_ALONG_SEGMENT, REFERENCE_OVER_HERTZ, RUN_TIME_STATIONS};
-use super::position::{Excess, PositionProblem, finite};
-use super::setup::{ContactSettings, ContactSetup, estimated_reach, widest_contact};
+use super::local_law::POINTS;
+use super::position::{Limits, PositionProblem};
+use super::result::ContactResult;
+use super::setup::{ContactSettings, ContactSetup, Deflection, estimated_reach, widest_contact};
 use super::transverse::{PairNumbers, TransverseSection};
-use crate::compliance::{BeyondModel, Strip, ToothCompliance};
-use crate::friction::FrictionLaw;
+use crate::compliance::{Strip, ToothCompliance};
+use crate::friction::{FrictionLaw, Sliding, StripContact, TRANSITION_OVER_PITCH};
 use crate::gear::{Flank, PairGeometry, PairTeeth, ToothProfile};
 use crate::pair::Pair;
 
@@ -21,6 +21,14 @@ const TRIED: [f64; 2] = [0.0, 0.5];
 const MARGIN: f64 = 1.25;
 /// Farther edges take up load, so that approaches fall: one more trial as a rule.
 const TRIALS: usize = 8;
+
+/// Stations at most of contact at run time (docs/theory/contact.md). Loads need no more, the pressure along the face does.
+const RUN_TIME_STATIONS: usize = 22;
+
+/// Part of the change of a gap along a segment that local contact takes up at run time; the bulk displacement follows the rest. Less
+/// makes force and moment more exact, more the stiffness, whose error is the steps in which segments meet
+/// (docs/theory/contact.md).
+const OWN_SHARE_AT_RUN_TIME: f64 = 0.45;
 
 /// Static contact of one pair of gears.
 ///
@@ -38,7 +46,7 @@ impl ContactSolver {
     /// A solver for `pair` on the elastic models of gear 1 and gear 2.
     ///
     /// # Errors
-    /// [`ContactError::Setting`] for no stations or a reach that is not positive,
+    /// [`ContactError::Input`] for no stations or a reach that is not positive,
     /// [`ContactError::Profile`] for a gear without a usable tooth.
     pub fn new(
         pair: &Pair,
@@ -46,11 +54,7 @@ impl ContactSolver {
         settings: ContactSettings,
     ) -> Result<ContactSolver, ContactError> {
         if settings.stations == 0 {
-            return Err(ContactError::Setting {
-                field: "stations",
-                value: 0.0,
-                remedy: "give at least 1",
-            });
+            return Err(ContactError::input("stations", 0.0, "give at least 1"));
         }
         let mut form_rolls = [0.0; 2];
         for (roll, gear) in form_rolls.iter_mut().zip(&pair.geometry.gears) {
@@ -61,22 +65,23 @@ impl ContactSolver {
         }
         let reach = (settings.reach).unwrap_or_else(|| estimated_reach(pair, form_rolls));
         if !(reach.is_finite() && reach > 0.0) {
-            return Err(ContactError::Setting {
-                field: "reach",
-                value: reach,
-                remedy: "give a positive length in m",
-            });
+            return Err(ContactError::input(
+                "reach",
+                reach,
+                "give a positive length in m",
+            ));
         }
         let corner_resolution = compliance.each_ref().map(|gear| gear.corner_resolution());
         let solver = ContactSolver {
-            numbers: PairNumbers::new(&pair.geometry).with_corners(corner_resolution),
+            numbers: PairNumbers::new(&pair.geometry, corner_resolution),
             setup: ContactSetup {
                 geometry: pair.geometry.clone(),
                 microgeometry: pair.microgeometry.clone(),
                 teeth: PairTeeth::default(),
                 settings,
                 reach,
-                reference_length: REFERENCE_OVER_HERTZ * widest_contact(pair),
+                // The local law then holds up to 2.25 times the line load that was estimated.
+                reference_length: widest_contact(pair),
                 corner_resolution,
                 form_rolls,
             },
@@ -100,7 +105,7 @@ impl ContactSolver {
     /// With edges followed farther where the largest load and misalignment of `pair` bring the teeth nearer to each
     /// other than [`estimated_reach`] says, as bodies that tilt under the axial force of a steep helix do.
     ///
-    /// What cannot be solved here is refused by name when it is asked for; edges that only more teeth than the elastic models
+    /// What cannot be solved here is refused when it comes up; edges that only more teeth than the elastic models
     /// hold could reach are not followed.
     fn followed_as_needed(mut self, pair: &Pair) -> ContactSolver {
         let mut followed = self.setup.reach;
@@ -109,29 +114,29 @@ impl ContactSolver {
                 break;
             };
             followed = self.setup.reach;
-            match needed {
-                Some(needed) => self.setup.reach = MARGIN * needed,
-                None => break,
+            if needed == 0.0 {
+                break;
             }
+            self.setup.reach = MARGIN * needed;
         }
         self.followed_to(followed)
     }
 
-    /// Largest approach, m, beyond the present reach at the positions tried.
-    fn needed_reach(&self, pair: &Pair) -> Result<Option<f64>, ContactError> {
+    /// Largest approach, m, beyond the present reach at the positions tried; zero where there is none.
+    fn needed_reach(&self, pair: &Pair) -> Result<f64, ContactError> {
         let torque = Prescribed::Torque(pair.operating.maximum_torque);
         let flanks: &[Flank] = match pair.coast_mirrors_drive() {
             true => &[Flank::Drive],
             false => &[Flank::Drive, Flank::Coast],
         };
-        let mut largest: Option<f64> = None;
+        let mut largest = 0.0f64;
         for flank in flanks {
             for position in TRIED {
                 let problem = self.position(*flank, position, 0.0)?;
                 for misalignment in pair.operating.misalignment {
                     let found = problem.solution(torque, misalignment, None)?;
-                    if let Some(Excess::Reach { needed, .. }) = found.excess {
-                        largest = Some(largest.map_or(needed, |l| l.max(needed)));
+                    if let Some(Failure::BeyondReach { needed, .. }) = found.excess {
+                        largest = largest.max(needed);
                     }
                 }
             }
@@ -144,7 +149,7 @@ impl ContactSolver {
     pub fn at_run_time(mut self) -> ContactSolver {
         let settings = &mut self.setup.settings;
         settings.stations = RUN_TIME_STATIONS.min(settings.stations);
-        settings.own_share = OWN_SHARE_ALONG_SEGMENT;
+        settings.own_share = OWN_SHARE_AT_RUN_TIME;
         self
     }
 
@@ -207,17 +212,17 @@ impl ContactSolver {
         let geometry = &self.setup.geometry;
         let center_distance = geometry.center_distance + center_distance_offset;
         if (0..2).any(|i| geometry.tip_clearance(i, center_distance) <= 0.0) {
-            return Err(ContactError::Input {
-                field: "center_distance_offset",
-                value: center_distance_offset,
-                remedy: "give one (m) at which no tip reaches the root of its mate",
-            });
+            return Err(ContactError::input(
+                "center_distance_offset",
+                center_distance_offset,
+                "give one (m) at which no tip reaches the root of its mate",
+            ));
         }
         let section = self.section(center_distance_offset)?;
-        let lines = self.setup.lines(flank, &section);
+        let lines = ContactLines::new(&self.setup, &section, flank);
         // One base pitch later everything is the same again.
         let tau = mesh_position - mesh_position.floor();
-        let candidates = lines.candidates(tau, section.reach());
+        let candidates = lines.candidates(tau);
         self.problem(&lines, tau, candidates, center_distance_offset)
     }
 
@@ -233,7 +238,7 @@ impl ContactSolver {
         center_distance_offset: f64,
     ) -> Result<PositionProblem, ContactError> {
         let section = self.section(center_distance_offset)?;
-        let lines = self.setup.lines(flank, &section);
+        let lines = ContactLines::new(&self.setup, &section, flank);
         let candidates = lines.of_pair(place, 0).collect();
         self.problem(&lines, place, candidates, center_distance_offset)
     }
@@ -242,13 +247,8 @@ impl ContactSolver {
     ///
     /// # Errors
     /// [`ContactError::OutOfMesh`] where teeth cannot meet.
-    pub fn passage(
-        &self,
-        flank: Flank,
-        center_distance_offset: f64,
-    ) -> Result<[f64; 2], ContactError> {
-        let section = self.section(center_distance_offset)?;
-        Ok(self.setup.lines(flank, &section).passage())
+    pub fn passage(&self, center_distance_offset: f64) -> Result<[f64; 2], ContactError> {
+        Ok(self.section(center_distance_offset)?.passage())
     }
 
     /// Approach at which tooth pair 0, alone, first touches at `place` and `misalignment` (rad), m; infinite where it is not
@@ -264,7 +264,7 @@ impl ContactSolver {
         misalignment: f64,
     ) -> Result<f64, ContactError> {
         let section = self.section(center_distance_offset)?;
-        let lines = self.setup.lines(flank, &section);
+        let lines = ContactLines::new(&self.setup, &section, flank);
         let touches = lines.of_pair(place, 0).flat_map(|segment| {
             let points = segment.levers.into_iter().zip(segment.gap);
             points.map(move |(lever, gap)| (gap - misalignment * lever) / segment.arms[0])
@@ -294,15 +294,54 @@ impl ContactSolver {
                 *gap -= closed;
             }
         }
-        let influence = self.influence_of(lines, tau, &candidates, false);
-        let influence = influence.map_err(|model| beyond(center_distance_offset, model))?;
-        let mut limits = self.setup.limits(center_distance_offset);
+        let influence =
+            self.influence_of(lines, tau, &candidates, center_distance_offset, false)?;
+        let mut limits = Limits::new(&self.setup, center_distance_offset);
         // Compared with approach and misalignment alone.
         let [_, largest] = self.deflection_range(&self.deflection);
         limits.reach = limits.reach.map(|reach| reach - largest.max(0.0));
         let mut problem = PositionProblem::with(&self.numbers, candidates, influence, limits);
-        problem.look_along(&self.numbers, lines, tau);
+        problem.sample_along(lines, tau);
         Ok(problem)
+    }
+
+    /// Sliding of `result`, a solution of `problem`, weighted by `law`.
+    ///
+    /// The distance from the pitch point follows from the lengths of roll of both flanks, so that it is that of the
+    /// flank and the tip edge where contact has left the path.
+    pub fn sliding(
+        &self,
+        problem: &PositionProblem,
+        result: &ContactResult,
+        law: &FrictionLaw,
+    ) -> Sliding {
+        let g = self.geometry();
+        let rb = [0, 1].map(|i| g.gears[i].base_radius());
+        let per_roll = g.gears[0].kappa() / (1.0 / rb[0] + g.e() / rb[1]);
+        let spin = g.rolling_speed_per_spin(g.center_distance).recip();
+        let transition = TRANSITION_OVER_PITCH * g.base_pitch();
+        let mut sum = Sliding::default();
+        if result.loa_force <= 0.0 {
+            return sum;
+        }
+        let normal = result.loa_force / g.base_helix_angle().cos();
+        for (i, candidate) in problem.candidates().iter().enumerate() {
+            let force = result.forces[i];
+            if force <= 0.0 {
+                continue;
+            }
+            let turned = [0, 1].map(|k| candidate.roll[k] / rb[k]);
+            let segment = StripContact {
+                line_load: force / (POINTS as f64 * problem.local[i].length()),
+                radius: candidate.radius,
+                plane_compliance: self.numbers.plane_compliance.iter().sum(),
+                rolling: turned.map(|angle| spin * rb[0] * angle),
+            };
+            let weight = law.weight(&segment) * force / normal;
+            let s = (turned[0] - turned[1]) * per_roll;
+            sum.add(weight, s, candidate.middle() - problem.z_ref, transition);
+        }
+        sum
     }
 
     /// Segments at the mesh position `tau` in [0, 1), each by its tooth pair and its ends (m in gear 1's frame), as gear 1 and gear 2 see them.
@@ -317,7 +356,7 @@ impl ContactSolver {
         segments: impl Iterator<Item = (i32, [f64; 2])>,
     ) -> Result<Vec<[Strip; 2]>, ContactError> {
         let section = self.section(center_distance_offset)?;
-        let lines = self.setup.lines(flank, &section);
+        let lines = ContactLines::new(&self.setup, &section, flank);
         Ok(segments
             .map(|(k, z)| lines.seen_by_gears(tau, k, z, false))
             .collect())
@@ -333,17 +372,16 @@ impl ContactSolver {
         margin: f64,
     ) -> Result<(Vec<SegmentName>, Influence), ContactError> {
         let section = self.section(center_distance_offset)?;
-        let lines = self.setup.lines(flank, &section);
+        let lines = ContactLines::new(&self.setup, &section, flank);
         let segments = lines.segments_beyond(tau, margin * self.numbers.base_pitch);
-        let influence = self.influence_of(&lines, tau, &segments, true);
-        let influence = influence.map_err(|model| beyond(center_distance_offset, model))?;
+        let influence = self.influence_of(&lines, tau, &segments, center_distance_offset, true)?;
         Ok((segments.iter().map(Candidate::name).collect(), influence))
     }
 
     /// Shares of gear 1 and gear 2 in the bulk displacement of a tooth pair at the pitch point under a uniform load on itself.
     pub(super) fn tooth_shares(&self, flank: Flank) -> Result<[f64; 2], ContactError> {
         let section = self.section(0.0)?;
-        let lines = self.setup.lines(flank, &section);
+        let lines = ContactLines::new(&self.setup, &section, flank);
         let mut segments = lines.segments_beyond(0.0, 0.0);
         segments.retain(|segment| segment.tooth_pair == 0);
         let mut sums = [0.0; 2];
@@ -352,7 +390,11 @@ impl ContactSolver {
                 .iter()
                 .map(|s| lines.seen_by_gears(0.0, 0, s.z, true)[i]);
             let bulk = self.model(&lines, i).bulk(&seen.collect::<Vec<_>>());
-            *sum = bulk.map_err(|model| beyond(0.0, model))?.sum();
+            let beyond = |model| ContactError::BeyondModel {
+                center_distance_offset: 0.0,
+                model,
+            };
+            *sum = bulk.map_err(beyond)?.sum();
         }
         let all = sums[0] + sums[1];
         Ok(sums.map(|sum| sum / all))
@@ -378,19 +420,17 @@ impl ContactSolver {
         lines: &ContactLines<'_>,
         tau: f64,
         segments: &[Candidate],
+        center_distance_offset: f64,
         clamped: bool,
-    ) -> Result<Influence, BeyondModel> {
+    ) -> Result<Influence, ContactError> {
         let seen = |s: &Candidate| lines.seen_by_gears(tau, s.tooth_pair, s.z, clamped);
         let seen: Vec<_> = segments.iter().map(seen).collect();
         let models = [0, 1].map(|i| self.model(lines, i));
         let reference = self.setup.reference_length;
-        Influence::new(&self.numbers, models, segments, &seen, reference)
-    }
-}
-
-fn beyond(center_distance_offset: f64, model: BeyondModel) -> ContactError {
-    ContactError::BeyondModel {
-        center_distance_offset_um: 1e6 * center_distance_offset,
-        model,
+        let influence = Influence::new(&self.numbers, models, segments, &seen, reference);
+        influence.map_err(|model| ContactError::BeyondModel {
+            center_distance_offset,
+            model,
+        })
     }
 }

@@ -1,7 +1,13 @@
 //! Where tooth pairs touch in the transverse section, on the path of contact and beyond its ends.
 
-use super::local::Corner;
+use std::f64::consts::FRAC_PI_2;
+
+use super::local_law::Corner;
 use crate::gear::{Flank, Gear, PairGeometry};
+use crate::root::bisection;
+
+/// Halvings in the search for how far tip edges reach: to some picometres.
+const HALVINGS: usize = 30;
 
 /// The numbers of a pair that contact needs again and again; in [`PairGeometry`] they follow from the nominal data through
 /// several angles. Index 0 is gear 1.
@@ -33,15 +39,23 @@ pub struct PairNumbers {
     pub face_offset: [f64; 2],
     /// (1 - nu²) / E, 1/Pa.
     pub plane_compliance: [f64; 2],
-    /// How much more teeth give way at their tip edges than half-planes; none by [`PairNumbers::new`].
+    /// How much more teeth give way at their tip edges than half-planes.
     pub corners: [Corner; 2],
 }
 
 impl PairNumbers {
-    /// Those of `geometry`.
-    pub fn new(geometry: &PairGeometry) -> PairNumbers {
+    /// Those of `geometry`, with tip corners that elastic models resolve down to the distances `corner_resolution` (m) from the
+    /// edge; zero: none.
+    pub fn new(geometry: &PairGeometry, corner_resolution: [f64; 2]) -> PairNumbers {
         let each = |number: fn(&Gear) -> f64| geometry.gears.each_ref().map(number);
         let (low, width) = geometry.face_overlap();
+        let plane_compliance = each(|g| (1.0 - g.poisson_ratio.powi(2)) / g.youngs_modulus);
+        let corners = [0, 1].map(|i| {
+            let gear = &geometry.gears[i];
+            // Between the flank and the tip land, for an external gear and a ring.
+            let angle = FRAC_PI_2 + (gear.tip_form_roll() / gear.base_radius()).atan();
+            Corner::new(angle, plane_compliance[i], corner_resolution[i])
+        });
         PairNumbers {
             base_radius: each(|g| g.base_radius()),
             kappa: each(|g| g.kappa()),
@@ -55,20 +69,9 @@ impl PairNumbers {
             face: [low, width],
             tip_roll: each(|g| g.tip_form_roll()),
             face_offset: each(|g| g.face_offset),
-            plane_compliance: each(|g| (1.0 - g.poisson_ratio.powi(2)) / g.youngs_modulus),
-            corners: [Corner::NONE; 2],
+            plane_compliance,
+            corners,
         }
-    }
-
-    /// The same with tip corners that elastic models hold down to the distances `resolved` (m) from the edge; zero: none.
-    pub fn with_corners(mut self, resolved: [f64; 2]) -> PairNumbers {
-        for (i, resolved) in resolved.into_iter().enumerate() {
-            // Between the flank and the tip land, for an external gear and a ring.
-            let angle =
-                0.5 * std::f64::consts::PI + (self.tip_roll[i] / self.base_radius[i]).atan();
-            self.corners[i] = Corner::new(angle, self.plane_compliance[i], resolved);
-        }
-        self
     }
 
     /// Tangent of the operating transverse pressure angle at `center_distance` (m); not a number where the base circles
@@ -179,10 +182,18 @@ impl TransverseSection {
         };
         if let Some(limit) = separation_limit {
             for end in 0..2 {
-                section.reach[end] = section.reach_beyond(end, limit, 1e-12);
+                section.reach[end] = section.reach_beyond(end, limit);
             }
         }
         Some(section)
+    }
+
+    /// The section at a `center_distance` (m) next to this one, with candidates as far as here.
+    pub fn near(&self, center_distance: f64) -> Option<TransverseSection> {
+        let form_rolls = self.sides.map(|side| side.form_roll);
+        let section = TransverseSection::new(&self.numbers, center_distance, form_rolls, None)?;
+        let reach = self.reach;
+        Some(TransverseSection { reach, ..section })
     }
 
     /// The pair's numbers.
@@ -195,11 +206,11 @@ impl TransverseSection {
         self.reach
     }
 
-    /// Conjugate positions between which the flanks, unmodified, are not farther apart than `limit` (m) and beyond which they
-    /// are by 98 % of it, as far as candidates go.
-    pub fn within(&self, limit: f64) -> [f64; 2] {
-        let [first, last] = [0, 1].map(|end| self.reach_beyond(end, limit, 0.01));
-        [first.max(self.reach[0]), last.min(self.reach[1])]
+    /// Mesh positions between which tooth pair 0 comes within the reach of contact.
+    pub fn passage(&self) -> [f64; 2] {
+        let tilt = 0.5 * self.numbers.face[1] * self.numbers.tan_beta_b;
+        let [first, last] = self.reach;
+        [first - tilt, last + tilt].map(|end| end / self.numbers.base_pitch)
     }
 
     /// The point that may touch while the conjugate position of the tooth pair is `xi`.
@@ -281,50 +292,16 @@ impl TransverseSection {
     }
 
     /// Farthest conjugate position beyond the path's `end` whose separation stays below `limit` and whose tip edge still faces the
-    /// mate's involute, short of it by `exactness` of the way at most. Both rise monotonically: the Illinois form of regula
-    /// falsi finds where the first of them ends (Dowell, Jarratt, BIT 11 (1971) 168-174).
-    fn reach_beyond(&self, end: usize, limit: f64, exactness: f64) -> f64 {
+    /// mate's involute. Both rise monotonically.
+    fn reach_beyond(&self, end: usize, limit: f64) -> f64 {
         let sign = if end == 0 { -1.0 } else { 1.0 };
         let mate = &self.sides[end];
-        // > 0: too far; half the exactness short of the end it is zero. The separation grows with the square of the way.
-        let excess = |beyond: f64| {
+        let is_within = |beyond: f64| {
             let point = self.tip_corner(end, self.path[end] + sign * beyond);
-            let behind = mate.kappa * (mate.form_roll / point.roll[end] - 1.0);
-            let excess = ((point.separation.max(0.0) / limit).sqrt() - 1.0).max(behind);
             // NaN where there is no mate to touch.
-            if excess.is_nan() {
-                1.0
-            } else {
-                excess + 0.5 * exactness
-            }
+            point.separation <= limit && mate.kappa * (mate.form_roll - point.roll[end]) <= 0.0
         };
-        let (mut low, mut high) = (0.0, 0.5 * (self.path[1] - self.path[0]));
-        let (mut below, mut above) = (excess(low), excess(high));
-        if above <= 0.0 {
-            return self.path[end] + sign * high;
-        }
-        if below > 0.0 {
-            return self.path[end];
-        }
-        let tolerance = 1e-14 * high;
-        let mut last = 0.0;
-        for _ in 0..100 {
-            let next = low + (high - low) * below / (below - above);
-            let found = excess(next);
-            if found.abs() <= 0.5 * exactness || high - low <= tolerance {
-                low = if found <= 0.5 * exactness { next } else { low };
-                break;
-            }
-            // The end that stays a second time counts by half.
-            if found > 0.0 {
-                (high, above) = (next, found);
-                below *= if last > 0.0 { 0.5 } else { 1.0 };
-            } else {
-                (low, below) = (next, found);
-                above *= if last < 0.0 { 0.5 } else { 1.0 };
-            }
-            last = found;
-        }
-        self.path[end] + sign * low
+        let longest = 0.5 * (self.path[1] - self.path[0]);
+        self.path[end] + sign * bisection([0.0, longest], HALVINGS, is_within)
     }
 }

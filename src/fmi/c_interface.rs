@@ -1,8 +1,8 @@
 //! The C interface of FMI 2.0: the one file with unsafe code.
 //!
 //! Every function that takes a component runs inside `call`, which refuses null components and wrong states, turns a
-//! panic into fmi2Fatal, and reports to the host's logger. tests/header.rs compares each signature with the
-//! type that the standard's header gives it.
+//! panic into fmi2Fatal, and reports to the host's logger. What a function does is in [`super::instance`];
+//! tests/header.rs compares each signature with the standard's header.
 //!
 //! # Safety
 //! All functions ask of the host what the standard asks: a component is null or came from
@@ -26,8 +26,8 @@ use super::header::*;
 use super::instance::Instance;
 use super::lifecycle::{Function, Interface, State};
 use super::resources;
-use super::variables::{Kind, LOG_CATEGORIES};
-use super::{Event, Refusal, Severity};
+use super::variables::LOG_CATEGORIES;
+use super::{Refusal, Severity};
 
 /// What a fmi2Component points to.
 struct Component {
@@ -35,22 +35,52 @@ struct Component {
     log: Log,
 }
 
+/// Log category of events.
+const EVENTS: &str = "logEvents";
+
 /// The host's logger. The callbacks are copied: their struct is valid during fmi2Instantiate alone.
 struct Log {
     logger: fmi2CallbackLogger,
     environment: fmi2ComponentEnvironment,
     name: CString,
-    categories: Categories,
+    /// Which of [`LOG_CATEGORIES`] are on.
+    is_on: [bool; LOG_CATEGORIES.len()],
 }
 
 impl Log {
-    fn refusal(&self, severity: Severity, text: &str) {
-        let (status, category) = reported(severity);
-        self.write(status, category, text);
+    /// What `loggingOn` and fmi2SetDebugLogging without categories mean by debug logging is events alone: why a call was
+    /// refused reaches the logger until the host switches that category off by its name.
+    fn categories(debug: bool) -> [bool; LOG_CATEGORIES.len()] {
+        LOG_CATEGORIES.map(|category| debug || category != EVENTS)
     }
 
-    fn write(&self, status: fmi2Status, category: &str, text: &str) {
-        let (Some(logger), true) = (self.logger, self.categories.contains(category)) else {
+    /// fmi2SetDebugLogging: switches `names`; without any, all of them on, or debug logging off. Nothing is changed if
+    /// modelDescription.xml lacks one of them.
+    fn switch(&mut self, on: bool, names: &[&str]) -> Result<(), Refusal> {
+        let names = match (names, on) {
+            ([], true) => &LOG_CATEGORIES[..],
+            ([], false) => &[EVENTS],
+            _ => names,
+        };
+        if let Some(unknown) = names.iter().find(|name| !LOG_CATEGORIES.contains(name)) {
+            let known = LOG_CATEGORIES.join(", ");
+            return Err(Refusal::error(format!(
+                "log category '{unknown}' is none of {known}"
+            )));
+        }
+        for (category, is_on) in LOG_CATEGORIES.iter().zip(&mut self.is_on) {
+            if names.contains(category) {
+                *is_on = on;
+            }
+        }
+        Ok(())
+    }
+
+    fn write(&self, severity: Severity, text: &str) {
+        let category = category(severity);
+        let mut categories = LOG_CATEGORIES.iter().zip(self.is_on);
+        let is_on = categories.any(|(name, is_on)| is_on && *name == category);
+        let (Some(logger), true) = (self.logger, is_on) else {
             return;
         };
         // '#' starts a reference to a variable in a message, '##' is the character.
@@ -61,7 +91,7 @@ impl Log {
             logger(
                 self.environment,
                 self.name.as_ptr(),
-                status,
+                severity as fmi2Status,
                 category.as_ptr(),
                 c"%s".as_ptr(),
                 text.as_ptr(),
@@ -70,56 +100,14 @@ impl Log {
     }
 }
 
-/// Log category of events.
-const EVENTS: &str = "logEvents";
-
-/// The host's number of a severity, and the log category, one of [`LOG_CATEGORIES`].
-const fn reported(severity: Severity) -> (fmi2Status, &'static str) {
+/// Log category of a message.
+const fn category(severity: Severity) -> &'static str {
     match severity {
-        Severity::Warning => (fmi2Warning, "logStatusWarning"),
-        Severity::Discard => (fmi2Discard, "logStatusDiscard"),
-        Severity::Error => (fmi2Error, "logStatusError"),
-        Severity::Fatal => (fmi2Fatal, "logStatusFatal"),
-    }
-}
-
-/// Log categories that are switched on.
-///
-/// `loggingOn` of fmi2Instantiate and fmi2SetDebugLogging without categories speak of debug logging:
-/// here, of events. Why a call was refused is no debug output. It reaches the logger until the host
-/// switches the category off by its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Categories([bool; LOG_CATEGORIES.len()]);
-
-impl Categories {
-    /// Reports of refused calls and, if `debug`, events.
-    fn new(debug: bool) -> Self {
-        Self(LOG_CATEGORIES.map(|category| debug || category != EVENTS))
-    }
-
-    fn contains(&self, category: &str) -> bool {
-        let mut all = LOG_CATEGORIES.iter().zip(self.0);
-        all.any(|(name, on)| on && *name == category)
-    }
-
-    /// fmi2SetDebugLogging: switches `names`; without any, all of them on, or debug logging off.
-    ///
-    /// # Errors
-    /// A category that modelDescription.xml does not declare; nothing is changed.
-    fn switch(&mut self, on: bool, names: &[&str]) -> Result<(), Refusal> {
-        let all = if on { &LOG_CATEGORIES[..] } else { &[EVENTS] };
-        let names = if names.is_empty() { all } else { names };
-        let mut switched = *self;
-        for name in names {
-            let place = LOG_CATEGORIES.iter().position(|c| c == name);
-            let i = place.ok_or_else(|| {
-                let known = LOG_CATEGORIES.join(", ");
-                Refusal::error(format!("log category '{name}' is none of {known}"))
-            })?;
-            switched.0[i] = on;
-        }
-        *self = switched;
-        Ok(())
+        Severity::Event => EVENTS,
+        Severity::Warning => "logStatusWarning",
+        Severity::Discard => "logStatusDiscard",
+        Severity::Error => "logStatusError",
+        Severity::Fatal => "logStatusFatal",
     }
 }
 
@@ -135,11 +123,10 @@ fn panic_text(panic: &(dyn Any + Send)) -> &str {
         .unwrap_or("unknown cause")
 }
 
-/// Runs `body` for the function `name` on the component `c`.
+/// Runs `body` for `function` on the component `c`.
 unsafe fn call(
     c: fmi2Component,
     function: Function,
-    name: &str,
     body: impl FnOnce(&mut Component) -> Result<(), Refusal>,
 ) -> fmi2Status {
     let Some(component) = c.cast::<Component>().as_mut() else {
@@ -149,27 +136,25 @@ unsafe fn call(
         return fmi2Fatal;
     }
     let outcome = catch_unwind(AssertUnwindSafe(|| {
-        component.instance.admit(function, name)?;
+        component.instance.admit(function)?;
         body(component)
     }))
     .unwrap_or_else(|panic| {
         Err(Refusal {
             severity: Severity::Fatal,
-            message: format!("{name}: internal error: {}", panic_text(&*panic)),
+            message: format!("{function}: internal error: {}", panic_text(&*panic)),
         })
     });
-    for event in component.instance.take_events() {
-        match event {
-            Event::Info(text) => component.log.write(fmi2OK, EVENTS, &text),
-            Event::Warning(text) => component.log.refusal(Severity::Warning, &text),
-        }
+    for (severity, text) in component.instance.take_events() {
+        component.log.write(severity, &text);
     }
-    let Err(refusal) = outcome else {
+    let Err(mut refusal) = outcome else {
         return fmi2OK;
     };
-    component.instance.fail(refusal.severity);
-    component.log.refusal(refusal.severity, &refusal.message);
-    reported(refusal.severity).0
+    component.instance.fail(&mut refusal);
+    let Refusal { severity, message } = refusal;
+    component.log.write(severity, &message);
+    severity as fmi2Status
 }
 
 /// Refuses what cannot be an array of `count` items; null is legal for none.
@@ -192,9 +177,9 @@ unsafe fn array<'a, T>(data: *const T, count: usize, what: &str) -> Result<&'a [
     Ok(std::slice::from_raw_parts(data, count))
 }
 
-/// Writes into the host's array of `count` items at `data`, which may hold anything before: from the first on at each call.
+/// Writes into the host's array of `count` items at `data`, which may be uninitialised: from the first on at each call.
 unsafe fn writer<T>(mut data: *mut T, count: usize) -> Result<impl FnMut(T), Refusal> {
-    check_array(data, count, "the place for results")?;
+    check_array(data, count, "the array for results")?;
     let end = data.wrapping_add(count);
     Ok(move |value| {
         if data < end {
@@ -236,6 +221,85 @@ unsafe fn text<'a>(data: *const c_char, what: &str) -> Result<&'a str, Refusal> 
     std::str::from_utf8(bytes).or_else(|_| refuse("is not UTF-8"))
 }
 
+/// Takes the instance to `state`.
+unsafe fn enter(c: fmi2Component, function: Function, state: State) -> fmi2Status {
+    call(c, function, |c| {
+        c.instance.enter(state);
+        Ok(())
+    })
+}
+
+/// Copies values to the host.
+unsafe fn get<T>(
+    c: fmi2Component,
+    function: Function,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *mut T,
+    convert: impl Fn(f64) -> T,
+) -> fmi2Status {
+    call(c, function, |c| {
+        let mut put = writer(value, nvr)?;
+        let references = array(vr, nvr, "vr")?;
+        c.instance.get(function, references, |x| put(convert(x)))
+    })
+}
+
+/// Sets variables to the host's values.
+unsafe fn set<T: Copy + Into<f64>>(
+    c: fmi2Component,
+    function: Function,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+    value: *const T,
+) -> fmi2Status {
+    call(c, function, |c| {
+        let (references, values) = (array(vr, nvr, "vr")?, array(value, nvr, "value")?);
+        c.instance.set(function, references, values)
+    })
+}
+
+/// Refuses any variable: there are none of type String.
+unsafe fn no_strings(
+    c: fmi2Component,
+    function: Function,
+    vr: *const fmi2ValueReference,
+    nvr: usize,
+) -> fmi2Status {
+    call(c, function, |c| {
+        c.instance.get(function, array(vr, nvr, "vr")?, drop)
+    })
+}
+
+/// The answer to the one question of this type that the FMU has a status for, if `kind` asks it.
+unsafe fn get_status<T>(
+    c: fmi2Component,
+    function: Function,
+    kind: fmi2StatusKind,
+    known: Option<fmi2StatusKind>,
+    value: *mut T,
+    answer: impl FnOnce(&Instance) -> T,
+) -> fmi2Status {
+    call(c, function, |c| {
+        if Some(kind) == known {
+            return put(value, answer(&c.instance));
+        }
+        Err(Refusal::discard(format!(
+            "{function}: the unit has no status of kind {kind}"
+        )))
+    })
+}
+
+/// Refuses any item: there are no continuous states and no event indicators.
+unsafe fn none_of(c: fmi2Component, function: Function, count: usize) -> fmi2Status {
+    call(c, function, |_| match count {
+        0 => Ok(()),
+        _ => Err(Refusal::error(format!(
+            "{function}: {count} items; this unit has no continuous states and no event indicators"
+        ))),
+    })
+}
+
 /// The platform of the types, "default".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetTypesPlatform() -> fmi2String {
@@ -260,14 +324,13 @@ pub unsafe extern "C" fn fmi2Instantiate(
     loggingOn: fmi2Boolean,
 ) -> fmi2Component {
     let made = catch_unwind(|| {
-        // Null or the host's callbacks, valid during this call.
         let callbacks = functions.as_ref();
         let name = text(instanceName, "instanceName");
         let log = Log {
             logger: callbacks.and_then(|f| f.logger),
             environment: callbacks.map_or(ptr::null_mut(), |f| f.componentEnvironment),
             name: c_string(name.as_ref().map_or("", |n| n)),
-            categories: Categories::new(loggingOn != 0),
+            is_on: Log::categories(loggingOn != 0),
         };
         let instance = name.and_then(|name| {
             let guid = text(fmuGUID, "fmuGUID")?;
@@ -277,8 +340,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
         match instance {
             Ok(instance) => Box::into_raw(Box::new(Component { instance, log })).cast(),
             Err(refusal) => {
-                let message = format!("fmi2Instantiate: {refusal}");
-                log.refusal(Severity::Error, &message);
+                log.write(Severity::Error, &format!("fmi2Instantiate: {refusal}"));
                 ptr::null_mut()
             }
         }
@@ -304,9 +366,8 @@ fn instantiate(
         }
     };
     if name.is_empty() {
-        return Err(Refusal::error(
-            "instanceName is empty; give the instance a name",
-        ));
+        let message = "instanceName is empty; give the instance a name";
+        return Err(Refusal::error(message));
     }
     Ok(Instance::new(resources::load(location, guid)?, interface))
 }
@@ -317,87 +378,11 @@ pub unsafe extern "C" fn fmi2FreeInstance(c: fmi2Component) {
     if c.is_null() {
         return;
     }
-    // From fmi2Instantiate, not freed before. A panic ends here: the function has no status to return.
+    // A panic ends here: the function has no status to return.
     let _ = catch_unwind(AssertUnwindSafe(|| {
         drop(Box::from_raw(c.cast::<Component>()));
         resources::release();
     }));
-}
-
-/// Copies Integer, Enumeration or Boolean values, all of them C's int, to the host.
-unsafe fn get_discrete(
-    c: fmi2Component,
-    name: &str,
-    kind: Kind,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *mut fmi2Integer,
-) -> fmi2Status {
-    call(c, Function::Get, name, |c| {
-        let references = array(vr, nvr, "vr")?;
-        let put = writer(value, nvr)?;
-        c.instance.get_discrete(name, kind, references, put)
-    })
-}
-
-/// Sets Enumeration or Boolean variables to the host's values.
-unsafe fn set_discrete(
-    c: fmi2Component,
-    name: &str,
-    kind: Kind,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *const fmi2Integer,
-) -> fmi2Status {
-    call(c, Function::SetDiscrete, name, |c| {
-        let (references, values) = (array(vr, nvr, "vr")?, array(value, nvr, "value")?);
-        c.instance.set_discrete(name, kind, references, values)
-    })
-}
-
-/// Refuses any reference: there are no variables of type String.
-unsafe fn no_strings(
-    c: fmi2Component,
-    function: Function,
-    name: &str,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-) -> fmi2Status {
-    call(c, function, name, |_| match array(vr, nvr, "vr")?.first() {
-        None => Ok(()),
-        Some(vr) => Err(Refusal::error(format!(
-            "{name}: value reference {vr} belongs to no variable of type String"
-        ))),
-    })
-}
-
-/// Answers the question for a status of `kind`, if it is the one that the unit has an answer to.
-unsafe fn get_status<T>(
-    c: fmi2Component,
-    name: &str,
-    kind: fmi2StatusKind,
-    known: Option<fmi2StatusKind>,
-    value: *mut T,
-    answer: impl FnOnce(&Instance) -> T,
-) -> fmi2Status {
-    call(c, Function::GetStatus, name, |c| {
-        if Some(kind) == known {
-            return put(value, answer(&c.instance));
-        }
-        Err(Refusal::discard(format!(
-            "{name}: the unit has no status of kind {kind}"
-        )))
-    })
-}
-
-/// Refuses any: there are no continuous states and no event indicators.
-unsafe fn none_of(c: fmi2Component, function: Function, name: &str, count: usize) -> fmi2Status {
-    call(c, function, name, |_| match count {
-        0 => Ok(()),
-        _ => Err(Refusal::error(format!(
-            "{name}: {count} items; this unit has no continuous states and no event indicators"
-        ))),
-    })
 }
 
 /// Switches log categories, all of them if none is named.
@@ -408,11 +393,11 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     count: usize,
     categories: *const fmi2String,
 ) -> fmi2Status {
-    call(c, Function::SetDebugLogging, "fmi2SetDebugLogging", |c| {
+    call(c, Function::SetDebugLogging, |c| {
         let names = array(categories, count, "categories")?.iter();
         let names = names.map(|name| text(*name, "a log category"));
-        let names = names.collect::<Result<Vec<_>, _>>()?;
-        c.log.categories.switch(on != 0, &names)
+        c.log
+            .switch(on != 0, &names.collect::<Result<Vec<_>, _>>()?)
     })
 }
 
@@ -426,7 +411,7 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     stop_defined: fmi2Boolean,
     stop: fmi2Real,
 ) -> fmi2Status {
-    call(c, Function::SetupExperiment, "fmi2SetupExperiment", |c| {
+    call(c, Function::SetupExperiment, |c| {
         c.instance.setup(start, (stop_defined != 0).then_some(stop))
     })
 }
@@ -434,41 +419,27 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
 /// Opens the initialization.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status {
-    call(
-        c,
-        Function::EnterInitializationMode,
-        "fmi2EnterInitializationMode",
-        |c| {
-            c.instance.enter(State::InitializationMode);
-            Ok(())
-        },
-    )
+    let function = Function::EnterInitializationMode;
+    enter(c, function, State::InitializationMode)
 }
 
 /// Closes the initialization: checks the parameters and latches the phases of the teeth.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2ExitInitializationMode(c: fmi2Component) -> fmi2Status {
-    call(
-        c,
-        Function::ExitInitializationMode,
-        "fmi2ExitInitializationMode",
-        |c| c.instance.exit_initialization(),
-    )
+    let function = Function::ExitInitializationMode;
+    call(c, function, |c| c.instance.exit_initialization())
 }
 
 /// Ends the simulation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Terminate(c: fmi2Component) -> fmi2Status {
-    call(c, Function::Terminate, "fmi2Terminate", |c| {
-        c.instance.enter(State::Terminated);
-        Ok(())
-    })
+    enter(c, Function::Terminate, State::Terminated)
 }
 
 /// Back to the state after fmi2Instantiate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Reset(c: fmi2Component) -> fmi2Status {
-    call(c, Function::Reset, "fmi2Reset", |c| {
+    call(c, Function::Reset, |c| {
         c.instance.reset();
         Ok(())
     })
@@ -482,10 +453,7 @@ pub unsafe extern "C" fn fmi2GetReal(
     nvr: usize,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    call(c, Function::Get, "fmi2GetReal", |c| {
-        let references = array(vr, nvr, "vr")?;
-        c.instance.get_real(references, writer(value, nvr)?)
-    })
+    get(c, Function::GetReal, vr, nvr, value, |x| x)
 }
 
 /// Values of Integer and Enumeration variables.
@@ -496,7 +464,7 @@ pub unsafe extern "C" fn fmi2GetInteger(
     nvr: usize,
     value: *mut fmi2Integer,
 ) -> fmi2Status {
-    get_discrete(c, "fmi2GetInteger", Kind::Integer, vr, nvr, value)
+    get(c, Function::GetInteger, vr, nvr, value, |x| x as i32)
 }
 
 /// Values of Boolean variables.
@@ -507,7 +475,7 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     nvr: usize,
     value: *mut fmi2Boolean,
 ) -> fmi2Status {
-    get_discrete(c, "fmi2GetBoolean", Kind::Boolean, vr, nvr, value)
+    get(c, Function::GetBoolean, vr, nvr, value, |x| x as i32)
 }
 
 /// Refuses any variable: there are none of type String.
@@ -518,7 +486,7 @@ pub unsafe extern "C" fn fmi2GetString(
     nvr: usize,
     _value: *mut fmi2String,
 ) -> fmi2Status {
-    no_strings(c, Function::Get, "fmi2GetString", vr, nvr)
+    no_strings(c, Function::GetString, vr, nvr)
 }
 
 /// Sets Real inputs and parameters.
@@ -529,10 +497,7 @@ pub unsafe extern "C" fn fmi2SetReal(
     nvr: usize,
     value: *const fmi2Real,
 ) -> fmi2Status {
-    call(c, Function::SetReal, "fmi2SetReal", |c| {
-        c.instance
-            .set_real(array(vr, nvr, "vr")?, array(value, nvr, "value")?)
-    })
+    set(c, Function::SetReal, vr, nvr, value)
 }
 
 /// Sets Enumeration parameters.
@@ -543,7 +508,7 @@ pub unsafe extern "C" fn fmi2SetInteger(
     nvr: usize,
     value: *const fmi2Integer,
 ) -> fmi2Status {
-    set_discrete(c, "fmi2SetInteger", Kind::Integer, vr, nvr, value)
+    set(c, Function::SetInteger, vr, nvr, value)
 }
 
 /// Sets Boolean parameters.
@@ -554,7 +519,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
     nvr: usize,
     value: *const fmi2Boolean,
 ) -> fmi2Status {
-    set_discrete(c, "fmi2SetBoolean", Kind::Boolean, vr, nvr, value)
+    set(c, Function::SetBoolean, vr, nvr, value)
 }
 
 /// Refuses any variable: there are none of type String.
@@ -565,37 +530,34 @@ pub unsafe extern "C" fn fmi2SetString(
     nvr: usize,
     _value: *const fmi2String,
 ) -> fmi2Status {
-    no_strings(c, Function::SetDiscrete, "fmi2SetString", vr, nvr)
+    no_strings(c, Function::SetString, vr, nvr)
 }
 
-/// Keeps the state, in the place of the given one if that is not null. A fmi2FMUstate is a number
-/// here, not an address.
+/// Stores the state, over the given one if that is not null. A fmi2FMUstate is a number here, not an address.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
-    call(c, Function::FmuState, "fmi2GetFMUstate", |c| {
+    call(c, Function::GetFMUstate, |c| {
         check_array(state, 1, "FMUstate")?;
-        let kept = c
-            .instance
-            .store(Some((*state).addr()).filter(|h| *h != 0))?;
-        put(state, ptr::without_provenance_mut(kept))
+        let given = Some((*state).addr()).filter(|handle| *handle != 0);
+        put(state, ptr::without_provenance_mut(c.instance.store(given)?))
     })
 }
 
-/// Goes back to a kept state.
+/// Goes back to a stored state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetFMUstate(c: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
-    call(c, Function::FmuState, "fmi2SetFMUstate", |c| {
+    call(c, Function::SetFMUstate, |c| {
         c.instance.restore(state.addr())
     })
 }
 
-/// Frees a kept state and sets it to null; null is no state and nothing happens.
+/// Frees a stored state and sets it to null; null is no state and nothing happens.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeFMUstate(
     c: fmi2Component,
     state: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    call(c, Function::FmuState, "fmi2FreeFMUstate", |c| {
+    call(c, Function::FreeFMUstate, |c| {
         if !state.is_null() && !(*state).is_null() {
             c.instance.discard((*state).addr())?;
             *state = ptr::null_mut();
@@ -604,19 +566,19 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(
     })
 }
 
-/// Bytes that a kept state takes.
+/// Bytes that a stored state takes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
     c: fmi2Component,
     state: fmi2FMUstate,
     size: *mut usize,
 ) -> fmi2Status {
-    call(c, Function::FmuState, "fmi2SerializedFMUstateSize", |c| {
+    call(c, Function::SerializedFMUstateSize, |c| {
         put(size, c.instance.serialize(state.addr())?.len())
     })
 }
 
-/// Writes a kept state as bytes.
+/// Writes a stored state as bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SerializeFMUstate(
     c: fmi2Component,
@@ -624,7 +586,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     bytes: *mut fmi2Byte,
     size: usize,
 ) -> fmi2Status {
-    call(c, Function::FmuState, "fmi2SerializeFMUstate", |c| {
+    call(c, Function::SerializeFMUstate, |c| {
         let written = c.instance.serialize(state.addr())?;
         if size < written.len() {
             let needed = written.len();
@@ -632,11 +594,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
                 "size = {size}; the state takes {needed} bytes"
             )));
         }
-        put_all(
-            bytes,
-            size,
-            written.into_iter().map(|byte| byte as fmi2Byte),
-        )
+        put_all(bytes.cast(), size, written)
     })
 }
 
@@ -648,13 +606,11 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     size: usize,
     state: *mut fmi2FMUstate,
 ) -> fmi2Status {
-    call(c, Function::FmuState, "fmi2DeSerializeFMUstate", |c| {
-        let bytes = array(bytes.cast::<u8>(), size, "serializedState")?;
+    call(c, Function::DeSerializeFMUstate, |c| {
         check_array(state, 1, "FMUstate")?;
-        put(
-            state,
-            ptr::without_provenance_mut(c.instance.deserialize(bytes)?),
-        )
+        let bytes = array(bytes.cast::<u8>(), size, "serializedState")?;
+        let handle = c.instance.deserialize(bytes)?;
+        put(state, ptr::without_provenance_mut(handle))
     })
 }
 
@@ -669,18 +625,13 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     dvKnown: *const fmi2Real,
     dvUnknown: *mut fmi2Real,
 ) -> fmi2Status {
-    call(
-        c,
-        Function::GetDirectionalDerivative,
-        "fmi2GetDirectionalDerivative",
-        |c| {
-            let known = array(known, nKnown, "vKnown_ref")?;
-            let seeds = array(dvKnown, nKnown, "dvKnown")?;
-            let unknown = array(unknown, nUnknown, "vUnknown_ref")?;
-            let slopes = c.instance.directional_derivative(unknown, known, seeds)?;
-            put_all(dvUnknown, nUnknown, slopes)
-        },
-    )
+    call(c, Function::GetDirectionalDerivative, |c| {
+        let known = array(known, nKnown, "vKnown_ref")?;
+        let seeds = array(dvKnown, nKnown, "dvKnown")?;
+        let unknown = array(unknown, nUnknown, "vUnknown_ref")?;
+        let slopes = c.instance.directional_derivative(unknown, known, seeds)?;
+        put_all(dvUnknown, nUnknown, slopes)
+    })
 }
 
 /// Time derivatives of inputs at the start of the next step.
@@ -692,22 +643,12 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     order: *const fmi2Integer,
     value: *const fmi2Real,
 ) -> fmi2Status {
-    call(
-        c,
-        Function::SetInputDerivatives,
-        "fmi2SetRealInputDerivatives",
-        |c| {
-            let orders = array(order, nvr, "order")?.iter().copied();
-            let values = array(value, nvr, "value")?.iter().copied();
-            let items = array(vr, nvr, "vr")?
-                .iter()
-                .copied()
-                .zip(orders)
-                .zip(values);
-            c.instance
-                .set_input_derivatives(items.map(|((vr, order), value)| (vr, order, value)))
-        },
-    )
+    call(c, Function::SetRealInputDerivatives, |c| {
+        let orders = array(order, nvr, "order")?;
+        let values = array(value, nvr, "value")?;
+        let references = array(vr, nvr, "vr")?;
+        c.instance.set_input_derivatives(references, orders, values)
+    })
 }
 
 /// First time derivatives of outputs at the end of the last step.
@@ -719,20 +660,12 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     order: *const fmi2Integer,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    call(
-        c,
-        Function::GetOutputDerivatives,
-        "fmi2GetRealOutputDerivatives",
-        |c| {
-            let orders = array(order, nvr, "order")?;
-            let references = array(vr, nvr, "vr")?;
-            put_all(
-                value,
-                nvr,
-                c.instance.output_derivatives(references, orders)?,
-            )
-        },
-    )
+    call(c, Function::GetRealOutputDerivatives, |c| {
+        let orders = array(order, nvr, "order")?;
+        let references = array(vr, nvr, "vr")?;
+        let slopes = c.instance.output_derivatives(references, orders)?;
+        put_all(value, nvr, slopes)
+    })
 }
 
 /// One communication step.
@@ -743,15 +676,13 @@ pub unsafe extern "C" fn fmi2DoStep(
     step: fmi2Real,
     _no_set_state_prior: fmi2Boolean,
 ) -> fmi2Status {
-    call(c, Function::DoStep, "fmi2DoStep", |c| {
-        c.instance.do_step(point, step)
-    })
+    call(c, Function::DoStep, |c| c.instance.do_step(point, step))
 }
 
 /// Refused: a step is never in progress when a call returns.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CancelStep(c: fmi2Component) -> fmi2Status {
-    call(c, Function::CancelStep, "fmi2CancelStep", |_c| Ok(()))
+    call(c, Function::CancelStep, |_| Ok(()))
 }
 
 /// Status of the last step; pending steps there are none.
@@ -761,13 +692,12 @@ pub unsafe extern "C" fn fmi2GetStatus(
     kind: fmi2StatusKind,
     value: *mut fmi2Status,
 ) -> fmi2Status {
-    let (name, known) = ("fmi2GetStatus", Some(fmi2DoStepStatus));
-    get_status(c, name, kind, known, value, |instance| {
-        match instance.state() {
-            State::Error => fmi2Error,
-            _ => fmi2OK,
-        }
-    })
+    let known = Some(fmi2DoStepStatus);
+    let status = |instance: &Instance| match instance.state() {
+        State::Error => fmi2Error,
+        _ => fmi2OK,
+    };
+    get_status(c, Function::GetStatus, kind, known, value, status)
 }
 
 /// Time up to which the last step came.
@@ -777,8 +707,9 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     kind: fmi2StatusKind,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    let (name, known) = ("fmi2GetRealStatus", Some(fmi2LastSuccessfulTime));
-    get_status(c, name, kind, known, value, Instance::time)
+    let known = Some(fmi2LastSuccessfulTime);
+    let function = Function::GetRealStatus;
+    get_status(c, function, kind, known, value, Instance::time)
 }
 
 /// Discards: there is no status of type Integer.
@@ -788,7 +719,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(
     kind: fmi2StatusKind,
     value: *mut fmi2Integer,
 ) -> fmi2Status {
-    get_status(c, "fmi2GetIntegerStatus", kind, None, value, |_| 0)
+    get_status(c, Function::GetIntegerStatus, kind, None, value, |_| 0)
 }
 
 /// Whether the unit wants to end the simulation: never.
@@ -798,27 +729,25 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
     kind: fmi2StatusKind,
     value: *mut fmi2Boolean,
 ) -> fmi2Status {
-    let (name, known) = ("fmi2GetBooleanStatus", Some(fmi2Terminated));
-    get_status(c, name, kind, known, value, |_| 0)
+    let known = Some(fmi2Terminated);
+    get_status(c, Function::GetBooleanStatus, kind, known, value, |_| 0)
 }
 
-/// Discards: there is no pending step to tell about.
+/// Discards: there is no pending step to report on.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetStringStatus(
     c: fmi2Component,
     kind: fmi2StatusKind,
     value: *mut fmi2String,
 ) -> fmi2Status {
-    get_status(c, "fmi2GetStringStatus", kind, None, value, |_| ptr::null())
+    let function = Function::GetStringStatus;
+    get_status(c, function, kind, None, value, |_| ptr::null())
 }
 
 /// The host handles an event: inputs and tunable parameters may jump.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2EnterEventMode(c: fmi2Component) -> fmi2Status {
-    call(c, Function::EnterEventMode, "fmi2EnterEventMode", |c| {
-        c.instance.enter(State::EventMode);
-        Ok(())
-    })
+    enter(c, Function::EnterEventMode, State::EventMode)
 }
 
 /// There are no discrete states: one iteration is enough, and no event is to come.
@@ -827,38 +756,16 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(
     c: fmi2Component,
     info: *mut fmi2EventInfo,
 ) -> fmi2Status {
-    call(
-        c,
-        Function::NewDiscreteStates,
-        "fmi2NewDiscreteStates",
-        |_c| {
-            put(
-                info,
-                fmi2EventInfo {
-                    newDiscreteStatesNeeded: 0,
-                    terminateSimulation: 0,
-                    nominalsOfContinuousStatesChanged: 0,
-                    valuesOfContinuousStatesChanged: 0,
-                    nextEventTimeDefined: 0,
-                    nextEventTime: 0.0,
-                },
-            )
-        },
-    )
+    call(c, Function::NewDiscreteStates, |_| {
+        put(info, fmi2EventInfo::default())
+    })
 }
 
 /// The host integrates.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(c: fmi2Component) -> fmi2Status {
-    call(
-        c,
-        Function::EnterContinuousTimeMode,
-        "fmi2EnterContinuousTimeMode",
-        |c| {
-            c.instance.enter(State::ContinuousTimeMode);
-            Ok(())
-        },
-    )
+    let function = Function::EnterContinuousTimeMode;
+    enter(c, function, State::ContinuousTimeMode)
 }
 
 /// Asks for nothing, and need not be called: outputs depend on nothing that came before.
@@ -869,23 +776,16 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     event: *mut fmi2Boolean,
     end: *mut fmi2Boolean,
 ) -> fmi2Status {
-    call(
-        c,
-        Function::CompletedIntegratorStep,
-        "fmi2CompletedIntegratorStep",
-        |_c| {
-            put(event, 0)?;
-            put(end, 0)
-        },
-    )
+    call(c, Function::CompletedIntegratorStep, |_| {
+        put(event, 0)?;
+        put(end, 0)
+    })
 }
 
 /// The time, on which nothing depends.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetTime(c: fmi2Component, time: fmi2Real) -> fmi2Status {
-    call(c, Function::SetTime, "fmi2SetTime", |c| {
-        c.instance.set_time(time)
-    })
+    call(c, Function::SetTime, |c| c.instance.set_time(time))
 }
 
 /// There are no continuous states.
@@ -895,12 +795,7 @@ pub unsafe extern "C" fn fmi2SetContinuousStates(
     _x: *const fmi2Real,
     nx: usize,
 ) -> fmi2Status {
-    none_of(
-        c,
-        Function::SetContinuousStates,
-        "fmi2SetContinuousStates",
-        nx,
-    )
+    none_of(c, Function::SetContinuousStates, nx)
 }
 
 /// There are no continuous states.
@@ -910,7 +805,7 @@ pub unsafe extern "C" fn fmi2GetDerivatives(
     _derivatives: *mut fmi2Real,
     nx: usize,
 ) -> fmi2Status {
-    none_of(c, Function::GetStates, "fmi2GetDerivatives", nx)
+    none_of(c, Function::GetDerivatives, nx)
 }
 
 /// There are no event indicators.
@@ -920,12 +815,7 @@ pub unsafe extern "C" fn fmi2GetEventIndicators(
     _indicators: *mut fmi2Real,
     ni: usize,
 ) -> fmi2Status {
-    none_of(
-        c,
-        Function::GetEventIndicators,
-        "fmi2GetEventIndicators",
-        ni,
-    )
+    none_of(c, Function::GetEventIndicators, ni)
 }
 
 /// There are no continuous states.
@@ -935,7 +825,7 @@ pub unsafe extern "C" fn fmi2GetContinuousStates(
     _x: *mut fmi2Real,
     nx: usize,
 ) -> fmi2Status {
-    none_of(c, Function::GetStates, "fmi2GetContinuousStates", nx)
+    none_of(c, Function::GetContinuousStates, nx)
 }
 
 /// There are no continuous states.
@@ -945,88 +835,85 @@ pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(
     _nominals: *mut fmi2Real,
     nx: usize,
 ) -> fmi2Status {
-    let name = "fmi2GetNominalsOfContinuousStates";
-    none_of(c, Function::GetStates, name, nx)
+    none_of(c, Function::GetNominalsOfContinuousStates, nx)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fmi::resources::{Resources, UNIT_VERSION, UnitFile};
+    use crate::fmi::resources::tests::constant_stiffness;
     use std::ffi::CStr;
-    use std::sync::Arc;
+    use std::sync::Mutex;
 
-    #[test]
-    fn every_category_in_use_is_declared() {
-        use Severity::*;
-        for (_, category) in [Warning, Discard, Error, Fatal].map(reported) {
-            assert!(LOG_CATEGORIES.contains(&category), "{category}");
+    fn log(logger: fmi2CallbackLogger) -> Log {
+        Log {
+            logger,
+            environment: ptr::null_mut(),
+            name: c_string("mesh"),
+            is_on: Log::categories(false),
         }
-        assert!(LOG_CATEGORIES.contains(&EVENTS));
     }
 
     #[test]
-    fn an_undeclared_category_changes_nothing() {
-        let mut categories = Categories::new(false);
-        let error = categories
-            .switch(true, &["logEvents", "logNonsense"])
-            .unwrap_err();
-        assert!(error.message.contains("logNonsense"));
-        assert_eq!(categories, Categories::new(false));
-        categories.switch(true, &["logEvents"]).unwrap();
-        assert!(categories.contains("logEvents"));
-    }
-
-    #[test]
-    fn refusals_are_heard_until_they_are_switched_off_by_name() {
-        let mut categories = Categories::new(false);
-        assert!(categories.contains("logStatusError") && !categories.contains("logEvents"));
-        categories.switch(true, &[]).unwrap();
-        assert!(categories.contains("logEvents"));
-        categories.switch(false, &[]).unwrap();
-        assert!(categories.contains("logStatusError") && !categories.contains("logEvents"));
-        categories.switch(false, &["logStatusError"]).unwrap();
-        assert!(!categories.contains("logStatusError") && categories.contains("logStatusFatal"));
-        categories.switch(false, &[]).unwrap();
-        assert!(!categories.contains("logStatusError"));
+    fn refusals_are_logged_until_they_are_switched_off_by_name() {
+        use Severity::*;
+        let severities = [Event, Warning, Discard, Error, Fatal];
+        let statuses = [fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal];
+        for (severity, status) in severities.into_iter().zip(statuses) {
+            assert_eq!(severity as fmi2Status, status);
+            assert!(LOG_CATEGORIES.contains(&category(severity)));
+        }
+        let mut log = log(None);
+        let unknown = log.switch(true, &[EVENTS, "logNonsense"]).unwrap_err();
+        assert!(unknown.message.contains("logNonsense"));
+        let on = |log: &Log, name: &str| {
+            let i = LOG_CATEGORIES.iter().position(|c| *c == name);
+            log.is_on[i.unwrap()]
+        };
+        assert!(on(&log, "logStatusError") && !on(&log, EVENTS));
+        for (switched, names, error, events) in [
+            (true, &[][..], true, true),
+            (false, &[], true, false),
+            (true, &[EVENTS], true, true),
+            (false, &["logStatusError"], false, true),
+            (false, &[], false, false),
+        ] {
+            log.switch(switched, names).unwrap();
+            let found = [on(&log, "logStatusError"), on(&log, EVENTS)];
+            assert_eq!(found, [error, events]);
+            assert!(on(&log, "logStatusFatal"));
+        }
     }
 
     #[test]
     fn arrays_that_cannot_be_are_refused_and_none_may_be_null() {
-        let null = std::ptr::null::<f64>();
-        assert!(check_array(null, 0, "vr").is_ok());
-        assert!(check_array(null, 1, "vr").is_err());
         let value = [1.0_f64];
-        assert!(check_array(value.as_ptr(), 1, "vr").is_ok());
-        assert!(
-            check_array(
-                value.as_ptr().cast::<u8>().wrapping_add(1).cast::<f64>(),
-                1,
-                "vr"
-            )
-            .is_err()
-        );
-        assert!(check_array(value.as_ptr(), usize::MAX, "vr").is_err());
+        let odd = value.as_ptr().wrapping_byte_add(1);
+        for (data, count, is_array) in [
+            (ptr::null(), 0, true),
+            (ptr::null(), 1, false),
+            (value.as_ptr(), 1, true),
+            (odd, 1, false),
+            (value.as_ptr(), usize::MAX, false),
+        ] {
+            assert_eq!(check_array(data, count, "vr").is_ok(), is_array);
+        }
     }
 
     #[test]
-    fn the_message_of_a_panic_is_its_own() {
+    fn the_message_of_a_panic_is_its_own_and_a_zero_byte_ends_a_string() {
         for panic in [
-            std::panic::catch_unwind(|| panic!("plain")),
-            std::panic::catch_unwind(|| panic!("{}", "plain")),
+            catch_unwind(|| panic!("plain")),
+            catch_unwind(|| panic!("{}", "plain")),
         ] {
             assert_eq!(panic_text(&*panic.unwrap_err()), "plain");
         }
-        let odd = std::panic::catch_unwind(|| std::panic::panic_any(7)).unwrap_err();
+        let odd = catch_unwind(|| std::panic::panic_any(7)).unwrap_err();
         assert_eq!(panic_text(&*odd), "unknown cause");
-    }
-
-    #[test]
-    fn a_zero_byte_ends_a_string() {
         assert_eq!(c_string("a\0b").as_c_str(), c"a");
     }
 
-    static LOGGED: std::sync::Mutex<Vec<(fmi2Status, String)>> = std::sync::Mutex::new(Vec::new());
+    static LOGGED: Mutex<Vec<(fmi2Status, String)>> = Mutex::new(Vec::new());
 
     unsafe extern "C" fn listen(
         _environment: fmi2ComponentEnvironment,
@@ -1040,49 +927,30 @@ mod tests {
         LOGGED.lock().unwrap().push((status, text));
     }
 
-    /// A component on the paper's pair with constant stiffness.
     fn component() -> fmi2Component {
-        let geometry = crate::gear::samples::paper_pair(1.0);
-        let unit = UnitFile {
-            version: UNIT_VERSION,
-            guid: "{guid}".into(),
-            name: "paper".into(),
-            starts: [("gear2.position[1]".to_owned(), geometry.center_distance)].into(),
-            geometry,
-        };
-        let resources = Arc::new(Resources::new(unit, None, None).unwrap());
         // A variadic function cannot be defined in stable Rust. This one is called with exactly its six
         // arguments, which the C conventions of x86-64 and AArch64 Linux pass alike for both.
         let logger =
             unsafe { std::mem::transmute::<*const (), fmi2CallbackLogger>(listen as *const ()) };
-        let component = Box::new(Component {
-            instance: Instance::new(resources, Interface::CoSimulation),
-            log: Log {
-                logger,
-                environment: ptr::null_mut(),
-                name: c_string("mesh"),
-                categories: Categories::new(true),
-            },
-        });
-        Box::into_raw(component).cast()
+        let component = Component {
+            instance: constant_stiffness(Interface::CoSimulation),
+            log: log(logger),
+        };
+        Box::into_raw(Box::new(component)).cast()
     }
 
     #[test]
     fn a_panic_inside_a_call_is_fatal_to_the_instance_and_to_nothing_else() {
         let (broken, other) = (component(), component());
         unsafe {
-            let status = call(broken, Function::Reset, "fmi2Reset", |_| {
-                panic!("forced by the test")
-            });
+            let status = call(broken, Function::Reset, |_| panic!("forced by the test"));
             assert_eq!(status, fmi2Fatal);
             let logged = std::mem::take(&mut *LOGGED.lock().unwrap());
-            assert_eq!(logged.len(), 1);
-            assert_eq!(logged[0].0, fmi2Fatal);
-            assert_eq!(logged[0].1, "fmi2Reset: internal error: forced by the test");
+            let text = "fmi2Reset: internal error: forced by the test";
+            assert_eq!(logged, [(fmi2Fatal, text.to_owned())]);
             // Nothing but freeing is left for it; other instances go on.
             assert_eq!(fmi2Reset(broken), fmi2Fatal);
-            assert_eq!(fmi2EnterInitializationMode(broken), fmi2Fatal);
-            assert_eq!(fmi2EnterInitializationMode(other), fmi2OK);
+            assert_eq!(fmi2ExitInitializationMode(broken), fmi2Fatal);
             assert_eq!(fmi2ExitInitializationMode(other), fmi2OK);
             assert_eq!(fmi2DoStep(other, 0.0, 1e-5, 1), fmi2OK);
             fmi2FreeInstance(broken);

@@ -1,11 +1,12 @@
 //! Communication points.
 
 use super::Refusal;
+use super::lifecycle::Function;
+use super::variables::check_finite;
 
-/// Units in the last place by which the host's communication point may differ from ours. We take the
-/// host's own point at every step, so differences do not add up: what is left is one addition of the
-/// host (t + h, or t0 + n h) against ours, two or three roundings; the rest is room for hosts that count
-/// in nanoseconds or convert units.
+/// Units in the last place by which the host's communication point may differ from ours. Its own point counts at every
+/// step, so differences do not add up: one addition against ours is two or three roundings; the rest is for hosts that
+/// count in nanoseconds.
 const ROUNDINGS: f64 = 16.0;
 
 /// Where the simulation stands.
@@ -32,12 +33,8 @@ impl Clock {
     /// # Errors
     /// Times that are not finite or in the wrong order.
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
-        if !start.is_finite() {
-            return Err(Refusal::error(format!("startTime = {start} is not finite")));
-        }
-        // NaN is no time after the start.
-        let ordered = stop.is_none_or(|stop| stop >= start);
-        if let (Some(stop), false) = (stop, ordered) {
+        check_finite(Function::SetupExperiment, "startTime", start)?;
+        if let Some(stop) = stop.filter(|stop| stop.is_nan() || *stop < start) {
             return Err(Refusal::error(format!(
                 "stopTime = {stop} lies before startTime = {start}"
             )));
@@ -56,11 +53,7 @@ impl Clock {
     /// # Errors
     /// A time that is not finite.
     pub fn set(&mut self, time: f64) -> Result<(), Refusal> {
-        if !time.is_finite() {
-            return Err(Refusal::error(format!(
-                "fmi2SetTime: time = {time} is not finite"
-            )));
-        }
+        check_finite(Function::SetTime, "time", time)?;
         self.time = time;
         Ok(())
     }
@@ -70,35 +63,32 @@ impl Clock {
     /// # Errors
     /// A step that is not positive, does not start where the last one ended, or passes the stop time.
     pub fn after(&self, point: f64, step: f64) -> Result<Self, Refusal> {
+        let refuse = |reason: String| Err(Refusal::error(format!("fmi2DoStep: {reason}")));
         if !step.is_finite() || step <= 0.0 {
-            return Err(Refusal::error(format!(
-                "fmi2DoStep: communicationStepSize = {step}; it must be positive and finite"
-            )));
+            return refuse(format!(
+                "communicationStepSize = {step}; it must be positive and finite"
+            ));
         }
-        let tolerance = self.tolerance(point);
-        let follows = (point - self.time).abs() <= tolerance; // never for NaN
+        let follows = (point - self.time).abs() <= self.tolerance(point); // never for NaN
         if !follows {
-            return Err(Refusal::error(format!(
-                "fmi2DoStep: currentCommunicationPoint = {point}, but the last step ended at {}; \
-                 restore a stored state to go back",
+            return refuse(format!(
+                "currentCommunicationPoint = {point}, but the last step ended at {}; restore a stored state to go back",
                 self.time
-            )));
+            ));
         }
         let end = point + step;
         if end <= point {
-            return Err(Refusal::error(format!(
-                "fmi2DoStep: communicationStepSize = {step} is lost in the rounding of the time \
-                 {point}; take longer steps, or start the experiment at time 0"
-            )));
+            return refuse(format!(
+                "communicationStepSize = {step} is lost in the rounding of the time {point}; take longer steps, or \
+                 start the experiment at time 0"
+            ));
         }
         // Hosts that add up their steps come to the stop time with the sum of all roundings.
         let late = 1e-3 * step + 1e-9 * self.time.abs();
-        if let Some(stop) = self.stop
-            && end > stop + late
-        {
-            return Err(Refusal::error(format!(
-                "fmi2DoStep: the step ends at {end}, after stopTime = {stop}; shorten it"
-            )));
+        if let Some(stop) = self.stop.filter(|stop| end > stop + late) {
+            return refuse(format!(
+                "the step ends at {end}, after stopTime = {stop}; shorten it"
+            ));
         }
         Ok(Self {
             time: end,

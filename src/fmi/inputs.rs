@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Refusal;
 use super::parameters::Orientation;
-use super::variables::VARIABLES;
+use super::variables::{INPUTS, VARIABLES};
 use crate::element::{BODY_COLUMNS, Motion};
 use crate::words::number;
 
@@ -18,8 +18,7 @@ use crate::words::number;
 pub const BODIES: [&str; 3] = ["gear1", "gear2", "carrier"];
 /// Inputs of one body, all Real; body `b` has the variables from `b * BODY_INPUTS` on.
 pub const BODY_INPUTS: usize = 16;
-/// Number of inputs; they are the first variables.
-pub const INPUTS: usize = BODIES.len() * BODY_INPUTS;
+const _: () = assert!(INPUTS == BODIES.len() * BODY_INPUTS);
 /// Offset of the position, 3 inputs, among those of a body.
 pub const POSITION: usize = 0;
 /// Of the Cardan angles, 3 inputs.
@@ -126,34 +125,21 @@ impl InputValues {
         Some(end)
     }
 
-    fn derivatives(&self, i: usize) -> Derivatives {
-        self.derivatives.get(&i).copied().unwrap_or_default()
-    }
-
-    /// Refuses numbers that are not finite, and derivatives of what is no input.
-    ///
-    /// # Errors
-    /// The input to look at.
-    pub fn check(&self) -> Result<(), usize> {
+    /// The first input that is not finite or has derivatives that are not, or that is none.
+    pub fn fault(&self) -> Option<usize> {
         let mut derivatives = self.derivatives.iter();
         let bad = derivatives.find(|(i, d)| **i >= INPUTS || d.iter().any(|x| !x.is_finite()));
-        if let Some((i, _)) = bad {
-            return Err((*i).min(INPUTS - 1));
-        }
-        let bad = |x: &f64| !x.is_finite();
-        self.values
-            .as_flattened()
-            .iter()
-            .position(bad)
-            .map_or(Ok(()), Err)
+        let mut values = self.values.as_flattened().iter();
+        bad.map(|(i, _)| (*i).min(INPUTS - 1))
+            .or_else(|| values.position(|x| !x.is_finite()))
     }
 
-    /// The largest input in size, with its index.
-    pub fn largest(&self) -> (usize, f64) {
-        let sizes = self.values.as_flattened().iter().copied().enumerate();
-        sizes
-            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-            .unwrap_or((0, 0.0))
+    /// Index of the largest input in size.
+    pub fn largest(&self) -> usize {
+        let size = |i: &usize| self.get(*i).abs();
+        (0..INPUTS)
+            .max_by(|a, b| size(a).total_cmp(&size(b)))
+            .unwrap_or(0)
     }
 
     fn vector(&self, body: usize, offset: usize) -> Vector3<f64> {
@@ -161,15 +147,15 @@ impl InputValues {
     }
 
     fn quaternion(&self, body: usize) -> Quaternion<f64> {
-        let v = &self.values[body][QUATERNION..VELOCITY];
-        Quaternion::new(v[0], v[1], v[2], v[3])
+        quaternion(&self.values[body][QUATERNION..VELOCITY])
     }
 
     /// Rates of a body in the order of the columns of [`crate::element::Jacobian`]: velocity and angular velocity, which
     /// are those of its pose, then their own derivatives.
     pub fn rates(&self, body: usize) -> [Vector3<f64>; BODY_COLUMNS / 3] {
         let acceleration = |offset: usize| {
-            Vector3::from_fn(|k, _| self.derivatives(body * BODY_INPUTS + offset + k)[0])
+            let first = body * BODY_INPUTS + offset;
+            Vector3::from_fn(|k, _| self.derivatives.get(&(first + k)).map_or(0.0, |d| d[0]))
         };
         [
             self.vector(body, VELOCITY),
@@ -213,13 +199,12 @@ impl InputValues {
             }
         };
         let (limit, remedy) = (resolution.position, "put the origin of the world nearer");
-        let motion = Motion {
+        Ok(Motion {
             p: self.resolved(body, POSITION, limit, "m", remedy)?,
             r,
             v: self.vector(body, VELOCITY),
             w: self.vector(body, ANGULAR_VELOCITY),
-        };
-        Ok(motion)
+        })
     }
 
     /// Three inputs of a body, refused where their rounding alone would matter.
@@ -256,9 +241,9 @@ impl InputValues {
             }
             (QUATERNION..VELOCITY, Orientation::Quaternion) => {
                 let q = self.quaternion(body);
-                let dq = quaternion(&std::array::from_fn(|c| {
-                    f64::from(u8::from(c == k - QUATERNION))
-                }));
+                let mut unit = [0.0; 4];
+                unit[k - QUATERNION] = 1.0;
+                let dq = quaternion(&unit);
                 // Vector part of 2 dq q*; the change of length is its scalar part.
                 (3, ((dq * q.conjugate()) * (2.0 / q.norm_squared())).imag())
             }
@@ -271,8 +256,9 @@ impl InputValues {
     }
 }
 
-fn quaternion([w, x, y, z]: &[f64; 4]) -> Quaternion<f64> {
-    Quaternion::new(*w, *x, *y, *z)
+/// Of components in the order w x y z.
+fn quaternion(q: &[f64]) -> Quaternion<f64> {
+    Quaternion::new(q[0], q[1], q[2], q[3])
 }
 
 /// d1 + d2 h/2! + d3 h^2/3! + ...
@@ -371,24 +357,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quaternion_far_from_unit_length_is_refused_by_name() {
-        let mut inputs = values();
-        let second = |inputs: &InputValues| inputs.motion(1, Orientation::Quaternion, FINE);
-        inputs.set(BODY_INPUTS + QUATERNION, 1.004);
-        let r = second(&inputs).unwrap().r;
-        assert_abs_diff_eq!(r, Matrix3::identity(), epsilon = 1e-15);
-        inputs.set(BODY_INPUTS + QUATERNION, 1.1);
-        let error = second(&inputs).unwrap_err();
-        assert!(
-            error
-                .message
-                .starts_with("gear2.quaternion has the length 1.1")
-        );
-        assert!(inputs.motion(1, Orientation::Angles, FINE).is_ok());
-    }
-
-    #[test]
-    fn numbers_whose_rounding_moves_the_teeth_are_refused_by_name() {
+    fn what_the_teeth_do_not_resolve_is_refused_by_name() {
         let (teeth, pitch) = (20.0, 12e-3);
         let resolution = Resolution::new(teeth, pitch);
         // Rounding of the largest angle and coordinate, in pitches.
@@ -396,28 +365,45 @@ mod tests {
         let way = resolution.position * f64::EPSILON / pitch;
         assert_abs_diff_eq!(turn, 1e-6, epsilon = 1e-15);
         assert_abs_diff_eq!(way, 1e-6, epsilon = 1e-15);
+        let refusal = |i: usize, value: f64, orientation| {
+            let mut inputs = values();
+            inputs.set(i, value);
+            let refused = inputs.motion(0, orientation, resolution).err();
+            refused.map_or(String::new(), |refusal| refusal.message)
+        };
+        use Orientation::{Angles, Quaternion};
+        for (i, value, orientation, start) in [
+            (QUATERNION, 1.004, Quaternion, ""),
+            (
+                QUATERNION,
+                1.1,
+                Quaternion,
+                "gear1.quaternion has the length 1.1",
+            ),
+            (QUATERNION, 1.1, Angles, ""),
+            (ANGLES + 2, 0.99 * resolution.angle, Angles, ""),
+            (
+                ANGLES + 2,
+                6e12,
+                Angles,
+                "gear1.angles[3] = 6000000000000 rad",
+            ),
+            (ANGLES + 2, 6e12, Quaternion, ""),
+            (
+                POSITION + 1,
+                -1e9,
+                Angles,
+                "gear1.position[2] = -1000000000 m",
+            ),
+        ] {
+            let refusal = refusal(i, value, orientation);
+            assert!(refusal.starts_with(start), "{refusal}");
+            assert_eq!(refusal.is_empty(), start.is_empty(), "{refusal}");
+        }
         let mut inputs = values();
-        let ask = |inputs: &InputValues| inputs.motion(0, Orientation::Angles, resolution);
-        inputs.set(ANGLES + 2, 0.99 * resolution.angle);
-        assert!(ask(&inputs).is_ok());
-        inputs.set(ANGLES + 2, 6e12);
-        let said = ask(&inputs).unwrap_err().message;
-        assert!(
-            said.starts_with("gear1.angles[3] = 6000000000000 rad"),
-            "{said}"
-        );
-        assert!(
-            inputs
-                .motion(0, Orientation::Quaternion, resolution)
-                .is_ok()
-        );
-        inputs.set(ANGLES + 2, 0.0);
-        inputs.set(POSITION + 1, -1e9);
-        let said = ask(&inputs).unwrap_err().message;
-        assert!(
-            said.starts_with("gear1.position[2] = -1000000000 m"),
-            "{said}"
-        );
+        inputs.set(QUATERNION, 1.004);
+        let r = pose(&inputs, Quaternion).r;
+        assert_abs_diff_eq!(r, Matrix3::identity(), epsilon = 1e-15);
     }
 
     #[test]
@@ -462,7 +448,7 @@ mod tests {
     fn derivatives_that_overflow_are_found_by_their_input() {
         let mut inputs = values();
         inputs.set_derivative(7, 3, 1e308);
-        assert_eq!(inputs.check(), Ok(()));
-        assert_eq!(step(&inputs, 1e3).check(), Err(7));
+        assert_eq!(inputs.fault(), None);
+        assert_eq!(step(&inputs, 1e3).fault(), Some(7));
     }
 }

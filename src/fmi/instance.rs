@@ -1,28 +1,27 @@
 //! One instance of the FMU: what the functions of the interface do, in safe Rust.
 //!
 //! Outputs and their derivatives are a pure function of inputs, parameters, phase zeros and, with `coupling`, of the last step.
-//! They are made when they are asked for and kept until one of these changes (`Instance::changed`), so that hosts may set
+//! They are made when they are asked for and cached until one of these changes (`Instance::changed`), so that hosts may set
 //! and get in any order, value by value, and go back in time.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use nalgebra::SVector;
 
 use super::clock::Clock;
-use super::inputs::{BODIES, INPUTS, InputValues, MAXIMUM_ORDER, Resolution};
+use super::inputs::{BODIES, InputValues, MAXIMUM_ORDER, Resolution};
 use super::lifecycle::{Function, Interface, State};
 use super::parameters::Settings;
 use super::resources::Resources;
-use super::state::InstanceState;
+use super::state::{InstanceState, StoredStates};
 use super::variables::{
-    Causality, FIRST_PARAMETER, Kind, VARIABLES, Variability, Variable, check_finite, check_value,
-    find, index, index_of, output_row,
+    Causality, FIRST_PARAMETER, INPUTS, VARIABLES, Variability, Variable, check_finite,
+    check_value, find, index, index_of, output_row,
 };
-use super::{Event, Refusal, Severity};
+use super::{Refusal, Severity};
 use crate::element::{
-    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Element, Formulation, Inputs, Jacobian, Loads,
-    Outputs, Prediction, StepRequest, Workspace,
+    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Element, ElementError, Formulation, Inputs,
+    Jacobian, Latch, Loads, Outputs, Prediction, Step, StepRequest, Workspace,
 };
 use crate::words::number;
 
@@ -30,28 +29,27 @@ use crate::words::number;
 pub struct Instance {
     pub(super) resources: Arc<Resources>,
     pub(super) state: InstanceState,
-    /// States that the host keeps, by handle; they go with the instance.
-    pub(super) stored: HashMap<usize, InstanceState>,
+    stored: StoredStates,
     /// Those of the parameters in `state`.
     settings: Settings,
-    /// Made with the settings when it is first needed.
+    /// Made with the settings when first needed.
     element: Option<Element>,
     workspace: Workspace,
     /// What the teeth resolve of the motion of each body.
     resolution: [Resolution; BODIES.len()],
-    /// Of the bodies, at the last look at the inputs.
+    /// Of the bodies at the last evaluation.
     motions: Inputs,
-    /// At the present state, if they were asked for.
+    /// At the present state, if they were evaluated.
     outputs: Option<Evaluated>,
     slopes: Box<Jacobian>,
     slopes_made: SlopesMade,
     /// How often the gears left the range, for the log.
     departures: usize,
-    /// Whether the log has said that the master is none of the coupling.
+    /// Whether the log has a warning that the master does not step as `coupling` says.
     warned: bool,
     /// The step that was discarded last, from its point over its size, s, and the inputs that it was tried with.
     discarded: Option<([f64; 2], InputValues)>,
-    events: Vec<Event>,
+    events: Vec<(Severity, String)>,
 }
 
 struct Evaluated {
@@ -67,6 +65,26 @@ enum SlopesMade {
     /// All but the row of the stiffness.
     WithoutStiffness,
     All,
+}
+
+/// The element and what it evaluates: the motions of the present inputs.
+struct Ready<'a> {
+    element: &'a Element,
+    motions: &'a Inputs,
+    /// Phase zeros; `None`: those of the present pose.
+    latch: Option<Latch>,
+    last_step: Option<&'a Step>,
+    workspace: &'a mut Workspace,
+    slopes: &'a mut Jacobian,
+}
+
+impl Ready<'_> {
+    fn latch(&self) -> Result<Latch, ElementError> {
+        match self.latch {
+            Some(latch) => Ok(latch),
+            None => self.element.latch(self.motions),
+        }
+    }
 }
 
 /// A direction in the space of the motions of gear 1, gear 2 and carrier, as the columns of [`Jacobian`].
@@ -88,7 +106,7 @@ impl Instance {
         let [z1, z2] = [pair.gears[0].z(), pair.gears[1].z()];
         let of_teeth = |teeth: f64| Resolution::new(teeth, pair.base_pitch());
         let carrier = Resolution {
-            position: f64::INFINITY, // of no consequence, see `look`
+            position: f64::INFINITY, // of no consequence, see `ready`
             ..of_teeth(z1.max(z2))
         };
         Self {
@@ -104,7 +122,7 @@ impl Instance {
                 loads: None,
                 out_of_range: false,
             },
-            stored: HashMap::new(),
+            stored: StoredStates::default(),
             settings: resources.starts.settings.clone(),
             element: None,
             workspace: Workspace::default(),
@@ -130,17 +148,21 @@ impl Instance {
         self.state.clock.time()
     }
 
-    /// After a call that was refused with `severity`: fmi2Error and fmi2Fatal have states of their own.
-    pub fn fail(&mut self, severity: Severity) {
-        match severity {
+    /// After a call that was refused: fmi2Error and fmi2Fatal have states of their own. A solver or master may try points at
+    /// which there are no outputs, and go elsewhere when they are discarded; in Initialization Mode there is no elsewhere.
+    pub fn fail(&mut self, refusal: &mut Refusal) {
+        if self.state() == State::InitializationMode && refusal.severity == Severity::Discard {
+            refusal.severity = Severity::Error;
+        }
+        match refusal.severity {
             Severity::Error => self.state.state = State::Error,
             Severity::Fatal => self.state.state = State::Fatal,
-            Severity::Warning | Severity::Discard => {}
+            Severity::Event | Severity::Warning | Severity::Discard => {}
         }
     }
 
     /// Events since the last call, for the log.
-    pub fn take_events(&mut self) -> Vec<Event> {
+    pub fn take_events(&mut self) -> Vec<(Severity, String)> {
         std::mem::take(&mut self.events)
     }
 
@@ -148,21 +170,10 @@ impl Instance {
     ///
     /// # Errors
     /// Names the state and where the function is allowed, or the interface it belongs to.
-    pub fn admit(&self, function: Function, name: &str) -> Result<(), Refusal> {
-        let interface = self.state.interface;
-        if let Some(other) = function.interface().filter(|i| *i != interface) {
-            return Err(Refusal::error(format!(
-                "{name} belongs to {other:?}; this instance was made for {interface:?}"
-            )));
-        }
-        if function.is_allowed(self.state()) {
-            return Ok(());
-        }
-        Err(Refusal::error(format!(
-            "{name} is not allowed in the state {:?}; it is in {}",
-            self.state(),
-            function.allowed_names()
-        )))
+    #[inline]
+    pub fn admit(&self, function: Function) -> Result<(), Refusal> {
+        let refusal = function.refusal(self.state(), self.state.interface);
+        refusal.map_or(Ok(()), |message| Err(Refusal::error(message)))
     }
 
     /// fmi2SetupExperiment.
@@ -196,25 +207,24 @@ impl Instance {
             self.state.latch = None;
             self.changed();
         }
-        let (center_distance, mesh_position) = self.settled(outcome)?;
+        let (center_distance, mesh_position) = outcome?;
         self.watch_range();
         self.state.state = match self.state.interface {
             Interface::CoSimulation => State::StepComplete,
             Interface::ModelExchange => State::EventMode,
         };
-        self.events.push(Event::Info(format!(
-            "initialized at t = {} s: pair {}, centre distance {center_distance} m, mesh position {mesh_position}",
-            self.time(),
-            self.resources.unit.name
-        )));
+        let (time, name) = (self.time(), &self.resources.unit.name);
+        let text = format!(
+            "initialized at t = {time} s: pair {name}, centre distance {center_distance} m, mesh position {mesh_position}"
+        );
+        self.events.push((Severity::Event, text));
         Ok(())
     }
 
     /// Takes the phases of the present pose. Centre distance and mesh position there.
     fn take_phases(&mut self) -> Result<(f64, f64), Refusal> {
-        self.look()?;
-        let element = made(&mut self.element, &self.resources, &self.settings)?;
-        self.state.latch = Some(element.start(&self.motions)?);
+        let ready = self.ready()?;
+        self.state.latch = Some(ready.element.start(ready.motions)?);
         self.changed();
         let outputs = &self.outputs()?.all;
         Ok((outputs.center_distance, outputs.mesh_position))
@@ -226,9 +236,52 @@ impl Instance {
             stored: std::mem::take(&mut self.stored),
             departures: self.departures,
             warned: self.warned,
-            events: vec![Event::Info("reset".into())],
+            events: vec![(Severity::Event, "reset".into())],
             ..Self::new(self.resources.clone(), self.state.interface)
         };
+    }
+
+    /// fmi2GetFMUstate: stores the state over the one with this `handle`, or under a new one, which it returns.
+    ///
+    /// # Errors
+    /// A handle that is none of this instance.
+    pub fn store(&mut self, handle: Option<usize>) -> Result<usize, Refusal> {
+        self.stored.store(handle, self.state.clone())
+    }
+
+    /// fmi2SetFMUstate.
+    ///
+    /// # Errors
+    /// A handle that is none of this instance.
+    pub fn restore(&mut self, handle: usize) -> Result<(), Refusal> {
+        self.go_to(self.stored.get(handle)?.clone())
+    }
+
+    /// fmi2FreeFMUstate.
+    ///
+    /// # Errors
+    /// A handle that is none of this instance.
+    pub fn discard(&mut self, handle: usize) -> Result<(), Refusal> {
+        self.stored.discard(handle)
+    }
+
+    /// fmi2SerializeFMUstate, and with its length fmi2SerializedFMUstateSize.
+    ///
+    /// # Errors
+    /// A handle that is none of this instance.
+    pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, Refusal> {
+        let state = self.stored.get(handle)?;
+        Ok(state.to_bytes(&self.resources.unit.guid))
+    }
+
+    /// fmi2DeSerializeFMUstate: a new handle.
+    ///
+    /// # Errors
+    /// Bytes that are no state of this unit.
+    pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
+        let state = InstanceState::from_bytes(bytes, &self.resources.unit.guid)?;
+        state.check(self.state.interface)?;
+        self.stored.store(None, state)
     }
 
     /// Goes to a state of this unit.
@@ -236,8 +289,7 @@ impl Instance {
     /// # Errors
     /// A state that no instance of this unit and interface has made; nothing is changed.
     pub(super) fn go_to(&mut self, state: InstanceState) -> Result<(), Refusal> {
-        let settings = state.check(self.state.interface)?;
-        self.configure(settings);
+        self.configure(state.check(self.state.interface)?);
         self.state = state;
         self.discarded = None;
         self.changed();
@@ -251,7 +303,7 @@ impl Instance {
         self.slopes_made = SlopesMade::None;
     }
 
-    /// Takes other settings. An element in which only the damping differs is kept: it is tunable, and tables are large.
+    /// Takes other settings. An element in which only the damping differs stays: it is tunable, and tables are large.
     fn configure(&mut self, settings: Settings) {
         if settings == self.settings {
             return;
@@ -268,44 +320,33 @@ impl Instance {
     /// fmi2SetReal; all or none.
     ///
     /// # Errors
-    /// Unknown references, wrong types, values that are not finite or outside their range, variables
-    /// that may not be set now.
+    /// As [`Instance::set`].
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
-        self.set("fmi2SetReal", Kind::Real, references, |k| values[k])
+        self.set(Function::SetReal, references, values)
     }
 
-    /// fmi2SetInteger, which serves enumerations, too, and fmi2SetBoolean, with 0 and 1; all or none.
+    /// fmi2SetReal, fmi2SetInteger, which serves enumerations, and fmi2SetBoolean, with 0 and 1; all or none.
     ///
     /// # Errors
-    /// As [`Instance::set_real`].
-    pub fn set_discrete(
+    /// Unknown references, wrong types, values that are not finite or outside their range, variables
+    /// that may not be set now.
+    pub fn set<T: Copy + Into<f64>>(
         &mut self,
-        function: &str,
-        kind: Kind,
+        function: Function,
         references: &[u32],
-        values: &[i32],
-    ) -> Result<(), Refusal> {
-        self.set(function, kind, references, |k| f64::from(values[k]))
-    }
-
-    fn set(
-        &mut self,
-        function: &str,
-        kind: Kind,
-        references: &[u32],
-        value: impl Fn(usize) -> f64,
+        values: &[T],
     ) -> Result<(), Refusal> {
         let mut parameters = None;
-        for (k, &reference) in references.iter().enumerate() {
-            let value = value(k);
+        for (&reference, &value) in references.iter().zip(values) {
+            let value = value.into();
             // Most hosts set all inputs in every step: they are Real, always settable and unbounded (tested in `variables`).
             if index_of(reference).is_some_and(|i| i < INPUTS)
-                && kind == Kind::Real
+                && function == Function::SetReal
                 && value.is_finite()
             {
                 continue;
             }
-            let i = find(function, kind, reference)?;
+            let i = find(function, reference)?;
             self.check_settable(function, &VARIABLES[i])?;
             check_value(function, &VARIABLES[i], value)?;
             parameters.get_or_insert(self.state.parameters)[i - FIRST_PARAMETER] = value;
@@ -315,9 +356,9 @@ impl Instance {
             self.state.parameters = parameters;
         }
         let mut moved = false;
-        for (k, &reference) in references.iter().enumerate() {
+        for (&reference, &value) in references.iter().zip(values) {
             if let Some(i) = index_of(reference).filter(|i| *i < INPUTS) {
-                self.state.inputs.set(i, value(k));
+                self.state.inputs.set(i, value.into());
                 moved = true;
             }
         }
@@ -329,7 +370,7 @@ impl Instance {
         Ok(())
     }
 
-    fn check_settable(&self, function: &str, variable: &Variable) -> Result<(), Refusal> {
+    fn check_settable(&self, function: Function, variable: &Variable) -> Result<(), Refusal> {
         let initial = matches!(
             self.state(),
             State::Instantiated | State::InitializationMode
@@ -354,14 +395,28 @@ impl Instance {
     /// fmi2GetReal: calls `put` with each value.
     ///
     /// # Errors
+    /// As [`Instance::get`].
+    pub fn get_real(&mut self, references: &[u32], put: impl FnMut(f64)) -> Result<(), Refusal> {
+        self.get(Function::GetReal, references, put)
+    }
+
+    /// fmi2GetReal, fmi2GetInteger, which serves enumerations, and fmi2GetBoolean (0 and 1): calls `put` with each value.
+    ///
+    /// # Errors
     /// Unknown references, wrong types; inputs or parameters at which there are no outputs.
-    pub fn get_real(
+    pub fn get(
         &mut self,
+        function: Function,
         references: &[u32],
         mut put: impl FnMut(f64),
     ) -> Result<(), Refusal> {
         for &reference in references {
-            put(self.value("fmi2GetReal", Kind::Real, reference)?);
+            let i = find(function, reference)?;
+            put(match output_row(i) {
+                Some(row) => self.outputs()?.rows[row],
+                None if i < INPUTS => self.state.inputs.get(i),
+                None => self.state.parameters[i - FIRST_PARAMETER],
+            });
         }
         // In Initialization Mode poses may be on their way to the start.
         if self.state() != State::InitializationMode {
@@ -370,84 +425,46 @@ impl Instance {
         Ok(())
     }
 
-    /// fmi2GetInteger, which serves enumerations, too, and fmi2GetBoolean (0 and 1).
-    ///
-    /// # Errors
-    /// As [`Instance::get_real`].
-    pub fn get_discrete(
-        &mut self,
-        function: &str,
-        kind: Kind,
-        references: &[u32],
-        mut put: impl FnMut(i32),
-    ) -> Result<(), Refusal> {
-        for &reference in references {
-            put(self.value(function, kind, reference)? as i32);
-        }
-        Ok(())
-    }
-
-    #[inline]
-    fn value(&mut self, function: &str, kind: Kind, reference: u32) -> Result<f64, Refusal> {
-        let i = find(function, kind, reference)?;
-        if i < INPUTS {
-            return Ok(self.state.inputs.get(i));
-        }
-        match output_row(i) {
-            None => Ok(self.state.parameters[i - FIRST_PARAMETER]),
-            Some(row) => {
-                let value = self.outputs().map(|outputs| outputs.rows[row]);
-                self.settled(value)
-            }
-        }
-    }
-
-    /// A solver or master may try points at which there are no outputs, and go elsewhere when they are discarded; in
-    /// Initialization Mode there is no elsewhere.
-    fn settled<T>(&self, outcome: Result<T, Refusal>) -> Result<T, Refusal> {
-        outcome.map_err(|refusal| match (self.state(), refusal.severity) {
-            (State::InitializationMode, Severity::Discard) => Refusal::error(refusal.message),
-            _ => refusal,
-        })
-    }
-
-    /// Takes the motions that the element looks at from the inputs.
-    fn look(&mut self) -> Result<(), Refusal> {
+    /// Takes the motions that the element looks at from the inputs, and makes the element if there is none.
+    fn ready(&mut self) -> Result<Ready<'_>, Refusal> {
         let (inputs, orientation) = (&self.state.inputs, self.settings.orientation);
+        let motions = &mut self.motions;
         for body in 0..2 {
-            self.motions.gears[body] = inputs.motion(body, orientation, self.resolution[body])?;
+            motions.gears[body] = inputs.motion(body, orientation, self.resolution[body])?;
         }
-        if self.uses_carrier() {
-            self.motions.carrier = inputs.motion(2, orientation, self.resolution[2])?;
+        if self.settings.element.formulation == Formulation::Paper {
+            motions.carrier = inputs.motion(2, orientation, self.resolution[2])?;
             // The position and velocity of its origin cancel out; gear 1's are those that cost no rounding.
-            let gear = &self.motions.gears[0];
-            (self.motions.carrier.p, self.motions.carrier.v) = (gear.p, gear.v);
+            let gear = &motions.gears[0];
+            (motions.carrier.p, motions.carrier.v) = (gear.p, gear.v);
         }
-        Ok(())
-    }
-
-    fn uses_carrier(&self) -> bool {
-        self.settings.element.formulation == Formulation::Paper
+        if self.element.is_none() {
+            self.element = Some(self.resources.element(&self.settings.element)?);
+        }
+        Ok(Ready {
+            element: self.element.as_ref().expect("made above"),
+            motions,
+            latch: self.state.latch,
+            last_step: self.state.step.as_ref(),
+            workspace: &mut self.workspace,
+            slopes: &mut self.slopes,
+        })
     }
 
     /// Outputs at the present state; before phases are taken, with those of the present pose.
     fn outputs(&mut self) -> Result<&Evaluated, Refusal> {
         if self.outputs.is_none() {
-            let (all, loads) = match (self.settings.coupling, self.state.loads, &self.state.step) {
+            let last = self.state.step.as_ref().map(Step::length);
+            let (all, loads) = match (self.settings.coupling, self.state.loads, last) {
                 // Of a step as long as the last one.
-                (Coupling::Sequential, None, Some(step)) => {
-                    let prediction = self.predict(step.length())?;
+                (Coupling::Sequential, None, Some(length)) => {
+                    let prediction = self.predict(length)?;
                     (prediction.outputs, Some(prediction.loads))
                 }
                 (_, loads, _) => {
-                    self.look()?;
-                    let element = made(&mut self.element, &self.resources, &self.settings)?;
-                    let latch = match self.state.latch {
-                        Some(latch) => latch,
-                        None => element.latch(&self.motions)?,
-                    };
-                    let motions = &self.motions;
-                    let all = element.evaluate_from(&latch, motions, &mut self.workspace)?;
+                    let ready = self.ready()?;
+                    let (latch, element) = (ready.latch()?, ready.element);
+                    let all = element.evaluate_from(&latch, ready.motions, ready.workspace)?;
                     (all, loads)
                 }
             };
@@ -470,30 +487,27 @@ impl Instance {
 
     /// Loads for a step of `length` s from the present inputs, by the coupling.
     fn predict(&mut self, length: f64) -> Result<Prediction, Refusal> {
-        self.look()?;
-        let element = made(&mut self.element, &self.resources, &self.settings)?;
-        let latch = match self.state.latch {
-            Some(latch) => latch,
-            None => element.latch(&self.motions)?,
-        };
         let request = StepRequest {
             coupling: self.settings.coupling,
             length,
             effective_mass: self.settings.effective_mass,
         };
-        let last = self.state.step.as_ref();
-        Ok(element.predict(&latch, &self.motions, last, &request, &mut self.workspace)?)
+        let ready = self.ready()?;
+        let (latch, last) = (ready.latch()?, ready.last_step);
+        let element = ready.element;
+        Ok(element.predict(&latch, ready.motions, last, &request, ready.workspace)?)
     }
 
     /// Of the output in `row`, or of `what` of it.
     fn not_finite(&self, what: &str, row: usize) -> Refusal {
         let what = format!("{what}{} is not finite", VARIABLES[INPUTS + row].name);
-        match self.state.inputs.largest() {
-            (i, size) if size.abs() > OUT_OF_PROPORTION => overflow(&self.state.inputs, i, &what),
-            _ => Refusal::error(format!(
-                "{what}, though no input is out of proportion: check the parameters and the unit's tables"
-            )),
+        let i = self.state.inputs.largest();
+        if self.state.inputs.get(i).abs() > OUT_OF_PROPORTION {
+            return overflow(&self.state.inputs, i, &what);
         }
+        Refusal::error(format!(
+            "{what}, though no input is out of proportion: check the parameters and the unit's tables"
+        ))
     }
 
     /// fmi2GetDirectionalDerivative: derivatives of the `unknown` outputs, in their order, along the
@@ -511,22 +525,12 @@ impl Instance {
         known: &[u32],
         seeds: &[f64],
     ) -> Result<Vec<f64>, Refusal> {
-        let slopes = self.along_seeds(unknown, known, seeds);
-        self.settled(slopes)
-    }
-
-    fn along_seeds(
-        &mut self,
-        unknown: &[u32],
-        known: &[u32],
-        seeds: &[f64],
-    ) -> Result<Vec<f64>, Refusal> {
-        const FUNCTION: &str = "fmi2GetDirectionalDerivative";
+        const FUNCTION: Function = Function::GetDirectionalDerivative;
         let rows = rows(FUNCTION, unknown)?;
         let mut direction = Direction::zeros();
         let mut by_parameters = [0.0; CONTINUOUS_OUTPUTS];
         for (&reference, &seed) in known.iter().zip(seeds) {
-            let i = find(FUNCTION, Kind::Real, reference)?;
+            let i = find(FUNCTION, reference)?;
             let name = VARIABLES[i].name;
             check_finite(FUNCTION, &format!("the seed of {name}"), seed)?;
             if i < INPUTS {
@@ -583,15 +587,10 @@ impl Instance {
         };
         if self.slopes_made < needed {
             self.slopes_made = SlopesMade::None;
-            self.look()?;
-            let element = made(&mut self.element, &self.resources, &self.settings)?;
-            element.slopes(
-                self.state.latch.as_ref(),
-                &self.motions,
-                needed == SlopesMade::All,
-                &mut self.slopes,
-                &mut self.workspace,
-            )?;
+            let all = needed == SlopesMade::All;
+            let ready = self.ready()?;
+            let (latch, element) = (ready.latch.as_ref(), ready.element);
+            element.slopes(latch, ready.motions, all, ready.slopes, ready.workspace)?;
             self.slopes_made = needed;
         }
         let slopes: &Jacobian = &self.slopes;
@@ -603,34 +602,36 @@ impl Instance {
         rows.iter().map(slope).collect()
     }
 
-    /// fmi2SetRealInputDerivatives, as (value reference, order, value); all or none.
+    /// fmi2SetRealInputDerivatives; all or none.
     ///
     /// # Errors
     /// Unknown references, variables that are no inputs, orders beyond 1 to 3, values
     /// that are not finite.
     pub fn set_input_derivatives(
         &mut self,
-        items: impl Iterator<Item = (u32, i32, f64)> + Clone,
+        references: &[u32],
+        orders: &[i32],
+        values: &[f64],
     ) -> Result<(), Refusal> {
-        const FUNCTION: &str = "fmi2SetRealInputDerivatives";
-        for (reference, order, value) in items.clone() {
-            let i = find(FUNCTION, Kind::Real, reference)?;
+        const FUNCTION: Function = Function::SetRealInputDerivatives;
+        let mut inputs = self.state.inputs.clone();
+        for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+            let i = find(FUNCTION, reference)?;
             let name = VARIABLES[i].name;
             if i >= INPUTS {
                 return Err(Refusal::error(format!("{FUNCTION}: {name} is no input")));
             }
-            if !usize::try_from(order).is_ok_and(|o| (1..=MAXIMUM_ORDER).contains(&o)) {
-                return Err(Refusal::error(format!(
+            let known = usize::try_from(order).ok();
+            let known = known.filter(|order| (1..=MAXIMUM_ORDER).contains(order));
+            let order = known.ok_or_else(|| {
+                Refusal::error(format!(
                     "{FUNCTION}: order {order} of {name}; orders 1 to {MAXIMUM_ORDER} are taken"
-                )));
-            }
+                ))
+            })?;
             check_finite(FUNCTION, &format!("derivative {order} of {name}"), value)?;
+            inputs.set_derivative(i, order, value);
         }
-        for (reference, order, value) in items {
-            if let Some(i) = index_of(reference) {
-                self.state.inputs.set_derivative(i, order as usize, value);
-            }
-        }
+        self.state.inputs = inputs;
         Ok(())
     }
 
@@ -645,7 +646,7 @@ impl Instance {
         references: &[u32],
         orders: &[i32],
     ) -> Result<Vec<f64>, Refusal> {
-        const FUNCTION: &str = "fmi2GetRealOutputDerivatives";
+        const FUNCTION: Function = Function::GetRealOutputDerivatives;
         if let Some(order) = orders.iter().find(|order| **order != OUTPUT_ORDER) {
             return Err(Refusal::error(format!(
                 "{FUNCTION}: order {order}; order {OUTPUT_ORDER} is offered"
@@ -695,16 +696,17 @@ impl Instance {
             let outputs = self.evaluated(prediction.outputs, Some(&prediction.loads))?;
             if prediction.seems_sequential && !std::mem::replace(&mut self.warned, true) {
                 let time = number(self.time());
-                self.events.push(Event::Warning(format!(
+                let text = format!(
                     "t = {time} s: the bodies follow the loads in the step just asked for, not in the one after it: set coupling = sequential"
-                )));
+                );
+                self.events.push((Severity::Warning, text));
             }
             self.changed();
             self.outputs = Some(outputs);
             (self.state.step, self.state.loads) = (prediction.step, Some(prediction.loads));
             return Ok(());
         };
-        if let Err(i) = end.check() {
+        if let Some(i) = end.fault() {
             let what = "fmi2DoStep: an input overflows within the step";
             return Err(overflow(&self.state.inputs, i, what));
         }
@@ -720,52 +722,44 @@ impl Instance {
 
     /// Reports when the gears leave the range where outputs are to be trusted, and when they come back.
     fn watch_range(&mut self) {
-        let present = self.outputs.as_ref();
-        let out_of_range = present.filter(|o| o.all.out_of_range).map(|o| o.all);
+        let Some(present) = &self.outputs else {
+            return;
+        };
+        let out_of_range = present.all.out_of_range.then_some(present.all);
         if out_of_range.is_some() == self.state.out_of_range {
             return;
         }
         self.state.out_of_range = out_of_range.is_some();
         let time = number(self.time());
-        let Some(outputs) = out_of_range else {
-            let text = format!("t = {time} s: in range again");
-            return self.events.push(Event::Info(text));
+        let (severity, text) = match out_of_range {
+            None => (Severity::Event, "in range again".to_owned()),
+            Some(outputs) => {
+                let reasons = match self.ready() {
+                    Ok(ready) => ready.element.out_of_range(ready.motions, &outputs),
+                    Err(_) => Ok(String::new()),
+                };
+                let reasons = reasons.unwrap_or_default();
+                self.departures += usize::from(!reasons.is_empty());
+                match self.departures {
+                    // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
+                    _ if reasons.is_empty() => {
+                        let text = "the load left the range of the table";
+                        (Severity::Event, text.to_owned())
+                    }
+                    ..=MOST_WARNINGS => (Severity::Warning, format!("out of range: {reasons}")),
+                    n if n == MOST_WARNINGS + 1 => {
+                        let text = format!(
+                            "out of range for the {n}th time: no more warnings of this follow"
+                        );
+                        (Severity::Warning, text)
+                    }
+                    _ => return,
+                }
+            }
         };
-        let reasons = self.out_of_range(&outputs).unwrap_or_default();
-        // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
-        if reasons.is_empty() {
-            let text = format!("t = {time} s: the load left the range of the table");
-            return self.events.push(Event::Info(text));
-        }
-        self.departures += 1;
-        let text = match self.departures {
-            ..=MOST_WARNINGS => format!("t = {time} s: out of range: {reasons}"),
-            n if n == MOST_WARNINGS + 1 => format!(
-                "t = {time} s: out of range for the {n}th time: no more warnings of this follow"
-            ),
-            _ => return,
-        };
-        self.events.push(Event::Warning(text));
+        self.events
+            .push((severity, format!("t = {time} s: {text}")));
     }
-
-    /// What puts the pose of `outputs` out of range; empty where it is the load alone.
-    fn out_of_range(&mut self, outputs: &Outputs) -> Result<String, Refusal> {
-        self.look()?;
-        let element = made(&mut self.element, &self.resources, &self.settings)?;
-        Ok(element.out_of_range(&self.motions, outputs)?)
-    }
-}
-
-/// The element in `slot`, made there if there is none.
-fn made<'a>(
-    slot: &'a mut Option<Element>,
-    resources: &Resources,
-    settings: &Settings,
-) -> Result<&'a Element, Refusal> {
-    if slot.is_none() {
-        *slot = Some(resources.element(&settings.element)?);
-    }
-    Ok(slot.as_ref().expect("made above"))
 }
 
 /// Numbers so large that nothing can be computed; `i` is the input to look at.
@@ -778,9 +772,9 @@ fn overflow(inputs: &InputValues, i: usize, what: &str) -> Refusal {
 }
 
 /// Rows of the outputs with these references.
-fn rows(function: &str, references: &[u32]) -> Result<Vec<usize>, Refusal> {
+fn rows(function: Function, references: &[u32]) -> Result<Vec<usize>, Refusal> {
     let row = |&reference: &u32| {
-        let i = find(function, Kind::Real, reference)?;
+        let i = find(function, reference)?;
         output_row(i).ok_or_else(|| {
             Refusal::error(format!("{function}: {} is no output", VARIABLES[i].name))
         })

@@ -1,8 +1,13 @@
 //! Which function may be called when: the state machines of FMI 2.0.5, sections 3.2.3 (model exchange)
 //! and 4.2.4 (co-simulation), as one table.
 
+use std::fmt;
+
+use State::*;
+use serde::{Deserialize, Serialize};
+
 /// State of one instance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum State {
     /// After fmi2Instantiate or fmi2Reset.
@@ -24,71 +29,8 @@ pub enum State {
     Fatal,
 }
 
-impl State {
-    /// All states in the order of their discriminants.
-    pub const ALL: [State; 8] = [
-        State::Instantiated,
-        State::InitializationMode,
-        State::StepComplete,
-        State::EventMode,
-        State::ContinuousTimeMode,
-        State::Terminated,
-        State::Error,
-        State::Fatal,
-    ];
-
-    const fn bit(self) -> u8 {
-        1 << self as u8
-    }
-}
-
-const I: u8 = State::Instantiated.bit();
-const M: u8 = State::InitializationMode.bit();
-const S: u8 = State::StepComplete.bit();
-const V: u8 = State::EventMode.bit();
-const C: u8 = State::ContinuousTimeMode.bit();
-const T: u8 = State::Terminated.bit();
-const E: u8 = State::Error.bit();
-
-/// Functions of the C interface that take an instance, in groups that share the states they may be
-/// called in: `Get` for all types, `SetReal` for Real, `SetDiscrete` for all others, `FmuState` for the six
-/// that keep, restore and serialise states, `GetStates` for the derivatives and values of continuous
-/// states and their nominals.
-///
-/// fmi2FreeInstance stands outside the table: it is never refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum Function {
-    SetDebugLogging,
-    SetupExperiment,
-    EnterInitializationMode,
-    ExitInitializationMode,
-    Terminate,
-    Reset,
-    Get,
-    SetReal,
-    SetDiscrete,
-    FmuState,
-    GetDirectionalDerivative,
-    // Co-simulation.
-    SetInputDerivatives,
-    GetOutputDerivatives,
-    DoStep,
-    CancelStep,
-    GetStatus,
-    // Model exchange.
-    EnterEventMode,
-    NewDiscreteStates,
-    EnterContinuousTimeMode,
-    CompletedIntegratorStep,
-    SetTime,
-    SetContinuousStates,
-    GetStates,
-    GetEventIndicators,
-}
-
 /// What an instance was made for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interface {
     /// fmi2CoSimulation.
     CoSimulation,
@@ -96,72 +38,96 @@ pub enum Interface {
     ModelExchange,
 }
 
+/// Defines [`Function`] with the states in which each function may be called, and the interface that it belongs to if it
+/// does not belong to both.
+macro_rules! functions {
+    ($($($name:ident)+: $states:expr, $interface:expr;)+) => {
+        /// Functions of the C interface that take an instance, by their names without fmi2; fmi2FreeInstance is never
+        /// refused.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[allow(missing_docs)]
+        pub enum Function {
+            $($($name,)+)+
+        }
+
+        impl Function {
+            const fn rule(self) -> (&'static [State], Option<Interface>) {
+                match self {
+                    $($(Self::$name)|+ => ($states, $interface),)+
+                }
+            }
+        }
+    };
+}
+
+/// In the order of the life of an instance, so that ranges of it are the rules.
+const STATES: [State; 7] = [
+    Instantiated,
+    InitializationMode,
+    StepComplete,
+    EventMode,
+    ContinuousTimeMode,
+    Terminated,
+    Error,
+];
+const CS: Option<Interface> = Some(Interface::CoSimulation);
+const ME: Option<Interface> = Some(Interface::ModelExchange);
+
+functions! {
+    SetDebugLogging Reset GetFMUstate SetFMUstate FreeFMUstate: &STATES, None;
+    SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate: &STATES, None;
+    SetupExperiment EnterInitializationMode: &[Instantiated], None;
+    ExitInitializationMode: &[InitializationMode], None;
+    GetReal GetInteger GetBoolean GetString GetDirectionalDerivative: STATES.split_at(1).1, None;
+    SetReal: STATES.split_at(5).0, None;
+    SetInteger SetBoolean SetString: STATES.split_at(4).0, None;
+    Terminate: &[StepComplete, EventMode, ContinuousTimeMode], None;
+
+    SetRealInputDerivatives: &[Instantiated, InitializationMode, StepComplete], CS;
+    DoStep: &[StepComplete], CS;
+    GetRealOutputDerivatives: &[StepComplete, Terminated, Error], CS;
+    GetStatus GetRealStatus GetIntegerStatus: &[StepComplete, Terminated, Error], CS;
+    GetBooleanStatus GetStringStatus: &[StepComplete, Terminated, Error], CS;
+    // A step is never in progress when a call returns, so there is nothing to cancel.
+    CancelStep: &[], CS;
+
+    EnterEventMode SetTime: &[EventMode, ContinuousTimeMode], ME;
+    NewDiscreteStates EnterContinuousTimeMode: &[EventMode], ME;
+    CompletedIntegratorStep SetContinuousStates: &[ContinuousTimeMode], ME;
+    GetDerivatives GetContinuousStates GetNominalsOfContinuousStates: &STATES, ME;
+    GetEventIndicators: STATES.split_at(1).1, ME;
+}
+
+/// The name in the standard.
+impl fmt::Display for Function {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "fmi2{self:?}")
+    }
+}
+
 impl Function {
-    /// Bit mask of the states the function may be called in. Calling it in another one is fmi2Error.
-    const fn allowed(self) -> u8 {
-        match self {
-            Function::SetDebugLogging => I | M | S | V | C | T | E,
-            Function::SetupExperiment | Function::EnterInitializationMode => I,
-            Function::ExitInitializationMode => M,
-            Function::Terminate => S | V | C,
-            Function::Reset => I | M | S | V | C | T | E,
-            Function::Get => M | S | V | C | T | E,
-            Function::SetReal => I | M | S | V | C,
-            Function::SetDiscrete => I | M | S | V,
-            Function::FmuState => I | M | S | V | C | T | E,
-            Function::GetDirectionalDerivative => M | S | V | C | T | E,
-            Function::SetInputDerivatives => I | M | S,
-            Function::GetOutputDerivatives => S | T | E,
-            Function::DoStep => S,
-            // A step is never in progress when a call returns, so there is nothing to cancel.
-            Function::CancelStep => 0,
-            Function::GetStatus => S | T | E,
-            Function::EnterEventMode => V | C,
-            Function::NewDiscreteStates | Function::EnterContinuousTimeMode => V,
-            Function::CompletedIntegratorStep | Function::SetContinuousStates => C,
-            Function::SetTime => V | C,
-            Function::GetStates => I | M | V | C | T | E,
-            Function::GetEventIndicators => M | V | C | T | E,
+    /// Why the function may not be called in `state` of an instance of `interface`; `None`: it may.
+    #[inline]
+    pub fn refusal(self, state: State, interface: Interface) -> Option<String> {
+        let (states, own) = self.rule();
+        if let Some(other) = own.filter(|own| *own != interface) {
+            return Some(format!(
+                "{self} belongs to {other:?}; this instance was made for {interface:?}"
+            ));
         }
-    }
-
-    /// The one interface that the function belongs to; `None` for both.
-    pub const fn interface(self) -> Option<Interface> {
-        match self {
-            Function::SetInputDerivatives
-            | Function::GetOutputDerivatives
-            | Function::DoStep
-            | Function::CancelStep
-            | Function::GetStatus => Some(Interface::CoSimulation),
-            Function::EnterEventMode
-            | Function::NewDiscreteStates
-            | Function::EnterContinuousTimeMode
-            | Function::CompletedIntegratorStep
-            | Function::SetTime
-            | Function::SetContinuousStates
-            | Function::GetStates
-            | Function::GetEventIndicators => Some(Interface::ModelExchange),
-            _ => None,
+        if states.contains(&state) {
+            return None;
         }
-    }
-
-    /// Whether the function may be called in `state`.
-    pub const fn is_allowed(self, state: State) -> bool {
-        self.allowed() & state.bit() != 0
-    }
-
-    /// The states the function may be called in, for a message.
-    pub fn allowed_names(self) -> String {
-        let names: Vec<String> = State::ALL
-            .into_iter()
-            .filter(|&s| self.is_allowed(s))
-            .map(|s| format!("{s:?}"))
-            .collect();
-        if names.is_empty() {
-            "no state of this unit".into()
-        } else {
-            names.join(", ")
-        }
+        let allowed = match states {
+            [] => "no state of this unit".to_owned(),
+            _ => {
+                let states = states.iter().map(|state| format!("{state:?}"));
+                states.collect::<Vec<_>>().join(", ")
+            }
+        };
+        Some(format!(
+            "{self} is not allowed in the state {state:?}; it is in {allowed}"
+        ))
     }
 }
 
@@ -170,22 +136,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_is_allowed_after_a_fatal_error() {
-        for function in [Function::Reset, Function::Get, Function::FmuState] {
-            assert!(!function.is_allowed(State::Fatal));
+    fn a_refusal_lists_the_states_that_are_allowed() {
+        use Interface::CoSimulation;
+        for (function, allowed) in [
+            (Function::DoStep, "StepComplete"),
+            (
+                Function::SetInteger,
+                "Instantiated, InitializationMode, StepComplete, EventMode",
+            ),
+            (Function::CancelStep, "no state of this unit"),
+            (Function::Reset, "Instantiated"),
+            (Function::GetReal, "InitializationMode"),
+            (Function::GetFMUstate, "Instantiated"),
+        ] {
+            let refusal = function.refusal(State::Fatal, CoSimulation).unwrap();
+            let start =
+                format!("fmi2{function:?} is not allowed in the state Fatal; it is in {allowed}");
+            assert!(refusal.starts_with(&start), "{refusal}");
         }
-    }
-
-    #[test]
-    fn a_message_lists_the_states_that_are_allowed() {
-        assert_eq!(Function::DoStep.allowed_names(), "StepComplete");
-        assert_eq!(
-            Function::SetDiscrete.allowed_names(),
-            "Instantiated, InitializationMode, StepComplete, EventMode"
-        );
-        assert_eq!(
-            Function::CancelStep.allowed_names(),
-            "no state of this unit"
-        );
     }
 }

@@ -23,10 +23,12 @@ pub mod variables;
 
 use crate::element::ElementError;
 
-/// Status of a call that did not just succeed.
+/// What a message to the host is about, in the order of fmi2Status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
-    /// fmi2Warning.
+    /// fmi2OK: an event.
+    Event,
+    /// fmi2Warning: the outputs are not to be trusted.
     Warning,
     /// fmi2Discard: not available, state unchanged.
     Discard,
@@ -69,13 +71,4 @@ impl From<ElementError> for Refusal {
     fn from(error: ElementError) -> Self {
         Refusal::discard(error.to_string())
     }
-}
-
-/// A message of a call that succeeded.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Event {
-    /// In the category logEvents.
-    Info(String),
-    /// The outputs are not to be trusted from here on.
-    Warning(String),
 }

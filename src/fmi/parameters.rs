@@ -1,5 +1,7 @@
 //! The parameters of the FMU in the types that the element has for them.
 
+use std::fmt::Display;
+
 use super::Refusal;
 use super::variables::{FIRST_PARAMETER, PARAMETERS, VARIABLES, check_value, index};
 use crate::element::{
@@ -52,9 +54,9 @@ impl Settings {
     ///
     /// # Errors
     /// A number that is no value of its parameter.
-    pub fn new(function: &str, numbers: &[f64; PARAMETERS]) -> Result<Self, Refusal> {
+    pub fn new(function: impl Display, numbers: &[f64; PARAMETERS]) -> Result<Self, Refusal> {
         for (variable, number) in VARIABLES[FIRST_PARAMETER..].iter().zip(numbers) {
-            check_value(function, variable, *number)?;
+            check_value(&function, variable, *number)?;
         }
         let real = |i: usize| numbers[i - FIRST_PARAMETER];
         let boolean = |i: usize| real(i) != 0.0;
@@ -147,8 +149,8 @@ mod tests {
             numbers[k] = match v.kind {
                 Kind::Real => 0.5 * before[k] + 0.25,
                 Kind::Boolean => 1.0 - before[k],
-                Kind::Integer | Kind::Enumeration if before[k] == 1.0 => 2.0,
-                Kind::Integer | Kind::Enumeration => 1.0,
+                Kind::Enumeration if before[k] == 1.0 => 2.0,
+                Kind::Enumeration => 1.0,
             };
             let settings = Settings::new("f", &numbers).unwrap();
             assert!(!seen.contains(&settings), "{}", v.name);

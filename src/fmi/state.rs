@@ -1,19 +1,22 @@
-//! The state of an instance: everything that a later result depends on, without pointers, so that it can be kept
+//! The state of an instance: everything that a later result depends on, without pointers, so that it can be stored
 //! (fmi2GetFMUstate and its relatives) and carried into another process.
 
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::Refusal;
 use super::clock::Clock;
 use super::inputs::InputValues;
-use super::instance::Instance;
 use super::lifecycle::{Interface, State};
 use super::parameters::Settings;
 use super::variables::PARAMETERS;
 use crate::element::{Latch, Loads, Step};
+use crate::sealed;
+
+/// Changes with the layout of serialised states.
+const MAGIC: &[u8; 32] = b"gearmesh state of instance v006\n";
 
 /// State of one instance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,7 +64,7 @@ impl InstanceState {
         };
         let steps = self.step.as_ref().is_none_or(Step::is_valid)
             && (has_phases || (self.step.is_none() && self.loads.is_none()));
-        if !fits || !steps || self.inputs.check().is_err() {
+        if !fits || !steps || self.inputs.fault().is_some() {
             return Err(Refusal::error(format!(
                 "the stored state is {:?} with phases, steps or inputs that no {interface:?} of this unit has",
                 self.state
@@ -70,131 +73,83 @@ impl InstanceState {
         Settings::new("fmi2SetFMUstate", &self.parameters)
     }
 
-    /// As bytes: magic, version (little-endian), JSON, and a checksum (SHA-256) over all before it.
-    fn to_bytes(&self, guid: &str) -> Vec<u8> {
-        let mut bytes = [MAGIC.as_slice(), &VERSION.to_le_bytes()].concat();
+    /// As bytes, for the unit with this GUID.
+    pub fn to_bytes(&self, guid: &str) -> Vec<u8> {
         // Numbers, strings and lists alone: this cannot fail.
-        serde_json::to_writer(&mut bytes, &(guid, self)).expect("a state serialises");
-        bytes.extend_from_slice(&Sha256::digest(&bytes));
-        bytes
+        let json = serde_json::to_vec(&(guid, self)).expect("a state serialises");
+        sealed::seal(MAGIC, &json)
     }
 
     /// Reads [`InstanceState::to_bytes`] of the unit with this GUID.
     ///
     /// # Errors
     /// Bytes of another origin, version or unit, and altered ones.
-    fn from_bytes(bytes: &[u8], guid: &str) -> Result<Self, Refusal> {
-        let refuse = |reason: &str| {
+    pub fn from_bytes(bytes: &[u8], guid: &str) -> Result<Self, Refusal> {
+        let read = || -> Result<Self, String> {
+            let json = sealed::open(MAGIC, bytes)?;
+            let (own, state): (String, Self) =
+                serde_json::from_slice(json).map_err(|error| error.to_string())?;
+            if own != guid {
+                return Err("it belongs to another unit".into());
+            }
+            Ok(state)
+        };
+        read().map_err(|reason| {
             Refusal::error(format!(
                 "serialised state of {} bytes: {reason}; pass what fmi2SerializeFMUstate wrote for this unit",
                 bytes.len()
             ))
-        };
-        let rest = bytes.strip_prefix(MAGIC);
-        let (version, _) = rest
-            .and_then(|rest| rest.split_first_chunk())
-            .ok_or_else(|| refuse("it is not a state of gearmesh"))?;
-        let version = u32::from_le_bytes(*version);
-        if version != VERSION {
-            let reason = format!("it has version {version}, this library reads {VERSION}");
-            return Err(refuse(&reason));
-        }
-        let (body, checksum) = bytes
-            .split_last_chunk::<CHECKSUM>()
-            .ok_or_else(|| refuse("it was cut"))?;
-        if Sha256::digest(body)[..] != checksum[..] {
-            return Err(refuse("it was cut or altered"));
-        }
-        let json = body.get(MAGIC.len() + size_of_val(&VERSION)..);
-        let (own, state): (String, Self) = serde_json::from_slice(json.unwrap_or_default())
-            .map_err(|error| refuse(&error.to_string()))?;
-        if own != guid {
-            return Err(refuse("it belongs to another unit"));
-        }
-        Ok(state)
+        })
     }
 }
 
-/// First bytes of a serialised state.
-const MAGIC: &[u8; 8] = b"gearmesh";
+/// States that the host has stored in one instance, by handle.
+#[derive(Debug, Default)]
+pub(super) struct StoredStates(HashMap<usize, InstanceState>);
 
-/// Version of the layout of serialised states.
-const VERSION: u32 = 5;
-
-/// Length of the checksum, bytes.
-const CHECKSUM: usize = 32;
-
-/// Handles are unique in the process, so that a state of another instance, or one that was freed, is
-/// told from a valid one.
-static NEXT_HANDLE: AtomicUsize = AtomicUsize::new(1);
-
-impl Instance {
-    /// fmi2GetFMUstate: keeps the state under `handle`, or under a new one.
+impl StoredStates {
+    /// Stores `state` over the one with this `handle`, or under a new one.
     ///
     /// # Errors
-    /// A handle that is none of this instance.
-    pub fn store(&mut self, handle: Option<usize>) -> Result<usize, Refusal> {
+    /// A handle that is none of these.
+    pub fn store(&mut self, handle: Option<usize>, state: InstanceState) -> Result<usize, Refusal> {
+        /// Unique in the process, so that a handle of another instance, or one that was freed, is never valid.
+        static NEXT: AtomicUsize = AtomicUsize::new(1);
         if let Some(handle) = handle {
-            self.stored(handle)?;
+            self.get(handle)?;
         }
-        Ok(self.keep(handle, self.state.clone()))
+        let handle = handle.unwrap_or_else(|| NEXT.fetch_add(1, Ordering::Relaxed));
+        self.0.insert(handle, state);
+        Ok(handle)
     }
 
-    fn keep(&mut self, handle: Option<usize>, state: InstanceState) -> usize {
-        let handle = handle.unwrap_or_else(|| NEXT_HANDLE.fetch_add(1, Ordering::Relaxed));
-        self.stored.insert(handle, state);
-        handle
-    }
-
-    fn stored(&self, handle: usize) -> Result<&InstanceState, Refusal> {
-        self.stored.get(&handle).ok_or_else(|| {
-            Refusal::error(
-                "the FMU state is none of this instance; it was freed, or belongs to another one",
-            )
-        })
-    }
-
-    /// fmi2SetFMUstate.
+    /// The state with this handle.
     ///
     /// # Errors
-    /// A handle that is none of this instance.
-    pub fn restore(&mut self, handle: usize) -> Result<(), Refusal> {
-        let state = self.stored(handle)?.clone();
-        self.go_to(state)
+    /// There is none.
+    pub fn get(&self, handle: usize) -> Result<&InstanceState, Refusal> {
+        self.0.get(&handle).ok_or_else(unknown)
     }
 
-    /// fmi2FreeFMUstate.
+    /// Forgets the state with this handle.
     ///
     /// # Errors
-    /// A handle that is none of this instance.
+    /// There is none.
     pub fn discard(&mut self, handle: usize) -> Result<(), Refusal> {
-        self.stored(handle)?;
-        self.stored.remove(&handle);
-        Ok(())
+        self.0.remove(&handle).map(drop).ok_or_else(unknown)
     }
+}
 
-    /// fmi2SerializeFMUstate, and with its length fmi2SerializedFMUstateSize.
-    ///
-    /// # Errors
-    /// A handle that is none of this instance.
-    pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, Refusal> {
-        Ok(self.stored(handle)?.to_bytes(&self.resources.unit.guid))
-    }
-
-    /// fmi2DeSerializeFMUstate: a new handle.
-    ///
-    /// # Errors
-    /// Bytes that are no state of this unit.
-    pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
-        let state = InstanceState::from_bytes(bytes, &self.resources.unit.guid)?;
-        state.check(self.state.interface)?;
-        Ok(self.keep(None, state))
-    }
+fn unknown() -> Refusal {
+    Refusal::error(
+        "the FMU state is none of this instance; it was freed, or belongs to another one",
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fmi::instance::Instance;
     use crate::fmi::resources::tests::on_table;
     use crate::fmi::variables::{VARIABLES, index};
 
@@ -217,10 +172,8 @@ mod tests {
         instance
             .set_real(&sets.map(|(i, _)| reference(i)), &sets.map(|(_, x)| x))
             .unwrap();
-        let rate = (reference(index::GEAR1_ANGLES_3), 1, 0.7);
-        instance
-            .set_input_derivatives(std::iter::once(rate))
-            .unwrap();
+        let spin = [reference(index::GEAR1_ANGLES_3)];
+        instance.set_input_derivatives(&spin, &[1], &[0.7]).unwrap();
         instance.exit_initialization().unwrap();
         instance.do_step(-1.0 / 3.0, 1e-5).unwrap();
         instance
@@ -249,31 +202,22 @@ mod tests {
     }
 
     #[test]
-    fn a_state_that_is_cut_altered_or_of_another_unit_or_version_is_refused() {
-        let good = running().state.to_bytes("{guid}");
-        let deserialize = InstanceState::from_bytes;
-        for i in (0..good.len()).step_by(7) {
-            let mut bad = good.clone();
-            bad[i] ^= 1;
-            assert!(deserialize(&bad, "{guid}").is_err(), "byte {i}");
-        }
-        for length in [0, 7, 12, 20, good.len() - 1] {
-            assert!(deserialize(&good[..length], "{guid}").is_err());
-        }
-        assert!(deserialize(&[good.as_slice(), &[0]].concat(), "{guid}").is_err());
-        let error = deserialize(&good, "{diug}").unwrap_err();
-        assert!(error.message.contains("another unit"));
-        let mut old = good;
-        old[MAGIC.len()] = 1;
-        let error = deserialize(&old, "{guid}").unwrap_err();
-        assert!(error.message.contains("it has version 1"), "{error}");
-    }
-
-    #[test]
-    fn a_state_of_model_exchange_is_none_of_a_co_simulation() {
+    fn a_state_that_is_altered_or_of_another_unit_or_interface_is_refused() {
         let mut co_simulation = running();
-        let resources = co_simulation.resources.clone();
         let before = co_simulation.state.clone();
+        let good = before.to_bytes("{guid}");
+        let mut altered = good.clone();
+        altered[200] ^= 1;
+        for (bytes, guid, reason) in [
+            (&altered[..], "{guid}", "cut or altered"),
+            (&good[..60], "{guid}", "cut or altered"),
+            (&good[..20], "{guid}", "format and version"),
+            (&good[..], "{diug}", "another unit"),
+        ] {
+            let error = InstanceState::from_bytes(bytes, guid).unwrap_err();
+            assert!(error.message.contains(reason), "{error}");
+        }
+        let resources = co_simulation.resources.clone();
         let other = Instance::new(resources, Interface::ModelExchange).state;
         let error = co_simulation.go_to(other).unwrap_err();
         assert!(

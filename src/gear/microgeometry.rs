@@ -130,18 +130,6 @@ impl Microgeometry {
         piece
     }
 
-    /// Whether nothing stands out of the unmodified flank, as far as amounts tell.
-    pub fn only_removes(&self) -> bool {
-        let reliefs = [&self.tip_relief, &self.root_relief];
-        reliefs.into_iter().flatten().all(|r| r.amount >= 0.0)
-            && self.profile_crowning.is_none_or(|c| c.amount >= 0.0)
-            && self.profile_slope.is_none()
-            && self.lead_crowning >= 0.0
-            && self.lead_slope == 0.0
-            && self.end_relief.iter().flatten().all(|r| r.amount >= 0.0)
-            && self.topography.is_none()
-    }
-
     /// The part of [`Microgeometry::removal`] that depends on `z` alone, m.
     pub fn lead(&self, gear: &Gear, z: f64) -> f64 {
         let t = along_face(gear, z);

@@ -112,16 +112,6 @@ impl Default for ProfilePiece {
 }
 
 impl ProfilePiece {
-    /// The same about a length of roll `by` (m) farther on in its range; without a topography.
-    #[inline(always)]
-    pub fn moved(self, by: f64) -> ProfilePiece {
-        ProfilePiece {
-            removal: self.removal + by * (self.slope + 0.5 * by * self.curvature),
-            slope: self.slope + by * self.curvature,
-            ..self
-        }
-    }
-
     /// Both together.
     #[inline(always)]
     pub(super) fn and(self, other: ProfilePiece) -> ProfilePiece {

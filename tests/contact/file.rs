@@ -4,15 +4,19 @@ use super::*;
 use gearmesh::gear::Flank;
 use std::sync::Arc;
 
-#[test]
-fn sizes_that_do_not_fit_each_other_are_refused() {
+fn small_file() -> ContactFile {
     let text = include_str!("../../resources/pairs/palermo2013.json");
     let pair = pair::from_json(text).unwrap();
     let settings = ContactSettings {
         stations: 4,
         ..ContactSettings::default()
     };
-    let file = contact_file(&pair, &coarse_solver(&pair, settings)).unwrap();
+    contact_file(&pair, &coarse_solver(&pair, settings)).unwrap()
+}
+
+#[test]
+fn sizes_that_do_not_fit_each_other_are_refused() {
+    let file = small_file();
     assert!(ContactFile::from_bytes(&file.to_bytes()).is_ok());
     let with = |change: &dyn Fn(&mut CondensedFlank, &mut ContactSetup)| {
         let mut changed = file.clone();
@@ -34,25 +38,19 @@ fn sizes_that_do_not_fit_each_other_are_refused() {
         assert!(found.is_ok_and(|found| found.out_of_range));
     }
     let with = |change: &dyn Fn(&mut CondensedFlank, &mut ContactSetup)| with(change).unwrap_err();
-    let said = with(&|drive, _| drive.values.push(0.0));
-    assert!(said.contains("more values than"), "{said}");
-    let said = with(&|drive, _| drive.positions += 1);
-    assert!(said.contains("are not there"), "{said}");
+    let refusal = with(&|drive, _| drive.values.push(0.0));
+    assert!(refusal.contains("more values than"), "{refusal}");
+    let refusal = with(&|drive, _| drive.positions += 1);
+    assert!(refusal.contains("are not there"), "{refusal}");
 }
 
 #[test]
 fn a_pose_that_no_solve_finds_says_why() {
-    let text = include_str!("../../resources/pairs/palermo2013.json");
-    let pair = pair::from_json(text).unwrap();
-    let settings = ContactSettings {
-        stations: 4,
-        ..ContactSettings::default()
-    };
-    let file = contact_file(&pair, &coarse_solver(&pair, settings)).unwrap();
+    let file = small_file();
     let drive = file.flank(Flank::Drive).unwrap();
     let at = |offset| drive.potential([1e-5, offset, 0.0, 0.2], [0; 2], &mut Warm::default());
     assert!(at(0.0).unwrap().gradient[0] > 0.0);
     // Nearer than the base circles allow.
-    let said = at(-0.02).unwrap_err().to_string();
-    assert!(said.contains("no path of contact"), "{said}");
+    let refusal = at(-0.02).unwrap_err().to_string();
+    assert!(refusal.contains("no path of contact"), "{refusal}");
 }

@@ -38,30 +38,6 @@ fn at(pair: &Pair, point: (f64, f64, f64)) -> (f64, f64, f64) {
 }
 
 #[test]
-fn ste_over_misalignment_is_integrable_with_the_contact_position() {
-    // dSTE/dM at constant F = -d(F z_c)/dF at constant M, z_c from mid-face.
-    for (pair, solver) in shipped() {
-        let rb = pair.geometry.gears[0].base_radius();
-        for point in POINTS {
-            let (tau, m, torque) = at(&pair, point);
-            let problem = solver.position(Flank::Drive, tau, 0.0).unwrap();
-            let solve = |t: f64, m: f64| problem.solve_torque(t, m, None).unwrap();
-            // Small steps: strips that come into contact change the curvature.
-            let (dm, dt) = (1e-8, 1e-5 * torque);
-            let left =
-                (solve(torque, m + dm).approach - solve(torque, m - dm).approach) / (2.0 * dm);
-            let (up, down) = (solve(torque + dt, m), solve(torque - dt, m));
-            let right = -(up.moment - down.moment) / (2.0 * dt / rb);
-            assert!(
-                (left - right).abs() < 1e-6,
-                "{}: {left} {right} m",
-                pair.name
-            );
-        }
-    }
-}
-
-#[test]
 fn tangents_are_the_derivatives_of_load_and_moment() {
     for (pair, solver) in shipped() {
         for point in POINTS {
@@ -146,21 +122,6 @@ fn forces_balance_the_load_and_meet_the_contact_conditions_whatever_the_start() 
 }
 
 #[test]
-fn the_influence_matrix_is_positive_definite() {
-    for (pair, solver) in shipped() {
-        for flank in [Flank::Drive, Flank::Coast] {
-            let problem = solver.position(flank, 0.37, 0.0).unwrap();
-            // The bulk alone is smooth, so semidefinite to rounding; a ten-thousandth of the mean
-            // diagonal is far below what the local contact adds.
-            let mut bulk = problem.bulk().clone();
-            let mean = bulk.diagonal().mean();
-            bulk.set_diagonal(&bulk.diagonal().add_scalar(1e-4 * mean));
-            assert!(bulk.cholesky().is_some(), "{}", pair.name);
-        }
-    }
-}
-
-#[test]
 fn ste_is_continuous_over_the_mesh_position() {
     for tip_corner_contact in [true, false] {
         for text in SHIPPED {
@@ -224,7 +185,13 @@ fn unusable_numbers_are_refused_by_name() {
     assert!(matches!(far, ContactError::OutOfMesh { .. }), "{far}");
     let much = problem.solve_torque(20.0 * pair.operating.maximum_torque, 0.0, None);
     assert!(
-        matches!(much, Err(ContactError::BeyondReach { .. })),
+        matches!(
+            much,
+            Err(ContactError::Unsolved {
+                failure: Failure::BeyondReach { .. },
+                ..
+            })
+        ),
         "{much:?}"
     );
     let text = message(much.unwrap_err());
@@ -248,7 +215,16 @@ fn loads_that_no_tooth_can_carry_are_refused_with_their_torque() {
     let solver = coarse_solver(&pair, settings);
     let problem = solver.position(Flank::Drive, 0.2, 0.0).unwrap();
     let error = problem.solve_torque(1e6, 1e-3, None).unwrap_err();
-    assert!(matches!(error, ContactError::Overload { .. }), "{error}");
+    assert!(
+        matches!(
+            error,
+            ContactError::Unsolved {
+                failure: Failure::Overload { .. },
+                ..
+            }
+        ),
+        "{error}"
+    );
     let text = error.to_string();
     assert!(
         text.starts_with("torque = 1000000 N m, misalignment = 1 mrad"),

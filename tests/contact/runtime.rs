@@ -98,37 +98,6 @@ fn flanks_that_close_by_a_hair_are_solved_as_far_as_rounding_lets_them() {
     }
 }
 
-/// The gradient of the potential `of` at `at` against differences of its energy.
-pub(super) fn assert_loads_are_slopes(of: impl Fn([f64; 4]) -> ContactPotential, at: [f64; 4]) {
-    let here = of(at);
-    // Force times a tenth of the approach, over the step.
-    let work = here.gradient[0] * at[0].abs();
-    for (k, step) in [2e-9, 2e-8, 1e-7, 2e-5].into_iter().enumerate() {
-        let side = |h: f64| {
-            let mut x = at;
-            x[k] += h * step;
-            of(x).energy
-        };
-        let slope = (8.0 * (side(1.0) - side(-1.0)) - (side(2.0) - side(-2.0))) / (12.0 * step);
-        let error = (slope - here.gradient[k]).abs();
-        let bound = 1e-5 * here.gradient[k].abs() + 1e-9 * work / step;
-        assert!(error <= bound, "{k}: {slope} {}", here.gradient[k]);
-    }
-}
-
-#[test]
-fn loads_are_the_gradient_of_one_potential() {
-    for text in PAIRS {
-        let (pair, solver, contact) = ready(text, Flank::Drive);
-        let mut random = Random::new(4);
-        for _ in 0..6 {
-            let (at, _) = point(&pair, &solver, Flank::Drive, &mut random);
-            let of = |x: [f64; 4]| contact.potential(x, [0; 2], &mut Warm::default()).unwrap();
-            assert_loads_are_slopes(of, at);
-        }
-    }
-}
-
 #[test]
 fn a_warm_start_changes_nothing_but_rounding_and_cycles_follow_on_each_other() {
     let (pair, solver, contact) = ready(PAIRS[0], Flank::Drive);

@@ -1,8 +1,7 @@
-"""The units that the tests drive, packed once by the command `gearmesh`."""
+"""The units that the tests drive, packed once."""
 
 import json
 import math
-import subprocess
 import sys
 from pathlib import Path
 
@@ -10,19 +9,13 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 GEARMESH = ROOT / "target" / "release" / "gearmesh"
-PAIRS = ROOT / "resources" / "pairs"
+PAIRS, TABLES = ROOT / "resources" / "pairs", ROOT / "resources" / "tables"
 SHIPPED = ("fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84")
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import gearmesh  # noqa: E402
 from host import Unit  # noqa: E402
-
-
-def gearmesh(*arguments):
-    """Runs the command and returns what it printed."""
-    run = subprocess.run([GEARMESH, *map(str, arguments)], capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr
-    return run.stdout
 
 
 def swapped(pair):
@@ -53,81 +46,56 @@ def pair_files():
 def fmus(tmp_path_factory):
     """Constant-stiffness FMU files by pair name."""
     folder = tmp_path_factory.mktemp("fmus")
-    out = {}
-    for name, pair in pair_files().items():
-        file = folder / f"{name}.json"
-        file.write_text(json.dumps(pair))
-        out[name] = folder / f"{name}.fmu"
-        gearmesh("pack", "--pair", file, "-o", out[name])
-    return out
-
-
-@pytest.fixture(scope="session")
-def units(fmus):
-    """The same, unpacked."""
-    units = {name: Unit(path) for name, path in fmus.items()}
-    yield units
-    for unit in units.values():
-        unit.close()
+    return {name: gearmesh.pack(pair, folder / f"{name}.fmu") for name, pair in pair_files().items()}
 
 
 # Quick tables: coarse finite elements, kept for all tests, on few stations. `cycle` has mesh position and load
 # alone, on the default grid, sliding and root stress; `all` has the centre distance and the misalignment, too, on a
 # coarse one.
-COARSE = ["--refinement", "coarse", "--cache-dir", ROOT / "target" / "tmp" / "elastic-models"]
-QUICK = [*COARSE, "--stations", "12", "-q"]
-GRIDS = {
-    "cycle": ["--no-center-distance", "--no-misalignment", "--friction", "--root-stress"],
-    "all": ["--max-error", "0.02"],
-}
+COARSE = {"refinement": "coarse", "cache_dir": ROOT / "target" / "tmp" / "elastic-models"}
+QUICK = {**COARSE, "stations": 12}
+ALIGNED = {"no_center_distance": True, "no_misalignment": True}
+GRIDS = {"cycle": {**ALIGNED, "friction": True, "root_stress": True}, "all": {"max_error": 0.02}}
 
 
 @pytest.fixture(scope="session")
 def table_fmus(tmp_path_factory):
     """FMU files with tables by pair and grid, as `external-cycle`."""
     folder = tmp_path_factory.mktemp("tables")
-    out = {}
-    for name in ("external", "ring2"):
-        file = folder / f"{name}.json"
-        file.write_text(json.dumps(pair_files()[name]))
-        for grid, options in GRIDS.items():
-            fmu = out[f"{name}-{grid}"] = folder / f"{name}-{grid}.fmu"
-            gearmesh("build", file, "-o", fmu, *QUICK, *options)
-    return out
-
-
-@pytest.fixture(scope="session")
-def table_units(table_fmus):
-    """The same, unpacked."""
-    units = {name: Unit(path) for name, path in table_fmus.items()}
-    yield units
-    for unit in units.values():
-        unit.close()
+    return {
+        f"{name}-{grid}": gearmesh.build(pair_files()[name], folder / f"{name}-{grid}.fmu", **QUICK, **options)
+        for name in ("external", "ring2")
+        for grid, options in GRIDS.items()
+    }
 
 
 @pytest.fixture(scope="session")
 def shipped_fmus(tmp_path_factory):
     """FMU files of the shipped tables as packing makes them, by name."""
     folder = tmp_path_factory.mktemp("shipped")
-    out = {name: folder / f"{name}.fmu" for name in SHIPPED}
-    for name, fmu in out.items():
-        gearmesh("pack", "--tables", ROOT / "resources" / "tables" / f"{name}.json", "-o", fmu)
-    return out
+    return {name: gearmesh.pack(TABLES / f"{name}.json", folder / f"{name}.fmu") for name in SHIPPED}
 
 
-@pytest.fixture(scope="session")
-def shipped_units(shipped_fmus):
-    """The same, unpacked."""
-    units = {name: Unit(path) for name, path in shipped_fmus.items()}
-    yield units
-    for unit in units.values():
-        unit.close()
+def unpacked(files):
+    """A fixture of the FMU files, unpacked, and one of a function that makes instances and frees them after the test."""
+
+    @pytest.fixture(scope="session")
+    def units(request):
+        units = {name: Unit(path) for name, path in request.getfixturevalue(files).items()}
+        yield units
+        for unit in units.values():
+            unit.close()
+
+    return units
+
+
+units, table_units, shipped_units = map(unpacked, ("fmus", "table_fmus", "shipped_fmus"))
 
 
 @pytest.fixture
-def shipped(shipped_units):
-    """As `mesh`, of the shipped tables with packed defaults."""
-    yield from instances(shipped_units)
+def mesh(units):
+    """Makes instances of a unit and frees them after the test."""
+    yield from instances(units)
 
 
 @pytest.fixture
@@ -137,9 +105,9 @@ def table_mesh(table_units):
 
 
 @pytest.fixture
-def mesh(units):
-    """Makes instances of a unit and frees them after the test."""
-    yield from instances(units)
+def shipped(shipped_units):
+    """As `mesh`, of the shipped tables with packed defaults."""
+    yield from instances(shipped_units)
 
 
 def instances(units):
@@ -152,3 +120,18 @@ def instances(units):
     yield make
     for instance in made:
         instance.close()
+
+
+def oscillator(folder, swing):
+    """A unit of y'' + k(t) max(y, 0) = 1 with k = 4.9e8 N/m (1 + `swing` cos(mesh position)) on the line of action, without damping."""
+    pair = PAIRS / "palermo2013-unmodified.json"
+    radius = 38.4567147e-3  # of the base circles
+    rows = ["torque_nm,mesh_position,center_distance_offset_um,misalignment_mrad,ste_loa_um,contact_z_mm"]
+    for torque in (0.0, 0.1, 1.0, 10.0, 100.0, 1000.0):
+        for n in range(32):
+            stiffness = 4.9e8 * (1.0 + swing * math.cos(math.tau * n / 32))
+            rows.append(f"{torque},{n / 32},0,0,{1e6 * torque / radius / stiffness!r},12.5")
+    samples, tables = folder / "samples.csv", folder / "tables.json"
+    samples.write_text("\n".join(rows) + "\n")
+    gearmesh.command.run("import", samples, "--pair", pair, "-o", tables)
+    return gearmesh.pack(tables, folder / "oscillator.fmu", set={"damping": 0.0, "loadedFlank": "drive"})

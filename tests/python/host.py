@@ -106,6 +106,13 @@ class Instance:
         status = self.call(function, *arguments)
         assert status == OK, f"{function} returned {status}: {self.log()}"
 
+    def refused(self, values):
+        """What the log says when an instance with these values cannot be initialised."""
+        self.expect("fmi2EnterInitializationMode")
+        self.set(values)
+        assert self.call("fmi2ExitInitializationMode") == ERROR
+        return self.log()
+
     def free(self):
         if self.component:
             self.dll.fmi2FreeInstance.restype = None

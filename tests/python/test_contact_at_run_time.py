@@ -2,12 +2,13 @@
 
 import json
 
+import gearmesh
 import numpy as np
 import pytest
-from conftest import PAIRS, QUICK, gearmesh, instances, pair_files
+from conftest import ALIGNED, PAIRS, QUICK, instances, pair_files
 from differences import directional, evaluate, values_of, variables
 from gearmesh import GearPair
-from host import ERROR, Unit
+from host import Unit
 from scipy.optimize import brentq
 from test_tables import FORMULATIONS, press
 
@@ -16,11 +17,8 @@ TABLE, CONTACT, TEETH = 2, 3, 4
 
 @pytest.fixture(scope="module")
 def unit(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("contact")
-    file = folder / "external.json"
-    file.write_text(json.dumps(pair_files()["external"]))
-    gearmesh("build", file, "-o", folder / "external.fmu", *QUICK, "--no-center-distance", "--no-misalignment", "--contact")
-    unit = Unit(folder / "external.fmu")
+    file = tmp_path_factory.mktemp("contact") / "external.fmu"
+    unit = Unit(gearmesh.build(pair_files()["external"], file, contact=True, **QUICK, **ALIGNED))
     yield {"external": unit}
     unit.close()
 
@@ -109,12 +107,9 @@ def test_states_of_contact_at_run_time_give_the_same_outputs_again(solved):
     assert after == pytest.approx(before, rel=1e-9, abs=1e-9)
 
 
-def test_contact_that_a_unit_does_not_hold_is_refused_with_what_to_do(table_mesh):
-    instance = table_mesh("external-cycle")
-    instance.expect("fmi2EnterInitializationMode")
-    instance.set({"stiffnessModel": CONTACT})
-    assert instance.call("fmi2ExitInitializationMode") == ERROR
-    assert "gearmesh build --contact" in instance.log()
+@pytest.mark.parametrize("model, remedy", [(CONTACT, "gearmesh build --contact"), (TEETH, "gearmesh tables --teeth")])
+def test_a_level_that_a_unit_does_not_hold_is_refused_with_what_to_do(table_mesh, model, remedy):
+    assert remedy in table_mesh("external-cycle").refused({"stiffnessModel": model})
 
 
 def orders(fmu, positions, torque, model="contact"):
@@ -136,21 +131,6 @@ def orders(fmu, positions, torque, model="contact"):
         return np.abs(np.fft.rfft(approach)) * 2e6 / positions * base_radius
 
 
-def test_index_errors_show_as_shaft_orders_through_the_unit(tmp_path):
-    file = json.loads((PAIRS / "palermo2013.json").read_text())
-    found = {}
-    for name, errors in {"alike": {}, "differ": {"drive_flank": {"pitch_class": 6, "seed": 1}}}.items():
-        file["gear1"]["tooth_errors"] = errors
-        (tmp_path / f"{name}.json").write_text(json.dumps(file))
-        fmu = tmp_path / f"{name}.fmu"
-        gearmesh("build", tmp_path / f"{name}.json", "-o", fmu, *QUICK, "--no-center-distance", "--no-misalignment", "--contact")
-        found[name] = orders(fmu, 20 * 4, 100.0)
-    assert found["alike"][1:20].max() < 1e-3 < 0.05 < found["alike"][20]
-    # The teeth stand between -14.6 and 13.4 um: the wave once per revolution goes through nearly whole.
-    assert 12.5 < found["differ"][1] < 14.0
-    assert found["differ"][2:20].min() > 1e-3
-
-
 @pytest.fixture(scope="module")
 def toothed(tmp_path_factory):
     """Units with tables, contact and tooth pairs one by one: all teeth alike, and gear 1 with index errors."""
@@ -159,11 +139,16 @@ def toothed(tmp_path_factory):
     units = {}
     for name, errors in {"alike": {}, "differ": {"drive_flank": {"pitch_class": 6, "seed": 1}}}.items():
         file["gear1"]["tooth_errors"] = errors
-        (folder / f"{name}.json").write_text(json.dumps(file))
-        units[name] = folder / f"{name}.fmu"
-        choices = ["--no-center-distance", "--no-misalignment", "--contact", "--teeth"]
-        gearmesh("build", folder / f"{name}.json", "-o", units[name], *QUICK, *choices)
+        units[name] = gearmesh.build(file, folder / f"{name}.fmu", contact=True, teeth=True, **QUICK, **ALIGNED)
     return units
+
+
+def test_index_errors_show_as_shaft_orders_through_the_unit(toothed):
+    alike, differ = (orders(toothed[name], 20 * 4, 100.0) for name in ("alike", "differ"))
+    assert alike[1:20].max() < 1e-3 < 0.05 < alike[20]
+    # The teeth stand between -14.6 and 13.4 um: the wave once per revolution goes through nearly whole.
+    assert 12.5 < differ[1] < 14.0
+    assert differ[2:20].min() > 1e-3
 
 
 def test_index_errors_show_in_the_fast_level_as_in_contact(toothed):
@@ -180,14 +165,6 @@ def test_index_errors_show_in_the_fast_level_as_in_contact(toothed):
     assert differ["teeth"][20] > 0.05
     # All orders are those of the static contact itself.
     assert differ["teeth"][1:61] == pytest.approx(differ["contact"][1:61], abs=0.02)
-
-
-def test_tooth_pairs_that_a_unit_does_not_hold_are_refused_with_what_to_do(table_mesh):
-    instance = table_mesh("external-cycle")
-    instance.expect("fmi2EnterInitializationMode")
-    instance.set({"stiffnessModel": TEETH})
-    assert instance.call("fmi2ExitInitializationMode") == ERROR
-    assert "gearmesh tables --teeth" in instance.log()
 
 
 def test_derivatives_of_the_fast_level_are_those_of_its_outputs(toothed):

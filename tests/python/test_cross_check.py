@@ -3,8 +3,9 @@
 import subprocess
 import sys
 
+import gearmesh
 import pytest
-from conftest import ROOT, gearmesh
+from conftest import ROOT, TABLES
 from cross_check import KINDS, differences
 
 PAIRS = ["palermo2013", "helical-25-47", "planet-ring-27-84"]
@@ -13,10 +14,7 @@ PAIRS = ["palermo2013", "helical-25-47", "planet-ring-27-84"]
 @pytest.fixture(scope="module")
 def material(tmp_path_factory):
     folder = tmp_path_factory.mktemp("cross-check")
-    fmus = []
-    for pair in PAIRS:
-        fmus.append(folder / f"{pair}.fmu")
-        gearmesh("pack", "--tables", ROOT / "resources" / "tables" / f"{pair}.json", "--set", "coupling=held", "-o", fmus[-1])
+    fmus = [gearmesh.pack(TABLES / f"{pair}.json", folder / f"{pair}.fmu", set={"coupling": "held"}) for pair in PAIRS]
     command = [sys.executable, "-m", "scripts.release.cross_check", *fmus, "--out", folder / "out"]
     subprocess.run(command, cwd=ROOT, check=True)
     return folder / "out"

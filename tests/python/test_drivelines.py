@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import ROOT
+from gearmesh.energy import mesh_loss
 
 sys.path.insert(0, str(ROOT))
 
-from examples.drivelines.balance import mesh_loss  # noqa: E402
 from examples.drivelines.cosimulation import balance as cosimulation, masters, ssp  # noqa: E402
 from examples.drivelines.housing import cases as housing  # noqa: E402
 from examples.drivelines.housing.model import HELICAL, SPUR  # noqa: E402
-from examples.drivelines.housing.observe import spin  # noqa: E402
+from examples.drivelines.housing.observe import observed  # noqa: E402
 from examples.drivelines.planetary import cases as planetary, phase  # noqa: E402
 from examples.drivelines.planetary.stage import IN_PHASE, SEQUENTIAL  # noqa: E402
 from examples.drivelines.rattle import idle, mujoco_joint  # noqa: E402
@@ -140,12 +140,9 @@ def test_small_swings_follow_the_linear_frequency_response(support):
 
 
 def test_run_up_jumps_at_a_higher_speed_than_run_down():
-    jumps = []
-    for start, end in ((2100.0, 2600.0), (2600.0, 1700.0)):
-        speeds, swing, apart = (x[8:] for x in jump.sweep(start, end, duration=0.6))
-        assert apart.max() > 0.0
-        jumps.append(jump.jump(speeds, swing))
-    assert jumps[0] > 1.1 * jumps[1]
+    run = jump.sweep(1600.0, 2600.0, sweep_s=0.6)
+    (up, apart), (down, _) = jump.jump(run.up), jump.jump(run.down)
+    assert len(apart) and up > 1.1 * down
 
 
 @pytest.mark.parametrize("host", ssp.HOSTS)
@@ -260,9 +257,9 @@ def test_the_figures_of_the_tutorial_are_those_found():
 
 def test_the_relief_of_the_tutorial_takes_the_first_harmonic_at_its_torque_alone():
     first = {
-        (pair.stem, torque): tutorial.static(pair, torque)["harmonics_loa_um"][0]
+        (pair.stem, cycle.torque_nm): cycle.harmonics_loa_um[0]
         for pair in (tutorial.PAIRS / "spur-50-50.json", tutorial.relieved())
-        for torque in (tutorial.TORQUE, 2.0 * tutorial.TORQUE)
+        for cycle in tutorial.static(pair, tutorial.TORQUE, 2.0 * tutorial.TORQUE)
     }
     before, after = ({t: first[name, t] for t in (150.0, 300.0)} for name in ("spur-50-50", "spur-50-50-relieved"))
     assert after[150.0] < 0.15 * before[150.0]
@@ -270,9 +267,7 @@ def test_the_relief_of_the_tutorial_takes_the_first_harmonic_at_its_torque_alone
 
 
 def test_the_mesh_resonates_near_the_eigenfrequency_of_its_mean_stiffness():
-    history = housing.run_up("variable load", rpm=4800.0, duration=0.3)
-    late = history.time > 0.2
-    force = history.mesh["mesh.tangentialForce"] * late
-    speed = spin(history)[1][np.argmax(force)]
-    frequency = speed * SPUR.teeth[0] / (2.0 * np.pi)
+    history = observed(housing.run_up("variable load", rpm=4800.0, duration=0.3))
+    late = history.cut(history.time_s > 0.2)
+    frequency = late.speed_rpm[np.argmax(late["mesh.tangentialForce"])] * SPUR.teeth[0] / 60.0
     assert frequency == pytest.approx(housing.mesh_resonance(2.33e8), rel=0.06)

@@ -6,37 +6,35 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
-import pyarrow.parquet as pq
 import pytest
+from conftest import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from examples.drivelines.files import shipped  # noqa: E402
-from examples.drivelines.sweep import runs, study  # noqa: E402
-from examples.drivelines.sweep.__main__ import connect  # noqa: E402
+from examples.drivelines.sweep import runs  # noqa: E402
+from examples.drivelines.sweep.__main__ import connect, study  # noqa: E402
+from gearmesh.sweep import finished, grid  # noqa: E402
 
-SCRIPT = """
+SCRIPT = f"""
 import sys
 from pathlib import Path
-from tests_sweep import cases, shipped, study, connect
+sys.path[:0] = [{str(ROOT)!r}, {str(ROOT / "tests" / "python")!r}]
+from test_drivelines_sweep import connect, speeds, study, unit
 if __name__ == "__main__":
-    fmu = shipped("fzg-c", "phaseReference=absolute").read_bytes()
     with connect(None, 1) as client:
-        study.run(client, fmu, cases(), Path(sys.argv[1]), lambda done, total: None)
+        study(unit(), speeds(), Path(sys.argv[1]), client)
 """
-SHARED = """
-import sys
-sys.path.insert(0, {root!r})
-from examples.drivelines.files import shipped
-from examples.drivelines.sweep import study
-from examples.drivelines.sweep.__main__ import connect
-def cases():
-    return study.grid(speed_rpm={speeds}, torque_nm=[100.0], misalignment_mrad=[0.0], center_distance_offset_um=[0.0])
-"""
-SPEEDS = [2000.0 + 250.0 * i for i in range(40)]
+
+
+def unit():
+    return shipped("fzg-c", phaseReference="absolute").read_bytes()
+
+
+def speeds():
+    some = [2000.0 + 250.0 * i for i in range(40)]
+    return grid(speed_rpm=some, torque_nm=[100.0], misalignment_mrad=[0.0], center_distance_offset_um=[0.0])
 
 
 @pytest.fixture
@@ -65,33 +63,27 @@ def scheduler(tmp_path):
 
 
 def test_a_killed_sweep_goes_on_where_it_stopped_on_workers_elsewhere(tmp_path, scheduler):
-    fmu = shipped("fzg-c", "phaseReference=absolute").read_bytes()
-    cases = study.grid(speed_rpm=SPEEDS, torque_nm=[100.0], misalignment_mrad=[0.0], center_distance_offset_um=[0.0])
-    parts = tmp_path / "parts"
-    (tmp_path / "tests_sweep.py").write_text(SHARED.format(root=str(ROOT), speeds=SPEEDS))
+    cases, parts = speeds(), tmp_path / "parts"
     (tmp_path / "script.py").write_text(SCRIPT)
     process = subprocess.Popen([sys.executable, tmp_path / "script.py", parts], start_new_session=True, cwd=tmp_path)
-    while not list(parts.glob("*.parquet")):
+    while not list(parts.glob("*.json")):
         assert process.poll() is None, "the sweep ended before its first result"
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-    before = len(study.finished(parts))
+    before = len(dict(finished(parts)))
     assert 0 < before < len(cases), "the kill came too late to show anything"
 
     seen = []
     with connect(scheduler, 0) as client:
         client.wait_for_workers(2)
-        assert study.run(client, fmu, cases, parts, lambda done, total: seen.append((done, total))) == len(cases) - before
+        table = study(unit(), cases, parts, client, lambda done, total: seen.append((done, total)))
     assert seen[0] == (before, len(cases)) and seen[-1] == (len(cases), len(cases))
-    study.collect(fmu, cases, parts, tmp_path / "all.parquet")
-    table = pq.read_table(tmp_path / "all.parquet")
-    assert table["speed_rpm"].to_pylist() == SPEEDS
-    rows = [key for part in parts.glob("*.parquet") for key in pq.read_table(part)["key"].to_pylist()]
+    assert table["speed_rpm"].tolist() == [case["speed_rpm"] for case in cases]
+    rows = [key for key, _ in finished(parts)]
     assert len(rows) == len(set(rows)) == len(cases)
 
 
 def test_cases_side_by_side_are_those_one_after_the_other():
-    fmu = shipped("fzg-c", "phaseReference=absolute").read_bytes()
-    cases = study.grid(speed_rpm=[4000.0, 9000.0], torque_nm=[100.0], misalignment_mrad=[1.0], center_distance_offset_um=[20.0])
-    assert runs.simulate(fmu, cases) == [row for case in cases for row in runs.simulate(fmu, [case])]
+    cases = grid(speed_rpm=[4000.0, 9000.0], torque_nm=[100.0], misalignment_mrad=[1.0], center_distance_offset_um=[20.0])
+    assert runs.simulate(unit(), cases) == [row for case in cases for row in runs.simulate(unit(), [case])]

@@ -10,9 +10,10 @@ import threading
 import tomllib
 
 import fmpy
+import gearmesh
 import numpy as np
 import pytest
-from conftest import PAIRS, ROOT, gearmesh
+from conftest import PAIRS, ROOT
 from gearmesh import GearPair, GearPairError, __version__
 
 OUTPUTS = ["gear1.moment[3]", "gear2.force[1]", "contact.point[3]", "mesh.transmissionError"]
@@ -22,9 +23,7 @@ MISALIGNED = {"gear2.angles[2]": 1e-4, "gear2.position[1]": 0.08206, "gear2.angl
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory):
     """The paper's pair with constant stiffness, whose name no folder likes."""
-    file = tmp_path_factory.mktemp("pair") / "pair with spaces ä.fmu"
-    gearmesh("pack", "--pair", PAIRS / "palermo2013.json", "-o", file)
-    return file
+    return gearmesh.pack(PAIRS / "palermo2013.json", tmp_path_factory.mktemp("pair") / "pair with spaces ä.fmu")
 
 
 def turned(pair):
@@ -276,6 +275,6 @@ def test_a_pair_cannot_be_copied_nor_its_arrays_be_replaced(fmu):
 def test_an_archive_written_anew_is_another_one(fmu, tmp_path):
     file = shutil.copy2(fmu, tmp_path / "pair.fmu")
     with GearPair(file) as old:
-        gearmesh("pack", "--pair", PAIRS / "fzg-c.json", "-o", file)
+        gearmesh.pack(PAIRS / "fzg-c.json", file)
         with GearPair(file) as new:
             assert list(new.u) != list(old.u)  # they start with gear 2 at the centre distance

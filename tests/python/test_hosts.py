@@ -2,8 +2,9 @@
 
 import sys
 
+import gearmesh
 import pytest
-from conftest import ROOT, gearmesh
+from conftest import ROOT, TABLES
 
 sys.path.insert(0, str(ROOT))
 
@@ -13,8 +14,7 @@ from examples.hosts.scenario import revolution  # noqa: E402
 
 @pytest.fixture(scope="module")
 def unit(tmp_path_factory):
-    fmu = tmp_path_factory.mktemp("hosts") / "palermo2013.fmu"
-    gearmesh("pack", "--tables", ROOT / "resources" / "tables" / "palermo2013.json", "--set", "coupling=held", "-o", fmu)
+    fmu = gearmesh.pack(TABLES / "palermo2013.json", tmp_path_factory.mktemp("hosts") / "palermo2013.fmu", set={"coupling": "held"})
     return fmu, revolution(fmu, 100.0, revolutions=1 / 16, steps=64)
 
 

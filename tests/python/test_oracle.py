@@ -3,11 +3,13 @@
 import json
 from pathlib import Path
 
+import gearmesh
 import numpy as np
 import pytest
-from conftest import PAIRS, gearmesh, instances, other_hand, pair_files, swapped
+from conftest import PAIRS, instances, other_hand, pair_files, swapped
 from host import Unit
 from oracle import STEP, Flank, Mesh
+from scipy.spatial.transform import Rotation
 from test_mechanics import body, product, rotation
 
 POSES = 20
@@ -39,12 +41,7 @@ PAIR_NAMES = [*pair_files(), *shifted_files()]
 @pytest.fixture(scope="module")
 def every_unit(units, tmp_path_factory):
     folder = tmp_path_factory.mktemp("shifted")
-    shifted = {}
-    for name, pair in shifted_files().items():
-        file, fmu = folder / f"{name}.json", folder / f"{name}.fmu"
-        file.write_text(json.dumps(pair))
-        gearmesh("pack", "--pair", file, "-o", fmu)
-        shifted[name] = Unit(fmu)
+    shifted = {name: Unit(gearmesh.pack(pair, folder / f"{name}.fmu")) for name, pair in shifted_files().items()}
     yield units | shifted
     for unit in shifted.values():
         unit.close()
@@ -53,12 +50,6 @@ def every_unit(units, tmp_path_factory):
 @pytest.fixture
 def make(every_unit):
     yield from instances(every_unit)
-
-
-def matrix(q):
-    w, x, y, z = q
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + 2 * w * cross + 2 * cross @ cross
 
 
 class Poses:
@@ -84,7 +75,7 @@ class Poses:
 
 
 def matrices(poses):
-    return [(p, matrix(q)) for p, q in poses]
+    return [(p, Rotation.from_quat(q, scalar_first=True).as_matrix()) for p, q in poses]
 
 
 def inputs(poses, velocities=np.zeros((2, 2, 3))):

@@ -229,10 +229,12 @@ impl Scene {
         rates
     }
 
-    /// Rates of `state` at `t`.
-    pub fn coupled_rates(&self, t: f64, state: &State) -> Result<State, ElementError> {
-        let out = self.contact(t, state)?;
-        Ok(self.rates(t, state, &out.force, &out.moment))
+    /// `state` one step `h` (s) of the classical Runge-Kutta method after `t`, the contact evaluated at every stage.
+    pub fn step(&self, t: f64, state: &State, h: f64) -> Result<State, ElementError> {
+        runge_kutta_4(t, state, h, |t, y| {
+            let out = self.contact(t, y)?;
+            Ok(self.rates(t, y, &out.force, &out.moment))
+        })
     }
 
     /// Kinetic energy, energy of the bearings and elastic energy of the mesh, J.
@@ -262,28 +264,6 @@ pub fn twist(q: &UnitQuaternion<f64>) -> f64 {
     angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round()
 }
 
-/// Fixed-step integrator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// Velocities first, then positions with the new velocities; first order, symplectic.
-    SemiImplicitEuler,
-    /// Classical Runge-Kutta, fourth order.
-    RungeKutta4,
-}
-
-impl Method {
-    /// `state` one step `h` (s) after `t`.
-    pub fn step(self, scene: &Scene, t: f64, state: &State, h: f64) -> Result<State, ElementError> {
-        match self {
-            Method::SemiImplicitEuler => {
-                let rates = scene.coupled_rates(t, state)?;
-                Ok(drift(scene, t, &kick(state, &rates, h), h))
-            }
-            Method::RungeKutta4 => runge_kutta_4(t, state, h, |t, y| scene.coupled_rates(t, y)),
-        }
-    }
-}
-
 /// One classical Runge-Kutta step of y' = f(t, y).
 fn runge_kutta_4<E>(t: f64, y: &State, h: f64, f: impl Fn(f64, &State) -> Result<State, E>) -> Result<State, E> {
     let ahead = |k: &State, h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
@@ -292,34 +272,6 @@ fn runge_kutta_4<E>(t: f64, y: &State, h: f64, f: impl Fn(f64, &State) -> Result
     let k3 = f(t + 0.5 * h, &ahead(&k2, 0.5 * h))?;
     let k4 = f(t + h, &ahead(&k3, h))?;
     Ok(std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])))
-}
-
-/// Velocities and angular momenta advanced by `h` at fixed positions.
-fn kick(state: &State, rates: &State, h: f64) -> State {
-    let mut out = *state;
-    for i in 0..2 {
-        for k in 7..GEAR_STATES {
-            out[i * GEAR_STATES + k] += h * rates[i * GEAR_STATES + k];
-        }
-    }
-    out
-}
-
-/// Positions advanced by `h` at fixed velocities and angular momenta; the rotation with the angular
-/// velocity half-way, which changes with the axis.
-fn drift(scene: &Scene, t: f64, state: &State, h: f64) -> State {
-    let mut out = *state;
-    for i in 0..2 {
-        let mut g = gear_state(state, i);
-        let start = scene.angular_velocity(t, i, &g);
-        let mut half = g;
-        half.q = UnitQuaternion::from_scaled_axis(start * (0.5 * h)) * g.q;
-        let w = scene.angular_velocity(t + 0.5 * h, i, &half);
-        g.q = UnitQuaternion::from_scaled_axis(w * h) * g.q;
-        g.p += g.v * h;
-        set_gear_state(&mut out, i, &g);
-    }
-    out
 }
 
 /// Order in which a master lets both sides step.

@@ -1,13 +1,10 @@
-//! Measures what docs/ says of gearmesh, and writes the tables and figures of its pages.
-//!
-//! A page is prose with generated parts between comments; a chapter measures something and replaces its parts:
+//! Measures what docs/ says of gearmesh, as CSV files in docs/data:
 //! `cargo run --release --package gearmesh-validation -- --help`.
 
 pub mod contact_at_run_time;
+pub mod data;
 pub mod driver;
 pub mod finite_elements;
-pub mod page;
-pub mod plot;
 pub mod setup;
 pub mod speed_accuracy;
 #[rustfmt::skip] // formatted where it stands
@@ -34,8 +31,8 @@ pub struct Context {
     pub samples: std::cell::OnceCell<speed_accuracy::Sampled>,
 }
 
-/// Measures something and replaces its parts of the page.
-pub type Chapter = fn(&Context, &mut page::Page) -> Result<()>;
+/// Measures something and writes its tables.
+pub type Chapter = fn(&Context, &data::Data) -> Result<()>;
 
 /// `path` of the repository, wherever the program is started.
 pub fn in_repository(path: &str) -> PathBuf {

@@ -1,38 +1,38 @@
-//! Writes the generated parts of pages in docs/.
+//! Writes the tables of docs/data.
 
-use gearmesh_validation::page::Page;
+use gearmesh_validation::data::Data;
 use gearmesh_validation::{
     Chapter, Context, Result, contact_at_run_time, finite_elements, in_repository, speed_accuracy, stability,
 };
 use std::path::PathBuf;
 use std::time::Instant;
 
-const PAGES: [(&str, &[(&str, Chapter)]); 4] = [
+const FOLDERS: [(&str, &[(&str, Chapter)]); 4] = [
     ("stability", &stability::CHAPTERS),
     ("finite-elements", &finite_elements::CHAPTERS),
     ("speed-accuracy", &speed_accuracy::CHAPTERS),
     ("contact-at-run-time", &contact_at_run_time::CHAPTERS),
 ];
 
-const HELP: &str = "gearmesh-validation [--quick] [--docs FOLDER] [--python PROGRAM] [CHAPTER...]
+const HELP: &str = "gearmesh-validation [--quick] [--data FOLDER] [--python PROGRAM] [CHAPTER...]
 
-A CHAPTER is PAGE/CHAPTER or its beginning; without one, all are run. Pages are those of docs/.
+A CHAPTER is FOLDER/CHAPTER or its beginning; without one, all are run. Folders are those of docs/data.
 
   --quick           fewer points and coarser elements: for trying out, not for the record
-  --docs FOLDER     where pages and figures go; docs unless given
+  --data FOLDER     where tables go; docs/data unless given
   --python PROGRAM  interpreter that has fmpy; .venv/bin/python unless given
 ";
 
 fn main() -> Result<()> {
     let mut context = Context { python: ".venv/bin/python".into(), ..Context::default() };
-    let mut docs = in_repository("docs");
+    let mut data = in_repository("docs/data");
     let mut wanted = vec![];
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().ok_or(format!("{argument} takes a value"));
         match argument.as_str() {
             "--quick" => context.quick = true,
-            "--docs" => docs = PathBuf::from(value()?),
+            "--data" => data = PathBuf::from(value()?),
             "--python" => context.python = value()?,
             // Of the chapter on cost, which measures memory in a process of its own.
             "--measure" => return finite_elements::cost::measure(&value()?, &value()?),
@@ -45,12 +45,12 @@ fn main() -> Result<()> {
         }
     }
     let start = Instant::now();
-    for (page, chapters) in PAGES {
+    for (folder, chapters) in FOLDERS {
         for (chapter, run) in chapters {
-            let name = format!("{page}/{chapter}");
+            let name = format!("{folder}/{chapter}");
             if wanted.is_empty() || wanted.iter().any(|wanted| name.starts_with(wanted.as_str())) {
                 eprintln!("[{:6.1} s] {name}", start.elapsed().as_secs_f64());
-                run(&context, &mut Page::open(page, &docs)?)?;
+                run(&context, &Data(data.join(folder)))?;
             }
         }
     }
@@ -59,8 +59,8 @@ fn main() -> Result<()> {
 
 /// The chapters, one on each line.
 fn names() -> String {
-    let of_page = |(page, chapters): (&str, &[(&str, Chapter)])| {
-        chapters.iter().map(|(chapter, _)| format!("  {page}/{chapter}\n")).collect::<String>()
+    let of_folder = |(folder, chapters): (&str, &[(&str, Chapter)])| {
+        chapters.iter().map(|(chapter, _)| format!("  {folder}/{chapter}\n")).collect::<String>()
     };
-    PAGES.into_iter().map(of_page).collect()
+    FOLDERS.into_iter().map(of_folder).collect()
 }

@@ -4,7 +4,7 @@
 #[path = "../../tests/common/gears.rs"]
 mod gears;
 
-use crate::page::even;
+use crate::data::even;
 use crate::{Result, in_repository};
 use gearmesh::compliance::ToothCompliance;
 use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};

@@ -1,5 +1,7 @@
 //! Times of short functions on a machine that does other things, too, and what machine that is.
 
+use crate::data::Data;
+use crate::{Result, row};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -67,8 +69,8 @@ pub fn timed<T>(f: impl FnOnce() -> T) -> (T, f64) {
     (value, begin.elapsed().as_secs_f64())
 }
 
-/// One paragraph: processor, clock, cores, load, compiler.
-pub fn description() -> String {
+/// Writes machine.csv: date, processor, clock, compiler, load.
+pub fn machine(data: &Data) -> Result<()> {
     let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
     let cpu_info = read("/proc/cpuinfo");
     let field = |name: &str| {
@@ -85,23 +87,22 @@ pub fn description() -> String {
     let vectors: Vec<&str> = ["avx", "fma", "avx2", "avx512f"].into_iter().filter(|f| has(f)).collect();
     let load = read("/proc/loadavg");
     let load = load.split(' ').next().unwrap_or("unknown").to_owned();
-    let compiler = std::process::Command::new("rustc").arg("--version").output().map_or_else(
-        |_| "rustc of unknown version".to_owned(),
-        |o| String::from_utf8_lossy(&o.stdout).trim().to_owned(),
-    );
-    format!(
-        "Machine: {} (model {}, stepping {}), {} processors to this process, {:.2} GHz by a chain of \
-         dependent multiplications during the run, vector instructions {}; the code is compiled for the \
-         baseline of {} by {compiler}. Other work on the machine when the report was begun: load average \
-         {load} over one minute.",
-        field("model name"),
-        field("model\t"),
-        field("stepping"),
-        processors,
-        clock(),
-        vectors.join(", "),
-        std::env::consts::ARCH,
-    )
+    let printed = |program: &str, argument: &str| {
+        let output = std::process::Command::new(program).arg(argument).output();
+        output.map_or("unknown".to_owned(), |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
+    };
+    let model = format!("{} (model {}, stepping {})", field("model name"), field("model\t"), field("stepping"));
+    let rows = [
+        row!["date", printed("date", "+%F")],
+        row!["processor", model],
+        row!["processors to this process", processors],
+        row!["clock by dependent multiplications, GHz", format!("{:.2}", clock())],
+        row!["vector instructions", vectors.join(", ")],
+        row!["baseline of the code", std::env::consts::ARCH],
+        row!["compiler", printed("rustc", "--version")],
+        row!["load average of one minute at the start", load],
+    ];
+    data.table("machine", &["property", "value"], &rows)
 }
 
 /// Clock, GHz: a 64-bit multiplication takes three cycles on x86-64 since 2008 and on current ARM cores.

@@ -1,4 +1,4 @@
-//! The headline figures of docs/stability.md, by the code that finds them.
+//! The headline figures of docs/validation.md, by the code that finds them.
 
 mod continuity {
     use gearmesh::element::{Formulation, Interpolation, LoadedFlank};

@@ -330,7 +330,7 @@ fn the_error_is_estimated_from_another_refinement() {
         let words = line.expect(name).split_whitespace();
         words.rev().nth(1).unwrap().parse().unwrap()
     };
-    // docs/finite-elements.md: coarse is 0.3 % and some percent of a small swing away.
+    // docs/validation.md: coarse is 0.3 % and some percent of a small swing away.
     let (mean, swing) = (percent("mean STE"), percent("p-p STE"));
     assert!(mean != 0.0 && mean.abs() < 1.0, "{mean}");
     assert!(swing != 0.0 && swing.abs() < 10.0, "{swing}");

@@ -6,11 +6,11 @@ import time
 from contextlib import closing
 from itertools import product
 
-import matplotlib.pyplot as plt
 import numpy as np
+from gearmesh.energy import in_words
+from gearmesh.plots import figure as new_figure
 from matplotlib.ticker import NullLocator
 
-from ..balance import in_words
 from ..files import save
 from . import ssp
 from .balance import balance, coupling_balance
@@ -56,7 +56,7 @@ def evaluations(gears, begin, size: float, count: int = 64) -> float:
 
 
 def main() -> None:
-    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5))
+    figure, (left, right) = new_figure(2, 13, 5.0)
     with closing(Gears()) as gears:
         compare(gears, left)
     books(right)

@@ -6,8 +6,9 @@ from contextlib import closing
 from itertools import islice
 
 import numpy as np
+from gearmesh import integrate
+from gearmesh.energy import Ledger, mesh_loss
 
-from ..balance import Ledger, followed, mesh_loss
 from . import subsystems as sub
 from .masters import DRIVE, Gears, communication_points, coupled, start
 
@@ -39,7 +40,7 @@ def balance(damped: bool, duration: float = 2e-3, step: float = 5e-7) -> dict[st
     ledger = Ledger(duration)
     with closing(Gears(None if damped else {"damping": 0.0})) as gears:
         rate, begin = coupled(gears, damped), np.concatenate(start(gears))
-        for _, z, (work, lost, *impulse) in followed(rate, accounts, begin, step, round(duration / step), 80):
+        for _, z, (work, lost, *impulse) in integrate(rate, begin, step, round(duration / step), every=80, accounts=accounts):
             x, h = z[:12], z[12:]
             momentum = [(MASS * x[6:])[[i, 3 + i]].sum() for i in (0, 1)]
             ledger.enter([gears.pair], *energies(x, h), lost, work, np.subtract(momentum, impulse))

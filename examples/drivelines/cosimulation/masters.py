@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import islice
 
 import fmpy
 import numpy as np
-from gearmesh import GearPair
+from gearmesh import GearPair, integrate
+from gearmesh.dynamics import cosimulate as master
 
 from ..files import shipped
-from ..integrate import runge_kutta
 from . import subsystems as sub
 
 TORQUE, SPEED = 100.0, 200.0  # N m and rad/s of gear 1
@@ -21,44 +22,34 @@ OUT = [f"{g}.{n}" for g in ("gear1", "gear2") for n in ("force[1]", "force[2]", 
 
 
 class Gears:
-    """Loads on both gears in the plane from the state of the shafts."""
+    """The unit in the plane: loads on both gears from the state of the shafts. By co-simulation with a `coupling`, from the state `begin`."""
 
-    def __init__(self, parameters=None):
+    def __init__(self, parameters=None, coupling: str | None = None, begin: np.ndarray | None = None):
         # Absolute phases: hosts may start at any pose. Packing brings one with the tooth in the middle of the space.
-        self.file, self.parameters = shipped("helical-25-47", "phaseReference=absolute"), parameters or {}
-        self.pair = GearPair(self.file, self.parameters, "model-exchange")
+        self.parameters, self.evaluations = parameters or {}, 0
+        choices, interface = (self.parameters, "model-exchange") if coupling is None else ({**self.parameters, "coupling": coupling}, "co-simulation")
+        self.pair = GearPair(shipped("helical-25-47", phaseReference="absolute"), choices, interface)
         self.middle = self.pair.u[self.pair.input["gear2.angles[3]"]]
-        self.pair.initialize()
         self.inputs = [self.pair.input[name] for name in IN + RATES]
         self.outputs = [self.pair.output[name] for name in OUT]
-        self.evaluations = 0
+        if begin is not None:
+            self.place(begin)
+        self.pair.initialize()
 
-    def __call__(self, x: np.ndarray) -> np.ndarray:
+    def place(self, x: np.ndarray) -> None:
         values = x.tolist()
         values[3] += CENTER_DISTANCE
         for k, value in zip(self.inputs, values):
             self.pair.u[k] = value
-        self.pair.evaluate(0.0)
-        self.evaluations += 1
+
+    def loads(self) -> np.ndarray:
         return np.array([self.pair.y[k] for k in self.outputs])
 
-    def steps(self, coupling: str, x: np.ndarray):
-        """The same gears as a co-simulation unit that starts at the state `x` of the shafts. Sent a state and a step, s, it yields
-        the loads that the unit predicts for that step (`sequential`) or the one after it (`parallel`)."""
-        with GearPair(self.file, {**self.parameters, "coupling": coupling}) as pair:
-
-            def place(x: np.ndarray) -> None:
-                values = x.tolist()
-                values[3] += CENTER_DISTANCE
-                for name, value in zip(IN + RATES, values):
-                    pair[name] = value
-
-            place(x)
-            pair.initialize()
-            while True:
-                x, size = yield np.array([pair[name] for name in OUT])
-                place(x)
-                pair.step(size)
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        self.place(x)
+        self.pair.evaluate(0.0)
+        self.evaluations += 1
+        return self.loads()
 
     def close(self) -> None:
         self.pair.close()
@@ -112,11 +103,8 @@ def coupled(gears: Gears, damped: bool = True):
 
 def monolithic(gears: Gears, begin, duration: float, step: float) -> np.ndarray:
     """All equations at once by Runge-Kutta 4: coordinates of the shafts, a row after each step."""
-    z, rate, rows = np.concatenate(begin), coupled(gears), []
-    for n in range(round(duration / step)):
-        z = runge_kutta(rate, n * step, z, step)
-        rows.append(z[:6])
-    return np.array(rows)
+    run = integrate(coupled(gears), np.concatenate(begin), step, round(duration / step))
+    return np.array([z[:6] for _, z, _ in run])[1:]
 
 
 def exchange(gears: Gears, x: np.ndarray, h: np.ndarray, damped: bool = True) -> np.ndarray:
@@ -125,17 +113,38 @@ def exchange(gears: Gears, x: np.ndarray, h: np.ndarray, damped: bool = True) ->
     return np.concatenate([gears(x), sub.bearing_forces(x, seats, damped), seats])
 
 
-def communication_points(gears: Gears, begin, size: float, coupling: str, damped: bool = True):
+def communication_points(gears: Gears, begin, size: float, coupling: str, damped: bool = True) -> Iterator[tuple]:
     """Yields at each communication point the states of shafts and housing, and the impulse handed to the seats so far, N s.
 
     `held`: everyone steps on the values of the last communication point; `parallel`: so, too, but the loads are those
     of the poses one point earlier, since the unit steps beside the others; `predicted sequential`, `predicted parallel`: with the
     loads that the unit predicts for either; `extrapolated`: on lines through the values of the last two; `iterated`: on lines to the
     values at the end of the step, found by Newton's method."""
+    if coupling in ("extrapolated", "iterated"):
+        yield from on_lines(gears, begin, size, coupling == "iterated", damped)
+        return
+    shafts, housing, impulse = sub.shafts(begin[0].copy(), damped), sub.housing(begin[1].copy(), damped), np.zeros(2)
+    unit = Gears(gears.parameters, coupling.removeprefix("predicted ") if " " in coupling else "held", begin[0])
+
+    def advance(_, impulse):
+        seats = sub.seat_motion(housing.x)
+        forces, loads = sub.bearing_forces(shafts.x, seats, damped), np.concatenate([unit.loads() + DRIVE, seats])
+        shafts.x, housing.x = shafts.step(loads, loads, size), housing.step(forces, forces, size)
+        return impulse + size * forces
+
+    try:
+        points = master(unit.pair, lambda *_: unit.place(shafts.x), advance, impulse, size, 2**40, late="parallel" in coupling)
+        for _, impulse in points:
+            yield shafts.x, housing.x, impulse
+    finally:
+        unit.close()
+
+
+def on_lines(gears: Gears, begin, size: float, iterated: bool, damped: bool) -> Iterator[tuple]:
+    """The couplings of second order."""
     shafts, housing = sub.shafts(begin[0].copy(), damped), sub.housing(begin[1].copy(), damped)
-    now = exchange(gears, *begin, damped)
-    before, latest, drive = now, now, np.concatenate([DRIVE, np.zeros(4)])
-    impulse = np.zeros(2)
+    now = before = exchange(gears, *begin, damped)
+    drive, impulse = np.concatenate([DRIVE, np.zeros(4)]), np.zeros(2)
 
     def advance(there):
         return (
@@ -143,33 +152,19 @@ def communication_points(gears: Gears, begin, size: float, coupling: str, damped
             housing.step(now[6:8], there[6:8], size),
         )
 
-    unit = None
-    if coupling.startswith("predicted"):
-        unit = gears.steps(coupling.split()[1], shafts.x)
-        pending = next(unit)
     while True:
         yield shafts.x, housing.x, impulse
-        if unit:
-            given = unit.send((shafts.x, size))
-            now = np.concatenate([given if coupling == "predicted sequential" else pending, now[6:]])
-            pending = given
-        if coupling == "parallel":
-            now, latest = np.concatenate([before[:6], now[6:]]), now
-        there = now if unit or coupling in ("held", "parallel") else 2.0 * now - before
+        there = 2.0 * now - before
         shafts_end, housing_end = advance(there)
-        if coupling == "iterated":
-            for _ in range(8):
-                found = exchange(gears, shafts_end, housing_end, damped)
-                residual = found - there
-                if np.abs(residual / SCALE).max() < 1e-10:
-                    break
-                change = sensitivity(gears, shafts, housing, size, damped)
-                there = there + np.linalg.solve(np.eye(12) - change, residual)
-                shafts_end, housing_end = advance(there)
+        for _ in range(8 if iterated else 0):
+            residual = exchange(gears, shafts_end, housing_end, damped) - there
+            if np.abs(residual / SCALE).max() < 1e-10:
+                break
+            there = there + np.linalg.solve(np.eye(12) - sensitivity(gears, shafts, housing, size, damped), residual)
+            shafts_end, housing_end = advance(there)
         impulse = impulse + 0.5 * size * (now[6:8] + there[6:8])
         shafts.x, housing.x = shafts_end, housing_end
-        before = latest if coupling == "parallel" else now
-        now = exchange(gears, shafts.x, housing.x, damped)
+        before, now = now, exchange(gears, shafts.x, housing.x, damped)
 
 
 def cosimulate(gears: Gears, begin, duration: float, size: float, coupling: str) -> np.ndarray:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
+import gearmesh
 import numpy as np
 from pythonfmu import FmuBuilder
 
-from ..files import GEARMESH, OUT, ROOT
+from ..files import OUT, ROOT
 from .masters import DRIVE, IN, OUT as LOADS, RATES, CENTER_DISTANCE, exchange
 
 SEATS = [f"seat{i}.{name}" for name in ("position", "velocity") for i in (1, 2)]
@@ -40,16 +40,13 @@ def build(gears, begin, coupling: str = "parallel") -> Path:
     sys.path.insert(0, str(here))
     try:
         for name in ("shafts", "housing"):
-            FmuBuilder.build_FMU(here / f"{name}_fmu.py", dest=folder, project_files=[here / "subsystems.py", start])
+            FmuBuilder.build_FMU(here / f"{name}_fmu.py", dest=folder, project_files=[here / "subsystems.py", here / "linear_fmu.py", start])
     finally:
         sys.path.remove(str(here))
     pose = begin[0].copy()
     pose[3] += CENTER_DISTANCE
-    settings = [f"--set={name}={value!r}" for name, value in zip(IN + RATES, pose.tolist())] + [f"--set=coupling={coupling}"]
-    tables = ROOT / "resources" / "tables" / "helical-25-47.json"
-    command = [GEARMESH, "pack", "--tables", tables, "-o", folder / "Gears.fmu", "--set=phaseReference=absolute", *settings]
-    subprocess.run(list(map(str, command)), check=True, stdout=subprocess.PIPE)
-
+    starts = dict(zip(IN + RATES, pose.tolist())) | {"coupling": coupling, "phaseReference": "absolute"}
+    gearmesh.pack(ROOT / "resources" / "tables" / "helical-25-47.json", folder / "Gears.fmu", set=starts)
     components = "\n".join(
         f'<ssd:Component name="{name.lower()}" type="application/x-fmu-sharedlibrary" source="resources/{name}.fmu"><ssd:Connectors>'
         + "".join(

@@ -4,32 +4,32 @@ from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor
 
-import matplotlib.pyplot as plt
+import gearmesh
 import numpy as np
+from gearmesh import History
+from gearmesh.energy import in_words
+from gearmesh.plots import figure as new_figure
 
-from ..balance import in_words
 from ..files import save
-from ..orders import order_amplitude, waterfall
 from .balance import without_teeth
 from .cases import (
     STEP, VARIANTS, balance, balance_of_ramp, balance_of_run_up, bearing_forces, deviation_from_statics, mesh_resonance, run_up,
     torque_ramp,
 )  # fmt: skip
-from .model import HELICAL, SHAFTS, SPUR, Driveline, History
-from .observe import spin, wall
+from .model import HELICAL, SHAFTS, SPUR, Driveline, Motion
+from .observe import observed
 
-RPM = 30.0 / np.pi
 TOOTH_FORCE = (500.0, 1333.0, 0.0)  # N, about that of 100 N m
 BASE_HELIX = np.radians(20.61)  # of the helical pair
 
 
-def ramp_figure(line: Driveline, history: History) -> None:
+def ramp_figure(line: Driveline, history: Motion) -> None:
     """Bearing forces, misalignment and shuttling moment over torque."""
     count = 250
-    some = History(*(x[::count] for x in (history.time, history.q, history.q_t, history.q_tt)), {})
+    some = Motion(*(x[::count] for x in (history.time, history.q, history.q_t, history.q_tt)), {})
     torque = 120.0 * some.time / 0.4
     forces = bearing_forces(line, some)
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4))
+    figure, (left, middle, right) = new_figure(3)
     for (k, i), force in forces.items():
         label = f"shaft {k + 1}, {'fixed' if i == SHAFTS[k].bearings[0] else 'floating'} bearing"
         left.plot(torque, np.linalg.norm(force[:, :2], axis=1), label=label)
@@ -48,28 +48,20 @@ def ramp_figure(line: Driveline, history: History) -> None:
 
 
 def run_up_figures(histories: dict[str, History]) -> None:
-    figure, axes = plt.subplots(1, 3, figsize=(13, 4), sharey=True)
+    figure, axes = new_figure(3, sharey=True)
     for axis, (name, history) in zip(axes, histories.items()):
-        axis.plot(RPM * spin(history)[1], 1e-3 * history.mesh["mesh.tangentialForce"], lw=0.3)
+        axis.plot(history.speed_rpm, 1e-3 * history["mesh.tangentialForce"], lw=0.3)
         axis.set(title=name, xlabel="speed, rpm")
     axes[0].set_ylabel("tangential force, kN")
     save(figure, "housing-run-up")
 
-    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 5))
-    history = histories["variable load"]
-    angle, speed = spin(history)
-    speeds, frequency, rows = waterfall(history.time, wall(history), speed)
-    low = frequency < 10000.0
-    levels = 20.0 * np.log10(np.maximum(rows[:, low], 1e-4))
-    picture = left.pcolormesh(RPM * speeds, 1e-3 * frequency[low], levels.T, vmin=-50, vmax=20, shading="auto")
-    left.set(xlabel="speed, rpm", ylabel="frequency, kHz", title="acceleration of the housing wall, dB re 1 m/s²")
-    figure.colorbar(picture, ax=left)
-    for name, history in histories.items():
-        angle, speed = spin(history)
+    figure, (left, right) = new_figure(2, 13, 5.0)
+    gearmesh.plot_campbell(gearmesh.campbell(histories["variable load"], "wall_m_per_s2"), left)
+    left.set_ylim(0.0, 10.0)
+    for k, (name, history) in enumerate(histories.items()):
         for order, style in ((SPUR.teeth[0], "-"), (2 * SPUR.teeth[0], "--")):
-            at, amplitude = order_amplitude(angle, wall(history), order)
-            colour = f"C{list(histories).index(name)}"
-            right.semilogy(RPM * speed[at], amplitude, style, color=colour, label=f"{name}, order {order}")
+            found = gearmesh.orders(history, "wall_m_per_s2", [order], revolutions=16.0 / order)
+            right.semilogy(found.speed_rpm, found.of(order), style, color=f"C{k}", label=f"{name}, order {order}")
     right.set(xlabel="speed, rpm", ylabel="acceleration, m/s²", xlim=(300, 6100), ylim=(1e-4, None))
     right.legend(fontsize=8)
     save(figure, "housing-orders")
@@ -80,15 +72,15 @@ def main() -> None:
     ramp_figure(line, history)
     print(f"bearing forces against statics: {deviation_from_statics(line, history):.1e} of the tooth force")
     with ProcessPoolExecutor(2) as pool:
-        histories = dict(zip(VARIANTS, pool.map(run_up, VARIANTS)))
+        histories = dict(zip(VARIANTS, map(observed, pool.map(run_up, VARIANTS))))
     for name, history in histories.items():
-        late = history.after(0.05)
-        force, speed = late.mesh["mesh.tangentialForce"], RPM * spin(late)[1]
+        late = history.cut(history.time_s >= 0.05)
+        force, speed = late["mesh.tangentialForce"], late.speed_rpm
         apart = speed[force == 0.0]
         text = f"teeth part from {apart.min():.0f} to {apart.max():.0f} rpm" if len(apart) else "teeth stay in contact"
         print(f"{name}: largest force {force.max():.0f} N at {speed[force.argmax()]:.0f} rpm, {text}")
-    slow = histories["variable load"].after(0.05)
-    slow = slow.mesh["mesh.stiffness"][RPM * spin(slow)[1] < 600.0]
+    history = histories["variable load"]
+    slow = history["mesh.stiffness"][(history.time_s >= 0.05) & (history.speed_rpm < 600.0)]
     frequency = mesh_resonance(slow.mean())
     print(f"mean tangent stiffness {slow.mean():.3g} N/m: eigenfrequency of the mesh {frequency:.0f} Hz, "
           f"met by order {SPUR.teeth[0]} at {60.0 * frequency / SPUR.teeth[0]:.0f} rpm")

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from gearmesh.energy import Ledger, mesh_loss
+from gearmesh.poses import cardan_axes, place
 
-from ..balance import Ledger, mesh_loss
-from ..cardan import place
-from .model import COUPLING, COUPLING_DAMPING, INERTIAS, SHAFTS, SPUR, Driveline, History, apply, cardan_axes, rotation
+from .model import COUPLING, COUPLING_DAMPING, INERTIAS, SHAFTS, SPUR, Driveline, Motion, apply, rotation
 
 INSTANTS = 100  # at which the elastic energy of the mesh is found, by its work until the teeth are apart
 
 
-def books(line: Driveline, history: History, momentum: bool = False) -> dict[str, float]:
+def books(line: Driveline, history: Motion, momentum: bool = False) -> dict[str, float]:
     """What energy and loads stray over a run that was kept at every step; with `momentum` also linear momentum.
 
     That has no outside force where the housing is free. `line` still has the unit of the run.
@@ -68,7 +68,7 @@ def touch(line: Driveline, time: float, q: np.ndarray, q_t: np.ndarray) -> None:
     line.pair.evaluate(time)
 
 
-def mesh_losses(line: Driveline, history: History) -> np.ndarray:
+def mesh_losses(line: Driveline, history: Motion) -> np.ndarray:
     """Power that the mesh's damping takes, W."""
     out = np.zeros(len(history.time))
     for n, (time, q, q_t) in enumerate(zip(history.time, history.q, history.q_t)):

@@ -12,7 +12,7 @@ from gearmesh import GearPair
 
 from ..files import local, shipped
 from .balance import books
-from .model import HELICAL, INERTIAS, SHAFTS, SPUR, Driveline, Gears, History
+from .model import HELICAL, INERTIAS, SHAFTS, SPUR, Driveline, Gears, Motion
 
 RPM = math.pi / 30.0
 STEP = 1e-5  # s; Runge-Kutta 4 stands 1.4e-5, the shafts' axial modes limit it
@@ -54,7 +54,7 @@ def ramp_line(torque: float, rpm: float, duration: float, damped: bool = True):
         )  # fmt: skip
 
 
-def torque_ramp(torque: float = 120.0, rpm: float = 600.0, duration: float = 0.4) -> tuple[Driveline, History]:
+def torque_ramp(torque: float = 120.0, rpm: float = 600.0, duration: float = 0.4) -> tuple[Driveline, Motion]:
     """The helical pair at a steady speed; the torque rises evenly."""
     with ramp_line(torque, rpm, duration) as line:
         return line, line.run(duration, STEP, 5, DIAGNOSTICS)
@@ -77,7 +77,7 @@ def run_up_line(
 
 def run_up(
     variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8, fmu: Path | str | None = None, coupling=None
-) -> History:
+) -> Motion:
     """The spur pair from rest to `rpm`, evenly; the teeth carry `torque`: the load brakes with less, the motor drives with more.
     `coupling`: by co-simulation, with communication steps of `STEP`."""
     with run_up_line(variant, torque, rpm, duration, fmu, coupling=coupling) as line:
@@ -104,7 +104,7 @@ def mesh_resonance(stiffness: float) -> float:
     return float(0.5 * (low + high)[np.argmax(change)])
 
 
-def bearing_forces(line: Driveline, history: History) -> dict[tuple[int, int], np.ndarray]:
+def bearing_forces(line: Driveline, history: Motion) -> dict[tuple[int, int], np.ndarray]:
     """Forces of the shafts on the housing, N, in its axes, by shaft and station; without the dampers' share."""
     out = {}
     for name, spring in line.springs.items():
@@ -128,14 +128,14 @@ def statics(line: Driveline, force: np.ndarray, moment: np.ndarray, k: int) -> d
     }
 
 
-def deviation_from_statics(line: Driveline, history: History) -> float:
+def deviation_from_statics(line: Driveline, history: Motion) -> float:
     """Largest difference between the bearing forces and `statics`, mean over the last tenth, over the tooth force."""
     count = len(history.time)
     some = [slice(i, i + 1) for i in range(count - count // 10, count, 7)]
     difference, size = [], []
     with unit(line.gears, {}) as pair:
         for at in some:
-            one = History(*(x[at] for x in (history.time, history.q, history.q_t, history.q_tt)), {})
+            one = Motion(*(x[at] for x in (history.time, history.q, history.q_t, history.q_tt)), {})
             poses = line.gear_coordinates(one.q[0])
             pair.u[:6], pair.u[16:22] = poses[:6], poses[6:]
             pair.evaluate(0.0)

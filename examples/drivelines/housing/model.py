@@ -25,8 +25,9 @@ from exudyn.utilities import (
     RigidBodySpringDamper,
 )
 from gearmesh import GearPair
-
-from ..exudyn_gears import attach, attach_stepped
+from gearmesh.exudyn import attach, attach_stepped
+from gearmesh.poses import cardan_axes
+from scipy.spatial.transform import Rotation
 
 DENSITY, YOUNG, SHEAR = 7850.0, 206e9, 206e9 / 2.6  # steel
 SHEAR_FACTOR = 0.9  # of a round section
@@ -128,7 +129,7 @@ class Driveline:
                 self._spring(("mount", i), None, "housing", point, [MOUNT] * 3 + [0.0] * 3, MOUNT_DAMPING)
         blanks = [self.bodies[k, shaft.gear] for k, shaft in enumerate(SHAFTS)]
         place = self.mbs, pair, [b.node for b in blanks], [b.reference for b in blanks]
-        self.step_gears = attach_stepped(*place, coupling == "parallel") if coupling else None
+        self.step_gears = attach_stepped(*place) if coupling else None
         if not coupling:
             attach(*place)
         self.torques = (motor or (lambda _: 0.0), load or (lambda _: 0.0))
@@ -214,7 +215,7 @@ class Driveline:
         )
         return 6 * len(self.bodies) + k
 
-    def run(self, duration: float, step: float, every: int, diagnostics=()) -> History:
+    def run(self, duration: float, step: float, every: int, diagnostics=()) -> Motion:
         """Integrates with Runge-Kutta 4 and keeps every `every`-th step."""
         steps = round(duration / step)
         count = steps // every
@@ -247,7 +248,7 @@ class Driveline:
         settings.solution.file.write = False
         settings.solution.sensors.active = False
         self.mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
-        return History(step * every * np.arange(count), *rows, dict(zip(diagnostics, more.T)))
+        return Motion(step * every * np.arange(count), *rows, dict(zip(diagnostics, more.T)))
 
     def gear_coordinates(self, q: np.ndarray) -> np.ndarray:
         """Position and Cardan angles of gear 1, then of gear 2, from the system's coordinates."""
@@ -261,13 +262,9 @@ class Driveline:
         """
         (p, _), (r, _) = (self._end(name, spring.point, q) for name in spring.bodies)
         back, turn = self._axes(spring, q)
-        if spring.midway:
-            angles = rotation_vector(turn)
-        else:
-            # Tait-Bryan x-y-z; the third is the spin where one side turns, and has no stiffness there.
-            x, y = np.arctan2(-turn[..., 1, 2], turn[..., 2, 2]), np.arcsin(turn[..., 0, 2])
-            angles = np.stack([x, y, np.arctan2(-turn[..., 0, 1], turn[..., 0, 0])], axis=-1)
-        return np.concatenate([apply(back, r - p), angles], axis=-1)
+        # Of Cardan angles the third is the spin where one side turns, and has no stiffness there.
+        turned = Rotation.from_matrix(turn)
+        return np.concatenate([apply(back, r - p), turned.as_rotvec() if spring.midway else turned.as_euler("XYZ")], axis=-1)
 
     def slip(self, spring: Spring, q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
         """Velocity and angular velocity of a spring's second end against the first, in the spring's axes."""
@@ -279,7 +276,7 @@ class Driveline:
         """Rotation from the world into the spring's axes, and that of the second body against the first."""
         a, b = (self._end(name, spring.point, q)[1] for name in spring.bodies)
         turn = np.swapaxes(a, -1, -2) @ b
-        axes = a @ half_way(turn) if spring.midway else a
+        axes = a @ Rotation.from_rotvec(0.5 * Rotation.from_matrix(turn).as_rotvec()).as_matrix() if spring.midway else a
         return np.swapaxes(axes, -1, -2), turn
 
     def couplings(self, x: np.ndarray) -> np.ndarray:
@@ -305,7 +302,7 @@ class Driveline:
 
 
 @dataclass
-class History:
+class Motion:
     """Coordinates, rates and accelerations over time; further outputs of the unit by name."""
 
     time: np.ndarray
@@ -314,10 +311,10 @@ class History:
     q_tt: np.ndarray
     mesh: dict[str, np.ndarray]
 
-    def after(self, start: float) -> History:
+    def after(self, start: float) -> Motion:
         keep = self.time >= start
         more = {name: column[keep] for name, column in self.mesh.items()}
-        return History(self.time[keep], self.q[keep], self.q_t[keep], self.q_tt[keep], more)
+        return Motion(self.time[keep], self.q[keep], self.q_t[keep], self.q_tt[keep], more)
 
 
 def cylinder(radius: float, length: float, bore: float = 0.0):
@@ -332,41 +329,6 @@ def apply(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     return (matrices @ vectors[..., None])[..., 0]
 
 
-def cardan_axes(angles: np.ndarray) -> np.ndarray:
-    """Columns: the axes about which the rates of the Cardan angles x-y-z turn; for one row of angles or for each."""
-    (ca, cb, _), (sa, sb, _) = (np.moveaxis(f(angles), -1, 0) for f in (np.cos, np.sin))
-    one, zero = np.ones_like(ca), np.zeros_like(ca)
-    return matrix([[one, zero, sb], [zero, ca, -sa * cb], [zero, sa, ca * cb]])
-
-
 def rotation(angles: np.ndarray) -> np.ndarray:
     """Rx Ry Rz, for one row of angles or for each."""
-    (ca, cb, cc), (sa, sb, sc) = (np.moveaxis(f(angles), -1, 0) for f in (np.cos, np.sin))
-    return matrix([
-        [cb * cc, -cb * sc, sb],
-        [ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb],
-        [sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb],
-    ])  # fmt: skip
-
-
-def rotation_vector(turn: np.ndarray) -> np.ndarray:
-    """Axis times angle, rad, of a rotation by less than a right angle."""
-    across = 0.5 * np.stack([turn[..., j, i] - turn[..., i, j] for i, j in ((1, 2), (2, 0), (0, 1))], axis=-1)
-    sine = np.linalg.norm(across, axis=-1, keepdims=True)
-    return across * np.where(sine > 0.0, np.arcsin(sine) / np.where(sine > 0.0, sine, 1.0), 1.0)
-
-
-def half_way(turn: np.ndarray) -> np.ndarray:
-    """The rotation by half the angle about the same axis, by less than a right angle as a whole."""
-    vector = rotation_vector(turn)
-    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
-    x, y, z = np.moveaxis(vector, -1, 0)
-    zero = np.zeros_like(x)
-    cross = matrix([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
-    # Rodrigues' formula; np.sinc(t) is sin(pi t) / (pi t).
-    one, two = 0.5 * np.sinc(0.5 * angle / np.pi), 0.125 * np.sinc(0.25 * angle / np.pi) ** 2
-    return np.eye(3) + one * cross + two * cross @ cross
-
-
-def matrix(rows) -> np.ndarray:
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    return Rotation.from_euler("XYZ", angles).as_matrix()

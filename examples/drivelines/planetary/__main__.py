@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import matplotlib.pyplot as plt
 import numpy as np
+from gearmesh.energy import in_words
+from gearmesh.plots import figure as new_figure
 
-from ..balance import in_words
 from ..files import save
 from . import cases, phase
 from .stage import IN_PHASE, PITCH, SEQUENTIAL
@@ -19,7 +19,7 @@ def main() -> None:
     for name, teeth in (("standard teeth", phase.STANDARD), ("teeth of the root diameters", phase.FITTED)):
         further = teeth.tips[2] - phase.ring_tip_for(phase.PUBLISHED, teeth)
         print(f"{name}: end of contact has it, ring drives, with the ring's tip {1e3 * further:.2f} mm further in")
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4))
+    figure, (left, middle, right) = new_figure(3)
 
     errors = {name: cases.transmission_error(places) for name, places in
               (("0/40/80", IN_PHASE), ("0/42/84", SEQUENTIAL))}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from gearmesh.energy import Ledger
 
-from ..balance import Ledger
 from .stage import CENTER_DISTANCE, TEETH, Stage
 
 TORQUE = -56.7e3  # N m on the sun: 750 kW at 22.1 rpm of the carrier

@@ -9,21 +9,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from gearmesh import GearPair
+from gearmesh import GearPair, integrate
+from gearmesh.energy import mesh_loss
 
-from ..balance import followed, mesh_loss
 from ..files import local
 
 TEETH = (21, 39, 99)  # sun, planet, ring
 CENTER_DISTANCE = 0.3079208  # m
-PLANAR = ("position[1]", "position[2]", "angles[3]")
-LOADS = ("force[1]", "force[2]", "moment[3]")
-IN = [f"{gear}.{name}" for gear in ("gear1", "gear2") for name in PLANAR]
-OUT = [f"{gear}.{name}" for gear in ("gear1", "gear2") for name in LOADS]
-# Places of those in `GearPair.u` and `GearPair.y`.
-U = np.array([0, 1, 5, 16, 17, 21])
-RATES = np.array([10, 11, 15, 26, 27, 31])
-Y = np.array([0, 1, 5, 6, 7, 11])
+IN = [f"gear{gear}.{name}" for gear in (1, 2) for name in ("position[1]", "position[2]", "angles[3]")]
+OUT = [f"gear{gear}.{name}" for gear in (1, 2) for name in ("force[1]", "force[2]", "moment[3]")]
+# Places of those and of the rates in `GearPair.u` and `GearPair.y`.
+U, RATES, Y = np.array([[0, 1, 5, 16, 17, 21], [10, 11, 15, 26, 27, 31], [0, 1, 5, 6, 7, 11]])
 
 # Body x axes pass through teeth at each gear's own z = 0 face; these turns put the teeth of sun (face 3.75 mm above the
 # planets') and ring (1.25 mm below) on +x in the plane of the planets' z = 0 face: z tan(helix angle) / reference radius.
@@ -56,7 +52,7 @@ class Stage:
         start = self.rolled(0.0)
         for n, pairs in enumerate(self.meshes):
             for pair, bodies in zip(pairs, self._bodies(start, n)):
-                for k, value in zip(U, np.concatenate(bodies)):
+                for k, value in zip(U, bodies):
                     pair.u[k] = value
                 pair.initialize()
 
@@ -82,13 +78,10 @@ class Stage:
         planets = np.column_stack([self.pins(carrier), (self.angles + carrier) * (1.0 - ring / planet)])
         return np.concatenate([[0.0, 0.0, carrier * (1.0 + ring / sun)], planets.ravel(), [carrier]])
 
-    def _bodies(self, q, n):
+    def _bodies(self, q, n, sun=SUN, ring=RING):
+        """Coordinates of gear 1 and gear 2 of planet n's meshes with sun and ring."""
         planet = q[3 + 3 * n : 6 + 3 * n]
-        return (q[:3] + SUN, planet), (planet, RING)
-
-    def _speeds(self, q_t, n):
-        planet = q_t[3 + 3 * n : 6 + 3 * n]
-        return (q_t[:3], planet), (planet, np.zeros(3))
+        return np.concatenate([q[:3] + sun, planet]), np.concatenate([planet, ring])
 
     def _rows(self, n):
         """Where the loads of planet n's two meshes go in q; the ring's go to the ground."""
@@ -99,10 +92,11 @@ class Stage:
         """Forces of meshes, pins and sun support on the coordinates; with `jacobian` their derivatives by q, too."""
         force, slope = np.zeros(len(q)), np.zeros((len(q), len(q)))
         for n, pairs in enumerate(self.meshes):
-            for pair, bodies, rates, rows in zip(pairs, self._bodies(q, n), self._speeds(q_t, n), self._rows(n)):
-                values, speeds = np.concatenate(bodies).tolist(), np.concatenate(rates).tolist()
+            speeds = self._bodies(q_t, n, 0.0, np.zeros(3))
+            for pair, bodies, rates, rows in zip(pairs, self._bodies(q, n), speeds, self._rows(n)):
+                values, motion = bodies.tolist(), rates.tolist()
                 for k in range(6):
-                    pair.u[U[k]], pair.u[RATES[k]] = values[k], speeds[k]
+                    pair.u[U[k]], pair.u[RATES[k]] = values[k], motion[k]
                 pair.evaluate(0.0)
                 y = np.array(pair.y[:12])[Y]
                 force[rows] += y[: len(rows)]
@@ -137,15 +131,12 @@ class Stage:
             force, slope = self.forces(q, rest, jacobian=True)
             force[2] += torque
             residual = force[free]
-            if np.linalg.norm(residual * self._scale()) < 1e-9 * abs(torque):
+            # Forces over a tenth of a metre, so that they compare with moments.
+            if np.linalg.norm(residual * np.tile([0.1, 0.1, 1.0], 1 + len(self.places))) < 1e-9 * abs(torque):
                 return q
             step = np.linalg.solve(slope[free, free], -residual)
             q[free] += step * min(1.0, 2e-4 / np.abs(step).max())
         raise RuntimeError(f"no equilibrium at a carrier angle of {carrier} rad: residual {np.abs(residual).max()}")
-
-    def _scale(self):
-        """Makes forces and moments comparable, m."""
-        return np.tile([0.1, 0.1, 1.0], 1 + len(self.places))
 
     def shares(self) -> np.ndarray:
         """Shares of the planets in the tangential force at the sun, at the last evaluation."""
@@ -184,7 +175,8 @@ class Stage:
             push = push + self.pin * (self.pins(q[-1]) - self._planets(q)).sum(axis=0) - self.sun_support * q[:2]
             return [load @ q_t, sum(mesh_loss(pair) for pairs in self.meshes for pair in pairs), *push]
 
-        for time, z, integrals in followed(rate, accounts, np.concatenate([q, q_t]), step, round(duration / step), every):
+        run = integrate(rate, np.concatenate([q, q_t]), step, round(duration / step), every=every, accounts=accounts)
+        for time, z, integrals in run:
             yield time, z[:half], z[half:], integrals
 
     def momentum(self, q_t: np.ndarray) -> np.ndarray:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from concurrent.futures import ProcessPoolExecutor
 
-import matplotlib.pyplot as plt
 import numpy as np
+from gearmesh.energy import in_words
+from gearmesh.plots import figure as new_figure
 
-from ..balance import in_words
 from ..files import save
 from .idle import balance, gearbox, period_one, restitution, shaken
 from .mujoco_joint import GAP, RATIO, balance as free_joint, kept_by_the_hinge, lost_motion, run
@@ -19,7 +19,7 @@ def main() -> None:
     r = restitution()
     low, high = period_one(r)
     print(f"restitution {r:.3f} at 0.03 m/s, {restitution(0.01):.3f} at 0.01 m/s: one impact a period from {low:.3f} to {high:.3f}")
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(14, 4.2))
+    figure, (left, middle, right) = new_figure(3)
     with ProcessPoolExecutor(2) as pool:
         gaps, boxes = list(pool.map(shaken, GAMMAS)), list(pool.map(gearbox, GAMMAS))
     for gamma, gap in zip(GAMMAS, gaps):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-from gearmesh import GearPair
+from gearmesh import GearPair, Turning
+from gearmesh.energy import Ledger
 
-from ..balance import Ledger
 from ..files import shipped
 
 # fzg-c: 16/24 teeth, 150 um of circumferential backlash at the pitch circle of the 24-tooth gear, 109.8 mm.
@@ -52,10 +52,8 @@ class Joint:
         text = WORLD.format(step=step, integrator=integrator, wheel=wheel, equality=equality)
         self.model = mujoco.MjModel.from_xml_string(text)
         self.data = mujoco.MjData(self.model)
-        self.pair = pair = GearPair(shipped("fzg-c", "phaseReference=absolute"), interface="model-exchange")
-        self.places = [pair.input[f"gear{g}.{name}[3]"] for name in ("angles", "angularVelocity") for g in (1, 2)]
-        self.middle = pair.u[self.places[1]]
-        self.moments = [pair.output[f"gear{g}.moment[3]"] for g in (1, 2)]
+        self.pair = GearPair(shipped("fzg-c", phaseReference="absolute"), interface="model-exchange")
+        self.turning, self.middle = Turning(self.pair), self.pair.u[self.pair.input["gear2.angles[3]"]]
 
     def __enter__(self) -> Joint:
         mujoco.set_mjcb_passive(self._passive)
@@ -78,13 +76,11 @@ class Joint:
         d.qfrc_passive[1:] += on_wheel
         if self.element:
             self.touch(d)
-            d.qfrc_passive[:] += [self.pair.y[k] for k in self.moments]
+            d.qfrc_passive[:] += self.turning.moments()
 
     def touch(self, d) -> None:
         """Evaluates the element at the joint's angles and speeds."""
-        for place, value in zip(self.places, (d.qpos[0], self.middle + d.qpos[-1], d.qvel[0], d.qvel[-1])):
-            self.pair.u[place] = value
-        self.pair.evaluate(d.time)
+        self.turning(d.qpos[0], d.qvel[0], self.middle + d.qpos[-1], d.qvel[-1])
 
     def wheel(self, d) -> tuple[float, float]:
         """Angle, rad, and speed of the wheel: the last joint and, with the hinge, the one that carries it."""
@@ -106,7 +102,7 @@ def run(element: bool, duration: float = 0.45) -> tuple[np.ndarray, np.ndarray, 
             mujoco.mj_step(joint.model, data)
             if n % every == 0:
                 angle, speed = joint.wheel(data)
-                force = joint.pair.y[joint.moments[1]] if element else data.qacc[1:].sum() * INERTIAS[1] + DRAG * speed
+                force = joint.turning.moments()[1] if element else data.qacc[1:].sum() * INERTIAS[1] + DRAG * speed
                 out.append((data.qpos[0], angle, force))
     return tuple(np.array(out).T)
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from concurrent.futures import ProcessPoolExecutor
 from itertools import repeat
 
-import matplotlib.pyplot as plt
+import gearmesh
 import numpy as np
+from gearmesh.energy import in_words
+from gearmesh.plots import figure as new_figure
 
-from ..balance import in_words
 from ..files import save
 from . import linear
 from .jump import balance as parting, jump, sweep
@@ -18,11 +19,11 @@ RANGE = (1500.0, 3300.0)  # rpm
 
 
 def main() -> None:
-    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 4.5))
+    figure, (left, right) = new_figure(2, 13, 4.5)
     frequencies = np.geomspace(300.0, 6000.0, 400)
     points = np.array([300.0, 500.0, 750.0, 1900.0, 3000.0, 4200.0, 5000.0, 6000.0])
     with ProcessPoolExecutor(2) as pool:
-        sweeps = [pool.submit(sweep, *RANGE), pool.submit(sweep, *RANGE[::-1])]
+        run = pool.submit(sweep, *RANGE)
         for support, name, colour in ((ONE, "one freedom", "C0"), (SIX, "six freedoms", "C1")):
             left.loglog(frequencies, 1e6 * closed_form(support, frequencies), color=colour, label=f"{name}, closed form")
             found = np.array(list(pool.map(measured, repeat(support), points)))
@@ -33,13 +34,11 @@ def main() -> None:
         left.xaxis.set_major_formatter("{x:.0f}")
         left.set(xlabel="frequency, Hz", ylabel="transmission error, µm")
         left.legend(fontsize=8)
-        for future, name in zip(sweeps, ("run-up", "run-down")):
-            speeds, swing, apart = (x[8:] for x in future.result())  # the start has died out
-            right.plot(speeds, 1e6 * swing, label=name)
-            lost = speeds[apart > 0.0]
-            print(f"{name}: jump at {jump(speeds, swing):.0f} rpm, teeth part from {lost.min():.0f} to {lost.max():.0f} rpm")
-    right.set(xlabel="speed, rpm", ylabel="swing of the transmission error, µm")
-    right.legend()
+        run = run.result()
+    gearmesh.plot_run_up(run, axes=right)
+    for name, history in (("run-up", run.up), ("run-down", run.down)):
+        speed, apart = jump(history)
+        print(f"{name}: jump at {speed:.0f} rpm, teeth part from {apart.min():.0f} to {apart.max():.0f} rpm")
     save(figure, "response")
     for damped in (False, True):
         word = "damped" if damped else "undamped"

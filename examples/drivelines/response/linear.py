@@ -6,12 +6,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
-from gearmesh import GearPair
+from gearmesh import GearPair, integrate
+from gearmesh.energy import Ledger, mesh_loss
+from gearmesh.poses import generalised, place
 
-from ..balance import Ledger, followed, mesh_loss
-from ..cardan import generalised, place
 from ..files import shipped
-from ..integrate import runge_kutta
 
 # The pair helical-25-47 by its drawing: transverse pressure angle and helix angle at the operating pitch cylinders.
 CENTER_DISTANCE, MIDDLE, FACE_OF_GEAR2 = 98e-3, 11e-3, 1e-3  # m; MIDDLE of the common face in gear 2's frame
@@ -124,16 +123,11 @@ def assembled(support: Support, frequency: float, damping: float = DAMPING):
 def measured(support: Support, frequency: float, points: int = 48) -> float:
     """The same through the unit: Runge-Kutta 4 until transients have died out, then a Fourier sum over whole periods."""
     with assembled(support, frequency) as line:
-        state = line.start()
         # Steps of about 2.5 us, well inside the stability limit of the stiffest mode, a whole number in a period.
         count = max(points, round(1.0 / frequency / 2.5e-6))
-        step, settle, cycles = 1.0 / frequency / count, max(4, round(0.04 * frequency)), 4
-        sample = np.zeros(count * cycles)
-        for n in range(count * (settle + cycles)):
-            if n >= count * settle:
-                line.rate(n * step, state)
-                sample[n - count * settle] = line.pair["mesh.transmissionError"]
-            state = runge_kutta(line.rate, n * step, state, step)
+        settle, cycles = max(4, round(0.04 * frequency)), 4
+        run = integrate(line.rate, line.start(), 1.0 / frequency / count, count * (settle + cycles) - 1)
+        sample = np.array([line.pair["mesh.transmissionError"] for _ in run])[count * settle :]
     phase = 2j * np.pi * np.arange(len(sample)) / count
     return 2.0 * abs(np.mean(sample * np.exp(-phase)))
 
@@ -142,7 +136,7 @@ def balance(support: Support, damped: bool, duration: float = 6e-3, step: float 
     """Under the torque swinging at 500 Hz, from its mean: what energy, momentum of gear 2 and loads stray, over the run."""
     support, ledger = support if damped else replace(support, loss=0.0), Ledger(duration)
     with assembled(support, 500.0, DAMPING if damped else 0.0) as line:
-        for _, z, (work, lost, *impulse) in followed(line.rate, line.accounts, line.start(), step, round(duration / step), 100):
+        for _, z, (work, lost, *impulse) in integrate(line.rate, line.start(), step, round(duration / step), every=100, accounts=line.accounts):
             q, q_t = np.split(z, 2)
             stray = (line.mass @ q_t)[:3] - impulse if len(q) == 6 else None
             ledger.enter([line.pair], 0.5 * q_t @ line.mass @ q_t, 0.5 * q @ line.stiffness @ q, lost, work, stray)

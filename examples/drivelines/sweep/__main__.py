@@ -1,29 +1,42 @@
 """`python -m examples.drivelines.sweep`: dynamic factor over speed, torque, misalignment and centre distance.
 
 Runs on a local Dask cluster, or on the one at `--scheduler ADDRESS`; what is done stays done after a kill. Writes
-target/drivelines/sweep.parquet and sweep.png. `--throughput` measures instead.
+target/drivelines/sweep.csv and sweep.png. `--throughput` measures instead.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import sys
 import time
 from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
 
-import matplotlib.pyplot as plt
+import cloudpickle
 import numpy as np
 from dask.distributed import Client, LocalCluster
+from gearmesh.plots import figure as new_figure
+from gearmesh.sweep import grid, sweep
 
 from ..files import OUT, save, shipped
-from . import runs, study
+from . import runs
 
 SPEEDS, TORQUES = np.linspace(1000.0, 14000.0, 40), (50.0, 100.0, 200.0, 300.0)
 TILTS, OFFSETS = (0.0, 1.0), (0.0, 40.0)
+BATCH = 8  # cases a task, side by side: about a third of a second
 
 
 def cases(speeds=SPEEDS) -> list[dict[str, float]]:
-    return study.grid(speed_rpm=speeds, torque_nm=TORQUES, misalignment_mrad=TILTS, center_distance_offset_um=OFFSETS)
+    return grid(speed_rpm=speeds, torque_nm=TORQUES, misalignment_mrad=TILTS, center_distance_offset_um=OFFSETS)
+
+
+def study(fmu: bytes, some: list[dict[str, float]], folder: Path, client: Client, progress=lambda done, total: None) -> dict[str, np.ndarray]:
+    """Computes the cases that have no result in `folder`. Workers need gearmesh and numpy, not this repository."""
+    cloudpickle.register_pickle_by_value(runs)
+    identity = hashlib.sha256(fmu + Path(runs.__file__).read_bytes()).hexdigest()
+    return sweep(partial(runs.simulate, fmu), some, folder, client.get_executor(), batch=BATCH, identity=identity, progress=progress)
 
 
 @contextmanager
@@ -53,12 +66,13 @@ def throughput(fmu: bytes) -> None:
     some = cases(np.linspace(2000.0, 12000.0, 8))
     for workers in (1, 2):
         with connect(None, workers) as client:
-            client.gather(study.submit(client, fmu, [some[:1]]))
+            parts = OUT / "throughput" / f"{time.time_ns()}"
+            study(fmu, some[:1], parts, client)
             clock, spent = time.perf_counter(), processor_time(client)
-            client.gather(study.submit(client, fmu, [some[i : i + study.BATCH] for i in range(0, len(some), study.BATCH)]))
+            study(fmu, some, parts, client)
             clock, spent = time.perf_counter() - clock, processor_time(client) - spent
             print(f"Dask, {workers} worker{'s' * (workers > 1)}: {len(some) / clock:.1f} cases/s, {len(some) / spent:.1f} per second of processor time")
-    for count in (1, study.BATCH, 64):
+    for count in (1, BATCH, 64):
         runs.simulate(fmu, some[:count])
         clock = time.process_time()
         for i in range(0, 64, count):
@@ -72,32 +86,26 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2, help="local worker processes")
     parser.add_argument("--throughput", action="store_true")
     arguments = parser.parse_args()
-    fmu = shipped("fzg-c", "phaseReference=absolute").read_bytes()
+    fmu = shipped("fzg-c", phaseReference="absolute").read_bytes()
     if arguments.throughput:
         throughput(fmu)
         return
-    todo, parts = cases(), OUT / "sweep"
     with connect(arguments.scheduler, arguments.workers) as client:
-        count = study.run(client, fmu, todo, parts, show)
-    table = study.collect(fmu, todo, parts, OUT / "sweep.parquet")
-    print(f"{count} of {len(todo)} cases computed now; {table.num_rows} rows in {OUT / 'sweep.parquet'}")
+        table = study(fmu, cases(), OUT / "sweep", client, show)
+    np.savetxt(OUT / "sweep.csv", np.column_stack(list(table.values())), delimiter=",", header=",".join(table), comments="")
     draw(table)
 
 
-def draw(table) -> None:
-    data = {name: np.array(table[name]) for name in table.column_names if name != "key"}
-    figure, axes = plt.subplots(1, len(TILTS) + 1, figsize=(14, 4.2))
-    for axis, tilt in zip(axes, TILTS):
-        at = (data["misalignment_mrad"] == tilt) & (data["center_distance_offset_um"] == 0.0)
-        values = data["dynamic_factor"][at].reshape(len(SPEEDS), len(TORQUES))
-        picture = axis.contourf(SPEEDS, TORQUES, values.T, np.linspace(1.0, 3.0, 21), extend="max")
-        axis.set(xlabel="speed, rpm", ylabel="torque, N m", title=f"dynamic factor, misalignment {tilt:g} mrad")
+def draw(table: dict[str, np.ndarray]) -> None:
+    factor = table["dynamic_factor"].reshape(len(SPEEDS), len(TORQUES), len(TILTS), len(OFFSETS))
+    figure, axes = new_figure(len(TILTS) + 1)
+    for k, tilt in enumerate(TILTS):
+        picture = axes[k].contourf(SPEEDS, TORQUES, factor[:, :, k, 0].T, np.linspace(1.0, 3.0, 21), extend="max")
+        axes[k].set(xlabel="speed, rpm", ylabel="torque, N m", title=f"dynamic factor, misalignment {tilt:g} mrad")
     figure.colorbar(picture, ax=axes[len(TILTS) - 1])
-    for torque in TORQUES:
-        for offset, style in zip(OFFSETS, ("-", "--")):
-            at = (data["torque_nm"] == torque) & (data["center_distance_offset_um"] == offset) & (data["misalignment_mrad"] == 0.0)
-            label = f"{torque:g} N m" if offset == 0.0 else None
-            axes[-1].plot(SPEEDS, data["dynamic_factor"][at], style, color=f"C{TORQUES.index(torque)}", label=label)
+    for i, torque in enumerate(TORQUES):
+        for k, style in enumerate(("-", "--")):
+            axes[-1].plot(SPEEDS, factor[:, i, 0, k], style, color=f"C{i}", label=None if k else f"{torque:g} N m")
     for axis in axes:
         axis.set_xticks(range(2000, 14001, 4000))
     axes[-1].set(xlabel="speed, rpm", ylabel="dynamic factor", title="centre distance: nominal, dashed + 40 µm")

@@ -31,11 +31,8 @@ pub fn condensed_flank(
 pub fn contact_file(pair: &Pair, solver: &ContactSolver) -> Result<ContactFile, ContactError> {
     let settings = solver.settings();
     if !settings.tip_corner_contact {
-        return Err(ContactError::Setting {
-            field: "tip_corner_contact",
-            value: 0.0,
-            remedy: "contact at run time follows tip corners: set it to true",
-        });
+        let remedy = "contact at run time follows tip corners: set it to true";
+        return Err(ContactError::input("tip_corner_contact", 0.0, remedy));
     }
     let [low, high] = pair.operating.center_distance_offset;
     let offsets = if low < high {

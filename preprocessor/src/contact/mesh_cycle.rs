@@ -74,11 +74,8 @@ impl MeshCycle {
             misalignment: input.misalignment,
         };
         let mut cycles = MeshCycle::solve_all(solver, input, &[case], &|_| ())?;
-        cycles.pop().ok_or(ContactError::Input {
-            field: "load cases",
-            value: 0.0,
-            remedy: "give at least 1",
-        })
+        let missing = || ContactError::input("load cases", 0.0, "give at least 1");
+        cycles.pop().ok_or_else(missing)
     }
 
     /// Solves `cases` in place of the load of `input`, a cycle for each in their order: the influence matrix of
@@ -94,11 +91,8 @@ impl MeshCycle {
     ) -> Result<Vec<MeshCycle>, ContactError> {
         let n = input.positions;
         if n == 0 {
-            return Err(ContactError::Input {
-                field: "positions",
-                value: 0.0,
-                remedy: "give at least 1; 21 or more for ten harmonics",
-            });
+            let remedy = "give at least 1; 21 or more for ten harmonics";
+            return Err(ContactError::input("positions", 0.0, remedy));
         }
         let begin = Instant::now();
         let mesh_position: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
@@ -116,38 +110,28 @@ impl MeshCycle {
                     let count = done.fetch_add(1, Ordering::Relaxed) + 1;
                     progress(count as f64 / (n * cases.len()) as f64);
                 }
-                Ok(results
-                    .into_iter()
-                    .map(|result| Solved {
-                        loads: at.segment_loads(&result),
-                        sliding: solver.sliding(&at, &result, &even),
-                        friction: solver.sliding(&at, &result, solver.friction()),
-                        result,
-                    })
-                    .collect())
+                let solved = results.into_iter().map(|result| Solved {
+                    loads: at.segment_loads(&result),
+                    sliding: solver.sliding(&at, &result, &even),
+                    friction: solver.sliding(&at, &result, solver.friction()),
+                    result,
+                });
+                Ok(solved.collect())
             })
             .collect::<Result<Vec<Vec<_>>, ContactError>>()?;
         let solve_seconds = begin.elapsed().as_secs_f64() / cases.len().max(1) as f64;
-        let mut cycles: Vec<MeshCycle> = cases
-            .iter()
-            .map(|_| MeshCycle {
+        let cycle = |case: usize| {
+            let solved = || solved.iter().map(move |position| &position[case]);
+            MeshCycle {
                 mesh_position: mesh_position.clone(),
-                results: Vec::with_capacity(n),
-                loads: Vec::with_capacity(n),
-                sliding: Vec::with_capacity(n),
-                friction: Vec::with_capacity(n),
+                results: solved().map(|s| s.result.clone()).collect(),
+                sliding: solved().map(|s| s.sliding).collect(),
+                friction: solved().map(|s| s.friction).collect(),
+                loads: solved().map(|s| s.loads.clone()).collect(),
                 solve_seconds,
-            })
-            .collect();
-        for position in solved {
-            for (cycle, solved) in cycles.iter_mut().zip(position) {
-                cycle.results.push(solved.result);
-                cycle.loads.push(solved.loads);
-                cycle.sliding.push(solved.sliding);
-                cycle.friction.push(solved.friction);
             }
-        }
-        Ok(cycles)
+        };
+        Ok((0..cases.len()).map(cycle).collect())
     }
 
     /// STE at each position, m on the line of action at mid-face.
@@ -163,8 +147,8 @@ impl MeshCycle {
     /// Highest minus lowest STE, m.
     pub fn peak_to_peak_ste(&self) -> f64 {
         let ste = self.ste();
-        ste.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-            - ste.iter().copied().fold(f64::INFINITY, f64::min)
+        let lowest = ste.iter().copied().fold(f64::INFINITY, f64::min);
+        ste.into_iter().fold(f64::NEG_INFINITY, f64::max) - lowest
     }
 
     /// Mean of z_c, m in gear 1's frame.
@@ -174,10 +158,8 @@ impl MeshCycle {
 
     /// Largest Hertz pressure of the cycle inside the flanks, Pa.
     pub fn max_pressure(&self) -> f64 {
-        self.results
-            .iter()
-            .map(|r| r.max_pressure)
-            .fold(0.0, f64::max)
+        let pressures = self.results.iter().map(|r| r.max_pressure);
+        pressures.fold(0.0, f64::max)
     }
 
     /// Largest line load of the cycle at a tip edge, if contact reaches one.
@@ -190,22 +172,20 @@ impl MeshCycle {
     pub fn note_on_segments(&self) -> Option<String> {
         let mut fewest = ENOUGH_SEGMENTS;
         let mut values = Vec::new();
-        let pressure: fn(&SegmentLoad) -> f64 = |segment| segment.pressure;
-        let edge: fn(&SegmentLoad) -> f64 =
-            |segment| segment.edge.map_or(0.0, |edge| edge.line_load);
-        for (of, name) in [
-            (pressure, "the largest flank pressure"),
+        let pressure = |segment: &SegmentLoad| segment.pressure;
+        let edge = |segment: &SegmentLoad| segment.edge.map_or(0.0, |edge| edge.line_load);
+        type Quantity = fn(&SegmentLoad) -> f64;
+        for (value, name) in [
+            (pressure as Quantity, "the largest flank pressure"),
             (edge, "the largest line load at a tip edge"),
         ] {
-            let all = self.loads.iter();
-            let all =
-                all.flat_map(|segments| segments.iter().map(move |segment| (segments, segment)));
-            let top = all.max_by(|a, b| of(a.1).total_cmp(&of(b.1)));
-            let Some((segments, top)) = top.filter(|(_, top)| of(top) > 0.0) else {
+            let all = (self.loads.iter()).flat_map(|line| line.iter().map(move |top| (line, top)));
+            let top = all.max_by(|a, b| value(a.1).total_cmp(&value(b.1)));
+            let Some((segments, top)) = top.filter(|(_, top)| value(top) > 0.0) else {
                 continue;
             };
-            let line = segments.iter().filter(|s| s.tooth_pair == top.tooth_pair);
-            let loaded = line.filter(|segment| segment.force > 0.0).count();
+            let bears = |s: &&SegmentLoad| s.tooth_pair == top.tooth_pair && s.force > 0.0;
+            let loaded = segments.iter().filter(bears).count();
             if loaded < ENOUGH_SEGMENTS {
                 values.push(name);
                 fewest = fewest.min(loaded);
@@ -222,10 +202,8 @@ impl MeshCycle {
 
     /// Largest KKT residual of the cycle.
     pub fn kkt_residual(&self) -> f64 {
-        self.results
-            .iter()
-            .map(|r| r.kkt_residual)
-            .fold(0.0, f64::max)
+        let residuals = self.results.iter().map(|r| r.kkt_residual);
+        residuals.fold(0.0, f64::max)
     }
 
     /// Harmonics of the STE, m.
@@ -253,19 +231,16 @@ impl MeshCycle {
     pub fn face_load(&self, ends: [f64; 2], stations: usize, cos_base_helix: f64) -> FaceLoad {
         let step = (ends[1] - ends[0]) / stations as f64;
         let mut load = vec![0.0; stations];
-        let middle = |strip: &SegmentLoad| 0.5 * (strip.z[0] + strip.z[1]);
-        for strip in self.loads.iter().flatten() {
-            let station = (middle(strip) - ends[0]) / step;
-            load[(station as usize).min(stations - 1)] += strip.force * cos_base_helix;
+        for segment in self.loads.iter().flatten() {
+            let middle = 0.5 * (segment.z[0] + segment.z[1]);
+            let station = (middle - ends[0]) / step;
+            load[(station as usize).min(stations - 1)] += segment.force * cos_base_helix;
         }
         let per_width = step * self.loads.len() as f64;
         load.iter_mut().for_each(|load| *load /= per_width);
-        FaceLoad {
-            z: (0..stations)
-                .map(|i| ends[0] + step * (i as f64 + 0.5))
-                .collect(),
-            load,
-        }
+        let middle = |i| ends[0] + step * (i as f64 + 0.5);
+        let z = (0..stations).map(middle).collect();
+        FaceLoad { z, load }
     }
 }
 
@@ -340,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn harmonics_above_half_the_positions_are_not_told() {
+    fn harmonics_from_half_the_positions_on_are_none() {
         let found = harmonics(&[1.0, 2.0, 3.0, 2.0]);
         assert!(found[0].is_some() && found[1..].iter().all(Option::is_none));
     }

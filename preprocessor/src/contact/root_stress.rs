@@ -129,7 +129,7 @@ impl<'a> PositionRoots<'a> {
         let tooth = if i == 0 { tooth_pair } else { -tooth_pair };
         let field = self.models[i].of_tooth_under(tooth, &self.segments[i], forces);
         field.map_err(|model| ContactError::BeyondModel {
-            center_distance_offset_um: 1e6 * self.center_distance_offset,
+            center_distance_offset: self.center_distance_offset,
             model,
         })
     }

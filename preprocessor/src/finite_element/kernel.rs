@@ -10,7 +10,7 @@ use gearmesh::root::bisection;
 pub const KERNEL_OVER_HERTZ: f64 = 4.0;
 
 /// Widest kernel in normal modules: up to it the sum of bulk and local contact does not depend on the width
-/// by more than 0.2 % (docs/finite-elements.md).
+/// by more than 0.2 % (docs/theory/compliance.md).
 pub const WIDEST_KERNEL: f64 = 0.35;
 
 /// Half-width of the kernel at the tip edge over the element there: what the elements resolve,

@@ -1,263 +1,280 @@
-//! The documentation in the archive: a page with the frames drawn and all defaults, a picture, and
-//! the licences.
+//! What describes a unit in its archive: modelDescription.xml, a page with the frames drawn and all defaults, and the
+//! licences.
 
 use std::fmt::Write as _;
 
-use super::coupling::{Coupling, DAMPING_RATIO};
+use super::coupling::Coupling;
 use super::example::CYCLES;
 use super::starts::meshing_spin;
 use gearmesh::fmi::resources::UnitFile;
 use gearmesh::fmi::variables::{
-    Causality, Kind, STOP_TIME, VARIABLES, Variability, Variable, escape, index, index_by_name,
-    template_starts,
+    Causality, Kind, STOP_TIME, VARIABLES, Variability, Variable, index, index_by_name,
 };
-use gearmesh::gear::Gear;
 use gearmesh::table::TableFile;
-use gearmesh::words::rounded;
+use gearmesh::words::{fixed, rounded, significant};
+use roxmltree::{Document, Node};
 
+/// The template of modelDescription.xml, without what belongs to a pair.
+pub(super) const TEMPLATE: &str = include_str!("../../../modelDescription.xml");
 const PAGE: &str = include_str!("../../../resources/documentation/index.html");
 const LICENCE: &str = "This unit is licensed under MIT (LICENSE-MIT) or Apache-2.0 (LICENSE-APACHE), as you like.\n\
      third-party.txt has the licences of the crates that its library links.\n";
-/// Licences of what the library links; `make licenses` writes it.
-const THIRD_PARTY: &str = include_str!("../../../resources/documentation/third-party.txt");
 /// Name of the file of input signals.
 const EXAMPLE: &str = "example-input.csv";
 const FRAMES: &str = include_str!("../../../docs/frames.svg");
 
-/// The icon of the unit.
-pub(super) const PICTURE: &[u8] = include_bytes!("../../../resources/documentation/model.png");
+/// Files that are the same in each unit.
+const CONSTANT: [(&str, &[u8]); 5] = [
+    (
+        "model.png",
+        include_bytes!("../../../resources/documentation/model.png"),
+    ),
+    ("documentation/licenses/license.txt", LICENCE.as_bytes()),
+    (
+        "documentation/licenses/LICENSE-MIT",
+        include_bytes!("../../../LICENSE-MIT"),
+    ),
+    (
+        "documentation/licenses/LICENSE-APACHE",
+        include_bytes!("../../../LICENSE-APACHE"),
+    ),
+    // `make licenses` writes it.
+    (
+        "documentation/licenses/third-party.txt",
+        include_bytes!("../../../resources/documentation/third-party.txt"),
+    ),
+];
 
-/// One sentence about the unit.
-pub(super) fn summary(unit: &UnitFile, has_tables: bool) -> String {
-    let [z1, z2] = unit.geometry.gears.each_ref().map(|gear| gear.teeth);
-    let kind = match unit.geometry.ring() {
-        Some(_) => "internal",
-        None => "external",
-    };
-    let stiffness = match has_tables {
-        true => "tables of static tooth contact",
-        false => "constant stiffness",
-    };
-    let name = &unit.name;
-    format!("Contact of the {kind} gear pair {name}, {z1} and {z2} teeth, with {stiffness}")
+/// What there is to describe.
+pub(super) struct Description<'a> {
+    pub unit: &'a UnitFile,
+    pub tables: Option<&'a TableFile>,
+    pub coupling: &'a Coupling,
+    /// By [`super::step_error`].
+    pub step_error: Option<f64>,
+    /// Input signals as CSV.
+    pub example: Option<String>,
 }
 
-/// The files of the folder `documentation`; `example` is the text of the signals in it.
-pub(super) fn files(
-    unit: &UnitFile,
-    tables: Option<&TableFile>,
-    coupling: &Coupling,
-    step_error: Option<f64>,
-    example: Option<String>,
-) -> Vec<(String, Vec<u8>)> {
-    let damping_and_step = step(coupling, step_error);
-    let page = page(unit, tables, &damping_and_step, example.is_some());
-    let files = [
-        ("index.html", page.as_str()),
-        ("licenses/license.txt", LICENCE),
-        ("licenses/LICENSE-MIT", include_str!("../../../LICENSE-MIT")),
-        (
-            "licenses/LICENSE-APACHE",
-            include_str!("../../../LICENSE-APACHE"),
-        ),
-        ("licenses/third-party.txt", THIRD_PARTY),
-    ];
-    let example = example.as_deref().map(|signals| (EXAMPLE, signals));
-    let files = files.into_iter().chain(example);
-    files
-        .map(|(name, text)| (format!("documentation/{name}"), text.as_bytes().to_vec()))
-        .collect()
-}
-
-fn page(unit: &UnitFile, tables: Option<&TableFile>, coupling: &str, example: bool) -> String {
-    let frames = FRAMES.find("<svg").map_or(FRAMES, |start| &FRAMES[start..]);
-    let mut starts = template_starts();
-    for (i, v) in VARIABLES.iter().enumerate() {
-        if let Some(value) = unit.starts.get(v.name) {
-            starts[i] = *value;
-        }
+impl Description<'_> {
+    /// Files of the archive by their names.
+    pub fn files(self) -> Vec<(String, Vec<u8>)> {
+        let constant = CONSTANT.map(|(name, bytes)| (name.to_owned(), bytes.to_vec()));
+        let mut files = constant.to_vec();
+        files.push(("modelDescription.xml".into(), self.xml().into_bytes()));
+        files.push(("documentation/index.html".into(), self.page().into_bytes()));
+        let example = self.example.map(String::into_bytes);
+        files.extend(example.map(|bytes| (format!("documentation/{EXAMPLE}"), bytes)));
+        files
     }
-    PAGE.replace("@NAME@", &escape(&unit.name))
-        .replace("@SUMMARY@", &escape(&summary(unit, tables.is_some())))
-        .replace("@PAIR@", &pair(unit))
-        .replace("@TABLES@", &tabulated(tables))
-        .replace("@FRAMES@", frames)
-        .replace("@SPIN@", &format!("{:.9}", meshing_spin(&unit.geometry)))
-        .replace(
-            "@EXAMPLE@",
-            &first_run(starts[index::NOMINAL_TORQUE], example),
-        )
-        .replace("@COUPLING@", coupling)
-        .replace("@PARAMETERS@", &variables(Causality::Parameter, &starts))
-        .replace("@INPUTS@", &variables(Causality::Input, &starts))
-        .replace("@OUTPUTS@", &variables(Causality::Output, &starts))
+
+    /// One sentence about the unit, for XML.
+    fn summary(&self) -> String {
+        let [z1, z2] = self.unit.geometry.gears.each_ref().map(|gear| gear.teeth);
+        let kind = match self.unit.geometry.ring() {
+            Some(_) => "internal",
+            None => "external",
+        };
+        let stiffness = match self.tables {
+            Some(_) => "tables of static tooth contact",
+            None => "constant stiffness",
+        };
+        let name = escape(&self.unit.name);
+        format!("Contact of the {kind} gear pair {name}, {z1} and {z2} teeth, with {stiffness}")
+    }
+
+    /// modelDescription.xml: the template with name, GUID, step and start values.
+    fn xml(&self) -> String {
+        let document = Document::parse(TEMPLATE).expect("the template is XML");
+        let named = |name: &'static str| {
+            let mut nodes = document.descendants();
+            nodes.find(move |node| node.has_tag_name(name))
+        };
+        let root = document.root_element();
+        let mut edits: Vec<(Node, &str, String)> = vec![
+            (root, "modelName", escape(&self.unit.name)),
+            (root, "guid", self.unit.guid.clone()),
+            (root, "description", self.summary()),
+        ];
+        let step = format!("{:?}", self.coupling.step());
+        edits.extend(named("DefaultExperiment").map(|node| (node, "stepSize", step)));
+        let variables = named("ModelVariables").into_iter();
+        for variable in variables.flat_map(|node| node.children()) {
+            let name = variable.attribute("name").unwrap_or_default();
+            let start = self.unit.starts.get(name);
+            if let (Some(start), Some(typed)) = (start, variable.first_element_child()) {
+                let text = match typed.tag_name().name() {
+                    "Real" => format!("{start:?}"),
+                    "Boolean" => (*start != 0.0).to_string(),
+                    _ => format!("{start:.0}"),
+                };
+                edits.push((typed, "start", text));
+            }
+        }
+        let (mut out, mut done) = (String::new(), 0);
+        for (node, attribute, text) in edits {
+            if let Some(attribute) = node.attribute_node(attribute) {
+                let range = attribute.range_value();
+                out += &TEMPLATE[done..range.start];
+                out += &text;
+                done = range.end;
+            }
+        }
+        out + &TEMPLATE[done..]
+    }
+
+    /// The page: the template without the parts that do not apply, and with the numbers of this unit.
+    fn page(&self) -> String {
+        let (c, geometry) = (self.coupling, &self.unit.geometry);
+        let mut page = PAGE.to_owned();
+        for (part, applies) in [
+            ("tables", self.tables.is_some()),
+            ("no tables", self.tables.is_none()),
+            ("example", self.example.is_some()),
+            ("no example", self.example.is_none()),
+            ("step error", self.step_error.is_some()),
+            ("undamped", c.held && c.damping == 0.0),
+        ] {
+            let start = format!("<!--if {part}-->\n");
+            if let Some((before, rest)) = page.split_once(&start)
+                && let Some((inside, after)) = rest.split_once("<!--end-->\n")
+            {
+                page = [before, if applies { inside } else { "" }, after].concat();
+            }
+        }
+        let mut texts = Vec::new();
+        let mut put = |key: &str, text: String| texts.push((format!("@{key}@"), text));
+        put("NAME", escape(&self.unit.name));
+        put("SUMMARY", self.summary());
+        put(
+            "FRAMES",
+            FRAMES[FRAMES.find("<svg").unwrap_or(0)..].to_owned(),
+        );
+        put("SPIN", format!("{:.9}", meshing_spin(geometry)));
+        let torque = &VARIABLES[index::NOMINAL_TORQUE];
+        put("TORQUE", self.start(torque).to_string());
+        put("CYCLES", CYCLES.to_string());
+        put("STOP", STOP_TIME.to_string());
+        if let Some(file) = self.tables {
+            let rows = file.summary().into_iter();
+            let rows = rows.map(|(name, value)| [escape(&name), escape(&value)]);
+            put("TABLES", table(&[], rows));
+        }
+        put("PARAMETERS", self.variables(Causality::Parameter));
+        put("INPUTS", self.variables(Causality::Input));
+        put("OUTPUTS", self.variables(Causality::Output));
+        for (number, gear, blank) in [
+            (1, &geometry.gears[0], &c.blanks[0]),
+            (2, &geometry.gears[1], &c.blanks[1]),
+        ] {
+            let hand = match (gear.helix_angle > 0.0, gear.hand > 0.0) {
+                (false, _) => "spur",
+                (true, true) => "right",
+                (true, false) => "left",
+            };
+            let mut put = |key: &str, text: String| put(&format!("{key}_{number}"), text);
+            put("TEETH", gear.teeth.to_string());
+            put("KIND", format!("{:?}", gear.kind).to_lowercase());
+            put("HAND", hand.to_owned());
+            put("SHIFT", gear.profile_shift.to_string());
+            put("WIDTH", fixed(1e3 * gear.face_width, 3));
+            put("TIP", fixed(2e3 * gear.tip_radius, 3));
+            put("MASS", significant(blank.mass, 4));
+            put("INERTIA", significant(blank.axial_inertia, 4));
+        }
+        let gear = &geometry.gears[0];
+        let distance = geometry.center_distance;
+        let phi = geometry.operating_pressure_angle(distance);
+        let pressure_angle = gear.normal_pressure_angle;
+        put("MODULE", fixed(1e3 * gear.normal_module, 3));
+        put("PRESSURE_ANGLE", fixed(pressure_angle.to_degrees(), 2));
+        put("HELIX", fixed(gear.helix_angle.to_degrees(), 2));
+        put("DISTANCE", fixed(1e3 * distance, 4));
+        put("PHI", fixed(phi.to_degrees(), 3));
+        let ratio = geometry.transverse_contact_ratio(distance);
+        put("CONTACT_RATIO", fixed(ratio, 3));
+        put("OVERLAP_RATIO", fixed(geometry.overlap_ratio(), 3));
+        for (key, value) in [
+            ("REDUCED_MASS", c.reduced_mass),
+            ("FREE_MASS", c.free_mass),
+            ("MEAN_STIFFNESS", c.stiffness.mean),
+            ("LARGEST_STIFFNESS", c.stiffness.largest),
+            ("FREQUENCY", c.frequency()),
+            ("DAMPING", c.damping),
+            ("DAMPING_RATIO", c.damping_ratio()),
+            ("EFFECTIVE_MASS", c.effective_mass),
+            ("STEP", c.step()),
+            ("SEQUENTIAL_LIMIT", c.sequential_limit()),
+            ("PARALLEL_LIMIT", c.parallel_limit()),
+            ("STEP_ERROR", 100.0 * self.step_error.unwrap_or(0.0)),
+        ] {
+            put(key, significant(value, 4));
+        }
+        for (key, text) in texts {
+            page = page.replace(&key, &text);
+        }
+        page
+    }
+
+    /// All variables of one causality with their start values; outputs have none.
+    fn variables(&self, causality: Causality) -> String {
+        let default = match causality {
+            Causality::Output => "",
+            _ => "default",
+        };
+        let heads = ["name", "value reference", "unit", default, "meaning"];
+        let chosen = VARIABLES.iter().filter(|v| v.causality == causality);
+        let rows = chosen.map(|v| {
+            let start = v.start.map(|_| value(v, self.start(v)));
+            let mut meaning = escape(v.description);
+            if !v.items.is_empty() {
+                let _ = write!(meaning, ": {}", v.numbered_items());
+            }
+            if v.variability == Variability::Tunable {
+                meaning += " (tunable)";
+            }
+            [
+                format!("<code>{}</code>", v.name),
+                v.value_reference.to_string(),
+                v.unit.to_owned(),
+                start.unwrap_or_default(),
+                meaning,
+            ]
+        });
+        table(&heads, rows)
+    }
+
+    fn start(&self, variable: &Variable) -> f64 {
+        let own = self.unit.starts.get(variable.name).copied();
+        own.or(variable.start).unwrap_or(0.0)
+    }
 }
 
-/// A table with these heads, if there are any, and rows of HTML.
-fn table(heads: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
-    let line = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
-        let cells: String = cells.map(|cell| format!("<{tag}>{cell}</{tag}>")).collect();
+/// Text inside an XML attribute or element.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+/// A table of HTML with these heads, if there are any.
+fn table<const N: usize>(heads: &[&str], rows: impl IntoIterator<Item = [String; N]>) -> String {
+    let line = |tag: &str, cells: &[&str]| {
+        let cells: String = cells
+            .iter()
+            .map(|c| format!("<{tag}>{c}</{tag}>"))
+            .collect();
         format!("<tr>{cells}</tr>\n")
     };
     let mut out = String::from("<table>\n");
     if !heads.is_empty() {
-        out += &line("th", &mut heads.iter().copied());
+        out += &line("th", heads);
     }
     for row in rows {
-        out += &line("td", &mut row.iter().map(String::as_str));
+        out += &line("td", &row.each_ref().map(String::as_str));
     }
     out + "</table>"
-}
-
-/// What the tables cover, how far they can be trusted, and what they were made of.
-fn tabulated(tables: Option<&TableFile>) -> String {
-    let Some(file) = tables else {
-        return "<p>None: the stiffness is constant.</p>".into();
-    };
-    let rows = file.summary().into_iter();
-    table(
-        &[],
-        rows.map(|(name, value)| vec![escape(&name), escape(&value)]),
-    )
-}
-
-/// How to see the unit at work.
-fn first_run(torque: f64, example: bool) -> String {
-    if !example {
-        return "<p>The nominal torque is more than the mesh bears within a quarter of a pitch, so that there \
-                is no example input.</p>"
-            .into();
-    }
-    format!(
-        "<p><code>documentation/{EXAMPLE}</code> in the archive holds input signals for the default experiment, \
-         0 to {STOP_TIME} s: gear 1 turns at a constant speed through {CYCLES} mesh cycles, and gear 2 follows behind by what \
-         the contact yields under {torque} N m on gear 1, reached after the first cycle. Give them to any host, such as \
-         fmpy, here for an archive UNIT.fmu:</p>\n\
-         <pre>python -m zipfile -e UNIT.fmu unit\n\
-         fmpy simulate UNIT.fmu --input-file unit/documentation/{EXAMPLE} --output-file outputs.csv</pre>\n\
-         <p>From the second cycle on <code>gear1.moment[3]</code> shows that torque, and \
-         <code>mesh.transmissionError</code> the transmission error over the cycle. Without any input the gears stand \
-         still and just touch: all loads are zero.</p>"
-    )
-}
-
-/// Damping and communication step, with the numbers of this unit.
-fn step(c: &Coupling, step_error: Option<f64>) -> String {
-    let [b1, b2] = &c.blanks;
-    #[rustfmt::skip]
-    let blanks = [
-        ("mass as a solid steel disc, kg", b1.mass, b2.mass),
-        ("its moment of inertia about the axis, kg m&sup2;", b1.axial_inertia, b2.axial_inertia),
-    ];
-    #[rustfmt::skip]
-    let numbers = [
-        ("reduced mass m on the pitch circle, both spinning", c.reduced_mass, "kg"),
-        ("the same with all six freedoms of both", c.free_mass, "kg"),
-        ("mean tangent stiffness k at nominal torque", c.stiffness.mean, "N/m"),
-        ("largest tangent stiffness, k<sub>max</sub>", c.stiffness.largest, "N/m"),
-        ("angular frequency sqrt(k/m) of both gears", c.frequency(), "rad/s"),
-        ("<code>damping</code> c", c.damping, "N s/m"),
-        ("its ratio c/(2 sqrt(k m))", c.damping_ratio(), ""),
-        ("<code>effectiveMass</code> on the line of action", c.effective_mass, "kg"),
-        ("<code>stepSize</code>", c.step(), "s"),
-        ("held loads: longest stable step, sequential master", c.sequential_limit(), "s"),
-        ("held loads: longest stable step, parallel master", c.parallel_limit(), "s"),
-    ];
-    let blanks = blanks.map(|(what, one, two)| vec![what.to_owned(), short(one), short(two)]);
-    let numbers = numbers
-        .map(|(what, value, unit)| vec![what.to_owned(), format!("{} {unit}", short(value))]);
-    let mut out = format!(
-        "{}\n{}",
-        table(&["", "gear 1", "gear 2"], blanks),
-        table(&[], numbers)
-    );
-    if let Some(error) = step_error {
-        let _ = write!(
-            out,
-            "\n<p>Error of <code>mesh.transmissionError</code> at this <code>stepSize</code>: {} % rms of its variation, while both \
-             discs spin at 750 tooth pitches a second and take up the nominal torque within 2 ms.</p>",
-            short(100.0 * error)
-        );
-    }
-    if c.held && c.damping == 0.0 {
-        let _ = write!(
-            out,
-            "\n<p>This unit starts without damping: then no step is stable under held forces, and \
-             <code>stepSize</code> is that of a damping ratio of {DAMPING_RATIO}.</p>"
-        );
-    }
-    out
-}
-
-/// `value` to four digits.
-fn short(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    if !(1e-2..1e5).contains(&value.abs()) {
-        return format!("{value:.3e}");
-    }
-    let decimals = (3 - value.abs().log10().floor() as i32).max(0) as usize;
-    format!("{value:.decimals$}")
-}
-
-fn pair(unit: &UnitFile) -> String {
-    let geometry = &unit.geometry;
-    let distance = geometry.center_distance;
-    let g = &geometry.gears;
-    let row =
-        |what: &str, value: fn(&Gear) -> String| vec![what.to_owned(), value(&g[0]), value(&g[1])];
-    let hand = |gear: &Gear| match (gear.helix_angle > 0.0, gear.hand > 0.0) {
-        (false, _) => "spur".to_owned(),
-        (true, true) => "right".to_owned(),
-        (true, false) => "left".to_owned(),
-    };
-    #[rustfmt::skip]
-    let rows = [
-        row("teeth", |gear| gear.teeth.to_string()),
-        row("kind", |gear| format!("{:?}", gear.kind).to_lowercase()),
-        row("hand", hand),
-        row("profile shift", |gear| gear.profile_shift.to_string()),
-        row("face width, mm", |gear| format!("{:.3}", 1e3 * gear.face_width)),
-        row("tip diameter, mm", |gear| format!("{:.3}", 2e3 * gear.tip_radius)),
-    ];
-    format!(
-        "{}\n<p>Normal module {:.3} mm, normal pressure angle {:.2} deg, helix angle {:.2} deg, \
-         centre distance {:.4} mm, operating transverse pressure angle {:.3} deg, transverse \
-         contact ratio {:.3}, overlap ratio {:.3}.</p>\n",
-        table(&["", "gear 1", "gear 2"], rows),
-        1e3 * g[0].normal_module,
-        g[0].normal_pressure_angle.to_degrees(),
-        g[0].helix_angle.to_degrees(),
-        1e3 * distance,
-        geometry.operating_pressure_angle(distance).to_degrees(),
-        geometry.transverse_contact_ratio(distance),
-        geometry.overlap_ratio()
-    )
-}
-
-/// All variables of one causality, with unit and, but for outputs, start value.
-fn variables(causality: Causality, starts: &[f64]) -> String {
-    let mut heads = vec!["name", "value reference", "unit", "default", "meaning"];
-    let is_output = causality == Causality::Output;
-    if is_output {
-        heads.remove(3);
-    }
-    let chosen = VARIABLES
-        .iter()
-        .zip(starts)
-        .filter(|(v, _)| v.causality == causality);
-    let rows = chosen.map(|(v, start)| {
-        let mut row = vec![
-            format!("<code>{}</code>", v.name),
-            v.value_reference.to_string(),
-            v.unit.to_owned(),
-        ];
-        row.extend((!is_output).then(|| value(v, *start)));
-        row.push(escape(v.description) + &remarks(v));
-        row
-    });
-    table(&heads, rows)
 }
 
 /// Start value of the variable `name` as a person writes it: an item's name, true or false, a number with its unit as in
@@ -278,29 +295,69 @@ fn value(variable: &Variable, value: f64) -> String {
     match variable.kind {
         Kind::Boolean => (value != 0.0).to_string(),
         Kind::Enumeration => {
-            let item = variable
-                .items
-                .iter()
-                .zip(1..)
-                .find(|(_, number)| f64::from(*number) == value);
-            item.map_or_else(|| value.to_string(), |(name, _)| (*name).to_owned())
+            let item = variable.items.get((value - 1.0) as usize);
+            item.map_or_else(|| value.to_string(), |name| (*name).to_owned())
         }
-        Kind::Real | Kind::Integer if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) => {
+        Kind::Real if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) => {
             format!("{value:e}")
         }
-        Kind::Real | Kind::Integer => value.to_string(),
+        Kind::Real => value.to_string(),
     }
 }
 
-fn remarks(variable: &Variable) -> String {
-    let mut out = String::new();
-    if !variable.items.is_empty() {
-        let items = variable.items.iter().enumerate();
-        let items: Vec<String> = items.map(|(i, name)| format!("{} {name}", i + 1)).collect();
-        let _ = write!(out, " ({})", items.join(", "));
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::package::Starts;
+    use crate::samples::paper_pair;
+    use gearmesh::fmi::resources::UNIT_VERSION;
+
+    #[test]
+    fn packing_changes_the_start_values_it_names_and_nothing_else() {
+        let geometry = paper_pair(1.0);
+        let coupling = Starts::constant_stiffness(&geometry, 100.0).coupling(&geometry);
+        let starts = [
+            ("gear2.position[1]", 0.25),
+            ("misalignmentEffect", 1.0),
+            ("stiffnessModel", 2.0),
+        ];
+        let unit = UnitFile {
+            version: UNIT_VERSION,
+            guid: "{guid}".into(),
+            name: "20/30 \"spur\"".into(),
+            starts: starts.map(|(name, value)| (name.to_owned(), value)).into(),
+            geometry,
+        };
+        let description = Description {
+            unit: &unit,
+            tables: None,
+            coupling: &coupling,
+            step_error: None,
+            example: None,
+        };
+        let page = description.page();
+        let unfilled = page.split('@').skip(1).step_by(2).find(|key| {
+            key.chars()
+                .all(|c| c.is_ascii_uppercase() || c == '_' || c.is_ascii_digit())
+        });
+        assert_eq!(unfilled, None);
+        assert!(!page.contains("<!--if") && !page.contains("<!--end"));
+        let text = description.xml();
+        let before: Vec<&str> = TEMPLATE.lines().collect();
+        let after: Vec<&str> = text.lines().collect();
+        assert_eq!(before.len(), after.len());
+        let changed = before.iter().zip(&after).filter(|(a, b)| a != b);
+        assert_eq!(changed.count(), 7);
+        for part in [
+            "modelName=\"20/30 &quot;spur&quot;\"",
+            "guid=\"{guid}\"",
+            "gear pair 20/30 &quot;spur&quot;, 20 and 20 teeth",
+            &format!("stepSize=\"{:?}\"", coupling.step()),
+            "<Real unit=\"m\" displayUnit=\"mm\" nominal=\"0.1\" start=\"0.25\"/>",
+            "<Boolean start=\"true\"/>",
+            "declaredType=\"StiffnessModel\" start=\"2\"",
+        ] {
+            assert!(text.contains(part), "{part}");
+        }
     }
-    if variable.variability == Variability::Tunable {
-        out.push_str(" (tunable)");
-    }
-    out
 }

@@ -121,7 +121,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
     let unit = format!("resources/{UNIT_FILE}");
     let found =
         text(&unit)?.ok_or_else(|| faulty(&unit, "is missing; it was not packed by gearmesh"))?;
-    let unit = parse_unit(&found).map_err(|reason| faulty(&unit, &reason))?;
+    let unit = parse_unit(found.as_bytes()).map_err(|reason| faulty(&unit, &reason))?;
     let tables = text(&format!("resources/{TABLES_FILE}"))?;
     let description = text(DESCRIPTION)?.unwrap_or_default();
     let step_size = description.split_once("stepSize=\"");

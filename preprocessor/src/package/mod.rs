@@ -10,8 +10,6 @@ mod documentation;
 mod example;
 mod inspect;
 mod library;
-mod mass;
-mod settings;
 mod starts;
 mod step_error;
 mod stiffness;
@@ -21,21 +19,20 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-pub use coupling::{Coupling, DAMPING_RATIO};
+pub use coupling::{Blank, Coupling, DAMPING_RATIO};
 pub use documentation::start_in_words;
 pub use inspect::{Inspection, inspect, unpack_resources};
 pub use library::{Library, libraries_beside};
-pub use mass::Blank;
-pub use settings::{Setting, SettingError};
-pub use starts::{Starts, meshing_spin};
+pub use starts::{Setting, SettingError, Starts, meshing_spin};
 pub use step_error::step_error;
 pub use stiffness::{Stiffness, estimated_stiffness, theoretical_pair_stiffness};
 
+use documentation::Description;
 use gearmesh::contact::ContactFile;
 use gearmesh::fmi::resources::{
     CONTACT_FILE, Resources, TABLES_FILE, UNIT_FILE, UNIT_VERSION, UnitFile,
 };
-use gearmesh::fmi::variables::{self, Header, MODEL_IDENTIFIER};
+use gearmesh::fmi::variables::MODEL_IDENTIFIER;
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::TableFile;
 
@@ -82,16 +79,6 @@ pub enum PackageError {
         /// What the unit says.
         reason: String,
     },
-    /// A start value without meaning.
-    #[error("start value {name} = {value}: {remedy}")]
-    Start {
-        /// The variable.
-        name: &'static str,
-        /// The value.
-        value: f64,
-        /// What to do.
-        remedy: String,
-    },
 }
 
 impl PackageError {
@@ -125,71 +112,53 @@ pub fn pack(
     libraries: &[Library],
     out: &Path,
 ) -> Result<Packed, PackageError> {
-    let starts = contents.starts.of_variables(contents.geometry)?;
     let mut unit = UnitFile {
         version: UNIT_VERSION,
         guid: String::new(),
         name: contents.name.to_owned(),
-        starts: starts
-            .iter()
-            .map(|&(i, value)| (variables::VARIABLES[i].name.to_owned(), value))
-            .collect(),
+        starts: contents.starts.of_variables(contents.geometry),
         geometry: contents.geometry.clone(),
     };
-    let coupling = contents.starts.coupling(contents.geometry);
-    let description = documentation::summary(&unit, contents.tables.is_some());
     let tables = contents.tables.map(TableFile::to_json);
     let contact = contents.contact.map(ContactFile::to_bytes);
     unit.guid = guid(&unit, tables.as_deref(), contact.as_deref(), libraries);
-    let header = Header {
-        model_name: &unit.name,
-        guid: &unit.guid,
-        description: &description,
-        step_size: coupling.step(),
-    };
-    let description = variables::model_description(&header, &starts);
-    let mut files = vec![
-        ("modelDescription.xml".to_owned(), description.into_bytes()),
-        ("model.png".to_owned(), documentation::PICTURE.to_vec()),
-    ];
+    let guid = unit.guid.clone();
     let resources = [
         (UNIT_FILE, Some(unit_text(&unit).into_bytes())),
         (TABLES_FILE, tables.map(String::into_bytes)),
         (CONTACT_FILE, contact),
     ];
-    let given = resources
+    let named = resources
         .into_iter()
-        .filter_map(|(name, bytes)| Some((name, bytes?)));
-    files.extend(given.map(|(name, bytes)| (format!("resources/{name}"), bytes)));
+        .filter_map(|(name, bytes)| Some((format!("resources/{name}"), bytes?)));
+    let mut files: Vec<(String, Vec<u8>)> = named.collect();
     // The unit starts here as it will in a host.
-    let resources = Resources::new(unit, contents.tables.cloned(), contents.contact.cloned())
-        .map_err(|reason| PackageError::Refused { reason })?;
-    let resources = Arc::new(resources);
-    let example = example::signals(&resources)?;
-    let unit = &resources.unit;
-    let tables = contents.tables;
-    let error = step_error(unit, tables, coupling.step());
-    files.extend(documentation::files(
-        unit, tables, &coupling, error, example,
-    ));
+    let refused = |reason: String| PackageError::Refused { reason };
+    let resources = Resources::new(unit, contents.tables.cloned(), contents.contact.cloned());
+    let resources = Arc::new(resources.map_err(refused)?);
+    let example = example::signals(&resources).map_err(|refusal| refused(refusal.message))?;
+    let coupling = contents.starts.coupling(contents.geometry);
+    let description = Description {
+        unit: &resources.unit,
+        tables: contents.tables,
+        coupling: &coupling,
+        step_error: step_error(&resources.unit, contents.tables, coupling.step()),
+        example,
+    };
+    files.extend(description.files());
     for (i, library) in libraries.iter().enumerate() {
         let platform = library.platform;
-        if libraries[..i]
-            .iter()
-            .any(|other| other.platform == platform)
-        {
+        let mut others = libraries[..i].iter();
+        if others.any(|other| other.platform == platform) {
             let reason = format!("a second library for {platform}; give one");
             return Err(PackageError::contents(&library.path, reason));
         }
-        let name = format!(
-            "binaries/{platform}/{MODEL_IDENTIFIER}.{}",
-            library.extension()
-        );
-        files.push((name, library.bytes.clone()));
+        let name = format!("{MODEL_IDENTIFIER}.{}", library.extension());
+        files.push((format!("binaries/{platform}/{name}"), library.bytes.clone()));
     }
     let bytes = archive::write(&files, out)?;
     Ok(Packed {
-        guid: unit.guid.clone(),
+        guid,
         bytes,
         platforms: libraries.iter().map(Library::runs_on).collect(),
     })
@@ -212,7 +181,7 @@ fn guid(
         hash.update((bytes.len() as u64).to_le_bytes());
         hash.update(bytes);
     };
-    add(variables::TEMPLATE.as_bytes());
+    add(documentation::TEMPLATE.as_bytes());
     add(unit_text(unit).as_bytes());
     add(tables.unwrap_or("").as_bytes());
     if let Some(contact) = contact {
@@ -223,14 +192,8 @@ fn guid(
         add(&library.bytes);
     }
     let hex = gearmesh::words::hex(&hash.finalize()[..16]);
-    let (a, b, c, d, e) = (
-        &hex[..8],
-        &hex[8..12],
-        &hex[12..16],
-        &hex[16..20],
-        &hex[20..],
-    );
-    format!("{{{a}-{b}-{c}-{d}-{e}}}")
+    let parts = [0..8, 8..12, 12..16, 16..20, 20..32].map(|part| &hex[part]);
+    format!("{{{}}}", parts.join("-"))
 }
 
 #[cfg(test)]
@@ -280,6 +243,7 @@ mod tests {
             ("gear2.position[1]=0.05", "centre distance"),
             ("dampingOnset=0", "dampingOnset"),
             ("dampingOnset=1e9", "dampingOnset = 1000000000"),
+            ("nominalTorque=0", "nominalTorque = 0"),
         ] {
             let starts = Starts::constant_stiffness(&geometry, 100.0);
             let contents = Contents {

@@ -1,14 +1,16 @@
-//! Start values of a packed unit: a valid mesh of its pair, and what belongs to the pair.
+//! Start values of a packed unit: a valid mesh of its pair, what belongs to the pair, and what the user chooses for hosts
+//! that cannot set it.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::str::FromStr;
 
-use super::PackageError;
-use super::coupling::{Coupling, digits};
-use super::settings::Setting;
+use super::coupling::Coupling;
 use super::stiffness::Stiffness;
-use gearmesh::fmi::variables::{VARIABLES, index};
+use gearmesh::fmi::variables::{Causality, Kind, VARIABLES, index, index_by_name};
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::{Table, TableError, TableFile, TeethRecord};
+use gearmesh::words::to_digits;
 
 /// Numbers of the enumerations' items, as in modelDescription.xml.
 const CONSTANT: f64 = 1.0;
@@ -17,42 +19,30 @@ pub(super) const CONTACT: f64 = 3.0;
 const TEETH: f64 = 4.0;
 const BOTH_FLANKS: f64 = 3.0;
 const ABSOLUTE: f64 = 2.0;
-const HELD: f64 = 1.0;
+pub(super) const HELD: f64 = 1.0;
 pub(super) const SEQUENTIAL: f64 = 2.0;
 const PARALLEL: f64 = 3.0;
 
 /// Start values of a unit that belong to its pair.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Starts {
-    /// Nominal torque on gear 1, N m, > 0.
-    pub nominal_torque: f64,
-    /// Tangential mesh stiffness; its mean is `constantStiffness`.
-    pub stiffness: Stiffness,
-    /// Whether the unit carries tables: `stiffnessModel` then starts as `table`.
-    pub table: bool,
-    /// Whether they tell teeth apart: it then starts as `teeth`.
-    pub teeth: bool,
-    /// Whether the tables have an axis of the centre distance.
-    pub center_distance: bool,
-    /// Whether the tables have an axis of the misalignment.
-    pub misalignment: bool,
-    /// Whether the tables know the shuttling moment.
-    pub shuttling: bool,
-    /// What the user wants otherwise; the last of a name counts.
-    pub settings: Vec<Setting>,
+    /// Its mean is `constantStiffness`.
+    stiffness: Stiffness,
+    /// What the tables, or their absence, give, by index in [`VARIABLES`].
+    values: Vec<(usize, f64)>,
+    /// What the user chooses; the last of a name counts.
+    settings: Vec<Setting>,
 }
 
 impl Starts {
-    /// A unit of constant stiffness, estimated by [`super::estimated_stiffness`].
+    /// A unit of constant stiffness, estimated by [`super::estimated_stiffness`]; `nominal_torque` on gear 1, N m, > 0.
     pub fn constant_stiffness(geometry: &PairGeometry, nominal_torque: f64) -> Self {
         Self {
-            nominal_torque,
             stiffness: Stiffness::estimated(geometry, nominal_torque),
-            table: false,
-            teeth: false,
-            center_distance: false,
-            misalignment: false,
-            shuttling: false,
+            values: vec![
+                (index::STIFFNESS_MODEL, CONSTANT),
+                (index::NOMINAL_TORQUE, nominal_torque),
+            ],
             settings: Vec::new(),
         }
     }
@@ -64,15 +54,19 @@ impl Starts {
     pub fn of_tables(file: &TableFile) -> Result<Self, TableError> {
         let table = Table::from_file(file.clone())?;
         let effects = *table.effects();
+        let teeth = file.teeth.as_ref().is_some_and(TeethRecord::tells_apart);
         let moments = &file.drive.moment;
+        let shuttling = effects.misalignment || moments.iter().flatten().any(|m| *m != 0.0);
+        let on = |flag: bool| f64::from(u8::from(flag));
         Ok(Self {
-            nominal_torque: file.nominal_torque_nm,
             stiffness: Stiffness::of_table(&table),
-            table: true,
-            teeth: file.teeth.as_ref().is_some_and(TeethRecord::tells_apart),
-            center_distance: effects.center_distance,
-            misalignment: effects.misalignment,
-            shuttling: effects.misalignment || moments.iter().flatten().any(|m| *m != 0.0),
+            values: vec![
+                (index::STIFFNESS_MODEL, if teeth { TEETH } else { TABLE }),
+                (index::NOMINAL_TORQUE, file.nominal_torque_nm),
+                (index::CENTER_DISTANCE_EFFECT, on(effects.center_distance)),
+                (index::MISALIGNMENT_EFFECT, on(effects.misalignment)),
+                (index::SHUTTLING_EFFECT, on(shuttling)),
+            ],
             settings: Vec::new(),
         })
     }
@@ -84,70 +78,51 @@ impl Starts {
         self
     }
 
-    /// What the user set for the variable `i`.
-    fn set(&self, i: usize) -> Option<f64> {
-        let last = self.settings.iter().rev().find(|s| s.index == i);
-        last.map(|s| s.value)
+    /// Value of the variable `i`, as far as tables and user give it.
+    fn value(&self, i: usize) -> Option<f64> {
+        let chosen = self.settings.iter().map(|s| (s.index, s.value));
+        let mut all = self.values.iter().copied().chain(chosen).rev();
+        all.find(|(j, _)| *j == i).map(|(_, value)| value)
     }
 
     /// Dynamics of the mesh with the stiffness and the damping that the unit starts with.
     pub fn coupling(&self, geometry: &PairGeometry) -> Coupling {
-        let constant = self.set(index::CONSTANT_STIFFNESS);
-        let is_constant = self
-            .set(index::STIFFNESS_MODEL)
-            .map_or(!self.table, |model| model == CONSTANT);
-        let stiffness = if is_constant {
+        let stiffness = if self.value(index::STIFFNESS_MODEL) == Some(CONSTANT) {
+            let constant = self.value(index::CONSTANT_STIFFNESS);
             Stiffness::constant(constant.unwrap_or(self.stiffness.mean))
         } else {
             self.stiffness
         };
         Coupling {
-            held: self.set(index::COUPLING) == Some(HELD),
-            ..Coupling::new(geometry, stiffness, self.set(index::DAMPING))
+            held: self.value(index::COUPLING) == Some(HELD),
+            ..Coupling::new(geometry, stiffness, self.value(index::DAMPING))
         }
     }
 
-    /// Start values by index in [`VARIABLES`], checked against the ranges there.
-    pub(super) fn of_variables(
-        &self,
-        geometry: &PairGeometry,
-    ) -> Result<Vec<(usize, f64)>, PackageError> {
+    /// Start values by name.
+    pub(super) fn of_variables(&self, geometry: &PairGeometry) -> BTreeMap<String, f64> {
         let distance = geometry.center_distance;
         let cos_phi = geometry.operating_pressure_angle(distance).cos();
-        let on = |flag: bool| f64::from(u8::from(flag));
         let coupling = self.coupling(geometry);
+        let stiffness = to_digits(self.stiffness.mean, 4, f64::round);
+        // Along the operating pitch circle, as the pair file gives it.
+        let backlash = (geometry.backlash(distance) / cos_phi).max(0.0);
         let mut starts = vec![
             (index::GEAR2_POSITION_1, distance),
             (index::GEAR2_POSITION_3, geometry.gears[1].face_offset),
-            (
-                index::STIFFNESS_MODEL,
-                match (self.table, self.teeth) {
-                    (_, true) => TEETH,
-                    (true, _) => TABLE,
-                    _ => CONSTANT,
-                },
-            ),
-            (
-                index::CONSTANT_STIFFNESS,
-                digits(self.stiffness.mean, 4, f64::round),
-            ),
-            (index::NOMINAL_TORQUE, self.nominal_torque),
-            (index::CENTER_DISTANCE_EFFECT, on(self.center_distance)),
-            (index::MISALIGNMENT_EFFECT, on(self.misalignment)),
-            (index::SHUTTLING_EFFECT, on(self.shuttling)),
+            (index::CONSTANT_STIFFNESS, stiffness),
+            (index::CENTER_DISTANCE_EFFECT, 0.0),
+            (index::MISALIGNMENT_EFFECT, 0.0),
+            (index::SHUTTLING_EFFECT, 0.0),
             (index::DAMPING, coupling.damping),
             // Wrong for a sequential master it damps; the other way round no step would be stable.
             (index::COUPLING, PARALLEL),
             (index::EFFECTIVE_MASS, coupling.effective_mass),
             // Tables serve both flanks: the coast flank has its own or is the drive flank's mirror image.
             (index::LOADED_FLANK, BOTH_FLANKS),
-            // Along the operating pitch circle, as the pair file gives it.
-            (
-                index::BACKLASH,
-                (geometry.backlash(distance) / cos_phi).max(0.0),
-            ),
+            (index::BACKLASH, backlash),
         ];
-        if self.set(index::PHASE_REFERENCE) == Some(ABSOLUTE) && !self.sets_an_orientation() {
+        if self.value(index::PHASE_REFERENCE) == Some(ABSOLUTE) && !self.turns_a_gear() {
             // The teeth of gear 2 in the middle of the gaps of gear 1.
             let spin = meshing_spin(geometry);
             let (sin, cos) = (0.5 * spin).sin_cos();
@@ -157,37 +132,20 @@ impl Starts {
                 (index::GEAR2_QUATERNION_4, sin),
             ]);
         }
-        for setting in &self.settings {
-            match starts.iter_mut().find(|(i, _)| *i == setting.index) {
-                Some((_, value)) => *value = setting.value,
-                None => starts.push((setting.index, setting.value)),
-            }
-        }
-        for &(i, value) in &starts {
-            let variable = &VARIABLES[i];
-            let positive = [index::CONSTANT_STIFFNESS, index::NOMINAL_TORQUE].contains(&i);
-            let inside = value.is_finite()
-                && variable.min.is_none_or(|m| value >= m)
-                && variable.max.is_none_or(|m| value <= m);
-            if !inside || (positive && value <= 0.0) {
-                return Err(PackageError::Start {
-                    name: variable.name,
-                    value,
-                    remedy: "it must be finite and positive".into(),
-                });
-            }
-        }
-        Ok(starts)
+        starts.extend(&self.values);
+        starts.extend(self.settings.iter().map(|s| (s.index, s.value)));
+        let named = starts.into_iter();
+        named
+            .map(|(i, value)| (VARIABLES[i].name.to_owned(), value))
+            .collect()
     }
 
-    /// Whether the user turned a gear.
-    fn sets_an_orientation(&self) -> bool {
-        let turned = |from: usize, to: usize| {
-            let mut set = self.settings.iter();
-            set.any(|s| (from..=to).contains(&s.index))
-        };
-        turned(index::GEAR1_ANGLES_1, index::GEAR1_QUATERNION_4)
-            || turned(index::GEAR2_ANGLES_1, index::GEAR2_QUATERNION_4)
+    /// Whether the user does.
+    fn turns_a_gear(&self) -> bool {
+        let gear1 = index::GEAR1_ANGLES_1..=index::GEAR1_QUATERNION_4;
+        let gear2 = index::GEAR2_ANGLES_1..=index::GEAR2_QUATERNION_4;
+        let mut settings = self.settings.iter();
+        settings.any(|s| gear1.contains(&s.index) || gear2.contains(&s.index))
     }
 }
 
@@ -213,6 +171,121 @@ pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
     let present = ((at2 + helix * g2.face_offset) / pitch(g2.z())).rem_euclid(1.0);
     let turn = (present - wanted).rem_euclid(1.0);
     pitch(g2.z()) * if turn > 0.5 { turn - 1.0 } else { turn }
+}
+
+/// A start value by the name of its variable: `damping=500`, `interpolation=shepard`,
+/// `coupling=held`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting {
+    /// Index in [`VARIABLES`].
+    index: usize,
+    /// Value; a Boolean as 0 or 1, an item of an enumeration as its number.
+    value: f64,
+}
+
+/// Why a text is no [`Setting`].
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SettingError {
+    /// Not of the form `name=value`.
+    #[error("give a variable and its start value as name=value")]
+    Form,
+    /// No parameter or input has this name.
+    #[error("the unit has no parameter or input {name}; its parameters are {known}")]
+    Unknown {
+        /// As given.
+        name: String,
+        /// All parameters.
+        known: String,
+    },
+    /// A value that the variable cannot take.
+    #[error("{name} = {value}: give {remedy}")]
+    Value {
+        /// The variable.
+        name: &'static str,
+        /// As given.
+        value: String,
+        /// What it takes.
+        remedy: String,
+    },
+}
+
+impl Setting {
+    /// Whether it chooses contact at run time.
+    pub fn is_contact(&self) -> bool {
+        (self.index, self.value) == (index::STIFFNESS_MODEL, CONTACT)
+    }
+
+    /// Whether it chooses tooth pairs one by one.
+    pub fn is_teeth(&self) -> bool {
+        (self.index, self.value) == (index::STIFFNESS_MODEL, TEETH)
+    }
+
+    /// Whether it switches friction on.
+    pub fn is_friction(&self) -> bool {
+        (self.index, self.value) == (index::FRICTION, 1.0)
+    }
+
+    /// Whether it switches root stress on.
+    pub fn is_root_stress(&self) -> bool {
+        (self.index, self.value) == (index::ROOT_STRESS, 1.0)
+    }
+}
+
+impl FromStr for Setting {
+    type Err = SettingError;
+
+    fn from_str(text: &str) -> Result<Self, SettingError> {
+        let (name, value) = text.split_once('=').ok_or(SettingError::Form)?;
+        let (name, value) = (name.trim(), value.trim());
+        let found = index_by_name(name).filter(|&i| VARIABLES[i].causality != Causality::Output);
+        let index = found.ok_or_else(|| {
+            let parameters = VARIABLES.iter().map(|v| (v.causality, v.name));
+            let known = parameters.filter(|(causality, _)| *causality == Causality::Parameter);
+            SettingError::Unknown {
+                name: name.to_owned(),
+                known: known.map(|(_, name)| name).collect::<Vec<_>>().join(", "),
+            }
+        })?;
+        let variable = &VARIABLES[index];
+        let (parsed, remedy) = match variable.kind {
+            Kind::Boolean => {
+                let parsed = value.parse::<bool>().ok();
+                (
+                    parsed.map(|on| f64::from(u8::from(on))),
+                    "true or false".to_owned(),
+                )
+            }
+            Kind::Enumeration => {
+                let number = variable.items.iter().position(|item| *item == value);
+                let remedy = format!("one of {}", variable.items.join(", "));
+                (number.map(|i| i as f64 + 1.0), remedy)
+            }
+            Kind::Real => {
+                let number = value.parse().ok().filter(|x: &f64| {
+                    x.is_finite()
+                        && variable.min.is_none_or(|m| *x >= m)
+                        && variable.max.is_none_or(|m| *x <= m)
+                });
+                let mut remedy = String::from("a number with a decimal point");
+                if let Some(min) = variable.min {
+                    remedy += &format!(", {min} or above");
+                }
+                if let Some(max) = variable.max {
+                    remedy += &format!(", {max} or below");
+                }
+                if !["", "1"].contains(&variable.unit) {
+                    remedy += &format!(", in {}", variable.unit);
+                }
+                (number, remedy)
+            }
+        };
+        let value = parsed.ok_or_else(|| SettingError::Value {
+            name: variable.name,
+            value: value.to_owned(),
+            remedy,
+        })?;
+        Ok(Self { index, value })
+    }
 }
 
 #[cfg(test)]
@@ -274,19 +347,18 @@ mod tests {
     }
 
     fn start(starts: &Starts, pair: &PairGeometry, i: usize) -> f64 {
-        let starts = starts.of_variables(pair).unwrap();
-        let found = starts.iter().filter(|(j, _)| *j == i).collect::<Vec<_>>();
-        assert_eq!(found.len(), 1, "{}", VARIABLES[i].name);
-        found[0].1
+        starts.of_variables(pair)[VARIABLES[i].name]
+    }
+
+    fn chosen(pair: &PairGeometry, texts: &[&str]) -> Starts {
+        let settings: Vec<Setting> = texts.iter().map(|t| t.parse().unwrap()).collect();
+        Starts::constant_stiffness(pair, 100.0).with(&settings)
     }
 
     #[test]
     fn settings_replace_and_what_depends_on_them_follows() {
         let pair = pair(21, 30);
-        let of = |texts: &[&str]| {
-            let settings: Vec<Setting> = texts.iter().map(|t| t.parse().unwrap()).collect();
-            Starts::constant_stiffness(&pair, 100.0).with(&settings)
-        };
+        let of = |texts: &[&str]| chosen(&pair, texts);
         let plain = of(&[]);
         let heavier = of(&["damping=5e3"]);
         assert_eq!(start(&heavier, &pair, index::DAMPING), 5e3);
@@ -305,10 +377,7 @@ mod tests {
     #[test]
     fn absolute_phases_bring_a_pose_that_meshes_unless_the_user_turned_a_gear() {
         let pair = pair(21, 30);
-        let of = |texts: &[&str]| {
-            let settings: Vec<Setting> = texts.iter().map(|t| t.parse().unwrap()).collect();
-            Starts::constant_stiffness(&pair, 100.0).with(&settings)
-        };
+        let of = |texts: &[&str]| chosen(&pair, texts);
         let spin = meshing_spin(&pair);
         assert!(spin != 0.0);
         let absolute = of(&["phaseReference=absolute"]);
@@ -320,13 +389,41 @@ mod tests {
     }
 
     #[test]
-    fn a_start_value_outside_its_range_is_refused_by_name() {
-        let pair = pair(20, 20);
-        let starts = Starts {
-            nominal_torque: f64::NAN,
-            ..Starts::constant_stiffness(&pair, 100.0)
-        };
-        let error = starts.of_variables(&pair).unwrap_err().to_string();
-        assert!(error.contains("nominalTorque"), "{error}");
+    fn numbers_names_of_items_and_booleans_are_taken() {
+        for (text, index, value) in [
+            ("damping=500", index::DAMPING, 500.0),
+            (" backlash = 8e-5 ", index::BACKLASH, 8e-5),
+            ("interpolation=shepard", index::INTERPOLATION, 3.0),
+            ("friction=true", index::FRICTION, 1.0),
+            ("gear1.angles[3]=-0.5", index::GEAR1_ANGLES_3, -0.5),
+        ] {
+            assert_eq!(text.parse(), Ok(Setting { index, value }), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_set_is_refused_with_what_can() {
+        for (text, reason) in [
+            ("damping", "name=value"),
+            (
+                "dampin=3",
+                "no parameter or input dampin; its parameters are stiffnessModel",
+            ),
+            ("mesh.stiffness=3", "no parameter or input mesh.stiffness"),
+            (
+                "damping=-1",
+                "damping = -1: give a number with a decimal point, 0 or above, in N.s/m",
+            ),
+            ("damping=1,5", "damping = 1,5"),
+            ("damping=inf", "damping = inf"),
+            (
+                "loadedFlank=2",
+                "loadedFlank = 2: give one of drive, coast, both",
+            ),
+            ("friction=1", "friction = 1: give true or false"),
+        ] {
+            let error = text.parse::<Setting>().unwrap_err().to_string();
+            assert!(error.contains(reason), "{text}: {error}");
+        }
     }
 }

@@ -29,40 +29,45 @@ impl Stiffness {
         let file = table.file();
         let geometry = table.geometry();
         let force = file.nominal_torque_nm / geometry.gears[0].base_radius();
-        let (drive, _) = table.flank(Flank::Drive);
-        let (coast, _) = table.flank(Flank::Coast);
         let phi = geometry.operating_pressure_angle(geometry.center_distance);
         let tangential = phi.cos().powi(2);
-        let mean = positions()
-            .map(|position| at_force(drive, force, position))
-            .sum::<f64>()
-            / POSITIONS as f64;
-        let offsets = ends(&file.axes.center_distance_offset);
-        let tilts = ends(&file.axes.misalignment);
+        let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| table.flank(flank).0);
+        let positions = (0..POSITIONS).map(|i| i as f64 / POSITIONS as f64);
+        let nominal = |mesh_position| Query {
+            delta: 0.0,
+            center_distance_offset: 0.0,
+            misalignment: 0.0,
+            mesh_position,
+        };
+        let sum = positions
+            .clone()
+            .map(|position| at_force(drive, force, &nominal(position)));
+        let mean = sum.sum::<f64>() / POSITIONS as f64;
+        let mut largest = mean;
         let coast_record = file.coast.as_ref().unwrap_or(&file.drive);
-        let mut largest: f64 = 0.0;
         for (flank, record) in [(drive, &file.drive), (coast, coast_record)] {
             let top = record.top_load_approach.iter().copied();
             let top = top.fold(0.0, f64::max);
-            for mesh_position in positions() {
-                for center_distance_offset in offsets {
-                    for misalignment in tilts {
-                        for i in 1..=DISPLACEMENTS {
+            for query in positions.clone().map(nominal) {
+                for center_distance_offset in ends(&file.axes.center_distance_offset) {
+                    for misalignment in ends(&file.axes.misalignment) {
+                        let tangents = (1..=DISPLACEMENTS).map(|i| {
                             let query = Query {
                                 delta: top * i as f64 / DISPLACEMENTS as f64,
                                 center_distance_offset,
                                 misalignment,
-                                mesh_position,
+                                ..query
                             };
-                            largest = largest.max(flank.evaluate(&query, false).hessian[0][0]);
-                        }
+                            flank.evaluate(&query, false).hessian[0][0]
+                        });
+                        largest = tangents.fold(largest, f64::max);
                     }
                 }
             }
         }
         Self {
             mean: tangential * mean,
-            largest: tangential * largest.max(mean),
+            largest: tangential * largest,
         }
     }
 
@@ -80,10 +85,6 @@ impl Stiffness {
     }
 }
 
-fn positions() -> impl Iterator<Item = f64> {
-    (0..POSITIONS).map(|i| i as f64 / POSITIONS as f64)
-}
-
 /// Both ends of an axis and its nominal value.
 fn ends(axis: &[f64]) -> [f64; 3] {
     match axis {
@@ -93,23 +94,14 @@ fn ends(axis: &[f64]) -> [f64; 3] {
     }
 }
 
-/// Tangent stiffness on the line of action where `flank` carries `force` at `mesh_position`, N/m.
-fn at_force(flank: &FlankTable, force: f64, mesh_position: f64) -> f64 {
-    let response = |delta| {
-        let query = Query {
-            delta,
-            center_distance_offset: 0.0,
-            misalignment: 0.0,
-            mesh_position,
-        };
-        flank.evaluate(&query, false)
-    };
-    // Force rises with displacement: bisect between separation and a displacement beyond.
+/// Tangent stiffness on the line of action where `flank` carries `force` at a pose, N/m.
+fn at_force(flank: &FlankTable, force: f64, pose: &Query) -> f64 {
+    let response = |delta| flank.evaluate(&Query { delta, ..*pose }, false);
+    let below = |delta: f64| response(delta).gradient[0] < force;
     let mut high = 1e-3;
-    while response(high).gradient[0] < force && high < 1.0 {
+    while below(high) && high < 1.0 {
         high *= 2.0;
     }
-    let below = |delta: f64| response(delta).gradient[0] < force;
     response(bisection([-1e-3, high], 60, below)).hessian[0][0]
 }
 
@@ -118,27 +110,21 @@ fn at_force(flank: &FlankTable, force: f64, mesh_position: f64) -> f64 {
 /// discs from the teeth, their profile shifts, the basic rack, the helix and the Young's moduli. It knows
 /// neither modifications nor bores, and what it gives for helices above 30 degrees is an extrapolation.
 pub fn estimated_stiffness(geometry: &PairGeometry, nominal_torque: f64) -> f64 {
+    const THEORY_TO_MEASUREMENT: f64 = 0.8;
     let distance = geometry.center_distance;
     let [g1, g2] = &geometry.gears;
-    const THEORY_TO_MEASUREMENT: f64 = 0.8;
     let dedendum = 0.5 * (g1.dedendum_coefficient + g2.dedendum_coefficient);
-    let rack = (1.0 + 0.5 * (1.2 - dedendum))
-        * (1.0 - 0.02 * (20.0 - g1.normal_pressure_angle.to_degrees()));
-    let modulus = 2.0 * g1.youngs_modulus * g2.youngs_modulus
-        / (g1.youngs_modulus + g2.youngs_modulus)
-        / STEEL;
+    let pressure_angle = g1.normal_pressure_angle.to_degrees();
+    let rack = (1.0 + 0.5 * (1.2 - dedendum)) * (1.0 - 0.02 * (20.0 - pressure_angle));
+    let [e1, e2] = [g1.youngs_modulus, g2.youngs_modulus];
+    let modulus = 2.0 * e1 * e2 / (e1 + e2) / STEEL;
     let (_, width) = geometry.face_overlap();
     let load = nominal_torque / geometry.operating_pitch_radius(0, distance) / width;
     // Teeth that bear less than 100 N/mm touch on less of their face.
     let light = (load / 100e3).min(1.0).powf(0.25);
-    let single = theoretical_pair_stiffness(geometry)
-        * THEORY_TO_MEASUREMENT
-        * rack
-        * g1.helix_angle.cos()
-        * modulus
-        * light;
+    let corrections = THEORY_TO_MEASUREMENT * rack * g1.helix_angle.cos() * modulus * light;
     let ratio = geometry.transverse_contact_ratio(distance).max(1.0);
-    let loa = single * (0.75 * ratio + 0.25) * width;
+    let loa = theoretical_pair_stiffness(geometry) * corrections * (0.75 * ratio + 0.25) * width;
     loa * geometry.operating_pressure_angle(distance).cos().powi(2)
 }
 

@@ -1,6 +1,7 @@
 //! Claims about what solutions do not show; those about solutions stand in tests/contact.
 
 mod closest;
+mod deflection;
 mod not_a_number;
 mod separation;
 

@@ -2,7 +2,7 @@
 
 use super::plain_pair;
 use crate::compliance::{BeyondModel, Strip, ToothCompliance};
-use crate::contact::{ContactError, ContactSettings, ContactSolver, PositionProblem};
+use crate::contact::{ContactError, ContactSettings, ContactSolver, Failure, PositionProblem};
 use crate::gear::Flank;
 use nalgebra::DMatrix;
 use std::sync::Arc;
@@ -46,7 +46,13 @@ fn a_segment_whose_gap_or_arm_is_not_a_number_fails_the_solve() {
                 problem.solve_torque(torque, 0.0, None),
                 problem.solve_approach(approach, 0.0, None),
             ] {
-                let failed = matches!(result, Err(ContactError::NotConverged { .. }));
+                let failed = matches!(
+                    result,
+                    Err(ContactError::Unsolved {
+                        failure: Failure::NotConverged { .. },
+                        ..
+                    })
+                );
                 assert!(failed, "{:?}", result.map(|r| r.loa_force));
             }
         }

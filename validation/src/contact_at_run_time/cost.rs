@@ -1,6 +1,6 @@
 //! What contact at run time costs, and how far it is from the full solve on that solve's stations.
 
-use crate::page::{Page, fixed, largest, rms};
+use crate::data::{Data, fixed, largest, rms};
 use crate::setup::Setup;
 use crate::timing::timed;
 use crate::{Context, Result, row};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Steps of a path along the mesh cycle.
 const STEPS: usize = 2000;
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let points = if context.quick { 20 } else { 200 };
     let mut rows = vec![];
     for name in super::PAIRS.into_iter().take(if context.quick { 1 } else { 4 }) {
@@ -56,6 +56,6 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
             fixed(1e6 * seconds / STEPS as f64, 0),
         ]);
     }
-    let head = ["pair", "stations", "condensed, MB", "force error rms, %", "largest, %", "cold, us", "warm, us"];
-    page.table("cost", &head, &rows)
+    let head = ["pair", "segments", "condensed, MB", "force error rms, %", "largest, %", "cold, us", "warm, us"];
+    data.table("cost", &head, &rows)
 }

@@ -1,8 +1,7 @@
 //! Orders of the transmission error of a pair whose teeth differ, by contact at run time.
 
 use super::{CLASS, PAIR, SEED, level, record, with_errors};
-use crate::page::{Page, fixed};
-use crate::plot::{Plot, Series, Style};
+use crate::data::{Data, fixed};
 use crate::setup::Setup;
 use crate::{Context, Result, row};
 use gearmesh::contact::Warm;
@@ -56,7 +55,7 @@ fn spectrum(signal: &[f64], orders: usize) -> Vec<f64> {
     (0..=orders).map(|order| 2.0 / n * amplitude(&points, order)).collect()
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let (setup, file) = Setup::packed(PAIR)?;
     let gear = &setup.pair.geometry.gears[0];
     let (z, force) = (gear.teeth as usize, setup.nominal_force());
@@ -122,19 +121,5 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         "index errors by `teeth`",
         "index errors by load share",
     ];
-    page.table("index-errors", &head, &rows)?;
-    let bars = |(name, amplitudes): &(&str, Vec<f64>)| Series {
-        name: (*name).into(),
-        // Smaller ones are rounding.
-        points: (1..orders).map(|order| (order as f64, 1e6 * amplitudes[order])).filter(|p| p.1 > 3e-4).collect(),
-        style: Style::Bars,
-    };
-    let plot = Plot {
-        title: "Static transmission error over a turn of gear 1",
-        x: &format!("shaft order ({z}: one mesh cycle)"),
-        y: "amplitude, um",
-        logarithmic: [false, true],
-        series: spectra[..2].iter().map(bars).collect(),
-    };
-    page.plot("index-errors", &plot)
+    data.table("index-errors", &head, &rows)
 }

@@ -1,4 +1,4 @@
-//! The page on contact at run time: teeth that differ, tooth pair by tooth pair, stations, cost and error.
+//! Contact at run time: teeth that differ, tooth pair by tooth pair, stations, cost and error.
 
 mod cost;
 mod index_errors;
@@ -14,7 +14,6 @@ use gearmesh::table::{Effects, Interpolation, Load, TeethFlank, TeethRecord};
 use gearmesh_preprocessor::table::{TeethSweep, default_teeth_axes};
 use std::sync::Arc;
 
-/// In the order of the page.
 pub const CHAPTERS: [(&str, Chapter); 4] = [
     ("index-errors", index_errors::report),
     ("teeth", teeth::report),

@@ -1,7 +1,7 @@
 //! How exact static contact is on so many stations along the face, on coarse elements at random poses in the ranges of the
 //! pairs, at the approach that 160 stations find for the torque.
 
-use crate::page::{Page, fixed, largest, rms};
+use crate::data::{Data, fixed, largest, rms};
 use crate::setup::{Models, shipped_at, solver};
 use crate::{Context, Result, row};
 use gearmesh::contact::{ContactResult, ContactSettings};
@@ -13,7 +13,7 @@ use gearmesh_preprocessor::finite_element::Settings;
 /// Stations, and the share of a strip's own contact in what changes along it; the first is what the others are held against.
 const CASES: [(usize, f64); 5] = [(160, 0.45), (40, 1.0), (20, 0.45), (22, 0.45), (40, 0.45)];
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let poses = if context.quick { 10 } else { 400 };
     let mut rows = vec![];
     for name in super::PAIRS.into_iter().take(if context.quick { 1 } else { 4 }) {
@@ -52,6 +52,6 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
             rows.push([row![name, stations, own_share], cells.to_vec()].concat());
         }
     }
-    let head = ["pair", "stations", "own share", "force rms, %", "largest, %", "moment rms, %", "stiffness rms, %"];
-    page.table("stations", &head, &rows)
+    let head = ["pair", "segments", "own share", "force rms, %", "largest, %", "moment rms, %", "stiffness rms, %"];
+    data.table("stations", &head, &rows)
 }

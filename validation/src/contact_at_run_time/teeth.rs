@@ -1,7 +1,7 @@
 //! How near `stiffnessModel = teeth` comes to contact at run time, and what it costs.
 
 use super::{CLASS, PAIR, SEED, level, record};
-use crate::page::{Page, fixed, mean, rms};
+use crate::data::{Data, fixed, mean, rms};
 use crate::setup::Setup;
 use crate::timing::{Candidate, medians, timed};
 use crate::{Context, Result, row};
@@ -14,7 +14,7 @@ use gearmesh_preprocessor::table::plan::default_axes;
 use gearmesh_preprocessor::table::sweep::sweep;
 use std::sync::Arc;
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let (setup, file) = Setup::packed(PAIR)?;
     let (poses, points) = if context.quick { (10, 20) } else { (200, 1000) };
     let gear = &setup.pair.geometry.gears[0];
@@ -55,9 +55,9 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         }
         last = Some(whole);
     }
-    page.table("teeth-records", &["teeth", "record", "s"], &records)?;
+    data.table("teeth-records", &["teeth", "record", "s"], &records)?;
     let head = ["teeth", "misalignment, mrad", "approach, um", "load", "force without coupling", "force", "moment"];
-    page.table("teeth", &head, &rows)?;
+    data.table("teeth", &head, &rows)?;
 
     let whole = last.ok_or("no level")?;
     let grid = if context.quick {
@@ -84,5 +84,5 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
     let ns = medians(&mut candidates);
     let rows = ["4-D table", "tooth pair by tooth pair"].into_iter().enumerate();
     let rows: Vec<_> = rows.map(|(i, name)| row![name, fixed(ns[i], 0), fixed(ns[2 + i], 0)]).collect();
-    page.table("teeth-cost", &["evaluation, ns", "loads", "with second derivatives"], &rows)
+    data.table("teeth-cost", &["evaluation, ns", "loads", "with second derivatives"], &rows)
 }

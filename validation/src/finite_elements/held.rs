@@ -1,8 +1,7 @@
 //! The radius at which the gear is held, and the one that gives the mean STE of the paper.
 
 use super::paper;
-use crate::page::{Page, fixed, percent};
-use crate::plot::Series;
+use crate::data::{Data, fixed};
 use crate::setup::{Setup, ste};
 use crate::{Context, Result, row};
 use gearmesh::contact::ContactSettings;
@@ -25,23 +24,19 @@ fn solved(modified: bool, bore_mm: f64, refinement: Refinement) -> Result<[f64; 
     Ok([mean, swing, ste(&solver, 0.0, POSITIONS)?[0]])
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let bores = if context.quick { &BORES[..2] } else { &BORES };
     let mut all = vec![];
     for &bore in bores {
         eprintln!("    bore {bore} mm");
         all.push((bore, solved(false, bore, Refinement::Coarse)?, solved(true, bore, Refinement::Coarse)?));
     }
-    let mut rows: Vec<_> = (all.iter())
+    let rows: Vec<_> = (all.iter())
         .map(|(bore, plain, modified)| {
             let numbers = [plain[0], plain[1], modified[0], modified[0] - modified[2], modified[1]];
             [row![bore], numbers.map(|x| fixed(x, 3)).to_vec()].concat()
         })
         .collect();
-    for i in [all.len() - 2, all.len() - 1] {
-        let [mean, swing] = [0, 1].map(|k| percent(all[i].1[k], all[0].1[k]) + " %");
-        rows.push(row![format!("{} against {}", all[i].0, all[0].0), mean, swing, "", "", ""]);
-    }
     let head = [
         "bore, mm",
         "unmodified mean, µm",
@@ -50,9 +45,8 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         "mean less that without load, µm",
         "p-p, µm",
     ];
-    page.table("bores", &head, &rows)?;
+    data.table("bores", &head, &rows)?;
     let plain: Vec<_> = all.iter().map(|(bore, plain, _)| (*bore, plain[0])).collect();
-    let modified = all.iter().map(|(bore, _, modified)| (*bore, modified[0])).collect();
 
     let mut rows = vec![];
     for target in PAPER {
@@ -62,14 +56,7 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         };
         rows.push([row![target], found].concat());
     }
-    page.table(
-        "hub",
-        &["mean of the paper, µm", "bore of the unmodified pair, mm", "mean there, µm", "p-p, µm"],
-        &rows,
-    )?;
-    let series = vec![Series::line("unmodified", plain), Series::line("modified", modified)];
-    let title = "Mean STE over the bore diameter, 100 N m";
-    super::plot(page, "bore", title, ["bore diameter, mm", "mean STE, um"], series)
+    data.table("hub", &["mean of the paper, µm", "bore of the unmodified pair, mm", "mean there, µm", "p-p, µm"], &rows)
 }
 
 /// The bore (mm) with the mean `target` (um) of the unmodified pair, and its mean and p-p at level normal.

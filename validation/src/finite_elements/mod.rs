@@ -1,30 +1,24 @@
-//! The page on finite-element compliance: model, error and cost.
+//! Finite-element compliance: error and cost.
 
 mod convergence;
 pub mod cost;
 mod held;
-mod mesh_picture;
 mod plane;
 mod properties;
 mod reference;
 
-use crate::page::{Page, fixed, percent};
-use crate::plot::{Plot, Series};
+use crate::data::{Data, fixed, percent};
 use crate::setup::{SHIPPED, shipped, ste};
 use crate::{Chapter, Context, Result, row, timing};
-use gearmesh::contact::ContactSolver;
 use gearmesh::pair::{Pair, Refinement};
-use gearmesh_preprocessor::finite_element::{SectorMesh, Settings};
 use gearmesh_preprocessor::pair;
 
-/// In the order of the page.
-pub const CHAPTERS: [(&str, Chapter); 9] = [
-    ("model", model),
+pub const CHAPTERS: [(&str, Chapter); 8] = [
+    ("machine", |_, data| timing::machine(data)),
     ("plane-strain", plane::report),
     ("reference", reference::report),
     ("convergence", convergence::report),
     ("held", held::report),
-    ("paper", paper_pair),
     ("properties", properties::report),
     ("levels", levels),
     ("cost", cost::report),
@@ -88,65 +82,8 @@ fn thick_spur() -> Result<Pair> {
     spur.pair([100.0, 200.0])
 }
 
-/// A plot of lines over linear axes.
-fn plot(page: &mut Page, name: &str, title: &str, [x, y]: [&str; 2], series: Vec<Series>) -> Result<()> {
-    page.plot(name, &Plot { title, x, y, logarithmic: [false; 2], series })
-}
-
-/// The machine, and the mesh of one sector as a picture.
-fn model(_: &Context, page: &mut Page) -> Result<()> {
-    page.part("machine", &timing::description())?;
-    let pair = shipped(SHIPPED[0])?;
-    let gear = &pair.geometry.gears[0];
-    let mesh = SectorMesh::new(gear, &Settings::for_pair(&pair))?;
-    page.picture("mesh", &mesh_picture::draw(&mesh, gear)?)?;
-    let rows = [row!["elements in the section", mesh.elements.len()], row!["layers", mesh.stations.len() - 1]];
-    page.table("mesh", &["mesh of the paper's gear at level normal", "number"], &rows)
-}
-
-/// Peak-to-peak of the paper's pair over the load, and where it is least.
-fn paper_pair(context: &Context, page: &mut Page) -> Result<()> {
-    let positions = if context.quick { 8 } else { 64 };
-    let [modified, plain] = [paper(true, 30.0)?, paper(false, 30.0)?];
-    let [modified, plain] = [context.models.solver(&modified)?, context.models.solver(&plain)?];
-    let mut rows = vec![];
-    for (torque, printed, plain_printed) in
-        [(70.0, "larger than at 100", ""), (100.0, "0.2", "2"), (130.0, "larger than at 100", "")]
-    {
-        let [a, b] = [ste(&modified, torque, positions)?, ste(&plain, torque, positions)?];
-        rows.push(row![torque, fixed(a[0], 3), fixed(a[1], 3), printed, fixed(b[1], 3), plain_printed]);
-    }
-    let (least, swing) = optimum(&modified, positions)?;
-    rows.push(row![format!("{least:.0} (least of the modified)"), "", fixed(swing, 3), "at 100", "", ""]);
-    let head = ["torque, N m", "modified mean", "modified p-p", "paper", "unmodified p-p", "paper"];
-    page.table("paper", &head, &rows)?;
-    let swings = |solver: &ContactSolver| -> Result<Vec<(f64, f64)>> {
-        (4..=20).map(|i| 10.0 * f64::from(i)).map(|t| Ok((t, ste(solver, t, positions / 2)?[1]))).collect()
-    };
-    let series = vec![Series::line("modified", swings(&modified)?), Series::line("unmodified", swings(&plain)?)];
-    let title = "Peak-to-peak STE of the paper's pair over the torque";
-    plot(page, "paper", title, ["torque, N m", "peak-to-peak STE, um"], series)
-}
-
-/// Torque of the least peak-to-peak by golden section between 70 and 160 N m, and that value.
-fn optimum(solver: &ContactSolver, positions: usize) -> Result<(f64, f64)> {
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let swing = |t: f64| -> Result<f64> { Ok(ste(solver, t, positions / 2)?[1]) };
-    let (mut low, mut high) = (70.0, 160.0);
-    while high - low > 1.0 {
-        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-        if swing(a)? < swing(b)? {
-            high = b;
-        } else {
-            low = a;
-        }
-    }
-    let at = 0.5 * (low + high);
-    Ok((at, ste(solver, at, positions)?[1]))
-}
-
 /// The levels of detail of the shipped pairs side by side.
-fn levels(context: &Context, page: &mut Page) -> Result<()> {
+fn levels(context: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
     for name in SHIPPED {
         eprintln!("    {name}");
@@ -161,5 +98,5 @@ fn levels(context: &Context, page: &mut Page) -> Result<()> {
             rows.push([found, differences.to_vec()].concat());
         }
     }
-    page.table("levels", &["pair", "N m", "normal mean, µm", "p-p, µm", "coarse mean", "p-p"], &rows)
+    data.table("levels", &["pair", "N m", "normal mean, µm", "p-p, µm", "coarse mean", "p-p"], &rows)
 }

@@ -1,7 +1,7 @@
 //! Numbers of two-dimensional finite elements and of two independent codes, in plane strain.
 
 use super::{Spur, thick_spur};
-use crate::page::{Page, fixed, largest, percent, verdict};
+use crate::data::{Data, fixed, largest, percent, verdict};
 use crate::setup::{solver, ste};
 use crate::{Context, Result, row};
 use gearmesh::contact::{ContactSettings, ContactSolver};
@@ -43,7 +43,7 @@ fn worst(errors: &[f64], bar: f64) -> String {
     format!("{:+.2}: {}", 100.0 * worst, verdict(worst.abs() <= bar))
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     // A load as narrow as the elements allow: the published numbers are of point loads.
     let mut settings = Settings::new(Refinement::Fine, 0);
     settings.discretization.flank_element = 0.06;
@@ -59,12 +59,12 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         rows.push(row![name, fixed(expected, 5), fixed(found, 5), percent(found, expected)]);
     }
     rows.push(row!["largest, bar 0.5 %", "", "", worst(&errors, 5e-3)]);
-    page.table("tooth-compliance", &["tooth", "reference", "here", "error %"], &rows)?;
-    pair_stiffness(context, page)?;
-    transmission_error(context, page)
+    data.table("tooth-compliance", &["tooth", "reference", "here", "error %"], &rows)?;
+    pair_stiffness(context, data)?;
+    transmission_error(context, data)
 }
 
-fn pair_stiffness(context: &Context, page: &mut Page) -> Result<()> {
+fn pair_stiffness(context: &Context, data: &Data) -> Result<()> {
     let (mut rows, mut errors) = (vec![], vec![]);
     for (teeth, module, load, bore, expected) in [
         ([17, 43], 1.0, 20.0, 1.0 / 1.4, 14.74),
@@ -90,10 +90,10 @@ fn pair_stiffness(context: &Context, page: &mut Page) -> Result<()> {
         rows.push(row![name, load, fixed(expected, 2), fixed(found, 2), percent(found, expected)]);
     }
     rows.push(row!["largest but for 16/24, bar 1 %", "", "", "", worst(&errors, 1e-2)]);
-    page.table("pair-stiffness", &["pair", "N/mm", "reference", "here", "error %"], &rows)
+    data.table("pair-stiffness", &["pair", "N/mm", "reference", "here", "error %"], &rows)
 }
 
-fn transmission_error(context: &Context, page: &mut Page) -> Result<()> {
+fn transmission_error(context: &Context, data: &Data) -> Result<()> {
     let mut cases = vec![];
     for (teeth, module, tool, load, bore, expected) in [
         ([28, 28], 3.175, 0.3, 250.0, 1.0 / 1.4, [12.222, 5.854]),
@@ -132,5 +132,5 @@ fn transmission_error(context: &Context, page: &mut Page) -> Result<()> {
     let found = single_pair(&solver, 100.0)?;
     rows.push(row!["the last pair at the pitch point", "8.816", fixed(found, 3), percent(found, 8.816), ""]);
     rows.push(row!["largest, bars 1 % and 2 %", "", "", worst(&means, 1e-2), worst(&swings, 2e-2)]);
-    page.table("plane-ste", &["pair", "reference", "here", "mean %", "p-p %"], &rows)
+    data.table("plane-ste", &["pair", "reference", "here", "mean %", "p-p %"], &rows)
 }

@@ -1,8 +1,7 @@
 //! What any contact solution must fulfil: over the load, the misalignment and the centre distance.
 
 use super::{paper, thick_spur};
-use crate::page::{Page, even, fixed, largest, range, verdict};
-use crate::plot::Series;
+use crate::data::{Data, even, fixed, largest, range, verdict};
 use crate::{Context, Result, row};
 use gearmesh::contact::{ContactResult, ContactSolver, PositionProblem};
 use gearmesh::gear::Flank;
@@ -19,25 +18,6 @@ struct Sweep {
 }
 
 impl Sweep {
-    /// Mean over the cycle at coordinate `i` of `value`.
-    fn mean(&self, i: usize, value: fn(&ContactResult) -> f64) -> f64 {
-        self.results.iter().map(|r| value(&r[i])).sum::<f64>() / self.results.len() as f64
-    }
-
-    fn curve(&self, scale: [f64; 2], value: fn(&ContactResult) -> f64) -> Vec<(f64, f64)> {
-        let points = self.at.iter().enumerate();
-        points.map(|(i, x)| (scale[0] * x, scale[1] * self.mean(i, value))).collect()
-    }
-
-    fn swing(&self, scale: f64) -> Vec<(f64, f64)> {
-        let spread = |i: usize| {
-            let [low, high] = range(self.results.iter().map(|r| r[i].approach));
-            1e6 * (high - low)
-        };
-        let points = self.at.iter().enumerate();
-        points.map(|(i, x)| (scale * x, spread(i))).collect()
-    }
-
     /// Least step of `value` from one coordinate to the next, at any position.
     fn least_step(&self, value: fn(&ContactResult) -> f64) -> f64 {
         let steps = self.results.iter().flat_map(|r| r.windows(2));
@@ -114,9 +94,8 @@ fn smooth(claim: String, [wide, narrow]: [f64; 2]) -> Vec<String> {
     check(claim, found, "falls to 1/3", narrow < wide / 3.0)
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let mut checks = vec![];
-    let [mut by_load, mut by_tilt, mut shift, mut by_distance, mut swing] = [(); 5].map(|()| Vec::new());
     let pairs = [("modified", paper(true, 30.0)?), ("unmodified", paper(false, 30.0)?), ("spur", thick_spur()?)];
     for (name, pair) in pairs.into_iter().skip(if context.quick { 2 } else { 0 }) {
         eprintln!("    {name}");
@@ -135,8 +114,6 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         let claim = format!("{name}: sharpest bend of the STE over the load, 2.5 N m");
         let slope = |r: &ContactResult| (rb * r.tangent.force_by_approach).recip();
         checks.push(smooth(claim, sharpest(&problems, &load, by_torque, slope)?));
-        by_load.push(Series::line(name, load.curve([1.0, 1e6], |r| r.approach)));
-        swing.push(Series::line(name, load.swing(1.0)));
 
         let by_misalignment = |m| [TORQUE, m];
         let tilt = sweep(&problems, even([-3e-3, 3e-3], 97), by_misalignment)?;
@@ -146,38 +123,19 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         let claim = format!("{name}: sharpest bend of the STE over the misalignment, 0.06 mrad");
         let slope = |r: &ContactResult| -r.tangent.force_by_misalignment / r.tangent.force_by_approach;
         checks.push(smooth(claim, sharpest(&problems, &tilt, by_misalignment, slope)?));
-        by_tilt.push(Series::line(name, tilt.curve([1e3, 1e6], |r| r.approach)));
-        shift.push(Series::line(name, tilt.curve([1e3, 1e3], |r| r.contact_z)));
 
-        let (distance, error) = over_distance(&solver)?;
+        let error = over_distance(&solver)?;
         let claim = format!(
             "{name}: STE over the centre distance, cubics through values 12.5 µm apart, largest error over the range, %"
         );
         checks.push(check(claim, fixed(100.0 * error, 3), "smooth: < 0.1", error < 1e-3));
-        by_distance.push(Series::line(name, distance));
     }
-    page.table("properties", &["check", "found", "bar", ""], &checks)?;
-    let [torque, tilt, ste] = ["torque, N m", "misalignment, mrad", "mean STE, um"];
-    for (name, title, axes, series) in [
-        ("load", "Mean STE over the torque", [torque, ste], by_load),
-        ("load-swing", "Peak-to-peak STE over the torque", [torque, "peak-to-peak STE, um"], swing),
-        ("misalignment", "Mean STE over the misalignment, 100 N m", [tilt, ste], by_tilt),
-        ("shuttling", "Mean z_c over the misalignment, 100 N m", [tilt, "z_c, mm"], shift),
-        (
-            "centre-distance",
-            "Mean STE over the centre distance, 100 N m",
-            ["centre distance offset, um", ste],
-            by_distance,
-        ),
-    ] {
-        super::plot(page, name, title, axes, series)?;
-    }
-    Ok(())
+    data.table("properties", &["check", "found", "bar", ""], &checks)
 }
 
-/// Mean STE over the centre distance, (um, um), and how far cubics through values 12.5 um apart are from those
+/// How far cubics through values 12.5 um apart are from those
 /// in the middle between, at any position, over the range of the STE.
-fn over_distance(solver: &ContactSolver) -> Result<(Vec<(f64, f64)>, f64)> {
+fn over_distance(solver: &ContactSolver) -> Result<f64> {
     const COUNT: usize = 8;
     let offsets = even([-100e-6, 100e-6], 33);
     let columns = offsets
@@ -191,7 +149,6 @@ fn over_distance(solver: &ContactSolver) -> Result<(Vec<(f64, f64)>, f64)> {
                 .collect()
         })
         .collect::<Result<Vec<_>>>()?;
-    let curve = offsets.iter().zip(&columns).map(|(o, c)| (1e6 * o, 1e6 * crate::page::mean(c))).collect();
     let [low, high] = range(columns.iter().flatten().copied());
     let misses = (3..offsets.len() - 3).step_by(2).flat_map(|i| {
         let at = |k: usize| columns[k].iter();
@@ -200,5 +157,5 @@ fn over_distance(solver: &ContactSolver) -> Result<(Vec<(f64, f64)>, f64)> {
         let between = near.zip(far).map(|(near, far)| (9.0 * near - far) / 16.0);
         between.zip(at(i)).map(|(a, b)| a - b).collect::<Vec<f64>>()
     });
-    Ok((curve, largest(misses).abs() / (high - low)))
+    Ok(largest(misses).abs() / (high - low))
 }

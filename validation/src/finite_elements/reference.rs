@@ -1,6 +1,6 @@
 //! Whole contact against scripts/contact_reference.py: relief, crowning, misalignment, centre distance, helix, wide faces.
 
-use crate::page::{Page, largest, mean, range, verdict};
+use crate::data::{Data, largest, mean, range};
 use crate::setup::solver;
 use crate::{Context, Result, in_repository, row};
 use gearmesh::contact::ContactSettings;
@@ -11,7 +11,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 #[derive(Deserialize)]
-struct Data {
+struct Cases {
     cases: BTreeMap<String, Case>,
 }
 
@@ -64,11 +64,11 @@ struct Compared {
     pressure: Vec<[f64; 2]>,
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
-    let data: Data =
+pub fn report(context: &Context, data: &Data) -> Result<()> {
+    let reference: Cases =
         serde_json::from_str(&std::fs::read_to_string(in_repository("tests/data/contact_reference.json"))?)?;
     let (mut rows, mut missed) = (vec![], vec![]);
-    for (name, case) in data.cases.iter().take(if context.quick { 1 } else { usize::MAX }) {
+    for (name, case) in reference.cases.iter().take(if context.quick { 1 } else { usize::MAX }) {
         eprintln!("    {name}: {}", case.title);
         for ([torque, misalignment], c) in case.loads.iter().zip(compare(context, case)?) {
             let [here, there] = [0, 1].map(|i| c.ste.iter().map(|both| both[i]).collect::<Vec<_>>());
@@ -101,8 +101,9 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
             ]);
         }
     }
-    let of_which = if missed.is_empty() { String::new() } else { format!(" for {}", missed.join("; ")) };
-    page.part("reference-aim", &format!("Aim: {}{of_which}.", verdict(missed.is_empty())))?;
+    for case in &missed {
+        eprintln!("    aim missed: {case}");
+    }
     let head = [
         "case",
         "positions",
@@ -115,7 +116,7 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         "z_c, mm",
         "flank pressure %",
     ];
-    page.table("reference", &head, &rows)
+    data.table("reference", &head, &rows)
 }
 
 /// Every load of a case.

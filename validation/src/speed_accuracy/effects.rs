@@ -1,9 +1,8 @@
-//! What leaving out an effect saves and what it costs in accuracy, where it matters and where it does not.
+//! What leaving out an effect costs in accuracy, where it matters and where it does not.
 
-use super::{Posed, Sampled, Spread, at, direction, everything, points};
-use crate::page::{Page, fixed, mean, rms};
+use super::{Sampled, at, everything, points};
+use crate::data::{Data, mean, rms};
 use crate::setup::{Exact, Ranges, Setup};
-use crate::timing::{Candidate, medians};
 use crate::{Context, Result, row};
 use gearmesh::element::{Parameters, StiffnessModel};
 use gearmesh::gear::Flank;
@@ -77,10 +76,10 @@ fn error(setup: &Setup, table: &Arc<Table>, parameters: &Parameters, points: &[E
 /// rms error of the shuttling moment when it is left out, in % of nominal force times half the face.
 fn moment_left_out(setup: &Setup, ranges: &Ranges, points: usize) -> Result<String> {
     let moments = setup.exact(ranges, points)?.into_iter().map(|x| x.moment);
-    Ok(format!("– / {:.2}", 100.0 * rms(moments) / (setup.nominal_force() * setup.half_face())))
+    Ok(format!(" / {:.2}", 100.0 * rms(moments) / (setup.nominal_force() * setup.half_face())))
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let Sampled { setup, grid } = Sampled::of(context)?;
     let table = setup.table(grid)?;
     let all = everything(setup);
@@ -105,35 +104,5 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         moment_left_out(&spur, &spur.ranges(2), points(context))?,
     ]);
     let head = ["effect", "scene where it matters", "error, %", "scene where it does not", "error, %"];
-    page.table("effects", &head, &rows)?;
-
-    let mut variants = vec![("all on".to_owned(), all)];
-    variants.extend(effects.iter().map(|e| (format!("without {}", e.name), e.without)));
-    let without_shuttling = Parameters { shuttling_effect: false, ..all };
-    variants.push(("without shuttling".into(), without_shuttling));
-    let rotation_only = Parameters { center_distance_effect: false, misalignment_effect: false, ..without_shuttling };
-    variants.push(("without centre distance, misalignment, shuttling".into(), rotation_only));
-    let nominal = setup.nominal_force();
-    let spread = Spread { center_distance: 5e-5, tilt: 1e-3, normal_force: [0.2 * nominal, 1.5 * nominal] };
-    let mut elements = vec![];
-    for (name, parameters) in variants {
-        let bytes = match parameters.stiffness_model {
-            StiffnessModel::Constant => 0,
-            _ => table.sliced(&parameters.table_effects(&setup.pair.geometry))?.flank(Flank::Drive).0.bytes(),
-        };
-        elements.push((name, Posed::new(setup, &parameters, &table, &spread)?, bytes));
-    }
-    let along = direction();
-    let mut candidates = vec![];
-    for (_, Posed { element, latch, poses }, _) in &elements {
-        candidates.push(Candidate::over(poses, move |x| element.evaluate(latch, x)));
-        candidates.push(Candidate::over(poses, move |x| element.directional_derivative(latch, x, &along)));
-    }
-    let times = medians(&mut candidates);
-    drop(candidates);
-    let mut rows = vec![];
-    for ((name, _, bytes), t) in elements.iter().zip(times.chunks_exact(2)) {
-        rows.push(row![name, fixed(t[0], 0), fixed(t[1], 0), fixed(*bytes as f64 / 1e3, 0)]);
-    }
-    page.table("effects-price", &["element", "wrench, ns", "directional derivative, ns", "table, kB"], &rows)
+    data.table("effects", &head, &rows)
 }

@@ -1,8 +1,7 @@
 //! Time and memory as tables grow and as instances multiply, with one shared table and with their own.
 
 use super::Sampled;
-use crate::page::{Page, fixed};
-use crate::plot::{Series, Style};
+use crate::data::{Data, fixed};
 use crate::spring::Spring;
 use crate::timing::{Candidate, medians, timed};
 use crate::{Context, Result, row};
@@ -23,7 +22,7 @@ fn points() -> Vec<Query> {
     (0..POINTS).map(|_| point()).collect()
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let Sampled { setup, grid: samples } = Sampled::of(context)?;
     let random = points();
     let mut tables = vec![];
@@ -45,7 +44,7 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
     let times = medians(&mut candidates);
     let rows: Vec<_> =
         tables.iter().zip(times).map(|((_, cells), t)| [cells.clone(), row![fixed(t, 0)]].concat()).collect();
-    page.table("growth", &["grid", "file, MB", "memory, MB", "reading, ms", "preparing, ms", "evaluation, ns"], &rows)?;
+    data.table("growth", &["grid", "file, MB", "memory, MB", "reading, ms", "preparing, ms", "evaluation, ns"], &rows)?;
 
     let instances = [1, 2, 4, 8, 16, 32, 64, 128];
     let own = (0..instances[instances.len() - 1])
@@ -64,19 +63,10 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
     }
     let times = medians(&mut candidates);
     drop(candidates);
-    let (mut rows, mut shared, mut apart) = (vec![], vec![], vec![]);
+    let mut rows = vec![];
     for (n, t) in instances.into_iter().zip(times.chunks_exact(2)) {
         let megabytes = (n * own[0].bytes()) as f64 / 1e6;
         rows.push(row![n, fixed(t[0], 0), fixed(t[1], 0), fixed(megabytes, 1)]);
-        shared.push((n as f64, t[0]));
-        apart.push((n as f64, t[1]));
     }
-    page.table("instances", &["instances", "shared, ns", "own, ns", "memory of own tables, MB"], &rows)?;
-    let series = [("shared table", shared), ("own tables", apart)].map(|(name, points)| Series {
-        name: name.into(),
-        points,
-        style: Style::Both,
-    });
-    let title = "Instances with a shared table and with their own";
-    super::plot(page, "speed-instances", title, ["instances", "time of one evaluation, ns"], series.into())
+    data.table("instances", &["instances", "shared, ns", "own, ns", "memory of own tables, MB"], &rows)
 }

@@ -1,7 +1,7 @@
 //! One step of the unit as hosts call it: from C, from ctypes, through fmpy.
 
 use super::Sampled;
-use crate::page::{Page, fixed};
+use crate::data::{Data, fixed};
 use crate::stability::last_that_holds;
 use crate::{Context, Result, in_repository, row};
 use gearmesh::table::TableFile;
@@ -53,7 +53,7 @@ fn library() -> Result<Library> {
 const BEARABLE: f64 = 0.01;
 
 /// What a simulated second costs at an error of [`BEARABLE`], by coupling: steps as long as that allows, times their duration.
-pub fn cost(context: &Context, page: &mut Page) -> Result<()> {
+pub fn cost(context: &Context, data: &Data) -> Result<()> {
     let folder = tempfile::tempdir()?;
     let mut rows = vec![];
     for name in ["palermo2013", "helical-25-47"] {
@@ -87,10 +87,10 @@ pub fn cost(context: &Context, page: &mut Page) -> Result<()> {
         "libcosim, s",
         "Ecos, s",
     ];
-    page.table("cost-per-second", &head, &rows)
+    data.table("cost-per-second", &head, &rows)
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let Sampled { setup, grid } = Sampled::of(context)?;
     let (geometry, name) = (&setup.pair.geometry, setup.pair.name.as_str());
     let folder = tempfile::tempdir()?;
@@ -123,5 +123,5 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         "fmpy, ns",
         "fmpy value by value, ns",
     ];
-    page.table("hosts", &head, &rows)
+    data.table("hosts", &head, &rows)
 }

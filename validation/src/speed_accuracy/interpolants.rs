@@ -1,8 +1,7 @@
 //! Every interpolant on grids of one to four dimensions: time against error.
 
 use super::{Sampled, points, thinned};
-use crate::page::{Page, fixed, rms};
-use crate::plot::{Series, Style};
+use crate::data::{Data, fixed, rms};
 use crate::setup::Exact;
 use crate::timing::{Candidate, medians};
 use crate::{Context, Result, row};
@@ -36,8 +35,8 @@ const GRIDS: [&[[usize; 4]]; 4] = [
     &[[4, 2, 4, 8], [2, 2, 2, 4], [2, 2, 1, 4], [2, 2, 1, 2], [1, 2, 1, 2], [1, 1, 1, 1]],
 ];
 
-/// The chapter, with a table and a plot per dimension.
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+/// The chapter, with a table for each dimension.
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let Sampled { setup, grid: samples } = Sampled::of(context)?;
     for dimensions in 1..=4 {
         let exact = setup.exact(&setup.ranges(dimensions), points(context))?;
@@ -66,13 +65,13 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         for (outcome, time) in outcomes.iter_mut().zip(times.chunks_exact(2)) {
             outcome.time = [time[0], time[1]];
         }
-        write(page, dimensions, outcomes)?;
+        write(data, dimensions, outcomes)?;
     }
     Ok(())
 }
 
-/// Those that no other one beats in both time with gradient and error are bold and joined.
-fn write(page: &mut Page, dimensions: usize, outcomes: Vec<Outcome>) -> Result<()> {
+/// Those that no other one beats in both time with gradient and error are on the Pareto front.
+fn write(data: &Data, dimensions: usize, outcomes: Vec<Outcome>) -> Result<()> {
     let mut order: Vec<&Outcome> = outcomes.iter().collect();
     order.sort_by(|a, b| a.time[1].total_cmp(&b.time[1]));
     let mut best = f64::INFINITY;
@@ -83,22 +82,20 @@ fn write(page: &mut Page, dimensions: usize, outcomes: Vec<Outcome>) -> Result<(
     });
     let row = |o: &Outcome| {
         let on_front = order.iter().any(|other| std::ptr::eq(*other, o));
-        let name = if on_front { format!("**{}**", o.name) } else { o.name.to_owned() };
         let numbers = row![fixed(o.table.bytes() as f64 / 1e3, 0), fixed(o.time[0], 0), fixed(o.time[1], 0)];
         let errors = row![fixed(100.0 * o.error[0], 3), fixed(100.0 * o.error[1], 3)];
-        [row![name, o.grid], numbers, errors].concat()
+        [row![o.name, o.grid], numbers, errors, row![if on_front { "yes" } else { "" }]].concat()
     };
     let rows: Vec<_> = outcomes.iter().map(row).collect();
-    let head = ["interpolation", "grid", "kB", "value, ns", "with gradient, ns", "rms error, %", "largest error, %"];
-    page.table(&format!("interpolants-{dimensions}d"), &head, &rows)?;
-    let point = |o: &Outcome| (o.time[1], 100.0 * o.error[0]);
-    let mut series = vec![];
-    for (_, name) in INTERPOLATIONS {
-        let points = outcomes.iter().filter(|o| o.name == name).map(point).collect();
-        series.push(Series { name: name.into(), points, style: Style::Marks });
-    }
-    series.push(Series::line("Pareto front", order.into_iter().map(point).collect()));
-    let title = format!("Time against error in {dimensions}-D");
-    let axes = ["time of one evaluation with gradient, ns", "rms force error, % of nominal"];
-    super::plot(page, &format!("speed-accuracy-{dimensions}d"), &title, axes, series)
+    let head = [
+        "interpolation",
+        "grid",
+        "kB",
+        "value, ns",
+        "with gradient, ns",
+        "rms error, %",
+        "largest error, %",
+        "Pareto front",
+    ];
+    data.table(&format!("interpolants-{dimensions}d"), &head, &rows)
 }

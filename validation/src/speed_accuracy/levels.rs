@@ -1,9 +1,8 @@
 //! Which level of detail a dynamic run needs: cost and error of each against contact at run time on the finest elements.
 
 use super::{PAIR, everything, ratio};
-use crate::driver::{Bearing, Gear, Method, Scene, Spin, gear_state, set_gear_state};
-use crate::page::{Page, fixed, range, rms};
-use crate::plot::{Series, Style};
+use crate::data::{Data, fixed, range, rms};
+use crate::driver::{Bearing, Gear, Scene, Spin, gear_state, set_gear_state};
 use crate::setup::{Setup, quiet, shipped_at, ste};
 use crate::timing::{median, timed};
 use crate::{Context, Result, row};
@@ -70,8 +69,7 @@ impl Run {
         for sample in 0..(DURATION / STEP).round() as usize / STEPS_PER_SAMPLE {
             let begin = (sample * STEPS_PER_SAMPLE) as f64 * STEP;
             let (stepped, time) = timed(|| {
-                (0..STEPS_PER_SAMPLE)
-                    .try_fold(state, |state, n| Method::RungeKutta4.step(&scene, begin + n as f64 * STEP, &state, STEP))
+                (0..STEPS_PER_SAMPLE).try_fold(state, |state, n| scene.step(begin + n as f64 * STEP, &state, STEP))
             });
             state = stepped?;
             seconds.push(time / STEPS_PER_SAMPLE as f64);
@@ -99,13 +97,9 @@ impl Run {
     }
 }
 
-/// Kinds of levels, each with a colour.
-const KINDS: [&str; 3] = ["constant", "tables", "contact"];
-
 /// A level of detail.
 struct Level {
     name: String,
-    kind: usize,
     element: Element,
 }
 
@@ -146,22 +140,22 @@ fn simpler(setup: &Setup, contact: &ContactFile, counts: [usize; 4]) -> Result<V
     let teeth = Parameters { stiffness_model: StiffnessModel::Teeth, ..four };
     let with_teeth = Arc::new(Table::with_effects(Arc::new(file), teeth.table_effects(geometry))?);
     let mut levels = vec![];
-    for (name, kind, parameters, table) in [
-        ("constant stiffness", 0, constant, &table),
-        ("1-D table: mesh position", 1, one, &table),
-        ("2-D table: + load", 1, two, &table),
-        ("3-D table: + misalignment, shuttling", 1, three, &table),
-        ("4-D table: + centre distance", 1, four, &table),
-        ("tooth pair by tooth pair", 1, teeth, &with_teeth),
+    for (name, parameters, table) in [
+        ("constant stiffness", constant, &table),
+        ("1-D table: mesh position", one, &table),
+        ("2-D table: + load", two, &table),
+        ("3-D table: + misalignment, shuttling", three, &table),
+        ("4-D table: + centre distance", four, &table),
+        ("tooth pair by tooth pair", teeth, &with_teeth),
     ] {
         let element = Element::new(geometry, &parameters, Some(table.clone()))?;
-        levels.push(Level { name: name.into(), kind, element });
+        levels.push(Level { name: name.into(), element });
     }
     Ok(levels)
 }
 
 /// The chapter; contact on the finest elements is the reference.
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let counts = if context.quick { [8, 5, 9, 16] } else { [12, 5, 17, 32] };
     let mut contacts = vec![("coarse", contact(Refinement::Coarse)?), ("normal", contact(Refinement::Normal)?)];
     if !context.quick {
@@ -174,30 +168,26 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
     let mut levels = simpler(usual, usual_contact, counts)?;
     for (name, (setup, file)) in &contacts {
         let name = format!("contact at run time, {name}");
-        levels.push(Level { name, kind: 2, element: by_contact(setup, file)? });
+        levels.push(Level { name, element: by_contact(setup, file)? });
     }
 
     let mut rows = vec![];
-    let names = ["DTE, µm", "z_c, mm"].iter().flat_map(|what| KINDS.map(|kind| format!("{what}: {kind}")));
-    let mut series: Vec<_> = names.map(|name| Series { name, points: vec![], style: Style::Both }).collect();
     let mut runs = vec![];
     for level in &levels {
         let run = Run::new(&best, &level.element)?;
         let [dte, z] = [1e6 * run.error(&reference, |s| s.dte), 1e3 * run.error(&reference, |s| s.contact_z)];
         rows.push(row![level.name, fixed(1e6 * run.step, 1), fixed(dte, 3), fixed(z, 3)]);
-        series[level.kind].points.push((1e6 * run.step, dte));
-        series[KINDS.len() + level.kind].points.push((1e6 * run.step, z));
         runs.push(run);
     }
     let name = format!("contact at run time, {finest} (reference)");
-    rows.push(row![name, fixed(1e6 * reference.step, 1), "–", "–"]);
+    rows.push(row![name, fixed(1e6 * reference.step, 1), "", ""]);
     // The 4-D table and contact on its own elements.
     let by_table = 1e6 * runs[4].error(&runs[runs.len() - 1], |s| s.dte);
     rows.push(row!["4-D table from contact on the same elements", "", fixed(by_table, 3), ""]);
-    page.table("levels", &["level", "a step, µs", "rms error of the DTE, µm", "of z_c, mm"], &rows)?;
+    data.table("levels", &["level", "a step, µs", "rms error of the DTE, µm", "of z_c, mm"], &rows)?;
 
     let nominal = best.pair.geometry.center_distance;
-    let mean = crate::page::mean(&reference.samples.iter().map(|s| s.dte).collect::<Vec<_>>());
+    let mean = crate::data::mean(&reference.samples.iter().map(|s| s.dte).collect::<Vec<_>>());
     let [dte, z] = [reference.range(|s| s.dte), reference.range(|s| s.contact_z)];
     let [tilt, distance] = [reference.range(|s| s.misalignment), reference.range(|s| s.center_distance)];
     let between = |[low, high]: [f64; 2], scale: f64, digits: usize| {
@@ -210,7 +200,5 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         row!["DTE, mean, µm", fixed(1e6 * mean, 2), ""],
         [row!["z_c, mm"], between(z, 1e3, 2)].concat(),
     ];
-    page.table("levels-reference", &["of the reference", "from", "to"], &rows)?;
-    let title = "Cost and error of every level of detail in one dynamic run";
-    super::plot(page, "speed-levels", title, ["a step, µs", "rms error: DTE in µm, z_c in mm"], series)
+    data.table("levels-reference", &["of the reference", "from", "to"], &rows)
 }

@@ -1,4 +1,4 @@
-//! The page on speed against accuracy: what tables, interpolants, effects, hosts and steps cost in time and in error.
+//! Speed against accuracy: what tables, interpolants, effects, hosts and steps cost in time and in error.
 
 mod effects;
 mod element;
@@ -6,11 +6,8 @@ mod growth;
 mod hosts;
 mod interpolants;
 mod levels;
-mod preprocessing;
 mod run_up;
 
-use crate::page::Page;
-use crate::plot::Plot;
 use crate::setup::{Setup, shipped_at};
 use crate::{Chapter, Context, Result, timing};
 use gearmesh::contact::ContactSettings;
@@ -21,9 +18,8 @@ use gearmesh::table::{Axis, FlankGrid, Table};
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
 
-/// In the order of the page.
-pub const CHAPTERS: [(&str, Chapter); 10] = [
-    ("machine", |_, page| page.part("machine", &timing::description())),
+pub const CHAPTERS: [(&str, Chapter); 9] = [
+    ("machine", |_, data| timing::machine(data)),
     ("interpolants", interpolants::report),
     ("element", element::report),
     ("effects", effects::report),
@@ -31,11 +27,10 @@ pub const CHAPTERS: [(&str, Chapter); 10] = [
     ("cost-per-second", hosts::cost),
     ("hosts", hosts::report),
     ("run-up", run_up::report),
-    ("preprocessing", preprocessing::report),
     ("levels", levels::report),
 ];
 
-/// Pair of the page.
+/// Pair of most chapters.
 const PAIR: &str = "palermo2013";
 
 /// That pair on coarse elements, and samples of it over all four dimensions.
@@ -170,9 +165,4 @@ impl Posed {
         }
         Ok(Self { element, latch, poses })
     }
-}
-
-/// A plot over logarithmic axes.
-fn plot(page: &mut Page, name: &str, title: &str, [x, y]: [&str; 2], series: Vec<crate::plot::Series>) -> Result<()> {
-    page.plot(name, &Plot { title, x, y, logarithmic: [true; 2], series })
 }

@@ -1,9 +1,8 @@
 //! Error of the dynamic transmission error in a run-up, against the step size.
 
 use super::{at, everything};
-use crate::driver::{CoSimulation, Gear, INERTIA, Master, Method, Scene, Spin, State, Way};
-use crate::page::{Page, fixed, range, rms};
-use crate::plot::{Series, Style};
+use crate::data::{Data, fixed, range, rms};
+use crate::driver::{CoSimulation, Gear, INERTIA, Master, Scene, Spin, State, Way};
 use crate::setup::Setup;
 use crate::timing::timed;
 use crate::{Context, Result, row};
@@ -43,7 +42,7 @@ fn scene(setup: &Setup) -> Result<Scene> {
 /// Who integrates: one solver over everything, or a master with the element on the other side.
 #[derive(Clone, Copy)]
 enum Host {
-    Monolithic(Method),
+    Monolithic,
     Coupled(Way),
 }
 
@@ -52,16 +51,15 @@ fn run(scene: &Scene, host: Host, step: f64) -> Result<Vec<f64>> {
     let mut state = scene.rest();
     let mut coupling = match host {
         Host::Coupled(way) => Some(CoSimulation::new(scene, way, state, step, 1)?),
-        Host::Monolithic(_) => None,
+        Host::Monolithic => None,
     };
     let mut advance = |t: f64, state: &State| -> Result<State> {
-        Ok(match (&mut coupling, host) {
-            (Some(coupling), _) => {
+        Ok(match &mut coupling {
+            Some(coupling) => {
                 coupling.advance()?;
                 coupling.state
             }
-            (None, Host::Monolithic(method)) => method.step(scene, t, state, step)?,
-            (None, Host::Coupled(_)) => unreachable!("a coupling was made"),
+            None => scene.step(t, state, step)?,
         })
     };
     let per_sample = (SAMPLE / step).round() as usize;
@@ -75,24 +73,21 @@ fn run(scene: &Scene, host: Host, step: f64) -> Result<Vec<f64>> {
     Ok(out)
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let setup = at("palermo2013-unmodified", Refinement::Coarse)?;
     let scene = scene(&setup)?;
     let mass = INERTIA / setup.pair.geometry.gears[1].base_radius().powi(2);
-    let runge_kutta = Host::Monolithic(Method::RungeKutta4);
+    let runge_kutta = Host::Monolithic;
     let reference = run(&scene, runge_kutta, if context.quick { 1e-6 } else { 2.5e-7 })?;
     let [low, high] = range(reference[reference.len() / 5..].iter().copied());
     let swing = high - low;
     let mut rows = vec![row!["(the DTE itself swings by)", "", format!("{:.2}", 1e6 * swing), ""]];
-    let mut series = vec![];
     for (name, host) in [
         ("monolithic, Runge-Kutta 4", runge_kutta),
-        ("monolithic, semi-implicit Euler", Host::Monolithic(Method::SemiImplicitEuler)),
         ("sequential co-simulation, held", Host::Coupled(Way::held(Master::Sequential))),
         ("sequential co-simulation", Host::Coupled(Way::predicted(Master::Sequential, mass))),
         ("parallel co-simulation", Host::Coupled(Way::predicted(Master::Parallel, mass))),
     ] {
-        let mut points = vec![];
         for step in [5e-7, 1e-6, 2e-6, 4e-6, 5e-6, 1e-5].into_iter().skip(if context.quick { 4 } else { 0 }) {
             let (dte, seconds) = timed(|| run(&scene, host, step));
             let error = dte.ok().map(|dte| rms(dte.iter().zip(&reference).map(|(a, b)| a - b)));
@@ -100,16 +95,10 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
             let found = match error {
                 None => "diverges".into(),
                 Some(rms) if !rms.is_finite() || rms > swing => "unstable".into(),
-                Some(rms) => {
-                    points.push((1e6 * step, 1e6 * rms));
-                    format!("{:.2e}", 1e6 * rms)
-                }
+                Some(rms) => format!("{:.2e}", 1e6 * rms),
             };
             rows.push(row![name, fixed(1e6 * step, 1), found, fixed(seconds, 2)]);
         }
-        series.push(Series { name: name.into(), points, style: Style::Both });
     }
-    page.table("run-up", &["host", "step, µs", "rms error of the DTE, µm", "seconds"], &rows)?;
-    let title = "Error of the DTE in a run-up against the step";
-    super::plot(page, "speed-step-size", title, ["step, µs", "rms error of the DTE, µm"], series)
+    data.table("run-up", &["host", "step, µs", "rms error of the DTE, µm", "seconds"], &rows)
 }

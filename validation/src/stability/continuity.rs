@@ -1,8 +1,7 @@
 //! Scans of the force for jumps, inside the range of the tables and beyond it.
 
 use super::{Real, pose, ratio, spin, undamped};
-use crate::page::Page;
-use crate::plot::{Plot, Series};
+use crate::data::Data;
 use crate::setup::external_and_internal;
 use crate::spring::Spring;
 use crate::{Context, Result, row};
@@ -181,14 +180,14 @@ impl std::fmt::Display for Course {
         match self {
             Course::Smooth => f.write_str("smooth"),
             Course::Kink(of) => write!(f, "kink {of:.0e}"),
-            Course::Jump(of) => write!(f, "**jump {of:.0e}**"),
+            Course::Jump(of) => write!(f, "jump {of:.0e}"),
             Course::Refused => f.write_str("refused"),
         }
     }
 }
 
-/// Pairs with constant stiffness and with the sampled potential; in `series` the force of the first while the gears part.
-fn sampled(series: &mut Vec<Series>) -> Result<Vec<(&'static str, &'static str, Subject)>> {
+/// Pairs with constant stiffness and with the sampled potential.
+fn sampled() -> Result<Vec<(&'static str, &'static str, Subject)>> {
     let [external, internal] = external_and_internal();
     let PairGeometry { gears: [pinion, ring], center_distance } = internal.clone();
     let ring_first = PairGeometry { gears: [ring, pinion], center_distance };
@@ -200,12 +199,6 @@ fn sampled(series: &mut Vec<Series>) -> Result<Vec<(&'static str, &'static str, 
     for (name, pair) in [("external", external), ("internal", internal), ("ring first", ring_first)] {
         let subject = |element| Subject::new(&pair, element, LoadedFlank::Both, pair.backlash(pair.center_distance));
         let constant = subject(Element::new(&pair, &both, None)?);
-        let latch = constant.element.latch(&constant.element.nominal_inputs())?;
-        let point = |i: usize| {
-            let x = i as f64 / POINTS as f64;
-            Ok((x, constant.element.evaluate(&latch, &PATHS[1].1(&constant, x))?.tangential_force))
-        };
-        series.push(Series::line(name, (0..=POINTS).map(point).collect::<Result<_>>()?));
         all.push((name, "constant", constant));
         all.push((name, "sampled", subject(Element::with_laws(&pair, &both, &laws)?)));
         all.push((name, "sampled, paper", subject(Element::with_laws(&pair, &paper, &laws)?)));
@@ -224,16 +217,16 @@ pub fn subject(
     Ok(Subject::new(&real.geometry, element, flank, real.gap()))
 }
 
-pub fn report(_: &Context, page: &mut Page) -> Result<()> {
+pub fn report(_: &Context, data: &Data) -> Result<()> {
     use Interpolation::{Linear, Shepard, Spline};
     use LoadedFlank::{Both, Coast, Drive};
-    let (mut rows, mut series) = (vec![], vec![]);
+    let mut rows = vec![];
     let mut add = |pair: &str, law: &str, flanks: &str, subject: &Subject| -> Result<()> {
         let courses = subject.course()?.into_iter().map(|course| course.to_string()).collect();
         rows.push([row![pair, law, flanks], courses].concat());
         Ok(())
     };
-    for (pair, law, subject) in sampled(&mut series)? {
+    for (pair, law, subject) in sampled()? {
         add(pair, law, "both", &subject)?;
     }
     for real in Real::pairs()? {
@@ -246,8 +239,5 @@ pub fn report(_: &Context, page: &mut Page) -> Result<()> {
         add(real.name, "spline, paper", "both", &subject(&real, Formulation::Paper, Spline, Both)?)?;
     }
     let head: Vec<&str> = ["pair", "law", "flanks"].into_iter().chain(PATHS.map(|path| path.0)).collect();
-    page.table("continuity", &head, &rows)?;
-    let title = "Force while the gears are pulled apart";
-    let plot = Plot { title, x: "path, 10 mm", y: "tangential force, N", logarithmic: [false; 2], series };
-    page.plot("apart", &plot)
+    data.table("continuity", &head, &rows)
 }

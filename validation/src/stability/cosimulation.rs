@@ -1,9 +1,8 @@
 //! How long a communication step an explicit coupling bears.
 
 use super::experiment::{ModulatedSpring, STIFFNESS, SingleFreedom};
+use crate::data::{Data, fixed};
 use crate::driver::{CoSimulation, Gear, INERTIA, Master, Scene, Spin, State, Way, gear_state, twist};
-use crate::page::{Page, fixed};
-use crate::plot::{Plot, Series};
 use crate::setup::external_and_internal;
 use crate::{Context, Result, in_repository, row};
 use gearmesh::element::{Element, Parameters};
@@ -14,8 +13,6 @@ use std::sync::Arc;
 /// Disturbance whose growth is watched: so small that damping never brings the force to its bound, zero,
 /// which would hold an unstable motion in a limit cycle, nor tells the element its mass: it starts from twice the least.
 const DISTURBANCE: f64 = 1e-6;
-/// Start of the runs that are compared with the solution, off the static elongation 1.
-const AMPLITUDE: f64 = 0.2;
 
 /// Damping ratios; the last is that of the paper's simulations.
 pub const ZETAS: [f64; 7] = [0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 4.8];
@@ -66,25 +63,6 @@ pub fn limit(o: &SingleFreedom, way: Way) -> Result<f64> {
     }
     let [low, _] = super::last_that_holds([least.ln(), most.ln()], 14, |h| stable(o, way, h.exp()))?;
     Ok(low.exp())
-}
-
-/// Largest error of y over ten periods against the solution in closed form; in contact throughout.
-fn error(o: &SingleFreedom, zeta: f64, way: Way, h: f64) -> Result<f64> {
-    let start = o.start(1.0 + AMPLITUDE, 0.0, 0.0);
-    let mut coupling = CoSimulation::new(&o.scene, way, start, h / o.omega, 4)?;
-    let damped = (1.0 - zeta * zeta).sqrt();
-    let mut worst = 0.0_f64;
-    for _ in 0..(60.0 / h) as usize {
-        coupling.advance()?;
-        let tau = coupling.time * o.omega;
-        let (sine, cosine) = (damped * tau).sin_cos();
-        let exact = 1.0 + AMPLITUDE * (-zeta * tau).exp() * (cosine + zeta / damped * sine);
-        worst = worst.max((o.elongation(coupling.time, &coupling.state)? - exact).abs());
-        if worst > 1.0 {
-            break;
-        }
-    }
-    Ok(worst)
 }
 
 /// Largest stable omega H with held loads, where there is a formula.
@@ -199,7 +177,7 @@ pub fn longest(factor: f64) -> f64 {
     1.7 * (0.5 * factor).sqrt().min(1.0)
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let zetas = if context.quick { &ZETAS[3..4] } else { &ZETAS };
     let masters = [("sequential", Master::Sequential), ("parallel", Master::Parallel)];
     for (part, master) in masters {
@@ -217,7 +195,7 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
             rows.push(cells);
         }
         let head = ["zeta", "held, expected", "held", "no mass", "mass x 0.5", "x 0.8", "x 1", "x 2", "x 4"];
-        page.table(part, &head, &rows)?;
+        data.table(part, &head, &rows)?;
     }
     let mut rows = vec![];
     for name in TABLES {
@@ -232,25 +210,5 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         }
     }
     let head = ["pair", "master", "after 100 steps", "1000", "100 000", "held loads, 100"];
-    page.table("energy-brought", &head, &rows)?;
-    let zeta = 0.1;
-    let o = system(zeta)?;
-    let mut series = vec![];
-    for (name, master) in masters {
-        for (told, way) in [
-            ("held", Way::held(master)),
-            ("no mass", Way::predicted(master, 0.0)),
-            ("predicted", Way::predicted(master, mass())),
-        ] {
-            let mut points = vec![];
-            for n in 0..if context.quick { 2 } else { 13 } {
-                let h = 1e-3 * 10f64.powf(f64::from(n) * 0.2);
-                points.push((h, error(&o, zeta, way, h)?));
-            }
-            points.retain(|p| p.1 < 1.0);
-            series.push(Series::line(format!("{name}, {told}"), points));
-        }
-    }
-    let title = "Error against communication step, zeta = 0.1";
-    page.plot("cosimulation", &Plot { title, x: "omega H", y: "largest error of y", logarithmic: [true; 2], series })
+    data.table("energy-brought", &head, &rows)
 }

@@ -1,8 +1,8 @@
 //! Hard cases one by one: poses at the limits, and motion through the backlash.
 
 use super::{Real, pose, ratio, spin, undamped};
-use crate::driver::{Gear, Method, Scene, Spin};
-use crate::page::{Page, fixed};
+use crate::data::{Data, fixed};
+use crate::driver::{Gear, Scene, Spin};
 use crate::setup::external_and_internal;
 use crate::{Context, Result, row};
 use gearmesh::element::{Element, Formulation, Inputs, Interpolation, LoadedFlank, Outputs};
@@ -120,7 +120,7 @@ fn motion(
     let mut found = Vec::new();
     for &end in times {
         while (n as f64) * STEP < end {
-            y = Method::RungeKutta4.step(&scene, n as f64 * STEP, &y, STEP)?;
+            y = scene.step(n as f64 * STEP, &y, STEP)?;
             n += 1;
         }
         found.push(in_words(&scene.contact(end, &y)?));
@@ -128,26 +128,22 @@ fn motion(
     Ok(found)
 }
 
-pub fn report(_: &Context, page: &mut Page) -> Result<()> {
+pub fn report(_: &Context, data: &Data) -> Result<()> {
     let subjects = Subject::all()?;
-    let (mut rows, mut refusals) = (vec![], vec![]);
+    let mut rows = vec![];
     for (case, make) in POSES {
         let mut row = row![case];
         for subject in &subjects {
             let latch = subject.element.latch(&subject.element.nominal_inputs())?;
             row.push(match subject.element.evaluate(&latch, &make(subject)) {
                 Ok(out) => in_words(&out),
-                Err(error) => {
-                    refusals.push(row![case, subject.name, error]);
-                    "refused".into()
-                }
+                Err(error) => format!("refused: {error}"),
             });
         }
         rows.push(row);
     }
     let names = subjects.iter().map(|s| s.name);
-    page.table("poses", &["case"].into_iter().chain(names).collect::<Vec<_>>(), &rows)?;
-    page.table("refusals", &["case", "pair", "refusal"], &refusals)?;
+    data.table("poses", &["case"].into_iter().chain(names).collect::<Vec<_>>(), &rows)?;
 
     let mut rows = vec![];
     for subject in &subjects {
@@ -165,5 +161,5 @@ pub fn report(_: &Context, page: &mut Page) -> Result<()> {
         "30 ms after",
         "released in the middle of the gap: 30 ms after",
     ];
-    page.table("motion", &head, &rows)
+    data.table("motion", &head, &rows)
 }

@@ -1,4 +1,4 @@
-//! The page on stability: energy, nonlinear motion with known answers, co-simulation, hard cases, continuity.
+//! Stability: energy, nonlinear motion with known answers, co-simulation, hard cases, continuity.
 
 pub mod continuity;
 pub mod cosimulation;
@@ -18,7 +18,6 @@ use gearmesh::table::Table;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::sync::Arc;
 
-/// In the order of the page.
 pub const CHAPTERS: [(&str, Chapter); 6] = [
     ("energy", energy::report),
     ("oscillator", oscillator::report),

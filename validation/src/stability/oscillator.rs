@@ -1,9 +1,8 @@
 //! y'' + 2 zeta y' + k(tau) max(y, 0) = 1, k = 1 + eps cos(Omega tau), realised with the element.
 
 use super::experiment::{ModulatedSpring, STIFFNESS, SingleFreedom};
-use crate::driver::{CoSimulation, INERTIA, Master, Method, Spin, State, Way};
-use crate::page::{Page, fixed};
-use crate::plot::{Plot, Series};
+use crate::data::{Data, fixed};
+use crate::driver::{CoSimulation, INERTIA, Master, Spin, State, Way};
 use crate::setup::external_and_internal;
 use crate::{Context, Result, row};
 use gearmesh::element::{Element, FlankLaws, LoadedFlank, Parameters};
@@ -109,7 +108,7 @@ fn run(case: &Case, host: Host, frequency: f64, start: Motion, settle: usize, me
             squares += y * y;
         }
         y = match &mut coupled {
-            None => Method::RungeKutta4.step(&o.scene, t, &y, h)?,
+            None => o.scene.step(t, &y, h)?,
             Some(coupled) => {
                 coupled.advance()?;
                 coupled.state
@@ -173,7 +172,7 @@ pub fn growth(case: &Case, frequency: f64) -> Result<f64> {
             peaks[1] = peaks[1].max(difference);
         }
         for y in &mut pair {
-            *y = Method::RungeKutta4.step(&o.scene, t, y, h)?;
+            *y = o.scene.step(t, y, h)?;
         }
     }
     Ok((peaks[1] / peaks[0]).ln())
@@ -188,7 +187,7 @@ pub fn free_period(case: &Case, a: f64) -> Result<f64> {
     let mut crossings = Vec::new();
     let mut t = 0.0;
     while crossings.len() < 3 {
-        y = Method::RungeKutta4.step(&o.scene, t, &y, h)?;
+        y = o.scene.step(t, &y, h)?;
         let now = o.elongation(t, &y)? - 1.0;
         if before > 0.0 && now <= 0.0 {
             crossings.push((t + h * before / (before - now)) * o.omega);
@@ -204,8 +203,8 @@ pub fn exact_period(a: f64) -> f64 {
     2.0 * (PI - (1.0 / a).acos()) + 2.0 * (a * a - 1.0).sqrt()
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
-    let (mut rows, mut series) = (vec![], vec![]);
+pub fn report(context: &Context, data: &Data) -> Result<()> {
+    let mut rows = vec![];
     for (depth, zeta, up, down) in [(0.2, 0.03, 0.895, 0.70), (0.1, 0.01, 0.945, 0.605)] {
         if context.quick && depth < 0.2 {
             continue;
@@ -225,12 +224,7 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
                 rows.push(row![name, format!("rms at 0.85, {branch} branch"), expected, imported, closed]);
             }
         }
-        for (direction, mut curves) in [("up", rising), ("down", falling)] {
-            series.push(Series::line(format!("{name}, {direction}"), curves.swap_remove(0)));
-        }
     }
-    let title = "Softening jump from contact loss, imported table";
-    page.plot("jump", &Plot { title, x: "Omega / omega", y: "rms of y", logarithmic: [false; 2], series })?;
 
     let (depth, zeta) = (0.2_f64, 0.03_f64);
     let mut coupled = vec![];
@@ -246,7 +240,7 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         }
     }
     let head = ["steps a mesh cycle", "master", "jump up", "jump down", "rms at 0.85, lower branch", "upper branch"];
-    page.table("oscillator-coupled", &head, &coupled)?;
+    data.table("oscillator-coupled", &head, &coupled)?;
     let cases = Case::both(depth, zeta)?;
     let half = (depth * depth / 4.0 - 4.0 * zeta * zeta).sqrt();
     for (name, sign) in [("lower", -1.0), ("upper", 1.0)] {
@@ -269,5 +263,5 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         let name = format!("free, undamped, amplitude {a}");
         rows.push(row![name, "period", fixed(exact, 5), found(&cases[0])?, found(&cases[1])?]);
     }
-    page.table("oscillator", &["case", "quantity", "expected", "imported", "closed form"], &rows)
+    data.table("oscillator", &["case", "quantity", "expected", "imported", "closed form"], &rows)
 }

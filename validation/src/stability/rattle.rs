@@ -1,8 +1,8 @@
 //! An idle gear that rattles: a ball bouncing on a vibrating table, drag torque in place of gravity.
 
 use super::experiment::{ModulatedSpring, STIFFNESS, SingleFreedom};
-use crate::driver::{INERTIA, Method, Spin, State, gear_state};
-use crate::page::{Page, fixed};
+use crate::data::{Data, fixed};
+use crate::driver::{INERTIA, Spin, State, gear_state};
 use crate::setup::external_and_internal;
 use crate::{Context, Result, row};
 use gearmesh::element::Parameters;
@@ -72,7 +72,7 @@ pub fn restitution(damping: f64, speed: f64) -> Result<f64> {
     let mut t = 0.0;
     loop {
         let (h, _) = step(&o, t, &y)?;
-        y = Method::RungeKutta4.step(&o.scene, t, &y, h)?;
+        y = o.scene.step(t, &y, h)?;
         t += h;
         if rate(&y) < 0.0 && o.scene.contact(t, &y)?.flank == 0 {
             return Ok(-rate(&y) / speed);
@@ -121,7 +121,7 @@ pub fn period_one(damping: f64, restitution: f64, gamma: f64) -> Result<bool> {
             // It rests on the flank for a part of the cycle.
             return Ok(false);
         }
-        y = Method::RungeKutta4.step(&o.scene, t, &y, h)?;
+        y = o.scene.step(t, &y, h)?;
         t += h;
     }
     let off: Vec<f64> = impacts.windows(2).map(|w| (w[1] - w[0] - 1.0).abs()).collect();
@@ -159,7 +159,7 @@ pub fn impact_speed(restitution: f64) -> f64 {
     2.0 / (1.0 + restitution) * PI * DRAG / INERTIA / frequency()
 }
 
-pub fn report(context: &Context, page: &mut Page) -> Result<()> {
+pub fn report(context: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
     for wanted in if context.quick { &[0.5_f64][..] } else { &[0.5, 0.8] } {
         let speed = impact_speed(*wanted);
@@ -175,14 +175,14 @@ pub fn report(context: &Context, page: &mut Page) -> Result<()> {
         rows.push([row![wanted, fixed(measured, 4), speeds], edges.to_vec()].concat());
     }
     let head = [
-        "restitution wanted",
-        "measured",
-        "at a third and at three times the speed",
-        "stable from, expected",
-        "found",
-        "stable up to, expected",
-        "with this criterion",
-        "found",
+        "restitution",
+        "restitution measured",
+        "restitution at a third and at three times the speed",
+        "lower edge expected",
+        "lower edge found",
+        "upper edge expected",
+        "upper edge with this criterion",
+        "upper edge found",
     ];
-    page.table("rattle", &head, &rows)
+    data.table("rattle", &head, &rows)
 }

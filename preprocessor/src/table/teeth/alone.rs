@@ -110,7 +110,7 @@ impl Alone {
         let outer = |nodes: &[f64]| [nodes[0], nodes[nodes.len() / 2], nodes[nodes.len() - 1]];
         let mut ends = [0.0f64; 2];
         for c in outer(&self.nodes[0]) {
-            let passage = self.solver.passage(self.flank, c)?;
+            let passage = self.solver.passage(c)?;
             for m in outer(&self.nodes[1]) {
                 let held = self.level(c, m).map_or(f64::INFINITY, |[held, _]| held);
                 for (end, sign) in [-1.0, 1.0].into_iter().enumerate() {
@@ -137,7 +137,7 @@ impl StaticSource for AloneOver<'_> {
     ) -> Result<Box<dyn StaticPosition + '_>, String> {
         let place = self.places[0] + mesh_position * self.places[1];
         let (alone, c) = (self.alone, center_distance_offset);
-        let [first, last] = alone.solver.passage(flank, c).map_err(|e| e.to_string())?;
+        let [first, last] = alone.solver.passage(c).map_err(|e| e.to_string())?;
         let held = place.clamp(first + STEP, last - STEP);
         let problem = (alone.solver.tooth_pair(flank, held, c)).map_err(|e| e.to_string())?;
         Ok(Box::new(AlonePosition {

@@ -1,0 +1,326 @@
+//! Loads and pressures along each segment, where contact reaches a tip edge or the start of a relief.
+//!
+//! An oblique contact line runs out at a tip edge, and crosses the start of a relief, within a fraction of a segment. Contact reaches
+//! the edge only on the last few hundredths of a millimetre of flank, and a relieved flank bears little there, less than the
+//! segment does in its mean; at the start of a relief pressure is largest. So such segments are sampled at several positions, each
+//! with the law of its own gap and its own distance from the edge. Between two samples contact reaches the edge as far as the
+//! load there exceeds the least that does.
+//!
+//! Segments know one displacement of the teeth each. Bodies give way smoothly along the face, the gap does not: the penetration of a
+//! sample near an edge is what a straight line between the middles of neighbouring segments closes there, less the gap. It shares
+//! out what the segment bears. The line load at the start of a relief lies between those of neighbouring segments.
+
+use super::candidates::{Candidate, ContactLines};
+use super::complementarity::Solution;
+use super::local_law::{LocalContact, POINTS, PointLoads};
+use super::position::{LawAt, LawsAlong, PositionProblem};
+
+/// The points of a segment, parts of its length from its middle.
+const AT_POINTS: [f64; POINTS] = [-0.375, -0.125, 0.125, 0.375];
+
+/// Positions at which the start of a relief is looked for.
+const AT_RELIEF: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
+
+/// Halvings in the search for the position at which the contact line comes to an edge: to a micrometre of face.
+const BISECTIONS: usize = 12;
+
+/// Contact at a tip edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EdgeLoad {
+    /// Normal force per length of contact line, N/m, at this position, not the mean of a segment.
+    pub line_load: f64,
+    /// Where along the face, in gear 1's frame, m.
+    pub z: f64,
+    /// The gear whose tip edge it is, 0 or 1.
+    pub gear: usize,
+}
+
+impl EdgeLoad {
+    /// The one of the larger line load.
+    pub(super) fn larger(a: Option<EdgeLoad>, b: Option<EdgeLoad>) -> Option<EdgeLoad> {
+        match (a, b) {
+            (Some(a), Some(b)) if b.line_load > a.line_load => Some(b),
+            (a, b) => a.or(b),
+        }
+    }
+}
+
+/// What a segment bears at one position.
+struct Sample<'a> {
+    segment: usize,
+    /// Gear 1's frame, m.
+    z: f64,
+    /// N/m.
+    line_load: f64,
+    law: &'a LocalContact,
+}
+
+impl Sample<'_> {
+    fn reaches_edge(&self) -> bool {
+        self.line_load > self.law.load_at_edge()
+    }
+
+    /// Where contact ceases to reach the edge between here, where it does, and `other`, where it does not: z (m) and line
+    /// load (N/m) there.
+    ///
+    /// The line load is taken to be linear in between, and so is the root of the least one that reaches the edge, as the
+    /// distance from it is.
+    fn last_towards(&self, other: &Sample<'_>) -> (f64, f64) {
+        let least = [self, other].map(|sample| sample.law.load_at_edge().sqrt());
+        let (rise, farther) = (other.line_load - self.line_load, least[1] - least[0]);
+        // w + rise t = (least + farther t)², one root in [0, 1].
+        let half = least[0] * farther - 0.5 * rise;
+        let over = (self.line_load - least[0] * least[0]).max(0.0);
+        let part = over / (half + (half * half + over * farther * farther).sqrt());
+        // NaN where nothing within the range of the law reaches the edge.
+        let part = if part.is_nan() { 0.0 } else { part.min(1.0) };
+        let z = self.z + part * (other.z - self.z);
+        (z, self.line_load + part * rise)
+    }
+}
+
+impl PositionProblem {
+    /// Makes the laws along the segments, which lie on `lines` at the mesh position `tau`.
+    pub(super) fn sample_along(&mut self, lines: &ContactLines<'_>, tau: f64) {
+        // The contact lines of spur pairs run along edges and the starts of reliefs.
+        if lines.section.numbers().tan_beta_b == 0.0 {
+            return;
+        }
+        let along =
+            (self.candidates.iter().zip(&self.local).enumerate()).map(|(i, (segment, law))| {
+                let laws = |positions: &[f64]| {
+                    let at = |&position: &f64| LawAt {
+                        position,
+                        law: self.law(
+                            segment,
+                            &lines.profile_along(tau, segment, position),
+                            self.lengths(i),
+                        ),
+                    };
+                    positions.iter().map(at).collect()
+                };
+                LawsAlong {
+                    edge: match law.has_edge() {
+                        true => laws(&positions_near_edge(lines, tau, segment)),
+                        false => vec![],
+                    },
+                    relief: if law.has_relief() {
+                        laws(&AT_RELIEF)
+                    } else {
+                        vec![]
+                    },
+                }
+            });
+        self.along = along.collect();
+    }
+
+    /// Largest line load at a tip edge of each segment that bears in `solution`; `gap` are the gaps at the points of the segments
+    /// along the normal under its misalignment, m.
+    pub(super) fn edge_loads(
+        &self,
+        solution: &Solution,
+        gap: &[[f64; POINTS]],
+    ) -> Vec<Option<EdgeLoad>> {
+        let mut all = vec![None; self.candidates.len()];
+        let samples: Vec<Sample<'_>> = (0..all.len())
+            .flat_map(|i| self.samples(i, solution, &gap[i]))
+            .collect();
+        for (number, sample) in samples.iter().enumerate() {
+            let i = sample.segment;
+            if solution.force[i] <= 0.0 || !sample.reaches_edge() {
+                continue;
+            }
+            let segment = &self.candidates[i];
+            let mut add = |(z, line_load): (f64, f64)| {
+                let gear = segment.profile.edge_gear();
+                let here = EdgeLoad { line_load, z, gear };
+                all[i] = EdgeLoad::larger(all[i], Some(here));
+            };
+            add((sample.z, sample.line_load));
+            for other in neighbours(&samples, number) {
+                let follows = are_neighbours(segment, &self.candidates[other.segment]);
+                if follows && !other.reaches_edge() {
+                    add(sample.last_towards(other));
+                }
+            }
+        }
+        all
+    }
+
+    /// Loads along segment `i` near an edge; where its laws are not known, at its points.
+    fn samples<'a>(
+        &'a self,
+        i: usize,
+        solution: &Solution,
+        gap: &[f64; POINTS],
+    ) -> Vec<Sample<'a>> {
+        let segment = &self.candidates[i];
+        let [below, above] = self.closing_slopes(i, solution);
+        let laws: Vec<(f64, &LocalContact)> = match self.along.get(i) {
+            Some(along) => (along.edge.iter())
+                .map(|at| (at.position, &at.law))
+                .collect(),
+            None => AT_POINTS.map(|at| (at, &self.local[i])).to_vec(),
+        };
+        let sample = |&(position, law): &(f64, &'a LocalContact)| {
+            let along = position * (segment.z[1] - segment.z[0]);
+            let slope = if position < 0.0 { below } else { above };
+            let penetration = solution.closing[i] + along * slope - between_points(gap, position);
+            Sample {
+                segment: i,
+                z: segment.middle() + along,
+                line_load: law.line_load(penetration).load,
+                law,
+            }
+        };
+        let mut samples: Vec<_> = laws.iter().map(sample).collect();
+        let is_point = |number: &usize| AT_POINTS.contains(&laws[*number].0);
+        let points = (0..laws.len()).filter(is_point);
+        let sum: f64 = points.map(|number| samples[number].line_load).sum();
+        // The points share what the segment bears, or less: one in whose corner contact ends bears more than the line does there.
+        let known = solution.force[i] / self.local[i].length();
+        if sum > known {
+            samples.iter_mut().for_each(|s| s.line_load *= known / sum);
+        }
+        // Where the line comes to the edge, it bears no more than next to it.
+        if let Some(number) = (0..laws.len()).find(|number| !is_point(number)) {
+            let loads = neighbours(&samples, number).map(|sample| sample.line_load);
+            let most = loads.fold(0.0, f64::max);
+            samples[number].line_load = samples[number].line_load.min(most);
+        }
+        samples
+    }
+
+    /// Slopes over z (m/m) of what the segments close, from the middle of segment `i` to those of its neighbours below and above;
+    /// where one is missing, that on the other side.
+    fn closing_slopes(&self, i: usize, solution: &Solution) -> [f64; 2] {
+        let slope = |other: usize| {
+            let [here, there] = [i, other].map(|i| self.candidates[i].middle());
+            let (law, next) = (&self.local[i], &self.local[other]);
+            let line_load = solution.force[other] / (POINTS as f64 * next.length());
+            let closing = solution.closing[other] + law.takes_up_more_than(next, line_load);
+            (closing - solution.closing[i]) / (there - here)
+        };
+        let [below, above] = self.neighbours(i).map(|other| other.map(slope));
+        [below.or(above), above.or(below)].map(|slope| slope.unwrap_or(0.0))
+    }
+
+    /// Largest pressure (Pa) inside the flanks of each segment under `loads`; `edges` are the loads at their tip edges.
+    pub(super) fn pressures(&self, loads: &[PointLoads], edges: &[Option<EdgeLoad>]) -> Vec<f64> {
+        let inside: Vec<_> = (0..loads.len())
+            .map(|i| self.force_inside(i, &loads[i]))
+            .collect();
+        let largest = |i: usize| {
+            let Some(force) = inside[i] else {
+                // At its middle the line lies nearer to the edge than where it bears.
+                return match edges[i] {
+                    Some(_) => 0.0,
+                    None => self.local[i].hertz_pressure(loads[i].force() / POINTS as f64),
+                };
+            };
+            let middle = self.local[i].pressure(force).unwrap_or(0.0);
+            let along = self
+                .along
+                .get(i)
+                .into_iter()
+                .flat_map(|along| &along.relief);
+            let pressures = along.filter_map(|at| {
+                (at.law).pressure_at_relief(self.line_load(&inside, i, at.position))
+            });
+            pressures.fold(middle, f64::max)
+        };
+        (0..loads.len()).map(largest).collect()
+    }
+
+    /// Mean force (N) of the loaded points of segment `i` that stay inside the flanks by the law of its middle.
+    ///
+    /// Only the local law tells the points of a segment apart: where the gap changes along it, a point bears more than the line does
+    /// there. Their mean is what the line bears.
+    fn force_inside(&self, i: usize, loads: &PointLoads) -> Option<f64> {
+        let is_inside = |force: &f64| *force != 0.0 && !self.local[i].reaches_edge(*force);
+        let inside = || loads.forces.iter().filter(|force| is_inside(force));
+        let points = inside().count();
+        (points > 0).then(|| inside().sum::<f64>() / points as f64)
+    }
+
+    /// Line load (N/m) at `position` of segment `i`, linear towards its neighbour on that side, if that bears inside the flanks;
+    /// `forces` are the mean ones of the points.
+    fn line_load(&self, forces: &[Option<f64>], i: usize, position: f64) -> f64 {
+        let known = |i: usize| Some(forces[i]? / self.local[i].length());
+        let here = known(i).unwrap_or(0.0);
+        let segment = &self.candidates[i];
+        let [below, above] = self.neighbours(i);
+        let neighbour = if position < 0.0 { below } else { above };
+        let slope = neighbour.and_then(|other| {
+            let distance = self.candidates[other].middle() - segment.middle();
+            Some((known(other)? - here) / distance)
+        });
+        here + slope.unwrap_or(0.0) * position * (segment.z[1] - segment.z[0])
+    }
+
+    /// The segments below and above segment `i` on its contact line.
+    fn neighbours(&self, i: usize) -> [Option<usize>; 2] {
+        let follows = |other: &usize| {
+            let other = self.candidates.get(*other);
+            other.is_some_and(|other| are_neighbours(&self.candidates[i], other))
+        };
+        [i.checked_sub(1), Some(i + 1)].map(|other| other.filter(follows))
+    }
+}
+
+/// The items before and behind the one of this number.
+fn neighbours<T>(items: &[T], number: usize) -> impl Iterator<Item = &T> {
+    let before = number.checked_sub(1).and_then(|before| items.get(before));
+    before.into_iter().chain(items.get(number + 1))
+}
+
+/// [`AT_POINTS`], and where on `segment` the contact line comes to a tip edge.
+fn positions_near_edge(lines: &ContactLines<'_>, tau: f64, segment: &Candidate) -> Vec<f64> {
+    let is_off = |at: f64| lines.profile_along(tau, segment, at).edge_distance() > 0.0;
+    let mut positions = AT_POINTS.to_vec();
+    let (mut at_edge, mut off) = match [-0.5, 0.5].map(is_off) {
+        [false, true] => (-0.5, 0.5),
+        [true, false] => (0.5, -0.5),
+        _ => return positions,
+    };
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (at_edge + off);
+        match is_off(middle) {
+            true => off = middle,
+            false => at_edge = middle,
+        }
+    }
+    let next = positions.partition_point(|position| *position < at_edge);
+    positions.insert(next, at_edge);
+    positions
+}
+
+/// Whether two segments follow each other on one contact line, or are one.
+fn are_neighbours(a: &Candidate, b: &Candidate) -> bool {
+    a.tooth_pair == b.tooth_pair && a.station.abs_diff(b.station) <= 1
+}
+
+/// The cubic through `values` at [`AT_POINTS`], at the part `at` of a segment's length from its middle.
+fn between_points(values: &[f64; POINTS], at: f64) -> f64 {
+    let weight = |q: usize| {
+        let others = AT_POINTS.into_iter().enumerate().filter(|(r, _)| *r != q);
+        let part = others.map(|(_, point)| (at - point) / (AT_POINTS[q] - point));
+        part.product::<f64>()
+    };
+    (0..POINTS).map(|q| weight(q) * values[q]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn gaps_between_and_beyond_the_points_of_a_segment_are_those_of_a_cubic() {
+        let cubic = |at: f64| 2.0 + at * (3.0 - at * (1.0 + 5.0 * at));
+        let values = AT_POINTS.map(cubic);
+        for at in [-0.5, -0.375, 0.0, 0.2, 0.5] {
+            assert_relative_eq!(between_points(&values, at), cubic(at), max_relative = 1e-14);
+        }
+    }
+}

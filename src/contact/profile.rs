@@ -1,0 +1,263 @@
+//! The gap between two flanks about the point where they come closest, piece by piece a parabola.
+//!
+//! With t the distance along the flanks from there, in the normal section,
+//!
+//! gap(t) = slope t + curvature t² / 2 + sum of reliefs (k u + kappa u² / 2), u = max(side (t - at), 0),
+//!
+//! k the jump of slope at the start of a relief (linear), kappa that of curvature (parabolic). None holds the closest point: a
+//! relief on which that lies is the parabola there, and the flank before it the relief. All that removes material is
+//! convex, and so is the gap. Over a contact from m - a to m + a, t = m + a cos(theta), the law of a contact needs no more
+//! than the first coefficients of gap = g_0 + g_1 cos(theta) + g_2 cos(2 theta) + ...
+
+use std::f64::consts::{FRAC_1_PI, PI};
+
+/// Where a relief begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReliefStart {
+    /// Distance from the closest point, m.
+    pub at: f64,
+    /// 1 where the relief lies at larger t, -1 at smaller.
+    pub side: f64,
+    /// Jump of the slope of the gap k, >= 0.
+    pub slope: f64,
+    /// Jump of its curvature kappa, 1/m.
+    pub curvature: f64,
+}
+
+impl ReliefStart {
+    /// None.
+    pub const NONE: ReliefStart = ReliefStart {
+        at: f64::INFINITY,
+        side: 1.0,
+        slope: 0.0,
+        curvature: 0.0,
+    };
+}
+
+/// Tip and root reliefs of both gears.
+const RELIEFS: usize = 4;
+
+/// The gap about the closest point, over that there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GapProfile {
+    /// Slope at the closest point, zero but at an edge and between the two sides of a kink.
+    pub slope: f64,
+    /// Curvature there, 1/m.
+    pub curvature: f64,
+    /// The reliefs, any that are not there [`ReliefStart::NONE`].
+    reliefs: [ReliefStart; RELIEFS],
+    /// Tip edge of gear 2, <= 0, and of gear 1, >= 0, m.
+    pub edges: [f64; 2],
+}
+
+/// Means of the gap over a contact, all under the weight 1 / sqrt(a² - (t - m)²) of a flat punch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Means {
+    /// g_0: mean of the gap, m.
+    pub gap: f64,
+    /// a times its derivative by a, m.
+    pub by_log_width: f64,
+    /// g_1 and g_2, m.
+    pub coefficients: [f64; 2],
+}
+
+impl GapProfile {
+    /// Unmodified flanks of the curvature `curvature` (1/m) inclined by `slope`.
+    pub fn parabola(slope: f64, curvature: f64, edges: [f64; 2]) -> GapProfile {
+        GapProfile {
+            slope,
+            curvature,
+            reliefs: [ReliefStart::NONE; RELIEFS],
+            edges,
+        }
+    }
+
+    /// Gap at the distance `t` (m), m.
+    #[cfg(test)]
+    pub fn gap(&self, t: f64) -> f64 {
+        let removal = |b: &ReliefStart| {
+            let u = (b.side * (t - b.at)).max(0.0);
+            u * (b.slope + 0.5 * u * b.curvature)
+        };
+        let reliefs = self.reliefs.iter().map(removal).sum::<f64>();
+        t * (self.slope + 0.5 * t * self.curvature) + reliefs
+    }
+
+    /// [`GapProfile::parabola`] far from both edges, with reliefs: the fields of [`ReliefStart`] in their order.
+    #[cfg(test)]
+    pub fn relieved(slope: f64, curvature: f64, reliefs: [(f64, f64, f64, f64); 2]) -> GapProfile {
+        let mut profile = GapProfile::parabola(slope, curvature, [-1.0, 1.0]);
+        for (number, (at, side, slope, curvature)) in reliefs.into_iter().enumerate() {
+            let relief = ReliefStart {
+                at,
+                side,
+                slope,
+                curvature,
+            };
+            profile.add(number, relief);
+        }
+        profile
+    }
+
+    /// Sets relief number `number`.
+    pub fn add(&mut self, number: usize, relief: ReliefStart) {
+        let mut other = relief;
+        if relief.side * relief.at < 0.0 {
+            // With v = -side (t - at): max(-v, 0) = -v + max(v, 0), and its square is v² less that of max(v, 0).
+            self.slope += relief.side * relief.slope - relief.at * relief.curvature;
+            self.curvature += relief.curvature;
+            other.side = -relief.side;
+            other.curvature = -relief.curvature;
+        }
+        self.reliefs[number] = other;
+    }
+
+    /// Slopes of the gap before and behind the closest point.
+    pub fn slopes_at_closest(&self) -> [f64; 2] {
+        let jump = |side: f64| {
+            let here = self
+                .reliefs
+                .iter()
+                .filter(|b| b.at == 0.0 && b.side == side);
+            here.map(|b| b.slope).sum::<f64>()
+        };
+        [self.slope - jump(-1.0), self.slope + jump(1.0)]
+    }
+
+    /// Distance from the closest point to the nearest tip edge, m.
+    pub fn edge_distance(&self) -> f64 {
+        self.edges[1].min(-self.edges[0])
+    }
+
+    /// The gear, 0 or 1, whose tip edge is nearest.
+    pub fn edge_gear(&self) -> usize {
+        let [of_second, of_first] = self.edges;
+        usize::from(-of_second < of_first)
+    }
+
+    /// Half-width of a contact that just reaches the start of a relief, m; one that reaches a tip edge before grows from
+    /// there.
+    pub fn relief_distance(&self) -> f64 {
+        let [low, high] = self.edges;
+        let to_edge = self.edge_distance();
+        let half_width = |b: &ReliefStart| {
+            if b.at.abs() <= to_edge {
+                b.at.abs()
+            } else if high < -low {
+                0.5 * (high - b.at)
+            } else {
+                0.5 * (b.at - low)
+            }
+        };
+        // Beyond the tip edge there is no flank.
+        let is_there =
+            |b: &&ReliefStart| low < b.at && b.at < high && (b.slope, b.curvature) != (0.0, 0.0);
+        let inside = self.reliefs.iter().filter(is_there);
+        inside.map(half_width).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Mean of the slope over the contact and its derivative by `m`.
+    fn tilt(&self, m: f64, a: f64) -> (f64, f64) {
+        let (mut tilt, mut by_m) = (self.slope + self.curvature * m, self.curvature);
+        for b in &self.reliefs {
+            let Some((tau, theta, sine)) = part_in_contact(b, m, a) else {
+                continue;
+            };
+            tilt += b.side * FRAC_1_PI * (b.slope * theta + b.curvature * a * (sine - tau * theta));
+            by_m += FRAC_1_PI * b.curvature * theta;
+            if b.slope != 0.0 && sine > 0.0 {
+                by_m += FRAC_1_PI * b.slope / (a * sine);
+            }
+        }
+        (tilt, by_m)
+    }
+
+    /// Middle of a contact of the half-width `a`, m: that of the least mean gap, where the mean slope is zero, or at a tip
+    /// edge. The search begins at `start`.
+    pub(super) fn middle(&self, a: f64, start: f64) -> f64 {
+        let edges = [self.edges[0] + a, self.edges[1] - a];
+        let (mut low, mut high) = (edges[0].max(-a), edges[1].min(a));
+        // A contact that ends at the closest point slopes towards it.
+        if edges[0] > -a && self.tilt(low, a).0 >= 0.0 {
+            return low;
+        }
+        if edges[1] < a && self.tilt(high, a).0 <= 0.0 {
+            return high;
+        }
+        let mut m = start.clamp(low, high);
+        for _ in 0..100 {
+            let (tilt, by_m) = self.tilt(m, a);
+            if tilt > 0.0 {
+                high = m;
+            } else {
+                low = m;
+            }
+            let newton = m - tilt / by_m;
+            let inside = low < newton && newton < high;
+            let next = if inside { newton } else { 0.5 * (low + high) };
+            let step = (next - m).abs();
+            m = next;
+            // Quadratic: what a step of Newton's method leaves is the square of it.
+            let enough = if inside { 1e-7 } else { 1e-13 };
+            if step <= enough * a {
+                break;
+            }
+        }
+        m
+    }
+
+    /// How far a contact of the half-width `a` is from tip edges, as a slope: zero where it just reaches one, positive
+    /// where one cuts it off.
+    pub(super) fn cut(&self, a: f64) -> f64 {
+        let [low, high] = self.edges;
+        let before = self.tilt(low + a, a).0;
+        let behind = -self.tilt(high - a, a).0;
+        before.max(behind)
+    }
+
+    /// Means over the contact from `m` - `a` to `m` + `a` (m), a half-width that grows from a tip edge moves its middle.
+    pub(super) fn means(&self, m: f64, a: f64) -> Means {
+        let mut all = Means {
+            gap: self.slope * m + 0.5 * self.curvature * (m * m + 0.5 * a * a),
+            by_log_width: 0.5 * self.curvature * a * a,
+            coefficients: [
+                a * (self.slope + self.curvature * m),
+                0.25 * self.curvature * a * a,
+            ],
+        };
+        for b in &self.reliefs {
+            let Some((tau, theta, sine)) = part_in_contact(b, m, a) else {
+                continue;
+            };
+            let cube = sine * sine * sine;
+            let kink = FRAC_1_PI * b.slope * a;
+            let bend = FRAC_1_PI * b.curvature * a * a;
+            all.gap += kink * (sine - tau * theta)
+                + 0.5 * bend * ((tau * tau + 0.5) * theta - 1.5 * tau * sine);
+            all.by_log_width += kink * sine + 0.5 * bend * (theta - tau * sine);
+            all.coefficients[0] +=
+                b.side * (kink * (theta - tau * sine) + bend * (sine - cube / 3.0 - tau * theta));
+            let second = 0.25 * theta + tau * sine * (tau * tau / 6.0 - 5.0 / 12.0);
+            all.coefficients[1] += 2.0 / 3.0 * kink * cube + bend * second;
+        }
+        // Zero but for a contact that ends at a tip edge.
+        if m == self.edges[0] + a || m == self.edges[1] - a {
+            all.by_log_width += a * self.tilt(m, a).0.abs();
+        }
+        all
+    }
+}
+
+/// Position tau of the start of a relief in a contact, seen from the side away from it, its angle and sine: the relief
+/// takes part from theta = 0 to this angle; `None` where it takes no part.
+fn part_in_contact(b: &ReliefStart, m: f64, a: f64) -> Option<(f64, f64, f64)> {
+    let tau = b.side * (b.at - m) / a;
+    if tau >= 1.0 {
+        return None;
+    }
+    if tau <= -1.0 {
+        return Some((tau, PI, 0.0));
+    }
+    let sine = (1.0 - tau * tau).sqrt();
+    Some((tau, tau.acos(), sine))
+}

@@ -1,0 +1,313 @@
+"""The functions of the Python package against closed forms, synthetic signals and the command's own output."""
+
+import builtins
+import inspect
+import json
+import math
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+
+import gearmesh
+import matplotlib
+import numpy as np
+import pytest
+from conftest import ALIGNED, GEARMESH, PAIRS, QUICK, TABLES, oscillator
+from gearmesh import History, plots
+from gearmesh.energy import Ledger, mesh_energy, mesh_loss, wrench_residual
+from gearmesh.poses import generalised, place
+from gearmesh.sweep import grid, sweep
+from scipy.spatial.transform import Rotation
+
+matplotlib.use("Agg")
+PAIR = PAIRS / "palermo2013.json"
+
+
+def rotation(*angles):
+    """Rx Ry Rz."""
+    return Rotation.from_euler("XYZ", angles).as_matrix()
+
+
+@pytest.fixture(scope="module")
+def geometry(fmus):
+    with gearmesh.GearPair(fmus["external"]) as pair:
+        return pair.geometry
+
+
+def test_every_public_function_is_annotated_and_documented():
+    for name in gearmesh.__all__:
+        thing = getattr(gearmesh, name)
+        assert thing.__doc__, name
+        if not isinstance(thing, type):
+            assert set(inspect.signature(thing).parameters) | {"return"} == set(thing.__annotations__), name
+            assert all(f"\n    {part}\n    ---" in thing.__doc__ for part in ("Parameters", "Yields" if "Iterator" in thing.__annotations__["return"] else "Returns")), name
+
+
+def test_solve_gives_what_the_command_prints():
+    command = [GEARMESH, "solve", PAIR, "--json", "--torque-nm=40,100", "--misalignment-mrad=0.5", "--positions=8", "--speed-rpm=1000"]
+    options = ["--refinement=coarse", "--stations=12", f"--cache-dir={QUICK['cache_dir']}", "-q"]
+    printed = json.loads(subprocess.run(command + options, check=True, capture_output=True, text=True).stdout)["cases"]
+    found = gearmesh.solve_all(PAIR, [40.0, 100.0], [0.5], positions=8, speed_rpm=[1000.0], **QUICK)
+    one = gearmesh.solve(json.loads(PAIR.read_text()), 100.0, 0.5, positions=8, speed_rpm=[1000.0], **QUICK)
+    for cycle, case in zip([*found, one], [*printed, printed[1]], strict=True):
+        assert (cycle.torque_nm, cycle.misalignment_mrad) == (case["torque_nm"], 0.5)
+        for name, value in vars(cycle).items():
+            if isinstance(value, np.ndarray):
+                assert value == pytest.approx(np.array(case[name], dtype=float), rel=1e-12, nan_ok=True), name
+    assert one.load_share.shape == (8, len(one.tooth_pairs)) and one.load_share.sum(axis=1) == pytest.approx(np.ones(8))
+    assert set(printed[0]) - {"center_distance_offset_um"} <= set(vars(one)), "a result without a field"
+    assert one.root_stress_mpa is None and np.isnan(one.edge_z_mm).any()
+
+
+def test_study_reads_its_samples_and_statistics(tmp_path):
+    vary = {"gear1.tip_relief.amount_um": 2.0, "misalignment_mrad": (-0.2, 0.2)}
+    found = gearmesh.study(PAIR, tmp_path / "study", vary, samples=12, positions=8, **QUICK)
+    spans = found.samples["peak_to_peak_ste_loa_um"]
+    assert spans.shape == (13,) and found.errors == [""] * 13
+    stated = found.statistics["peak_to_peak_ste_loa_um"]
+    assert (stated.nominal, stated.mean, stated.largest) == pytest.approx((spans[0], spans[1:].mean(), spans[1:].max()), rel=1e-6)
+    amount = found.samples["gear1.tip_relief.amount_um"]
+    assert amount[0] == 7.0 and np.all(np.abs(amount - 7.0) <= 2.0) and np.ptp(found.samples["misalignment_mrad"]) > 0.1
+    correlation = np.corrcoef(amount[1:], spans[1:])[0, 1]
+    assert stated.correlation["gear1.tip_relief.amount_um"] == pytest.approx(correlation, abs=1e-6)
+
+
+def test_build_and_pack_and_inspect(tmp_path, table_fmus):
+    unit = gearmesh.pack(TABLES / "fzg-c.json", tmp_path / "unit.fmu", set={"damping": 500.0, "loadDependent": False, "interpolation": "linear"})
+    with gearmesh.GearPair(unit) as pair:
+        found = [pair.parameters[name] for name in ("damping", "loadDependent", "interpolation", "stiffnessModel")]
+    assert found == [500.0, False, "linear", "table"]
+    for file, kind, row in ((unit, "fmu", "start: damping"), (TABLES / "fzg-c.json", "tables", "teeth"), (PAIR, "pair", "gear1")):
+        shown = gearmesh.inspect(file)
+        assert shown.kind == kind and shown.text
+        assert row in shown.values or kind == "tables" and shown.values, shown.values
+    assert gearmesh.inspect(PAIR).values["gear1"]["teeth"] == 20
+    assert gearmesh.inspect(table_fmus["external-cycle"]).kind == "fmu"  # of `build`
+
+
+def test_errors_of_the_command_are_exceptions_with_its_message(tmp_path):
+    with pytest.raises(gearmesh.CommandError, match="normal_module_mm"):
+        gearmesh.solve(json.loads(PAIR.read_text()) | {"normal_module_mm": -4.0})
+    with pytest.raises(gearmesh.GearmeshError, match="nowhere.json"):
+        gearmesh.build(tmp_path / "nowhere.json", tmp_path / "out.fmu", **ALIGNED)
+    with pytest.raises(gearmesh.CommandError, match="stifness"):
+        gearmesh.pack(PAIR, tmp_path / "out.fmu", set={"stifness": 3.0})
+    assert not (tmp_path / "out.fmu").exists()
+
+
+def test_the_geometry_is_that_of_the_paper(geometry):
+    """2660.4 N at 100 N m from its Table 1."""
+    assert geometry.normal_force(100.0) == pytest.approx(2660.4, abs=0.1)
+    assert geometry.ratio == -1.0 and sum(geometry.pitch_radii) == pytest.approx(82.104e-3)
+    assert geometry.reduced_mass((math.inf, 4.213e-4)) == pytest.approx(0.25, rel=1e-3)
+
+
+@pytest.mark.parametrize("misalignment", [-3e-3, -1e-6, 0.0, 2e-3])
+def test_tilt_of_gear2_gives_the_misalignment_asked_for_and_none_across_the_plane(geometry, misalignment):
+    alpha, beta = geometry.tilt_of_gear2(misalignment)
+    difference = np.array([0.0, 0.0, 1.0]) - rotation(alpha, beta, 0.0)[:, 2]
+    phi = geometry.pressure_angle
+    assert [math.sin(phi), math.cos(phi), 0.0] @ difference == pytest.approx(misalignment, abs=1e-15)
+    assert [math.cos(phi), -math.sin(phi), 0.0] @ difference == pytest.approx(0.0, abs=1e-15)
+
+
+SWING, ZETA, INERTIAS, TORQUE = 0.002, 0.03, (3e-3, 5e-3), 100.0
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """Through the resonance of two discs on a spring whose stiffness swings by a fifth of a percent."""
+    unit = oscillator(tmp_path_factory.mktemp("oscillator"), SWING)
+    return gearmesh.run_up(unit, INERTIAS, ZETA, TORQUE, (5000.0, 14000.0), sweep_s=2.0)
+
+
+def test_a_run_up_of_two_discs_is_that_of_the_linear_oscillator(run):
+    """x'' + 2 zeta w x' + w^2 (1 + s cos) x = w^2 x0: for small s an amplitude of s x0 / |1 - r^2 + 2 i zeta r|."""
+    base, pitch, mean = 38.4567147e-3, 41.052e-3, 4.9e8 * math.sqrt(1.0 - SWING**2)
+    omega = base * math.sqrt(mean * sum(1.0 / i for i in INERTIAS))
+    assert run.natural_frequency_hz == pytest.approx(omega / math.tau, rel=5e-3)
+    static = 1e6 * TORQUE / base / mean * pitch / base  # um on the pitch circle
+    for history in (run.up, run.down):
+        found = gearmesh.orders(history, "transmission_error_um", [20], revolutions=1.0)
+        ratio = found.speed_rpm / 60.0 * 20 * math.tau / omega
+        expected = SWING * static / np.abs(1.0 - ratio**2 + 2j * ZETA * ratio)
+        assert found.of(20) == pytest.approx(expected, abs=0.03 * expected.max())
+        assert history["transmission_error_um"].mean() == pytest.approx(static, rel=5e-3)
+        assert history["tangential_force_n"].mean() == pytest.approx(TORQUE / pitch, rel=2e-3)
+        # Both discs are pushed by the same force: their accelerations are as one over the inertia.
+        a1, a2 = (history[f"acceleration_gear{i}_rad_per_s2"] for i in (1, 2))
+        assert a1 * INERTIAS[0] == pytest.approx(a2 * INERTIAS[1], abs=1e-5 * TORQUE)
+    assert run.up.speed_rpm[[0, -1]] == pytest.approx([5000.0, 14000.0], rel=1e-2)
+    assert run.down.speed_rpm[[0, -1]] == pytest.approx([14000.0, 5000.0], rel=1e-2)
+
+
+def test_a_run_up_shows_both_branches_where_teeth_part(tmp_path):
+    """The clearance oscillator of the literature with a fifth of swing: up it jumps at 0.895 of the resonance."""
+    found = gearmesh.run_up(oscillator(tmp_path, 0.2), INERTIAS, ZETA, TORQUE, (6500.0, 11500.0), sweep_s=0.8)
+    (speed, lower), (back, upper) = (gearmesh.swing(history, "transmission_error_um") for history in (found.up, found.down))
+    jump = speed[np.argmax(np.abs(np.diff(np.log(lower))))] / found.resonance_rpm
+    assert jump == pytest.approx(0.895, abs=0.015)
+    at = 0.85 * found.resonance_rpm
+    assert np.interp(at, back[::-1], upper[::-1]) > 2.5 * np.interp(at, speed, lower)
+    assert np.any(found.down["tangential_force_n"] == 0.0)
+
+
+@pytest.mark.parametrize("wrong", [{"damping": -0.1}, {"speeds": (9000.0, 4000.0)}, {"torque": 0.0}, {"inertias": (0.0, 1e-3)}])
+def test_a_run_up_that_makes_no_sense_is_refused_by_name(fmus, wrong):
+    arguments = {"inertias": (1e-3, 1e-3), "damping": 0.03, "torque": 100.0, "speeds": (4000.0, 9000.0)} | wrong
+    with pytest.raises(gearmesh.GearmeshError, match=next(iter(wrong))):
+        gearmesh.run_up(fmus["external"], **arguments)
+
+
+@pytest.fixture(scope="module")
+def chirp():
+    """Orders 3 and 7.5 of a shaft that runs up evenly to 6000 rpm in a second, the second one rising with speed."""
+    time = np.arange(0.0, 1.0, 2e-5)
+    angle = math.pi * 100.0 * time**2
+    signal = 2.0 + 3.0 * np.sin(3.0 * angle + 0.4) + 0.5 * time * np.cos(7.5 * angle)
+    return History(time, angle, 6000.0 * time, {"chirp_um": signal})
+
+
+def test_orders_of_a_chirp_are_its_amplitudes(chirp):
+    found = gearmesh.orders(chirp, "chirp_um", [3.0, 5.0, 7.5], revolutions=2.0)
+    late = found.speed_rpm > 1500.0
+    assert found.of(3)[late] == pytest.approx(np.full(late.sum(), 3.0), rel=2e-3)
+    assert found.of(7.5)[late] == pytest.approx(0.5 * found.time_s[late], rel=2e-2)
+    assert found.of(5)[late].max() < 0.01
+    assert found.level_db(1e-6)[:, 0] == pytest.approx(20.0 * np.log10(found.of(3) / 1e-6))
+    down = History(chirp.time_s, chirp.angle_rad[-1] - chirp.angle_rad[::-1], chirp.speed_rpm[::-1], {"chirp_um": chirp["chirp_um"][::-1]})
+    assert gearmesh.orders(down, "chirp_um", [3.0], revolutions=2.0).of(3)[:20] == pytest.approx(np.full(20, 3.0), rel=2e-3)
+    with pytest.raises(gearmesh.GearmeshError, match="order 4 was not analysed"):
+        found.of(4)
+    with pytest.raises(gearmesh.GearmeshError, match="revolutions"):
+        gearmesh.orders(chirp, "chirp_um", [3.0], revolutions=1000.0)
+
+
+def test_the_spectra_of_a_chirp_peak_where_its_order_is(chirp):
+    found = gearmesh.campbell(chirp, "chirp_um", window_s=0.02)
+    fast = found.speed_rpm > 1500.0
+    peaks = found.frequency_hz[found.amplitude.argmax(axis=1)]
+    assert peaks[fast] == pytest.approx(3.0 * found.speed_rpm[fast] / 60.0, abs=found.frequency_hz[1])
+    # The order sweeps through a bin and a half in a window.
+    assert found.amplitude.max(axis=1)[fast] == pytest.approx(np.full(fast.sum(), 3.0), rel=0.35)
+    with pytest.raises(gearmesh.GearmeshError, match="window_s"):
+        gearmesh.campbell(chirp, "chirp_um", window_s=2.0)
+    steady = History(chirp.time_s, 100.0 * chirp.time_s, np.full(50_000, 955.0), {"x_um": 1.5 * np.sin(math.tau * 250.0 * chirp.time_s)})
+    tone = gearmesh.campbell(steady, "x_um", window_s=0.04)
+    assert tone.amplitude.max(axis=1) == pytest.approx(np.full(len(tone.time_s), 1.5), rel=1e-3)
+    assert tone.level_db(1.5).max() == pytest.approx(0.0, abs=0.01)
+    assert gearmesh.swing(steady, "x_um")[1] == pytest.approx(np.full(100, 1.5), rel=1e-3)
+
+
+def test_levels_state_their_reference():
+    assert gearmesh.decibels(np.array([1.0, 10.0, 0.0]), 0.1) == pytest.approx([20.0, 40.0, -math.inf])
+    with pytest.raises(gearmesh.GearmeshError, match="reference = 0"):
+        gearmesh.decibels(1.0, 0.0)
+
+
+def test_integrate_is_of_fourth_order_and_keeps_the_books():
+    def error(step):
+        rows = list(gearmesh.integrate(lambda _, z: np.array([z[1], -z[0]]), np.array([1.0, 0.0]), step, round(1.0 / step), every=2,
+                                       accounts=lambda _, z: [z[1]]))  # fmt: skip
+        assert len(rows) == round(0.5 / step) + 1
+        time, z, (way,) = rows[-1]
+        assert way == pytest.approx(z[0] - 1.0, abs=1e-9)  # the integral of the rate
+        return abs(z[0] - math.cos(time))
+
+    assert math.log2(error(0.05) / error(0.025)) == pytest.approx(4.0, abs=0.1)
+    z = gearmesh.runge_kutta(lambda time, _: np.array([time**3]), 1.0, np.array([0.0]), 1.0)
+    assert z[0] == pytest.approx(15.0 / 4.0)
+
+
+@pytest.mark.parametrize("coupling, order", [("sequential", 2.0), ("held", 1.0)])
+def test_a_disc_on_a_spring_steps_with_the_order_of_its_coupling_or_better(fmus, coupling, order):
+    """Constant stiffness, gear 1 at rest: cosine about the static angle."""
+    inertia, radius, stiffness, start = 1e-3, 41.052e-3, 4e8, 2e-4
+    omega = radius * math.sqrt(stiffness / inertia)
+    choices = {"coupling": coupling, "constantStiffness": stiffness, "damping": 0.0, "effectiveMass": inertia / 38.4567147e-3**2}
+    torque = stiffness * radius**2 * start
+
+    def error(step):
+        with gearmesh.GearPair(fmus["external"], choices | {"loadedFlank": "drive"}) as pair:
+            pair.initialize()
+            turning = gearmesh.Turning(pair, step)
+
+            def advance(_, s):
+                a = (turning.moments()[1] + torque) / inertia
+                return s[0] + step * (s[1] + 0.5 * step * a), s[1] + step * a
+
+            motion = gearmesh.cosimulate(pair, lambda _, s: turning.place(0.0, 0.0, *s), advance, (1.2 * start, 0.0), step, round(5e-4 / step))
+            found = np.array([(time, s[0]) for time, s in motion])
+        return np.abs(found[:, 1] / start - 1.0 - 0.2 * np.cos(omega * found[:, 0])).max()
+
+    coarse, fine = error(2e-6), error(1e-6)
+    assert fine < 0.02 and math.log2(coarse / fine) > order - 0.3
+
+
+def test_poses_and_loads_go_by_virtual_power(fmus):
+    rng = np.random.default_rng(5)
+    q, q_t = rng.normal(size=12) * 0.3, rng.normal(size=12)
+    with gearmesh.GearPair(fmus["external"], interface="model-exchange") as pair:
+        place(pair, q.tolist(), q_t.tolist(), [[0.0] * 3] * 2)
+        y = rng.normal(size=12)
+        power = sum(y[3 * i : 3 * i + 3] @ np.array(pair.u[at : at + 3]) for i, at in enumerate((10, 13, 26, 29)))
+    assert generalised(y, q) @ q_t == pytest.approx(power, rel=1e-12)
+    moved = rotation(*(q + 1e-7 * q_t)[3:6]) - rotation(*(q - 1e-7 * q_t)[3:6])
+    spin = moved @ rotation(*q[3:6]).T / 2e-7
+    assert pair.u[13:16] == pytest.approx([spin[2, 1], spin[0, 2], spin[1, 0]], rel=1e-6)
+
+
+def test_a_mesh_stores_and_loses_what_spring_and_damper_do(fmus):
+    choices = {"constantStiffness": 4e8, "damping": 1e3, "dampingOnset": 1e-3, "loadedFlank": "drive"}
+    with gearmesh.GearPair(fmus["external"], choices, "model-exchange") as pair:
+        pair.initialize()
+        gearmesh.Turning(pair)(0.0, 0.0, 2e-4, 0.1)
+        approach, rate = 41.052e-3 * 2e-4, 41.052e-3 * 0.1
+        assert mesh_loss(pair) == pytest.approx(1e3 * rate**2, rel=1e-9)
+        assert wrench_residual(pair) < 1e-13
+        assert mesh_energy(pair) == pytest.approx(0.5 * 4e8 * approach**2, rel=1e-9)
+        ledger = Ledger(1.0)
+        ledger.enter([pair], 1.0, 0.0, 0.0, 0.0)
+        ledger.enter([pair], 1.0 + 1e-3, 0.0, 0.0, 0.0, stray=0.0)
+        assert ledger.found()["energy over mesh"] == pytest.approx(1e-3 / mesh_energy(pair))
+
+
+def test_a_sweep_goes_on_where_it_was(tmp_path):
+    def squares(cases):
+        return [{"square": case["x_um"] ** 2} for case in cases]
+
+    cases, done = grid(x_um=[1.0, 2.0, 3.0], torque_nm=[5.0, 6.0]), []
+    with ThreadPoolExecutor(2) as pool:
+        options = {"batch": 2, "progress": lambda *counts: done.append(counts)}
+        first = sweep(squares, cases[:3], tmp_path, pool, **options)
+        both = sweep(squares, cases, tmp_path, pool, **options)
+        sweep(squares, cases, tmp_path, pool, **options, identity="another unit")
+    # Two batches of three cases, then two of the other three, then all anew.
+    assert done == [(0, 3), *done[1:3], (3, 6), *done[4:6], (0, 6), (2, 6), (4, 6), (6, 6)] and done[2] == (3, 3) and done[5] == (6, 6)
+    assert first["square"].tolist() == [1.0, 1.0, 4.0] and both["square"].tolist() == [1.0, 1.0, 4.0, 4.0, 9.0, 9.0]
+    assert both["torque_nm"].tolist() == [5.0, 6.0] * 3
+
+
+def test_plots_show_speeds_orders_and_levels(run, tmp_path):
+    found = gearmesh.orders(run.up, "tangential_force_n", [20, 40], revolutions=1.0)
+    axes = gearmesh.plot_orders(found, reference=1.0)
+    assert axes.get_ylabel() == "tangential force (dB re 1 N)" and len(axes.lines) == 2
+    assert gearmesh.plot_orders(found).get_yscale() == "log"
+    assert gearmesh.plot_run_up(run).get_ylabel() == "swing of transmission error (µm)"
+    spectra = gearmesh.campbell(run.down, "tangential_force_n", window_s=0.02)
+    figure = gearmesh.plot_campbell(spectra, reference=1.0).figure
+    assert plots.save(figure, tmp_path / "folder" / "campbell.png").stat().st_size > 1000
+    cycle = gearmesh.solve(PAIR, 100.0, positions=8, **QUICK)
+    assert gearmesh.plot_cycle(cycle).lines[0].get_label() == "100 N m"
+
+
+def test_plots_without_matplotlib_say_so(run, monkeypatch):
+    load = builtins.__import__
+
+    def without(name, *rest):
+        if name.startswith("matplotlib"):
+            raise ImportError(name)
+        return load(name, *rest)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(gearmesh.GearmeshError, match="pip install matplotlib"):
+        gearmesh.plot_run_up(run)

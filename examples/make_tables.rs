@@ -10,8 +10,7 @@ use gearmesh::pair::Refinement;
 use gearmesh::table::{Axes, Query, Table, TableFile};
 use gearmesh_preprocessor::finite_element::{PairCompliance, Settings};
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::plan::{displacement_nodes, mesh_positions};
-use gearmesh_preprocessor::table::sweep::{Watch, sweep};
+use gearmesh_preprocessor::table::{Watch, displacement_nodes, mesh_positions, sweep};
 use std::sync::atomic::AtomicBool;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,7 +1,7 @@
 //! Claims about the element on the table of a real pair.
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use gearmesh::contact::ContactSettings;
+use gearmesh::contact::{ContactSettings, Prescribed};
 use gearmesh::element::{
     Element, Formulation, Inputs, LoadedFlank, Outputs, Parameters, StiffnessModel,
 };
@@ -9,14 +9,15 @@ use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::Refinement;
 use gearmesh::random::Random;
-use gearmesh::table::{Axes, FrictionRecord, LoadAxes, RootStressRecord, Table, TableFile};
+use gearmesh::table::{
+    Axes, FrictionRecord, LoadAxes, LoadSamples, RootStressRecord, Table, TableFile,
+};
 use gearmesh_preprocessor::contact::PositionRoots;
 use gearmesh_preprocessor::finite_element::{Settings, pair_root_stress};
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::source::StaticSource;
-use gearmesh_preprocessor::table::sweep::{Watch, sweep};
 use gearmesh_preprocessor::table::{
-    RootStressSweep, default_root_stress_axes, default_sliding_axes, plan, sweep_sliding,
+    Coverage, RootStressSweep, StaticSource, Watch, default_root_stress_axes, default_sliding_axes,
+    displacement_nodes, mesh_positions, sweep, sweep_sliding,
 };
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
@@ -76,10 +77,10 @@ fn a_real_pair_under_torque_stands_on_either_flank_as_the_contact_solver_says() 
     let geometry = &pair.geometry;
     let solver = coarse_solver(&pair, ContactSettings::default());
     let axes = Axes {
-        displacement_fraction: plan::displacement_nodes(10, 1.6),
+        displacement_fraction: displacement_nodes(10, 1.6),
         center_distance_offset: vec![0.0],
         misalignment: vec![0.0],
-        mesh_position: plan::mesh_positions(24),
+        mesh_position: mesh_positions(24),
     };
     let watch = Watch {
         progress: &|_, _| (),
@@ -134,7 +135,7 @@ fn a_real_pair_under_torque_stands_on_either_flank_as_the_contact_solver_says() 
                     let out = loaded(low);
                     let source: &dyn StaticSource = &solver;
                     let mut position = source.position(flank, out.mesh_position, 0.0).unwrap();
-                    let found = position.at_torque(torque, 0.0).unwrap();
+                    let found = position.solve(Prescribed::Torque(torque), 0.0).unwrap();
                     let dte = out.transmission_error * element.line_of_action(out.center_distance);
                     assert_relative_eq!(flank.sign() * dte, found.approach, max_relative = 3e-3);
                     let lever = found.moment / found.loa_force;
@@ -161,17 +162,17 @@ fn a_real_pair_loses_what_its_line_loads_lose() {
     let solver = coarse_solver(&pair, ContactSettings::default());
     let top = pair.operating.maximum_torque;
     let axes = Axes {
-        displacement_fraction: plan::displacement_nodes(10, 1.6),
+        displacement_fraction: displacement_nodes(10, 1.6),
         center_distance_offset: vec![0.0],
         misalignment: vec![0.0],
-        mesh_position: plan::mesh_positions(32),
+        mesh_position: mesh_positions(32),
     };
     let watch = Watch {
         progress: &|_, _| (),
         cancel: &std::sync::atomic::AtomicBool::new(false),
     };
     let grid = sweep(&solver, Flank::Drive, &axes, top, &watch).unwrap();
-    let coverage = plan::Coverage {
+    let coverage = Coverage {
         center_distance_offset: None,
         misalignment: None,
         nominal_torque: 0.5 * top,
@@ -246,17 +247,17 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
         progress: &|_, _| (),
         cancel: &std::sync::atomic::AtomicBool::new(false),
     };
-    let coverage = plan::Coverage {
+    let coverage = Coverage {
         center_distance_offset: Some([-50e-6, 50e-6]),
         misalignment: Some([-1e-3, 1e-3]),
         nominal_torque: 100.0,
         maximum_torque: 200.0,
     };
     let axes = Axes {
-        displacement_fraction: plan::displacement_nodes(6, 1.6),
+        displacement_fraction: displacement_nodes(6, 1.6),
         center_distance_offset: vec![-50e-6, -20e-6, 20e-6, 50e-6],
         misalignment: vec![-1e-3, -0.4e-3, 0.0, 0.4e-3, 1e-3],
-        mesh_position: plan::mesh_positions(12),
+        mesh_position: mesh_positions(12),
     };
     let grid = sweep(&solver, Flank::Drive, &axes, 200.0, &watch).unwrap();
     let roots = RootStressSweep {
@@ -268,7 +269,7 @@ fn a_real_pair_has_the_root_stress_of_its_line_loads() {
     let axes = LoadAxes {
         center_distance_offset_m: axes.center_distance_offset.clone(),
         misalignment_rad: every.misalignment_rad.iter().copied().step_by(2).collect(),
-        mesh_position: plan::mesh_positions(32),
+        mesh_position: mesh_positions(32),
         ..every
     };
     let drive = roots.samples(&axes, &watch).unwrap();

@@ -41,8 +41,7 @@ fn a_tables_file_of_version_0_1_0_gives_the_potential_it_gave_then() {
     sealed.seal();
     assert_eq!(sealed, file);
     assert_eq!(file.generator, "gearmesh 0.1.0");
-    let force =
-        file.nominal_torque_nm / file.geometry.pair_geometry().unwrap().gears[0].base_radius();
+    let force = file.nominal_torque_nm / file.geometry.gears[0].base_radius();
     let text = std::fs::read_to_string(recorded("potentials.json")).unwrap();
     let rows: Vec<Row> = serde_json::from_str(&text).unwrap();
     assert_eq!(rows.len(), 72);

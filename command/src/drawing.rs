@@ -3,9 +3,7 @@
 use gearmesh::gear::{Flank, Gear, GearKind, ToothProfile};
 use gearmesh::pair::Pair;
 use gearmesh_preprocessor::pair::Gauges;
-use gearmesh_preprocessor::pair::drawing::{
-    generating_profile_shift, lead, normal_tooth_thickness, over_balls, span,
-};
+use gearmesh_preprocessor::pair::drawing::{Measure, generating_profile_shift, lead};
 use serde_json::{Map, Value, json};
 
 use crate::columns::{Column, columns, object};
@@ -25,15 +23,15 @@ pub fn quantities(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> 
     let mesh = &pair.geometry;
     let g = &mesh.gears[i];
     let mm = |length: f64| (1e3 * length).is_finite().then_some(1e3 * length);
-    let s = normal_tooth_thickness(g);
+    let s = Measure::Thickness.of(g).unwrap_or(f64::NAN);
     let (k, ball) = (gauges.span_teeth, gauges.ball_diameter);
     let [teeth, over] = match g.kind {
         GearKind::External => ["teeth", "over"],
         GearKind::Ring => ["spaces", "between"],
     };
     let hand = hand(g);
-    let span = span(g, k).and_then(mm);
-    let balls = over_balls(g, ball).and_then(mm);
+    let span = Measure::Span(k).of(g).and_then(mm);
+    let balls = Measure::Balls(ball).of(g).and_then(mm);
     let (lead, x) = (mm(lead(g)), g.profile_shift);
     let (root, base) = (mm(2.0 * g.root_radius()), g.base_radius());
     let generating = generating_profile_shift(g, s);

@@ -115,7 +115,7 @@ pub fn pack_tables(
 ) -> Result<Packed, crate::Error> {
     let contents = Contents {
         name: &tables.name,
-        geometry: &tables.geometry.pair_geometry()?,
+        geometry: &tables.geometry,
         tables: Some(tables),
         contact,
         starts: &Starts::of_tables(tables)?.with(settings),

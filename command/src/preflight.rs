@@ -4,7 +4,7 @@ use gearmesh::contact::ContactSolver;
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
-use gearmesh_preprocessor::table::plan::Coverage;
+use gearmesh_preprocessor::table::Coverage;
 
 use crate::Error;
 use crate::model::ModelArgs;

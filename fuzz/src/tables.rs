@@ -6,9 +6,9 @@ use super::spring::Spring;
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::Flank;
 use gearmesh::table::{
-    CouplingRecord, Effects, FrictionRecord, GearTeethRecord, Interpolation, InterpolationError,
-    Load, LoadAxes, LoadJet, Potential, Query, RootStressError, RootStressRecord,
-    RootStressSamples, SlidingSamples, Table, TableError, TableFile, TeethRecord,
+    Effects, FrictionRecord, GearTeethRecord, Interpolation, InterpolationError, Load, LoadAxes,
+    LoadJet, Potential, Query, RootStressError, RootStressRecord, RootStressSamples,
+    SlidingSamples, Table, TableError, TableFile, TeethRecord,
 };
 
 use super::{Target, change, gears};
@@ -72,7 +72,7 @@ pub fn formula(counts: [usize; 4]) -> TableFile {
         axes: file.axes.clone(),
         first_place: -1.0,
         last_place: 1.2,
-        coupling_m_per_n: CouplingRecord(vec![vec![1e-10]]),
+        coupling_m_per_n: vec![vec![1e-10]],
         drive: file.drive.clone(),
         coast: None,
         coast_coupling_m_per_n: None,

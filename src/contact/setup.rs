@@ -6,7 +6,6 @@ use super::error::ContactError;
 use super::transverse::{PairNumbers, TransverseSection};
 use crate::gear::{PairGeometry, PairMicrogeometry, PairTeeth};
 use crate::pair::{Pair, Refinement};
-use crate::table::GeometryRecord;
 
 /// Stations along the face: the most, of a pair whose contacts are narrow (docs/validation.md), and the fewest.
 const MOST_STATIONS: usize = 40;
@@ -102,7 +101,7 @@ impl ContactSetup {
     /// # Errors
     /// The first such field, as text.
     pub(super) fn check(&self) -> Result<(), String> {
-        GeometryRecord::check(&self.geometry).map_err(|error| error.to_string())?;
+        (self.geometry.check()).map_err(|error| error.to_string())?;
         let numbers = PairNumbers::new(&self.geometry, self.corner_resolution);
         let section = (self.section(&numbers, 0.0)).map_err(|error| error.to_string())?;
         let [first, last] = section.passage();

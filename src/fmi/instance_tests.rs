@@ -12,7 +12,7 @@ fn on_tables(interface: Interface) -> (Instance, f64) {
         "/resources/tables/palermo2013.json"
     );
     let tables = TableFile::read(PATH).unwrap();
-    let geometry = tables.geometry.pair_geometry().unwrap();
+    let geometry = tables.geometry.clone();
     let nominal = geometry.center_distance;
     let starts = [
         (index::NOMINAL_TORQUE, tables.nominal_torque_nm),
@@ -99,7 +99,7 @@ fn inputs_that_a_host_fills_with_zeros_are_refused_with_where_gear_2_belongs() {
         env!("CARGO_MANIFEST_DIR"),
         "/resources/tables/planet-ring-27-84.json"
     ));
-    let ring = ring.unwrap().geometry.pair_geometry().unwrap();
+    let ring = ring.unwrap().geometry;
     for geometry in [crate::gear::samples::paper_pair(1.0), ring] {
         let start = format!("gear2.position[1] starts as {} m", geometry.center_distance);
         let mut instance = started(Interface::CoSimulation, geometry, None, &[]);

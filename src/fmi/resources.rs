@@ -19,7 +19,7 @@ use super::variables::{FIRST_PARAMETER, INPUTS, PARAMETERS, index_by_name, templ
 use crate::contact::ContactFile;
 use crate::element::{Element, ElementError, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
-use crate::table::{Effects, GeometryRecord, Table, TableError, TableFile};
+use crate::table::{Effects, Table, TableError, TableFile};
 
 /// File with the pair and the GUID.
 pub const UNIT_FILE: &str = "unit.json";
@@ -251,8 +251,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
         read_file(folder, TABLES_FILE, |bytes| {
             let text = str::from_utf8(bytes).map_err(|error| error.to_string())?;
             let tables = TableFile::from_json(text).map_err(|error| error.to_string())?;
-            let geometry = tables.geometry.pair_geometry();
-            if geometry.map_err(|error| error.to_string())? != unit.geometry {
+            if tables.geometry != unit.geometry {
                 return Err(format!("the tables are not those of {UNIT_FILE}"));
             }
             Ok(tables)
@@ -276,7 +275,7 @@ pub fn parse_unit(bytes: &[u8]) -> Result<UnitFile, String> {
             "version {found}, this library reads {UNIT_VERSION}"
         ));
     }
-    GeometryRecord::check(&unit.geometry).map_err(|error| error.to_string())?;
+    (unit.geometry.check()).map_err(|error| error.to_string())?;
     Starts::new(&unit)?;
     Ok(unit)
 }

@@ -18,19 +18,23 @@ use std::f64::consts::PI;
 #[serde(deny_unknown_fields)]
 pub struct Body {
     /// Inner radius of the rim, m.
+    #[serde(rename = "rim_radius_m", alias = "rim_radius")]
     pub rim_radius: f64,
     /// z of both faces of the web, m, ascending, within the face unless it is a shaft.
+    #[serde(rename = "web_z_m", alias = "web")]
     pub web: [f64; 2],
     /// Outer radius of the hub, m; the held radius where the web reaches down to it.
+    #[serde(rename = "hub_radius_m", alias = "hub_radius")]
     pub hub_radius: f64,
     /// z of both ends of the hub, m, ascending; they may lie beyond the face, and enclose the web.
+    #[serde(rename = "hub_z_m", alias = "hub")]
     pub hub: [f64; 2],
     /// Which ends of a shaft (at low and at high z) are held in place of the bore; a gear on a shaft has none.
     #[serde(default, skip_serializing_if = "is_held_at_its_bore")]
     pub held_ends: [bool; 2],
 }
 
-pub(crate) fn is_held_at_its_bore(held_ends: &[bool; 2]) -> bool {
+fn is_held_at_its_bore(held_ends: &[bool; 2]) -> bool {
     *held_ends == [false; 2]
 }
 

@@ -17,7 +17,8 @@ pub enum GearKind {
 /// Macrogeometry and material of one gear, SI.
 ///
 /// Public fields are the independent data; everything else is a method. A `Gear` out of
-/// [`crate::pair`] has passed all checks there.
+/// [`crate::pair`] has passed all checks there. Files carry units in the names; those of version 0.1.0 of
+/// packed units have the names without.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gear {
@@ -28,21 +29,28 @@ pub struct Gear {
     /// +1 right-handed, -1 left-handed; of no effect for a spur gear.
     pub hand: f64,
     /// Normal module, m.
+    #[serde(rename = "normal_module_m", alias = "normal_module")]
     pub normal_module: f64,
     /// Normal pressure angle of the basic rack, rad.
+    #[serde(rename = "normal_pressure_angle_rad", alias = "normal_pressure_angle")]
     pub normal_pressure_angle: f64,
     /// Helix angle on the reference cylinder, rad, >= 0; its sense is `hand`.
+    #[serde(rename = "helix_angle_rad", alias = "helix_angle")]
     pub helix_angle: f64,
     /// Profile shift coefficient x; > 0 makes teeth thicker (ring: spaces wider).
     pub profile_shift: f64,
     /// Face width, m.
+    #[serde(rename = "face_width_m", alias = "face_width")]
     pub face_width: f64,
     /// z of this gear's z = 0 face minus that of gear 1, m (0 for gear 1).
+    #[serde(rename = "face_offset_m", alias = "face_offset")]
     pub face_offset: f64,
     /// Tip radius, m (ring: the inner radius).
+    #[serde(rename = "tip_radius_m", alias = "tip_radius")]
     pub tip_radius: f64,
     /// Radial height of the chamfer or rounding at the tips, m, >= 0: the involute ends this far from
     /// the tip circle. Absent in files of units and tables it is 0.
+    #[serde(rename = "tip_chamfer_m", alias = "tip_chamfer")]
     #[serde(default, skip_serializing_if = "is_zero")]
     pub tip_chamfer: f64,
     /// Dedendum of the basic rack over the normal module.
@@ -50,17 +58,21 @@ pub struct Gear {
     /// Tip radius of the generating rack (ring: of the fillet) over the normal module.
     pub tool_tip_radius_coefficient: f64,
     /// Radius of the surface that is held, m: bore of an external gear, outer rim of a ring.
+    #[serde(rename = "held_radius_m", alias = "held_radius")]
     pub held_radius: f64,
     /// Rim, web and hub of an external gear; None: a full disc. Absent in files of units and tables it is None.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<Body>,
     /// Stiffness of an elastic foundation on which the held surface rests, N/m³, alike in all directions; None: it
     /// is held rigidly. Absent in files of units and tables it is None.
+    #[serde(rename = "foundation_n_per_m3", alias = "foundation")]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foundation: Option<f64>,
     /// Thinning of each tooth (ring: widening of each space) on the base circle, m, >= 0.
+    #[serde(rename = "tooth_thinning_m", alias = "tooth_thinning")]
     pub tooth_thinning: f64,
     /// Young's modulus, Pa.
+    #[serde(rename = "youngs_modulus_pa", alias = "youngs_modulus")]
     pub youngs_modulus: f64,
     /// Poisson ratio.
     pub poisson_ratio: f64,

@@ -5,6 +5,7 @@
 //! the flank that faces the +theta sense.
 
 mod body;
+mod check;
 mod macrogeometry;
 mod microgeometry;
 mod modification;
@@ -19,8 +20,8 @@ pub mod tolerance;
 mod topography;
 mod trochoid;
 
-pub(crate) use body::is_held_at_its_bore;
 pub use body::{Annulus, Body, Stub};
+pub use check::GeometryError;
 pub use macrogeometry::{Gear, GearKind, LEAST_WALL};
 pub use microgeometry::{Microgeometry, PairMicrogeometry};
 pub use modification::{

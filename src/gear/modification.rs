@@ -2,15 +2,20 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How a relief grows from its start to its end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+/// How a relief grows from its start to its end. Older files of units have the names with a capital.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum ReliefShape {
     /// In proportion to the distance from the start.
+    #[default]
+    #[serde(alias = "Linear")]
     Linear,
     /// With the square of the distance from the start, so that the flank has no kink there.
+    #[serde(alias = "Parabolic")]
     Parabolic,
     /// A circular arc that leaves the flank as a tangent. Over a length L an amount a differs from the parabola by
     /// less than a (a / L)², a billionth of a metre at most, and is taken as one.
+    #[serde(alias = "Arc")]
     Arc,
 }
 

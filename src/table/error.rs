@@ -1,5 +1,6 @@
 //! What can be wrong with a table, said with field, value and remedy.
 
+use crate::gear::GeometryError;
 use thiserror::Error;
 
 /// Refusal of a table, of samples, or of a choice that a table cannot serve.
@@ -50,15 +51,11 @@ pub enum TableError {
         expected: String,
     },
     /// A setting of the FMU asks for what the table lacks.
-    #[error("{setting}: the table {lacks}; {remedy}")]
-    Missing {
-        /// FMU parameter and its value.
-        setting: &'static str,
-        /// What is missing, as a predicate of the table.
-        lacks: &'static str,
-        /// What to do.
-        remedy: &'static str,
-    },
+    #[error("{0}")]
+    Missing(&'static str),
+    /// Geometry that no checked pair file gives.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
     /// External samples that cannot become a table.
     #[error("samples: {0}")]
     Samples(String),
@@ -76,36 +73,29 @@ pub enum TableError {
 }
 
 impl TableError {
-    pub(crate) const NO_CENTER_DISTANCE: Self = TableError::Missing {
-        setting: "centerDistanceEffect = true",
-        lacks: "has no axis `center_distance_offset_m` (one value only)",
-        remedy: "switch the effect off or make tables with this axis",
-    };
-    pub(crate) const NO_MISALIGNMENT: Self = TableError::Missing {
-        setting: "misalignmentEffect = true",
-        lacks: "has no axis `misalignment_rad` (one value only)",
-        remedy: "switch the effect off or make tables with this axis",
-    };
-    pub(crate) const NO_MOMENT: Self = TableError::Missing {
-        setting: "shuttlingEffect = true",
-        lacks: "has no moment_nm",
-        remedy: "switch the effect off or make tables with it",
-    };
-    pub(crate) const NO_FRICTION: Self = TableError::Missing {
-        setting: "friction = true",
-        lacks: "does not know how the load slides",
-        remedy: "switch friction off or make the tables with `gearmesh tables --friction`",
-    };
-    pub(crate) const NO_ROOT_STRESS: Self = TableError::Missing {
-        setting: "rootStress = true",
-        lacks: "does not hold the stress in the tooth roots",
-        remedy: "switch rootStress off or make the tables with `gearmesh tables --root-stress`",
-    };
-    pub(crate) const NO_TEETH: Self = TableError::Missing {
-        setting: "stiffnessModel = teeth",
-        lacks: "does not hold tooth pairs one by one",
-        remedy: "set stiffnessModel = table or make the tables with `gearmesh tables --teeth`",
-    };
+    pub(crate) const NO_CENTER_DISTANCE: Self = TableError::Missing(
+        "centerDistanceEffect = true: the table has no axis `center_distance_offset_m` (one value only); switch the \
+         effect off or make tables with this axis",
+    );
+    pub(crate) const NO_MISALIGNMENT: Self = TableError::Missing(
+        "misalignmentEffect = true: the table has no axis `misalignment_rad` (one value only); switch the effect off \
+         or make tables with this axis",
+    );
+    pub(crate) const NO_MOMENT: Self = TableError::Missing(
+        "shuttlingEffect = true: the table has no moment_nm; switch the effect off or make tables with it",
+    );
+    pub(crate) const NO_FRICTION: Self = TableError::Missing(
+        "friction = true: the table does not know how the load slides; switch friction off or make the tables with \
+         `gearmesh tables --friction`",
+    );
+    pub(crate) const NO_ROOT_STRESS: Self = TableError::Missing(
+        "rootStress = true: the table does not hold the stress in the tooth roots; switch rootStress off or make the \
+         tables with `gearmesh tables --root-stress`",
+    );
+    pub(crate) const NO_TEETH: Self = TableError::Missing(
+        "stiffnessModel = teeth: the table does not hold tooth pairs one by one; set stiffnessModel = table or make \
+         the tables with `gearmesh tables --teeth`",
+    );
 
     /// A [`TableError::Field`].
     pub(crate) fn field(

@@ -1,12 +1,10 @@
 //! The tables file: versioned JSON with units in its names, the pair it came from, the solver's
 //! settings, the interpolation error, and a checksum over all of it.
 
-use super::file_geometry::GeometryRecord;
-use super::{
-    Axes, FlankGrid, FrictionRecord, PerLoad, RootStressRecord, RootStressSamples, SlidingSamples,
-    TableError, TeethRecord,
-};
-use serde::{Deserialize, Serialize};
+use super::records::check_record;
+use super::{Axes, FlankGrid, FrictionRecord, RootStressRecord, TableError, TeethRecord};
+use crate::gear::{Gear, PairGeometry};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fs;
@@ -38,8 +36,9 @@ pub struct TableFile {
     pub source: String,
     /// SHA-256 in hexadecimal of the file's text with this field empty and without the end of its line.
     pub checksum_sha256: String,
-    /// The pair.
-    pub geometry: GeometryRecord,
+    /// The pair; in the file `gear1`, `gear2` and `center_distance_m`.
+    #[serde(with = "by_gear")]
+    pub geometry: PairGeometry,
     /// Torque on gear 1 to which errors are related, N m.
     pub nominal_torque_nm: f64,
     /// Largest torque of the table, N m.
@@ -117,23 +116,36 @@ pub fn rms_and_largest(errors: impl ExactSizeIterator<Item = f64> + Clone) -> [f
     ]
 }
 
-/// `values` to whole decimals that are at most `share` of the largest of them.
-pub(super) fn rounded(values: &[f64], share: f64) -> Vec<f64> {
-    let largest = values.iter().fold(0.0, |l: f64, v| l.max(v.abs()));
-    let step = share * largest;
-    if !(step.is_finite() && step > 0.0) {
-        return values.to_vec();
+/// The geometry of a pair with its gears by name.
+mod by_gear {
+    use super::{Deserialize, Deserializer, Gear, PairGeometry, Serialize, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Named<G> {
+        gear1: G,
+        gear2: G,
+        center_distance_m: f64,
     }
-    let decimals = (-step.log10().floor()).clamp(0.0, 300.0) as usize;
-    values
-        .iter()
-        // Formatting and parsing gives the double nearest to the decimals; `+ 0.0` makes -0 plain 0.
-        .map(|x| {
-            format!("{x:.decimals$}")
-                .parse()
-                .map_or(*x, |r: f64| r + 0.0)
+
+    pub fn serialize<S: Serializer>(pair: &PairGeometry, to: S) -> Result<S::Ok, S::Error> {
+        let [gear1, gear2] = &pair.gears;
+        let center_distance_m = pair.center_distance;
+        Named {
+            gear1,
+            gear2,
+            center_distance_m,
+        }
+        .serialize(to)
+    }
+
+    pub fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<PairGeometry, D::Error> {
+        let named = Named::<Gear>::deserialize(from)?;
+        Ok(PairGeometry {
+            gears: [named.gear1, named.gear2],
+            center_distance: named.center_distance_m,
         })
-        .collect()
+    }
 }
 
 impl TableFile {
@@ -142,7 +154,7 @@ impl TableFile {
     pub fn new(
         name: &str,
         source: &str,
-        geometry: &crate::gear::PairGeometry,
+        geometry: &PairGeometry,
         [nominal_torque, maximum_torque]: [f64; 2],
         drive: &FlankGrid,
         coast: Option<&FlankGrid>,
@@ -154,7 +166,7 @@ impl TableFile {
             generator: concat!("gearmesh ", env!("CARGO_PKG_VERSION")).into(),
             source: source.into(),
             checksum_sha256: String::new(),
-            geometry: geometry.into(),
+            geometry: geometry.clone(),
             nominal_torque_nm: nominal_torque,
             maximum_torque_nm: maximum_torque,
             solver: BTreeMap::new(),
@@ -214,7 +226,10 @@ impl TableFile {
             });
         }
         file.check()?;
-        if file.version == FIRST_VERSION && file.closes_helical_flanks_by_z() {
+        // Whether misalignment or shuttling of helical gears is in it.
+        let takes_misalignment = file.axes.misalignment.len() > 1 || file.drive.moment.is_some();
+        let is_helical = file.geometry.base_helix_angle() != 0.0;
+        if file.version == FIRST_VERSION && is_helical && takes_misalignment {
             return Err(TableError::field(
                 "version",
                 file.version,
@@ -226,20 +241,16 @@ impl TableFile {
         Ok(file)
     }
 
-    /// Whether misalignment or shuttling of helical gears is in it.
-    fn closes_helical_flanks_by_z(&self) -> bool {
-        let is_helical = (self.geometry.pair_geometry())
-            .is_ok_and(|geometry| geometry.base_helix_angle() != 0.0);
-        is_helical && (self.axes.misalignment.len() > 1 || self.drive.moment.is_some())
-    }
-
     /// Reads and checks a tables file.
     ///
     /// # Errors
     /// As [`TableFile::from_json`], and what the system says.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, TableError> {
         let path = path.as_ref();
-        let text = fs::read_to_string(path).map_err(|e| io(path, e))?;
+        let text = fs::read_to_string(path).map_err(|source| TableError::Io {
+            path: path.display().to_string(),
+            source,
+        })?;
         Self::from_json(&text)
     }
 
@@ -248,14 +259,15 @@ impl TableFile {
     /// # Errors
     /// The first defect, by field.
     pub fn check(&self) -> Result<(), TableError> {
-        let geometry = self.geometry.pair_geometry()?;
+        self.geometry.check()?;
         let (nominal, top) = (self.nominal_torque_nm, self.maximum_torque_nm);
         for (field, torque) in [("nominal_torque_nm", nominal), ("maximum_torque_nm", top)] {
             if !(torque > 0.0 && torque.is_finite()) {
+                let reason = "a torque of a table is positive";
                 return Err(TableError::field(
                     field,
                     torque,
-                    "a torque of a table is positive",
+                    reason,
                     "make the tables again",
                 ));
             }
@@ -264,20 +276,15 @@ impl TableFile {
         if let Some(grid) = self.coast_grid() {
             grid.check("coast")?;
         }
-        if let Some(friction) = &self.friction {
-            let flanks = [Some(&friction.drive), friction.coast.as_ref()];
-            let columns = flanks.map(|flank| flank.map(SlidingSamples::columns));
-            (friction.axes).check_record("friction", PerLoad::Ratio, columns)?;
+        if let Some(record) = &self.friction {
+            check_record(&record.axes, &record.drive, record.coast.as_ref())?;
         }
-        if let Some(root_stress) = &self.root_stress {
-            let flanks = [Some(&root_stress.drive), root_stress.coast.as_ref()];
-            let columns = flanks.map(|flank| flank.map(RootStressSamples::columns));
-            (root_stress.axes).check_record("root_stress", PerLoad::Effect, columns)?;
+        if let Some(record) = &self.root_stress {
+            check_record(&record.axes, &record.drive, record.coast.as_ref())?;
         }
-        match &self.teeth {
-            Some(teeth) => teeth.check(&geometry),
-            None => Ok(()),
-        }
+        self.teeth
+            .as_ref()
+            .map_or(Ok(()), |teeth| teeth.check(&self.geometry))
     }
 
     /// Samples of the drive flank.
@@ -302,13 +309,6 @@ const CHECKSUM: &str = "\"checksum_sha256\":\"";
 /// The checksum of a file whose text is `unsealed`, its checksum empty.
 fn checksum(unsealed: &str) -> String {
     crate::words::hex(&Sha256::digest(unsealed.trim_end().as_bytes()))
-}
-
-fn io(path: &Path, source: std::io::Error) -> TableError {
-    TableError::Io {
-        path: path.display().to_string(),
-        source,
-    }
 }
 
 #[cfg(test)]

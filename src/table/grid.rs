@@ -1,6 +1,5 @@
-//! The grid of one flank in memory: axes and samples, before any interpolant.
+//! The grid of one flank: axes and samples, before any interpolant, and what they must fulfil.
 
-use super::file::rounded;
 use super::interpolation::{Block, at_zero};
 use super::{Query, TableError};
 use serde::{Deserialize, Serialize};
@@ -76,6 +75,30 @@ impl Axes {
             Axis::MeshPosition => &mut self.mesh_position,
         }
     }
+
+    fn check(&self) -> Result<(), TableError> {
+        let (name, u) = ("axes.displacement_fraction", &self.displacement_fraction);
+        check_axis(name, u)?;
+        if u.len() < FEWEST {
+            return Err(too_few(name, u.len()));
+        }
+        let (first, last) = (u[0], u[u.len() - 1]);
+        if first <= 0.0 || last != 1.0 {
+            let (value, reason) = (
+                format!("{first} ... {last}"),
+                "it must begin above 0 and end at 1",
+            );
+            return Err(TableError::field(name, value, reason, AGAIN));
+        }
+        // The spline's first cell begins at the onset of contact, which imports round over a few millionths.
+        check_spacing(name, &[&[0.0], u.as_slice()].concat(), 1e-6)?;
+        check_axis(
+            "axes.center_distance_offset_m",
+            &self.center_distance_offset,
+        )?;
+        check_axis("axes.misalignment_rad", &self.misalignment)?;
+        check_mesh_position("axes.mesh_position", &self.mesh_position)
+    }
 }
 
 /// Samples of one flank. Arrays run over (centre distance, misalignment, displacement, mesh position),
@@ -129,72 +152,53 @@ impl FlankGrid {
         self.loa_force.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Where the sample at the index (centre distance, misalignment, displacement, mesh position) stands.
+    /// Coordinates of the sample at the index (centre distance, misalignment, displacement, mesh position).
     pub fn query(&self, [c, m, u, p]: [usize; 4]) -> Query {
         let axes = &self.axes;
         let column = (c * axes.misalignment.len() + m) * axes.mesh_position.len() + p;
-        let (low, high) = (
-            self.no_load_approach[column],
-            self.top_load_approach[column],
-        );
+        let low = self.no_load_approach[column];
+        let span = self.top_load_approach[column] - low;
         Query {
-            delta: low + axes.displacement_fraction[u] * (high - low),
+            delta: low + axes.displacement_fraction[u] * span,
             center_distance_offset: axes.center_distance_offset[c],
             misalignment: axes.misalignment[m],
             mesh_position: axes.mesh_position[p],
         }
     }
 
-    pub(crate) fn force_block(&self) -> Block {
+    /// `samples` of this grid with their lengths.
+    pub(crate) fn block(&self, samples: &[f64]) -> Block {
         Block {
             lengths: self.axes.lengths(),
-            values: self.loa_force.clone(),
+            values: samples.to_vec(),
         }
     }
 
-    pub(crate) fn moment_block(&self) -> Option<Block> {
-        self.moment.as_ref().map(|values| Block {
-            lengths: self.axes.lengths(),
-            values: values.clone(),
-        })
-    }
-
-    /// No-load approach (row 0) and span (row 1).
-    pub(crate) fn field_block(&self) -> Block {
+    /// No-load approach, and span from there to the top load.
+    pub(crate) fn fields(&self) -> [Block; 2] {
         let [nc, nm, _, np] = self.axes.lengths();
-        let mut values = Vec::with_capacity(2 * nc * nm * np);
-        let rows = self.no_load_approach.chunks(np);
-        for (low, high) in rows.zip(self.top_load_approach.chunks(np)) {
-            values.extend_from_slice(low);
-            values.extend(high.iter().zip(low).map(|(h, l)| h - l));
-        }
-        Block {
-            lengths: [nc, nm, 2, np],
+        let ends = self.top_load_approach.iter().zip(&self.no_load_approach);
+        let span = ends.map(|(high, low)| high - low).collect();
+        [self.no_load_approach.clone(), span].map(|values| Block {
+            lengths: [nc, nm, 1, np],
             values,
-        }
+        })
     }
 
     /// How far misalignment moves the first touch of the mesh cycle, m, over (centre distance, misalignment).
     pub(crate) fn touch_shift(&self) -> Result<Vec<f64>, TableError> {
         let [nc, nm, _, np] = self.axes.lengths();
-        let first: Vec<f64> = self
-            .no_load_approach
-            .chunks(np)
-            .map(|row| row.iter().copied().fold(f64::INFINITY, f64::min))
-            .collect();
         if nm == 1 {
             return Ok(vec![0.0; nc]);
         }
-        let first = Block {
-            lengths: [nc, nm, 1, 1],
-            values: first,
-        };
-        let name = Axis::Misalignment.name();
-        let aligned = at_zero(&first, 1, &self.axes.misalignment, name)?;
-        let rows = first.values.chunks(nm).zip(aligned.values);
-        Ok(rows
-            .flat_map(|(row, zero)| row.iter().map(move |f| f - zero))
-            .collect())
+        let aligned = at_zero(&self.axes.misalignment, Axis::Misalignment.name())?;
+        let least = |row: &[f64]| row.iter().copied().fold(f64::INFINITY, f64::min);
+        let first: Vec<f64> = self.no_load_approach.chunks(np).map(least).collect();
+        let shifts = first.chunks(nm).flat_map(|row| {
+            let zero = aligned(row);
+            row.iter().map(move |f| f - zero)
+        });
+        Ok(shifts.collect())
     }
 
     /// The grid without `axis`, centre distance or misalignment, at its value 0 (nominal centre distance, parallel axes),
@@ -207,53 +211,203 @@ impl FlankGrid {
         if nodes.len() == 1 {
             return Ok(self.clone());
         }
-        self.mapped(axis, vec![0.0], |block| {
-            at_zero(block, axis as usize, &nodes, axis.name())
-        })
+        let zero = at_zero(&nodes, axis.name())?;
+        Ok(self.mapped(axis, vec![0.0], |line| vec![zero(&line)]))
     }
 
     /// The grid with only the nodes number `chosen`, ascending, along `axis`. The last displacement, the top
     /// load, must be among them.
     pub fn with_nodes(&self, axis: Axis, chosen: &[usize]) -> FlankGrid {
-        let mut axes = self.axes.clone();
-        let nodes = axes.along_mut(axis);
-        let nodes = chosen.iter().map(|&k| nodes[k]).collect();
-        let pick = |block: &Block| -> Result<Block, std::convert::Infallible> {
-            Ok(block.mapped(axis as usize, chosen.len(), |line| {
-                chosen.iter().map(|&k| line[k]).collect()
-            }))
+        let pick = |line: Vec<f64>| chosen.iter().map(|&k| line[k]).collect();
+        let nodes = pick(self.axes.clone().along_mut(axis).clone());
+        self.mapped(axis, nodes, pick)
+    }
+
+    /// The grid with other `nodes` along `axis`; `map` takes a line of samples to those there.
+    fn mapped(&self, axis: Axis, nodes: Vec<f64>, map: impl Fn(Vec<f64>) -> Vec<f64>) -> FlankGrid {
+        let lengths @ [nc, nm, _, np] = self.axes.lengths();
+        let count = nodes.len();
+        let mapped = |values: &[f64], lengths| {
+            let values = values.to_vec();
+            (Block { lengths, values }.mapped(axis as usize, count, &map)).values
         };
-        let Ok(grid) = self.mapped(axis, nodes, pick);
+        let approach = |values: &[f64]| match axis {
+            Axis::Displacement => values.to_vec(),
+            _ => mapped(values, [nc, nm, 1, np]),
+        };
+        let mut grid = FlankGrid {
+            axes: self.axes.clone(),
+            no_load_approach: approach(&self.no_load_approach),
+            top_load_approach: approach(&self.top_load_approach),
+            loa_force: mapped(&self.loa_force, lengths),
+            moment: self.moment.as_deref().map(|m| mapped(m, lengths)),
+        };
+        *grid.axes.along_mut(axis) = nodes;
         grid
     }
 
-    /// The grid with other `nodes` along `axis`; `map` takes samples to those there.
-    fn mapped<E>(
-        &self,
-        axis: Axis,
-        nodes: Vec<f64>,
-        map: impl Fn(&Block) -> Result<Block, E>,
-    ) -> Result<FlankGrid, E> {
-        let mut axes = self.axes.clone();
-        *axes.along_mut(axis) = nodes;
-        let full = self.axes.lengths();
-        let [nc, nm, _, np] = full;
-        let mapped = |values: &[f64], lengths| {
-            let values = values.to_vec();
-            Ok(map(&Block { lengths, values })?.values)
-        };
-        let approach = |values: &[f64]| match axis {
-            Axis::Displacement => Ok(values.to_vec()),
-            _ => mapped(values, [nc, nm, 1, np]),
-        };
-        Ok(FlankGrid {
-            axes,
-            no_load_approach: approach(&self.no_load_approach)?,
-            top_load_approach: approach(&self.top_load_approach)?,
-            loa_force: mapped(&self.loa_force, full)?,
-            moment: (self.moment.as_deref())
-                .map(|m| mapped(m, full))
-                .transpose()?,
-        })
+    /// Checks lengths, order and finiteness of all that is there, and that the force does not fall
+    /// over the displacement. `flank` names it in messages.
+    ///
+    /// # Errors
+    /// The first defect, by field and index.
+    pub fn check(&self, flank: &str) -> Result<(), TableError> {
+        self.axes.check()?;
+        let [nc, nm, nu, np] = self.axes.lengths();
+        let named = |name: &str| format!("{flank}.{name}");
+        let (columns, samples) = (nc * nm * np, nc * nm * nu * np);
+        let moment = self.moment.iter().map(|m| ("moment_nm", m, samples));
+        for (name, values, length) in [
+            ("no_load_approach_m", &self.no_load_approach, columns),
+            ("top_load_approach_m", &self.top_load_approach, columns),
+            ("loa_force_n", &self.loa_force, samples),
+        ]
+        .into_iter()
+        .chain(moment)
+        {
+            check_values(&named(name), values, length)?;
+        }
+        let ends = self.no_load_approach.iter().zip(&self.top_load_approach);
+        if let Some((i, (low, high))) = ends.enumerate().find(|(_, (low, high))| high <= low) {
+            return Err(TableError::field(
+                named(&format!("top_load_approach_m[{i}]")),
+                high,
+                format!("not above the no-load approach {low}"),
+                "make the tables again; of imported samples, check the sign of ste_loa_um",
+            ));
+        }
+        for start in self.block(&self.loa_force).lines(2) {
+            let mut below = 0.0;
+            for u in 0..nu {
+                let i = start + u * np;
+                let force = self.loa_force[i];
+                if force < below || (u + 1 == nu && force <= 0.0) {
+                    return Err(TableError::field(
+                        named(&format!("loa_force_n[{i}]")),
+                        force,
+                        format!(
+                            "the force must not fall with the displacement (before it: {below})"
+                        ),
+                        "make the tables again; of imported samples, remove the falling one",
+                    ));
+                }
+                below = force;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `values` to whole decimals that are at most `share` of the largest of them.
+pub(super) fn rounded(values: &[f64], share: f64) -> Vec<f64> {
+    let largest = values.iter().fold(0.0, |l: f64, v| l.max(v.abs()));
+    let step = share * largest;
+    if !(step.is_finite() && step > 0.0) {
+        return values.to_vec();
+    }
+    let decimals = (-step.log10().floor()).clamp(0.0, 300.0) as usize;
+    // Formatting and parsing gives the double nearest to the decimals; `+ 0.0` makes -0 plain 0.
+    let round = |x: &f64| format!("{x:.decimals$}").parse().unwrap_or(*x) + 0.0;
+    values.iter().map(round).collect()
+}
+
+/// Fewest nodes of an axis that is there: the C2 spline needs four.
+const FEWEST: usize = 4;
+
+/// Most nodes of an axis, beyond any use: four such axes still have a number of samples that can be counted.
+const MOST: usize = 10_000;
+
+/// Beyond all lengths, forces and moments of gears; products of a few of them with one another stay finite.
+const LARGEST: f64 = 1e15;
+
+const AGAIN: &str = "make the tables again";
+
+/// Checks what sets the periodic axis apart from others, too; `name` with its path, as in all of these.
+pub(super) fn check_mesh_position(name: &str, nodes: &[f64]) -> Result<(), TableError> {
+    check_axis(name, nodes)?;
+    let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
+    if first < 0.0 || last >= 1.0 {
+        return Err(TableError::field(
+            name,
+            format!("{first} ... {last}"),
+            "a mesh position lies in [0, 1)",
+            "leave out the repeated end 1; the axis is periodic",
+        ));
+    }
+    // The last cell ends at the first node of the next cycle.
+    check_spacing(name, &[nodes, &[first + 1.0]].concat(), 1e-5)
+}
+
+pub(super) fn too_few(name: &str, count: usize) -> TableError {
+    TableError::field(
+        name,
+        format!("{count} values"),
+        format!("a cubic spline needs at least {FEWEST}"),
+        "add values, or give a single one to leave this axis out",
+    )
+}
+
+pub(super) fn check_axis(name: &str, nodes: &[f64]) -> Result<(), TableError> {
+    let count = nodes.len();
+    if count == 0 || (2..FEWEST).contains(&count) {
+        return Err(too_few(name, count));
+    }
+    if count > MOST {
+        let (value, reason) = (
+            format!("{count} values"),
+            format!("an axis has at most {MOST}"),
+        );
+        return Err(TableError::field(
+            name,
+            value,
+            reason,
+            "leave some of them out",
+        ));
+    }
+    check_values(name, nodes, count)?;
+    if let Some(i) = (1..count).find(|&i| nodes[i] <= nodes[i - 1]) {
+        return Err(TableError::field(
+            format!("{name}[{i}]"),
+            nodes[i],
+            format!("not above the value before it, {}", nodes[i - 1]),
+            "sort the axis ascending and let each value stand once",
+        ));
+    }
+    check_spacing(name, nodes, 1e-5)
+}
+
+/// Cells of a spline between `ends`, ascending: one narrower than `least` of the range costs memory without bound where
+/// cells are found by equal buckets.
+fn check_spacing(name: &str, ends: &[f64], least: f64) -> Result<(), TableError> {
+    let range = ends[ends.len() - 1] - ends[0];
+    match ends.windows(2).find(|w| w[1] - w[0] < least * range) {
+        Some(pair) => Err(TableError::field(
+            name,
+            format!("{} and {}", pair[0], pair[1]),
+            format!("closer than {least:e} of the range"),
+            "leave one of them out",
+        )),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn check_values(name: &str, values: &[f64], length: usize) -> Result<(), TableError> {
+    if values.len() != length {
+        let reason = format!("the axes need {length}");
+        let remedy = "the file is incomplete; make the tables again";
+        let count = format!("{} values", values.len());
+        return Err(TableError::field(name, count, reason, remedy));
+    }
+    match values.iter().position(|v| v.is_nan() || v.abs() > LARGEST) {
+        Some(i) => {
+            let reason = format!("it must be a number no larger than {LARGEST:e}");
+            Err(TableError::field(
+                format!("{name}[{i}]"),
+                values[i],
+                reason,
+                AGAIN,
+            ))
+        }
+        None => Ok(()),
     }
 }

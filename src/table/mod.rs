@@ -8,14 +8,11 @@
 //! A flank is a potential W(delta, C, M, PMC) (see [`Potential`]): the force is dW/d delta, shuttling dW/dM, and
 //! dW/dC and dW/dPMC close the energy balance.
 
-mod check;
 mod error;
 mod file;
-mod file_geometry;
 mod grid;
 mod interpolation;
-mod load_records;
-mod load_spline;
+mod records;
 mod runtime;
 #[cfg(test)]
 #[path = "../../tests/common/spring.rs"]
@@ -25,15 +22,14 @@ mod teeth;
 
 pub use error::TableError;
 pub use file::{InterpolationError, TableFile, VERSION, rms_and_largest};
-pub use file_geometry::GeometryRecord;
 pub use grid::{Axes, Axis, FlankGrid};
 pub use interpolation::{FlankTable, Interpolation};
-pub use load_records::{
-    FrictionRecord, RootStressError, RootStressRecord, RootStressSamples, SlidingSamples,
+pub use records::{
+    FrictionRecord, LoadAxes, LoadJet, LoadSamples, LoadSpline, RootStressError, RootStressRecord,
+    RootStressSamples, SlidingSamples,
 };
-pub use load_spline::{LoadAxes, LoadJet, LoadSpline, PerLoad};
 pub use runtime::{Effects, Load, Table};
-pub use teeth::{Closing, CouplingRecord, GearTeethRecord, TeethFlank, TeethRecord, TeethTable};
+pub use teeth::{GearTeethRecord, TeethFlank, TeethRecord};
 
 /// Where the table is asked, for one flank (coast flank: after mapping to its own table).
 #[derive(Debug, Clone, Copy, PartialEq)]

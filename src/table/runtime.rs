@@ -1,8 +1,8 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
 use super::{
-    Axis, FlankGrid, FlankTable, Interpolation, LoadSpline, RootStressSamples, SlidingSamples,
-    TableError, TableFile, TeethFlank,
+    Axis, FlankGrid, FlankTable, Interpolation, LoadAxes, LoadSamples, LoadSpline, TableError,
+    TableFile, TeethFlank,
 };
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
@@ -46,7 +46,6 @@ pub struct Effects {
 #[derive(Debug)]
 pub struct Table {
     file: Arc<TableFile>,
-    geometry: PairGeometry,
     effects: Effects,
     force: Flanks<FlankTable>,
     sliding: Option<Flanks<LoadSpline>>,
@@ -81,6 +80,18 @@ impl<T> Flanks<T> {
             (Flank::Coast, Some(own)) => (own, false),
             (Flank::Coast, None) => (&self.drive, true),
         }
+    }
+}
+
+impl Flanks<LoadSpline> {
+    fn of_load<S: LoadSamples>(
+        axes: &LoadAxes,
+        drive: &S,
+        coast: Option<&S>,
+        effects: &Effects,
+    ) -> Result<Self, TableError> {
+        let on = [effects.center_distance, effects.misalignment];
+        Flanks::new(drive, coast, |samples: &S| samples.spline(axes, on))
     }
 }
 
@@ -132,28 +143,30 @@ impl Table {
     /// # Errors
     /// As [`Table::sliced`].
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
-        let geometry = file.geometry.pair_geometry()?;
-        let on = [effects.center_distance, effects.misalignment];
         let sliding = match &file.friction {
             _ if !effects.friction => None,
             None => return Err(TableError::NO_FRICTION),
-            Some(record) => {
-                let spline = |samples: &SlidingSamples| samples.spline(&record.axes, on);
-                Some(Flanks::new(&record.drive, record.coast.as_ref(), spline)?)
-            }
+            Some(r) => Some(Flanks::of_load(
+                &r.axes,
+                &r.drive,
+                r.coast.as_ref(),
+                &effects,
+            )?),
         };
         let root_stress = match &file.root_stress {
             _ if !effects.root_stress => None,
             None => return Err(TableError::NO_ROOT_STRESS),
-            Some(record) => {
-                let spline = |samples: &RootStressSamples| samples.spline(&record.axes, on);
-                Some(Flanks::new(&record.drive, record.coast.as_ref(), spline)?)
-            }
+            Some(r) => Some(Flanks::of_load(
+                &r.axes,
+                &r.drive,
+                r.coast.as_ref(),
+                &effects,
+            )?),
         };
         let teeth = match &file.teeth {
             _ if !effects.teeth => None,
             None => return Err(TableError::NO_TEETH),
-            Some(record) => Some(TeethFlank::both(record, &geometry, &effects)?),
+            Some(record) => Some(TeethFlank::both(record, &file.geometry, &effects)?),
         };
         let flank = |grid: &FlankGrid| Ok(flank_table(grid.on(&file.axes), &effects)?.1);
         Ok(Table {
@@ -161,7 +174,6 @@ impl Table {
             sliding,
             root_stress,
             teeth,
-            geometry,
             effects,
             file,
         })
@@ -169,7 +181,7 @@ impl Table {
 
     /// The pair these tables belong to.
     pub fn geometry(&self) -> &PairGeometry {
-        &self.geometry
+        &self.file.geometry
     }
 
     /// The file, with samples, settings and measured error.

@@ -1,109 +1,103 @@
 //! What a tables file covers and how far it can be trusted, in words for `gearmesh inspect` and the FMU's page.
 
-use super::{
-    CouplingRecord, InterpolationError, LoadAxes, RootStressError, TableFile, TeethRecord,
-};
+use super::{InterpolationError, LoadAxes, RootStressError, TableFile, TeethRecord};
 use crate::words::{count, fixed, rounded};
+use std::fmt;
 
 impl TableFile {
     /// Rows of name and value: origin, size and error, ranges, settings of the solver.
     pub fn summary(&self) -> Vec<(String, String)> {
         let axes = &self.axes;
+        let (nominal, maximum) = (self.nominal_torque_nm, self.maximum_torque_nm);
+        let torques = format!(
+            "nominal {} N m, up to {} N m",
+            rounded(nominal),
+            rounded(maximum)
+        );
+        let displacement = range(
+            &axes.displacement_fraction,
+            1.0,
+            "from no-load to top-load approach",
+        );
+        let center_distance = format!("{:.4} mm", self.geometry.center_distance * 1e3);
         let mut rows = vec![
-            ("made by".to_owned(), self.generator.clone()),
-            ("from".into(), self.source.clone()),
-            ("size and error".into(), self.size_and_error()),
+            ("made by", self.generator.clone()),
+            ("from", self.source.clone()),
+            ("size and error", self.size_and_error()),
+            ("torque on gear 1", torques),
+            ("displacement", displacement),
             (
-                "torque on gear 1".into(),
-                format!(
-                    "nominal {} N m, up to {} N m",
-                    rounded(self.nominal_torque_nm),
-                    rounded(self.maximum_torque_nm)
-                ),
-            ),
-            (
-                "displacement".into(),
-                range(
-                    &axes.displacement_fraction,
-                    1.0,
-                    "from no-load to top-load approach",
-                ),
-            ),
-            (
-                "centre distance offset".into(),
+                "centre distance offset",
                 range(&axes.center_distance_offset, 1e6, "um"),
             ),
+            ("misalignment", range(&axes.misalignment, 1e3, "mrad")),
             (
-                "misalignment".into(),
-                range(&axes.misalignment, 1e3, "mrad"),
-            ),
-            (
-                "mesh position".into(),
+                "mesh position",
                 range(&axes.mesh_position, 1.0, "base pitches, periodic"),
             ),
-            (
-                "centre distance".into(),
-                self.geometry.pair_geometry().map_or_else(
-                    |error| error.to_string(),
-                    |pair| format!("{:.4} mm", pair.center_distance * 1e3),
-                ),
-            ),
-            ("checksum".into(), self.checksum_sha256.clone()),
+            ("centre distance", center_distance),
+            ("checksum", self.checksum_sha256.clone()),
         ];
         if let Some(friction) = &self.friction {
-            let nodes = friction.axes.in_words();
-            rows.push(("friction".into(), format!("{}; {nodes}", friction.law)));
+            let words = format!("{}; {}", friction.law, friction.axes.in_words());
+            rows.push(("friction", words));
         }
-        if let Some(root_stress) = &self.root_stress {
-            let words = format!(
-                "{}, {}",
-                root_stress.axes.in_words(),
-                root_stress.interpolation_error
-            );
-            rows.push(("root stress".into(), words));
+        if let Some(stress) = &self.root_stress {
+            let words = format!("{}, {}", stress.axes.in_words(), stress.interpolation_error);
+            rows.push(("root stress", words));
         }
         if let Some(teeth) = &self.teeth {
-            rows.push(("tooth pairs one by one".into(), teeth.in_words()));
+            rows.push(("tooth pairs one by one", teeth.in_words()));
         }
-        for (name, value) in &self.solver {
+        let settings = self.solver.iter().map(|(name, value)| {
             // Strings without the quotation marks of JSON.
-            let value = value
-                .as_str()
-                .map_or_else(|| value.to_string(), str::to_owned);
+            let text = value.as_str().map(str::to_owned);
             let name = name.replace('_', " ");
-            rows.push(if name.starts_with("modifications") {
-                (name, value)
-            } else {
-                (format!("solver: {name}"), value)
-            });
-        }
-        rows
+            let is_of_gear = name.starts_with("modifications");
+            let prefix = if is_of_gear { "" } else { "solver: " };
+            (
+                format!("{prefix}{name}"),
+                text.unwrap_or_else(|| value.to_string()),
+            )
+        });
+        let rows = rows
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), value));
+        rows.chain(settings).collect()
     }
 
     /// Nodes, flanks and measured error in one line.
     pub fn size_and_error(&self) -> String {
-        let axes = &self.axes;
-        let error = self
-            .interpolation_error
-            .map_or_else(|| "error not measured".into(), |error| error.to_string());
+        let error = self.interpolation_error;
         format!(
-            "{} x {} x {} x {}, {} flank{}, {error}",
-            count(axes.displacement_fraction.len(), "displacement"),
-            count(axes.center_distance_offset.len(), "centre distance"),
-            count(axes.misalignment.len(), "misalignment"),
-            count(axes.mesh_position.len(), "mesh position"),
-            if self.coast.is_some() { "each" } else { "one" },
-            if self.coast.is_some() {
-                ""
-            } else {
-                " for both"
+            "{}, {}, {}",
+            in_words(self.axes.lengths(), &GRID),
+            match self.coast {
+                Some(_) => "each flank",
+                None => "one flank for both",
             },
+            error.map_or_else(|| "error not measured".into(), |error| error.to_string())
         )
     }
 }
 
-impl std::fmt::Display for InterpolationError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+/// Coordinates of a grid in the order of its samples.
+const GRID: [&str; 4] = [
+    "centre distance",
+    "misalignment",
+    "displacement",
+    "mesh position",
+];
+
+/// `lengths` of axes with their `names`, displacement or load first.
+fn in_words(lengths: [usize; 4], names: &[&str; 4]) -> String {
+    [2, 0, 1, 3]
+        .map(|i| count(lengths[i], names[i]))
+        .join(" x ")
+}
+
+impl fmt::Display for InterpolationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
             "error at {} random points: force {:.2} % rms, {:.2} % at most, of the nominal force; shuttling \
@@ -117,58 +111,8 @@ impl std::fmt::Display for InterpolationError {
     }
 }
 
-impl TeethRecord {
-    /// Nodes, coupling and error against contact at run time in one line.
-    pub fn in_words(&self) -> String {
-        let axes = &self.axes;
-        format!(
-            "{} x {} x {} x {} from {:.2} to {:.2} base pitches; of the approach others take {} um/kN; {} against contact at run time",
-            count(axes.displacement_fraction.len(), "displacement"),
-            count(axes.center_distance_offset.len(), "centre distance"),
-            count(axes.misalignment.len(), "misalignment"),
-            count(axes.mesh_position.len(), "place"),
-            self.first_place,
-            self.last_place,
-            self.coupling_m_per_n.in_words(),
-            self.error
-        )
-    }
-}
-
-impl CouplingRecord {
-    /// Least and largest at each distance, um/kN.
-    fn in_words(&self) -> String {
-        let at_distance = |values: &[f64]| {
-            let um_per_kn = |of: fn(f64, f64) -> f64| {
-                let value = values.iter().copied().reduce(of);
-                format!("{:.2}", value.map_or(f64::NAN, |c| 1e9 * c))
-            };
-            match [f64::min, f64::max].map(um_per_kn) {
-                [least, largest] if least == largest => least,
-                [least, largest] => format!("{least} to {largest}"),
-            }
-        };
-        let distances: Vec<String> = self.0.iter().map(|row| at_distance(row)).collect();
-        distances.join(", ")
-    }
-}
-
-impl LoadAxes {
-    /// Nodes in one line.
-    fn in_words(&self) -> String {
-        let [c, m, f, p] = self.lengths();
-        format!(
-            "{} x {} x {} x {}",
-            count(f, "force"),
-            count(c, "centre distance"),
-            count(m, "misalignment"),
-            count(p, "mesh position")
-        )
-    }
-}
-
-impl std::fmt::Display for RootStressError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl fmt::Display for RootStressError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
             "error at {} random points: {:.2} % rms, {:.2} % at most, of the largest stress at nominal torque",
@@ -176,6 +120,41 @@ impl std::fmt::Display for RootStressError {
             1e2 * self.rms,
             1e2 * self.maximum
         )
+    }
+}
+
+impl TeethRecord {
+    /// Nodes, coupling and error against contact at run time in one line.
+    pub fn in_words(&self) -> String {
+        // Least and largest at each distance.
+        let um_per_kn = |values: &Vec<f64>| {
+            let extreme = |choose: fn(f64, f64) -> f64| {
+                let value = values.iter().copied().reduce(choose);
+                format!("{:.2}", value.map_or(f64::NAN, |c| 1e9 * c))
+            };
+            match [f64::min, f64::max].map(extreme) {
+                [least, largest] if least == largest => least,
+                [least, largest] => format!("{least} to {largest}"),
+            }
+        };
+        let coupling: Vec<String> = self.coupling_m_per_n.iter().map(um_per_kn).collect();
+        let [c, m, u, _] = GRID;
+        format!(
+            "{} from {:.2} to {:.2} base pitches; of the approach others take {} um/kN; {} against contact at run time",
+            in_words(self.axes.lengths(), &[c, m, u, "place"]),
+            self.first_place,
+            self.last_place,
+            coupling.join(", "),
+            self.error
+        )
+    }
+}
+
+impl LoadAxes {
+    /// Nodes in one line.
+    fn in_words(&self) -> String {
+        let [c, m, _, p] = GRID;
+        in_words(self.lengths(), &[c, m, "force", p])
     }
 }
 

@@ -25,9 +25,9 @@ class Flank:
     """Flanks of sign `sigma` of all teeth of one gear: G is the signed distance of a point, positive outside."""
 
     def __init__(self, gear, sigma, hand, thinning):
-        z, beta, alpha_n = gear["teeth"], gear["helix_angle"], gear["normal_pressure_angle"]
+        z, beta, alpha_n = gear["teeth"], gear["helix_angle_rad"], gear["normal_pressure_angle_rad"]
         alpha_t = np.arctan(np.tan(alpha_n) / np.cos(beta))
-        self.rb = 0.5 * z * gear["normal_module"] / np.cos(beta) * np.cos(alpha_t)
+        self.rb = 0.5 * z * gear["normal_module_m"] / np.cos(beta) * np.cos(alpha_t)
         self.beta_b = np.arctan(np.tan(beta) * np.cos(alpha_t))
         self.kappa = -1.0 if gear["kind"] == "ring" else 1.0
         self.sigma, self.helix = sigma, hand * np.tan(self.beta_b)
@@ -64,7 +64,7 @@ class Mesh:
         self.base_sum, self.base_pitch = abs(rb[0] + self.e * rb[1]), 2 * np.pi * rb[0] / self.z[0]
         # Without backlash the pressure angle phi_0 is that of the profile shifts; what the gap between both
         # flanks lacks at the nominal centre distance has been taken from the teeth, from both gears alike.
-        alpha_n, beta = g1["normal_pressure_angle"], g1["helix_angle"]
+        alpha_n, beta = g1["normal_pressure_angle_rad"], g1["helix_angle_rad"]
         shifts = g1["profile_shift"] + self.e * g2["profile_shift"]
         inv_0 = involute(np.tan(alpha_n) / np.cos(beta))
         inv_0 += 2 * np.tan(alpha_n) * shifts / (self.z[0] + self.e * self.z[1])
@@ -79,10 +79,10 @@ class Mesh:
             for s in (1, -1)
         }
         self.stiffness = stiffness / cos_phi**2
-        self.face_offset = g2["face_offset"] - g1["face_offset"]
-        low = max(g1["face_offset"], g2["face_offset"])
-        high = min(g["face_offset"] + g["face_width"] for g in self.gears)
-        self.z_ref = 0.5 * (low + high) - g1["face_offset"]
+        self.face_offset = g2["face_offset_m"] - g1["face_offset_m"]
+        low = max(g1["face_offset_m"], g2["face_offset_m"])
+        high = min(g["face_offset_m"] + g["face_width_m"] for g in self.gears)
+        self.z_ref = 0.5 * (low + high) - g1["face_offset_m"]
 
     def pitch_point(self, poses):
         """The operating pitch point at mid-face of gear 1, and the centre distance there."""

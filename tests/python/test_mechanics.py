@@ -26,9 +26,9 @@ class Geometry:
         self.e = -1 if "ring" in (g1["kind"], g2["kind"]) else 1
         self.sc = np.sign(self.z[0] + self.e * self.z[1])
         self.hand = g1["hand"]
-        beta, alpha_n = g1["helix_angle"], g1["normal_pressure_angle"]
+        beta, alpha_n = g1["helix_angle_rad"], g1["normal_pressure_angle_rad"]
         alpha_t = np.arctan(np.tan(alpha_n) / np.cos(beta))
-        r = [0.5 * z * g1["normal_module"] / np.cos(beta) for z in self.z]
+        r = [0.5 * z * g1["normal_module_m"] / np.cos(beta) for z in self.z]
         self.c = data["center_distance"]
         self.phi = np.arccos(abs(r[0] + self.e * r[1]) * np.cos(alpha_t) / self.c)
         self.rw = [z * self.c / abs(self.z[0] + self.e * self.z[1]) for z in self.z]

@@ -180,15 +180,15 @@ def foot(flank, x):
 @pytest.mark.parametrize("kind", ["external", "ring"])
 def test_the_oracles_distance_is_that_of_the_closest_point_on_the_surface(kind, helix):
     rng = np.random.default_rng(1842)
-    gear = {"kind": kind, "teeth": 30, "helix_angle": helix, "normal_pressure_angle": np.radians(20.0)}
-    gear |= {"normal_module": 4e-3, "profile_shift": 0.3}
-    module = gear["normal_module"] / np.cos(helix)
+    gear = {"kind": kind, "teeth": 30, "helix_angle_rad": helix, "normal_pressure_angle_rad": np.radians(20.0)}
+    gear |= {"normal_module_m": 4e-3, "profile_shift": 0.3}
+    module = gear["normal_module_m"] / np.cos(helix)
     for hand in (1, -1):
         flanks = {sigma: Flank(gear, sigma, hand, 2e-5) for sigma in (1, -1)}
         # On the reference circle a tooth (ring: a space) is as thick as the rack that cuts it says.
         reference = np.sqrt((0.5 * 30 * module / flanks[1].rb) ** 2 - 1)
         ends = [np.arctan2(*flanks[s].surface(reference, 0.0)[1::-1]) for s in (1, -1)]
-        rack = 0.5 * np.pi * module + 2 * 0.3 * module * np.tan(gear["normal_pressure_angle"])
+        rack = 0.5 * np.pi * module + 2 * 0.3 * module * np.tan(gear["normal_pressure_angle_rad"])
         thinned = (1 if kind == "external" else -1) * 2e-5 / flanks[1].rb
         thickness = abs(ends[0] - ends[1]) + thinned
         assert thickness == pytest.approx(rack / (0.5 * 30 * module), abs=1e-15)

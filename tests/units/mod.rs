@@ -29,7 +29,7 @@ pub fn tabulated(folder: &Path) -> UnitFile {
         "/resources/tables/palermo2013.json"
     );
     let file = gearmesh::table::TableFile::read(tables).unwrap();
-    let geometry = file.geometry.pair_geometry().unwrap();
+    let geometry = file.geometry.clone();
     let place = ("gear2.position[1]".to_owned(), geometry.center_distance);
     std::fs::copy(tables, folder.join("tables.json")).unwrap();
     UnitFile {

@@ -98,7 +98,7 @@ impl Report {
         page.preformatted(&pair_summary(&pair, gauges));
         if let Some(path) = &self.tables {
             let file = TableFile::read(path)?;
-            if file.geometry.pair_geometry()? != pair.geometry {
+            if file.geometry != pair.geometry {
                 return Err(format!(
                     "--tables = {}: made for another gear geometry than {}; name this pair's tables",
                     path.display(),

@@ -12,8 +12,7 @@ use gearmesh::pair::Pair;
 use gearmesh::table::{TableFile, TeethRecord};
 use gearmesh_preprocessor::contact::contact_file;
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::plan::{Coverage, tilt};
-use gearmesh_preprocessor::table::source::{SolveQuality, WatchedSolver};
+use gearmesh_preprocessor::table::{Coverage, SolveQuality, WatchedSolver, tilt};
 use serde_json::{Value, json};
 
 use crate::Error;

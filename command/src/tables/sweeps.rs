@@ -6,17 +6,13 @@ use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
 use gearmesh::pair::Pair;
 use gearmesh::table::{
-    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError,
+    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSamples,
     RootStressRecord, TeethRecord,
 };
-use gearmesh_preprocessor::table::plan::{
-    Coverage, default_axes, measure, measure_at_run_time, misalignments, table_within,
-};
-use gearmesh_preprocessor::table::source::WatchedSolver;
-use gearmesh_preprocessor::table::sweep::{Watch, sweep};
 use gearmesh_preprocessor::table::{
-    RootStressSweep, TeethSweep, default_root_stress_axes, default_sliding_axes,
-    default_teeth_axes, sweep_sliding,
+    Coverage, RootStressSweep, TeethSweep, Watch, WatchedSolver, default_axes,
+    default_root_stress_axes, default_sliding_axes, default_teeth_axes, measure,
+    measure_at_run_time, misalignments, sweep, sweep_sliding, table_within,
 };
 
 use crate::Error;
@@ -37,7 +33,7 @@ pub(super) struct Sweeps<'a> {
     pub pair: &'a Pair,
     pub model: &'a Model,
     pub coverage: &'a Coverage,
-    /// Misalignment (rad) beyond which the contact changes its form, see `plan::tilt`.
+    /// Misalignment (rad) beyond which the contact changes its form, see `tilt`.
     pub tilt: f64,
     pub args: &'a ModelArgs,
     pub job: &'a Job,

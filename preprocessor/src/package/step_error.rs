@@ -105,7 +105,7 @@ mod tests {
             "/../resources/tables/palermo2013.json"
         );
         let tables = TableFile::read(path).unwrap();
-        let geometry = tables.geometry.pair_geometry().unwrap();
+        let geometry = tables.geometry.clone();
         let starts = super::super::Starts::of_tables(&tables).unwrap();
         let mut starts = starts.of_variables(&geometry);
         starts.insert("coupling".into(), coupling);

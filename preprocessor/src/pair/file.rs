@@ -1,14 +1,68 @@
 //! The pair file as it is written: JSON, the unit in every name.
 //!
-//! These types say which fields there are and what is optional; [`super::Pair`] is the checked result
-//! in SI. Defaults that are plain numbers stand here, those that follow from other fields in
-//! `resolve.rs`.
+//! These types say which fields there are and what is optional; [`super::Pair`] is the checked result in SI.
 
+use gearmesh::gear::ReliefShape;
 use gearmesh::pair::Refinement;
+use gearmesh::words::rounded;
 use serde::{Deserialize, Serialize};
 
-pub use super::drawing::Dimension;
-pub use super::teeth::{IndexFile, ToothErrorsFile, ToothFile, ToothFlank};
+/// Metres in a millimetre.
+pub(super) const MM: f64 = 1e-3;
+/// Metres in a micrometre.
+pub(super) const UM: f64 = 1e-6;
+
+/// A dimension of a drawing: a number, or its limits, of which the middle counts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, try_from = "serde_json::Value")]
+pub enum Dimension {
+    /// Without tolerance.
+    Nominal(f64),
+    /// Lower and upper limit.
+    Limits([f64; 2]),
+}
+
+impl TryFrom<serde_json::Value> for Dimension {
+    type Error = String;
+
+    fn try_from(value: serde_json::Value) -> Result<Dimension, String> {
+        let limits = value.as_array().map(Vec::as_slice);
+        let number = value.as_f64().map(Dimension::Nominal);
+        let limits = match limits {
+            Some([low, high]) => low.as_f64().zip(high.as_f64()),
+            _ => None,
+        };
+        (number.or(limits.map(|(low, high)| Dimension::Limits([low, high]))))
+            .ok_or_else(|| format!("`{value}`; a bare number or [lower, upper] is expected"))
+    }
+}
+
+impl Dimension {
+    /// The number that counts.
+    pub fn middle(self) -> f64 {
+        match self {
+            Dimension::Nominal(value) => value,
+            Dimension::Limits([low, high]) => 0.5 * (low + high),
+        }
+    }
+
+    /// Half of the tolerance.
+    pub(super) fn slack(self) -> f64 {
+        match self {
+            Dimension::Nominal(_) => 0.0,
+            Dimension::Limits([low, high]) => 0.5 * (high - low),
+        }
+    }
+}
+
+impl std::fmt::Display for Dimension {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match *self {
+            Dimension::Nominal(value) => write!(f, "{}", rounded(value)),
+            Dimension::Limits([low, high]) => write!(f, "[{}, {}]", rounded(low), rounded(high)),
+        }
+    }
+}
 
 /// The whole file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -49,6 +103,20 @@ pub struct PairFile {
     pub tip_corner_contact: bool,
     /// Coefficient of friction. Default: the constant 0.05.
     pub friction: Option<FrictionFile>,
+}
+
+impl PairFile {
+    /// Gear `i`, 0 or 1.
+    pub fn gear(&self, i: usize) -> &GearFile {
+        [&self.gear1, &self.gear2][i]
+    }
+
+    /// Which gear is the ring: gear 2 of an internal pair, or gear 1 when it alone has a rim.
+    pub fn ring(&self) -> Option<usize> {
+        let has_rim = |g: &GearFile| g.rim_diameter_mm.is_some();
+        let ring = usize::from(has_rim(&self.gear2) || !has_rim(&self.gear1));
+        (self.meshing == Meshing::Internal).then_some(ring)
+    }
 }
 
 /// `meshing` of the file.
@@ -251,7 +319,7 @@ pub struct ReliefFile {
     pub start: ReliefStart,
     /// Growth. Default `linear`.
     #[serde(default)]
-    pub shape: Shape,
+    pub shape: ReliefShape,
 }
 
 /// `start` of a relief.
@@ -271,19 +339,6 @@ pub enum ReliefStart {
     FromTipMm(f64),
 }
 
-/// `shape` of a relief.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Shape {
-    /// In proportion to the distance from the start.
-    #[default]
-    Linear,
-    /// With its square.
-    Parabolic,
-    /// A circular arc that leaves the flank as a tangent.
-    Arc,
-}
-
 /// End relief of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -294,7 +349,7 @@ pub struct EndReliefFile {
     pub length_mm: f64,
     /// Growth. Default `linear`.
     #[serde(default)]
-    pub shape: Shape,
+    pub shape: ReliefShape,
 }
 
 /// `operating` of the file. Ranges hold zero and count from the nominal state.
@@ -348,6 +403,71 @@ pub enum FrictionLawFile {
     Schlenk,
     /// Local, Xu and Kahraman 2007.
     XuKahraman,
+}
+
+/// `tooth_errors` of a gear.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToothErrorsFile {
+    /// Index errors of the drive flanks. Default none.
+    pub drive_flank: Option<IndexFile>,
+    /// Index errors of the coast flanks. Default none.
+    pub coast_flank: Option<IndexFile>,
+    /// Radial run-out F_r, of both flanks. Default 0.
+    #[serde(default)]
+    pub runout_um: f64,
+    /// Where the teeth stand out most, from tooth 0 in +theta. Default 0.
+    #[serde(default)]
+    pub runout_angle_deg: f64,
+    /// Single teeth. Default none.
+    #[serde(default)]
+    pub teeth: Vec<ToothFile>,
+}
+
+/// Index errors of one flank: a list, or a class with a seed.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IndexFile {
+    /// Cumulative pitch deviation of every tooth.
+    pub cumulative_pitch_um: Option<Vec<f64>>,
+    /// Flank tolerance class of ISO 1328-1 that random errors use up.
+    pub pitch_class: Option<u8>,
+    /// Which random errors. Default 0.
+    #[serde(default)]
+    pub seed: u32,
+}
+
+/// One tooth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToothFile {
+    /// Its number, from 0 in +theta.
+    pub tooth: u32,
+    /// Compliance under its own load over that of the others. Default 1.
+    #[serde(default = "one")]
+    pub compliance_factor: f64,
+    /// CSV file of its flank, instead of that of the gear. Default: that of the gear.
+    pub topography_file: Option<String>,
+    /// The flank with that file. Default both.
+    #[serde(default)]
+    pub flank: ToothFlank,
+}
+
+/// `flank` of a tooth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ToothFlank {
+    /// Both.
+    #[default]
+    Both,
+    /// The drive flank.
+    Drive,
+    /// The coast flank.
+    Coast,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 fn yes() -> bool {

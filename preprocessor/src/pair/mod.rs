@@ -4,31 +4,28 @@
 //! cannot work, naming field, value and remedy ([`Refusal`]). What is legal but worth knowing comes as
 //! [`Pair::warnings`].
 
-mod bodies;
+mod backlash;
 mod checks;
-mod draft;
 pub mod drawing;
 mod error;
 pub mod file;
-mod friction;
-mod interference;
-mod mesh_checks;
-mod modifications;
+mod flanks;
+mod gears;
+mod mesh;
 mod resolve;
-mod slips;
 mod teeth;
 mod text;
-mod topography;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use checks::TORQUES;
-pub use draft::PairDraft;
 pub use drawing::Gauges;
 pub use error::{PairError, Refusal};
-pub use teeth::note_on_teeth;
+pub use resolve::note_on_teeth;
 
-use gearmesh::pair::{Operating, Pair};
+use error::refusal;
+use gearmesh::pair::Pair;
+use serde_json::Value;
 
 /// Reads and checks the text of a pair file: JSON in which comments (`//`, `/* */`, `#`), commas before a
 /// closing bracket and a byte-order mark are allowed. Files it names are sought in the working folder.
@@ -58,22 +55,79 @@ pub fn read(path: impl AsRef<Path>) -> Result<Pair, PairError> {
 /// Those of [`read`].
 pub fn read_with_gauges(path: impl AsRef<Path>) -> Result<(Pair, [Gauges; 2]), PairError> {
     let path = path.as_ref();
-    let folder = path.parent().unwrap_or(Path::new(""));
     let file = text::read_fields(path)?;
-    let pair = resolve::resolve(&file, folder)?;
-    let gauges = [0, 1].map(|i| {
-        let (given, usual) = (
-            resolve::gear_file(&file, i),
-            Gauges::usual(&pair.geometry.gears[i]),
-        );
-        Gauges {
-            span_teeth: given.span_teeth.unwrap_or(usual.span_teeth),
-            ball_diameter: given
-                .ball_diameter_mm
-                .map_or(usual.ball_diameter, |mm| mm * resolve::MM),
-        }
-    });
+    let pair = resolve::resolve(&file, folder(path))?;
+    let gauges = [0, 1].map(|i| Gauges::of(file.gear(i), &pair.geometry.gears[i]));
     Ok((pair, gauges))
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
+/// The fields of a pair file before they are checked.
+#[derive(Debug, Clone)]
+pub struct PairDraft {
+    fields: Value,
+    folder: PathBuf,
+}
+
+impl PairDraft {
+    /// Reads the pair file at `path`.
+    ///
+    /// # Errors
+    /// Those of [`read`], but for what makes a pair that cannot work.
+    pub fn read(path: &Path) -> Result<PairDraft, PairError> {
+        let fields = serde_json::to_value(text::read_fields(path)?);
+        Ok(PairDraft {
+            // Numbers, text and lists under names: they are values of JSON.
+            fields: fields.expect("a pair file serialises"),
+            folder: folder(path).to_owned(),
+        })
+    }
+
+    /// The number at `field`, such as `gear1.tip_relief.amount_um`; the middle of limits; None where there is none.
+    pub fn number(&self, field: &str) -> Option<f64> {
+        let path = format!("/{}", field.replace('.', "/"));
+        let value = self.fields.pointer(&path)?;
+        let limit = |i: usize| value.get(i)?.as_f64();
+        // Of limits the middle counts.
+        value
+            .as_f64()
+            .or_else(|| Some(0.5 * (limit(0)? + limit(1)?)))
+    }
+
+    /// Sets `field` to `value`, in the unit of its name; groups of fields on the way to it are made.
+    ///
+    /// # Errors
+    /// [`PairError::Refused`] where something else than a group of fields stands on the way.
+    pub fn set(&mut self, field: &str, value: f64) -> Result<(), PairError> {
+        let mut at = &mut self.fields;
+        let names: Vec<&str> = field.split('.').collect();
+        for (i, name) in names.iter().enumerate() {
+            if at.is_null() {
+                *at = Value::Object(serde_json::Map::new());
+            }
+            let Some(fields) = at.as_object_mut() else {
+                let group = names[..i].join(".");
+                return Err(refusal!(group => "no group of fields";
+                    "there is no `{name}` in it"; "docs/pair-file.md has every field")
+                .into());
+            };
+            at = fields.entry(*name).or_insert(Value::Null);
+        }
+        *at = value.into();
+        Ok(())
+    }
+
+    /// The checked pair.
+    ///
+    /// # Errors
+    /// Those of [`from_json`].
+    pub fn pair(&self) -> Result<Pair, PairError> {
+        let file = text::parse(&self.fields.to_string())?;
+        Ok(resolve::resolve(&file, &self.folder)?)
+    }
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ const LONGEST: u64 = 4 << 20;
 pub(super) fn read(path: &Path) -> std::io::Result<String> {
     let file = std::fs::File::open(path)?;
     let mut bytes = Vec::new();
-    // One byte more than allowed tells a longer file, even where no length is known.
+    // One byte more than allowed shows a longer file, even where no length is known.
     let length = file.take(LONGEST + 1).read_to_end(&mut bytes)?;
     let other = |what: String| Err(std::io::Error::other(what));
     if bytes.starts_with(b"PK") {
@@ -66,166 +66,89 @@ pub(super) fn parse(text: &str) -> Result<PairFile, PairError> {
     Ok(file)
 }
 
+/// The error in plain words, with the path of its field and the text about its place.
 fn form(text: &str, path: &str, error: &serde_json::Error) -> PairError {
     let (line, column) = (error.line(), error.column());
+    let said = error.to_string();
+    let said = said.split(" at line ").next().unwrap_or(&said);
+    let quoted: Vec<&str> = said.split('`').skip(1).step_by(2).collect();
     // The path ends in `?` where a name could not be read.
-    let path = match path.trim_end_matches(['?', '.']) {
-        "" => ".",
-        path => path,
+    let mut field = match path.trim_end_matches(['?', '.']) {
+        "" => ".".to_owned(),
+        path => path.to_owned(),
     };
-    let told = error.to_string();
-    let told = told
-        .strip_suffix(&format!(" at line {line} column {column}"))
-        .unwrap_or(&told);
-    let (field, message) = if error.is_data() {
-        of_data(path, told)
-    } else {
-        of_syntax(text, path, told, [line, column])
+    let message = match &quoted[..] {
+        [given, known @ ..] if said.starts_with("unknown field") => unknown_field(given, known),
+        [given, known @ ..] if said.starts_with("unknown variant") => {
+            unknown_name(given, known, "name")
+        }
+        [name, ..] if said.starts_with("missing field") => {
+            field = match &field[..] {
+                "." => (*name).to_owned(),
+                path => format!("{path}.{name}"),
+            };
+            "this field is required and missing".into()
+        }
+        _ => match said.split_once(", expected ") {
+            Some((given, expected)) => mistyped(given, expected),
+            None => in_plain_words(said, &field),
+        },
     };
+    let about: String = (text.lines().nth(line.saturating_sub(1)).unwrap_or_default())
+        .chars()
+        .skip(column.saturating_sub(50))
+        .take(70)
+        .collect();
     PairError::Form {
         field: shown(&field),
-        message: if line == 0 {
-            message
-        } else {
-            format!("{message} (line {line}, column {column})")
+        message: match line {
+            0 => message,
+            _ => format!(
+                "{message} (line {line}, column {column}: {})",
+                shown(about.trim())
+            ),
         },
     }
 }
 
-/// Field and message of text that is no JSON.
-fn of_syntax(text: &str, path: &str, told: &str, [line, column]: [usize; 2]) -> (String, String) {
-    if let Some((field, comma)) = decimal_comma(text, line, column) {
-        let field = match path {
-            "." => field,
-            _ if path.ends_with(&field) => path.to_owned(),
-            _ => format!("{path}.{field}"),
-        };
-        return (field, decimal_point(&comma));
-    }
-    let message = match told {
-        "expected value" if let Some(value) = value_at(text, line, column) => {
-            return (path.to_owned(), no_name(path, &value));
-        }
+/// What to say of text that is no JSON.
+fn in_plain_words(said: &str, field: &str) -> String {
+    let words = match said {
         "expected value" => {
-            "no value that JSON knows stands here; give a number such as 4.0, text in double quotes, true or false"
+            "no value of this field stands here; give a number such as 4.0, text or a name in double quotes, true or \
+             false, or fields in braces such as { \"diameter_mm\": 88.0 }"
         }
-        "key must be a string" => "the name of a field in double quotes is expected here",
+        "key must be a string" => {
+            "the name of a field in double quotes is expected here; numbers have a decimal point, no comma"
+        }
+        "trailing characters" if field == "." => "something stands after the closing bracket",
+        "trailing characters" => {
+            "there are more than two numbers; [lowest, highest] are expected, with a decimal point in each, such as \
+             [-0.5, 0.5]"
+        }
         "invalid number" => "this is no number; write 4.0 or 0.5, without leading zeros",
         "number out of range" => "the number is out of range",
         "EOF while parsing a string"
         | "control character (\\u0000-\\u001F) found while parsing a string" => {
             "a text is not closed by a double quote on its line"
         }
-        "EOF while parsing a value" if path == "." => {
+        "EOF while parsing a value" if field == "." => {
             "there are no fields; `gearmesh new` writes a file to start from"
         }
-        _ if told.starts_with("EOF") => {
+        _ if said.starts_with("EOF") => {
             "the file ends before its last bracket is closed; it may have been cut"
         }
-        "trailing characters" if path != "." => {
-            "there are more than two numbers; [lowest, highest] are expected, with a decimal point in each, such as \
-             [-0.5, 0.5]"
+        _ if said.starts_with("duplicate field") => {
+            "this field stands twice; leave one of them out"
         }
-        "trailing characters" => "something stands after the closing bracket",
         other => other,
     };
-    (path.to_owned(), message.to_owned())
-}
-
-/// The text of `line` from `column` on, and what is before; both count from 1.
-fn split_at(text: &str, line: usize, column: usize) -> Option<(&str, &str)> {
-    let line = text.lines().nth(line.checked_sub(1)?)?;
-    line.split_at_checked(column.checked_sub(1)?)
-}
-
-/// The number, list or other value of JSON at `column` of `line`.
-fn value_at(text: &str, line: usize, column: usize) -> Option<String> {
-    let (_, rest) = split_at(text, line, column)?;
-    let value = rest.split([',', '}']).next()?.trim();
-    let is_value = |v: &str| serde_json::from_str::<serde_json::Value>(v).is_ok();
-    (is_value(value) || value.starts_with('[')).then(|| value.to_owned())
-}
-
-/// What to say of a value where a field takes names.
-fn no_name(path: &str, value: &str) -> String {
-    let given = shown(value);
-    if !path.ends_with("start") {
-        return format!("`{given}`; one of the names of this field in double quotes is expected");
-    }
-    let diameter = value.parse().unwrap_or(88.0);
-    format!(
-        "`{given}` is no start of a relief; give {{ \"diameter_mm\": {diameter} }} or \"pitch_point\""
-    )
-}
-
-/// The field and the number where the text around `column` of `line` is a number with a decimal comma.
-fn decimal_comma(text: &str, line: usize, column: usize) -> Option<(String, String)> {
-    let (before, rest) = split_at(text, line, column)?;
-    let digits = |c: char| c.is_ascii_digit();
-    let fraction: String = rest.chars().take_while(|&c| digits(c)).collect();
-    let whole_and_name = before.trim_end().strip_suffix(',')?;
-    let (name, whole) = whole_and_name.rsplit_once(':')?;
-    let whole = whole.trim();
-    let is_whole = |text: &str| !text.is_empty() && text.chars().all(digits);
-    if !is_whole(whole.strip_prefix('-').unwrap_or(whole)) || fraction.is_empty() {
-        return None;
-    }
-    let name = name.trim().strip_suffix('"')?.rsplit('"').next()?;
-    Some((name.to_owned(), format!("{whole},{fraction}")))
-}
-
-fn decimal_point(number: &str) -> String {
-    format!(
-        "{number} has a decimal comma; write {} with a point",
-        number.replace(',', ".")
-    )
-}
-
-/// Field and message of JSON that is no pair file.
-fn of_data(path: &str, told: &str) -> (String, String) {
-    let names: Vec<&str> = told.split('`').skip(1).step_by(2).collect();
-    let mut field = path.to_owned();
-    let message = match (&names[..], told.split_once(", expected ")) {
-        ([given, expected @ ..], _) if told.starts_with("unknown field") => {
-            unknown_field(given, expected)
-        }
-        ([given, expected @ ..], _) if told.starts_with("unknown variant") => {
-            let meant = match nearest(given, expected) {
-                Some(name) => format!("; did you mean \"{name}\"?"),
-                None => String::new(),
-            };
-            let (given, all) = (shown(given), listed(expected));
-            format!("\"{given}\" is none of its values{meant} There are {all}")
-        }
-        ([name, ..], _) if told.starts_with("missing field") => {
-            field = match path {
-                "." => (*name).to_owned(),
-                _ => format!("{path}.{name}"),
-            };
-            "this field is required and missing".into()
-        }
-        _ if told.starts_with("duplicate field") => {
-            "this field stands twice; leave one of them out".into()
-        }
-        (_, Some((given, "an array of length 2"))) if given.starts_with("invalid length") => {
-            "two numbers are expected, [lowest, highest]".into()
-        }
-        (_, Some((given, expected))) => {
-            let given = given.split_once(": ").map_or(given, |(_, given)| given);
-            mistyped(given, expected)
-        }
-        _ => told.to_owned(),
-    };
-    (field, message)
+    words.to_owned()
 }
 
 /// What to say of a field that a part of the file does not have.
-fn unknown_field(given: &str, expected: &[&str]) -> String {
-    let name_given = shown(given);
-    if let Some(name) = nearest(given, expected) {
-        return format!("there is no field `{name_given}`; did you mean `{name}`?");
-    }
-    // A field of another part of the file.
+fn unknown_field(given: &str, known: &[&str]) -> String {
+    // It may be a field of another part of the file.
     let parts = [
         ("the whole pair, outside of the gears", names::<PairFile>()),
         ("`gear1` and `gear2`", names::<GearFile>()),
@@ -233,14 +156,36 @@ fn unknown_field(given: &str, expected: &[&str]) -> String {
         ("`operating`", names::<OperatingFile>()),
         ("`friction`", names::<FrictionFile>()),
     ];
-    for (part, fields) in parts {
-        let fields: Vec<&str> = fields.iter().map(String::as_str).collect();
-        if let Some(name) = nearest(given, &fields) {
-            return format!("there is no field `{name_given}` here; `{name}` is a field of {part}");
+    if nearest(given, known).is_none() {
+        for (part, fields) in parts {
+            let fields: Vec<&str> = fields.iter().map(String::as_str).collect();
+            if let Some(name) = nearest(given, &fields) {
+                let given = shown(given);
+                return format!("there is no field `{given}` here; `{name}` is a field of {part}");
+            }
         }
     }
-    let all = listed(expected);
-    format!("there is no field `{name_given}`; there are {all}")
+    unknown_name(given, known, "field")
+}
+
+/// What to say of a name that is none of those `known`.
+fn unknown_name(given: &str, known: &[&str], what: &str) -> String {
+    // The path has it in full.
+    let name = shown(&given.chars().take(60).collect::<String>());
+    let meant = nearest(given, known);
+    // Names of older files begin with a capital.
+    let known: Vec<&str> = known
+        .iter()
+        .copied()
+        .filter(|n| n.starts_with(char::is_lowercase))
+        .collect();
+    match meant {
+        Some(meant) => format!("there is no {what} `{name}` here; did you mean `{meant}`?"),
+        None => format!(
+            "there is no {what} `{name}` here; there are `{}`",
+            known.join("`, `")
+        ),
+    }
 }
 
 /// Names of the fields of a part of the file, as its deserialiser lists them when it refuses one.
@@ -248,8 +193,8 @@ fn names<T: DeserializeOwned>() -> Vec<String> {
     // Read as `parse` does, so that the deserialisers are compiled once.
     let mut json = serde_json::Deserializer::from_slice(br#"{"": 0}"#);
     let refused = serde_path_to_error::deserialize::<_, T>(&mut json).err();
-    let told = refused.map_or_else(String::new, |error| error.inner().to_string());
-    let names = told.split('`').skip(3).step_by(2);
+    let said = refused.map_or_else(String::new, |error| error.inner().to_string());
+    let names = said.split('`').skip(3).step_by(2);
     names.map(str::to_owned).collect()
 }
 
@@ -279,64 +224,37 @@ const LETTERS: &[(&str, &str)] = &[
 fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let given = given.to_lowercase().replace("centre", "center");
     let letter = given.replace('_', "");
-    if let Some((_, meant)) = LETTERS.iter().find(|(other, _)| *other == letter)
-        && let Some(name) = names.iter().find(|name| *name == meant)
-    {
+    let meant = LETTERS.iter().find(|(other, _)| *other == letter);
+    if let Some(name) = meant.and_then(|(_, meant)| names.iter().find(|name| *name == meant)) {
         return Some(name);
     }
     // Slips of the hand, and names of which a part is missing.
-    let alike = |a: &[&str], b: &[&str]| {
-        let (a, b) = (a.concat(), b.concat());
-        let slip = strsim::normalized_damerau_levenshtein(&a, &b);
-        slip.max(strsim::sorensen_dice(&a, &b))
+    let alike = |a: &str, b: &str| {
+        strsim::normalized_damerau_levenshtein(a, b).max(strsim::sorensen_dice(a, b))
     };
-    let words: Vec<&str> = given.split('_').collect();
     let likeness = |name: &str| {
-        let other: Vec<&str> = name.split('_').collect();
-        let shared = words.iter().rev().zip(other.iter().rev());
-        let shared = shared.take_while(|(a, b)| a == b).count();
-        let [a, b] = [&words, &other].map(|all| &all[..all.len() - shared]);
-        // A unit in common does not make a name.
-        if !a.is_empty() && !b.is_empty() && alike(a, b) < 0.5 {
-            return 0.0;
+        // Words in common at the end, such as the unit, do not make a name.
+        let shared = given.rsplit('_').zip(name.rsplit('_'));
+        let shared: usize = (shared.take_while(|(a, b)| a == b))
+            .map(|(word, _)| word.len() + 1)
+            .sum();
+        let [a, b] = [&given[..], name].map(|all| &all[..all.len().saturating_sub(shared)]);
+        match !a.is_empty() && !b.is_empty() && alike(a, b) < 0.5 {
+            true => 0.0,
+            false => alike(&given, name),
         }
-        alike(&words, &other)
     };
     // The first of those that are equally near.
-    names
-        .iter()
-        .rev()
-        .map(|name| (likeness(name), *name))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .filter(|(likeness, _)| *likeness >= 0.6)
-        .map(|(_, name)| name)
-}
-
-fn listed(names: &[&str]) -> String {
-    format!("`{}`", names.join("`, `"))
+    let rated = names.iter().rev().map(|name| (likeness(name), *name));
+    let best = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 >= 0.6).then_some(best.1)
 }
 
 /// What to say of a value of another kind, from the words of the deserialiser.
 fn mistyped(given: &str, expected: &str) -> String {
-    if let Some(text) = given.strip_prefix("string ")
-        && matches!(
-            expected,
-            "f64" | "u32" | "u8" | "a number, or [lower, upper]"
-        )
-    {
-        let number = text.trim_matches('"');
-        let pointed = number.replace(',', ".");
-        let shown = shown(text);
-        return match (pointed.parse::<f64>(), number.contains(',')) {
-            (Err(_), _) => format!(
-                "{shown} is text; write a bare number, its unit is that of the field's name"
-            ),
-            (Ok(_), true) => format!("{} and without quotes: {pointed}", decimal_point(number)),
-            (Ok(_), false) => format!("write it without quotes: {pointed}"),
-        };
-    }
+    let given = given.split_once(": ").map_or(given, |(_, given)| given);
     let expected = match expected {
-        "f64" => "a number",
+        "f64" => "a bare number in the unit of the field's name",
         "u32" => "a whole number, 0 to 4294967295",
         "u8" => "a whole number, 0 to 255",
         "a sequence" => "a list in brackets",
@@ -347,6 +265,13 @@ fn mistyped(given: &str, expected: &str) -> String {
         part if part.starts_with("struct") => "fields in braces, { ... }",
         other => other,
     };
+    if let Some(text) = given.strip_prefix("string ") {
+        let number = text.trim_matches('"').replace(',', ".");
+        return match number.parse::<f64>() {
+            Ok(_) => format!("{text} is text; write it without quotes: {number}"),
+            Err(_) => format!("{} is text; {expected} is expected", shown(text)),
+        };
+    }
     let given = match given {
         "map" => "fields in braces".into(),
         "sequence" => "a list in brackets".into(),

@@ -1,16 +1,18 @@
 //! Tables from static contact: which nodes they need, the sweep over them, and tables that come from elsewhere.
 
-mod choices;
+mod coverage;
 pub mod import;
-mod load_sweep;
-mod measure;
-pub mod plan;
-mod root_stress;
-mod sliding;
-pub mod source;
-pub mod sweep;
+mod plan;
+mod records;
+mod sweep;
 mod teeth;
+mod tooth_pair;
 
-pub use root_stress::{RootStressSweep, default_root_stress_axes};
-pub use sliding::{default_sliding_axes, sweep_sliding};
+pub use coverage::{
+    Coverage, default_axes, displacement_nodes, measure, measure_at_run_time, mesh_positions,
+    misalignments, tilt,
+};
+pub use plan::table_within;
+pub use records::{RootStressSweep, default_root_stress_axes, default_sliding_axes, sweep_sliding};
+pub use sweep::{Sample, SolveQuality, StaticPosition, StaticSource, Watch, WatchedSolver, sweep};
 pub use teeth::{TeethSweep, default_teeth_axes};

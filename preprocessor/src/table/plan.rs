@@ -1,39 +1,32 @@
-//! Which nodes a table needs for a stated error, and what error it has.
+//! Which nodes a table needs for a stated error.
 //!
 //! The error of a tensor-product interpolant is nearly the sum of those along each axis. So nodes are put
-//! along each axis by itself (`choices.rs`), the cheapest combination is swept and measured at random points of all
+//! along each axis by itself, the cheapest combination is swept and measured at random points of all
 //! coordinates, and the next combination follows from what was found.
+//!
+//! Along an axis, the solver is asked on fine lines through random points of the other coordinates.
+//! From few nodes on, a node is put into the middle of the interval where the splines through the nodes so far
+//! miss the fine solution most, again and again, without another solve. That gives, for each axis, error over
+//! number of nodes. The error at a point is that of the force, or that of the shuttling moment over
+//! [`MOMENT_TO_FORCE`] if that is larger.
 
-use super::choices::{Choices, Nominal};
-use super::measure::{self, OperatingPoint, errors};
-use super::source::StaticSource;
-use super::sweep::{Watch, point, sweep};
-use gearmesh::contact::{ContactFile, Warm};
-use gearmesh::gear::{Flank, PairGeometry, PairTeeth};
+use super::coverage::{
+    Coverage, Nominal, SEED, closest, displacement_nodes, graded_to, measure_at, mesh_positions,
+};
+use super::sweep::{StaticSource, Watch, sweep};
+use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::random::Random;
-use gearmesh::table::Interpolation;
-use gearmesh::table::{Axes, FlankGrid, FlankTable, InterpolationError, Query, TableError};
-use std::sync::Arc;
-
-/// What a table must cover.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Coverage {
-    /// Range of the centre distance offset, m; `None`: nominal only.
-    pub center_distance_offset: Option<[f64; 2]>,
-    /// Range of the misalignment, rad; `None`: parallel axes only.
-    pub misalignment: Option<[f64; 2]>,
-    /// Torque on gear 1 that errors are related to, N m.
-    pub nominal_torque: f64,
-    /// Largest torque on gear 1, N m.
-    pub maximum_torque: f64,
-}
+use gearmesh::table::{
+    Axes, Axis, FlankGrid, FlankTable, Interpolation, InterpolationError, Query, TableError,
+};
+use rayon::prelude::*;
 
 /// Largest error that a table may have, as a multiple of its rms error: 1.5 % where 0.2 % is asked for.
-pub const LARGEST_TO_RMS: f64 = 7.5;
+const LARGEST_TO_RMS: f64 = 7.5;
 
 /// Error of the shuttling moment over that of the force that a table may have: the moment is a derivative of what
 /// is interpolated, and it acts on bearings, not on the mesh.
-pub const MOMENT_TO_FORCE: f64 = 2.0;
+const MOMENT_TO_FORCE: f64 = 2.0;
 
 /// Grids that are swept at most.
 const ROUNDS: u64 = 4;
@@ -42,230 +35,11 @@ const ROUNDS: u64 = 4;
 const TRIAL_POINTS: usize = 600;
 const REPORTED_POINTS: usize = 1000;
 
-/// Nodes over `range`, denser towards 0 the larger `grading`: with t even in [-1, 1] (or the part of it
-/// that the range has), the node is sinh(grading t) scaled.
-pub(super) fn graded([low, high]: [f64; 2], n: usize, grading: f64) -> Vec<f64> {
-    let largest = low.abs().max(high.abs());
-    let warp = |x: f64| {
-        if grading == 0.0 {
-            x
-        } else {
-            (x * grading.sinh()).asinh() / grading
-        }
-    };
-    let back = |t: f64| {
-        if grading == 0.0 {
-            t
-        } else {
-            (t * grading).sinh() / grading.sinh()
-        }
-    };
-    let (a, b) = (warp(low / largest), warp(high / largest));
-    (0..n)
-        .map(|i| match i {
-            0 => low,
-            i if i + 1 == n => high,
-            i => {
-                let t = a + (b - a) * i as f64 / (n - 1) as f64;
-                // An odd symmetric axis must contain 0 itself, not a rounding of it.
-                if t.abs() < 1e-12 {
-                    0.0
-                } else {
-                    largest * back(t)
-                }
-            }
-        })
-        .collect()
-}
-
-/// Displacement nodes, denser towards the onset: (i / n)^power.
-pub fn displacement_nodes(n: usize, power: f64) -> Vec<f64> {
-    (1..=n).map(|i| (i as f64 / n as f64).powf(power)).collect()
-}
-
-/// Mesh positions, even.
-pub fn mesh_positions(n: usize) -> Vec<f64> {
-    (0..n).map(|i| i as f64 / n as f64).collect()
-}
-
-/// Default number of misalignments and how much denser they are at parallel axes; of [`misalignments`] for a wide tilt.
-const MISALIGNMENTS: usize = 17;
-const GRADING: f64 = 2.0;
-const MISALIGNMENTS_WIDE: usize = 33;
-
-/// How far apart misalignments may lie at parallel axes in units of [`tilt`], and how far they do of a wide tilt. Measured on
-/// faces of 20 to 150 mm at m = 2 mm: from 1.8 on no spline is above zero; at 0.3 force errors are 0.2 % rms.
-const FARTHEST_APART: f64 = 0.5;
-const APART: f64 = 0.3;
-
-/// The misalignment that lifts one end of the face by as much as the largest torque presses the teeth together where
-/// axes are parallel, rad, at the nominal centre distance. Over the misalignment the approaches bend within a few
-/// times this; about it they have a kink.
-///
-/// # Errors
-/// A solve that fails.
-pub fn tilt(
-    source: &dyn StaticSource,
-    geometry: &PairGeometry,
-    coverage: &Coverage,
-) -> Result<f64, TableError> {
-    let mut least = f64::INFINITY;
-    for p in mesh_positions(4) {
-        let failed = |message| TableError::Solve {
-            point: point(Flank::Drive, 0.0, 0.0, p),
-            message,
-        };
-        let mut at = source.position(Flank::Drive, p, 0.0).map_err(failed)?;
-        let top = at.top(coverage.maximum_torque, 0.0).map_err(failed)?;
-        least = least.min(top.approach - at.no_load_approach(0.0));
-    }
-    Ok(least / (0.5 * geometry.face_overlap().1))
-}
-
-/// Misalignments for `coverage`: those of [`default_axes`], and where these lie too far apart at parallel axes for
-/// `tilt` (rad, see [`tilt()`]), twice as many that are closer there.
-pub fn misalignments(coverage: &Coverage, tilt: f64) -> Vec<f64> {
-    let Some(range) = coverage.misalignment else {
-        return vec![0.0];
-    };
-    let usual = graded(range, MISALIGNMENTS, GRADING);
-    if closest(&usual) <= FARTHEST_APART * tilt {
-        usual
-    } else {
-        graded_to(range, MISALIGNMENTS_WIDE, APART * tilt)
-    }
-}
-
-/// Least distance of neighbours.
-pub(super) fn closest(nodes: &[f64]) -> f64 {
-    let apart = nodes.windows(2).map(|w| w[1] - w[0]);
-    apart.fold(f64::INFINITY, f64::min)
-}
-
-/// Nodes over `range`, graded so that the closest are at most `apart` from each other, or by 12 at most: then the largest
-/// of 33 are twice as far from 0 as their neighbours.
-pub(super) fn graded_to(range: [f64; 2], n: usize, apart: f64) -> Vec<f64> {
-    let mut nodes = vec![];
-    for half in 1..=24 {
-        nodes = graded(range, n, 0.5 * f64::from(half));
-        if closest(&nodes) <= apart {
-            break;
-        }
-    }
-    nodes
-}
-
-/// The default grid of `coverage`, without regard to an error: 12 displacements, 9 centre distances, 17
-/// misalignments denser at parallel axes, 32 mesh positions.
-pub fn default_axes(coverage: &Coverage) -> Axes {
-    let range = |r: Option<[f64; 2]>, n, grading| r.map_or(vec![0.0], |r| graded(r, n, grading));
-    Axes {
-        displacement_fraction: displacement_nodes(12, 1.6),
-        center_distance_offset: range(coverage.center_distance_offset, 9, 0.0),
-        misalignment: range(coverage.misalignment, MISALIGNMENTS, GRADING),
-        mesh_position: mesh_positions(32),
-    }
-}
-
-/// Error of `table` against `source` at `points` random operating points: torques even in (0, maximum), the
-/// other coordinates even in their ranges.
-///
-/// # Errors
-/// A solve that fails; cancellation.
-pub fn measure(
-    source: &dyn StaticSource,
-    geometry: &PairGeometry,
-    flank: Flank,
-    coverage: &Coverage,
-    table: &FlankTable,
-    points: usize,
-    watch: &Watch,
-) -> Result<InterpolationError, TableError> {
-    let points = coverage.draw(Random::new(measure::SEED), points);
-    let nominal = nominal(geometry, coverage);
-    measure_at(source, flank, nominal, &of_table(table), points, watch)
-}
-
-/// Error of `contact` at run time, its teeth taken as alike, against `source` at `points` random operating points, likewise.
-///
-/// # Errors
-/// A solve that fails, at run time or not; a flank that `contact` does not hold; cancellation.
-pub fn measure_at_run_time(
-    source: &dyn StaticSource,
-    contact: &ContactFile,
-    flank: Flank,
-    coverage: &Coverage,
-    points: usize,
-    watch: &Watch,
-) -> Result<InterpolationError, TableError> {
-    let mut alike = contact.clone();
-    Arc::make_mut(&mut alike.setup).teeth = PairTeeth::default();
-    let level = alike.flank(flank).ok_or_else(|| {
-        TableError::Samples("the contact at run time has no coast flank of its own".into())
-    })?;
-    let found = |q: &Query| {
-        let at = [
-            q.delta,
-            q.center_distance_offset,
-            q.misalignment,
-            q.mesh_position,
-        ];
-        let found = level.potential(at, [0; 2], &mut Warm::default());
-        found.map(|w| w.gradient).map_err(|e| e.to_string())
-    };
-    let points = coverage.draw(Random::new(measure::SEED), points);
-    let nominal = nominal(&contact.setup.geometry, coverage);
-    measure_at(source, flank, nominal, &found, points, watch)
-}
-
-/// Derivatives of the potential by approach, centre distance, misalignment and mesh position at an operating point.
-type Gradient<'a> = dyn Fn(&Query) -> Result<[f64; 4], String> + Sync + 'a;
-
-fn of_table(table: &FlankTable) -> impl Fn(&Query) -> Result<[f64; 4], String> + Sync {
-    |q| Ok(table.evaluate(q, false).gradient)
-}
-
-fn measure_at(
-    source: &dyn StaticSource,
-    flank: Flank,
-    nominal: Nominal,
-    found: &Gradient<'_>,
-    points: Vec<OperatingPoint>,
-    watch: &Watch,
-) -> Result<InterpolationError, TableError> {
-    let errors = errors(points, watch, |(torque, mut q)| {
-        let (c, m, p) = (q.center_distance_offset, q.misalignment, q.mesh_position);
-        let failed = |message| TableError::Solve {
-            point: point(flank, c, m, p),
-            message,
-        };
-        let exact = source
-            .position(flank, p, c)
-            .and_then(|mut at| at.at_torque(torque, m))
-            .map_err(failed)?;
-        q.delta = exact.approach;
-        let found = found(&q).map_err(failed)?;
-        Ok([
-            (found[0] - exact.loa_force) / nominal.force,
-            (found[2] - exact.moment) / nominal.moment,
-        ])
-    })?;
-    Ok(InterpolationError::of(&errors))
-}
-
-/// Force and moment that errors are related to.
-fn nominal(geometry: &PairGeometry, coverage: &Coverage) -> Nominal {
-    let force = coverage.nominal_torque / geometry.gears[0].base_radius();
-    Nominal {
-        force,
-        moment: force * 0.5 * geometry.face_overlap().1,
-    }
-}
-
 /// A grid whose spline is within `error` (rms, of the nominal force) of the solver at random points, and
-/// within [`LARGEST_TO_RMS`] times that at all of them; the moment within [`MOMENT_TO_FORCE`] times as much, of
+/// within 7.5 times that at all of them; the moment within twice as much, of
 /// nominal force times half the face. Both flanks share its axes, which are chosen on the
-/// drive flank, those of the misalignment closer at parallel axes where `tilt` (rad, see [`tilt()`]) is small. The error returned is measured on points that had no part in the choice.
+/// drive flank, those of the misalignment closer at parallel axes where `tilt` (rad, see [`tilt`](super::tilt)) is small. The error
+/// returned is measured on points that had no part in the choice.
 ///
 /// If the finest grid on offer does not reach it, the result is the best there is and says its error.
 ///
@@ -279,19 +53,29 @@ pub fn table_within(
     error: f64,
     watch: &Watch,
 ) -> Result<(FlankGrid, InterpolationError), TableError> {
-    let nominal = nominal(geometry, coverage);
-    let choices = Choices::new(source, coverage, nominal, tilt, watch)?;
-    let found_on = |grid: &FlankGrid, points: usize, seed: u64| {
+    let nominal = Nominal::new(geometry, coverage);
+    let axes = [
+        Axis::CenterDistance,
+        Axis::Misalignment,
+        Axis::Displacement,
+        Axis::MeshPosition,
+    ];
+    let mut choices = Vec::with_capacity(4);
+    for axis in axes {
+        choices.push(match fine_nodes(axis, coverage, tilt) {
+            Some(nodes) => Lines::new(source, coverage, axis, nodes, nominal, watch)?.choices()?,
+            None => vec![Choice {
+                nodes: vec![0.0],
+                square: 0.0,
+                largest: 0.0,
+            }],
+        });
+    }
+    let measured = |grid: &FlankGrid, points: usize, seed: u64| {
         let table = FlankTable::new(grid, Interpolation::Spline)?;
+        let found = |q: &Query| Ok(table.evaluate(q, false).gradient);
         let points = coverage.draw(Random::new(seed), points);
-        measure_at(
-            source,
-            Flank::Drive,
-            nominal,
-            &of_table(&table),
-            points,
-            watch,
-        )
+        measure_at(source, Flank::Drive, nominal, &found, points, watch)
     };
     // The largest of a few hundred errors is not the largest there is: leave it a third.
     let excess = |e: &InterpolationError| {
@@ -299,16 +83,16 @@ pub fn table_within(
         let largest = e.force_maximum.max(e.moment_maximum / MOMENT_TO_FORCE);
         (rms / error).max(1.5 * largest / (LARGEST_TO_RMS * error))
     };
-    let mut wanted = 0.8 * error;
+    let mut aim = 0.8 * error;
     let mut best: Option<(f64, FlankGrid)> = None;
     for round in 0..ROUNDS {
-        let axes = choices.cheapest(wanted);
+        let axes = cheapest(&choices, aim);
         if best.as_ref().is_some_and(|b| b.1.axes == axes) {
             break;
         }
         let grid = sweep(source, Flank::Drive, &axes, coverage.maximum_torque, watch)?;
         // Other points in each round, so that no grid is fitted to them.
-        let found = match found_on(&grid, TRIAL_POINTS, 0x2545_F491_4F6C_DD1D + round) {
+        let found = match measured(&grid, TRIAL_POINTS, 0x2545_F491_4F6C_DD1D + round) {
             // What each axis bears alone they may not bear together.
             Err(TableError::TooCoarse { .. }) => f64::INFINITY,
             found => excess(&found?),
@@ -319,13 +103,260 @@ pub fn table_within(
         if found <= 0.95 {
             break;
         }
-        wanted *= (0.8 / found).clamp(0.25, 0.8);
+        aim *= (0.8 / found).clamp(0.25, 0.8);
     }
     let Some((_, grid)) = best else {
         return Err(TableError::Samples("no grid was tried".into()));
     };
-    let found = found_on(&grid, REPORTED_POINTS, measure::SEED)?;
+    let found = measured(&grid, REPORTED_POINTS, SEED)?;
     Ok((grid, found))
+}
+
+/// One choice of nodes along an axis.
+struct Choice {
+    nodes: Vec<f64>,
+    /// Mean square and largest error over nominal force.
+    square: f64,
+    largest: f64,
+}
+
+/// Nodes out of `choices` (per axis, ascending in number of nodes) whose errors along the axes add up (in the mean square) to
+/// `error` of the nominal force at most, on the smallest grid; the finest one if none does.
+fn cheapest(choices: &[Vec<Choice>], error: f64) -> Axes {
+    let mut taken = [0_usize; 4];
+    loop {
+        let now = || choices.iter().zip(taken).map(|(choices, i)| &choices[i]);
+        let square: f64 = now().map(|c| c.square).sum();
+        let largest = now().map(|c| c.largest).fold(0.0, f64::max);
+        if square <= error * error && largest <= 0.6 * LARGEST_TO_RMS * error {
+            break;
+        }
+        // The step that takes most off the error per factor of grid size.
+        let excess = |c: &Choice| c.square + (c.largest / LARGEST_TO_RMS).powi(2);
+        let gain = |now: &Choice, then: &Choice| {
+            let cost = (then.nodes.len() as f64 / now.nodes.len() as f64).ln();
+            (excess(now) - excess(then)) / cost
+        };
+        let step = (choices.iter().enumerate())
+            .flat_map(|(axis, choices)| (taken[axis] + 1..choices.len()).map(move |to| (axis, to)))
+            .map(|(axis, to)| {
+                let choices = &choices[axis];
+                (gain(&choices[taken[axis]], &choices[to]), axis, to)
+            })
+            .filter(|step| step.0 > 0.0)
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, axis, to)) = step else { break };
+        taken[axis] = to;
+    }
+    let nodes = |axis: Axis| choices[axis as usize][taken[axis as usize]].nodes.clone();
+    Axes {
+        displacement_fraction: nodes(Axis::Displacement),
+        center_distance_offset: nodes(Axis::CenterDistance),
+        misalignment: nodes(Axis::Misalignment),
+        mesh_position: nodes(Axis::MeshPosition),
+    }
+}
+
+/// How far apart even fine misalignments may lie in units of the tilt, and how far graded ones do at parallel axes.
+const FARTHEST_APART: f64 = 0.25;
+const APART: f64 = 0.15;
+
+/// Fine nodes along `axis`, which all others are chosen from; `None`: no such axis.
+fn fine_nodes(axis: Axis, coverage: &Coverage, tilt: f64) -> Option<Vec<f64>> {
+    let even = |[low, high]: [f64; 2], n: usize| -> Vec<f64> {
+        let mut nodes: Vec<f64> = (0..n)
+            .map(|i| low + (high - low) * i as f64 / (n - 1) as f64)
+            .collect();
+        nodes[n - 1] = high;
+        nodes
+    };
+    let mut nodes = match axis {
+        Axis::Displacement => return Some(displacement_nodes(48, 1.8)),
+        Axis::MeshPosition => return Some(mesh_positions(128)),
+        Axis::CenterDistance => even(coverage.center_distance_offset?, 25),
+        Axis::Misalignment => {
+            let range = coverage.misalignment?;
+            let nodes = even(range, 65);
+            if closest(&nodes) <= FARTHEST_APART * tilt {
+                nodes
+            } else {
+                graded_to(range, 65, APART * tilt)
+            }
+        }
+    };
+    // The nominal value is a node, so that tables cut there are the solver's own values.
+    let n = nodes.len();
+    let nearest = (0..n).min_by(|&a, &b| nodes[a].abs().total_cmp(&nodes[b].abs()));
+    if let Some(k) = nearest.filter(|&k| k > 0 && k + 1 < n) {
+        nodes[k] = 0.0;
+    }
+    Some(nodes)
+}
+
+/// Indices to begin with among the fine `nodes`, and the most to be chosen.
+fn first_choice(axis: Axis, nodes: &[f64]) -> (Vec<usize>, usize) {
+    let n = nodes.len();
+    let (mut first, most): (Vec<usize>, usize) = match axis {
+        Axis::CenterDistance => ((0..n).step_by(4).collect(), 17),
+        Axis::Misalignment => ((0..n).step_by(4).collect(), 45),
+        Axis::Displacement => (vec![4, 11, 20, 32, n - 1], 30),
+        Axis::MeshPosition => ((0..n).step_by(8).collect(), 96),
+    };
+    first.extend(nodes.iter().position(|&x| x == 0.0));
+    first.sort_unstable();
+    first.dedup();
+    (first, most)
+}
+
+/// The splines through `grid`; `None` where its nodes lie too far apart for a table.
+fn through(grid: &FlankGrid) -> Result<Option<FlankTable>, TableError> {
+    match FlankTable::new(grid, Interpolation::Spline) {
+        Ok(table) => Ok(Some(table)),
+        Err(TableError::TooCoarse { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Error of nodes through which no table can be put: larger than any other.
+const NO_TABLE: f64 = 1e3;
+
+/// Fine lines along one axis.
+struct Lines {
+    axis: Axis,
+    nodes: Vec<f64>,
+    /// The samples of each line, and the splines through all of them; `None` where no table can be put through them.
+    grids: Vec<(FlankGrid, Option<FlankTable>)>,
+    nominal: Nominal,
+}
+
+impl Lines {
+    fn new(
+        source: &dyn StaticSource,
+        coverage: &Coverage,
+        axis: Axis,
+        nodes: Vec<f64>,
+        nominal: Nominal,
+        watch: &Watch,
+    ) -> Result<Self, TableError> {
+        let mut random = Random::new(0x6A09_E667_F3BC_C908 ^ axis as u64);
+        let (count, solves) = match axis {
+            Axis::Displacement => (64, nodes.len()),
+            Axis::Misalignment => (24, 9 * nodes.len()),
+            Axis::CenterDistance | Axis::MeshPosition => (16, 9 * nodes.len()),
+        };
+        let quiet = Watch {
+            progress: &|_, _| {},
+            cancel: watch.cancel,
+        };
+        let mut grids = Vec::with_capacity(count);
+        for k in 1..=count {
+            let q = coverage.draw_query(&mut random, 1.0);
+            let mut axes = Axes {
+                displacement_fraction: displacement_nodes(8, 1.3),
+                center_distance_offset: vec![q.center_distance_offset],
+                misalignment: vec![q.misalignment],
+                mesh_position: vec![q.mesh_position],
+            };
+            axes.along_mut(axis).clone_from(&nodes);
+            let grid = sweep(source, Flank::Drive, &axes, coverage.maximum_torque, &quiet)?;
+            (watch.progress)(k * solves, count * solves);
+            let table = through(&grid)?;
+            grids.push((grid, table));
+        }
+        Ok(Lines {
+            axis,
+            nodes,
+            grids,
+            nominal,
+        })
+    }
+
+    /// Errors at each fine node of a line, over the loads: how far the splines through the `chosen` nodes are off those through
+    /// all of them, so that few displacements on the lines of another axis are not counted there.
+    fn line_errors(
+        &self,
+        grid: &FlankGrid,
+        fine: Option<&FlankTable>,
+        chosen: &[usize],
+    ) -> Result<Vec<Vec<f64>>, TableError> {
+        let coarse = through(&grid.with_nodes(self.axis, chosen))?;
+        let (Some(fine), Some(coarse)) = (fine, coarse) else {
+            return Ok(vec![vec![NO_TABLE]; self.nodes.len()]);
+        };
+        let [_, nm, nu, np] = grid.axes.lengths();
+        let mut errors = vec![Vec::new(); self.nodes.len()];
+        for at in 0..grid.loa_force.len() {
+            let index = [at / np / nu / nm, at / np / nu % nm, at / np % nu, at % np];
+            let query = grid.query(index);
+            let exact = fine.evaluate(&query, false).gradient;
+            let found = coarse.evaluate(&query, false).gradient;
+            let [force, moment] = self.nominal.errors(&found, exact[0], exact[2]);
+            errors[index[self.axis as usize]].push(force.abs().max(moment.abs() / MOMENT_TO_FORCE));
+        }
+        Ok(errors)
+    }
+
+    /// Mean square of the error at each fine node over lines and loads, and the largest error.
+    fn errors(&self, chosen: &[usize]) -> Result<(Vec<f64>, f64), TableError> {
+        let lines = self.grids.par_iter();
+        let lines = lines.map(|(grid, fine)| self.line_errors(grid, fine.as_ref(), chosen));
+        let mut square = vec![0.0; self.nodes.len()];
+        let mut largest: f64 = 0.0;
+        for errors in lines.collect::<Result<Vec<_>, TableError>>()? {
+            for (sum, e) in square.iter_mut().zip(&errors) {
+                *sum += e.iter().map(|e| e * e).sum::<f64>() / (e.len() * self.grids.len()) as f64;
+                largest = e.iter().copied().fold(largest, f64::max);
+            }
+        }
+        Ok((square, largest))
+    }
+
+    /// Choices with more and more nodes.
+    fn choices(&self) -> Result<Vec<Choice>, TableError> {
+        let (nodes, n) = (&self.nodes, self.nodes.len());
+        let (mut chosen, most) = first_choice(self.axis, nodes);
+        let is_symmetric = self.axis == Axis::Misalignment
+            && (0..n).all(|i| (nodes[i] + nodes[n - 1 - i]).abs() <= 1e-12 * nodes[n - 1].abs());
+        // Where the fine nodes lie close, each stands for less of the axis.
+        let range = nodes[n - 1] - nodes[0];
+        let share =
+            |i: usize| 0.5 * (nodes[(i + 1).min(n - 1)] - nodes[i.saturating_sub(1)]) / range;
+        let mut choices = Vec::new();
+        loop {
+            let (square, largest) = self.errors(&chosen)?;
+            let parts: Vec<f64> = (0..n).map(|i| square[i] * share(i)).collect();
+            choices.push(Choice {
+                nodes: chosen.iter().map(|&i| nodes[i]).collect(),
+                square: parts.iter().sum(),
+                largest,
+            });
+            let mut between: Vec<(usize, usize)> =
+                chosen.windows(2).map(|w| (w[0], w[1])).collect();
+            match self.axis {
+                Axis::MeshPosition => between.push((chosen[chosen.len() - 1], n + chosen[0])),
+                // Above the onset, which needs no node.
+                Axis::Displacement if chosen[0] > 0 => between.push((0, chosen[0])),
+                _ => {}
+            }
+            let worst = between
+                .into_iter()
+                .filter(|(a, b)| b - a > 1)
+                .map(|(a, b)| {
+                    let sum: f64 = (a + 1..b).map(|i| parts[i % n]).sum();
+                    (sum, (a + b) / 2 % n)
+                })
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, node)) = worst.filter(|_| chosen.len() < most) else {
+                return Ok(choices);
+            };
+            chosen.push(node);
+            if is_symmetric {
+                chosen.push(n - 1 - node);
+            }
+            chosen.sort_unstable();
+            chosen.dedup();
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,31 @@
 //! Sweeps and grids to a stated error, on a spring whose solution is known.
 
-use super::super::source::{Sample, StaticPosition};
+use super::super::coverage::{default_axes, graded, measure, misalignments, tilt};
+use super::super::sweep::{Sample, StaticPosition};
 use super::*;
 use crate::samples::spur_pair;
 use crate::spring::Spring;
+use gearmesh::contact::Prescribed;
 use gearmesh::root::bisection;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Approach at which `force` is the one prescribed.
+fn approach(prescribed: Prescribed, force: impl Fn(f64) -> f64) -> f64 {
+    match prescribed {
+        Prescribed::Approach(approach) => approach,
+        Prescribed::Torque(torque) => {
+            let target = torque / spur_pair().gears[0].base_radius();
+            bisection([-1e-3, 1e-3], 80, |delta| force(delta) <= target)
+        }
+    }
+}
+
+static GO_ON: AtomicBool = AtomicBool::new(false);
+
+const QUIET: Watch = Watch {
+    progress: &|_, _| {},
+    cancel: &GO_ON,
+};
 
 struct Formula;
 
@@ -32,15 +52,10 @@ impl StaticPosition for At {
         })
     }
 
-    fn at_torque(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
-        let force = torque / spur_pair().gears[0].base_radius();
-        let approach = bisection([-1e-3, 1e-3], 80, |delta| {
-            Spring::potential(&self.query(delta, misalignment)).gradient[0] <= force
+    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String> {
+        let approach = approach(prescribed, |delta| {
+            Spring::potential(&self.query(delta, misalignment)).gradient[0]
         });
-        self.at_approach(approach, misalignment)
-    }
-
-    fn at_approach(&mut self, approach: f64, misalignment: f64) -> Result<Sample, String> {
         let w = Spring::potential(&self.query(approach, misalignment));
         Ok(Sample {
             approach,
@@ -75,20 +90,15 @@ fn coverage() -> Coverage {
 
 #[test]
 fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_ours() {
-    let cancel = AtomicBool::new(false);
-    let watch = Watch {
-        progress: &|_, _| {},
-        cancel: &cancel,
-    };
-    let (grid, found) = table_within(
+    let found = table_within(
         &Formula,
         &spur_pair(),
         &coverage(),
         f64::INFINITY,
         2e-3,
-        &watch,
-    )
-    .unwrap();
+        &QUIET,
+    );
+    let (grid, found) = found.unwrap();
     assert!(found.force_rms <= 2e-3, "{found:?}");
     let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
     // Other points than those `measure` draws: a lattice.
@@ -104,7 +114,7 @@ fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_o
             mesh_position: p,
             center_distance_offset: c,
         };
-        let exact = at.at_torque(20.0 * s(0.856_7), m).unwrap();
+        let exact = at.solve(Prescribed::Torque(20.0 * s(0.856_7)), m).unwrap();
         let w = table.evaluate(&at.query(exact.approach, m), false);
         squares += (w.gradient[0] - exact.loa_force).powi(2);
         n += 1.0;
@@ -117,14 +127,13 @@ fn a_table_keeps_the_error_it_was_asked_for_at_points_of_its_own_choice_and_of_o
 
 #[test]
 fn only_the_dimensions_asked_for_are_computed() {
-    let cancel = AtomicBool::new(false);
     let done = AtomicUsize::new(0);
     let watch = Watch {
         progress: &|now, all| {
             assert!(now <= all);
             done.fetch_max(now, Ordering::Relaxed);
         },
-        cancel: &cancel,
+        cancel: &GO_ON,
     };
     let axes = default_axes(&Coverage {
         center_distance_offset: None,
@@ -138,10 +147,9 @@ fn only_the_dimensions_asked_for_are_computed() {
 
 #[test]
 fn a_stopped_sweep_gives_nothing() {
-    let cancel = AtomicBool::new(true);
     let watch = Watch {
-        progress: &|_, _| {},
-        cancel: &cancel,
+        cancel: &AtomicBool::new(true),
+        ..QUIET
     };
     let axes = default_axes(&coverage());
     let stopped = sweep(&Formula, Flank::Drive, &axes, 20.0, &watch);
@@ -191,15 +199,8 @@ impl StaticPosition for Wedge {
         -0.5 * FACE * misalignment.abs()
     }
 
-    fn at_torque(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
-        let force = torque / spur_pair().gears[0].base_radius();
-        let approach = bisection([-1e-3, 1e-3], 80, |delta| {
-            Wedge::loads(delta, misalignment)[0] <= force
-        });
-        self.at_approach(approach, misalignment)
-    }
-
-    fn at_approach(&mut self, approach: f64, misalignment: f64) -> Result<Sample, String> {
+    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String> {
+        let approach = approach(prescribed, |delta| Wedge::loads(delta, misalignment)[0]);
         let [loa_force, moment] = Wedge::loads(approach, misalignment);
         Ok(Sample {
             approach,
@@ -217,12 +218,7 @@ impl StaticSource for Wedge {
 
 #[test]
 fn a_tilt_far_beyond_what_the_teeth_give_way_still_has_a_table() {
-    let cancel = AtomicBool::new(false);
-    let watch = Watch {
-        progress: &|_, _| {},
-        cancel: &cancel,
-    };
-    let pair = spur_pair();
+    let (pair, watch) = (spur_pair(), QUIET);
     for range in [[-6e-3, 6e-3], [-20e-3, 20e-3], [-5e-3, 8e-3], [0.0, 10e-3]] {
         let coverage = Coverage {
             center_distance_offset: None,

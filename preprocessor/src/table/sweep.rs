@@ -1,11 +1,176 @@
-//! Fills a grid with static solutions, in parallel over centre distance and mesh position.
+//! Static solutions: where they come from, and the sweep that fills a grid with them.
 
-use super::source::{Sample, StaticSource};
+use gearmesh::contact::{ContactResult, ContactSolver, PositionProblem, Prescribed};
 use gearmesh::gear::Flank;
 use gearmesh::table::{Axes, FlankGrid, TableError};
 use gearmesh::words::rounded;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// One static equilibrium.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// STE on the line of action at mid-face, m.
+    pub approach: f64,
+    /// F_bt, N.
+    pub loa_force: f64,
+    /// F_bt (z_c - z_ref), N m.
+    pub moment: f64,
+}
+
+impl From<&ContactResult> for Sample {
+    fn from(result: &ContactResult) -> Self {
+        Sample {
+            approach: result.approach,
+            loa_force: result.loa_force,
+            moment: result.moment,
+        }
+    }
+}
+
+/// Static contact at one mesh position and centre distance.
+pub trait StaticPosition {
+    /// Approach at the first touch, m.
+    fn no_load_approach(&mut self, misalignment: f64) -> f64;
+    /// Equilibrium under a torque on gear 1 or at an approach.
+    ///
+    /// # Errors
+    /// What the solver says.
+    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String>;
+    /// Equilibrium up to which a table for this largest torque (N m) goes: that under the torque itself.
+    ///
+    /// # Errors
+    /// What the solver says.
+    fn top(&mut self, torque: f64, misalignment: f64) -> Result<Sample, String> {
+        self.solve(Prescribed::Torque(torque), misalignment)
+    }
+}
+
+/// Static contact of a pair.
+pub trait StaticSource: Sync {
+    /// The contact at `mesh_position` and `center_distance_offset` (m).
+    ///
+    /// # Errors
+    /// What the solver says.
+    fn position(
+        &self,
+        flank: Flank,
+        mesh_position: f64,
+        center_distance_offset: f64,
+    ) -> Result<Box<dyn StaticPosition + '_>, String>;
+}
+
+/// How well the solves of a source went.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SolveQuality {
+    /// Number of solves.
+    pub solves: usize,
+    /// Most Newton steps that one of them took.
+    pub most_iterations: usize,
+    /// Largest KKT residual, see [`ContactResult::kkt_residual`].
+    pub kkt_residual: f64,
+}
+
+/// A contact solver that keeps account of its solves.
+pub struct WatchedSolver<'a> {
+    solver: &'a ContactSolver,
+    quality: Mutex<SolveQuality>,
+}
+
+impl<'a> WatchedSolver<'a> {
+    /// Nothing solved yet.
+    pub fn new(solver: &'a ContactSolver) -> Self {
+        WatchedSolver {
+            solver,
+            quality: Mutex::default(),
+        }
+    }
+
+    /// Of all solves so far whose position has been dropped.
+    pub fn quality(&self) -> SolveQuality {
+        // The account is whole even if a thread panicked while it held the lock.
+        *self.quality.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl StaticSource for WatchedSolver<'_> {
+    fn position(
+        &self,
+        flank: Flank,
+        mesh_position: f64,
+        center_distance_offset: f64,
+    ) -> Result<Box<dyn StaticPosition + '_>, String> {
+        let (p, c) = (mesh_position, center_distance_offset);
+        let mut position = SolverPosition::new(self.solver, flank, p, c)?;
+        position.account = Some(&self.quality);
+        Ok(Box::new(position))
+    }
+}
+
+impl StaticSource for ContactSolver {
+    fn position(
+        &self,
+        flank: Flank,
+        mesh_position: f64,
+        center_distance_offset: f64,
+    ) -> Result<Box<dyn StaticPosition + '_>, String> {
+        let (p, c) = (mesh_position, center_distance_offset);
+        Ok(Box::new(SolverPosition::new(self, flank, p, c)?))
+    }
+}
+
+/// A position of the contact solver with the last solution, from which the next one starts.
+struct SolverPosition<'a> {
+    problem: PositionProblem,
+    warm: Option<ContactResult>,
+    quality: SolveQuality,
+    /// Where the quality goes when this is dropped.
+    account: Option<&'a Mutex<SolveQuality>>,
+}
+
+impl SolverPosition<'_> {
+    fn new(solver: &ContactSolver, flank: Flank, p: f64, c: f64) -> Result<Self, String> {
+        Ok(SolverPosition {
+            problem: solver.position(flank, p, c).map_err(|e| e.to_string())?,
+            warm: None,
+            quality: SolveQuality::default(),
+            account: None,
+        })
+    }
+}
+
+impl StaticPosition for SolverPosition<'_> {
+    fn no_load_approach(&mut self, misalignment: f64) -> f64 {
+        self.problem.no_load_approach(misalignment)
+    }
+
+    fn solve(&mut self, prescribed: Prescribed, misalignment: f64) -> Result<Sample, String> {
+        let (problem, warm) = (&self.problem, self.warm.as_ref());
+        let result = match prescribed {
+            Prescribed::Torque(torque) => problem.solve_torque(torque, misalignment, warm),
+            Prescribed::Approach(approach) => problem.solve_approach(approach, misalignment, warm),
+        };
+        let result = result.map_err(|e| e.to_string())?;
+        let quality = &mut self.quality;
+        quality.solves += 1;
+        quality.most_iterations = quality.most_iterations.max(result.iterations);
+        quality.kkt_residual = quality.kkt_residual.max(result.kkt_residual);
+        Ok(Sample::from(&*self.warm.insert(result)))
+    }
+}
+
+impl Drop for SolverPosition<'_> {
+    fn drop(&mut self) {
+        if let Some(account) = self.account {
+            let mut sum = account.lock().unwrap_or_else(PoisonError::into_inner);
+            let own = self.quality;
+            sum.solves += own.solves;
+            sum.most_iterations = sum.most_iterations.max(own.most_iterations);
+            sum.kkt_residual = sum.kkt_residual.max(own.kkt_residual);
+        }
+    }
+}
 
 /// Watches a sweep from outside: counts what is done and can stop it.
 pub struct Watch<'a> {
@@ -13,6 +178,38 @@ pub struct Watch<'a> {
     pub progress: &'a (dyn Fn(usize, usize) + Sync),
     /// Set it to stop; the sweep then ends with [`TableError::Cancelled`].
     pub cancel: &'a AtomicBool,
+}
+
+impl Watch<'_> {
+    pub(super) fn check(&self) -> Result<(), TableError> {
+        match self.cancel.load(Ordering::Relaxed) {
+            true => Err(TableError::Cancelled),
+            false => Ok(()),
+        }
+    }
+
+    /// What `column` gives at each of `offsets` of the centre distance and each of the mesh `positions`, in parallel, in the order
+    /// of tables: the mesh position fastest. `column` reports the number of its solves, `total` over all columns.
+    pub(super) fn sweep_columns<S: Copy + Send>(
+        &self,
+        [offsets, positions]: [&[f64]; 2],
+        total: usize,
+        column: impl Fn(f64, f64, &dyn Fn(usize)) -> Result<Vec<S>, TableError> + Sync,
+    ) -> Result<Vec<S>, TableError> {
+        let done = AtomicUsize::new(0);
+        let report = |count: usize| {
+            (self.progress)(done.fetch_add(count, Ordering::Relaxed) + count, total);
+        };
+        let np = positions.len();
+        let columns: Vec<Vec<S>> = (0..offsets.len() * np)
+            .into_par_iter()
+            .map(|k| column(offsets[k / np], positions[k % np], &report))
+            .collect::<Result<_, _>>()?;
+        let in_order = columns.chunks(np).flat_map(|row| {
+            (0..row[0].len()).flat_map(move |k| row.iter().map(move |column| column[k]))
+        });
+        Ok(in_order.collect())
+    }
 }
 
 /// Solves at every node of `axes` for one flank: the displacements are imposed, so nothing is inverted.
@@ -28,44 +225,29 @@ pub fn sweep(
     watch: &Watch,
 ) -> Result<FlankGrid, TableError> {
     let [nc, nm, nu, np] = axes.lengths();
-    let total = nc * nm * (nu + 1) * np;
-    let done = AtomicUsize::new(0);
-    // Over (centre distance, mesh position): misalignments, first touch and displacements.
-    let columns: Vec<Vec<Sample>> = (0..nc * np)
-        .into_par_iter()
-        .map(|k| {
-            let c = axes.center_distance_offset[k / np];
-            let p = axes.mesh_position[k % np];
-            let failed = |m: f64, message| TableError::Solve {
-                point: point(flank, c, m, p),
-                message,
-            };
-            let mut at = source.position(flank, p, c).map_err(|e| failed(0.0, e))?;
-            let mut column = Vec::with_capacity(nm * (nu + 1));
-            for &m in &axes.misalignment {
-                if watch.cancel.load(Ordering::Relaxed) {
-                    return Err(TableError::Cancelled);
-                }
-                let low = at.no_load_approach(m);
-                let top = at.top(maximum_torque, m).map_err(|e| failed(m, e))?;
-                let mut samples = vec![top; nu + 1];
-                samples[0].approach = low;
-                // From the top down each solution starts from a near one; the top itself is known.
-                for (u, sample) in (axes.displacement_fraction.iter().zip(&mut samples[1..]))
-                    .rev()
-                    .skip(1)
-                {
-                    let delta = low + u * (top.approach - low);
-                    *sample = at.at_approach(delta, m).map_err(|e| failed(m, e))?;
-                }
-                column.append(&mut samples);
-                let count = done.fetch_add(nu + 1, Ordering::Relaxed) + nu + 1;
-                (watch.progress)(count, total);
+    let outer = [&axes.center_distance_offset[..], &axes.mesh_position];
+    // For each misalignment first touch and displacements.
+    let samples = watch.sweep_columns(outer, nc * nm * (nu + 1) * np, |c, p, report| {
+        let failed = |m| move |error: String| solve_error(flank, [c, m, p], error);
+        let mut position = source.position(flank, p, c).map_err(failed(0.0))?;
+        let mut column = Vec::with_capacity(nm * (nu + 1));
+        for &m in &axes.misalignment {
+            watch.check()?;
+            let low = position.no_load_approach(m);
+            let top = position.top(maximum_torque, m).map_err(failed(m))?;
+            let mut samples = vec![top; nu + 1];
+            samples[0].approach = low;
+            // From the top down each solution starts from a near one; the top itself is known.
+            for k in (0..nu - 1).rev() {
+                let delta = low + axes.displacement_fraction[k] * (top.approach - low);
+                let solved = position.solve(Prescribed::Approach(delta), m);
+                samples[k + 1] = solved.map_err(failed(m))?;
             }
-            Ok(column)
-        })
-        .collect::<Result<_, _>>()?;
-
+            column.append(&mut samples);
+            report(nu + 1);
+        }
+        Ok(column)
+    })?;
     let mut grid = FlankGrid {
         axes: axes.clone(),
         no_load_approach: vec![],
@@ -74,7 +256,7 @@ pub fn sweep(
         moment: None,
     };
     let mut moment = vec![];
-    for block in in_order(&columns, np).chunks((nu + 1) * np) {
+    for block in samples.chunks((nu + 1) * np) {
         let (low, samples) = block.split_at(np);
         let top = &samples[(nu - 1) * np..];
         grid.no_load_approach.extend(low.iter().map(|s| s.approach));
@@ -87,21 +269,13 @@ pub fn sweep(
     Ok(grid)
 }
 
-/// What `columns` over (centre distance, mesh position) hold, in the order of tables: the mesh position, of which there are
-/// `positions`, fastest.
-pub(super) fn in_order<S: Copy>(columns: &[Vec<S>], positions: usize) -> Vec<S> {
-    let rows = columns.chunks(positions);
-    rows.flat_map(|row| {
-        (0..row[0].len()).flat_map(move |at| row.iter().map(move |column| column[at]))
-    })
-    .collect()
-}
-
-/// An operating point in words.
-pub(super) fn point(flank: Flank, c: f64, m: f64, p: f64) -> String {
-    format!(
-        "{flank:?} flank, center_distance_offset_um {}, misalignment_mrad {}, mesh_position {p}",
-        rounded(1e6 * c),
-        rounded(1e3 * m)
-    )
+/// A solve that failed at (centre distance offset, misalignment, mesh position).
+pub(super) fn solve_error(flank: Flank, [c, m, p]: [f64; 3], error: impl ToString) -> TableError {
+    let [c, m] = [1e6 * c, 1e3 * m].map(rounded);
+    TableError::Solve {
+        point: format!(
+            "{flank:?} flank, center_distance_offset_um {c}, misalignment_mrad {m}, mesh_position {p}"
+        ),
+        message: error.to_string(),
+    }
 }

@@ -8,17 +8,16 @@ mod separation;
 use crate::friction::FrictionLaw;
 use crate::gear::{PairMicrogeometry, PairTeeth, ProfileRelief, ReliefShape};
 use crate::pair::{Operating, Pair, Refinement};
-use crate::table::GeometryRecord;
+use crate::table::TableFile;
 
 /// The shipped pair `name` without modifications, by the geometry in its tables.
 pub(super) fn plain_pair(name: &str) -> Pair {
     let tables = concat!(env!("CARGO_MANIFEST_DIR"), "/resources/tables");
     let text = std::fs::read_to_string(format!("{tables}/{name}.json")).unwrap();
-    let mut tables: serde_json::Value = serde_json::from_str(&text).unwrap();
-    let geometry: GeometryRecord = serde_json::from_value(tables["geometry"].take()).unwrap();
+    let tables: TableFile = serde_json::from_str(&text).unwrap();
     Pair {
         name: name.to_owned(),
-        geometry: geometry.pair_geometry().unwrap(),
+        geometry: tables.geometry,
         microgeometry: PairMicrogeometry::default(),
         teeth: PairTeeth::default(),
         operating: Operating {

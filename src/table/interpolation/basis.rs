@@ -32,6 +32,12 @@ impl<const N: usize> Weights<N> {
             curvature: [0.0; N],
         }
     }
+
+    /// `weights`, values or derivatives, of the stored `coefficients`.
+    pub fn sum(&self, weights: &[f64; N], coefficients: &[f64]) -> f64 {
+        let stored = &coefficients[self.first..self.first + self.count];
+        weights.iter().zip(stored).map(|(w, c)| w * c).sum()
+    }
 }
 
 /// How a coordinate goes on at its ends.
@@ -239,7 +245,7 @@ impl<const N: usize> Basis<N> {
         } else if self.ends == Ends::Periodic {
             (self.inside_of(lanes, self.wrapped(x), order), false)
         } else {
-            (self.beyond(x), self.is_outside(x))
+            (self.beyond(x, self.guard), self.is_outside(x))
         }
     }
 
@@ -251,10 +257,10 @@ impl<const N: usize> Basis<N> {
         x - ((x - self.low) / period).floor() * period
     }
 
-    /// Weights at the ends and outside.
+    /// Weights at the ends and outside, linear as far as `guard` beyond the lower and the upper end.
     #[cold]
     #[inline(never)]
-    fn beyond(&self, x: f64) -> Weights<N> {
+    fn beyond(&self, x: f64, guard: [f64; 2]) -> Weights<N> {
         let edge = x.clamp(self.low, self.high);
         let d = x - edge;
         let mut w = self.inside(edge);
@@ -269,7 +275,7 @@ impl<const N: usize> Basis<N> {
             }
             return w;
         }
-        let (g, g1, g2) = levelled(d, self.guard[usize::from(d > 0.0)]);
+        let (g, g1, g2) = levelled(d, guard[usize::from(d > 0.0)]);
         for k in 0..N {
             w.value[k] += g * w.slope[k];
             w.curvature[k] = g2 * w.slope[k];
@@ -294,24 +300,16 @@ impl<const N: usize> Basis<N> {
     #[cold]
     #[inline(never)]
     pub fn linear(&self, x: f64) -> Weights<N> {
-        if !self.present() || self.ends != Ends::Bounded {
-            return self.weights(Lanes::COMMON, x, 2).0;
+        match self.ends {
+            Ends::Bounded if self.present() => self.beyond(x, [f64::INFINITY; 2]),
+            _ => self.weights(Lanes::COMMON, x, 2).0,
         }
-        let edge = x.clamp(self.low, self.high);
-        let mut w = self.inside(edge);
-        if x != edge {
-            for k in 0..N {
-                w.value[k] += (x - edge) * w.slope[k];
-                w.curvature[k] = 0.0;
-            }
-        }
-        w
     }
 }
 
 /// The way `d` beyond an end as the continuation takes it, and its two derivatives: `d` itself up
 /// to the guard distance, then a parabola into a constant two guards out. Stiffness and force thus
-/// continue linearly, but never through zero (see `continuation::limit`).
+/// continue linearly, but never through zero (see [`super::tensor`]).
 fn levelled(d: f64, guard: f64) -> (f64, f64, f64) {
     let over = d.abs() - guard;
     if over <= 0.0 {

@@ -13,14 +13,6 @@ pub struct Block {
 }
 
 impl Block {
-    /// All zero.
-    pub fn zeros(lengths: [usize; 4]) -> Self {
-        Block {
-            lengths,
-            values: vec![0.0; lengths.iter().product()],
-        }
-    }
-
     /// Distance in memory from one index of `axis` to the next.
     pub fn stride(&self, axis: usize) -> usize {
         self.lengths[axis + 1..].iter().product()
@@ -49,16 +41,16 @@ impl Block {
     ) -> Block {
         let mut lengths = self.lengths;
         lengths[axis] = length;
-        let mut out = Block::zeros(lengths);
+        let mut out = Block {
+            lengths,
+            values: vec![0.0; lengths.iter().product()],
+        };
         let stride = self.stride(axis);
         for (from, to) in self.lines(axis).zip(out.lines(axis)) {
             let line = self.values[from..].iter().step_by(stride);
             let line = map(line.take(self.lengths[axis]).copied().collect());
-            for (value, place) in line
-                .into_iter()
-                .zip(out.values[to..].iter_mut().step_by(stride))
-            {
-                *place = value;
+            for (k, value) in line.into_iter().enumerate() {
+                out.values[to + k * stride] = value;
             }
         }
         out
@@ -110,11 +102,7 @@ pub struct Fit {
 
 impl Fit {
     /// Of the functions of `basis` through values at `nodes`; an axis that is not there has one value, its own coefficient.
-    pub fn new<const N: usize>(
-        basis: &Basis<N>,
-        nodes: &[f64],
-        name: &str,
-    ) -> Result<Fit, TableError> {
+    fn new<const N: usize>(basis: &Basis<N>, nodes: &[f64], name: &str) -> Result<Fit, TableError> {
         let n = nodes.len();
         let onset = basis.ends == Ends::Onset;
         let pad = if onset { N - 1 } else { 0 };
@@ -157,10 +145,27 @@ impl Fit {
     }
 }
 
-/// `block`, whose samples stand at `nodes` along `axis`, at the value 0 of that axis, by the spline through them.
-pub fn at_zero(block: &Block, axis: usize, nodes: &[f64], name: &str) -> Result<Block, TableError> {
+/// Basis and fit of an axis with samples at `nodes`: degree N - 1; a single one has no extent, nothing depends on it.
+pub fn axis<const N: usize>(
+    nodes: &[f64],
+    ends: Ends,
+    name: &str,
+) -> Result<(Basis<N>, Fit), TableError> {
+    let basis = match nodes {
+        [_] => Basis::new(&[], ends),
+        _ => Basis::new(&breaks(nodes, N - 1, ends), ends),
+    };
+    let fit = Fit::new(&basis, nodes, name)?;
+    Ok((basis, fit))
+}
+
+/// A number from samples along a line.
+type Functional = Box<dyn Fn(&[f64]) -> f64>;
+
+/// What takes samples at `nodes` to the value at 0, by the spline through them.
+pub fn at_zero(nodes: &[f64], name: &str) -> Result<Functional, TableError> {
     if let Some(k) = nodes.iter().position(|&x| x == 0.0) {
-        return Ok(block.mapped(axis, 1, |line| vec![line[k]]));
+        return Ok(Box::new(move |line| line[k]));
     }
     if !(nodes[0] < 0.0 && nodes[nodes.len() - 1] > 0.0) {
         return Err(TableError::field(
@@ -170,13 +175,11 @@ pub fn at_zero(block: &Block, axis: usize, nodes: &[f64], name: &str) -> Result<
             "make tables whose range includes 0",
         ));
     }
-    let basis = Basis::<4>::new(&breaks(nodes, 3, Ends::Bounded), Ends::Bounded);
+    let (basis, fit) = axis::<4>(nodes, Ends::Bounded, name)?;
     let w = basis.inside(0.0);
-    let mut row = vec![0.0; basis.stored()];
-    row[w.first..w.first + 4].copy_from_slice(&w.value);
-    Ok(Fit::new(&basis, nodes, name)?
-        .along(axis, block)
-        .combined(axis, &row))
+    Ok(Box::new(move |line| {
+        w.sum(&w.value, &fit.coefficients(line))
+    }))
 }
 
 /// A square matrix with entries near the diagonal, and near the corners beside it, after Gaussian elimination with
@@ -324,23 +327,17 @@ mod tests {
     use approx::assert_abs_diff_eq;
 
     #[test]
-    fn pooling_leaves_monotone_lines_alone_and_mends_the_others() {
-        let mut line = [0.0, 1.0, 1.0, 3.0];
-        make_increasing(&mut line, &[0.0; 4]);
-        assert_eq!(line, [0.0, 1.0, 1.0, 3.0]);
-        let mut line = [-1.0, 2.0, 1.0, 3.0];
-        make_increasing(&mut line, &[0.0; 4]);
-        assert_eq!(line, [0.0, 1.5, 1.5, 3.0]);
-    }
-
-    #[test]
-    fn increments_are_no_smaller_than_asked() {
-        let mut line = [1.0, 2.0, 3.0];
-        make_increasing(&mut line, &[0.5; 3]);
-        assert_eq!(line, [1.0, 2.0, 3.0]);
-        let mut line = [-1.0, 2.0, 2.0, 2.5];
-        make_increasing(&mut line, &[0.25; 4]);
-        assert_eq!(line, [0.25, 1.875, 2.125, 2.5]);
+    fn pooling_leaves_monotone_lines_alone_and_mends_the_others_by_least_increments() {
+        for (given, least, expected) in [
+            (&[0.0, 1.0, 1.0, 3.0][..], 0.0, &[0.0, 1.0, 1.0, 3.0][..]),
+            (&[-1.0, 2.0, 1.0, 3.0], 0.0, &[0.0, 1.5, 1.5, 3.0]),
+            (&[1.0, 2.0, 3.0], 0.5, &[1.0, 2.0, 3.0]),
+            (&[-1.0, 2.0, 2.0, 2.5], 0.25, &[0.25, 1.875, 2.125, 2.5]),
+        ] {
+            let mut line = given.to_vec();
+            make_increasing(&mut line, &vec![least; given.len()]);
+            assert_eq!(line, expected);
+        }
     }
 
     /// Nodes in [0, 1), at most three times as far apart here as there.
@@ -402,28 +399,27 @@ mod tests {
         assert!(before.elapsed().as_secs_f64() < 1.0);
         for (x, y) in nodes.iter().zip(&values) {
             let w = basis.inside(*x);
-            let at: f64 = (0..4).map(|k| w.value[k] * found[w.first + k]).sum();
-            assert_abs_diff_eq!(at, *y, epsilon = 1e-13);
+            assert_abs_diff_eq!(w.sum(&w.value, &found), *y, epsilon = 1e-13);
         }
     }
 
     #[test]
     fn onset_spline_reproduces_a_cubic_and_its_integral() {
         let nodes = [0.05, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0];
-        let b = breaks(&nodes, 3, Ends::Onset);
-        let force = Basis::<4>::new(&b, Ends::Onset);
-        let fit = Fit::new(&force, &nodes, "u").unwrap();
+        let (_, fit) = axis::<4>(&nodes, Ends::Onset, "u").unwrap();
         let coefficients = fit.coefficients(&nodes.map(|x| x * x * x));
+        let b = breaks(&nodes, 3, Ends::Onset);
         let potential = Basis::<5>::new(&b, Ends::Onset);
         let integral = integrated(&coefficients, &b, 3);
         assert_eq!(integral.len(), potential.stored());
         for i in 0..=100 {
             let x = f64::from(i) / 100.0;
             let w = potential.inside(x);
-            let dot = |a: &[f64; 5]| -> f64 { (0..5).map(|k| a[k] * integral[w.first + k]).sum() };
-            assert_abs_diff_eq!(dot(&w.value), x.powi(4) / 4.0, epsilon = 1e-13);
-            assert_abs_diff_eq!(dot(&w.slope), x.powi(3), epsilon = 1e-12);
-            assert_abs_diff_eq!(dot(&w.curvature), 3.0 * x * x, epsilon = 1e-10);
+            let [value, slope, curvature] =
+                [w.value, w.slope, w.curvature].map(|weights| w.sum(&weights, &integral));
+            assert_abs_diff_eq!(value, x.powi(4) / 4.0, epsilon = 1e-13);
+            assert_abs_diff_eq!(slope, x.powi(3), epsilon = 1e-12);
+            assert_abs_diff_eq!(curvature, 3.0 * x * x, epsilon = 1e-10);
         }
     }
 }

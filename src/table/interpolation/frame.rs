@@ -1,9 +1,12 @@
-//! The coordinates but the displacement, and where the displacement begins at them: what all interpolants share.
+//! The coordinates but the displacement, and the way from the scaled displacement back to those of [`Query`]: what all
+//! interpolants share.
+//!
+//! With the no-load approach D0 and the span S = D1 - D0 over y = (C, M, PMC):
+//! u = (delta - D0) / S and W(delta, y) = S(y) w(u, y), hence F = dW/d delta = dw/du.
 
 use super::basis::{Basis, Weights};
-use super::fit::Block;
-use super::kernel::{ANY, Coefficients, Jet, field};
-use crate::table::Query;
+use super::kernel::{ANY, Coefficients, Jet, Point, SECOND, Shape};
+use crate::table::{Potential, Query};
 use crate::vector::Lanes;
 
 /// Axes of centre distance, misalignment and mesh position, and what the scaled displacement is measured by along them.
@@ -12,39 +15,37 @@ pub struct Frame<const N: usize> {
     pub c: Basis<N>,
     pub m: Basis<N>,
     pub p: Basis<N>,
-    /// Row 0: the approach at which contact begins; row 1: the span from there to the top load.
-    fields: Coefficients<N>,
+    /// The approach at which contact begins.
+    pub no_load: Coefficients<N>,
+    /// From there to the top load.
+    pub span: Coefficients<N>,
 }
 
 /// A [`Frame`] at one point.
 pub struct Framed<const N: usize> {
     /// Weights of centre distance, misalignment and mesh position.
-    pub wc: Weights<N>,
-    pub wm: Weights<N>,
-    pub wp: Weights<N>,
+    pub weights: Point<N>,
+    /// Which of them are axes; the others cost nothing, and derivatives by them are zero.
+    present: [bool; 3],
     /// The approach at which contact begins, m.
-    pub no_load: Jet,
+    no_load: Jet,
     /// From there to the top load, m.
-    pub span: Jet,
+    span: Jet,
+    /// Scaled displacement.
+    pub u: f64,
     /// Whether the point is outside the range of centre distance or misalignment.
     pub outside: bool,
 }
 
 impl<const N: usize> Frame<N> {
-    /// From the bases of centre distance, misalignment and mesh position and the coefficients of no-load approach and
-    /// span over them.
-    pub fn new([c, m, p]: [Basis<N>; 3], fields: &Block) -> Self {
-        Frame {
-            c,
-            m,
-            p,
-            fields: Coefficients::new(fields),
-        }
+    /// The axes that there are as bits, for code that is compiled for them.
+    pub fn axes(&self) -> usize {
+        let [c, m, p] = self.present::<ANY>().map(usize::from);
+        c | m << 1 | p << 2
     }
 
-    /// Which of centre distance, misalignment and mesh position are axes.
     #[inline(always)]
-    pub fn present<const AXES: usize>(&self) -> [bool; 3] {
+    fn present<const AXES: usize>(&self) -> [bool; 3] {
         if AXES == ANY {
             [self.c.present(), self.m.present(), self.p.present()]
         } else {
@@ -52,62 +53,128 @@ impl<const N: usize> Frame<N> {
         }
     }
 
-    /// The same as bits, for code that is compiled for them.
-    pub fn axes(&self) -> usize {
-        let [c, m, p] = self.present::<ANY>().map(usize::from);
-        c | m << 1 | p << 2
-    }
-
     /// Memory of the coefficients.
     pub fn bytes(&self) -> usize {
-        self.fields.bytes()
+        self.no_load.bytes() + self.span.bytes()
     }
 
     /// At `q`, with second derivatives if `H`.
     #[inline(always)]
     pub fn at<const H: bool, const AXES: usize>(&self, lanes: Lanes, q: &Query) -> Framed<N> {
-        let order = if H { 2 } else { 1 };
-        let [c, m, p] = self.present::<AXES>();
-        let (wc, c_outside) = weights(c, &self.c, lanes, q.center_distance_offset, order);
-        let (wm, m_outside) = weights(m, &self.m, lanes, q.misalignment, order);
-        let (wp, _) = weights(p, &self.p, lanes, q.mesh_position, order);
-        let mut at = Framed {
-            no_load: field::<N, H, AXES>(lanes, &self.fields, 0, &wc, &wm, &wp),
-            span: field::<N, H, AXES>(lanes, &self.fields, 1, &wc, &wm, &wp),
-            wc,
-            wm,
-            wp,
-            outside: c_outside || m_outside,
+        let present @ [by_c, by_m, by_p] = self.present::<AXES>();
+        let weights = |present: bool, basis: &Basis<N>, x: f64| match present {
+            true => basis.weights(lanes, x, if H { 2 } else { 1 }),
+            false => (Weights::constant(), false),
         };
-        if at.outside {
-            at.no_load = self.begins(q, at.wp);
+        let (c, c_outside) = weights(by_c, &self.c, q.center_distance_offset);
+        let (m, m_outside) = weights(by_m, &self.m, q.misalignment);
+        let (p, _) = weights(by_p, &self.p, q.mesh_position);
+        let weights = Point { c, m, p };
+        let outside = c_outside || m_outside;
+        let mut no_load = self.no_load.field::<H, AXES>(lanes, &weights);
+        let span = self.span.field::<H, AXES>(lanes, &weights);
+        if outside {
+            no_load = self.begins(q, p);
         }
-        at
+        Framed {
+            u: (q.delta - no_load.value) / span.value,
+            weights,
+            present,
+            no_load,
+            span,
+            outside,
+        }
     }
 
     /// The approach at which contact begins outside the range: it follows the coordinate however far that goes; only
     /// stiffness levels out.
     #[cold]
     #[inline(never)]
-    fn begins(&self, q: &Query, wp: Weights<N>) -> Jet {
-        let wc = self.c.linear(q.center_distance_offset);
-        let wm = self.m.linear(q.misalignment);
-        field::<N, true, ANY>(Lanes::COMMON, &self.fields, 0, &wc, &wm, &wp)
+    fn begins(&self, q: &Query, p: Weights<N>) -> Jet {
+        let c = self.c.linear(q.center_distance_offset);
+        let m = self.m.linear(q.misalignment);
+        (self.no_load).field::<true, ANY>(Lanes::COMMON, &Point { c, m, p })
     }
 }
 
-/// [`Basis::weights`] of an axis that is `present`.
-#[inline(always)]
-fn weights<const N: usize>(
-    present: bool,
-    basis: &Basis<N>,
-    lanes: Lanes,
-    x: f64,
-    order: usize,
-) -> (Weights<N>, bool) {
-    if present {
-        basis.weights(lanes, x, order)
-    } else {
-        (Weights::constant(), false)
+impl<const N: usize> Framed<N> {
+    /// The potential out of contact.
+    #[inline(always)]
+    pub fn none(&self) -> Potential {
+        Potential {
+            out_of_range: self.outside,
+            ..Potential::default()
+        }
+    }
+
+    /// Derivatives of u by y.
+    #[inline(always)]
+    fn scaled_gradient(&self, inverse: f64) -> [f64; 3] {
+        let mut slopes = [0.0; 3];
+        for i in 0..3 {
+            if self.present[i] {
+                slopes[i] = -(self.no_load.gradient[i] + self.u * self.span.gradient[i]) * inverse;
+            }
+        }
+        slopes
+    }
+
+    /// W and its derivatives from w; y are its coordinates 1 to 3.
+    #[inline(always)]
+    pub fn potential<const H: bool>(&self, shape: &Shape) -> Potential {
+        let (w, f, k) = (&shape.value, &shape.slope, shape.curvature);
+        let (no_load, span) = (&self.no_load, &self.span);
+        let s = span.value;
+        let inverse = 1.0 / s;
+        let mut out = Potential {
+            value: s * w.value,
+            ..self.none()
+        };
+        out.gradient[0] = f.value;
+        out.hessian[0][0] = k * inverse;
+        let complement = w.value - self.u * f.value;
+        for i in 0..3 {
+            if self.present[i] {
+                // s du/dy = -(D0_y + u S_y) turns the chain rule into this.
+                out.gradient[1 + i] = span.gradient[i] * complement - no_load.gradient[i] * f.value
+                    + s * w.gradient[i];
+            }
+        }
+        if H {
+            let u_y = self.scaled_gradient(inverse);
+            for i in (0..3).filter(|&i| self.present[i]) {
+                let mixed = k * u_y[i] + f.gradient[i];
+                out.hessian[0][1 + i] = mixed;
+                out.hessian[1 + i][0] = mixed;
+                for j in (i..3).filter(|&j| self.present[j]) {
+                    let n = SECOND[i][j];
+                    let second = span.second[n] * complement - no_load.second[n] * f.value
+                        + span.gradient[i] * w.gradient[j]
+                        + span.gradient[j] * w.gradient[i]
+                        + s * (k * u_y[i] * u_y[j]
+                            + f.gradient[i] * u_y[j]
+                            + f.gradient[j] * u_y[i]
+                            + w.second[n]);
+                    out.hessian[1 + i][1 + j] = second;
+                    out.hessian[1 + j][1 + i] = second;
+                }
+            }
+        }
+        out
+    }
+
+    /// Puts the slope of `shape`, a moment of its own, in the place of dW/dM.
+    #[inline(always)]
+    pub fn set_moment<const H: bool>(&self, out: &mut Potential, shape: &Shape) {
+        let moment = &shape.slope;
+        out.gradient[2] = moment.value;
+        if H {
+            let inverse = 1.0 / self.span.value;
+            let u_y = self.scaled_gradient(inverse);
+            out.hessian[2][0] = shape.curvature * inverse;
+            for i in (0..3).filter(|&i| self.present[i]) {
+                out.hessian[2][1 + i] = shape.curvature * u_y[i] + moment.gradient[i];
+            }
+        }
     }
 }

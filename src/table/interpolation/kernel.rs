@@ -12,15 +12,23 @@ use crate::vector::{Lanes, dot};
 /// misalignment and mesh position whose bits 0 to 2 are set in it.
 pub const ANY: usize = 8;
 
-/// How many functions of the `axis`th of them there are at one point.
-#[inline(always)]
-fn count<const AXES: usize, const N: usize>(axis: usize, weights: &Weights<N>) -> usize {
-    if AXES == ANY {
-        weights.count
-    } else if AXES >> axis & 1 == 1 {
-        N
-    } else {
-        1
+/// Weights of centre distance, misalignment and mesh position at one point.
+#[derive(Debug, Clone, Copy)]
+pub struct Point<const N: usize> {
+    pub c: Weights<N>,
+    pub m: Weights<N>,
+    pub p: Weights<N>,
+}
+
+impl<const N: usize> Point<N> {
+    /// How many functions of centre distance and of misalignment there are here.
+    #[inline(always)]
+    fn counts<const AXES: usize>(&self) -> [usize; 2] {
+        if AXES == ANY {
+            [self.c.count, self.m.count]
+        } else {
+            [0, 1].map(|axis| if AXES >> axis & 1 == 1 { N } else { 1 })
+        }
     }
 }
 
@@ -77,16 +85,17 @@ impl<const N: usize> Plane<N> {
         lanes: Lanes,
         rows: &[[f64; N]],
         [start, c, m]: [usize; 3],
-        wc: &Weights<N>,
-        wm: &Weights<N>,
+        at: &Point<N>,
     ) -> Self {
+        let (wc, wm) = (&at.c, &at.m);
+        let [nc, nm] = at.counts::<AXES>();
         let mut sum = Self::ZERO;
-        for i in 0..count::<AXES, N>(0, wc) {
+        for i in 0..nc {
             let first = &rows[start + i * c];
             let mut a = lanes.scaled(wm.value[0], first);
             let mut a_m = lanes.scaled(wm.slope[0], first);
             let mut a_mm = lanes.scaled(wm.curvature[0], first);
-            for j in 1..count::<AXES, N>(1, wm) {
+            for j in 1..nm {
                 let row = &rows[start + i * c + j * m];
                 lanes.add(&mut a, wm.value[j], row);
                 lanes.add(&mut a_m, wm.slope[j], row);
@@ -167,33 +176,64 @@ impl<const N: usize> Coefficients<N> {
         8 * self.values.len()
     }
 
-    /// The lanes from mesh-position coefficient `first` on, of every row.
+    /// The lanes of every row from the first functions of `at` and `u` on, and the distances from one c, m and u to the next;
+    /// the last of `count` functions of u lies within.
     #[inline(always)]
-    fn from(&self, first: usize) -> &[[f64; N]] {
-        self.values[first..].as_chunks().0
+    fn cell<const AXES: usize>(
+        &self,
+        at: &Point<N>,
+        u: usize,
+        count: usize,
+    ) -> (&[[f64; N]], [usize; 3]) {
+        let strides @ [dc, dm, du] = self.strides.map(|x| x as usize);
+        let (rows, _) = self.values[at.p.first..].as_chunks();
+        let rows = &rows[at.c.first * dc + at.m.first * dm + u * du..];
+        let [nc, nm] = at.counts::<AXES>();
+        assert!((nc - 1) * dc + (nm - 1) * dm + (count - 1) * du < rows.len());
+        (rows, strides)
+    }
+
+    /// A quantity that does not depend on the displacement, with second derivatives if `H`.
+    #[inline(always)]
+    pub fn field<const H: bool, const AXES: usize>(&self, lanes: Lanes, at: &Point<N>) -> Jet {
+        let (rows, [c, m, _]) = self.cell::<AXES>(at, 0, 1);
+        Plane::new::<H, AXES>(lanes, rows, [0, c, m], at).jet::<H>(&at.p)
+    }
+
+    /// A quantity over the displacement, at the weights `wu` of it.
+    #[inline(always)]
+    pub fn shape<const NU: usize, const H: bool, const AXES: usize>(
+        &self,
+        lanes: Lanes,
+        wu: &Weights<NU>,
+        at: &Point<N>,
+    ) -> Shape {
+        let (rows, [c, m, u]) = self.cell::<AXES>(at, wu.first, NU);
+        let [mut w, mut f, mut k] = [Plane::<N>::ZERO; 3];
+        for r in 0..NU {
+            let plane = Plane::new::<H, AXES>(lanes, rows, [r * u, c, m], at);
+            put(lanes, r, &mut w.value, wu.value[r], &plane.value);
+            put(lanes, r, &mut w.c, wu.value[r], &plane.c);
+            put(lanes, r, &mut w.m, wu.value[r], &plane.m);
+            put(lanes, r, &mut f.value, wu.slope[r], &plane.value);
+            put(lanes, r, &mut k.value, wu.curvature[r], &plane.value);
+            if H {
+                put(lanes, r, &mut w.cc, wu.value[r], &plane.cc);
+                put(lanes, r, &mut w.cm, wu.value[r], &plane.cm);
+                put(lanes, r, &mut w.mm, wu.value[r], &plane.mm);
+                put(lanes, r, &mut f.c, wu.slope[r], &plane.c);
+                put(lanes, r, &mut f.m, wu.slope[r], &plane.m);
+            }
+        }
+        Shape {
+            value: w.jet::<H>(&at.p),
+            slope: f.jet::<false>(&at.p),
+            curvature: k.jet::<false>(&at.p).value,
+        }
     }
 }
 
-/// One number over (centre distance, misalignment, mesh position): row `r` of `coefficients`.
-#[inline(always)]
-pub fn field<const N: usize, const H: bool, const AXES: usize>(
-    lanes: Lanes,
-    coefficients: &Coefficients<N>,
-    r: usize,
-    wc: &Weights<N>,
-    wm: &Weights<N>,
-    wp: &Weights<N>,
-) -> Jet {
-    let rows = coefficients.from(wp.first);
-    let [c, m, u] = coefficients.strides.map(|x| x as usize);
-    let rows = &rows[wc.first * c + wm.first * m..];
-    assert!(
-        (count::<AXES, N>(0, wc) - 1) * c + (count::<AXES, N>(1, wm) - 1) * m + r * u < rows.len()
-    );
-    Plane::new::<H, AXES>(lanes, rows, [r * u, c, m], wc, wm).jet::<H>(wp)
-}
-
-/// A quantity over the displacement, as [`chain`](super::chain) needs it.
+/// A quantity over the displacement, as the chain rule needs it.
 #[derive(Debug, Clone, Copy)]
 pub struct Shape {
     /// The quantity; second derivatives only with `H`.
@@ -202,44 +242,4 @@ pub struct Shape {
     pub slope: Jet,
     /// Its second derivative by the displacement.
     pub curvature: f64,
-}
-
-/// The quantity of `coefficients` at the weights `wu` of the displacement and those of the other coordinates.
-#[inline(always)]
-pub fn over_displacement<const NU: usize, const N: usize, const H: bool, const AXES: usize>(
-    lanes: Lanes,
-    coefficients: &Coefficients<N>,
-    wu: &Weights<NU>,
-    wc: &Weights<N>,
-    wm: &Weights<N>,
-    wp: &Weights<N>,
-) -> Shape {
-    let rows = coefficients.from(wp.first);
-    let [c, m, u] = coefficients.strides.map(|x| x as usize);
-    let rows = &rows[wc.first * c + wm.first * m + wu.first * u..];
-    assert!(
-        (count::<AXES, N>(0, wc) - 1) * c + (count::<AXES, N>(1, wm) - 1) * m + (NU - 1) * u
-            < rows.len()
-    );
-    let [mut w, mut f, mut k] = [Plane::<N>::ZERO; 3];
-    for r in 0..NU {
-        let plane = Plane::new::<H, AXES>(lanes, rows, [r * u, c, m], wc, wm);
-        put(lanes, r, &mut w.value, wu.value[r], &plane.value);
-        put(lanes, r, &mut w.c, wu.value[r], &plane.c);
-        put(lanes, r, &mut w.m, wu.value[r], &plane.m);
-        put(lanes, r, &mut f.value, wu.slope[r], &plane.value);
-        put(lanes, r, &mut k.value, wu.curvature[r], &plane.value);
-        if H {
-            put(lanes, r, &mut w.cc, wu.value[r], &plane.cc);
-            put(lanes, r, &mut w.cm, wu.value[r], &plane.cm);
-            put(lanes, r, &mut w.mm, wu.value[r], &plane.mm);
-            put(lanes, r, &mut f.c, wu.slope[r], &plane.c);
-            put(lanes, r, &mut f.m, wu.slope[r], &plane.m);
-        }
-    }
-    Shape {
-        value: w.jet::<H>(wp),
-        slope: f.jet::<false>(wp),
-        curvature: k.jet::<false>(wp).value,
-    }
 }

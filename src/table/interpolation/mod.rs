@@ -5,19 +5,15 @@
 #![allow(clippy::needless_range_loop)]
 
 mod basis;
-mod chain;
-mod continuation;
 mod fit;
 mod frame;
 mod kernel;
-mod scatter;
 mod shepard;
 mod tensor;
 
 pub(crate) use basis::{Basis, Ends};
-pub(crate) use fit::{Block, Fit, at_zero};
-pub(crate) use kernel::{ANY, Coefficients, over_displacement};
-pub(crate) use tensor::axis;
+pub(crate) use fit::{Block, Fit, at_zero, axis};
+pub(crate) use kernel::{ANY, Coefficients, Point};
 
 use super::{FlankGrid, Potential, Query, TableError};
 use crate::vector::Lanes;

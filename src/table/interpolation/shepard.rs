@@ -1,4 +1,9 @@
-//! Shepard's method as an interpolant of a table, the paper's choice.
+//! Shepard's method with C2 weights as an interpolant of a table, the paper's choice.
+//!
+//! Each node k of the grid has a quadratic q_k through its neighbours and a weight ((R - d)/(R d))³, zero beyond the
+//! distance R (Renka, ACM Trans. Math. Softw. 14 (1988) 139-148, with the third power of Algorithm 790, ibid. 25
+//! (1999) 70-73, which makes the result twice continuously differentiable). Distances are measured in node
+//! spacings of node k, so a node of a sparse region reaches farther.
 //!
 //! What is interpolated is the potential over that of the mean flank: w(u, y) = h(u) g(u, y), where h is the
 //! integral of the mean force over all columns as an onset spline. g is near the same everywhere, and h carries the
@@ -6,18 +11,26 @@
 //! potential, as with the spline. What the method lacks: the force may fall over u between the nodes.
 
 use super::basis::{Basis, Ends};
-use super::chain;
-use super::fit::{Block, Fit, breaks, integrated, make_increasing};
+use super::fit::{Block, axis, breaks, integrated, make_increasing};
 use super::frame::Frame;
 use super::kernel::{ANY, Jet, SECOND, Shape};
-use super::scatter::{DIMENSIONS, Dual, Scatter, saturated};
 use super::tensor::Tensor;
-use crate::table::{Axis, FlankGrid, Potential, Query, TableError};
+use crate::table::{Axis, COORDINATES, FlankGrid, Potential, Query, TableError};
 use crate::vector::Lanes;
+use std::array::from_fn;
+use std::ops::AddAssign;
 
-/// The displacement among the coordinates of the scattered data, and the others.
+/// The displacement among the coordinates (centre distance, misalignment, displacement, mesh position), and the others.
 const U: usize = 2;
 const Y: [usize; 3] = [0, 1, 3];
+
+/// Distance, in node spacings, at which a node's weight vanishes. The middle of a four-dimensional cell is 1 away
+/// from its corners; half a cell beyond the edge, it is 1 again.
+const REACH: f64 = 1.75;
+
+/// Most nodes that are looked at along one axis. On an even axis four can reach a point; on one so wildly graded that
+/// more than these do, the farther ones are left out.
+const MOST: usize = 24;
 
 /// Potential of one flank by Shepard's method.
 #[derive(Debug)]
@@ -41,8 +54,7 @@ impl Shepard {
         let axes = &grid.axes;
         let u_nodes = &axes.displacement_fraction;
         let u_breaks = breaks(u_nodes, 3, Ends::Onset);
-        let force_basis = Basis::<4>::new(&u_breaks, Ends::Onset);
-        let fit = Fit::new(&force_basis, u_nodes, Axis::Displacement.name())?;
+        let (force_basis, fit) = axis::<4>(u_nodes, Ends::Onset, Axis::Displacement.name())?;
         let u = Basis::<5>::new(&u_breaks, Ends::Onset);
         let top = grid.top_force();
         let stored = force_basis.stored();
@@ -53,8 +65,9 @@ impl Shepard {
                 _ => 1e-4 * top * (r as f64 / (stored - 1) as f64).powi(3),
             })
             .collect();
-        let columns = grid.loa_force.len() / u_nodes.len();
-        let force = (fit.along(2, &grid.force_block())).mapped(2, stored, |mut line| {
+        let columns = grid.no_load_approach.len();
+        let force = fit.along(2, &grid.block(&grid.loa_force));
+        let force = force.mapped(2, stored, |mut line| {
             make_increasing(&mut line[3..], &vec![0.0; stored - 3]);
             for (mean, force) in mean_force.iter_mut().zip(&line) {
                 *mean += force / columns as f64;
@@ -62,40 +75,28 @@ impl Shepard {
             line
         });
         let mean = integrated(&mean_force, &u_breaks, 3);
-        // Potential and force along the displacement.
-        let along_u = |line: &[f64], u_at: f64| {
-            let w = u.inside(u_at);
-            let dot = |a: &[f64; 5]| (0..5).map(|k| a[k] * line[w.first + k]).sum::<f64>();
-            [dot(&w.value), dot(&w.slope)]
-        };
-        // `line` over the mean: at the onset both begin with their first coefficient.
-        let over_mean = |line: &[f64], derivative: usize| {
-            let integral = integrated(line, &u_breaks, 3);
-            let ratio =
-                |&x: &f64| along_u(&integral, x)[derivative] / along_u(&mean, x)[derivative];
-            let at_nodes = u_nodes.iter().map(ratio);
-            [line[3] / mean_force[3]]
-                .into_iter()
-                .chain(at_nodes)
-                .collect()
-        };
         let with_zero = [&[0.0], &u_nodes[..]].concat();
-        let scatter = |values: &Block| {
-            let [c, m, p] = [
-                &axes.center_distance_offset,
-                &axes.misalignment,
-                &axes.mesh_position,
-            ];
-            Scatter::new([c, m, &with_zero, p], values)
+        // `values` over the mean, potentials (0) or forces (1): at the onset both begin with their first coefficient.
+        let over_mean = |values: &Block, derivative: usize| {
+            let ratios = values.mapped(2, with_zero.len(), |line| {
+                let integral = integrated(&line, &u_breaks, 3);
+                let ratio = |&x: &f64| {
+                    let w = u.inside(x);
+                    let weights = [&w.value, &w.slope][derivative];
+                    w.sum(weights, &integral) / w.sum(weights, &mean)
+                };
+                let onset = [line[3] / mean_force[3]];
+                onset.into_iter().chain(u_nodes.iter().map(ratio)).collect()
+            });
+            let [c, m] = [&axes.center_distance_offset, &axes.misalignment];
+            Scatter::new([c, m, &with_zero, &axes.mesh_position], &ratios)
         };
-        let own_moment = grid.moment_block().filter(|_| axes.misalignment.len() == 1);
+        let own_moment = (grid.moment.as_ref()).filter(|_| axes.misalignment.len() == 1);
+        let own_moment = own_moment.map(|moment| fit.along(2, &grid.block(moment)));
         Ok(Shepard {
-            frame: tensor.into_frame(),
-            shape: scatter(&force.mapped(2, with_zero.len(), |line| over_mean(&line, 0))),
-            lever: own_moment.map(|moment| {
-                let fitted = fit.along(2, &moment);
-                scatter(&fitted.mapped(2, with_zero.len(), |line| over_mean(&line, 1)))
-            }),
+            frame: tensor.frame,
+            shape: over_mean(&force, 0),
+            lever: own_moment.map(|moment| over_mean(&moment, 1)),
             nodes: [
                 axes.center_distance_offset.clone(),
                 axes.misalignment.clone(),
@@ -107,8 +108,8 @@ impl Shepard {
     }
 
     /// The `derivative`th derivative of h, times `scatter`, at x = (C, M, u, PMC).
-    fn product(&self, scatter: &Scatter, derivative: usize, x: [f64; DIMENSIONS]) -> Dual {
-        let stops: [[f64; 3]; 3] = std::array::from_fn(|i| saturated(x[i], &self.nodes[i]));
+    fn product(&self, scatter: &Scatter, derivative: usize, x: [f64; COORDINATES]) -> Dual {
+        let stops: [[f64; 3]; 3] = from_fn(|i| saturated(x[i], &self.nodes[i]));
         let turn = if self.frame.p.present() {
             x[3] - x[3].floor()
         } else {
@@ -116,16 +117,15 @@ impl Shepard {
         };
         let g = scatter.at([stops[0][0], stops[1][0], stops[2][0], turn]);
         let (w, _) = self.u.weights(Lanes::COMMON, x[U], 2);
-        let dot = |a: &[f64; 5]| (0..5).map(|k| a[k] * self.mean[w.first + k]).sum::<f64>();
-        let h = [&w.value, &w.slope, &w.curvature].map(dot);
+        let h = [&w.value, &w.slope, &w.curvature].map(|weights| w.sum(weights, &self.mean));
         let mut factor = Dual {
             value: h[derivative],
             ..Dual::default()
         };
         factor.gradient[U] = h[derivative + 1];
-        // That of the force is not asked for.
+        // The second derivative of the force is not needed.
         factor.hessian[U][U] = h.get(derivative + 2).copied().unwrap_or_default();
-        factor.times(&through_stops(&g, &stops))
+        factor.times(&g.through_stops(&stops))
     }
 
     /// The potential at `q`, all derivatives with it.
@@ -134,78 +134,387 @@ impl Shepard {
             #[inline(always)]
             |lanes| self.frame.at::<true, ANY>(lanes, q),
         );
-        let (no_load, span) = (&at.no_load, &at.span);
-        let u = (q.delta - no_load.value) / span.value;
-        if u <= 0.0 || u.is_nan() {
-            return Potential {
-                out_of_range: at.outside,
-                ..Potential::default()
-            };
+        if at.u <= 0.0 || at.u.is_nan() {
+            return at.none();
         }
-        let x = [q.center_distance_offset, q.misalignment, u, q.mesh_position];
+        let (c, m) = (q.center_distance_offset, q.misalignment);
+        let x = [c, m, at.u, q.mesh_position];
         let w = self.product(&self.shape, 0, x);
-        let shape = Shape {
-            value: Jet {
-                value: w.value,
-                gradient: Y.map(|i| w.gradient[i]),
-                second: second(&w),
-            },
-            slope: Jet {
-                value: w.gradient[U],
-                gradient: Y.map(|i| w.hessian[i][U]),
-                ..Jet::default()
-            },
-            curvature: w.hessian[U][U],
+        let mut second = [0.0; 6];
+        for i in 0..3 {
+            for j in i..3 {
+                second[SECOND[i][j]] = w.hessian[Y[i]][Y[j]];
+            }
+        }
+        let first_order = |value: f64, gradient: [f64; 3]| Jet {
+            value,
+            gradient,
+            ..Jet::default()
         };
-        let present = self.frame.present::<ANY>();
-        let mut out = chain::potential::<true>(u, &shape, no_load, span, present);
+        let mut out = at.potential::<true>(&Shape {
+            value: Jet {
+                second,
+                ..first_order(w.value, Y.map(|i| w.gradient[i]))
+            },
+            slope: first_order(w.gradient[U], Y.map(|i| w.hessian[i][U])),
+            curvature: w.hessian[U][U],
+        });
         if let Some(lever) = &self.lever {
             let moment = self.product(lever, 1, x);
             let shape = Shape {
                 value: Jet::default(),
-                slope: Jet {
-                    value: moment.value,
-                    gradient: Y.map(|i| moment.gradient[i]),
-                    ..Jet::default()
-                },
+                slope: first_order(moment.value, Y.map(|i| moment.gradient[i])),
                 curvature: moment.gradient[U],
             };
-            chain::set_moment::<true>(&mut out, u, &shape, no_load, span, present);
+            at.set_moment::<true>(&mut out, &shape);
         }
-        out.out_of_range = at.outside || u > 1.0;
+        out.out_of_range |= at.u > 1.0;
         out
     }
 
     /// Memory of the coefficients.
     pub fn bytes(&self) -> usize {
-        let lever = self.lever.as_ref().map_or(0, Scatter::bytes);
-        self.shape.bytes() + lever + self.frame.bytes() + 8 * self.mean.len()
+        let quadratics = |scatter: &Scatter| std::mem::size_of_val(&scatter.quadratics[..]);
+        let lever = self.lever.as_ref().map_or(0, quadratics);
+        quadratics(&self.shape) + lever + self.frame.bytes() + 8 * self.mean.len()
     }
 }
 
-/// Derivatives by the coordinates from those by the coordinates that [`saturated`] keeps inside the range.
-fn through_stops(g: &Dual, stops: &[[f64; 3]; 3]) -> Dual {
-    let slope: [f64; DIMENSIONS] = std::array::from_fn(|i| stops.get(i).map_or(1.0, |s| s[1]));
-    let mut out = *g;
-    for i in 0..DIMENSIONS {
-        out.gradient[i] *= slope[i];
-        for j in 0..DIMENSIONS {
-            out.hessian[i][j] *= slope[i] * slope[j];
-        }
-        if let Some([.., bend]) = stops.get(i) {
-            out.hessian[i][i] += g.gradient[i] * bend;
-        }
+/// `x` inside the ends of `nodes`; beyond an end it slows down, twice continuously differentiable, and stops half
+/// a cell outside. Value and two derivatives.
+fn saturated(x: f64, nodes: &[f64]) -> [f64; 3] {
+    let n = nodes.len();
+    if n == 1 {
+        return [0.0; 3];
     }
-    out
+    let (end, sign, cell) = if x > nodes[n - 1] {
+        (nodes[n - 1], 1.0, nodes[n - 1] - nodes[n - 2])
+    } else if x < nodes[0] {
+        (nodes[0], -1.0, nodes[1] - nodes[0])
+    } else {
+        return [x, 1.0, 0.0];
+    };
+    // The slope falls from 1 to 0 over one cell as 1 - 3 t² + 2 t³, whose integral is 1/2.
+    let t = ((x - end) * sign / cell).min(1.0);
+    [
+        end + sign * cell * (t - t.powi(3) + 0.5 * t.powi(4)),
+        1.0 - 3.0 * t * t + 2.0 * t.powi(3),
+        sign * (6.0 * t * t - 6.0 * t) / cell,
+    ]
 }
 
-/// Second derivatives by the coordinates but the displacement, in the order of a [`Jet`].
-fn second(w: &Dual) -> [f64; 6] {
-    let mut second = [0.0; 6];
-    for i in 0..3 {
-        for j in i..3 {
-            second[SECOND[i][j]] = w.hessian[Y[i]][Y[j]];
+/// Value with its first and second derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Dual {
+    value: f64,
+    gradient: [f64; COORDINATES],
+    /// Symmetric.
+    hessian: [[f64; COORDINATES]; COORDINATES],
+}
+
+impl Dual {
+    /// A function of this number from its value `f`, slope `d` and second derivative `dd` there.
+    #[inline(always)]
+    fn chain(&self, f: f64, d: f64, dd: f64) -> Dual {
+        let g = &self.gradient;
+        Dual {
+            value: f,
+            gradient: from_fn(|i| d * g[i]),
+            hessian: from_fn(|i| from_fn(|j| d * self.hessian[i][j] + dd * g[i] * g[j])),
         }
     }
-    second
+
+    /// This number times `b`.
+    #[inline(always)]
+    fn times(&self, b: &Dual) -> Dual {
+        let (g, h) = (&self.gradient, &b.gradient);
+        let second = |i: usize, j: usize| {
+            let own = self.hessian[i][j] * b.value + g[i] * h[j] + g[j] * h[i];
+            own + self.value * b.hessian[i][j]
+        };
+        Dual {
+            value: self.value * b.value,
+            gradient: from_fn(|i| g[i] * b.value + self.value * h[i]),
+            hessian: from_fn(|i| from_fn(|j| second(i, j))),
+        }
+    }
+
+    /// Of a quadratic with this value and these derivatives by ways in units of their own, at `way`, by the coordinates, of which
+    /// `scale` makes one such unit.
+    #[inline(always)]
+    fn moved(&self, way: &[f64; COORDINATES], scale: &[f64; COORDINATES]) -> Dual {
+        let mut out = Dual {
+            value: self.value,
+            ..Dual::default()
+        };
+        for i in 0..COORDINATES {
+            let bend: f64 = (0..COORDINATES).map(|j| self.hessian[i][j] * way[j]).sum();
+            out.value += way[i] * (self.gradient[i] + 0.5 * bend);
+            out.gradient[i] = (self.gradient[i] + bend) * scale[i];
+            out.hessian[i] = from_fn(|j| self.hessian[i][j] * scale[i] * scale[j]);
+        }
+        out
+    }
+
+    /// Derivatives by the coordinates from those by the coordinates that [`saturated`] keeps inside the range.
+    fn through_stops(&self, stops: &[[f64; 3]; 3]) -> Dual {
+        let slope: [f64; COORDINATES] = from_fn(|i| stops.get(i).map_or(1.0, |s| s[1]));
+        let mut out = Dual {
+            value: self.value,
+            gradient: from_fn(|i| self.gradient[i] * slope[i]),
+            hessian: from_fn(|i| from_fn(|j| self.hessian[i][j] * (slope[i] * slope[j]))),
+        };
+        for (i, [.., bend]) in stops.iter().enumerate() {
+            out.hessian[i][i] += self.gradient[i] * bend;
+        }
+        out
+    }
+}
+
+impl AddAssign for Dual {
+    #[inline(always)]
+    fn add_assign(&mut self, b: Dual) {
+        self.value += b.value;
+        for i in 0..COORDINATES {
+            self.gradient[i] += b.gradient[i];
+            for j in 0..COORDINATES {
+                self.hessian[i][j] += b.hessian[i][j];
+            }
+        }
+    }
+}
+
+/// A node that reaches the point along one axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Near {
+    /// Index in the grid.
+    index: usize,
+    /// Way from the node, in its spacings.
+    way: f64,
+    /// 1 / spacing.
+    scale: f64,
+}
+
+/// One coordinate: its nodes, or a single one on which nothing depends.
+#[derive(Debug, Clone)]
+struct Line {
+    /// Nodes, ascending; a periodic axis with a period more on both sides.
+    nodes: Vec<f64>,
+    /// 1 / spacing at each of them: the larger of the two beside it.
+    scale: Vec<f64>,
+    /// Nodes of the grid (a period of `nodes`).
+    count: usize,
+    /// As far as any node reaches.
+    reach: f64,
+}
+
+impl Line {
+    fn new(nodes: &[f64], periodic: bool) -> Self {
+        let count = nodes.len();
+        let turns: &[f64] = match periodic && count > 1 {
+            true => &[-1.0, 0.0, 1.0],
+            false => &[0.0],
+        };
+        let of_turn = |turn: f64| nodes.iter().map(move |x| x + turn);
+        let all: Vec<f64> = turns.iter().copied().flat_map(of_turn).collect();
+        let spacing = |i: usize| {
+            let below = if i > 0 { all[i] - all[i - 1] } else { 0.0 };
+            let above = all.get(i + 1).map_or(0.0, |next| next - all[i]);
+            below.max(above)
+        };
+        let spacings = (0..all.len()).map(spacing);
+        Line {
+            reach: REACH * spacings.clone().fold(0.0, f64::max),
+            scale: spacings.map(f64::recip).collect(),
+            nodes: all,
+            count,
+        }
+    }
+
+    /// Writes the nodes that reach `x`; returns them.
+    #[inline]
+    fn near<'a>(&self, x: f64, out: &'a mut [Near; MOST]) -> &'a [Near] {
+        if self.count == 1 {
+            return &out[..1];
+        }
+        let mut n = 0;
+        for i in self.nodes.partition_point(|&node| node < x - self.reach)..self.nodes.len() {
+            let way = (x - self.nodes[i]) * self.scale[i];
+            if self.nodes[i] > x + self.reach || n == MOST {
+                break;
+            }
+            if way.abs() < REACH {
+                out[n] = Near {
+                    index: i % self.count,
+                    way,
+                    scale: self.scale[i],
+                };
+                n += 1;
+            }
+        }
+        &out[..n]
+    }
+
+    /// For grid node `i`: three nodes (grid indices) and the weights of first and second derivative of the
+    /// parabola through them, in spacings of node i. None on an axis that is not there.
+    fn parabola(&self, i: usize) -> Option<[(usize, f64, f64); 3]> {
+        if self.count == 1 {
+            return None;
+        }
+        let n = self.nodes.len();
+        // The middle period of a periodic axis.
+        let i = if n == self.count { i } else { i + self.count };
+        let first = i.clamp(1, n - 2) - 1;
+        let t: [f64; 3] = from_fn(|k| (self.nodes[first + k] - self.nodes[i]) * self.scale[i]);
+        Some(from_fn(|k| {
+            let (a, b) = (t[(k + 1) % 3], t[(k + 2) % 3]);
+            let denominator = (t[k] - a) * (t[k] - b);
+            let (slope, curvature) = (-(a + b) / denominator, 2.0 / denominator);
+            ((first + k) % self.count, slope, curvature)
+        }))
+    }
+}
+
+/// A quantity on the nodes of a grid.
+#[derive(Debug, Clone)]
+struct Scatter {
+    lines: [Line; COORDINATES],
+    strides: [usize; COORDINATES],
+    quadratics: Vec<Dual>,
+}
+
+impl Scatter {
+    /// Through `values` at `nodes`; the last coordinate has period 1. A coordinate with one node is not there.
+    fn new(nodes: [&[f64]; COORDINATES], values: &Block) -> Self {
+        let lines: [Line; COORDINATES] = from_fn(|i| Line::new(nodes[i], i == 3));
+        let strides: [usize; COORDINATES] = from_fn(|i| values.stride(i));
+        let v = &values.values;
+        let quadratic = |at: usize| {
+            let index: [usize; COORDINATES] = from_fn(|i| at / strides[i] % values.lengths[i]);
+            let parabolas: [_; COORDINATES] = from_fn(|i| lines[i].parabola(index[i]));
+            let mut q = Dual {
+                value: v[at],
+                ..Dual::default()
+            };
+            for (i, along) in parabolas.iter().enumerate() {
+                let base = at - index[i] * strides[i];
+                for (k, first, second) in along.iter().flatten() {
+                    q.gradient[i] += first * v[base + k * strides[i]];
+                    q.hessian[i][i] += second * v[base + k * strides[i]];
+                    for (j, across) in parabolas.iter().enumerate().skip(i + 1) {
+                        let base = base + k * strides[i] - index[j] * strides[j];
+                        for (l, factor, _) in across.iter().flatten() {
+                            q.hessian[i][j] += first * factor * v[base + l * strides[j]];
+                        }
+                        q.hessian[j][i] = q.hessian[i][j];
+                    }
+                }
+            }
+            q
+        };
+        Scatter {
+            quadratics: (0..v.len()).map(quadratic).collect(),
+            lines,
+            strides,
+        }
+    }
+
+    /// The quantity at `x`, at most half a cell outside the nodes (see [`saturated`]); the last coordinate in [0, 1).
+    ///
+    /// With k the nearest node and its weight w_k divided out, q = (q_k + N / w_k) / (1 + S / w_k), N and S the sums
+    /// over all others: nothing is infinite at a node, and no neighbourhood of it has a rule of its own.
+    fn at(&self, x: [f64; COORDINATES]) -> Dual {
+        let mut near = [[Near::default(); MOST]; COORDINATES];
+        let [c, m, u, p] = &mut near;
+        let [of_c, of_m, of_u, of_p] = &self.lines;
+        let axes = [
+            of_c.near(x[0], c),
+            of_m.near(x[1], m),
+            of_u.near(x[2], u),
+            of_p.near(x[3], p),
+        ];
+        // Distances add up axis by axis, so the nearest node is the nearest along each.
+        let nearest = axes.map(|near| {
+            let nearest = near
+                .iter()
+                .min_by(|a, b| a.way.abs().total_cmp(&b.way.abs()));
+            nearest.copied().unwrap_or_default()
+        });
+        let (mut weights, mut sum) = (Dual::default(), Dual::default());
+        let within = |square: &f64| *square < REACH * REACH;
+        for &a in axes[0] {
+            let to_a = a.way * a.way;
+            for &b in axes[1] {
+                let Some(to_b) = Some(to_a + b.way * b.way).filter(within) else {
+                    continue;
+                };
+                for &c in axes[2] {
+                    let Some(to_c) = Some(to_b + c.way * c.way).filter(within) else {
+                        continue;
+                    };
+                    for &d in axes[3] {
+                        if !within(&(to_c + d.way * d.way)) || [a, b, c, d] == nearest {
+                            continue;
+                        }
+                        let (square, q) = self.node([a, b, c, d]);
+                        let weight = weight(&square);
+                        weights += weight;
+                        sum += weight.times(&q);
+                    }
+                }
+            }
+        }
+        let (square, mut above) = self.node(nearest);
+        let per_weight = inverse_weight(&square);
+        let mut below = per_weight.times(&weights);
+        below.value += 1.0;
+        above += per_weight.times(&sum);
+        let per = 1.0 / below.value;
+        above.times(&below.chain(per, -per * per, 2.0 * per * per * per))
+    }
+
+    /// Square of the distance from a node, in its spacings, and its quadratic at the point.
+    #[inline(always)]
+    fn node(&self, axes: [Near; COORDINATES]) -> (Dual, Dual) {
+        let (way, scale) = (axes.map(|n| n.way), axes.map(|n| n.scale));
+        let mut square = Dual::default();
+        for i in 0..COORDINATES {
+            square.value += way[i] * way[i];
+            square.gradient[i] = 2.0 * way[i] * scale[i];
+            square.hessian[i][i] = 2.0 * scale[i] * scale[i];
+        }
+        let at: usize = (axes.iter().zip(self.strides))
+            .map(|(n, stride)| n.index * stride)
+            .sum();
+        (square, self.quadratics[at].moved(&way, &scale))
+    }
+}
+
+/// (1/d - 1/R)³ of the square of d > 0.
+#[inline(always)]
+fn weight(square: &Dual) -> Dual {
+    let per = 1.0 / square.value.sqrt();
+    let x = per - 1.0 / REACH;
+    // Derivatives of x by the square.
+    let (d, dd) = (-0.5 * per.powi(3), 0.75 * per.powi(5));
+    square.chain(
+        x * x * x,
+        3.0 * x * x * d,
+        6.0 * x * d * d + 3.0 * x * x * dd,
+    )
+}
+
+/// 1 / (1/d - 1/R)³ of the square of d < R.
+#[inline(always)]
+fn inverse_weight(square: &Dual) -> Dual {
+    let d = square.value.sqrt();
+    let r = 1.0 / (1.0 - d / REACH);
+    let r4 = r * r * r * r;
+    // The second derivative by the square is infinite at the node itself, and its share of any nought.
+    let dd = if d > 0.0 {
+        (3.0 * r - 2.25) * r4 / d
+    } else {
+        0.0
+    };
+    square.chain((r * d).powi(3), 1.5 * r4 * d, dd)
 }

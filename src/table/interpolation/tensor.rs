@@ -5,12 +5,16 @@
 //! monotone for any (C, M, PMC), since the functions of those are non-negative and add up to one. Its
 //! integral over u is again a B-spline, one degree higher; only that one is stored, and force, shuttling
 //! and the other gradients are its derivatives.
+//!
+//! Beyond an end of C or M every coefficient goes on with its slope there and levels out at twice the guard distance
+//! ([`Basis::guard`]), so that the force has a continuous slope and its stiffness, far out, a constant value. A
+//! guard is as long as nothing loses its meaning on the way: the span keeps at least half of its least value,
+//! and no force decreases over the displacement.
 
 use super::basis::{Basis, Ends};
-use super::fit::{Block, Fit, breaks, integrated, make_increasing};
+use super::fit::{Block, Fit, axis, breaks, integrated, make_increasing};
 use super::frame::{Frame, Framed};
-use super::kernel::{ANY, Coefficients, Shape, over_displacement};
-use super::{chain, continuation};
+use super::kernel::{ANY, Coefficients, Shape};
 use crate::root::bisection;
 use crate::table::{Axes, Axis, FlankGrid, Potential, Query, TableError};
 use crate::vector::Lanes;
@@ -20,7 +24,7 @@ use crate::vector::Lanes;
 #[derive(Debug, Clone)]
 pub struct Tensor<const NU: usize, const N: usize> {
     u: Basis<NU>,
-    frame: Frame<N>,
+    pub frame: Frame<N>,
     /// w over (c, m, u, mesh position).
     shape: Coefficients<N>,
     /// Integral over u of the moment, likewise, where it is not dW/dM.
@@ -40,17 +44,11 @@ struct Others<const N: usize> {
 
 impl<const N: usize> Others<N> {
     fn new(axes: &Axes) -> Result<Self, TableError> {
-        let (c, along_c) = axis(
-            &axes.center_distance_offset,
-            Ends::Bounded,
-            Axis::CenterDistance.name(),
-        )?;
-        let (m, along_m) = axis(&axes.misalignment, Ends::Bounded, Axis::Misalignment.name())?;
-        let (p, along_p) = axis(
-            &axes.mesh_position,
-            Ends::Periodic,
-            Axis::MeshPosition.name(),
-        )?;
+        let (c_nodes, m_nodes) = (&axes.center_distance_offset, &axes.misalignment);
+        let (c, along_c) = axis(c_nodes, Ends::Bounded, Axis::CenterDistance.name())?;
+        let (m, along_m) = axis(m_nodes, Ends::Bounded, Axis::Misalignment.name())?;
+        let p_name = Axis::MeshPosition.name();
+        let (p, along_p) = axis(&axes.mesh_position, Ends::Periodic, p_name)?;
         Ok(Others {
             bases: [c, m, p],
             fits: [along_c, along_m, along_p],
@@ -73,8 +71,8 @@ struct Parts<'a> {
     u_breaks: &'a [f64],
     force: Block,
     moment: Option<Block>,
-    /// Row 0: no-load approach; row 1: span.
-    fields: Block,
+    no_load: Block,
+    span: Block,
     /// See [`Tensor::top`].
     top: f64,
 }
@@ -85,52 +83,52 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
     pub fn new<const NF: usize>(grid: &FlankGrid) -> Result<Self, TableError> {
         let degree = NF - 1;
         let nodes = &grid.axes.displacement_fraction;
-        let u_breaks = breaks(nodes, degree, Ends::Onset);
-        let force_basis = Basis::<NF>::new(&u_breaks, Ends::Onset);
-        let along_u = Fit::new(&force_basis, nodes, Axis::Displacement.name())?;
+        let (_, along_u) = axis::<NF>(nodes, Ends::Onset, Axis::Displacement.name())?;
         let others = Others::<N>::new(&grid.axes)?;
-
-        let force = others.fit(&grid.force_block(), Some(&along_u));
+        let along_all = |samples: &[f64]| others.fit(&grid.block(samples), Some(&along_u));
+        let force = along_all(&grid.loa_force);
         let least = least_increments(&force, degree);
         let force = force.mapped(2, force.lengths[2], |mut line| {
             make_increasing(&mut line[degree..], &least);
             line
         });
-        let [_, m, _] = &others.bases;
-        let own_moment = grid.moment_block().filter(|_| !m.present());
+        let own_moment = (grid.moment.as_ref()).filter(|_| grid.axes.misalignment.len() == 1);
+        let [no_load, span] = grid.fields().map(|field| others.fit(&field, None));
         let parts = Parts {
-            moment: own_moment.map(|block| others.fit(&block, Some(&along_u))),
-            fields: others.fit(&grid.field_block(), None),
-            u_breaks: &u_breaks,
+            u_breaks: &breaks(nodes, degree, Ends::Onset),
             force,
+            moment: own_moment.map(|moment| along_all(moment)),
+            no_load,
+            span,
             top: 1.0,
         };
         Self::assembled(others.bases, parts)
     }
 
     fn assembled([mut c, mut m, p]: [Basis<N>; 3], parts: Parts<'_>) -> Result<Self, TableError> {
-        let Parts {
-            u_breaks, fields, ..
-        } = parts;
         let integral = |block: &Block| {
-            block.mapped(2, block.lengths[2] + 1, |line| {
-                integrated(&line, u_breaks, NU - 2)
-            })
+            let integral = |line: Vec<f64>| integrated(&line, parts.u_breaks, NU - 2);
+            Coefficients::new(&block.mapped(2, block.lengths[2] + 1, integral))
         };
-        continuation::limit(&mut c, &mut m, &continuation::spans(&fields), &parts.force)?;
+        limit_guards(&mut c, &mut m, &parts.span, &parts.force)?;
+        let values = parts.no_load.values.iter();
+        let largest = values.clone().fold(0.0, |l: f64, v| l.max(v.abs()));
+        let least = values.copied().fold(f64::INFINITY, f64::min);
         Ok(Tensor {
-            u: Basis::new(u_breaks, Ends::Onset),
-            shape: Coefficients::new(&integral(&parts.force)),
-            moment: parts.moment.map(|b| Coefficients::new(&integral(&b))),
-            no_contact: below_all(&fields),
-            frame: Frame::new([c, m, p], &fields),
+            u: Basis::new(parts.u_breaks, Ends::Onset),
+            shape: integral(&parts.force),
+            moment: parts.moment.as_ref().map(integral),
+            // The spline stays above its least coefficient but for rounding.
+            no_contact: least - 1e-12 * largest,
+            frame: Frame {
+                c,
+                m,
+                p,
+                no_load: Coefficients::new(&parts.no_load),
+                span: Coefficients::new(&parts.span),
+            },
             top: parts.top,
         })
-    }
-
-    /// All but what depends on the displacement.
-    pub fn into_frame(self) -> Frame<N> {
-        self.frame
     }
 
     /// Memory of the coefficients.
@@ -143,26 +141,19 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
     /// that there are with the registers that nearly every processor has and a mesh position; all else shares one evaluation, since each more would
     /// cost seconds of every build.
     pub fn evaluate(&self, lanes: Lanes, q: &Query, want_hessian: bool) -> Potential {
-        if want_hessian {
-            return self.on::<true, ANY>(lanes, q);
-        }
-        if self.frame.axes() == 0 {
-            return self.on::<false, 0>(lanes, q);
-        }
-        if !lanes.are_wide() {
-            return self.on::<false, ANY>(lanes, q);
-        }
         match self.frame.axes() {
-            4 => self.on::<false, 4>(lanes, q),
-            5 => self.on::<false, 5>(lanes, q),
-            6 => self.on::<false, 6>(lanes, q),
-            7 => self.on::<false, 7>(lanes, q),
-            _ => self.on::<false, ANY>(lanes, q),
+            _ if want_hessian => self.compiled::<true, ANY>(lanes, q),
+            0 => self.compiled::<false, 0>(lanes, q),
+            4 if lanes.are_wide() => self.compiled::<false, 4>(lanes, q),
+            5 if lanes.are_wide() => self.compiled::<false, 5>(lanes, q),
+            6 if lanes.are_wide() => self.compiled::<false, 6>(lanes, q),
+            7 if lanes.are_wide() => self.compiled::<false, 7>(lanes, q),
+            _ => self.compiled::<false, ANY>(lanes, q),
         }
     }
 
     #[inline(always)]
-    fn on<const H: bool, const AXES: usize>(&self, lanes: Lanes, q: &Query) -> Potential {
+    fn compiled<const H: bool, const AXES: usize>(&self, lanes: Lanes, q: &Query) -> Potential {
         lanes.run(
             #[inline(always)]
             |lanes| self.at::<H, AXES>(lanes, q),
@@ -178,37 +169,28 @@ impl<const NU: usize, const N: usize> Tensor<NU, N> {
         {
             return Potential::default();
         }
-        let present = self.frame.present::<AXES>();
         let at = self.frame.at::<H, AXES>(lanes, q);
-        let (no_load, span) = (&at.no_load, &at.span);
-        let u = (q.delta - no_load.value) / span.value;
-        if u <= 0.0 {
-            return Potential {
-                out_of_range: at.outside,
-                ..Potential::default()
-            };
+        if at.u <= 0.0 {
+            return at.none();
         }
-        let shape = self.over::<H, AXES>(lanes, &self.shape, u, &at);
-        let mut out = chain::potential::<H>(u, &shape, no_load, span, present);
+        let mut out = at.potential::<H>(&self.over::<H, AXES>(lanes, &self.shape, &at));
         if let Some(moment) = &self.moment {
-            let shape = self.over::<H, AXES>(lanes, moment, u, &at);
-            chain::set_moment::<H>(&mut out, u, &shape, no_load, span, present);
+            at.set_moment::<H>(&mut out, &self.over::<H, AXES>(lanes, moment, &at));
         }
-        out.out_of_range = at.outside || u > self.top;
+        out.out_of_range |= at.u > self.top;
         out
     }
 
-    /// What `coefficients` have over the displacement at `u` and `at`.
+    /// What `coefficients` have over the displacement.
     #[inline(always)]
     fn over<const H: bool, const AXES: usize>(
         &self,
         lanes: Lanes,
         coefficients: &Coefficients<N>,
-        u: f64,
         at: &Framed<N>,
     ) -> Shape {
-        let (wu, _) = self.u.weights(lanes, u, 2);
-        over_displacement::<NU, N, H, AXES>(lanes, coefficients, &wu, &at.wc, &at.wm, &at.wp)
+        let (wu, _) = self.u.weights(lanes, at.u, 2);
+        coefficients.shape::<NU, H, AXES>(lanes, &wu, &at.weights)
     }
 }
 
@@ -218,12 +200,8 @@ impl<const N: usize> Tensor<3, N> {
     pub fn constant_load(grid: &FlankGrid, loa_force: f64) -> Result<Self, TableError> {
         let at = AtForce::new(grid, loa_force)?;
         let others = Others::<N>::new(&grid.axes)?;
-        let fields = others.fit(&at.fields, None);
-        if continuation::spans(&fields)
-            .values
-            .iter()
-            .any(|&span| span <= 0.0)
-        {
+        let [no_load, span] = [at.origin, at.span].map(|field| others.fit(&field, None));
+        if span.values.iter().any(|&span| span <= 0.0) {
             return Err(TableError::field(
                 "nominalTorque",
                 format!("{loa_force} N on the line of action"),
@@ -238,19 +216,22 @@ impl<const N: usize> Tensor<3, N> {
         };
         let parts = Parts {
             u_breaks: &[0.0, 1.0],
-            force: fields.mapped(2, 2, |_| vec![0.0, loa_force]),
+            force: span.mapped(2, 2, |_| vec![0.0, loa_force]),
             moment: at.lever.map(moment),
-            fields,
+            no_load,
+            span,
             top: f64::INFINITY,
         };
         Self::assembled(others.bases, parts)
     }
 }
 
-/// STE and lever at the nodes for one force.
+/// What a [`Tensor`] of constant load is made of, at the nodes.
 struct AtForce {
-    /// Rows O and STE - O.
-    fields: Block,
+    /// O, m.
+    origin: Block,
+    /// STE - O, m.
+    span: Block,
     /// z_c - z_ref, m.
     lever: Option<Block>,
 }
@@ -259,10 +240,10 @@ impl AtForce {
     /// By inversion of the spline over u.
     fn new(grid: &FlankGrid, loa_force: f64) -> Result<Self, TableError> {
         let nodes = &grid.axes.displacement_fraction;
-        let basis = Basis::<4>::new(&breaks(nodes, 3, Ends::Onset), Ends::Onset);
-        let fit = Fit::new(&basis, nodes, Axis::Displacement.name())?;
-        let force = fit.along(2, &grid.force_block());
-        let moment = grid.moment_block().map(|b| fit.along(2, &b));
+        let (basis, fit) = axis::<4>(nodes, Ends::Onset, Axis::Displacement.name())?;
+        let force = fit.along(2, &grid.block(&grid.loa_force));
+        let moment = grid.moment.as_ref();
+        let moment = moment.map(|moment| fit.along(2, &grid.block(moment)));
         let spline = |block: &Block, start: usize, u: f64| {
             let w = basis.inside(u);
             let stride = block.stride(2);
@@ -270,11 +251,10 @@ impl AtForce {
                 .map(|k| w.value[k] * block.values[start + (w.first + k) * stride])
                 .sum::<f64>()
         };
-        let [nc, nm, _, np] = force.lengths;
-        let origin = grid.touch_shift()?;
-        let mut fields = grid.field_block();
-        let mut lever = moment.as_ref().map(|_| Block::zeros([nc, nm, 1, np]));
-        for (column, (start, field)) in force.lines(2).zip(fields.lines(2)).enumerate() {
+        let shifts = grid.touch_shift()?;
+        let [mut origin, mut span] = grid.fields();
+        let mut lever = moment.as_ref().map(|_| origin.clone());
+        for (column, start) in force.lines(2).enumerate() {
             let top = spline(&force, start, 1.0);
             if !(loa_force > 0.0 && loa_force <= top * (1.0 + 1e-9)) {
                 return Err(TableError::field(
@@ -285,40 +265,20 @@ impl AtForce {
                 ));
             }
             let u = bisection([0.0, 1.0], 60, |u| spline(&force, start, u) < loa_force);
-            let ste = fields.values[field] + u * fields.values[field + np];
-            fields.values[field] = origin[column / np];
-            fields.values[field + np] = ste - origin[column / np];
+            let ste = origin.values[column] + u * span.values[column];
+            let shift = shifts[column / grid.axes.mesh_position.len()];
+            origin.values[column] = shift;
+            span.values[column] = ste - shift;
             if let (Some(lever), Some(moment)) = (&mut lever, &moment) {
                 lever.values[column] = spline(moment, start, u) / loa_force;
             }
         }
-        Ok(AtForce { fields, lever })
+        Ok(AtForce {
+            origin,
+            span,
+            lever,
+        })
     }
-}
-
-/// Basis and fit of an axis with samples at `nodes`: degree N - 1; a single one has no extent, nothing depends on it.
-pub fn axis<const N: usize>(
-    nodes: &[f64],
-    ends: Ends,
-    name: &str,
-) -> Result<(Basis<N>, Fit), TableError> {
-    let basis = match nodes {
-        [_] => Basis::new(&[], ends),
-        _ => Basis::new(&breaks(nodes, N - 1, ends), ends),
-    };
-    let fit = Fit::new(&basis, nodes, name)?;
-    Ok((basis, fit))
-}
-
-/// A value below the spline of the first of two rows of `fields`, which stays above its least coefficient, by more
-/// than its rounding.
-fn below_all(fields: &Block) -> f64 {
-    let row = fields.stride(2);
-    let values = fields.values.chunks(2 * row).flat_map(|c| &c[..row]);
-    let (least, largest) = values.fold((f64::INFINITY, 0.0_f64), |(least, largest), &v| {
-        (least.min(v), largest.max(v.abs()))
-    });
-    least - 1e-12 * largest
 }
 
 /// Least increments of the force from one coefficient over u to the next: a hundredth of the mean ones. Without,
@@ -328,16 +288,68 @@ fn least_increments(force: &Block, degree: usize) -> Vec<f64> {
     let (n, stride) = (force.lengths[2], force.stride(2));
     let lines = force.values.len() / n;
     let mean = |r: usize| {
-        let sum: f64 = force
-            .lines(2)
-            .map(|start| force.values[start + r * stride])
-            .sum();
-        sum / lines as f64
+        let values = (force.lines(2)).map(|start| force.values[start + r * stride]);
+        values.sum::<f64>() / lines as f64
     };
-    (degree..n)
-        .map(|r| {
-            let before = if r == degree { 0.0 } else { mean(r - 1) };
-            0.01 * (mean(r) - before).max(0.0)
-        })
-        .collect()
+    let increment = |r: usize| {
+        let before = if r == degree { 0.0 } else { mean(r - 1) };
+        0.01 * (mean(r) - before).max(0.0)
+    };
+    (degree..n).map(increment).collect()
+}
+
+/// A guard halved this often is shorter than any coordinate can tell: never reached, since spans are positive
+/// and forces increase strictly within the range ([`make_increasing`]).
+const HALVINGS: usize = 50;
+
+/// Shortens the guards of `c` and `m`, each end by itself, until `span` and the coefficients `force` over u stay legal beyond
+/// each end of each axis and beyond both at once.
+fn limit_guards<const N: usize>(
+    c: &mut Basis<N>,
+    m: &mut Basis<N>,
+    span: &Block,
+    force: &Block,
+) -> Result<(), TableError> {
+    let least = span.values.iter().copied().fold(f64::INFINITY, f64::min);
+    if least <= 0.0 {
+        return Err(TableError::TooCoarse { least_m: least });
+    }
+    // Where the axes 0 and 1 have levelled out beyond the ends given.
+    let is_legal = |axes: [&Basis<N>; 2], ends: [Option<usize>; 2]| {
+        let far_out = |block: &Block| {
+            let mut block = block.clone();
+            for (axis, (basis, end)) in axes.into_iter().zip(ends).enumerate() {
+                if let Some(end) = end {
+                    block = block.combined(axis, &basis.far_end(end));
+                }
+            }
+            block
+        };
+        let force = far_out(force);
+        let increases = |start: usize| {
+            let line = force.values[start..].iter().step_by(force.stride(2));
+            line.take(force.lengths[2]).is_sorted()
+        };
+        far_out(span).values.iter().all(|&v| v >= 0.5 * least) && force.lines(2).all(increases)
+    };
+    // What is linear in either coordinate is extreme at the corners: legal there, legal between.
+    let (low, high) = (Some(0), Some(1));
+    let beyond_one = [[low, None], [None, low], [high, None], [None, high]];
+    let beyond_both = [[low, low], [low, high], [high, low], [high, high]];
+    for ends in beyond_one.into_iter().chain(beyond_both) {
+        if ends[0].is_some() && !c.present() || ends[1].is_some() && !m.present() {
+            continue;
+        }
+        for _ in 0..HALVINGS {
+            if is_legal([c, m], ends) {
+                break;
+            }
+            for (basis, end) in [&mut *c, &mut *m].into_iter().zip(ends) {
+                if let Some(end) = end {
+                    basis.guard[end] *= 0.5;
+                }
+            }
+        }
+    }
+    Ok(())
 }

@@ -1,20 +1,22 @@
 //! Tooth pairs under load beside each other: what is left to each of its approach, and their sum.
 
-use super::compliance::Taken;
-use super::coupled::Closing;
 use crate::table::{COORDINATES, Potential};
 use nalgebra::SMatrix;
 
 /// Most tooth pairs in mesh at once.
 pub const MOST: usize = 8;
 
+/// By how many base pitches two tooth pairs are apart: what the force on one takes of the approach of the other, m/N, its slope and
+/// its second derivative by the misalignment; at 0 nothing.
+pub type Taken = [[f64; 3]; MOST];
+
 /// One tooth pair that may carry.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Pair {
     /// Number of the tooth pair.
     pub k: i32,
-    /// What errors of its teeth close.
-    pub closing: Closing,
+    /// Slope by mesh position of what errors of its teeth close, m.
+    pub closing_rate: f64,
     /// Approach, centre distance offset, misalignment, place, before others take of it.
     pub free: [f64; COORDINATES],
     /// Likewise, after.
@@ -39,30 +41,24 @@ impl Pairs {
         &self.all[..self.count]
     }
 
-    /// All of them.
-    pub fn all_mut(&mut self) -> &mut [Pair] {
-        &mut self.all[..self.count]
-    }
-
     /// Without those that carry nothing: others take of their approach, so that they carry nothing with them, either.
     pub fn drop_idle(&mut self) {
-        let mut kept = 0;
-        for n in 0..self.count {
-            if self.all[n].found.gradient[0] != 0.0 {
-                self.all[kept] = self.all[n];
-                kept += 1;
-            }
+        let carrying = self.all.into_iter().take(self.count);
+        let carrying = carrying.filter(|pair| pair.found.gradient[0] != 0.0);
+        self.count = 0;
+        for pair in carrying {
+            self.all[self.count] = pair;
+            self.count += 1;
         }
-        self.count = kept;
     }
 
-    /// What the force of the pair at place `other` takes of the approach of that at place `n`, m/N, and its first and second
+    /// What the force of the pair with the index `other` takes of the approach of the `n`th, m/N, and its first and second
     /// derivative by the misalignment.
     fn between(&self, n: usize, other: usize) -> [f64; 3] {
         self.coupling[self.all[n].k.abs_diff(self.all[other].k) as usize]
     }
 
-    /// What all others take of the approach of the pair at place `n`, m, and its first and second derivative by the misalignment, at
+    /// What all others take of the approach of the `n`th pair, m, and its first and second derivative by the misalignment, at
     /// their forces as they are.
     fn taken(&self, n: usize) -> [f64; 3] {
         let mut sum = [0.0; 3];
@@ -88,7 +84,7 @@ impl Pairs {
         (left, energy)
     }
 
-    /// Solution of (1 + C K) x = `right`, K the stiffnesses of all; no numbers where there is none.
+    /// Solution of (1 + C K) x = `right`, K the stiffnesses of all; NaN where there is none.
     fn solved<const R: usize>(&self, right: &SMatrix<f64, MOST, R>) -> SMatrix<f64, MOST, R> {
         let mut matrix = SMatrix::<f64, MOST, MOST>::identity();
         for n in 0..self.count {
@@ -112,7 +108,7 @@ impl Pairs {
         let mut largest = 0.0f64;
         let mut slope = 0.0;
         for (n, pair) in self.all().iter().enumerate() {
-            // A number that is none must not get lost.
+            // A NaN must not get lost.
             if step[n].abs() > largest || step[n].is_nan() {
                 largest = step[n].abs();
             }
@@ -123,7 +119,7 @@ impl Pairs {
 
     /// The last `step`: energy to second order in it, loads to first, by what is known of W1.
     pub fn correct(&mut self, step: &[f64; MOST]) {
-        for (pair, step) in self.all_mut().iter_mut().zip(step) {
+        for (pair, step) in self.all[..self.count].iter_mut().zip(step) {
             let w = &mut pair.found;
             if w.gradient[0] == 0.0 {
                 continue;
@@ -137,31 +133,31 @@ impl Pairs {
         }
     }
 
-    /// Their sum once they have settled, added to `sum`.
-    pub fn total(&self, sum: &mut Potential, want_hessian: bool) {
-        let mut products = [0.0; 3];
+    /// Their sum once they have settled, added to `sum`; with second derivatives where the second derivative by mesh position
+    /// of what errors close is given, m.
+    pub fn total(&self, sum: &mut Potential, closing_curvature: Option<f64>) {
+        let [mut energy, mut slope, mut curvature] = [0.0; 3];
         for (n, pair) in self.all().iter().enumerate() {
             let w = &pair.found;
             sum.value += w.value;
             for (total, own) in sum.gradient.iter_mut().zip(&w.gradient) {
                 *total += own;
             }
-            sum.gradient[3] += w.gradient[0] * pair.closing.rate;
-            for (product, taken) in products.iter_mut().zip(self.taken(n)) {
-                *product += 0.5 * w.gradient[0] * taken;
-            }
+            sum.gradient[3] += w.gradient[0] * pair.closing_rate;
+            let half_taken = self.taken(n).map(|taken| 0.5 * w.gradient[0] * taken);
+            energy += half_taken[0];
+            slope += half_taken[1];
+            curvature += half_taken[2];
         }
-        let [energy, slope, curvature] = products;
         sum.value += energy;
         sum.gradient[2] -= slope;
-        if want_hessian {
-            self.curvatures::<COORDINATES>(&mut sum.hessian);
-            sum.hessian[2][2] -= curvature;
-            for pair in self.all() {
-                sum.hessian[3][3] += pair.found.gradient[0] * pair.closing.curvature;
-            }
-        } else {
-            self.curvatures::<1>(&mut sum.hessian);
+        let Some(closing_curvature) = closing_curvature else {
+            return self.curvatures::<1>(&mut sum.hessian);
+        };
+        self.curvatures::<COORDINATES>(&mut sum.hessian);
+        sum.hessian[2][2] -= curvature;
+        for pair in self.all() {
+            sum.hessian[3][3] += pair.found.gradient[0] * closing_curvature;
         }
     }
 
@@ -175,7 +171,7 @@ impl Pairs {
             }
             if R == COORDINATES {
                 slopes[0][2] = -self.taken(n)[1];
-                slopes[0][3] = pair.closing.rate;
+                slopes[0][3] = pair.closing_rate;
             }
         }
         let free = slopes;
@@ -189,10 +185,8 @@ impl Pairs {
                 for other in 0..self.count {
                     let force = &self.all[other].found.hessian[0];
                     let [by, ..] = self.between(n, other);
-                    for j in 1..COORDINATES {
-                        for x in 0..R {
-                            right[(n, x)] -= by * force[j] * free[other][j][x];
-                        }
+                    for (j, x) in (1..COORDINATES).flat_map(|j| (0..R).map(move |x| (j, x))) {
+                        right[(n, x)] -= by * force[j] * free[other][j][x];
                     }
                 }
             }

@@ -1,14 +1,15 @@
 //! What the tables file holds of tooth pairs one by one.
 
-use serde::{Deserialize, Serialize};
-
+use super::pairs::MOST;
 use crate::gear::{Flank, PairGeometry, PairTeeth, Runout, ToothErrors};
 use crate::table::{Axes, FlankGrid, InterpolationError, TableError};
-
-use super::pairs::MOST;
+use serde::{Deserialize, Serialize};
 
 /// Largest gain that is taken: at 1 loads are no longer told apart.
 const LARGEST_GAIN: f64 = 0.95;
+
+/// Beyond all errors of teeth, m.
+const LARGEST_ERROR: f64 = 0.1;
 
 /// Tooth pairs one by one, as the tables file holds them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,49 +21,22 @@ pub struct TeethRecord {
     pub first_place: f64,
     /// Where it ends; nothing touches there.
     pub last_place: f64,
-    /// What a force on a tooth pair takes of the approach of the others.
-    pub coupling_m_per_n: CouplingRecord,
+    /// What a force on a tooth pair takes of the approach of others, m/N: of neighbours, of those two base pitches away, and so
+    /// on, each at each misalignment, or one number for all of them.
+    pub coupling_m_per_n: Vec<Vec<f64>>,
     /// One tooth pair alone on the drive flank.
     pub drive: FlankGrid,
     /// On the coast flank, if it is not the drive flank mirrored.
     pub coast: Option<FlankGrid>,
     /// What others take there; absent: the same.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub coast_coupling_m_per_n: Option<CouplingRecord>,
+    pub coast_coupling_m_per_n: Option<Vec<Vec<f64>>>,
     /// How the drive flanks of gear 1 and gear 2 differ.
     pub drive_errors: [GearTeethRecord; 2],
     /// How their coast flanks do.
     pub coast_errors: [GearTeethRecord; 2],
     /// Error against contact at run time, interpolation included.
     pub error: InterpolationError,
-}
-
-/// What tooth pairs take of each other, m/N: neighbours, those two base pitches apart, and so on, each at each node of the
-/// misalignment, or one number for all of them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(from = "CouplingForms")]
-pub struct CouplingRecord(pub Vec<Vec<f64>>);
-
-/// Older files hold neighbours alone, the same at all misalignments or at each.
-#[derive(Deserialize)]
-#[serde(
-    untagged,
-    expecting = "coupling_m_per_n: one number, one at each misalignment, or a list of these for each distance"
-)]
-enum CouplingForms {
-    Same(f64),
-    Each(Vec<f64>),
-    Apart(Vec<Vec<f64>>),
-}
-
-impl From<CouplingForms> for CouplingRecord {
-    fn from(form: CouplingForms) -> Self {
-        CouplingRecord(match form {
-            CouplingForms::Same(value) => vec![vec![value]],
-            CouplingForms::Each(values) => vec![values],
-            CouplingForms::Apart(rows) => rows,
-        })
-    }
 }
 
 /// What distinguishes the teeth of one gear on one flank, see [`ToothErrors`].
@@ -78,7 +52,7 @@ pub struct GearTeethRecord {
 }
 
 impl From<&ToothErrors> for GearTeethRecord {
-    /// Teeth with flanks or compliances of their own are not told apart.
+    /// Flanks and compliances of single teeth are left out.
     fn from(errors: &ToothErrors) -> Self {
         GearTeethRecord {
             index_m: errors.index.clone(),
@@ -86,6 +60,17 @@ impl From<&ToothErrors> for GearTeethRecord {
             runout_angle_rad: errors.runout.map_or(0.0, |r| r.angle),
         }
     }
+}
+
+/// A refusal of the field teeth.`field`.
+fn refused<T>(
+    field: &str,
+    value: impl ToString,
+    reason: impl Into<String>,
+) -> Result<T, TableError> {
+    let remedy = "make the tables again with `gearmesh tables --teeth`";
+    let field = format!("teeth.{field}");
+    Err(TableError::field(field, value, reason, remedy))
 }
 
 impl GearTeethRecord {
@@ -101,40 +86,30 @@ impl GearTeethRecord {
     }
 
     fn check(&self, name: &str, teeth: u32) -> Result<(), TableError> {
-        let refuse = |field: &str, value: String, reason: String| {
-            let field = format!("teeth.{name}.{field}");
-            Err(TableError::field(field, value, reason, AGAIN))
-        };
         let count = self.index_m.len();
         if count != 0 && count != teeth as usize {
             let reason = format!("the gear has {teeth} teeth");
-            return refuse("index_m", format!("{count} numbers"), reason);
-        }
-        let mut lengths = vec![("runout_m".to_owned(), self.runout_m)];
-        let index = self.index_m.iter().enumerate();
-        lengths.extend(index.map(|(i, x)| (format!("index_m[{i}]"), *x)));
-        for (field, length) in lengths {
-            if length.is_nan() || length.abs() > LARGEST_ERROR {
-                let reason = format!("errors of teeth are at most {LARGEST_ERROR} m");
-                return refuse(&field, length.to_string(), reason);
-            }
-        }
-        if !self.runout_angle_rad.is_finite() {
-            let reason = "no angle".to_owned();
-            return refuse(
-                "runout_angle_rad",
-                self.runout_angle_rad.to_string(),
+            return refused(
+                &format!("{name}.index_m"),
+                format!("{count} numbers"),
                 reason,
             );
+        }
+        let is_length = |x: &f64| x.abs() <= LARGEST_ERROR;
+        let reason = format!("errors of teeth are at most {LARGEST_ERROR} m");
+        if let Some(i) = self.index_m.iter().position(|x| !is_length(x)) {
+            return refused(&format!("{name}.index_m[{i}]"), self.index_m[i], reason);
+        }
+        if !is_length(&self.runout_m) {
+            return refused(&format!("{name}.runout_m"), self.runout_m, reason);
+        }
+        if !self.runout_angle_rad.is_finite() {
+            let field = format!("{name}.runout_angle_rad");
+            return refused(&field, self.runout_angle_rad, "it must be finite");
         }
         Ok(())
     }
 }
-
-const AGAIN: &str = "make the tables again with `gearmesh tables --teeth`";
-
-/// Beyond all errors of teeth, m.
-const LARGEST_ERROR: f64 = 0.1;
 
 impl TeethRecord {
     /// Whether the teeth of a gear differ.
@@ -150,24 +125,19 @@ impl TeethRecord {
     pub fn takes(teeth: &PairTeeth) -> Result<(), TableError> {
         for gears in [&teeth.drive, &teeth.coast] {
             for (i, errors) in gears.iter().enumerate() {
-                let own = [
-                    (
-                        "topography_file",
-                        errors.flanks.first().map(|own| own.tooth),
-                    ),
-                    (
-                        "compliance_factor",
-                        errors.weak.first().map(|own| own.tooth),
-                    ),
-                ];
-                if let Some((field, tooth)) = own.iter().find_map(|(f, t)| Some((f, (*t)?))) {
-                    return Err(TableError::field(
-                        format!("gear{}.tooth_errors.teeth: {field}", i + 1),
-                        format!("tooth {tooth}"),
-                        "stiffnessModel = teeth takes index errors and run-out alone",
-                        "build without --teeth, with --contact, and set stiffnessModel = contact, which takes it",
-                    ));
-                }
+                let flank = errors.flanks.first().map(|own| own.tooth);
+                let weak = errors.weak.first().map(|own| own.tooth);
+                let (field, tooth) = match (flank, weak) {
+                    (Some(tooth), _) => ("topography_file", tooth),
+                    (_, Some(tooth)) => ("compliance_factor", tooth),
+                    _ => continue,
+                };
+                return Err(TableError::field(
+                    format!("gear{}.tooth_errors.teeth: {field}", i + 1),
+                    format!("tooth {tooth}"),
+                    "stiffnessModel = teeth takes index errors and run-out alone",
+                    "build without --teeth, with --contact, and set stiffnessModel = contact, which takes it",
+                ));
             }
         }
         Ok(())
@@ -178,67 +148,51 @@ impl TeethRecord {
     /// # Errors
     /// The first defect, by field.
     pub fn check(&self, geometry: &PairGeometry) -> Result<(), TableError> {
-        let refuse = |field: &str, value: String, reason: &str| {
-            Err(TableError::field(
-                format!("teeth.{field}"),
-                value,
-                reason,
-                AGAIN,
-            ))
-        };
         let length = self.last_place - self.first_place;
         if !(length > 0.0 && length <= (MOST - 1) as f64 && self.first_place.abs() < 100.0) {
             let value = format!("{} to {}", self.first_place, self.last_place);
             let reason = format!("places ascend by {} at most", MOST - 1);
-            return refuse("first_place, last_place", value, &reason);
+            return refused("first_place, last_place", value, reason);
         }
         self.grid(Flank::Drive).check("teeth.drive")?;
         self.grid(Flank::Coast).check("teeth.coast")?;
+        let nodes = self.axes.misalignment.len();
         for flank in [Flank::Drive, Flank::Coast] {
-            let (name, rows) = self.coupling(flank);
-            let nodes = self.axes.misalignment.len();
+            let (name, rows) = self.named_coupling(flank);
             if rows.is_empty() || rows.len() >= MOST {
-                let count = format!("{} lists", rows.len());
                 let reason = format!("tooth pairs are 1 to {} base pitches apart", MOST - 1);
-                return refuse(name, count, &reason);
+                return refused(name, format!("{} lists", rows.len()), reason);
             }
-            for values in rows {
-                if ![1, nodes].contains(&values.len()) {
-                    let count = format!("{} numbers", values.len());
-                    let reason = format!("there are {nodes} misalignments");
-                    return refuse(name, count, &reason);
-                }
-                if let Some(value) = values.iter().find(|c| !(0.0..1.0).contains(*c)) {
-                    let reason = "a force on one tooth pair takes of the approach of the others";
-                    return refuse(name, value.to_string(), reason);
-                }
+            if let Some(row) = rows.iter().find(|row| ![1, nodes].contains(&row.len())) {
+                let reason = format!("there are {nodes} misalignments");
+                return refused(name, format!("{} numbers", row.len()), reason);
+            }
+            if let Some(value) = rows.iter().flatten().find(|c| !(0.0..1.0).contains(*c)) {
+                let reason = "a force on one tooth pair takes of the approach of the others";
+                return refused(name, value, reason);
             }
         }
-        for (name, gears) in [
-            ("drive_errors", &self.drive_errors),
-            ("coast_errors", &self.coast_errors),
-        ] {
-            for (i, gear) in gears.iter().enumerate() {
-                gear.check(&format!("{name}[{i}]"), geometry.gears[i].teeth)?;
-            }
+        for (i, gear) in geometry.gears.iter().enumerate() {
+            self.drive_errors[i].check(&format!("drive_errors[{i}]"), gear.teeth)?;
+            self.coast_errors[i].check(&format!("coast_errors[{i}]"), gear.teeth)?;
         }
         Ok(())
     }
 
-    /// What tooth pairs take of each other on `flank`, from neighbours on, at each misalignment, m/N, and the name of the field
-    /// that says so.
-    pub(super) fn coupling(&self, flank: Flank) -> (&'static str, Vec<Vec<f64>>) {
-        let (name, coupling) = match (flank, &self.coast_coupling_m_per_n) {
+    fn named_coupling(&self, flank: Flank) -> (&'static str, &[Vec<f64>]) {
+        match (flank, &self.coast_coupling_m_per_n) {
             (Flank::Coast, Some(own)) => ("coast_coupling_m_per_n", own),
             _ => ("coupling_m_per_n", &self.coupling_m_per_n),
-        };
-        let nodes = self.axes.misalignment.len();
+        }
+    }
+
+    /// What tooth pairs take of each other on `flank`, from neighbours on, at each misalignment, m/N.
+    pub(super) fn coupling(&self, flank: Flank) -> Vec<Vec<f64>> {
         let row = |row: &Vec<f64>| match row[..] {
-            [value] => vec![value; nodes],
+            [value] => vec![value; self.axes.misalignment.len()],
             _ => row.clone(),
         };
-        let rows = coupling.0.iter().map(row).collect();
-        (name, rows)
+        self.named_coupling(flank).1.iter().map(row).collect()
     }
 
     /// Refuses a coupling on `flank` that is too large: of loads that cancel, the others must take less than a tooth pair gives way.
@@ -250,10 +204,11 @@ impl TeethRecord {
         if gain <= LARGEST_GAIN {
             return Ok(());
         }
-        let (name, rows) = self.coupling(flank);
+        let (name, rows) = self.named_coupling(flank);
+        let largest = rows.iter().flatten().fold(0.0, |l: f64, c| l.max(*c));
         Err(TableError::field(
             format!("teeth.{name}"),
-            format!("{:.3e}", rows.concat().into_iter().fold(0.0, f64::max)),
+            format!("{largest:.3e}"),
             format!(
                 "other tooth pairs would take {gain:.2} times what one gives way, and only below {LARGEST_GAIN} loads are told apart"
             ),

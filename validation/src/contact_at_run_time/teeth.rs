@@ -9,9 +9,8 @@ use gearmesh::contact::Warm;
 use gearmesh::gear::Flank;
 use gearmesh::gear::tolerance::random_index_errors;
 use gearmesh::random::Random;
-use gearmesh::table::{CouplingRecord, FlankTable, Interpolation, Query, TeethFlank, TeethRecord};
-use gearmesh_preprocessor::table::plan::default_axes;
-use gearmesh_preprocessor::table::sweep::sweep;
+use gearmesh::table::{FlankTable, Interpolation, Query, TeethFlank, TeethRecord};
+use gearmesh_preprocessor::table::{default_axes, sweep};
 use std::sync::Arc;
 
 pub fn report(context: &Context, data: &Data) -> Result<()> {
@@ -32,7 +31,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         records.push(row![name, record.in_words(), fixed(seconds, 0)]);
         let contact = Arc::new(contact);
         let contact = contact.flank(Flank::Drive).ok_or("no drive flank")?;
-        let coupling_m_per_n = CouplingRecord(vec![vec![0.0]]);
+        let coupling_m_per_n = vec![vec![0.0]];
         let without = level(&TeethRecord { coupling_m_per_n, ..record.clone() }, &setup.pair)?;
         let whole = level(&record, &setup.pair)?;
         for (misalignment, share) in [0.0, 5e-4, 2e-3].into_iter().flat_map(|m| [0.7, 1.0, 1.3].map(|s| (m, s))) {

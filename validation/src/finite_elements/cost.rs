@@ -10,9 +10,7 @@ use gearmesh::pair::{Pair, Refinement};
 use gearmesh::table::Axes;
 use gearmesh_preprocessor::finite_element::{SectorMesh, Settings};
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::plan::{displacement_nodes, mesh_positions};
-use gearmesh_preprocessor::table::source::WatchedSolver;
-use gearmesh_preprocessor::table::sweep::sweep;
+use gearmesh_preprocessor::table::{WatchedSolver, displacement_nodes, mesh_positions, sweep};
 use std::path::Path;
 use std::process::Command;
 

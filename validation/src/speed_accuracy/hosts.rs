@@ -58,7 +58,7 @@ pub fn cost(context: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
     for name in ["palermo2013", "helical-25-47"] {
         let tables = TableFile::read(in_repository(&format!("resources/tables/{name}.json")))?;
-        let geometry = tables.geometry.pair_geometry()?;
+        let geometry = tables.geometry.clone();
         for coupling in ["held", "sequential", "parallel"] {
             let starts = Starts::of_tables(&tables)?.with(&[format!("coupling={coupling}").parse()?]);
             let contents =

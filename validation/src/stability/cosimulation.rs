@@ -127,7 +127,7 @@ const PACKED_ANGLE: f64 = 0.4;
 /// at the packed angle: gear 1 stands, gear 2 swings about its load by a fifth of the elongation.
 pub fn energy_brought(name: &str, way: impl Fn(f64) -> Way, steps: usize) -> Result<f64> {
     let file = TableFile::read(in_repository(&format!("resources/tables/{name}.json")))?;
-    let (geometry, torque) = (file.geometry.pair_geometry()?, file.nominal_torque_nm);
+    let (geometry, torque) = (file.geometry.clone(), file.nominal_torque_nm);
     let table = Arc::new(Table::from_file(file)?);
     let parameters = Parameters {
         damping: 0.0,

@@ -1,37 +1,26 @@
-use crate::pair;
+//! Files that are accepted: what they mean, what is filled in, what is noted.
+
 use approx::assert_abs_diff_eq;
 
+use super::file::PairFile;
 use super::*;
-use gearmesh::gear::{GearKind, ToothProfile};
+use gearmesh::friction::FrictionLaw;
+use gearmesh::gear::{Body, GearKind, ToothProfile};
 
 #[test]
-fn contact_ratios_from_the_pair_file_are_those_of_the_papers_table_1() {
+fn the_papers_pair_has_its_contact_ratios_force_and_relief() {
     for text in [PAPER, UNMODIFIED] {
-        let pair = pair::from_json(text).unwrap();
-        let g = &pair.geometry;
+        let g = pair(text, "{}").geometry;
         let transverse = g.transverse_contact_ratio(g.center_distance);
         assert_abs_diff_eq!(transverse, 1.540, epsilon = 1e-3);
         assert_abs_diff_eq!(g.overlap_ratio(), 0.448, epsilon = 1e-3);
-        assert_abs_diff_eq!(transverse + g.overlap_ratio(), 1.988, epsilon = 1e-3);
     }
-}
-
-#[test]
-fn the_papers_nominal_normal_force_follows_from_torque_and_base_cylinder() {
-    let pair = pair::from_json(PAPER).unwrap();
+    let pair = pair(PAPER, "{}");
     let [gear, _] = &pair.geometry.gears;
     let force = pair.operating.nominal_torque / gear.base_radius() / gear.base_helix_angle().cos();
     assert_abs_diff_eq!(force, 2660.4, epsilon = 0.1);
-}
-
-#[test]
-fn the_papers_relief_starts_at_the_pitch_circle_and_is_whole_at_the_tip() {
-    let pair = pair::from_json(PAPER).unwrap();
-    for i in 0..2 {
-        let gear = &pair.geometry.gears[i];
-        let removal = |radius: f64| {
-            pair.microgeometry.drive[i].removal(gear, gear.roll_length(radius), 12.5e-3)
-        };
+    for (gear, m) in pair.geometry.gears.iter().zip(&pair.microgeometry.drive) {
+        let removal = |radius: f64| m.removal(gear, gear.roll_length(radius), 12.5e-3);
         assert_abs_diff_eq!(removal(41.052e-3), 0.0, epsilon = 1e-12);
         assert_abs_diff_eq!(removal(gear.tip_radius), 7e-6, epsilon = 1e-12);
     }
@@ -40,22 +29,23 @@ fn the_papers_relief_starts_at_the_pitch_circle_and_is_whole_at_the_tip() {
 
 #[test]
 fn the_papers_rounded_centre_distance_is_free_of_backlash() {
-    let g = pair::from_json(PAPER).unwrap().geometry;
+    let g = pair(PAPER, "{}").geometry;
     // 80 / cos 13 deg = 82.10433 mm is rounded to 82.104 mm.
     assert_abs_diff_eq!(g.backlash(g.center_distance), 0.0, epsilon = 1e-15);
     assert!(g.gears.iter().all(|gear| gear.tooth_thinning < 0.2e-6));
 }
 
 #[test]
-fn every_shipped_pair_is_accepted() {
+fn shipped_pairs_are_accepted_and_nothing_of_them_is_suspicious() {
     for text in [PAPER, UNMODIFIED, SPUR, HELICAL, INTERNAL] {
-        let pair = pair::from_json(text).unwrap_or_else(|error| panic!("{error}"));
+        let pair = pair(text, "{}");
         // The paper's pair has no backlash, so that it must warn of its range of centre distance.
-        let jams = pair
-            .warnings
-            .iter()
-            .all(|w| w.contains("both flanks press"));
-        assert!(jams, "{}: {:?}", pair.name, pair.warnings);
+        let mut notes = pair.warnings.iter();
+        assert!(
+            notes.all(|w| w.contains("both flanks press")),
+            "{:?}",
+            pair.warnings
+        );
     }
 }
 
@@ -64,20 +54,20 @@ fn backlash_and_centre_distance_defaults_are_consistent() {
     for text in [SPUR, HELICAL, INTERNAL] {
         // The centre distance left out, the backlash kept: tooth thickness by thickness the pitch is
         // filled but for the backlash.
-        let pair = pair::from_json(&patched(text, r#"{"center_distance_mm": null}"#)).unwrap();
-        let g = &pair.geometry;
+        let g = pair(text, r#"{"center_distance_mm": null}"#).geometry;
         let c = g.center_distance;
-        let rw = [0, 1].map(|i| g.operating_pitch_radius(i, c));
-        let filled: f64 = (0..2)
-            .map(|i| {
-                let profile = ToothProfile::new(&g.gears[i]).unwrap();
-                2.0 * rw[i] * profile.half_thickness_angle(rw[i]).unwrap()
-            })
-            .sum();
-        let pitch = 2.0 * std::f64::consts::PI * rw[0] / g.gears[0].z();
+        let filled = |i: usize| {
+            let (r, profile) = (g.operating_pitch_radius(i, c), &g.gears[i]);
+            2.0 * r
+                * ToothProfile::new(profile)
+                    .unwrap()
+                    .half_thickness_angle(r)
+                    .unwrap()
+        };
+        let pitch = 2.0 * std::f64::consts::PI * g.operating_pitch_radius(0, c) / g.gears[0].z();
         let file: PairFile = serde_json::from_str(text).unwrap();
         let backlash = file.backlash_um.unwrap() * 1e-6;
-        assert_abs_diff_eq!(pitch - filled, backlash, epsilon = 1e-12);
+        assert_abs_diff_eq!(pitch - filled(0) - filled(1), backlash, epsilon = 1e-12);
         let cos_phi = g.operating_pressure_angle(c).cos();
         assert_abs_diff_eq!(g.backlash(c), backlash * cos_phi, epsilon = 1e-12);
     }
@@ -93,39 +83,41 @@ fn stated_defaults_are_those_that_are_filled_in() {
         "operating": { "nominal_torque_nm": 50.0, "maximum_torque_nm": 50.0,
             "center_distance_offset_um": [0.0, 0.0], "misalignment_mrad": [0.0, 0.0] }
     }"#;
-    let pair = pair::from_json(sparse).unwrap();
+    let pair = pair(sparse, "{}");
     let [a, b] = &pair.geometry.gears;
-    assert_abs_diff_eq!(pair.geometry.center_distance, 70e-3, epsilon = 1e-15);
-    assert_abs_diff_eq!(a.tip_radius, 32e-3, epsilon = 1e-15);
-    assert_abs_diff_eq!(a.root_radius(), 27.5e-3, epsilon = 1e-15);
-    assert_abs_diff_eq!(a.held_radius, 13.75e-3, epsilon = 1e-15);
-    assert_eq!((a.youngs_modulus, a.poisson_ratio), (206e9, 0.3));
-    assert_eq!(
-        (a.profile_shift, a.helix_angle, b.face_offset),
-        (0.0, 0.0, 0.0)
-    );
-    assert_eq!(
-        (a.tool_tip_radius_coefficient, a.tooth_thinning),
-        (0.38, 0.0)
-    );
+    for (found, expected) in [
+        (pair.geometry.center_distance, 70e-3),
+        (a.tip_radius, 32e-3),
+        (a.root_radius(), 27.5e-3),
+        (a.held_radius, 13.75e-3),
+        (a.youngs_modulus, 206e9),
+        (a.poisson_ratio, 0.3),
+        (a.profile_shift, 0.0),
+        (a.helix_angle, 0.0),
+        (b.face_offset, 0.0),
+        (a.tool_tip_radius_coefficient, 0.38),
+        (a.tooth_thinning, 0.0),
+    ] {
+        assert_abs_diff_eq!(found, expected, epsilon = 1e-15);
+    }
     assert_eq!(pair.microgeometry, Default::default());
     assert_eq!(pair.refinement, gearmesh::pair::Refinement::Normal);
+    assert_eq!(pair.friction, FrictionLaw::default());
     assert!(pair.tip_corner_contact);
     assert!(pair.warnings.is_empty(), "{:?}", pair.warnings);
 }
 
 #[test]
 fn a_ring_may_be_gear_1_and_its_default_tip_clears_the_pinion() {
-    let file: PairFile = serde_json::from_str(INTERNAL).unwrap();
-    let mut swapped = file.clone();
+    let mut swapped: PairFile = serde_json::from_str(INTERNAL).unwrap();
+    let read = |file: &PairFile| from_json(&serde_json::to_string(file).unwrap()).unwrap();
     std::mem::swap(&mut swapped.gear1, &mut swapped.gear2);
     swapped.gear1.tip_diameter_mm = None;
     swapped.gear1.tip_relief = None;
     swapped.gear2.tip_relief = None;
-    let pair = pair::from_json(&serde_json::to_string(&swapped).unwrap()).unwrap();
-    assert_eq!(pair.geometry.ring(), Some(0));
-    assert_eq!(pair.geometry.gears[1].kind, GearKind::External);
-    assert_eq!(pair.geometry.sc(), 1.0);
+    let g = read(&swapped).geometry;
+    assert_eq!((g.ring(), g.sc()), (Some(0), 1.0));
+    assert_eq!(g.gears[1].kind, GearKind::External);
     // Few teeth in a small ring: an addendum of one module would reach the pinion's fillet.
     swapped.gear2.teeth = 18;
     swapped.gear1.teeth = 36;
@@ -134,46 +126,256 @@ fn a_ring_may_be_gear_1_and_its_default_tip_clears_the_pinion() {
     std::mem::swap(&mut swapped.gear1, &mut swapped.gear2);
     swapped.gear1.tip_diameter_mm = None;
     swapped.gear1.bore_diameter_mm = Some(12.0);
-    let pair = pair::from_json(&serde_json::to_string(&swapped).unwrap()).unwrap();
-    let g = &pair.geometry;
+    let pair = read(&swapped);
+    assert!(is_noted(&pair, "tips of the ring are shortened from"));
+    let g = pair.geometry;
     let form = ToothProfile::new(&g.gears[0]).unwrap().form_roll();
     // Over the range of centre distance.
-    let above = [-50e-6, 50e-6]
-        .map(|offset| g.active_start_roll(0, g.center_distance + offset) - form)
-        .into_iter()
-        .fold(f64::INFINITY, f64::min);
-    assert_abs_diff_eq!(above, 0.02 * 2e-3, epsilon = 1e-12);
+    let above = [-50e-6, 50e-6].map(|by| g.active_start_roll(0, g.center_distance + by) - form);
+    assert_abs_diff_eq!(above[0].min(above[1]), 0.02 * 2e-3, epsilon = 1e-12);
 }
 
 #[test]
-fn the_coast_flank_needs_its_own_table_with_a_lead_slope_or_shifted_faces() {
-    assert!(pair::from_json(HELICAL).unwrap().coast_mirrors_drive());
+fn the_coast_flank_needs_its_own_table_where_anything_differs_from_end_to_end() {
+    assert!(pair(HELICAL, "{}").coast_mirrors_drive());
     for patch in [
         r#"{"gear2": {"lead_slope_um": -4.0}}"#,
         r#"{"face_offset_mm": 2.0}"#,
+        r#"{"gear2": {"coast_flank": {"lead_crowning_um": 5}}}"#,
+        r#"{"gear2": {"bias_um": 5}}"#,
+        r#"{"gear2": {"upper_end_relief": {"amount_um": 6, "length_mm": 3}}}"#,
     ] {
-        let pair = pair::from_json(&patched(HELICAL, patch)).unwrap();
-        assert!(!pair.coast_mirrors_drive(), "{patch}");
+        assert!(!pair(HELICAL, patch).coast_mirrors_drive(), "{patch}");
+    }
+    for patch in [
+        r#"{"gear2": {"profile_slope_um": 5}}"#,
+        // No relief is none, whatever its start.
+        r#"{"gear2": {"tip_relief": {"amount_um": 0}, "coast_flank": {"tip_relief": {"amount_um": 0,
+            "start": {"diameter_mm": 88}}}}}"#,
+        r#"{"gear2": {"coast_flank": {"lead_crowning_um": 4.5}}}"#,
+        r#"{"gear2": {"end_relief": {"amount_um": 6, "length_mm": 3, "shape": "arc"}}}"#,
+    ] {
+        assert!(pair(PAPER, patch).coast_mirrors_drive(), "{patch}");
+    }
+}
+
+/// A rim of 1.5 modules, a web off mid-face, a hub that sticks out; the root circle of the paper's gear has 72.1 mm.
+pub const WEBBED: &str = r#"{"gear1": {"rim_thickness_mm": 6, "web_thickness_mm": 5, "web_offset_mm": -4,
+    "hub_diameter_mm": 42, "hub_width_mm": 32, "hub_offset_mm": 1}}"#;
+
+#[test]
+fn rim_web_and_hub_stand_where_the_file_puts_them() {
+    let webbed = patched(PAPER, WEBBED);
+    let with = |patch: &str| pair(&webbed, patch);
+    let gear = &with("{}").geometry.gears[0];
+    let Body {
+        rim_radius,
+        web,
+        hub_radius,
+        hub,
+        ..
+    } = gear.body.unwrap();
+    for (found, expected) in [
+        (rim_radius, gear.root_radius() - 6e-3),
+        (web[0], 6e-3),
+        (web[1], 11e-3),
+        (hub_radius, 21e-3),
+        (hub[0], -2.5e-3),
+        (hub[1], 29.5e-3),
+    ] {
+        assert_abs_diff_eq!(found, expected, epsilon = 1e-12);
+    }
+    // Without a hub the web reaches the bore.
+    let plain =
+        r#"{"gear1": {"hub_diameter_mm": null, "hub_width_mm": null, "hub_offset_mm": null}}"#;
+    let gear = &with(plain).geometry.gears[0];
+    let body = gear.body.unwrap();
+    assert_eq!((body.hub_radius, body.hub), (gear.held_radius, body.web));
+    // A hub as wide as the face, if nothing else is given.
+    let short = r#"{"gear1": {"hub_width_mm": null, "hub_offset_mm": null}}"#;
+    let hub = with(short).geometry.gears[0].body.unwrap().hub;
+    assert_abs_diff_eq!(hub[..], [0.0, 25e-3][..], epsilon = 1e-12);
+    // A web or hub off mid-face asks for a coast table.
+    let central = r#"{"gear1": {"web_offset_mm": 0, "hub_offset_mm": 0}}"#;
+    assert!(with(central).coast_mirrors_drive());
+    for off in ["{}", r#"{"gear1": {"web_offset_mm": 0}}"#] {
+        assert!(!with(off).coast_mirrors_drive());
+    }
+}
+
+/// The paper's pair with gear 1 cut from a shaft.
+pub const SHAFT: &str = r#"{"gear1": {"bore_diameter_mm": null, "shaft": {
+    "lower": {"diameter_mm": 40, "length_mm": 15}, "upper": {"diameter_mm": 30, "length_mm": 50}, "held": "upper"}}}"#;
+
+#[test]
+fn a_pinion_shaft_has_its_pieces_beside_the_face_and_is_solid_unless_it_has_a_bore() {
+    let gear = |patch: &str| pair(&patched(PAPER, SHAFT), patch).geometry.gears[0].clone();
+    let solid = gear("{}");
+    let body = solid.body.unwrap();
+    assert_eq!((body.rim_radius, body.hub_radius), (20e-3, 15e-3));
+    assert_eq!((body.web, body.held_ends), ([-15e-3, 25e-3], [false, true]));
+    assert_abs_diff_eq!(body.hub[1], 75e-3, epsilon = 1e-12);
+    assert_abs_diff_eq!(solid.held_radius, 1.5e-3, epsilon = 1e-12);
+    let bored = gear(r#"{"gear1": {"bore_diameter_mm": 12}}"#);
+    assert_abs_diff_eq!(bored.held_radius, 6e-3, epsilon = 1e-12);
+    assert!(bored.body_twist() > solid.body_twist());
+    // Of one piece alone the end is held.
+    let one = gear(r#"{"gear1": {"shaft": {"upper": null, "held": null}}}"#);
+    assert_eq!(one.body.unwrap().held_ends, [true, false]);
+    assert_eq!(one.body.unwrap().hub, [-15e-3, 25e-3]);
+}
+
+#[test]
+fn a_ring_may_rest_on_a_foundation() {
+    for (value, stiffness) in [("null", None), ("25", Some(25e9))] {
+        let patch = format!(r#"{{"gear2": {{"rim_foundation_n_per_mm3": {value}}}}}"#);
+        let ring = &pair(INTERNAL, &patch).geometry.gears[1];
+        assert_eq!(ring.foundation, stiffness);
     }
 }
 
 #[test]
-fn teeth_that_do_not_fit_the_centre_distance_are_noted() {
-    let noted = |patch: &str, words: &str| {
-        let pair = pair::from_json(&patched(HELICAL, patch)).unwrap_or_else(|e| panic!("{e}"));
-        pair.warnings.iter().any(|note| note.contains(words))
-    };
+fn laws_of_friction_take_what_they_need_and_ignore_the_rest() {
+    let law = |text: &str| pair(PAPER, &format!(r#"{{"friction": {text}}}"#)).friction;
+    assert_eq!(law("{}"), FrictionLaw::default());
+    let constant = law(r#"{ "coefficient": 0.07, "dynamic_viscosity_mpa_s": 30.0 }"#);
+    assert_eq!(constant, FrictionLaw::Constant { coefficient: 0.07 });
+    let schlenk =
+        r#"{ "law": "schlenk", "dynamic_viscosity_mpa_s": 13.28, "roughness_ra_um": [0.4, 0.31] }"#;
+    let same = FrictionLaw::schlenk(13.28e-3, [0.4e-6, 0.31e-6], 0.846);
+    assert_eq!(law(schlenk), same);
+}
+
+/// File, patch, and words of the note on it.
+const NOTES: &[(&str, &str, &str)] = &[
     // 0.384 is what the centre distance of 98 mm asks for; the file has 0.35.
-    let large = r#"{"gear2": {"profile_shift": 0.15}}"#;
-    assert!(noted(
-        large,
-        "x1 + x2 = 0.450, and 0.384 leaves no backlash there"
-    ));
-    assert!(!noted(
-        r#"{"gear2": {"profile_shift": 0.1}}"#,
-        "no backlash there"
-    ));
-    let loose = r#"{"gear2": {"profile_shift": -0.2}, "backlash_um": null}"#;
-    assert!(noted(loose, "is out of proportion"));
-    assert!(!noted(r#"{"backlash_um": null}"#, "is out of proportion"));
+    (
+        HELICAL,
+        r#"{"gear2": {"profile_shift": 0.15}}"#,
+        "x1 + x2 = 0.450, and 0.384 leaves no backlash there",
+    ),
+    (
+        HELICAL,
+        r#"{"gear2": {"profile_shift": -0.2}, "backlash_um": null}"#,
+        "is out of proportion",
+    ),
+    (
+        HELICAL,
+        r#"{"gear1": {"face_width_mm": 30}, "face_offset_mm": null}"#,
+        "are flush at z = 0; `face_offset_mm` = ",
+    ),
+    (
+        PAPER,
+        r#"{"face_offset_mm": -24}"#,
+        "`face_offset_mm` = -24 leaves only 1 mm of the faces",
+    ),
+    (
+        PAPER,
+        r#"{"helix_angle_deg": 0.2269, "center_distance_mm": null, "gear1": {"tip_diameter_mm": null}, "gear2": {"tip_diameter_mm": null}}"#,
+        "`helix_angle_deg` = 0.2269 is a suspicious value: 0.2269 rad is 13 deg",
+    ),
+    (
+        PAPER,
+        r#"{"gear1": {"tip_relief": {"amount_um": 0.012}}}"#,
+        "`gear1.tip_relief.amount_um` = 0.012 is a suspicious value: 0.012 mm is 12 um",
+    ),
+    (
+        PAPER,
+        r#"{"gear2": {"coast_flank": {"lead_crowning_um": 0.0045}}}"#,
+        "`gear2.coast_flank.lead_crowning_um` = 0.0045 is a suspicious value: 0.0045 mm is 4.5 um",
+    ),
+    (
+        PAPER,
+        r#"{"backlash_um": 0.13}"#,
+        "`backlash_um` = 0.13 is a suspicious value: 0.13 mm is 130 um",
+    ),
+    (
+        PAPER,
+        r#"{"operating": {"nominal_torque_nm": 0.12}}"#,
+        "`operating.nominal_torque_nm` = 0.12 is a suspicious value: 0.12 kN m is 120 N m",
+    ),
+    (
+        PAPER,
+        r#"{"operating": {"misalignment_mrad": [-0.001, 0.001]}}"#,
+        "`operating.misalignment_mrad` = 0.001 is a suspicious value: 0.001 rad is 1 mrad",
+    ),
+    (
+        PAPER,
+        r#"{"operating": {"center_distance_offset_um": [0, 0.05]}}"#,
+        "`operating.center_distance_offset_um` = 0.05 is a suspicious value: 0.05 mm is 50 um",
+    ),
+    (
+        PAPER,
+        r#"{"gear1": {"bore_diameter_mm": 1.2}}"#,
+        "`gear1.bore_diameter_mm` = 1.2 is a suspicious value: 1.2 inch is 30.48 mm",
+    ),
+];
+
+#[test]
+fn what_is_legal_but_odd_is_accepted_with_a_note() {
+    for (text, patch, words) in NOTES {
+        let pair = pair(text, patch);
+        assert!(is_noted(&pair, words), "{words}: {:?}", pair.warnings);
+    }
+    for (patch, words) in [
+        (r#"{"gear2": {"profile_shift": 0.1}}"#, "no backlash there"),
+        (r#"{"backlash_um": null}"#, "is out of proportion"),
+        (
+            r#"{"gear1": {"face_width_mm": 30}, "face_offset_mm": 0}"#,
+            "flush",
+        ),
+    ] {
+        assert!(!is_noted(&pair(HELICAL, patch), words), "{patch}");
+    }
+}
+
+#[test]
+fn comments_a_byte_order_mark_and_last_commas_change_nothing() {
+    let commented = PAPER
+        .replace("{\n", "{ // of the drawing, with a \" in it\n")
+        .replace("\"gear1\"", "/* the pinion\n, on two lines */ \"gear1\"")
+        .replace(
+            "\"lead_crowning_um\": 4.5\n",
+            "\"lead_crowning_um\": 4.5, # measured\n",
+        );
+    assert_ne!(commented, PAPER);
+    let read = from_json(&format!("\u{feff}{commented}")).unwrap();
+    assert_eq!(read, from_json(PAPER).unwrap());
+    // In a text they are no comments.
+    pair(PAPER, r#"{"source": "https://example.org /* 1 */"}"#);
+    pair(PAPER, &format!(r#"{{"name": "{}"}}"#, "齿".repeat(100)));
+}
+
+fn draft() -> PairDraft {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
+    PairDraft::read(&root.join("resources/pairs/palermo2013.json")).unwrap()
+}
+
+#[test]
+fn fields_of_a_draft_are_changed_by_their_path_and_made_where_they_are_missing() {
+    let mut draft = draft();
+    assert_eq!(draft.pair().unwrap(), from_json(PAPER).unwrap());
+    assert_eq!(draft.number("gear1.tip_relief.amount_um"), Some(7.0));
+    assert_eq!(draft.number("gear1.lead_slope_um"), None);
+    for (field, value) in [
+        ("gear1.tip_relief.amount_um", 9.0),
+        ("gear1.lead_slope_um", -3.0),
+        ("gear2.drive_flank.profile_slope_um", 2.0),
+    ] {
+        draft.set(field, value).unwrap();
+    }
+    let drive = &draft.pair().unwrap().microgeometry.drive;
+    assert_eq!(drive[0].tip_relief.unwrap().amount, 9e-6);
+    assert_eq!(drive[0].lead_slope, -3e-6);
+    assert_eq!(drive[1].profile_slope.unwrap().amount, 2e-6);
+}
+
+#[test]
+fn a_name_that_is_no_field_of_a_draft_is_refused() {
+    let mut draft = draft();
+    draft.set("gear1.lead_slop_um", 1.0).unwrap();
+    let error = draft.pair().unwrap_err().to_string();
+    assert!(error.contains("lead_slop_um"), "{error}");
+    let error = draft.set("name.length", 1.0).unwrap_err().to_string();
+    assert!(error.contains("`name`"), "{error}");
 }

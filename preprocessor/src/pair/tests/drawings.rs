@@ -1,13 +1,9 @@
 //! Pairs typed from the quantities of their drawings alone.
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
-use serde_json::Value;
 
+use super::drawing::{Measure, generating_profile_shift, lead};
 use super::*;
-use crate::pair::{
-    self,
-    drawing::{self, Gauges},
-};
 use gearmesh::gear::Gear;
 
 /// Twelve drawings. Their dimensions were computed in the signs of ISO 21771 (ring: negative tooth numbers) from profile
@@ -19,12 +15,11 @@ fn drawings() -> Vec<Value> {
 }
 
 fn read(file: &Value) -> Pair {
-    pair::from_json(&file.to_string()).unwrap_or_else(|error| panic!("{}: {error}", file["name"]))
+    pair(&file.to_string(), "{}")
 }
 
-fn refused(patch: &str) -> String {
-    let text = patched(&drawings()[0]["file"].to_string(), patch);
-    pair::from_json(&text).unwrap_err().to_string()
+fn thickness(gear: &Gear) -> f64 {
+    Measure::Thickness.of(gear).unwrap()
 }
 
 fn middle(value: &Value) -> Option<f64> {
@@ -40,10 +35,10 @@ fn drawings_without_profile_shifts_give_the_teeth_that_they_were_computed_from()
         let (file, expected) = (&drawing["file"], &drawing["expected"]);
         let pair = read(file);
         for (i, gear) in pair.geometry.gears.iter().enumerate() {
-            let s = 1e3 * drawing::normal_tooth_thickness(gear);
+            let s = 1e3 * thickness(gear);
             let right = expected["normal_tooth_thickness_mm"][i].as_f64().unwrap();
             assert_abs_diff_eq!(s, right, epsilon = 2e-3);
-            let x = gear.kappa() * drawing::generating_profile_shift(gear, 1e-3 * s);
+            let x = gear.kappa() * generating_profile_shift(gear, 1e-3 * s);
             let right = expected["generating_profile_shift_iso"][i]
                 .as_f64()
                 .unwrap();
@@ -72,32 +67,30 @@ fn shown_as_given(gear: &Gear, given: &Value) {
     let mm = |name: &str| middle(&given[name]);
     if let Some(w) = mm("span_measurement_mm") {
         let k = given["span_teeth"].as_u64().unwrap() as u32;
-        assert_abs_diff_eq!(1e3 * drawing::span(gear, k).unwrap(), w, epsilon = 3e-3);
+        assert_abs_diff_eq!(1e3 * Measure::Span(k).of(gear).unwrap(), w, epsilon = 3e-3);
     }
     if let (Some(m), Some(ball)) = (mm("dimension_over_balls_mm"), mm("ball_diameter_mm")) {
-        let over = drawing::over_balls(gear, 1e-3 * ball).unwrap();
+        let over = Measure::Balls(1e-3 * ball).of(gear).unwrap();
         assert_abs_diff_eq!(1e3 * over, m, epsilon = 3e-3);
     }
-    if let Some(lead) = mm("lead_mm") {
-        assert_relative_eq!(1e3 * drawing::lead(gear), lead, max_relative = 1e-6);
+    if let Some(mm) = mm("lead_mm") {
+        assert_relative_eq!(1e3 * lead(gear), mm, max_relative = 1e-6);
     }
 }
 
 #[test]
 fn spans_are_those_of_published_tables() {
-    // m_n 3, 20 degrees, z 24, x 0.4: 4 teeth, with 25 degrees of helix 5 (gear technical reference of KHK).
-    for (drawing, k, mm) in [(0, 4, 32.8266), (1, 5, 42.0085)] {
+    // m_n 3, 20 degrees, z 24, x 0.4: 4 teeth, with 25 degrees of helix 5 (gear technical reference of KHK); m 2, z 20: 3.
+    for (drawing, k, mm, digits) in [
+        (0, 4, 32.8266, 1e-4),
+        (1, 5, 42.0085, 1e-4),
+        (2, 3, 15.321, 1e-3),
+    ] {
         let gear = &read(&drawings()[drawing]["file"]).geometry.gears[0];
-        assert_abs_diff_eq!(1e3 * drawing::span(gear, k).unwrap(), mm, epsilon = 1e-4);
+        let w = 1e3 * Measure::Span(k).of(gear).unwrap();
+        assert_abs_diff_eq!(w, mm, epsilon = digits);
         assert_eq!(Gauges::usual(gear).span_teeth, k);
     }
-    // m 2, 20 degrees, z 20: 3 teeth.
-    let gear = &read(&drawings()[2]["file"]).geometry.gears[0];
-    assert_abs_diff_eq!(
-        1e3 * drawing::span(gear, 3).unwrap(),
-        15.321,
-        epsilon = 1e-3
-    );
 }
 
 #[test]
@@ -105,122 +98,68 @@ fn usual_gauges_touch_between_root_and_tip() {
     for drawing in drawings() {
         for gear in &read(&drawing["file"]).geometry.gears {
             let gauges = Gauges::usual(gear);
-            let ball = gauges.ball_diameter;
-            let over = drawing::over_balls(gear, ball).unwrap();
-            let mut radii = vec![drawing::ball_contact_radius(gear, ball, over)];
-            radii.extend(
-                drawing::span(gear, gauges.span_teeth)
-                    .map(|w| drawing::span_contact_radius(gear, w)),
-            );
-            let (low, high) = (
-                gear.root_radius().min(gear.tip_radius),
-                gear.root_radius().max(gear.tip_radius),
-            );
-            assert!(
-                radii.iter().all(|r| (low..high).contains(r)),
-                "{}: {radii:?}",
-                drawing["file"]["name"]
-            );
+            let (root, tip) = (gear.root_radius(), gear.tip_radius);
+            for measure in [
+                Measure::Span(gauges.span_teeth),
+                Measure::Balls(gauges.ball_diameter),
+            ] {
+                let Some(value) = measure.of(gear) else {
+                    assert!(matches!(measure, Measure::Span(_)) && gear.helix_angle > 0.0);
+                    continue;
+                };
+                let radius = measure.contact_radius(gear, value).unwrap();
+                let within = root.min(tip)..root.max(tip);
+                assert!(within.contains(&radius), "{}", drawing["file"]["name"]);
+            }
         }
     }
 }
 
 #[test]
 fn quantities_that_do_not_fit_are_refused_with_those_that_would() {
-    for (patch, field, right) in [
-        (
-            r#"{"gear1": {"span_measurement_mm": 32.9, "normal_tooth_thickness_mm": 5.5859}}"#,
-            "span_measurement_mm",
-            "give 32.8266",
-        ),
-        (
-            r#"{"gear1": {"profile_shift": 0.3}}"#,
-            "span_measurement_mm",
-            "32.6214",
-        ),
-        (
-            r#"{"gear1": {"span_teeth": 5}}"#,
-            "span_measurement_mm",
-            "span_teeth",
-        ),
-        (
-            r#"{"gear1": {"span_teeth": null}}"#,
-            "span_measurement_mm",
-            "span_teeth",
-        ),
-        (
-            r#"{"gear1": {"ball_diameter_mm": 5.25, "dimension_over_balls_mm": 81.4}}"#,
-            "dimension_over_balls_mm",
-            "give 81.317",
-        ),
-        (
-            r#"{"gear1": {"dedendum_coefficient": 1.4, "profile_shift": 0.4}}"#,
-            "root_diameter_mm",
-            "give 66.000",
-        ),
-        (
-            r#"{"gear1": {"profile_shift": 0.4, "profile_shift_iso_21771": 0.3}}"#,
-            "profile_shift_iso_21771",
-            "0.4",
-        ),
+    #[rustfmt::skip]
+    let cases = [
+        (r#"{"gear1": {"span_measurement_mm": 32.9, "normal_tooth_thickness_mm": 5.5859}}"#, "span_measurement_mm", "give 32.8266"),
+        (r#"{"gear1": {"profile_shift": 0.3}}"#, "span_measurement_mm", "32.6214"),
+        (r#"{"gear1": {"span_teeth": 5}}"#, "span_measurement_mm", "span_teeth"),
+        (r#"{"gear1": {"span_teeth": null}}"#, "span_measurement_mm", "span_teeth"),
+        (r#"{"gear1": {"ball_diameter_mm": 5.25, "dimension_over_balls_mm": 81.4}}"#, "dimension_over_balls_mm", "give 81.317"),
+        (r#"{"gear1": {"dedendum_coefficient": 1.4, "profile_shift": 0.4}}"#, "root_diameter_mm", "give 66.000"),
+        (r#"{"gear1": {"profile_shift": 0.4, "profile_shift_iso_21771": 0.3}}"#, "profile_shift_iso_21771", "0.4"),
         (r#"{"gear1": {"lead_mm": 100}}"#, "lead_mm", "spur"),
-        (
-            r#"{"helix_angle_deg": 10, "gear1": {"lead_mm": 1300}}"#,
-            "lead_mm",
-            "give 1302.6",
-        ),
-        (
-            r#"{"gear1": {"span_measurement_mm": [32.9, 32.8]}}"#,
-            "span_measurement_mm",
-            "lower limit first",
-        ),
-        (
-            r#"{"gear1": {"span_measurement_mm": "32,8"}}"#,
-            "span_measurement_mm",
-            "32.8",
-        ),
-        (
-            r#"{"gear1": {"span_measurement_mm": [1, 2, 3]}}"#,
-            "span_measurement_mm",
-            "[lower, upper]",
-        ),
+        (r#"{"helix_angle_deg": 10, "gear1": {"lead_mm": 1300}}"#, "lead_mm", "give 1302.6"),
+        (r#"{"gear1": {"span_measurement_mm": [32.9, 32.8]}}"#, "span_measurement_mm", "lower limit first"),
         (r#"{"backlash_um": 40}"#, "backlash_um", "leave"),
-        (
-            r#"{"normal_backlash_um": 40}"#,
-            "normal_backlash_um",
-            "leave",
-        ),
-    ] {
-        let error = refused(patch);
-        assert!(
-            error.contains(field) && error.contains(right),
-            "{patch}: {error}"
-        );
+        (r#"{"normal_backlash_um": 40}"#, "normal_backlash_um", "leave"),
+    ];
+    for (patch, field, right) in cases {
+        let refusal = refusal(&drawings()[0]["file"].to_string(), patch);
+        assert!(refusal.field.ends_with(field), "{patch}: {refusal}");
+        assert!(refusal.to_string().contains(right), "{patch}: {refusal}");
     }
 }
 
 #[test]
 fn the_profile_shift_of_a_ring_has_the_sign_of_its_field() {
-    let ours = pair::from_json(INTERNAL).unwrap();
+    let ours = pair(INTERNAL, "{}");
     let iso = r#"{"gear2": {"profile_shift": null, "profile_shift_iso_21771": -0.2}}"#;
-    let iso = pair::from_json(&patched(INTERNAL, iso)).unwrap();
+    let iso = pair(INTERNAL, iso);
     assert_eq!(ours, iso);
     let external = r#"{"gear1": {"profile_shift": null, "profile_shift_iso_21771": 0.2}}"#;
-    assert_eq!(ours, pair::from_json(&patched(INTERNAL, external)).unwrap());
+    assert_eq!(ours, pair(INTERNAL, external));
 }
 
 #[test]
 fn normal_backlash_is_that_of_the_flanks() {
     let normal = r#"{"backlash_um": null, "normal_backlash_um": [60, 100]}"#;
-    let pair = pair::from_json(&patched(HELICAL, normal)).unwrap();
-    let g = &pair.geometry;
+    let g = pair(HELICAL, normal).geometry;
     let j = g.backlash(g.center_distance) * g.base_helix_angle().cos();
     assert_relative_eq!(j, 80e-6, max_relative = 1e-9);
 }
 
 #[test]
 fn a_relief_starts_where_any_of_its_forms_says() {
-    let diameter = pair::from_json(SPUR).unwrap();
+    let diameter = pair(SPUR, "{}");
     let gear = &diameter.geometry.gears[0];
     let start = diameter.microgeometry.drive[0]
         .tip_relief
@@ -236,13 +175,9 @@ fn a_relief_starts_where_any_of_its_forms_says() {
         let patch = format!(
             r#"{{"gear1": {{"tip_relief": {{"start": {{"diameter_mm": null, "{name}": {value}}}}}}}}}"#
         );
-        let pair = pair::from_json(&patched(SPUR, &patch)).unwrap();
-        let read = pair.microgeometry.drive[0].tip_relief.unwrap().start_roll;
-        assert_relative_eq!(read, start, max_relative = 1e-9);
-        let beyond = patch.replace(&value.to_string(), "300");
-        let error = pair::from_json(&patched(SPUR, &beyond))
-            .unwrap_err()
-            .to_string();
+        let relief = pair(SPUR, &patch).microgeometry.drive[0].tip_relief;
+        assert_relative_eq!(relief.unwrap().start_roll, start, max_relative = 1e-9);
+        let error = refusal(SPUR, &patch.replace(&value.to_string(), "300")).to_string();
         assert!(
             error.contains(name) && error.contains("lengths of roll"),
             "{error}"
@@ -262,6 +197,6 @@ fn a_draft_varies_the_middle_of_limits() {
         .set("gear1.normal_tooth_thickness_mm", s - 0.01)
         .unwrap();
     let after = draft.pair().unwrap().geometry;
-    let [a, b] = [&before, &after].map(|g| drawing::normal_tooth_thickness(&g.gears[0]));
+    let [a, b] = [&before, &after].map(|g| thickness(&g.gears[0]));
     assert_abs_diff_eq!(a - b, 10e-6, epsilon = 1e-9);
 }

@@ -1,14 +1,9 @@
 //! Flanks as drawn and as measured.
 
-use crate::pair;
 use approx::assert_abs_diff_eq;
 
 use super::*;
 use gearmesh::gear::{Flank, Microgeometry};
-
-fn read(text: &str, patch: &str) -> Pair {
-    pair::from_json(&patched(text, patch)).unwrap_or_else(|error| panic!("{patch}: {error}"))
-}
 
 /// Removal of gear 1 of `pair` in um at the diameter and z in mm.
 fn removal(pair: &Pair, flank: Flank, diameter_mm: f64, z_mm: f64) -> f64 {
@@ -19,72 +14,37 @@ fn removal(pair: &Pair, flank: Flank, diameter_mm: f64, z_mm: f64) -> f64 {
 
 #[test]
 fn a_flank_replaces_what_the_gear_says_for_both_field_by_field() {
-    let pair = read(
+    let pair = pair(
         PAPER,
         r#"{"gear1": {"lead_slope_um": 2, "coast_flank": {
             "tip_relief": {"amount_um": 11}, "lead_slope_um": -2,
             "lower_end_relief": {"amount_um": 6, "length_mm": 3}}}}"#,
     );
-    let tip = 90.315;
-    // Relief, crowning and slope of both flanks.
-    assert_abs_diff_eq!(
-        removal(&pair, Flank::Drive, tip, 25.0),
-        7.0 + 4.5 + 1.0,
-        epsilon = 1e-9
-    );
-    assert_abs_diff_eq!(
-        removal(&pair, Flank::Drive, tip, 0.0),
-        7.0 + 4.5 - 1.0,
-        epsilon = 1e-9
-    );
-    // Those of the coast flank, the crowning still that of both.
-    assert_abs_diff_eq!(
-        removal(&pair, Flank::Coast, tip, 25.0),
-        11.0 + 4.5 - 1.0,
-        epsilon = 1e-9
-    );
-    assert_abs_diff_eq!(
-        removal(&pair, Flank::Coast, tip, 0.0),
-        11.0 + 4.5 + 1.0 + 6.0,
-        epsilon = 1e-9
-    );
+    // Relief, crowning and slope of both flanks; those of the coast flank, the crowning still that of both.
+    for (flank, z, expected) in [
+        (Flank::Drive, 25.0, 7.0 + 4.5 + 1.0),
+        (Flank::Drive, 0.0, 7.0 + 4.5 - 1.0),
+        (Flank::Coast, 25.0, 11.0 + 4.5 - 1.0),
+        (Flank::Coast, 0.0, 11.0 + 4.5 + 1.0 + 6.0),
+    ] {
+        let found = removal(&pair, flank, 90.315, z);
+        assert_abs_diff_eq!(found, expected, epsilon = 1e-9);
+    }
     assert!(!pair.coast_mirrors_drive());
 }
 
 #[test]
-fn the_coast_flank_mirrors_the_drive_flank_only_where_both_are_alike_and_symmetric() {
-    for patch in [
-        r#"{"gear2": {"coast_flank": {"lead_crowning_um": 5}}}"#,
-        r#"{"gear2": {"bias_um": 5}}"#,
-        r#"{"gear2": {"upper_end_relief": {"amount_um": 6, "length_mm": 3}}}"#,
-    ] {
-        assert!(!read(PAPER, patch).coast_mirrors_drive(), "{patch}");
-    }
-    for patch in [
-        r#"{"gear2": {"profile_slope_um": 5}}"#,
-        // No relief is none, whatever its start.
-        r#"{"gear2": {"tip_relief": {"amount_um": 0}, "coast_flank": {"tip_relief": {"amount_um": 0,
-            "start": {"diameter_mm": 88}}}}}"#,
-        r#"{"gear2": {"coast_flank": {"lead_crowning_um": 4.5}}}"#,
-        r#"{"gear2": {"end_relief": {"amount_um": 6, "length_mm": 3, "shape": "arc"}}}"#,
-    ] {
-        assert!(read(PAPER, patch).coast_mirrors_drive(), "{patch}");
-    }
-}
-
-#[test]
 fn profile_slope_and_bias_run_from_the_start_of_the_active_profile_to_the_tip() {
-    let pair = read(
+    let pair = pair(
         UNMODIFIED,
         r#"{"gear1": {"profile_slope_um": 6, "bias_um": 4}}"#,
     );
     let g = &pair.geometry;
     let start = 2e3 * g.gears[0].radius_at_roll(g.active_start_roll(0, g.center_distance));
-    let slope =
-        |z| removal(&pair, Flank::Drive, 90.315, z) - removal(&pair, Flank::Drive, start, z);
-    assert_abs_diff_eq!(slope(12.5), 6.0, epsilon = 1e-9);
-    assert_abs_diff_eq!(slope(25.0), 8.0, epsilon = 1e-9);
-    assert_abs_diff_eq!(slope(0.0), 4.0, epsilon = 1e-9);
+    for (z, expected) in [(12.5, 6.0), (25.0, 8.0), (0.0, 4.0)] {
+        let [tip, start] = [90.315, start].map(|mm| removal(&pair, Flank::Drive, mm, z));
+        assert_abs_diff_eq!(tip - start, expected, epsilon = 1e-9);
+    }
 }
 
 /// A folder with the unmodified pair and a topography of gear 1 with these lines.
@@ -94,8 +54,10 @@ fn with_topography(csv: &str) -> Result<Pair, PairError> {
     let path = folder.path().join("pair.json");
     let patch = r#"{"gear1": {"topography_file": "flank.csv"}}"#;
     std::fs::write(&path, patched(UNMODIFIED, patch)).unwrap();
-    pair::read(&path)
+    read(&path)
 }
+
+const HEAD: &str = "roll_mm,z_mm,removal_um";
 
 /// Samples of lead crowning by 4.5 um and a bend over the diameter, under this header and in this order.
 fn samples(header: &str, row: impl Fn(f64, f64, f64) -> String) -> String {
@@ -112,12 +74,10 @@ fn samples(header: &str, row: impl Fn(f64, f64, f64) -> String) -> String {
 
 #[test]
 fn a_topography_is_the_flank_that_was_sampled_whatever_the_order_of_columns() {
-    let gear = pair::from_json(UNMODIFIED).unwrap().geometry.gears[0].clone();
+    let gear = pair(UNMODIFIED, "{}").geometry.gears[0].clone();
     let diameter = |roll: f64| 2e3 * gear.radius_at_roll(1e-3 * roll);
     for csv in [
-        samples("roll_mm,z_mm,removal_um", |r, z, um| {
-            format!("{r},{z},{um}\n")
-        }),
+        samples(HEAD, |r, z, um| format!("{r},{z},{um}\n")),
         samples("removal_um, z_mm, roll_mm", |r, z, um| {
             format!("\"{um}\", {z}, {r}\n")
         }),
@@ -139,9 +99,7 @@ fn a_topography_is_the_flank_that_was_sampled_whatever_the_order_of_columns() {
 
 #[test]
 fn a_topography_that_is_none_is_refused_by_line_or_size() {
-    let good = samples("roll_mm,z_mm,removal_um", |r, z, um| {
-        format!("{r},{z},{um}\n")
-    });
+    let good = samples(HEAD, |r, z, um| format!("{r},{z},{um}\n"));
     #[rustfmt::skip]
     let cases = [
         (good.replace("removal_um", "deviation"), "has the columns roll_mm,z_mm,deviation"),
@@ -152,27 +110,23 @@ fn a_topography_that_is_none_is_refused_by_line_or_size() {
         (good.replacen("5.5,5,", "5.5,0,", 1), "line 4: its point stands in an earlier line"),
         (good.lines().take(20).collect::<Vec<_>>().join("\n"), "has 18 points, and 4 x 5 lines"),
         (good.replacen("5.5,0,", "-5.5,0,", 1), "line 3: lies outside of involute and face"),
-        (
-            samples("roll_mm,z_mm,removal_um", |r, z, um| {
-                format!("{},{z},{um}\n", 1e-3 * r)
-            }),
-            "roll_mm runs from 0.006 to 0.023, and the flank from",
-        ),
-        (
-            samples("roll_mm,z_mm,removal_um", |r, z, um| {
-                format!("{r},{z},{}\n", 1e3 * um)
-            }),
-            "a twentieth of the normal module, 200 um",
-        ),
+        (samples(HEAD, |r, z, um| format!("{},{z},{um}\n", 1e-3 * r)), "roll_mm runs from 0.006 to 0.023, and the flank from"),
+        (samples(HEAD, |r, z, um| format!("{r},{z},{}\n", 1e3 * um)), "a twentieth of the normal module, 200 um"),
     ];
-    for (csv, told) in cases {
-        match with_topography(&csv) {
-            Err(PairError::Refused(refusal)) => {
-                assert_eq!(refusal.field, "gear1.topography_file");
-                assert!(refusal.problem.contains(told), "{refusal}");
-            }
-            other => panic!("{told}: {other:?}"),
+    for (csv, words) in cases {
+        let problem = problem(&csv);
+        assert!(problem.contains(words), "{problem}");
+    }
+}
+
+/// Why a topography with these lines is refused.
+fn problem(csv: &str) -> String {
+    match with_topography(csv) {
+        Err(PairError::Refused(refusal)) => {
+            assert_eq!(refusal.field, "gear1.topography_file");
+            refusal.to_string()
         }
+        other => panic!("{csv}: {other:?}"),
     }
 }
 
@@ -189,13 +143,6 @@ fn lines(rolls: [f64; 5], um: [f64; 5]) -> String {
 
 #[test]
 fn a_topography_that_swings_out_between_its_lines_or_beyond_them_is_refused_by_place() {
-    let problem = |csv: &str| match with_topography(csv) {
-        Err(PairError::Refused(refusal)) => {
-            assert_eq!(refusal.field, "gear1.topography_file");
-            refusal.to_string()
-        }
-        other => panic!("{csv}: {other:?}"),
-    };
     // Active from 5.06 to 23.67 mm.
     let step = [0.0, 20.0, 0.0, 0.0, 0.0];
     assert!(with_topography(&lines([5.0, 9.0, 14.0, 19.0, 24.0], step)).is_ok());
@@ -226,8 +173,8 @@ fn a_topography_that_swings_out_between_its_lines_or_beyond_them_is_refused_by_p
 
 #[test]
 fn a_chamfer_ends_the_flank_and_shortens_the_path_of_contact() {
-    let sharp = pair::from_json(PAPER).unwrap();
-    let blunt = read(PAPER, r#"{"gear1": {"tip_form_diameter_mm": 89.715}}"#);
+    let sharp = pair(PAPER, "{}");
+    let blunt = pair(PAPER, r#"{"gear1": {"tip_form_diameter_mm": 89.715}}"#);
     let [a, b] = [&sharp, &blunt].map(|pair| pair.geometry.path_of_contact(82.104e-3));
     let gear = &blunt.geometry.gears[0];
     assert_abs_diff_eq!(gear.tip_chamfer, 0.3e-3, epsilon = 1e-12);
@@ -240,30 +187,5 @@ fn a_chamfer_ends_the_flank_and_shortens_the_path_of_contact() {
         removal(&blunt, Flank::Drive, 89.715, 12.5),
         7.0,
         epsilon = 1e-9
-    );
-}
-
-#[test]
-fn what_is_filled_in_without_a_word_of_the_file_is_noted() {
-    let noted = |pair: &Pair, words: &str| pair.warnings.iter().any(|w| w.contains(words));
-    let wider = r#"{"gear1": {"face_width_mm": 30}, "face_offset_mm": null}"#;
-    let pair = read(HELICAL, wider);
-    assert!(
-        noted(&pair, "are flush at z = 0; `face_offset_mm` = "),
-        "{:?}",
-        pair.warnings
-    );
-    let said = read(&patched(HELICAL, wider), r#"{"face_offset_mm": 0}"#);
-    assert!(!noted(&said, "flush"), "{:?}", said.warnings);
-    let ring = r#"{"gear1": {"teeth": 18, "tip_relief": null}, "gear2": {"teeth": 36, "tip_relief": null, "tip_diameter_mm": null, "rim_diameter_mm": null},
-        "center_distance_mm": null}"#;
-    let pair = read(
-        &patched(INTERNAL, ring),
-        r#"{"gear1": {"bore_diameter_mm": 12, "tip_diameter_mm": null}}"#,
-    );
-    assert!(
-        noted(&pair, "tips of the ring are shortened from"),
-        "{:?}",
-        pair.warnings
     );
 }

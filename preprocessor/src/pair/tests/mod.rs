@@ -1,13 +1,9 @@
-use super::file::PairFile;
 use super::*;
 
 mod accepted;
-mod bodies;
 mod drawings;
 mod flanks;
 mod refused;
-mod slips;
-mod text;
 
 const PAPER: &str = include_str!("../../../../resources/pairs/palermo2013.json");
 const UNMODIFIED: &str = include_str!("../../../../resources/pairs/palermo2013-unmodified.json");
@@ -17,9 +13,9 @@ const INTERNAL: &str = include_str!("../../../../resources/pairs/planet-ring-27-
 
 /// `text` with the fields of `patch` (a JSON object) put over it; null removes a field.
 fn patched(text: &str, patch: &str) -> String {
-    fn merge(into: &mut serde_json::Value, patch: serde_json::Value) {
+    fn merge(into: &mut Value, patch: Value) {
         match patch {
-            serde_json::Value::Object(fields) if into.is_object() => {
+            Value::Object(fields) if into.is_object() => {
                 for (key, value) in fields {
                     if value.is_null() {
                         into.as_object_mut().unwrap().remove(&key);
@@ -34,4 +30,22 @@ fn patched(text: &str, patch: &str) -> String {
     let mut json = serde_json::from_str(text).unwrap();
     merge(&mut json, serde_json::from_str(patch).unwrap());
     json.to_string()
+}
+
+/// The pair of `text` under `patch`.
+fn pair(text: &str, patch: &str) -> Pair {
+    from_json(&patched(text, patch)).unwrap_or_else(|error| panic!("{patch}: {error}"))
+}
+
+/// Why `text` under `patch` is refused.
+fn refusal(text: &str, patch: &str) -> Refusal {
+    match from_json(&patched(text, patch)) {
+        Err(PairError::Refused(refusal)) => refusal,
+        other => panic!("{patch}: {other:?}"),
+    }
+}
+
+/// Whether a note of `pair` has these words.
+fn is_noted(pair: &Pair, words: &str) -> bool {
+    pair.warnings.iter().any(|note| note.contains(words))
 }

@@ -1,0 +1,469 @@
+//! What can only be said of the gears as built and of the pair in mesh.
+
+use super::checks::{in_gear, meant_about, remedy};
+use super::error::{Refusal, ensure, refusal};
+use super::file::{MM, PairFile, UM};
+use gearmesh::gear::{
+    Gear, GearKind, LEAST_WALL, PairGeometry, ProfileError, ToothProfile, inverse_involute,
+    involute,
+};
+use gearmesh::words::{number, rounded};
+
+/// The field that sets the tip circle of gear `i`, and its value.
+fn tip_field(file: &PairFile, gear: &Gear, i: usize) -> (String, String) {
+    let g = file.gear(i);
+    match (g.tip_diameter_mm, g.addendum_coefficient) {
+        (None, Some(addendum)) => (in_gear(i, "addendum_coefficient"), addendum.to_string()),
+        (given, _) => {
+            let default = || format!("{:.3} (default)", 2.0 * gear.tip_radius / MM);
+            let value = given.map_or_else(default, |mm| mm.to_string());
+            (in_gear(i, "tip_diameter_mm"), value)
+        }
+    }
+}
+
+/// Smallest bore over the root diameter. About a bore held rigidly the body turns the farther the smaller it is, here
+/// thousands of times as far as teeth bend; of less rounding leaves nothing.
+const LEAST_BORE: f64 = 1e-3;
+
+/// The tooth profile of gear `i`, checked against bore or rim.
+pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<ToothProfile, Refusal> {
+    let profile = ToothProfile::new(gear).map_err(|error| profile_refusal(file, gear, i, error))?;
+    // No more than the tip leaves of a tooth, and no less than a rounding of the file.
+    ensure!((-1e-9..0.5 * gear.normal_module).contains(&gear.tip_chamfer),
+        in_gear(i, "tip_form_diameter_mm") => 2.0 * gear.tip_form_radius() / MM;
+        "is the end of the involute of tips with the diameter {:.3} mm", 2.0 * gear.tip_radius / MM;
+        "give the diameter at which the chamfer begins, at most half a module of height from the tip diameter");
+    // The held surface leaves a wall to the root circle, and is no point.
+    let (root, held) = (2.0 * gear.root_radius() / MM, 2.0 * gear.held_radius / MM);
+    let wall = 2.0 * LEAST_WALL * gear.normal_module / MM;
+    match gear.kind {
+        GearKind::External => {
+            let name = in_gear(i, "bore_diameter_mm");
+            let remedy = remedy(
+                meant_about(&name, held, 0.5 * root),
+                "give the diameter of the hub or shaft at which the gear is held",
+            );
+            ensure!((LEAST_BORE * root..=root - wall).contains(&held), name => number(rounded(held));
+                "lies outside a thousandth of the root diameter, {root:.3} mm, to half a normal module below it";
+                "{remedy}");
+        }
+        GearKind::Ring => {
+            let name = in_gear(i, "rim_diameter_mm");
+            let remedy = remedy(
+                meant_about(&name, held, 1.1 * root),
+                "give the outer diameter at which the ring is held",
+            );
+            ensure!(held >= root + wall, name => held;
+                "is less than {:.3} mm, half a normal module above the root diameter of the ring", root + wall;
+                "{remedy}");
+        }
+    }
+    Ok(profile)
+}
+
+fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) -> Refusal {
+    let base = 2.0 * gear.base_radius() / MM;
+    let usual = 2.0 * usual_tip_radius(gear) / MM;
+    let meant =
+        (file.gear(i).tip_diameter_mm).and_then(|mm| meant_about("tip_diameter_mm", mm, usual));
+    let remedy = match error {
+        _ if meant.is_some() => remedy(meant, ""),
+        ProfileError::PointedTooth => {
+            let limit = match gear.kind {
+                GearKind::External => {
+                    let alpha = inverse_involute(gear.half_base_angle());
+                    format!("below {:.3}", base / alpha.cos())
+                }
+                GearKind::Ring => "larger".into(),
+            };
+            format!("choose a tip diameter {limit} mm, or another `profile_shift`")
+        }
+        ProfileError::NoInvolute => {
+            "check the tip diameter, `dedendum_coefficient` and `profile_shift`".into()
+        }
+        ProfileError::TipInsideBase => {
+            format!("choose a tip diameter above {base:.3} mm, or more teeth")
+        }
+        ProfileError::RoundTooLarge => {
+            return refusal!(in_gear(i, "tool_tip_radius_coefficient") => gear.tool_tip_radius_coefficient;
+                "{error}"; "choose a smaller radius or a smaller `dedendum_coefficient`");
+        }
+        ProfileError::RootCircle => {
+            return refusal!(in_gear(i, "dedendum_coefficient") => gear.dedendum_coefficient;
+                "{error}"; "choose another dedendum, more teeth or another `profile_shift`");
+        }
+    };
+    let (tip, value) = tip_field(file, gear, i);
+    refusal!(tip => value; "{error}"; "{remedy}")
+}
+
+/// Radius of tips with an addendum of one module, m.
+fn usual_tip_radius(gear: &Gear) -> f64 {
+    gear.reference_radius() + gear.normal_module * (gear.profile_shift + gear.kappa())
+}
+
+/// The pair at one centre distance, m, with the field and value of the file that set it.
+struct InMesh<'a> {
+    file: &'a PairFile,
+    geometry: &'a PairGeometry,
+    profiles: &'a [ToothProfile; 2],
+    center_distance: f64,
+    field: &'a str,
+    value: String,
+}
+
+/// Checks the mesh at the nominal centre distance and at both ends of its range. What would be refused
+/// at nominal is a note at the ends, unless the gears cannot mesh there at all.
+pub(super) fn check_center_distances(
+    file: &PairFile,
+    geometry: &PairGeometry,
+    profiles: &[ToothProfile; 2],
+) -> Result<Vec<String>, Refusal> {
+    let default = || format!("{:.4} (default)", geometry.center_distance / MM);
+    let nominal = InMesh {
+        file,
+        geometry,
+        profiles,
+        center_distance: geometry.center_distance,
+        field: "center_distance_mm",
+        value: file
+            .center_distance_mm
+            .map_or_else(default, |mm| mm.to_string()),
+    };
+    nominal.check_clearance()?;
+    nominal.check_contact()?;
+    let mut notes = Vec::new();
+    for um in file.operating.center_distance_offset_um {
+        let end = InMesh {
+            center_distance: geometry.center_distance + um * UM,
+            field: "operating.center_distance_offset_um",
+            value: um.to_string(),
+            ..nominal
+        };
+        ensure!(end.center_distance > geometry.base_radius_sum(), end.field => &end.value;
+            "the base circles allow no mesh there"; "narrow the range");
+        end.check_clearance()?;
+        let there = format!("at a centre distance offset of {um} um");
+        if let Err(refusal) = end.check_contact() {
+            notes.push(format!("{there}: {}", refusal.problem));
+        }
+        // Below a micrometre it is the rounding of a drawing.
+        let backlash = geometry.backlash(end.center_distance) / UM;
+        if backlash < -1.0 {
+            notes.push(format!(
+                "{there} both flanks press: the backlash on the line of action is {backlash:.1} um"
+            ));
+        }
+    }
+    Ok(notes)
+}
+
+/// A tip of gear `i` may dip this far below the start of the involute, in normal modules of roll: the
+/// fillet leaves the involute as a tangent, which is far below a micrometre there. A corner left by
+/// undercut gets no such allowance.
+const DIP_INTO_FILLET: f64 = 0.01;
+
+/// An addendum below this, in normal modules, is a slip where something fails for it.
+const SHORT_ADDENDUM: f64 = 0.5;
+
+/// Field, value and problem of the shorter tooth, if it is so short that it is probably a slip.
+pub(super) fn short_tooth(
+    file: &PairFile,
+    geometry: &PairGeometry,
+) -> Option<(String, String, String)> {
+    let addendum = |i: usize| {
+        let gear = &geometry.gears[i];
+        let above = (gear.tip_radius - gear.reference_radius()) / gear.normal_module;
+        gear.kappa() * (above - gear.profile_shift)
+    };
+    let i = usize::from(addendum(1) < addendum(0));
+    let given = file.gear(i);
+    let is_default = given.tip_diameter_mm.is_none() && given.addendum_coefficient.is_none();
+    if is_default || addendum(i) >= SHORT_ADDENDUM {
+        return None;
+    }
+    let gear = &geometry.gears[i];
+    let (tip, value) = tip_field(file, gear, i);
+    let problem = format!(
+        "the addendum is {:.3} modules, while one module asks for a tip diameter of {:.3} mm",
+        addendum(i),
+        2.0 * usual_tip_radius(gear) / MM
+    );
+    Some((tip, value, problem))
+}
+
+impl InMesh<'_> {
+    /// Contact on the involutes of both gears, and enough of it.
+    fn check_contact(&self) -> Result<(), Refusal> {
+        self.check_active_profile(0)?;
+        self.check_active_profile(1)?;
+        let transverse = self.geometry.transverse_contact_ratio(self.center_distance);
+        let total = transverse + self.geometry.overlap_ratio();
+        let is_enough = transverse > 0.0 && total >= 1.0;
+        if let Some((tip, value, problem)) = short_tooth(self.file, self.geometry) {
+            ensure!(is_enough, tip => value;
+                "{problem}, and the total contact ratio is {total:.3}";
+                "give the diameter of the tips; check module and tooth number, too");
+        }
+        ensure!(is_enough, self.field => &self.value;
+            "the total contact ratio is {total:.3}, and below 1 teeth lose contact";
+            "choose larger tip diameters, a smaller centre distance or, with helical teeth, a wider face");
+        Ok(())
+    }
+
+    /// Tip circle against the mate's root circle.
+    fn check_clearance(&self) -> Result<(), Refusal> {
+        for (i, gear) in self.geometry.gears.iter().enumerate() {
+            let clearance = self.geometry.tip_clearance(i, self.center_distance);
+            let (tip, value) = tip_field(self.file, gear, i);
+            ensure!(clearance > 0.0, tip => value;
+                "the tip clearance to gear {} is {:.3} mm at `{}` = {}", 2 - i, clearance / MM, self.field, self.value;
+                "shorten the tooth, deepen the mate's `dedendum_coefficient` or change the centre distance");
+        }
+        Ok(())
+    }
+
+    /// The mate's tip must meet the involute of gear `i`, not its fillet.
+    fn check_active_profile(&self, i: usize) -> Result<(), Refusal> {
+        let (geometry, profile, center_distance) =
+            (self.geometry, &self.profiles[i], self.center_distance);
+        let (gear, mate) = (&geometry.gears[i], &geometry.gears[1 - i]);
+        let form_roll = profile.form_roll();
+        let start = geometry.active_start_roll(i, center_distance);
+        let dip = if profile.is_undercut() {
+            0.0
+        } else {
+            DIP_INTO_FILLET * gear.normal_module
+        };
+        if gear.kappa() * (start - form_roll) >= -dip {
+            return Ok(());
+        }
+        // The mate's tip diameter that would just reach the start of the involute.
+        let side = if i == 0 { gear.kappa() } else { -gear.kappa() };
+        let xi = (form_roll - geometry.roll_at(i, center_distance, 0.0)) / side;
+        let limit = mate.radius_at_roll(geometry.roll_at(1 - i, center_distance, xi).max(0.0));
+        let bound = if mate.kind == GearKind::Ring {
+            "at least"
+        } else {
+            "at most"
+        };
+        let limit = format!(
+            "a `tip_diameter_mm` of {bound} {:.3} mm for gear {}",
+            2.0 * limit / MM,
+            2 - i
+        );
+        let form = 2.0 * profile.form_radius() / MM;
+        let begins = 2.0 * gear.base_radius().hypot(start) / MM;
+        if profile.is_undercut() {
+            return Err(refusal!(in_gear(i, "profile_shift") => gear.profile_shift;
+                "undercut reaches the active profile: the involute starts at diameter {form:.3} mm, contact at {begins:.3} mm";
+                "choose a larger profile shift, more teeth, or {limit}"));
+        }
+        let (tip, value) = tip_field(self.file, mate, 1 - i);
+        Err(refusal!(tip => value;
+            "tip interference: it runs into the fillet of gear {}, whose involute starts at diameter {form:.3} mm, \
+             contact at {begins:.3} mm", i + 1;
+            "choose {limit}, or another `profile_shift`"))
+    }
+}
+
+/// Tooth difference of an internal pair, once the mesh itself is in order.
+pub(super) fn check_tooth_difference(geometry: &PairGeometry) -> Result<(), Refusal> {
+    let Some(ring) = geometry.ring() else {
+        return Ok(());
+    };
+    let (z_ring, z_pinion) = (geometry.gears[ring].teeth, geometry.gears[1 - ring].teeth);
+    let clearance = tip_corner_clearance(geometry).unwrap_or(0.0);
+    ensure!(clearance >= 0.0, in_gear(ring, "teeth") => z_ring;
+        "the tooth difference, {z_ring} - {z_pinion} = {}, is too small: tip corners foul each other by {:.3} mm \
+         where the tip circles cross",
+        i64::from(z_ring) - i64::from(z_pinion), -clearance * geometry.gears[ring].tip_radius / MM;
+        "choose a larger difference, shorter teeth or a larger operating pressure angle");
+    Ok(())
+}
+
+/// What is legal but worth knowing.
+pub(super) fn warnings(geometry: &PairGeometry, profiles: &[ToothProfile; 2]) -> Vec<String> {
+    let mut out = Vec::new();
+    for (i, gear) in geometry.gears.iter().enumerate() {
+        let (m, profile) = (gear.normal_module, &profiles[i]);
+        let mut note = |is_so: bool, text: String| {
+            if is_so {
+                out.push(format!("gear {}: {text}", i + 1));
+            }
+        };
+        let land = profile.tip_land();
+        let text = format!("the tip land is {:.3} mm, below 0.2 modules", land / MM);
+        note(land < 0.2 * m, text);
+        let wall = gear.kappa() * (gear.root_radius() - gear.held_radius);
+        let text = format!(
+            "only {:.3} mm, less than a module, between the root and the held surface",
+            wall / MM
+        );
+        note(wall < m && gear.foundation.is_none(), text);
+        let form = 2.0 * profile.form_radius() / MM;
+        let text = format!("undercut, the involute starts at diameter {form:.3} mm");
+        note(profile.is_undercut(), text);
+    }
+    if !assembles_radially(geometry) {
+        out.push("the pinion can be assembled with the ring axially only".into());
+    }
+    out
+}
+
+/// External gear and ring of an internal pair, and their pressure angles at the tip.
+fn internal(geometry: &PairGeometry) -> Option<[(&Gear, f64); 2]> {
+    let ring = geometry.ring()?;
+    let tip = |g: &Gear| (g.base_radius() / g.tip_radius).acos();
+    Some([1 - ring, ring].map(|i| (&geometry.gears[i], tip(&geometry.gears[i]))))
+}
+
+/// Clearance between the tip corners of pinion and ring where the tip circles cross, as an angle of the
+/// ring, rad; negative: they foul (trochoid interference). None for an external pair, and where the tip
+/// circles do not cross.
+///
+/// Backlash is no help: both corners belong to a pair of flanks that touch elsewhere, and only the flanks across
+/// have the backlash as additional clearance. Under load of either sign one pair touches.
+///
+/// KHK, Gear Technical Reference, "Interference of internal gears"; DIN 3993-1.
+fn tip_corner_clearance(geometry: &PairGeometry) -> Option<f64> {
+    let [(p, alpha_p), (r, alpha_r)] = internal(geometry)?;
+    let (ap, ar, c) = (p.tip_radius, r.tip_radius, geometry.center_distance);
+    let at_pinion = ((ar * ar - ap * ap - c * c) / (2.0 * c * ap)).acos();
+    let at_ring = ((c * c + ar * ar - ap * ap) / (2.0 * c * ar)).acos();
+    let inv_w = involute(geometry.operating_pressure_angle(c));
+    let turned = (at_pinion + involute(alpha_p) - inv_w) * p.z() / r.z();
+    let clearance = turned + inv_w - involute(alpha_r) - at_ring;
+    (!clearance.is_nan()).then_some(clearance)
+}
+
+/// Whether the pinion can be brought into mesh radially (no trimming interference); true for an
+/// external pair. Same sources as [`tip_corner_clearance`].
+fn assembles_radially(geometry: &PairGeometry) -> bool {
+    let Some([(p, alpha_p), (r, alpha_r)]) = internal(geometry) else {
+        return true;
+    };
+    let ratio = p.z() / r.z();
+    let cosines = alpha_p.cos() / alpha_r.cos();
+    let at_pinion = ((1.0 - cosines.powi(2)) / (1.0 - ratio.powi(2)))
+        .sqrt()
+        .asin();
+    let at_ring = ((cosines.powi(-2) - 1.0) / (ratio.powi(-2) - 1.0))
+        .sqrt()
+        .asin();
+    let inv_w = involute(geometry.operating_pressure_angle(geometry.center_distance));
+    let pinion = at_pinion + involute(alpha_p) - inv_w;
+    let ring = (at_ring + involute(alpha_r) - inv_w) / ratio;
+    // Not a number: the corners never pass each other on the way in.
+    pinion >= ring || pinion.is_nan() || ring.is_nan()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+    use gearmesh::gear::{GearKind, ToothProfile};
+
+    /// Pinion of `teeth` in a ring of 60, module 1, without backlash.
+    fn internal(teeth: u32) -> PairGeometry {
+        let gear = |kind, teeth, tip_radius| Gear {
+            tip_radius,
+            tool_tip_radius_coefficient: 0.2,
+            ..samples::with_module(samples::gear(kind, teeth, 1.0, 0.0, 0.0), 1e-3)
+        };
+        PairGeometry {
+            gears: [
+                gear(GearKind::External, teeth, 0.5e-3 * f64::from(teeth) + 1e-3),
+                gear(GearKind::Ring, 60, 29.2e-3),
+            ],
+            center_distance: 0.5e-3 * (60.0 - f64::from(teeth)),
+        }
+    }
+
+    /// Half angles at the tips of pinion tooth and ring space.
+    fn half_angles(p: &PairGeometry) -> [f64; 2] {
+        let half = |i: usize| {
+            let gear = &p.gears[i];
+            ToothProfile::new(gear)
+                .unwrap()
+                .half_thickness_angle(gear.tip_radius)
+                .unwrap()
+        };
+        [half(0), std::f64::consts::PI / 60.0 - half(1)]
+    }
+
+    /// Least clearance, as an angle of the ring, of the leading pinion corner from the wall of its space,
+    /// found by turning both gears; ring centre at the origin, pinion at (C, 0), mesh on the +x side. The pinion is
+    /// turned ahead of the middle of its space by `ahead`, as an angle of its own.
+    fn clearance_by_turning(p: &PairGeometry, ahead: f64) -> f64 {
+        let [tooth, _] = half_angles(p);
+        let ring = ToothProfile::new(&p.gears[1]).unwrap();
+        let (ratio, r) = (p.gears[0].z() / 60.0, p.gears[0].tip_radius);
+        (0..200_000)
+            .filter_map(|k| {
+                let turned = 1e-5 * f64::from(k);
+                let (y, x) = (turned + ahead + tooth).sin_cos();
+                let (x, y) = (p.center_distance + r * x, r * y);
+                // None: inside the ring's tip circle, where the corner is free.
+                let tooth_of_ring = ring.half_thickness_angle(x.hypot(y))?;
+                let space = ring.half_pitch() - tooth_of_ring;
+                Some(space - (y.atan2(x) - turned * ratio))
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn tip_corners_foul_where_turning_the_gears_shows_it() {
+        let mut seen = [false; 2];
+        for teeth in (24..=54).step_by(2) {
+            let p = internal(teeth);
+            let formula = tip_corner_clearance(&p).unwrap();
+            let turned = clearance_by_turning(&p, 0.0);
+            assert_eq!(formula < 0.0, turned < -1e-7, "{teeth}: {formula} {turned}");
+            seen[usize::from(formula < 0.0)] = true;
+        }
+        assert_eq!(seen, [true; 2]);
+    }
+
+    #[test]
+    fn backlash_widens_the_clearance_of_the_flanks_across_alone() {
+        let without = internal(52);
+        let formula = clearance_by_turning(&without, 0.0);
+        let mut p = without.clone();
+        for gear in &mut p.gears {
+            gear.tooth_thinning = 40e-6;
+        }
+        // Half of the 80 um on the line of action to either side of the middle.
+        let to_touch = 40e-6 / p.gears[0].base_radius();
+        let touching = clearance_by_turning(&p, to_touch);
+        let across = clearance_by_turning(&p, -to_touch);
+        assert!((touching - formula).abs() < 1e-7, "{touching} {formula}");
+        let backlash = 80e-6 / p.gears[1].base_radius();
+        assert!(
+            (across - formula - backlash).abs() < 0.05 * backlash,
+            "{across}"
+        );
+    }
+
+    #[test]
+    fn radial_assembly_agrees_with_pushing_the_pinion_in() {
+        let mut seen = [false; 2];
+        for teeth in (24..=54).step_by(2) {
+            let p = internal(teeth);
+            let [tooth, space] = half_angles(&p);
+            let (ratio, r) = (
+                p.gears[0].z() / 60.0,
+                p.gears.each_ref().map(|g| g.tip_radius),
+            );
+            // Corners move parallel to the line of centres: none may stand wider than the corner of its
+            // space, wherever on the pinion the tooth stands.
+            let free = (0..=10_000)
+                .map(|k| f64::from(k) * 1e-4 * (std::f64::consts::FRAC_PI_2 - tooth))
+                .all(|t| r[1] * (t * ratio + space).sin() >= r[0] * (t + tooth).sin() - 1e-12);
+            assert_eq!(assembles_radially(&p), free, "{teeth}");
+            seen[usize::from(free)] = true;
+        }
+        assert_eq!(seen, [true; 2]);
+    }
+}

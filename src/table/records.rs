@@ -1,0 +1,422 @@
+//! What the tables file holds over the load beside the force: how the load slides, for friction, and stress in the tooth roots.
+//!
+//! Samples stand on nodes of their own ([`LoadAxes`]), over (centre distance, misalignment, force, mesh position), the last index
+//! fastest. Those of [`Sliding`] are ratios to the load. Root stress is the largest over face, fillet and teeth: where another
+//! tooth or end of the face takes the lead it has a kink, which the spline rounds off. It is the stress that is smooth over the load,
+//! not its ratio to it: edges and misalignment gather small loads.
+
+use super::grid::{check_axis, check_mesh_position, check_values, rounded, too_few};
+use super::interpolation::{ANY, Basis, Block, Coefficients, Ends, Fit, Point, at_zero, axis};
+use super::{Axis, TableError};
+use crate::friction::{FrictionLaw, Sliding};
+use crate::vector::Lanes;
+use serde::{Deserialize, Serialize};
+
+/// Nodes; an axis with one value is not there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoadAxes {
+    /// Actual minus nominal centre distance.
+    pub center_distance_offset_m: Vec<f64>,
+    /// In the plane of action.
+    pub misalignment_rad: Vec<f64>,
+    /// Transverse force on the line of action. From 0 on: of effects of the load, which go on linearly beyond the largest one.
+    /// From above 0 on: of ratios to it, which level out there.
+    pub loa_force_n: Vec<f64>,
+    /// In base pitches, periodic.
+    pub mesh_position: Vec<f64>,
+}
+
+impl LoadAxes {
+    /// Lengths in the order of the samples: (centre distance, misalignment, force, mesh position), the last index
+    /// fastest.
+    pub fn lengths(&self) -> [usize; 4] {
+        [
+            self.center_distance_offset_m.len(),
+            self.misalignment_rad.len(),
+            self.loa_force_n.len(),
+            self.mesh_position.len(),
+        ]
+    }
+}
+
+/// Samples of one flank.
+pub trait LoadSamples {
+    /// Name of their record in the file.
+    const RECORD: &'static str;
+    /// Whether they begin at no load.
+    const FROM_ZERO: bool;
+
+    /// Name and values of each quantity, in the order of the spline.
+    fn columns(&self) -> Vec<(&'static str, &[f64])>;
+
+    /// Spline of the quantities, as [`LoadSpline::new`].
+    ///
+    /// # Errors
+    /// As there.
+    fn spline(&self, axes: &LoadAxes, effects: [bool; 2]) -> Result<LoadSpline, TableError> {
+        LoadSpline::new(axes, &self.columns(), effects)
+    }
+}
+
+/// Sliding of both flanks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionRecord {
+    /// Law of the coefficient, whose weights are in the samples.
+    pub law: FrictionLaw,
+    /// Nodes.
+    pub axes: LoadAxes,
+    /// Drive flank.
+    pub drive: SlidingSamples,
+    /// Coast flank, if it is not the drive flank's mirror image.
+    pub coast: Option<SlidingSamples>,
+}
+
+/// Samples of one flank; see [`Sliding`].
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlidingSamples {
+    /// [`Sliding::share`].
+    pub share: Vec<f64>,
+    /// [`Sliding::share_z`].
+    pub share_z_m: Vec<f64>,
+    /// [`Sliding::distance`].
+    pub distance_m: Vec<f64>,
+    /// [`Sliding::weight`]; null for laws of the whole mesh, where it is 1.
+    pub weight: Option<Vec<f64>>,
+}
+
+impl SlidingSamples {
+    /// From `all` samples in order, rounded to what interpolation can tell; `local`: with their weights.
+    pub fn new(all: &[Sliding], local: bool) -> SlidingSamples {
+        let column =
+            |part: fn(&Sliding) -> f64| rounded(&all.iter().map(part).collect::<Vec<_>>(), 1e-6);
+        SlidingSamples {
+            share: column(|s| s.share),
+            share_z_m: column(|s| s.share_z),
+            distance_m: column(|s| s.distance),
+            weight: local.then(|| column(|s| s.weight)),
+        }
+    }
+}
+
+impl LoadSamples for SlidingSamples {
+    const RECORD: &'static str = "friction";
+    const FROM_ZERO: bool = false;
+
+    fn columns(&self) -> Vec<(&'static str, &[f64])> {
+        let all = [
+            ("share", &self.share[..]),
+            ("share_z_m", &self.share_z_m),
+            ("distance_m", &self.distance_m),
+        ];
+        let weight = self.weight.iter().map(|weight| ("weight", &weight[..]));
+        all.into_iter().chain(weight).collect()
+    }
+}
+
+/// Root stress under load on both flanks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RootStressRecord {
+    /// Nodes, from no load on.
+    pub axes: LoadAxes,
+    /// Drive flank.
+    pub drive: RootStressSamples,
+    /// Coast flank, if it is not the drive flank's mirror image.
+    pub coast: Option<RootStressSamples>,
+    /// Error of the interpolation against the solver.
+    pub interpolation_error: RootStressError,
+}
+
+/// Samples of one flank: the largest principal stress in the fillets of a gear, 0 without force.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RootStressSamples {
+    /// Of gear 1.
+    pub gear_1_pa: Vec<f64>,
+    /// Of gear 2.
+    pub gear_2_pa: Vec<f64>,
+}
+
+impl RootStressSamples {
+    /// Of gear 1 and gear 2, rounded to what interpolation can tell.
+    pub fn new(all: [&[f64]; 2]) -> RootStressSamples {
+        let [gear_1_pa, gear_2_pa] = all.map(|gear| rounded(gear, 1e-6));
+        RootStressSamples {
+            gear_1_pa,
+            gear_2_pa,
+        }
+    }
+}
+
+impl LoadSamples for RootStressSamples {
+    const RECORD: &'static str = "root_stress";
+    const FROM_ZERO: bool = true;
+
+    fn columns(&self) -> Vec<(&'static str, &[f64])> {
+        vec![
+            ("gear_1_pa", &self.gear_1_pa),
+            ("gear_2_pa", &self.gear_2_pa),
+        ]
+    }
+}
+
+/// Error at operating points that are no nodes, relative to the largest stress of the gear over the mesh cycle at
+/// nominal torque, nominal centre distance and parallel axes; of both gears and flanks the larger one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RootStressError {
+    /// Number of random operating points.
+    pub points: usize,
+    /// Root of the mean square.
+    pub rms: f64,
+    /// Largest.
+    pub maximum: f64,
+}
+
+impl RootStressError {
+    /// Both flanks together.
+    #[must_use]
+    pub fn with(self, other: RootStressError) -> RootStressError {
+        RootStressError {
+            points: self.points + other.points,
+            rms: self.rms.max(other.rms),
+            maximum: self.maximum.max(other.maximum),
+        }
+    }
+}
+
+/// Checks a record: lengths, order and finiteness of nodes and samples, and the load at which they begin.
+///
+/// # Errors
+/// The first defect, by field.
+pub(super) fn check_record<S: LoadSamples>(
+    axes: &LoadAxes,
+    drive: &S,
+    coast: Option<&S>,
+) -> Result<(), TableError> {
+    let named = |name: &str| format!("{}.axes.{name}", S::RECORD);
+    let forces = &axes.loa_force_n;
+    check_axis(
+        &named(Axis::CenterDistance.name()),
+        &axes.center_distance_offset_m,
+    )?;
+    check_axis(&named(Axis::Misalignment.name()), &axes.misalignment_rad)?;
+    check_axis(&named("loa_force_n"), forces)?;
+    check_mesh_position(&named(Axis::MeshPosition.name()), &axes.mesh_position)?;
+    if forces.len() == 1 {
+        return Err(too_few(&named("loa_force_n"), 1));
+    }
+    if forces[0] < 0.0 || (forces[0] == 0.0) != S::FROM_ZERO {
+        let reason = match S::FROM_ZERO {
+            true => "effects of the load begin at 0",
+            false => "ratios to the load need a load",
+        };
+        let name = named("loa_force_n[0]");
+        return Err(TableError::field(
+            name,
+            forces[0],
+            reason,
+            "make the tables again",
+        ));
+    }
+    let length = axes.lengths().iter().product();
+    for (flank, samples) in [("drive", Some(drive)), ("coast", coast)] {
+        for (name, values) in samples.iter().flat_map(|samples| samples.columns()) {
+            check_values(&format!("{}.{flank}.{name}", S::RECORD), values, length)?;
+        }
+    }
+    Ok(())
+}
+
+/// A quantity at one point, with its derivatives by force, centre distance offset, misalignment and mesh position.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LoadJet {
+    /// The quantity.
+    pub value: f64,
+    /// Its derivatives.
+    pub gradient: [f64; 4],
+}
+
+/// Spline of some quantities, with just the dimensions that are switched on. One cubic spline serves every interpolation of
+/// the force, for the force itself is a coordinate here.
+#[derive(Debug)]
+pub struct LoadSpline {
+    c: Basis<4>,
+    m: Basis<4>,
+    force: Basis<4>,
+    p: Basis<4>,
+    quantities: Vec<Coefficients<4>>,
+}
+
+impl LoadSpline {
+    /// Of the samples of each of the `quantities`, by name, on `axes`, cut at 0 along the axes of centre distance and
+    /// misalignment whose effect is off.
+    ///
+    /// # Errors
+    /// Nodes through which no spline passes; an axis to be cut that does not hold 0.
+    pub fn new(
+        axes: &LoadAxes,
+        quantities: &[(&'static str, &[f64])],
+        effects: [bool; 2],
+    ) -> Result<Self, TableError> {
+        let lengths = axes.lengths();
+        let block = |(_, values): &(&str, &[f64])| Block {
+            lengths,
+            values: values.to_vec(),
+        };
+        let mut blocks: Vec<Block> = quantities.iter().map(block).collect();
+        let [by_c, by_m] = [Axis::CenterDistance, Axis::Misalignment].map(Axis::name);
+        let mut cut = [&axes.center_distance_offset_m, &axes.misalignment_rad].map(Clone::clone);
+        for (i, name) in [by_c, by_m].into_iter().enumerate() {
+            if !effects[i] && cut[i].len() > 1 {
+                let zero = at_zero(&cut[i], name)?;
+                for block in &mut blocks {
+                    *block = block.mapped(i, 1, |line| vec![zero(&line)]);
+                }
+                cut[i] = vec![0.0];
+            }
+        }
+        let (c, along_c) = axis(&cut[0], Ends::Bounded, by_c)?;
+        let (m, along_m) = axis(&cut[1], Ends::Bounded, by_m)?;
+        let (mut force, along_force) = axis(&axes.loa_force_n, Ends::Bounded, "loa_force_n")?;
+        if axes.loa_force_n[0] == 0.0 {
+            force.guard = [f64::INFINITY; 2];
+        }
+        let by_p = Axis::MeshPosition.name();
+        let (p, along_p) = axis(&axes.mesh_position, Ends::Periodic, by_p)?;
+        let fits = [along_c, along_m, along_force, along_p];
+        let fitted = |block: Block| {
+            let along = |block: Block, (axis, fit): (usize, &Fit)| fit.along(axis, &block);
+            Coefficients::new(&fits.iter().enumerate().fold(block, along))
+        };
+        Ok(LoadSpline {
+            quantities: blocks.into_iter().map(fitted).collect(),
+            c,
+            m,
+            force,
+            p,
+        })
+    }
+
+    /// The first `K` quantities, in their order, at the transverse force (N) on the line of action, centre distance offset (m),
+    /// misalignment (rad) and mesh position; 1 for those that there are no samples of. Beyond the ends they go on linearly and
+    /// level out, over the load as [`LoadAxes`] says.
+    pub fn evaluate<const K: usize>(&self, [force, c, m, p]: [f64; 4]) -> [LoadJet; K] {
+        let weights = |basis: &Basis<4>, x| basis.weights(Lanes::COMMON, x, 1).0;
+        let wf = weights(&self.force, force);
+        let at = Point {
+            c: weights(&self.c, c),
+            m: weights(&self.m, m),
+            p: weights(&self.p, p),
+        };
+        std::array::from_fn(|k| {
+            let Some(quantity) = self.quantities.get(k) else {
+                return LoadJet {
+                    value: 1.0,
+                    gradient: [0.0; 4],
+                };
+            };
+            let shape = quantity.shape::<4, false, ANY>(Lanes::COMMON, &wf, &at);
+            let [by_c, by_m, by_p] = shape.value.gradient;
+            LoadJet {
+                value: shape.value.value,
+                gradient: [shape.slope.value, by_c, by_m, by_p],
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// A function that a cubic spline holds but for its periodic part.
+    fn exact([f, c, m, p]: [f64; 4], k: usize) -> f64 {
+        let wave = (std::f64::consts::TAU * p).cos();
+        (1.0 + 1e-3 * f)
+            * (1.0 + 200.0 * c)
+            * (1.0 + 300.0 * m * (k as f64 - 1.0))
+            * (1.0 + 0.1 * wave)
+    }
+
+    /// Three quantities, on axes whose forces begin at `first`.
+    fn spline(first: f64, effects: [bool; 2]) -> LoadSpline {
+        let axes = LoadAxes {
+            center_distance_offset_m: vec![-1e-4, -4e-5, 0.0, 5e-5, 1e-4],
+            misalignment_rad: vec![-2e-3, -5e-4, 0.0, 1e-3, 2e-3],
+            loa_force_n: vec![first, 500.0, 2000.0, 5000.0, 9000.0],
+            mesh_position: (0..40).map(|i| f64::from(i) / 40.0).collect(),
+        };
+        let quantities = [0, 1, 2].map(|k| {
+            let mut values = vec![];
+            for &c in &axes.center_distance_offset_m {
+                for &m in &axes.misalignment_rad {
+                    for &f in &axes.loa_force_n {
+                        values.extend(axes.mesh_position.iter().map(|&p| exact([f, c, m, p], k)));
+                    }
+                }
+            }
+            values
+        });
+        let quantities = quantities.each_ref().map(|q| ("", &q[..]));
+        LoadSpline::new(&axes, &quantities, effects).unwrap()
+    }
+
+    #[test]
+    fn the_spline_holds_smooth_samples_and_its_gradient_is_its_own() {
+        let spline = spline(100.0, [true, true]);
+        let at = |q| -> [LoadJet; 3] { spline.evaluate(q) };
+        let mut random = Random::new(7);
+        for _ in 0..200 {
+            let ranges = [[100.0, 9000.0], [-1e-4, 1e-4], [-2e-3, 2e-3], [0.0, 1.0]];
+            let q = ranges.map(|range| random.within(range));
+            for (k, jet) in at(q).iter().enumerate() {
+                assert!((jet.value / exact(q, k) - 1.0).abs() < 1e-5, "{q:?}");
+                for (axis, step) in [1.0, 1e-8, 1e-7, 1e-6].into_iter().enumerate() {
+                    let [low, high] = [-step, step].map(|step| {
+                        let mut q = q;
+                        q[axis] += step;
+                        at(q)[k].value
+                    });
+                    let slope = (high - low) / (2.0 * step);
+                    let error = (jet.gradient[axis] - slope).abs();
+                    let bound = jet.value.abs() * 1e-8 / step + slope.abs() * 1e-5;
+                    assert!(error <= bound, "{q:?} {k} {axis}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_dimension_that_is_off_is_cut_at_zero() {
+        let [full, cut] = [true, false].map(|on| spline(100.0, [on, true]));
+        let a: [LoadJet; 3] = cut.evaluate([3000.0, 7e-5, 1e-3, 0.4]);
+        let b: [LoadJet; 3] = full.evaluate([3000.0, 0.0, 1e-3, 0.4]);
+        for k in 0..3 {
+            assert!((a[k].value / b[k].value - 1.0).abs() < 1e-12);
+            assert_eq!(a[k].gradient[1], 0.0);
+        }
+    }
+
+    #[test]
+    fn beyond_the_largest_load_ratios_level_out_and_effects_go_on() {
+        for first in [100.0, 0.0] {
+            let spline = spline(first, [true, true]);
+            let [edge, beyond] = [9e3, 9e4].map(|f| {
+                let [_, jet] = spline.evaluate([f, 2e-5, 1e-4, 0.3]);
+                jet
+            });
+            if first == 0.0 {
+                let linear = edge.value + edge.gradient[0] * 81e3;
+                assert!((beyond.value / linear - 1.0).abs() < 1e-12);
+                assert_eq!(beyond.gradient[0], edge.gradient[0]);
+            } else {
+                assert_eq!(beyond.gradient[0], 0.0);
+            }
+        }
+    }
+}

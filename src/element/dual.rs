@@ -149,6 +149,8 @@ impl PartialOrd for Dual {
 
 macro_rules! operators {
     ($($operator:ident $method:ident ($a:ident: Dual, $b:ident: $other:ty) $result:expr;)*) => {$(
+        // The product rule adds.
+        #[allow(clippy::suspicious_arithmetic_impl)]
         impl $operator<$other> for Dual {
             type Output = Dual;
 

@@ -217,13 +217,10 @@ mod tests {
         for reference in [INPUTS as u32, 99, 199, u32::MAX] {
             assert_eq!(index_of(reference), None);
         }
-<<<<<<< HEAD
     }
 
     #[test]
     fn the_rows_of_the_loads_are_those_variables() {
-=======
->>>>>>> f8dfc9e
         use crate::element::Loads;
         let forces = [index::MESH_TANGENTIAL_FORCE, index::MESH_NORMAL_FORCE];
         let loads = (index::GEAR1_FORCE_1..index::CONTACT_POINT_1).chain(forces);

@@ -42,7 +42,9 @@ class Geometry:
     @classmethod
     def of_unit(cls, geometry: Mapping[str, Any]) -> Geometry:
         """From the object `geometry` of the unit's resources/unit.json."""
-        gears, distance = geometry["gears"], geometry["center_distance"]
+        distance = geometry["center_distance"]
+        # FMUs of earlier versions have the names without units.
+        gears = [{name.removesuffix("_m").removesuffix("_rad"): value for name, value in gear.items()} for gear in geometry["gears"]]
         internal = any(gear["kind"] == "ring" for gear in gears)
         helix, module = gears[0]["helix_angle"], gears[0]["normal_module"]
         transverse = math.atan(math.tan(gears[0]["normal_pressure_angle"]) / math.cos(helix))

@@ -41,10 +41,10 @@ class Mesh:
     def blank(self, gear):
         """Mass, moments of inertia about the axis and across it at mid-face."""
         g = self.gears[gear]
-        reference = 0.5 * g["teeth"] * g["normal_module"] / math.cos(g["helix_angle"])
-        squares = reference**2 + g["held_radius"] ** 2
-        mass = STEEL * math.pi * abs(reference**2 - g["held_radius"] ** 2) * g["face_width"]
-        return mass, 0.5 * mass * squares, 0.25 * mass * squares + mass * g["face_width"] ** 2 / 12
+        reference = 0.5 * g["teeth"] * g["normal_module_m"] / math.cos(g["helix_angle_rad"])
+        squares = reference**2 + g["held_radius_m"] ** 2
+        mass = STEEL * math.pi * abs(reference**2 - g["held_radius_m"] ** 2) * g["face_width_m"]
+        return mass, 0.5 * mass * squares, 0.25 * mass * squares + mass * g["face_width_m"] ** 2 / 12
 
     def spin(self, free, step, duration, torque, speed=0.0, late=None):
         """Tangential force and transmission error over time while the gears in `free` spin under the mesh and the torque on gear 1
@@ -149,7 +149,7 @@ def test_a_gear_on_bearings_with_all_its_freedoms_survives_twice_the_packed_step
         system[i, 6 + i] = 1.0
         system[6 + i, [i, 6 + i, 12 + i]] = [-bearing[i] / inertia[i], -damping[i] / inertia[i], 1 / inertia[i]]
     exact = expm(system * step)[:12]
-    half = np.array([0.0, 0.0, 0.5 * mesh.gears[1]["face_width"]])
+    half = np.array([0.0, 0.0, 0.5 * mesh.gears[1]["face_width_m"]])
     start = np.array(pair.u[POSES[1]][:3])
     outside = -mesh.torque / mesh.geometry.ratio
 

@@ -153,6 +153,7 @@ macro_rules! operators {
             type Output = Dual;
 
             #[inline(always)]
+            #[allow(clippy::suspicious_arithmetic_impl)] // The product rule is a sum.
             fn $method(self, $b: $other) -> Dual {
                 let $a = self;
                 $result

@@ -260,8 +260,8 @@ impl Law {
         };
         let mut gradient = slopes(0)?;
         if is_contact {
-            for axis in 1..COORDINATES {
-                gradient[axis] = slopes(axis)?[0];
+            for (axis, slope) in gradient.iter_mut().enumerate().skip(1) {
+                *slope = slopes(axis)?[0];
             }
         }
         Ok(gradient)

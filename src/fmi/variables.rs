@@ -194,7 +194,7 @@ pub fn template_starts() -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::{CONTINUOUS_OUTPUTS, row};
+    use crate::element::CONTINUOUS_OUTPUTS;
 
     #[test]
     fn inputs_are_real_and_without_bounds_and_outputs_and_parameters_follow_them() {

@@ -32,8 +32,9 @@ fn poses_without_meaning_are_refused_by_name() {
         let element = constant(&pair, formulation, LoadedFlank::Both);
         let good = element.nominal_inputs();
         let latch = element.latch(&good).unwrap();
+        type Change<'a> = &'a dyn Fn(&mut Inputs);
         let across = *Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2).matrix();
-        let changes: [(&dyn Fn(&mut Inputs), [&str; 2]); 4] = [
+        let changes: [(Change, [&str; 2]); 4] = [
             (&|x| x.gears[1].v.y = f64::NAN, ["gear2", "velocity"]),
             (&|x| x.gears[0].r *= 1.01, ["gear1", "no rotation"]),
             (&|x| x.gears[1].r = across, ["gear2", "90.000 deg"]),

@@ -228,6 +228,15 @@ pub(crate) fn dot<T: Scalar + Mul<U, Output = T>, U: nalgebra::Scalar + Copy>(
     v.x * w.x + v.y * w.y + v.z * w.z
 }
 
+/// `factor` v; `v` may be a plain vector. (nalgebra's product is not always inlined.)
+#[inline(always)]
+pub(crate) fn scaled<T: Scalar + Mul<U, Output = T>, U: nalgebra::Scalar + Copy>(
+    v: &Vector3<U>,
+    factor: T,
+) -> Vector3<T> {
+    Vector3::new(factor * v.x, factor * v.y, factor * v.z)
+}
+
 /// v x w; `w` may be a plain vector.
 #[inline(always)]
 pub(crate) fn cross<T: Scalar + Mul<U, Output = T>, U: nalgebra::Scalar + Copy>(

@@ -96,6 +96,19 @@ pub fn number(value: f64) -> String {
     shown(&value.to_string())
 }
 
+/// What is wrong with JSON, and where; of an unknown field without the list of all that there are.
+pub fn json_problem(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    match text.split_once(", expected one of ") {
+        Some((problem, _)) => format!(
+            "{problem} at line {} column {}",
+            error.line(),
+            error.column()
+        ),
+        None => text,
+    }
+}
+
 /// `bytes` in hexadecimal digits.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()

@@ -372,7 +372,8 @@ impl ContactFile {
             .ok()
             .and_then(|length| rest.split_at_checked(length))
             .ok_or("the head is longer than the file")?;
-        let head: Head = serde_json::from_slice(head).map_err(|e| e.to_string())?;
+        let head: Head =
+            serde_json::from_slice(head).map_err(|e| crate::words::json_problem(&e))?;
         head.setup.check()?;
         let mut rest = values.chunks_exact(4);
         let mut filled = |mut flank: CondensedFlank| -> Result<Arc<CondensedFlank>, String> {

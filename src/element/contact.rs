@@ -76,6 +76,24 @@ impl<T: Scalar> Pose<T> {
         [first as i64, (first - s * whole_turns(angle)) as i64]
     }
 
+    /// Flank `i` without load, with the part `x` (m) of its penetration that is odd in its sign.
+    #[inline(always)]
+    fn unloaded(&self, k: &Constants, i: usize, x: T, latch: &Latch<T>) -> FlankLoad<T> {
+        let sign = FLANKS[i].sign();
+        let zero = T::from(0.0);
+        FlankLoad {
+            sign,
+            penetration: x * sign - self.coordinates.half_gap,
+            misalignment: self.misalignment(i),
+            mesh_position: fraction(self.mesh_position(k, i) + latch.mesh_position * sign),
+            elastic: zero,
+            arm: zero,
+            damping: zero,
+            energy: zero,
+            stiffness: zero,
+        }
+    }
+
     /// Misalignment of flank `i`.
     #[inline(always)]
     pub(crate) fn misalignment(&self, i: usize) -> T {
@@ -248,22 +266,7 @@ impl<T: Scalar> Solution<T> {
 
         let mut out_of_range = mesh.leaving;
         let zero = T::from(0.0);
-        // Arrays are filled by hand here: `map` over them is not always inlined.
-        let unloaded = |i: usize| {
-            let sign = FLANKS[i].sign();
-            FlankLoad {
-                sign,
-                penetration: x * sign - q.half_gap,
-                misalignment: pose.misalignment(i),
-                mesh_position: fraction(pose.mesh_position(k, i) + latch.mesh_position * sign),
-                elastic: zero,
-                arm: zero,
-                damping: zero,
-                energy: zero,
-                stiffness: zero,
-            }
-        };
-        let mut flanks = [unloaded(0), unloaded(1)];
+        let mut flanks = [pose.unloaded(k, 0, x, latch), pose.unloaded(k, 1, x, latch)];
         // By the coordinates, of both flanks.
         let mut slopes = Coordinates::zero();
         for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {

@@ -149,12 +149,11 @@ impl PartialOrd for Dual {
 
 macro_rules! operators {
     ($($operator:ident $method:ident ($a:ident: Dual, $b:ident: $other:ty) $result:expr;)*) => {$(
-        // The product rule adds.
-        #[allow(clippy::suspicious_arithmetic_impl)]
         impl $operator<$other> for Dual {
             type Output = Dual;
 
             #[inline(always)]
+            #[allow(clippy::suspicious_arithmetic_impl)] // The product rule is a sum.
             fn $method(self, $b: $other) -> Dual {
                 let $a = self;
                 $result
@@ -227,6 +226,15 @@ pub(crate) fn dot<T: Scalar + Mul<U, Output = T>, U: nalgebra::Scalar + Copy>(
     w: &Vector3<U>,
 ) -> T {
     v.x * w.x + v.y * w.y + v.z * w.z
+}
+
+/// `factor` v; `v` may be a plain vector. (nalgebra's product is not always inlined.)
+#[inline(always)]
+pub(crate) fn scaled<T: Scalar + Mul<U, Output = T>, U: nalgebra::Scalar + Copy>(
+    v: &Vector3<U>,
+    factor: T,
+) -> Vector3<T> {
+    Vector3::new(factor * v.x, factor * v.y, factor * v.z)
 }
 
 /// v x w; `w` may be a plain vector.

@@ -149,13 +149,17 @@ impl Work for Filling<'_> {
         let rows = solution.outputs.to_array();
         let columns = &mut self.jacobian.data.0;
         for lane in 0..12 {
-            columns[GEAR_2 + lane] = rows.map(|y| y.eps[part::POSITION_2 + lane]);
+            for (slope, y) in columns[GEAR_2 + lane].iter_mut().zip(&rows) {
+                *slope = y.eps[part::POSITION_2 + lane];
+            }
             columns[CARRIER + lane].fill(0.0);
         }
         for axis in 0..3 {
-            columns[CARRIER + ROTATION + axis] = rows.map(|y| y.eps[part::CARRIER_ROTATION + axis]);
+            for (slope, y) in columns[CARRIER + ROTATION + axis].iter_mut().zip(&rows) {
+                *slope = y.eps[part::CARRIER_ROTATION + axis];
+            }
         }
-        by_gear_1(self.jacobian, &rows.map(|y| y.re), inputs);
+        by_gear_1(self.jacobian, &rows.each_ref().map(|y| y.re), inputs);
         Ok(())
     }
 }

@@ -30,7 +30,7 @@
 
 use super::Formulation;
 use super::constants::{Constants, behind};
-use super::dual::{Scalar, angles, cross, dot, lift, part, shifted, turned};
+use super::dual::{Scalar, angles, cross, dot, lift, part, scaled, shifted, turned};
 use super::error::ElementError;
 use super::motion::Motion;
 use nalgebra::Vector3;
@@ -163,12 +163,12 @@ impl<T: Scalar> Map<T> {
         let per_bz = bz.recip();
         let between = shifted::<T>(&(g2.p - g1.p), part::POSITION_2);
         let lambda = (-dot(&between, &z) + station) * per_bz;
-        let arm_2 = a2 * lambda;
+        let arm_2 = scaled(&a2, lambda);
         let arm_1 = between + arm_2;
         let line = arm_1 - z.map(|e| T::from(e * station));
         let c = dot(&line, &line).sqrt();
         let per_c = c.recip();
-        let x = line * per_c;
+        let x = scaled(&line, per_c);
         let y = cross(&x, &-z);
         let (bx, by) = (dot(&x, &a2), dot(&y, &a2));
 
@@ -226,15 +226,24 @@ impl<T: Scalar> Map<T> {
     pub(crate) fn coordinates(&self, k: &Constants, [g1, g2]: &[Motion; 2]) -> Coordinates<T> {
         let [bx, by, _] = self.b;
         let [ahead_1, ahead_2] = [self.w.signum(), (self.w - 1.0).signum()];
-        let along_1 = |axis: usize| dot(&self.x, &g1.r.column(axis).into_owned()) * ahead_1;
-        let along_2 = |axis: usize| {
-            let axis = turned::<T>(&g2.r.column(axis).into_owned(), part::ROTATION_2);
-            dot(&self.x, &axis) * ahead_2
-        };
+        let column = |gear: &Motion, axis: usize| gear.r.column(axis).into_owned();
+        let (x1, y1) = (column(g1, 0), column(g1, 1));
+        let x2 = turned::<T>(&column(g2, 0), part::ROTATION_2);
+        let y2 = turned::<T>(&column(g2, 1), part::ROTATION_2);
         let [tan1, tan2] = self.tangents;
         let [theta1, theta2, phi1, phi2] = angles(
-            [along_1(1), along_2(1), tan1.into(), tan2.into()],
-            [along_1(0), along_2(0), 1.0.into(), 1.0.into()],
+            [
+                dot(&self.x, &y1) * ahead_1,
+                dot(&self.x, &y2) * ahead_2,
+                tan1.into(),
+                tan2.into(),
+            ],
+            [
+                dot(&self.x, &x1) * ahead_1,
+                dot(&self.x, &x2) * ahead_2,
+                1.0.into(),
+                1.0.into(),
+            ],
         );
         let gap = (tan1 - phi1.re()) * (k.kappa[0] * k.rb[0])
             + (tan2 - phi2.re()) * (k.kappa[1] * k.rb[1])
@@ -257,10 +266,9 @@ impl<T: Scalar> Map<T> {
         let v = shifted::<T>(&(g2.v - g1.v), part::VELOCITY_2);
         let velocity = v + cross(&w2, &self.arms[1]) + cross(&self.arms[0], &g1.w);
         let w = shifted::<T>(&(g2.w - g1.w), part::SPIN_2);
-        let here = |v: &Vector3<T>| Vector3::new(dot(v, &self.x), dot(v, &self.y), dot(v, &self.z));
         Spatial {
-            linear: here(&velocity),
-            angular: here(&w),
+            linear: self.components(&velocity),
+            angular: self.components(&w),
         }
     }
 
@@ -355,8 +363,7 @@ impl<T: Scalar> Map<T> {
     /// opposite on gear 1.
     #[inline(always)]
     pub(crate) fn on_gears(&self, on_2: &Spatial<T>) -> [Spatial<T>; 2] {
-        let in_world = |v: &Vector3<T>| self.x * v.x + self.y * v.y + self.z.map(|e| v.z * e);
-        let (force, moment) = (in_world(&on_2.linear), in_world(&on_2.angular));
+        let (force, moment) = (self.in_world(&on_2.linear), self.in_world(&on_2.angular));
         [
             Spatial {
                 linear: -force,
@@ -369,10 +376,20 @@ impl<T: Scalar> Map<T> {
         ]
     }
 
+    #[inline(always)]
+    fn in_world(&self, v: &Vector3<T>) -> Vector3<T> {
+        scaled(&self.x, v.x) + scaled(&self.y, v.y) + scaled(&self.z, v.z)
+    }
+
+    #[inline(always)]
+    fn components(&self, v: &Vector3<T>) -> Vector3<T> {
+        Vector3::new(dot(v, &self.x), dot(v, &self.y), dot(v, &self.z))
+    }
+
     /// From gear 1's origin to the point `arm` (m) along gear 1's axis from the operating pitch point at the station, m, W.
     #[inline(always)]
     pub(crate) fn near_pitch_point(&self, arm: T) -> Vector3<T> {
-        self.x * (self.c * self.w) + self.z.map(|e| (arm + self.station) * e)
+        scaled(&self.x, self.c * self.w) + scaled(&self.z, arm + self.station)
     }
 }
 

@@ -10,10 +10,10 @@
 
 use super::constants::{Constants, behind};
 use super::contact::FlankLoad;
-use super::dual::{Scalar, angles, cross, dot, part, shifted, turned};
+use super::dual::{Scalar, angles, cross, dot, part, scaled, shifted, turned};
 use super::error::ElementError;
 use super::kinematics::{Coordinates, Spatial, check_tilt};
-use super::motion::Inputs;
+use super::motion::{Inputs, Motion};
 use nalgebra::Vector3;
 
 /// Both gears in the carrier.
@@ -42,29 +42,36 @@ impl<T: Scalar> Carried<T> {
     #[inline(always)]
     pub(crate) fn new(k: &Constants, inputs: &Inputs) -> Result<Self, ElementError> {
         let [g1, g2] = &inputs.gears;
-        let carrier = |i: usize| {
-            turned::<T>(
-                &inputs.carrier.r.column(i).into_owned(),
-                part::CARRIER_ROTATION,
-            )
-        };
-        let axes = [carrier(0), carrier(1), carrier(2)];
-        let here =
-            |v: &Vector3<T>| Vector3::new(dot(v, &axes[0]), dot(v, &axes[1]), dot(v, &axes[2]));
-        let first = |i: usize| here(&g1.r.column(i).map(T::from));
-        let second = |i: usize| here(&turned(&g2.r.column(i).into_owned(), part::ROTATION_2));
-        let [a1, a2] = [first(2), second(2)];
+        let column = |body: &Motion, axis: usize| body.r.column(axis).into_owned();
+        let axis = |i: usize| turned::<T>(&column(&inputs.carrier, i), part::CARRIER_ROTATION);
+        let axes = [axis(0), axis(1), axis(2)];
+        let (x1, y1, z1) = (column(g1, 0), column(g1, 1), column(g1, 2));
+        let axis = |i: usize| turned::<T>(&column(g2, i), part::ROTATION_2);
+        let (x2, y2, z2) = (axis(0), axis(1), axis(2));
+        // Components of the gears' axes along those of the carrier.
+        let a1 = Vector3::new(dot(&axes[0], &z1), dot(&axes[1], &z1), dot(&axes[2], &z1));
+        let a2 = components(&z2, &axes);
         check_tilt("gear1", "carrier", a1.z.re())?;
         check_tilt("gear2", "carrier", a2.z.re())?;
-        let between = here(&shifted(&(g2.p - g1.p), part::POSITION_2));
+        let between = components(&shifted(&(g2.p - g1.p), part::POSITION_2), &axes);
         let c = (between.x * between.x + between.y * between.y).sqrt();
         k.has_line_of_action(c.re())?;
         // Rotation about the carrier's axis: the twist of the swing-twist decomposition, which a static tilt does not disturb.
-        let ([x1, y1], [x2, y2]) = ([first(0), first(1)], [second(0), second(1)]);
+        let [ex, ey, _] = &axes;
         let (zero, one) = (T::from(0.0), T::from(1.0));
         let [theta1, theta2, gamma, _] = angles(
-            [x1.y - y1.x, x2.y - y2.x, between.y, zero],
-            [x1.x + y1.y, x2.x + y2.y, between.x, one],
+            [
+                dot(ey, &x1) - dot(ex, &y1),
+                dot(ey, &x2) - dot(ex, &y2),
+                between.y,
+                zero,
+            ],
+            [
+                dot(ex, &x1) + dot(ey, &y1),
+                dot(ex, &x2) + dot(ey, &y2),
+                between.x,
+                one,
+            ],
         );
         let [b1, b2] = k.face_width;
         let low = if between.z.re() > 0.0 {
@@ -123,7 +130,7 @@ impl<T: Scalar> Carried<T> {
     /// Pitch point in the plane `z` of gear 1, from its origin, in carrier axes, (10)-(11).
     #[inline(always)]
     fn pitch_point(&self, k: &Constants, z: T) -> Vector3<T> {
-        let mut point = self.xh * (self.c * k.pitch_fraction);
+        let mut point = scaled(&self.xh, self.c * k.pitch_fraction);
         point.z += z;
         point
     }
@@ -140,10 +147,13 @@ impl<T: Scalar> Carried<T> {
         let tan_phi = sin_phi / cos_phi;
         let tan_beta_w = self.c * (k.pitch_fraction.abs() * k.tan_beta_per_radius);
         for flank in flanks {
+            if flank.elastic.re() <= 0.0 {
+                continue;
+            }
             let s = flank.sign;
-            let mut direction = self.xh * (tan_phi * k.e) + self.yh * T::from(s * k.sc);
+            let mut direction = scaled(&self.xh, tan_phi * k.e) + self.yh.map(|y| y * (s * k.sc));
             direction.z -= tan_beta_w * (s * k.hand);
-            let force = direction * (flank.elastic * cos_phi);
+            let force = scaled(&direction, flank.elastic * cos_phi);
             let point = self.pitch_point(k, self.middle + flank.arm);
             let linear = self.in_world(&force);
             let about_1 = self.in_world(&cross(&point, &force));
@@ -166,6 +176,11 @@ impl<T: Scalar> Carried<T> {
     #[inline(always)]
     fn in_world(&self, v: &Vector3<T>) -> Vector3<T> {
         let [ex, ey, ez] = &self.axes;
-        ex * v.x + ey * v.y + ez * v.z
+        scaled(ex, v.x) + scaled(ey, v.y) + scaled(ez, v.z)
     }
+}
+
+#[inline(always)]
+fn components<T: Scalar>(v: &Vector3<T>, axes: &[Vector3<T>; 3]) -> Vector3<T> {
+    Vector3::new(dot(v, &axes[0]), dot(v, &axes[1]), dot(v, &axes[2]))
 }

@@ -20,6 +20,7 @@ use crate::contact::ContactFile;
 use crate::element::{Element, ElementError, Parameters, StiffnessModel};
 use crate::gear::PairGeometry;
 use crate::table::{Effects, Table, TableError, TableFile};
+use crate::words::json_problem;
 
 /// File with the pair and the GUID.
 pub const UNIT_FILE: &str = "unit.json";
@@ -268,7 +269,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
 /// # Errors
 /// What is wrong with them, as text.
 pub fn parse_unit(bytes: &[u8]) -> Result<UnitFile, String> {
-    let unit: UnitFile = serde_json::from_slice(bytes).map_err(|e| e.to_string())?;
+    let unit: UnitFile = serde_json::from_slice(bytes).map_err(|e| json_problem(&e))?;
     if unit.version != UNIT_VERSION {
         let found = unit.version;
         return Err(format!(

@@ -1,6 +1,7 @@
 //! What can be wrong with a table, said with field, value and remedy.
 
 use crate::gear::GeometryError;
+use crate::words::json_problem;
 use thiserror::Error;
 
 /// Refusal of a table, of samples, or of a choice that a table cannot serve.
@@ -15,7 +16,7 @@ pub enum TableError {
         source: std::io::Error,
     },
     /// Not JSON, or a field is missing, unknown or of the wrong type.
-    #[error("tables file: {0}; make it again with `gearmesh tables` or `gearmesh import`")]
+    #[error("tables file: {}; make it again with `gearmesh tables` or `gearmesh import`", json_problem(.0))]
     Json(#[from] serde_json::Error),
     /// A field holds what it must not.
     #[error("{field} = {value}: {reason}; {remedy}")]

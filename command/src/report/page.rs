@@ -48,6 +48,8 @@ impl Section {
 
 /// Small letters and digits of `title` with hyphens between words: an anchor, the name of a file.
 fn slug(title: &str) -> String {
+    // A sign tells two charts apart.
+    let title = title.replace(" -", " minus ");
     let words = title.split(|c: char| !c.is_alphanumeric());
     let words: Vec<String> = words
         .filter(|w| !w.is_empty())
@@ -91,5 +93,6 @@ mod tests {
             "{html}"
         );
         assert_eq!(slug("STE at 100 N m, 0.5 mrad"), "ste-at-100-n-m-0-5-mrad");
+        assert_ne!(slug("at -3.00 mrad"), slug("at +3.00 mrad"));
     }
 }

@@ -139,12 +139,17 @@ class MeshCycle:
 
 @dataclass(frozen=True)
 class Statistics:
-    """What the samples of a study say about one result, in its unit; correlations by varied field, -1 to 1.
+    """What the samples of a study say about one result at one torque, in its unit; correlations by varied field, -1 to 1.
+
+    `point` is 0 for the pair as drawn, otherwise the best point of a grid.
 
     `correlation_of_distance` is that with how far each field is from its value as drawn: what acts alike in both
     directions shows there alone.
     """
 
+    point: int
+    torque_nm: float
+    result: str
     nominal: float
     mean: float
     least: float
@@ -162,20 +167,24 @@ class StudyResult:
 
     Attributes
     ----------
-    samples : dict of (samples + 1,)
-        Varied fields and results by name, with the units of the names; row 0 is the pair as drawn, NaN where a sample
-        was refused.
+    samples : dict of (rows,)
+        Varied fields and results by name, with the units of the names; the first rows are the pair as drawn, one for
+        each torque. NaN where a sample was refused.
     errors : list of str
         Why a sample was refused, or an empty text, row by row.
-    statistics : dict of Statistics
-        By result.
+    statistics : list of Statistics
+        By point, torque and result.
+    best : dict or None
+        Of a grid the point whose measure is least: `point`, `measure` (in words), its `value`, that of the pair
+        `as_drawn`, and the `fields`. The folder holds it as the pair file best.json.
     notes
         What the results leave out, one sentence each.
     """
 
     samples: dict[str, Array]
     errors: list[str]
-    statistics: dict[str, Statistics]
+    statistics: list[Statistics]
+    best: dict[str, Any] | None
     notes: list[str]
 
 
@@ -368,12 +377,15 @@ def _solve(pair: Pair, torques: Sequence[float], misalignments: Sequence[float],
 def study(
     pair: Pair,
     output: str | Path,
-    vary: Mapping[str, tuple[float, float] | float],
+    vary: Mapping[str, tuple[float, float] | tuple[float, float, int] | float],
     *,
     iso_1328_class: int | None = None,
-    samples: int = 500,
+    samples: int | None = None,
     seed: int = 1,
-    torque_nm: float | None = None,
+    torques_nm: Sequence[float] | None = None,
+    best: str | None = None,
+    weights: Sequence[float] | None = None,
+    judged_by: Literal["drawn", "mean", "worst"] | None = None,
     positions: int | None = None,
     root_stress: bool = False,
     restart: bool = False,
@@ -391,12 +403,18 @@ def study(
         Folder for samples.csv, study.json and study.html.
     vary
         By field of the pair file (`gear1.tip_relief.amount_um`), or `torque_nm`, `misalignment_mrad`,
-        `center_distance_offset_um`: the interval (low, high), or the tolerance about the value in the file.
+        `center_distance_offset_um`: the interval (low, high), the tolerance about the value in the file, or the grid
+        (low, high, points). Fields joined by commas share a value.
     iso_1328_class
         Draws the slopes of profile and helix of both gears within this class, 1 to 11, too.
     samples, seed
-        Number of samples; another seed draws others.
-    torque_nm, positions, root_stress
+        Number of samples (500; on a grid 20 for each point); another seed draws others.
+    torques_nm
+        On gear 1; the nominal torque if None.
+    best, weights, judged_by
+        Of a grid: the result that shall be least (a column of samples.csv), the weights of the torques in its mean, and
+        which samples of a point count.
+    positions, root_stress
         As in `solve`.
     restart
         Leaves out what the folder holds of an earlier run.
@@ -413,7 +431,8 @@ def study(
         With the message of the command.
     """
     intervals = [f"--vary={name}={_interval(interval)}" for name, interval in vary.items()]
-    more = {"iso_1328_class": iso_1328_class, "samples": samples, "seed": seed, "torque_nm": torque_nm}
+    more = {"iso_1328_class": iso_1328_class, "samples": samples, "seed": seed, "torques_nm": torques_nm}
+    more |= {"best": best, "weights": weights, "judged_by": judged_by}
     more |= {"positions": positions, "root_stress": root_stress, "restart": restart}
     with _file(pair) as file:
         run("study", file, "-o", output, "-q", *intervals, *_options({**more, **options}))
@@ -421,14 +440,13 @@ def study(
     with open(Path(output, "samples.csv"), encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     varied = [v["field"] for v in summary["varied"]]
-    statistics = {}
+    statistics = []
     for row in summary["statistics"]:
-        correlations = {key: dict(zip(varied, row.pop(key))) for key in ("correlation", "correlation_of_distance")}
-        name = row.pop("result")
-        statistics[name] = Statistics(**row, **correlations)
+        correlations = {key: dict(zip(varied, row[key])) for key in ("correlation", "correlation_of_distance")}
+        statistics.append(Statistics(**{**row, **correlations}))
     columns = [name for name in rows[0] if name not in ("sample", "error")]
     numbers = {name: np.array([float(row[name] or "nan") for row in rows]) for name in columns}
-    return StudyResult(numbers, [row["error"] or "" for row in rows], statistics, summary["notes"])
+    return StudyResult(numbers, [row["error"] or "" for row in rows], statistics, summary["best"], summary["notes"])
 
 
 def inspect(file: str | Path) -> Inspection:
@@ -486,8 +504,11 @@ def _settings(values: Mapping[str, Value] | None) -> list[str]:
     return [f"--set={name}={str(value).lower() if isinstance(value, bool) else value}" for name, value in (values or {}).items()]
 
 
-def _interval(interval: tuple[float, float] | float) -> str:
-    return f"+-{interval}" if isinstance(interval, (int, float)) else "..".join(map(str, interval))
+def _interval(interval: tuple[float, float] | tuple[float, float, int] | float) -> str:
+    if isinstance(interval, (int, float)):
+        return f"+-{interval}"
+    points = "/".join(map(str, interval[2:]))
+    return "..".join(map(str, interval[:2])) + (points and f"/{points}")
 
 
 def _value(name: str, case: Mapping[str, Any]) -> Any:

@@ -63,12 +63,26 @@ def test_study_reads_its_samples_and_statistics(tmp_path):
     found = gearmesh.study(PAIR, tmp_path / "study", vary, samples=12, positions=8, **QUICK)
     spans = found.samples["peak_to_peak_ste_loa_um"]
     assert spans.shape == (13,) and found.errors == [""] * 13
-    stated = found.statistics["peak_to_peak_ste_loa_um"]
+    (stated,) = [row for row in found.statistics if row.result == "peak_to_peak_ste_loa_um"]
+    assert (stated.point, stated.torque_nm, found.best) == (0, 100.0, None)
     assert (stated.nominal, stated.mean, stated.largest) == pytest.approx((spans[0], spans[1:].mean(), spans[1:].max()), rel=1e-6)
     amount = found.samples["gear1.tip_relief.amount_um"]
     assert amount[0] == 7.0 and np.all(np.abs(amount - 7.0) <= 2.0) and np.ptp(found.samples["misalignment_mrad"]) > 0.1
     correlation = np.corrcoef(amount[1:], spans[1:])[0, 1]
     assert stated.correlation["gear1.tip_relief.amount_um"] == pytest.approx(correlation, abs=1e-6)
+
+
+def test_study_of_a_grid_finds_its_best_point(tmp_path):
+    vary = {"gear1.tip_relief.amount_um,gear2.tip_relief.amount_um": (1.0, 13.0, 3)}
+    options = {"best": "peak_to_peak_ste_loa_um", "torques_nm": [50.0, 100.0], "weights": [1.0, 3.0], "positions": 8}
+    found = gearmesh.study(PAIR, tmp_path / "grid", vary, **options, **QUICK)
+    spans = found.samples["peak_to_peak_ste_loa_um"].reshape(-1, 2)
+    assert len(spans) == 4 and found.samples["torque_nm"][:2].tolist() == [50.0, 100.0]
+    measures = spans @ [0.25, 0.75]
+    assert found.best["value"] == pytest.approx(measures[1:].min(), rel=1e-6)
+    best = json.loads((tmp_path / "grid" / "best.json").read_text())
+    amount = found.samples["gear1.tip_relief.amount_um"][2 * found.best["point"]]
+    assert best["gear1"]["tip_relief"]["amount_um"] == best["gear2"]["tip_relief"]["amount_um"] == amount
 
 
 def test_build_and_pack_and_inspect(tmp_path, table_fmus):

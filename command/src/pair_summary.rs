@@ -162,7 +162,7 @@ fn between([low, high]: [f64; 2]) -> String {
 fn body(g: &Gear, rows: &mut Listing) {
     let z = |z| between(z) + " from the z = 0 face of the gear";
     if let Some(body) = g.body.filter(|body| body.is_shaft()) {
-        let ends = ["z low", "z high"].into_iter().zip(body.held_ends);
+        let ends = ["lower end", "upper end"].into_iter().zip(body.held_ends);
         let held: Vec<&str> = ends.filter_map(|(end, held)| held.then_some(end)).collect();
         rows! { rows;
             "shaft" => "diameters {} and {}, {}", diameter(body.rim_radius), diameter(body.hub_radius), z(body.hub);

@@ -27,14 +27,21 @@ impl Case {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Vec<Case>, ContactError> {
         let cycles = MeshCycle::solve_all(solver, input, loads, progress)?;
-        let with_load = |(cycle, load): (MeshCycle, &LoadCase)| Case {
-            input: CycleInput {
-                torque: load.torque,
-                misalignment: load.misalignment,
+        let with_load = |(cycle, load): (MeshCycle, &LoadCase)| {
+            let LoadCase {
+                torque,
+                misalignment,
+            } = *load;
+            let input = CycleInput {
+                torque,
+                misalignment,
                 ..*input
-            },
-            cycle,
-            roots: None,
+            };
+            Case {
+                input,
+                cycle,
+                roots: None,
+            }
         };
         Ok(cycles.into_iter().zip(loads).map(with_load).collect())
     }
@@ -54,8 +61,8 @@ impl Case {
     pub fn face_load(&self, solver: &ContactSolver) -> FaceLoad {
         let geometry = solver.geometry();
         let (low, width) = geometry.face_overlap();
-        let stations = solver.settings().stations;
         let cos_beta_b = geometry.base_helix_angle().cos();
+        let stations = solver.settings().stations;
         self.cycle
             .face_load([low, low + width], stations, cos_beta_b)
     }
@@ -83,23 +90,28 @@ impl Case {
     /// What friction takes while gear 1 makes `rpm` turns a minute.
     pub fn loss(&self, pair: &Pair, rpm: f64) -> Loss {
         let sliding = [&self.cycle.sliding[..], &self.cycle.friction];
-        let spin = rpm * TAU / 60.0;
-        Loss::new(
-            &pair.geometry,
-            &pair.friction,
-            sliding,
-            self.input.torque,
-            spin,
-        )
+        let (torque, spin) = (self.input.torque, rpm * TAU / 60.0);
+        Loss::new(&pair.geometry, &pair.friction, sliding, torque, spin)
     }
 
     /// Share of the transmitted power that is lost at a coefficient of friction of 1.
     pub fn loss_factor(&self, solver: &ContactSolver) -> f64 {
-        loss_factor_of(
-            solver.geometry(),
-            Sliding::mean(&self.cycle.sliding).distance,
-        )
+        let sliding = Sliding::mean(&self.cycle.sliding);
+        loss_factor_of(solver.geometry(), sliding.distance)
     }
+}
+
+/// Each of `torques` (N m) with each of `misalignments` (rad).
+pub fn load_matrix(torques: &[f64], misalignments: &[f64]) -> Vec<LoadCase> {
+    let mut loads = Vec::new();
+    for &torque in torques {
+        let load = |&misalignment| LoadCase {
+            torque,
+            misalignment,
+        };
+        loads.extend(misalignments.iter().map(load));
+    }
+    loads
 }
 
 /// A torque in text, `100 N m`.

@@ -24,7 +24,7 @@ use crate::progress::Job;
 pub struct ModelArgs {
     /// Fineness of the finite elements: coarse is quickest, fine for convergence studies [default: as the pair file says,
     /// normal]
-    #[arg(long, value_parser = PossibleValuesParser::new(["coarse", "normal", "fine"]).map(refinement))]
+    #[arg(long, value_parser = PossibleValuesParser::new(["coarse", "normal", "fine"]).try_map(|name| serde_json::from_value::<Refinement>(name.into())))]
     refinement: Option<Refinement>,
 
     /// Whether tip corners may touch outside the path of contact [default: as the pair file says, on]
@@ -33,7 +33,7 @@ pub struct ModelArgs {
 
     /// Hold the axial displacement: every slice by itself, as in a two-dimensional calculation
     #[arg(long)]
-    plane_strain: bool,
+    pub plane_strain: bool,
 
     /// Stations along the face [default: 40, for contact at run time 22, fewer where one would be shorter than the widest contact]
     #[arg(long, value_parser = limits::within(1..=MOST_STATIONS))]
@@ -65,7 +65,8 @@ const MOST_THREADS: usize = 1024;
 pub struct Model {
     pub solver: ContactSolver,
     pub description: String,
-    pub effort: Effort,
+    /// Seconds, and where the elastic models of both gears came from and are kept.
+    pub effort: String,
     pub compliance: Compliance,
 }
 
@@ -73,19 +74,7 @@ pub struct Model {
 pub struct Fillets {
     /// Maps from loads to the stress in the roots of gear 1 and gear 2.
     pub maps: [Arc<RootStress>; 2],
-    pub effort: Effort,
-}
-
-/// What making the models of both gears took: seconds, and where they came from and are kept.
-pub struct Effort {
-    seconds: f64,
-    origin: String,
-}
-
-impl std::fmt::Display for Effort {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:.3} s, {}", self.seconds, self.origin)
-    }
+    pub effort: String,
 }
 
 pub type Compliance = [Arc<dyn ToothCompliance>; 2];
@@ -98,22 +87,13 @@ impl ModelArgs {
         pair
     }
 
-    pub fn job(&self) -> Job {
-        Job::new(self.quiet)
-    }
-
-    /// Sets the number of threads. Once per run.
-    pub fn use_threads(&self) -> Result<(), Error> {
+    /// Begins the work, on the chosen number of threads. Once per run.
+    pub fn start(&self) -> Result<Job, Error> {
         if let Some(threads) = self.threads {
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build_global()?;
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.build_global()?;
         }
-        Ok(())
-    }
-
-    pub fn is_plane_strain(&self) -> bool {
-        self.plane_strain
+        Ok(Job::new(self.quiet))
     }
 
     /// The solver for `pair`, to which the command line has been applied, as part of `job`.
@@ -123,7 +103,7 @@ impl ModelArgs {
         let progress = progress(job, "elastic model");
         let settings = self.settings(pair);
         let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &progress)?;
-        let effort = Effort::new(begin, &models.origins, cache.as_ref());
+        let effort = effort(begin, &models.origins, cache.as_ref());
         let [first, second] = models.gears;
         let compliance: Compliance = [first, second];
         Ok(Model {
@@ -144,7 +124,7 @@ impl ModelArgs {
         let [(first, a), (second, b)] = models;
         Ok(Fillets {
             maps: [first, second],
-            effort: Effort::new(begin, &[a, b], cache.as_ref()),
+            effort: effort(begin, &[a, b], cache.as_ref()),
         })
     }
 
@@ -205,14 +185,6 @@ impl ModelArgs {
     }
 }
 
-fn refinement(name: String) -> Refinement {
-    match name.as_str() {
-        "coarse" => Refinement::Coarse,
-        "fine" => Refinement::Fine,
-        _ => Refinement::Normal,
-    }
-}
-
 /// Widens the operating range of `pair` to `torque` (N m) and the ranges of `misalignment` (rad) and `center_distance_offset` (m):
 /// it decides how wide a contact the elastic model resolves and how far tip corners are followed.
 pub fn widen(
@@ -241,36 +213,28 @@ fn progress(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
     }
 }
 
-impl Effort {
-    /// Of models with these origins, begun at `begin`. Says on standard error where the cache did not help: a result is right
-    /// without it, but it should not be slow in silence.
-    fn new(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> Effort {
-        let folder = cache.map_or(String::new(), |c| c.directory().display().to_string());
-        let [first, second] = origins.each_ref().map(|origin| match origin {
-            Origin::Loaded => format!("read from {folder}"),
-            Origin::Stored | Origin::Replaced(_) => format!("computed and kept in {folder}"),
-            Origin::Computed | Origin::NotStored(_) => "computed".to_owned(),
-        });
-        // Equal gears share one model.
-        let models = if origins[0] == origins[1] { 1 } else { 2 };
-        for origin in &origins[..models] {
-            match origin {
-                Origin::Replaced(why) => {
-                    eprintln!("gearmesh: note: finite-element model computed anew: {why}");
-                }
-                Origin::NotStored(why) => {
-                    eprintln!("gearmesh: note: finite-element model not kept: {why}");
-                }
-                Origin::Computed | Origin::Stored | Origin::Loaded => {}
-            }
-        }
-        let origin = match first == second {
-            true => first,
-            false => format!("gear 1 {first}, gear 2 {second}"),
+/// What making models with these origins took, begun at `begin`. Says on standard error where the cache did not help: a
+/// result is right without it, but it should not be slow in silence.
+fn effort(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> String {
+    // Equal gears share one model.
+    let models = if origins[0] == origins[1] { 1 } else { 2 };
+    for origin in &origins[..models] {
+        let what = match origin {
+            Origin::Replaced(why) => format!("computed anew: {why}"),
+            Origin::NotStored(why) => format!("not kept: {why}"),
+            Origin::Computed | Origin::Stored | Origin::Loaded => continue,
         };
-        Effort {
-            seconds: begin.elapsed().as_secs_f64(),
-            origin,
-        }
+        eprintln!("gearmesh: note: finite-element model {what}");
     }
+    let folder = cache.map_or(String::new(), |c| c.directory().display().to_string());
+    let words = origins.each_ref().map(|origin| match origin {
+        Origin::Loaded => format!("read from {folder}"),
+        Origin::Stored | Origin::Replaced(_) => format!("computed and kept in {folder}"),
+        Origin::Computed | Origin::NotStored(_) => "computed".to_owned(),
+    });
+    let words = match words {
+        [first, second] if first == second => first,
+        [first, second] => format!("gear 1 {first}, gear 2 {second}"),
+    };
+    format!("{:.3} s, {words}", begin.elapsed().as_secs_f64())
 }

@@ -21,7 +21,7 @@ pub struct Section {
     /// What it shows.
     pub note: String,
     pub text: String,
-    /// Rows of cells, the heads first.
+    /// Rows of cells, heads and units first.
     pub table: Vec<Vec<String>>,
     pub figures: Vec<Figure>,
 }
@@ -79,12 +79,11 @@ mod tests {
     #[test]
     fn a_name_cannot_break_out_of_the_page() {
         let mut section = Section::new("a & b", "\"c\"", vec![]).with_text("<u>".into());
-        section.table = vec![vec!["<i>".into()], vec!["1 < 2".into()]];
-        let page = Page {
-            title: "<script>".into(),
-            sections: vec![section],
-        };
-        let html = page.render().unwrap();
+        section.table = [["<i>"], [""], ["1 < 2"]]
+            .map(|row| row.map(Into::into).into())
+            .into();
+        let (title, sections) = ("<script>".into(), vec![section]);
+        let html = Page { title, sections }.render().unwrap();
         for tag in ["<script>", "<i>", "<u>"] {
             assert!(!html.contains(tag), "{html}");
         }

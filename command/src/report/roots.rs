@@ -1,47 +1,38 @@
 //! Stress in the tooth roots in pictures.
 
-use gearmesh_preprocessor::contact::{GearRoots, ToothRoot};
+use gearmesh_preprocessor::contact::GearRoots;
 
-use super::figure::{Curve, Figure, Height, Map};
+use super::curves::through_mesh;
+use super::figure::{Curve, Figure, Height, Map, charts};
 use super::page::Section;
-use crate::case::{Case, torque_in_words};
+use crate::case::Case;
 
 /// Stress of one tooth of either gear through the mesh for every case, and the fillets where it is largest at the torque
 /// `nominal`.
 pub fn roots(cases: &[Case], nominal: f64) -> Section {
-    let through_mesh = |i: usize| {
-        let curves = cases.iter().filter_map(|case| through_mesh(case, i));
-        Figure::lines(
-            &format!("Root stress of gear {}", i + 1),
-            ["mesh position of the tooth", "root stress (MPa)"],
-            Height::FromZero(0.0),
-            curves.collect(),
-        )
+    let curve = |case: &Case, i: usize| -> Option<Curve> {
+        let teeth = case.roots.as_ref()?[i].teeth.iter();
+        let stresses = teeth.map(|t| (t.position, t.tooth_pair, 1e-6 * t.largest.stress));
+        Some(through_mesh(case, stresses))
     };
-    let mut figures: Vec<Figure> = (0..2).map(through_mesh).collect();
+    let curves = |i| cases.iter().filter_map(|case| curve(case, i)).collect();
+    let labels = ["mesh position of the tooth", "root stress (MPa)"];
+    let mut figures = charts! {
+        "Root stress of gear 1", labels, Height::FromZero(0.0) => curves(0);
+        "Root stress of gear 2", labels, Height::FromZero(0.0) => curves(1);
+    };
     let nominal = cases.iter().find(|case| case.input.torque == nominal);
     let gears = nominal.and_then(|case| case.roots.as_ref());
     for (i, gear) in gears.into_iter().flatten().enumerate() {
         let title = format!("Fillet of gear {} at the largest root stress", i + 1);
-        figures.extend(fillet(gear).map(|map| Figure::map(title, map)));
+        let labels = ["z (mm)", "tangent (deg)", "root stress (MPa)"];
+        figures.extend(fillet(gear).map(|map| Figure::map(title, labels, map)));
     }
     let note = "Largest principal stress in the fillet of one tooth of either gear on its way through the mesh, from finite elements; at 0 its \
                 tooth pair touches at the pitch point at mid-face. Fillets: over the face and over the angle of the fillet's tangent \
                 with the tooth's centre line (90 degrees: root circle), at the nominal torque and the mesh position where the stress is \
                 largest.";
     Section::new("Tooth root stress", note, figures)
-}
-
-/// One tooth of gear `i` through the mesh: pair k at position tau is pair 0 at tau + k.
-fn through_mesh(case: &Case, i: usize) -> Option<Curve> {
-    let teeth = case.roots.as_ref()?[i].teeth.iter();
-    let point = |tooth: &ToothRoot| {
-        let tau = case.cycle.mesh_position[tooth.position] + f64::from(tooth.tooth_pair);
-        (tau, 1e-6 * tooth.largest.stress)
-    };
-    let mut points: Vec<(f64, f64)> = teeth.map(point).collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Some(Curve::new(torque_in_words(case.input.torque), points))
 }
 
 /// None without load.
@@ -52,10 +43,8 @@ fn fillet(gear: &GearRoots) -> Option<Map> {
     let tangents = rows[0].iter().map(|point| point.tangent.to_degrees());
     let tangents: Vec<f64> = tangents.collect();
     let along_face = |k: usize| rows.iter().map(move |row| 1e-6 * row[k].stress);
-    Some(Map::on_nodes(
-        ["z (mm)", "tangent (deg)", "root stress (MPa)"],
-        [&z, &tangents],
-        (0..tangents.len()).flat_map(along_face),
-        top,
-    ))
+    let values = (0..tangents.len()).flat_map(along_face);
+    let map = Map::on_nodes([&z, &tangents], values, top);
+    // The outermost nodes lie on the faces.
+    Some(map.cut(z[0], z[z.len() - 1]))
 }

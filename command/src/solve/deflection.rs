@@ -56,15 +56,10 @@ fn curve(path: &Path) -> Result<Deflection, Error> {
         .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
     let mut points = Vec::new();
     for row in reader.deserialize() {
-        let row: Row = row?;
-        let closing = limits::check(Some(row.closing_um), &(-LARGEST_UM..=LARGEST_UM));
-        closing.map_err(|e| {
-            format!(
-                "closing_um = {} at z_mm = {}: {e}",
-                row.closing_um, row.z_mm
-            )
-        })?;
-        points.push([row.z_mm * 1e-3, row.closing_um * 1e-6]);
+        let Row { z_mm, closing_um } = row?;
+        limits::check(Some(closing_um), &(-LARGEST_UM..=LARGEST_UM))
+            .map_err(|e| format!("closing_um = {closing_um} at z_mm = {z_mm}: {e}"))?;
+        points.push([z_mm * 1e-3, closing_um * 1e-6]);
     }
     Ok(Deflection::new(points)?)
 }

@@ -16,11 +16,12 @@ use gearmesh_preprocessor::pair;
 use serde_json::json;
 
 use crate::Error;
-use crate::case::{Case, summary};
+use crate::case::{Case, load_matrix, summary};
 use crate::columns::Column;
 use crate::limits;
 use crate::model::{Fillets, Model, ModelArgs, widen};
 use crate::output::{self, Listing, rows};
+use crate::progress::Job;
 use deflection::DeflectionArgs;
 
 /// Solve the static contact over the mesh cycle, for one load or for every torque with every misalignment.
@@ -90,9 +91,10 @@ fn torque(text: &str) -> Result<f64, String> {
 }
 
 fn flank(name: String) -> Flank {
-    match name.as_str() {
-        "coast" => Flank::Coast,
-        _ => Flank::Drive,
+    if name == "coast" {
+        Flank::Coast
+    } else {
+        Flank::Drive
     }
 }
 
@@ -125,8 +127,8 @@ impl Solve {
             let tilts = [load.misalignment - bent, load.misalignment + bent];
             widen(&mut pair, load.torque, tilts, [offset; 2]);
         }
-        self.model.use_threads()?;
-        let solved = self.solve(pair, &loads, deflection.as_ref())?;
+        let job = self.model.start()?;
+        let solved = self.solve(pair, &loads, deflection.as_ref(), &job)?;
         let solver = &solved.model.solver;
         if let Some(folder) = &self.output {
             results::write(folder, solver, &solved.cases)?;
@@ -137,38 +139,32 @@ impl Solve {
                 [case] => json(case).into(),
                 cases => json!({ "cases": cases.iter().map(json).collect::<Vec<_>>() }),
             };
-            serde_json::to_string_pretty(&json)? + "\n"
+            format!("{json:#}\n")
         } else {
             text::text(&solved, &self.speed_rpm)
         };
         if self.estimate_error {
             let other = ModelArgs::reference(&solved.pair);
-            let other = self.solve(other, &loads, deflection.as_ref())?;
+            let other = self.solve(other, &loads, deflection.as_ref(), &job)?;
             text += &difference(&solved, &other);
         }
+        drop(job);
         output::print(&text)?;
         Ok(())
     }
 
     /// Every torque with every misalignment.
     fn loads(&self, pair: &Pair) -> Result<Vec<LoadCase>, Error> {
-        let nominal = [pair.operating.nominal_torque];
-        let torques = match &self.torque_nm[..] {
-            [] => &nominal[..],
-            given => given,
-        };
+        let mut torques = self.torque_nm.clone();
+        if torques.is_empty() {
+            torques.push(pair.operating.nominal_torque);
+        }
         let count = torques.len() * self.misalignment_mrad.len();
         // More results would not fit into memory.
         limits::check(Some(count), &(1..=10_000))
             .map_err(|error| format!("torques times misalignments = {count}: {error}"))?;
-        let at_torque = |&torque| {
-            let misalignments = self.misalignment_mrad.iter();
-            misalignments.map(move |mrad| LoadCase {
-                torque,
-                misalignment: mrad * 1e-3,
-            })
-        };
-        Ok(torques.iter().flat_map(at_torque).collect())
+        let misalignments = self.misalignment_mrad.iter().map(|mrad| mrad * 1e-3);
+        Ok(load_matrix(&torques, &misalignments.collect::<Vec<_>>()))
     }
 
     /// A cycle of `pair` for each of `loads`, with the stress in the roots where it is asked for.
@@ -177,9 +173,9 @@ impl Solve {
         pair: Pair,
         loads: &[LoadCase],
         deflection: Option<&Deflection>,
+        job: &Job,
     ) -> Result<Solved, Error> {
-        let job = self.model.job();
-        let mut model = self.model.solver(&pair, &job)?;
+        let mut model = self.model.solver(&pair, job)?;
         if let Some(deflection) = deflection {
             model.solver = model.solver.with_deflection(deflection.clone());
         }
@@ -192,10 +188,10 @@ impl Solve {
         };
         let progress = |share| job.tell("static contact", share);
         let mut cases = Case::solve_all(&model.solver, &input, loads, &progress)?;
-        let fillets = match self.root_stress {
-            true => Some(self.model.fillets(&pair, self.flank, &job)?),
-            false => None,
-        };
+        let fillets = self
+            .root_stress
+            .then(|| self.model.fillets(&pair, self.flank, job));
+        let fillets = fillets.transpose()?;
         for case in &mut cases {
             case.solve_roots(&model.solver, fillets.as_ref())?;
         }
@@ -218,14 +214,13 @@ fn difference(solved: &Solved, other: &Solved) -> String {
         columns.extend(text::largest_root_stress());
     }
     for column in &columns {
-        let Some(text) = &column.text else { continue };
         let both = solved.cases.iter().zip(&other.cases);
         let shares = both.filter_map(|(a, b)| share(column, a, b));
         let worst = shares.max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        let words = worst.map_or("none to tell: it is zero".into(), |worst| {
+        let words = worst.map_or("none to give: it is zero".into(), |worst| {
             format!("{:+.2} %", 100.0 * worst)
         });
-        rows.row(&text.head, words);
+        rows.row(&column.head, words);
     }
     rows! { rows; "time for its elastic model" => "{}", model.effort; }
     if let Some(f) = &other.fillets {

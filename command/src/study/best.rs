@@ -44,19 +44,22 @@ pub struct Measure {
 impl BestArgs {
     /// # Errors
     /// A result that there is not; weights that do not fit `torques`.
-    pub fn measure(&self, outcomes: &[Outcome], torques: &[f64]) -> Result<Measure, Error> {
-        let names = || outcomes.iter().map(|outcome| outcome.name);
-        let result = names().position(|name| name == self.best).ok_or_else(|| {
-            let names = names().collect::<Vec<_>>().join(", ");
-            format!(
-                "--best = {}: no result of this study; give one of {names}",
-                self.best
-            )
-        })?;
-        let weights = match &self.weights[..] {
-            [] => vec![1.0; torques.len()],
-            given => given.to_vec(),
+    pub fn measure(
+        &self,
+        outcomes: &[Outcome<'static>],
+        torques: &[f64],
+    ) -> Result<Measure, Error> {
+        let names: Vec<&str> = outcomes.iter().map(|o| o.name.as_str()).collect();
+        let Some(result) = names.iter().position(|name| *name == self.best) else {
+            let (best, names) = (&self.best, names.join(", "));
+            return Err(
+                format!("--best = {best}: no result of this study; give one of {names}").into(),
+            );
         };
+        let mut weights = self.weights.clone();
+        if weights.is_empty() {
+            weights.resize(torques.len(), 1.0);
+        }
         let sum: f64 = weights.iter().sum();
         if weights.len() != torques.len() || sum == 0.0 {
             return Err(format!(
@@ -71,10 +74,9 @@ impl BestArgs {
             Judged::Mean => "mean of the samples",
             Judged::Worst => "worst of the samples",
         };
-        let over = if torques.len() > 1 {
-            ", weighted over the torques"
-        } else {
-            ""
+        let over = match torques {
+            [_] => "",
+            _ => ", weighted over the torques",
         };
         Ok(Measure {
             result,
@@ -90,12 +92,12 @@ impl Measure {
     pub fn of(&self, done: &[Sample], point: usize) -> Option<f64> {
         let samples = done.iter().filter(|s| s.point == point);
         let samples = samples.filter(|s| s.number == 0 || self.judged != Judged::Drawn);
-        let of_sample = |sample: &Sample| {
+        let measure = |sample: &Sample| -> Option<f64> {
             let torques = self.weights.iter().enumerate();
             let results = torques.map(|(t, weight)| Some(weight * sample.result(t, self.result)?));
-            results.sum::<Option<f64>>()
+            results.sum()
         };
-        let all: Vec<f64> = samples.map(of_sample).collect::<Option<_>>()?;
+        let all: Vec<f64> = samples.map(measure).collect::<Option<_>>()?;
         match self.judged {
             Judged::Mean => Some(all.iter().sum::<f64>() / all.len() as f64),
             _ => all.into_iter().reduce(f64::max),
@@ -151,12 +153,9 @@ mod tests {
             fields: vec![],
             outcome: Ok(results.map(|result| vec![9.0, result]).into()),
         };
-        let mut done = vec![
-            sample(0, [1.0, 2.0]),
-            sample(1, [5.0, 2.0]),
-            sample(2, [3.0, 4.0]),
-        ];
-        let of = |done: &[Sample], judged| {
+        let results = [[1.0, 2.0], [5.0, 2.0], [3.0, 4.0]];
+        let mut done = [0, 1, 2].map(|number| sample(number, results[number]));
+        let value = |done: &[Sample], judged| {
             let measure = Measure {
                 result: 1,
                 weights: vec![0.25, 0.75],
@@ -165,11 +164,11 @@ mod tests {
             };
             measure.of(done, 3)
         };
-        assert_eq!(of(&done, Judged::Drawn), Some(1.75));
-        assert_eq!(of(&done, Judged::Worst), Some(3.75));
-        assert_eq!(of(&done, Judged::Mean), Some((1.75 + 2.75 + 3.75) / 3.0));
+        assert_eq!(value(&done, Judged::Drawn), Some(1.75));
+        assert_eq!(value(&done, Judged::Worst), Some(3.75));
+        assert_eq!(value(&done, Judged::Mean), Some((1.75 + 2.75 + 3.75) / 3.0));
         done[2].outcome = Err("refused".into());
-        assert_eq!(of(&done, Judged::Worst), None);
-        assert_eq!(of(&done, Judged::Drawn), Some(1.75));
+        assert_eq!(value(&done, Judged::Worst), None);
+        assert_eq!(value(&done, Judged::Drawn), Some(1.75));
     }
 }

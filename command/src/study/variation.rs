@@ -149,9 +149,13 @@ impl Plan {
                 plan.add(field, [about - um, about + um], None)?;
             }
         }
-        let all = plan.grid.iter().chain(&plan.drawn);
-        for field in all.flat_map(Variation::fields) {
-            if plan.fields.iter().all(|(known, _)| known != field) {
+        for field in plan
+            .grid
+            .iter()
+            .chain(&plan.drawn)
+            .flat_map(Variation::fields)
+        {
+            if !plan.fields.iter().any(|(known, _)| known == field) {
                 plan.fields.push((field.into(), as_drawn(field)));
             }
         }
@@ -185,6 +189,11 @@ impl Plan {
             points,
         });
         Ok(())
+    }
+
+    /// What is varied, the grid first.
+    pub fn all(&self) -> impl Iterator<Item = &Variation> {
+        self.grid.iter().chain(&self.drawn)
     }
 
     pub fn is_varied(&self, field: &str) -> bool {

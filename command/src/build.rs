@@ -44,8 +44,8 @@ impl Build {
         let made = tables::compute(&self.pair, output, &grid, contact, &self.model)?;
         let contact = made.contact.as_ref();
         let packed = pack::pack_tables(&made.file, contact, &libraries, set, output)?;
-        let packed = pack::in_words(&packed, output, &format!("; {}", made.text));
-        print(&format!("Wrote {packed}"))?;
+        let words = pack::in_words(&packed, output, &format!("; {}", made.text));
+        print(&format!("Wrote {words}"))?;
         Ok(())
     }
 }

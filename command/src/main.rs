@@ -3,13 +3,18 @@
 //! One file per subcommand. Results go to standard output, progress and errors to standard error,
 //! and the exit status is 0 only when the whole thing was done.
 
-mod accuracy;
+/// Ends a function with an error in these words.
+macro_rules! refuse {
+    ($($words:tt)*) => {
+        return Err(format!($($words)*).into())
+    };
+}
+
 mod build;
 mod cache;
 mod case;
 mod columns;
 mod cost;
-mod drawing;
 mod flank_summary;
 mod import;
 mod inspect;
@@ -19,7 +24,6 @@ mod new;
 mod output;
 mod pack;
 mod pair_summary;
-mod preflight;
 mod progress;
 mod report;
 mod rexs;

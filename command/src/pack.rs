@@ -53,16 +53,13 @@ impl Pack {
         let packed = if let Some(tables) = &self.tables {
             let text = output::read_text(tables)?;
             let file = TableFile::from_json(&text).map_err(|error| {
-                let hint = if is_tables(&text) {
-                    ""
-                } else {
-                    "; a pair file is packed by `--pair`"
-                };
-                format!(
-                    "--tables = {}: {}{hint}",
-                    tables.display(),
-                    output::chain(&error)
-                )
+                let (tables, error) = (tables.display(), output::chain(&error));
+                match is_tables(&text) {
+                    true => format!("--tables = {tables}: {error}"),
+                    false => {
+                        format!("--tables = {tables}: {error}; a pair file is packed by `--pair`")
+                    }
+                }
             })?;
             pack_tables(&file, None, &libraries, set, path)?
         } else {
@@ -95,13 +92,13 @@ pub fn in_words(packed: &Packed, path: &Path, more: &str) -> String {
         return words;
     };
     let platform = only.split(' ').next().unwrap_or(only);
-    let other = match platform {
-        "win64" => "Linux",
-        _ => "Windows",
+    let other = if platform == "win64" {
+        "Linux"
+    } else {
+        "Windows"
     };
     format!(
-        "{words}{platform} only: for {other} as well, give the libraries of a release, \
-         --library libgearmesh.so --library gearmesh.dll\n"
+        "{words}{platform} only: for {other} as well, give the libraries of a release, --library libgearmesh.so --library gearmesh.dll\n"
     )
 }
 
@@ -128,8 +125,6 @@ pub fn libraries(paths: &[PathBuf]) -> Result<Vec<Library>, crate::Error> {
     if paths.is_empty() {
         return Ok(package::libraries_beside(&std::env::current_exe()?)?);
     }
-    Ok(paths
-        .iter()
-        .map(|path| Library::read(path))
-        .collect::<Result<_, _>>()?)
+    let libraries = paths.iter().map(|path| Library::read(path));
+    Ok(libraries.collect::<Result<_, _>>()?)
 }

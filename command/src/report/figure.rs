@@ -124,12 +124,13 @@ struct Cell {
 fn cells(nodes: &[f64]) -> Vec<Cell> {
     let last = nodes.len() - 1;
     let step = |i: usize| nodes.get(i + 1).map_or(1.0, |next| next - nodes[i]);
-    let cell = |(i, &node): (usize, &f64)| Cell {
-        node,
-        ends: [
-            node - 0.5 * step(i.saturating_sub(1)),
-            node + 0.5 * step(i.min(last.saturating_sub(1))),
-        ],
+    let cell = |(i, node): (usize, &f64)| {
+        let low = node - 0.5 * step(i.saturating_sub(1));
+        let high = node + 0.5 * step(i.min(last.saturating_sub(1)));
+        Cell {
+            node: 0.5 * (low + high),
+            ends: [low, high],
+        }
     };
     nodes.iter().enumerate().map(cell).collect()
 }

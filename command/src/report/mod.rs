@@ -5,7 +5,6 @@ mod draw;
 pub mod figure;
 mod flank;
 pub mod page;
-mod roots;
 mod variant;
 
 use std::path::{Path, PathBuf};
@@ -177,7 +176,7 @@ impl Report {
         sections.push(curves::losses(&pair, solver, loads)?);
         sections.extend(flank::carried(&pair, &aligned, &nominal[0], &nominal[1..]));
         if self.root_stress {
-            sections.push(roots::roots(&aligned, loads.nominal));
+            sections.push(flank::roots(&aligned, loads.nominal));
         }
         Ok((model.description, sections))
     }
@@ -186,10 +185,9 @@ impl Report {
         let file = TableFile::read(path)?;
         let [path, own] = [path, &self.pair].map(Path::display);
         if file.geometry != pair.geometry {
-            return Err(format!(
+            refuse!(
                 "--tables = {path}: made for another gear geometry than {own}; name this pair's tables"
-            )
-            .into());
+            );
         }
         Ok(Section::new("Tables", path.to_string(), vec![]).with_text(file.size_and_error()))
     }

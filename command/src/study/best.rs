@@ -49,12 +49,10 @@ impl BestArgs {
         outcomes: &[Outcome<'static>],
         torques: &[f64],
     ) -> Result<Measure, Error> {
-        let names: Vec<&str> = outcomes.iter().map(|o| o.name.as_str()).collect();
+        let names: Vec<&str> = outcomes.iter().map(|o| &*o.name).collect();
         let Some(result) = names.iter().position(|name| *name == self.best) else {
             let (best, names) = (&self.best, names.join(", "));
-            return Err(
-                format!("--best = {best}: no result of this study; give one of {names}").into(),
-            );
+            refuse!("--best = {best}: no result of this study; give one of {names}");
         };
         let mut weights = self.weights.clone();
         if weights.is_empty() {
@@ -62,12 +60,11 @@ impl BestArgs {
         }
         let sum: f64 = weights.iter().sum();
         if weights.len() != torques.len() || sum == 0.0 {
-            return Err(format!(
+            refuse!(
                 "--weights: {} for {} torques with the sum {sum}; give one for each torque, not all 0",
                 weights.len(),
                 torques.len()
-            )
-            .into());
+            );
         }
         let judged = match self.judged_by {
             Judged::Drawn => "of the point itself",

@@ -39,9 +39,6 @@ const MOST_CYCLES: usize = 1_000_000;
 /// What can be varied beside fields of the pair file.
 const LOADS: &str = "torque_nm, misalignment_mrad or center_distance_offset_um";
 
-const TWO_TORQUES: &str =
-    "--torques-nm: torque_nm is varied, too; give one torque, or vary something else";
-
 /// Solve the mesh cycle of a pair on a grid of modifications, and of samples within tolerances.
 ///
 /// A grid has every combination of its values, and its best point is written as a pair file. Every sample is the same
@@ -148,7 +145,9 @@ impl Study {
         let plan = Plan::new(&self.vary, self.iso_1328_class, &draft, &pair, torques[0])?;
         check(&plan, &draft, &pair)?;
         if plan.is_varied("torque_nm") && torques.len() > 1 {
-            return Err(TWO_TORQUES.into());
+            refuse!(
+                "--torques-nm: torque_nm is varied, too; give one torque, or vary something else"
+            );
         }
         let samples = match (plan.drawn.is_empty(), self.samples) {
             (true, _) => 0,
@@ -157,9 +156,8 @@ impl Study {
             _ => 20,
         };
         let points = plan.points();
-        let count = (points + 1)
-            .saturating_mul(samples + 1)
-            .saturating_mul(torques.len());
+        let cycles = [samples + 1, torques.len()].into_iter();
+        let count = cycles.fold(points + 1, usize::saturating_mul);
         limits::check(Some(count), &(1..=MOST_CYCLES)).map_err(|e| {
             format!("points of the grid times samples times torques = {count}: {e}")
         })?;
@@ -298,13 +296,12 @@ fn is_begun(summary: &Path, identity: &str) -> Result<bool, Error> {
     let place = summary.display();
     let found: serde_json::Value = serde_json::from_str(&output::read_text(summary)?)
         .map_err(|error| format!("{place}: {error}; begin anew with --restart"))?;
-    if found["identity"] == identity {
-        return Ok(true);
+    if found["identity"] != identity {
+        refuse!(
+            "{place}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with --restart"
+        );
     }
-    Err(format!(
-        "{place}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with --restart"
-    )
-    .into())
+    Ok(true)
 }
 
 fn write_json(path: &Path, summary: &Summary) -> Result<(), Error> {
@@ -359,25 +356,25 @@ fn check(plan: &Plan, draft: &PairDraft, pair: &Pair) -> Result<(), Error> {
             }
             let found = changed.pair().map_err(|e| format!("--vary {field}: {e}"))?;
             if found.teeth != pair.teeth {
-                return Err(format!(
+                refuse!(
                     "--vary {field}: a study takes all teeth as alike, so that it would change nothing; vary what all teeth have, \
                      {LOADS}"
-                ).into());
+                );
             }
             if found.geometry != pair.geometry {
-                return Err(format!(
+                refuse!(
                     "--vary {field}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
                      its own; vary modifications, {LOADS}"
-                ).into());
+                );
             }
             flanks.push(found.microgeometry.flank(FLANK).clone());
         }
         acts |= flanks.iter().any(|flank| *flank != flanks[0]);
         if !acts {
-            return Err(format!(
+            refuse!(
                 "--vary {field}: no result of a study depends on it, which takes the drive flank at the torque, misalignment and \
                  centre distance of the command line; vary modifications of that flank, {LOADS}"
-            ).into());
+            );
         }
     }
     Ok(())
@@ -441,13 +438,13 @@ fn spread(done: &[Sample], point: usize, table: &Table) -> Result<Vec<Statistics
     let drawn = all().find(|s| s.number == 0);
     let drawn = drawn.ok_or("the pair as drawn was not solved; begin anew with --restart")?;
     if let Err(error) = &drawn.outcome {
-        return Err(format!("the pair as drawn: {error}").into());
+        refuse!("the pair as drawn: {error}");
     }
     let is_drawn = all().any(|s| s.number > 0);
     let solved = all().filter(|s| s.outcome.is_ok() && (s.number > 0) == is_drawn);
     let solved: Vec<&Sample> = solved.collect();
     if solved.is_empty() {
-        return Err("no sample could be solved; samples.csv says why".into());
+        refuse!("no sample could be solved; samples.csv says why");
     }
     let mut all = Vec::new();
     for (t, &torque) in table.torques.iter().enumerate() {

@@ -40,19 +40,20 @@ impl FromStr for Requested {
         let (fields, range) = text.split_once('=').ok_or_else(wrong)?;
         let fields = fields.replace(' ', "");
         let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
-        let range = match (tolerance, range.split_once("..")) {
-            (Some(tolerance), _) => Range::About(number(tolerance)?.abs()),
-            (None, None) => return Err(wrong()),
-            (None, Some((low, high))) => match high.split_once('/') {
-                None => Range::Between([number(low)?, number(high)?]),
-                Some((high, points)) => {
-                    let points = points.trim().parse().ok();
-                    let points = points
-                        .filter(|n| (2..=1000).contains(n))
-                        .ok_or_else(wrong)?;
-                    Range::Grid([number(low)?, number(high)?], points)
-                }
-            },
+        let range = if let Some(tolerance) = tolerance {
+            Range::About(number(tolerance)?.abs())
+        } else {
+            let (low, high) = range.split_once("..").ok_or_else(wrong)?;
+            let (high, points) = match high.split_once('/') {
+                Some((high, points)) => (high, Some(points)),
+                None => (high, None),
+            };
+            let ends = [number(low)?, number(high)?];
+            match points.map(|points| points.trim().parse()) {
+                None => Range::Between(ends),
+                Some(Ok(points @ 2..=1000)) => Range::Grid(ends, points),
+                Some(_) => return Err(wrong()),
+            }
         };
         let is_ordered = match range {
             Range::Between([low, high]) | Range::Grid([low, high], _) => low <= high,
@@ -93,7 +94,7 @@ impl Variation {
 }
 
 /// All that is varied.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plan {
     pub grid: Vec<Variation>,
     /// Drawn within intervals; about a point of the grid where the field is on it, too.
@@ -115,11 +116,7 @@ impl Plan {
         pair: &Pair,
         torque: f64,
     ) -> Result<Plan, Error> {
-        let mut plan = Plan {
-            grid: vec![],
-            drawn: vec![],
-            fields: vec![],
-        };
+        let mut plan = Plan::default();
         let as_drawn = |field: &str| match field {
             "torque_nm" => torque,
             _ => draft.number(field).unwrap_or(0.0),
@@ -160,32 +157,25 @@ impl Plan {
             }
         }
         if plan.fields.is_empty() {
-            return Err(
-                "nothing is varied: name fields with --vary, or a class with --iso-1328-class"
-                    .into(),
-            );
+            refuse!("nothing is varied: name fields with --vary, or a class with --iso-1328-class");
         }
         Ok(plan)
     }
 
-    fn add(
-        &mut self,
-        field: String,
-        [low, high]: [f64; 2],
-        points: Option<usize>,
-    ) -> Result<(), Error> {
+    fn add(&mut self, field: String, ends: [f64; 2], points: Option<usize>) -> Result<(), Error> {
         let all = match points {
             Some(_) => &mut self.grid,
             None => &mut self.drawn,
         };
         let is_known = |field: &&str| all.iter().any(|v| v.fields().any(|known| known == *field));
         if let Some(twice) = field.split(',').find(is_known) {
-            return Err(format!("`{twice}` is varied twice; leave one out").into());
+            refuse!("`{twice}` is varied twice; leave one out");
         }
+        let [low, high] = ends.map(rounded);
         all.push(Variation {
             field,
-            low: rounded(low),
-            high: rounded(high),
+            low,
+            high,
             points,
         });
         Ok(())
@@ -209,13 +199,15 @@ impl Plan {
     /// Number of the value of each axis of the grid at `point`, from 1.
     pub fn indices(&self, point: usize) -> Vec<usize> {
         let mut rest = point - 1;
-        let points = self.grid.iter().filter_map(|axis| axis.points);
-        points
-            .map(|points| {
-                let i = rest % points;
-                rest /= points;
-                i
-            })
+        let index = |points: usize| {
+            let i = rest % points;
+            rest /= points;
+            i
+        };
+        self.grid
+            .iter()
+            .filter_map(|axis| axis.points)
+            .map(index)
             .collect()
     }
 
@@ -252,10 +244,8 @@ fn draw(variations: &[Variation], seed: u64, number: usize) -> Vec<f64> {
         x ^ (x >> 31)
     };
     let mut random = Random::new(mix(mix(seed) ^ number as u64).max(1));
-    let variations = variations.iter();
-    variations
-        .map(|v| rounded(random.within([v.low, v.high])))
-        .collect()
+    let value = |v: &Variation| rounded(random.within([v.low, v.high]));
+    variations.iter().map(value).collect()
 }
 
 #[cfg(test)]
@@ -264,23 +254,16 @@ mod tests {
 
     #[test]
     fn intervals_tolerances_and_grids_are_read_and_anything_else_is_refused() {
-        let of = |text: &str| text.parse::<Requested>().unwrap().range;
-        assert_eq!(of("a.b_um=-1..2"), Range::Between([-1.0, 2.0]));
-        assert_eq!(of("a=+-8"), Range::About(8.0));
-        assert_eq!(of("a=±0.5"), Range::About(0.5));
-        assert_eq!(of("a, b=1..3/5"), Range::Grid([1.0, 3.0], 5));
-        for wrong in [
-            "a",
-            "a=1",
-            "a=2..1",
-            "a=x..1",
-            "=1..2",
-            "a=+-nan",
-            "a=0..inf",
-            "a=0..1/1",
-            "a,b=0..1",
-            "a,=0..1/3",
+        for (text, range) in [
+            ("a.b_um=-1..2", Range::Between([-1.0, 2.0])),
+            ("a=+-8", Range::About(8.0)),
+            ("a=±0.5", Range::About(0.5)),
+            ("a, b=1..3/5", Range::Grid([1.0, 3.0], 5)),
         ] {
+            assert_eq!(text.parse::<Requested>().unwrap().range, range);
+        }
+        let wrong = "a|a=1|a=2..1|a=x..1|=1..2|a=+-nan|a=0..inf|a=0..1/1|a,b=0..1|a,=0..1/3";
+        for wrong in wrong.split('|') {
             assert!(wrong.parse::<Requested>().is_err(), "{wrong}");
         }
     }

@@ -16,13 +16,12 @@ use gearmesh_preprocessor::table::{Coverage, SolveQuality, WatchedSolver, tilt};
 use serde_json::{Value, json};
 
 use crate::Error;
-use crate::accuracy;
 use crate::flank_summary::modifications;
+use crate::inspect::run_time_error;
 use crate::model::{Model, ModelArgs};
 use crate::output::{self, Listing};
 use crate::pair_summary::at_build;
-use crate::preflight::{corners, preflight};
-use sweeps::Sweeps;
+use sweeps::{Sweeps, corners, preflight};
 
 /// Error of the force, rms over the nominal one, from which on tooth pairs one by one are warned of: several times that of
 /// the shipped pairs.
@@ -112,7 +111,9 @@ pub fn compute(
 ) -> Result<Made, Error> {
     // `--set rootStress=true` asks for it, too, and is no option that conflicts with another.
     if grid.root_stress && args.plane_strain {
-        return Err("--plane-strain has no stress in the tooth roots; leave out `rootStress` or --plane-strain".into());
+        refuse!(
+            "--plane-strain has no stress in the tooth roots; leave out `rootStress` or --plane-strain"
+        );
     }
     let pair = args.applied_to(pair::read(path)?);
     if grid.teeth {
@@ -183,7 +184,7 @@ pub fn compute(
     let mut contact = at_run_time.filter(|_| contact);
     if let Some(contact) = &mut contact {
         contact.error = Some(sweeps.error_at_run_time(contact)?);
-        let error = accuracy::at_run_time(contact.error.as_ref());
+        let error = run_time_error(contact.error.as_ref());
         lines.push(format!("contact at run time: {error}"));
     }
     if let Some(note) = pair::note_on_teeth(&pair.teeth) {

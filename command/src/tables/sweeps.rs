@@ -1,14 +1,17 @@
-//! What a tables file is made of: grids of the flanks, sliding, root stress, tooth pairs.
+//! What a tables file is made of: grids of the flanks, sliding, root stress, tooth pairs; before them, whether the contact can
+//! be solved at the corners of the operating range.
 
 use std::sync::atomic::AtomicBool;
 
 use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
+use gearmesh::pair::{Pair, Refinement};
+
 use gearmesh::table::{
     Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSamples,
     RootStressRecord, TeethRecord,
 };
+use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
 use gearmesh_preprocessor::table::{
     Coverage, RootStressSweep, TeethSweep, Watch, WatchedSolver, default_axes,
     default_root_stress_axes, default_sliding_axes, default_teeth_axes, measure,
@@ -18,6 +21,9 @@ use gearmesh_preprocessor::table::{
 use crate::Error;
 use crate::model::{Model, ModelArgs};
 use crate::progress::Job;
+
+/// Positions of the mesh cycle at which every corner is solved.
+const POSITIONS: usize = 16;
 
 /// Random operating points at which the default grid is measured.
 const HELD_OUT_POINTS: usize = 1000;
@@ -78,16 +84,9 @@ impl Sweeps<'_> {
         let table = FlankTable::new(&grid, Interpolation::Spline)?;
         let geometry = &self.pair.geometry;
         let error = self.watched("error of the tables", |watch| {
-            let points = HELD_OUT_POINTS;
-            Ok(measure(
-                solver,
-                geometry,
-                flank,
-                self.coverage,
-                &table,
-                points,
-                watch,
-            )?)
+            let (coverage, points) = (self.coverage, HELD_OUT_POINTS);
+            let error = measure(solver, geometry, flank, coverage, &table, points, watch);
+            Ok(error?)
         })?;
         Ok((grid, error))
     }
@@ -165,9 +164,8 @@ impl Sweeps<'_> {
         let of_flank = |flank| {
             self.watched("error of contact at run time", |watch| {
                 let points = RUN_TIME_POINTS;
-                Ok(measure_at_run_time(
-                    &solver, contact, flank, &coverage, points, watch,
-                )?)
+                let error = measure_at_run_time(&solver, contact, flank, &coverage, points, watch);
+                Ok(error?)
             })
         };
         let error = of_flank(Flank::Drive)?;
@@ -210,13 +208,59 @@ impl Sweeps<'_> {
 
 /// Refuses tables that miss the error asked for.
 fn within(max_error: Option<f64>, found: &InterpolationError) -> Result<(), Error> {
-    match max_error {
-        Some(error) if found.force_rms > error => Err(format!(
-            "--max-error = {error}: the best grid has an rms error of {:.5}; ask for no less, or narrow \
-             the ranges of the pair file",
+    if let Some(error) = max_error.filter(|error| found.force_rms > *error) {
+        refuse!(
+            "--max-error = {error}: the best grid has an rms error of {:.5}; ask for no less, or narrow the ranges of the pair file",
             found.force_rms
-        )
-        .into()),
-        _ => Ok(()),
+        );
     }
+    Ok(())
+}
+
+/// Refuses what cannot be solved at a corner of `coverage`, on the coarse model, which takes seconds, where that of `pair` is
+/// still to be computed.
+pub fn preflight(
+    pair: &Pair,
+    args: &ModelArgs,
+    coverage: &Coverage,
+    job: &Job,
+) -> Result<(), Error> {
+    if pair.refinement == Refinement::Coarse || args.are_kept(pair)? {
+        return Ok(());
+    }
+    let coarse = Pair {
+        refinement: Refinement::Coarse,
+        ..pair.clone()
+    };
+    corners(&args.solver(&coarse, job)?.solver, pair, coverage)
+}
+
+/// Solves under the largest torque at the corners of `coverage` and at its nominal state.
+pub fn corners(solver: &ContactSolver, pair: &Pair, coverage: &Coverage) -> Result<(), Error> {
+    let with_nominal =
+        |range: Option<[f64; 2]>| [0.0].into_iter().chain(range.into_iter().flatten());
+    let loads = with_nominal(coverage.misalignment).map(|misalignment| LoadCase {
+        torque: coverage.maximum_torque,
+        misalignment,
+    });
+    let loads: Vec<LoadCase> = loads.collect();
+    let flanks: &[Flank] = match pair.coast_mirrors_drive() {
+        true => &[Flank::Drive],
+        false => &[Flank::Drive, Flank::Coast],
+    };
+    for &flank in flanks {
+        for center_distance_offset in with_nominal(coverage.center_distance_offset) {
+            let input = CycleInput {
+                flank,
+                torque: coverage.maximum_torque,
+                center_distance_offset,
+                misalignment: 0.0,
+                positions: POSITIONS,
+            };
+            MeshCycle::solve_all(solver, &input, &loads, &|_| {}).map_err(|error| {
+                format!("the operating range of the pair file cannot be covered: {error}")
+            })?;
+        }
+    }
+    Ok(())
 }

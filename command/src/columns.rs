@@ -98,11 +98,8 @@ pub fn lines<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> Vec
         in_text(columns).map(|column| column.unit.into()).collect(),
     ];
     for row in rows {
-        lines.push(
-            in_text(columns)
-                .map(|column| column.in_words(&row))
-                .collect(),
-        );
+        let cells = in_text(columns).map(|column| column.in_words(&row));
+        lines.push(cells.collect());
     }
     lines
 }
@@ -143,10 +140,11 @@ pub fn lists<T>(
     columns: &[Column<T>],
     rows: impl Iterator<Item = T> + Clone,
 ) -> Map<String, Value> {
-    let list = |column: &Column<T>| rows.clone().map(|row| (column.value)(&row)).collect();
-    named(columns)
-        .map(|column| (column.name.clone(), list(column)))
-        .collect()
+    let list = |column: &Column<T>| {
+        let values = rows.clone().map(|row| (column.value)(&row));
+        (column.name.clone(), values.collect())
+    };
+    named(columns).map(list).collect()
 }
 
 /// A CSV file: a line for each of the `rows` of every group, after the `keys` of that group.

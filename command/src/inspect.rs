@@ -29,25 +29,25 @@ pub struct Inspect {
 
 impl Inspect {
     pub fn run(self) -> Result<(), Error> {
-        let place = self.file.display();
+        let name = self.file.display();
         let text = match is_archive(&self.file)? {
             true => None,
             false => Some(output::read_text(&self.file)?),
         };
         let is_pair = text.as_ref().is_some_and(|text| !is_tables(text));
         if self.json && !is_pair {
-            refuse!("--json: {place} is no pair file; leave the option out");
+            refuse!("--json: {name} is no pair file; leave the option out");
         }
         let shown = match text {
             None => fmu(&self.file)?,
             Some(text) if is_tables(&text) => {
-                let file = TableFile::from_json(&text).map_err(|e| format!("{place}: {e}"))?;
+                let file = TableFile::from_json(&text).map_err(|e| format!("{name}: {e}"))?;
                 table_file(&file)?
             }
             Some(_) => {
                 // Files that it names are sought in its folder.
                 let read = pair::read_with_gauges(&self.file);
-                let (pair, gauges) = read.map_err(|e| format!("{place}: {e}"))?;
+                let (pair, gauges) = read.map_err(|e| format!("{name}: {e}"))?;
                 match self.json {
                     true => format!("{:#}\n", as_json(&pair, gauges)),
                     false => pair_summary(&pair, gauges),
@@ -115,10 +115,8 @@ fn fmu(path: &Path) -> Result<String, Error> {
     });
     rows! { rows; "communication step" => "{:?} s{costs}", found.step_size; }
     if contact_error.is_some() && !error.starts_with("contact:") {
-        rows.row(
-            "error of contact at run time",
-            run_time_error(contact_error),
-        );
+        let error = run_time_error(contact_error);
+        rows! { rows; "error of contact at run time" => "{error}"; }
     }
     rows.row("error", error);
     for (name, value) in &unit.starts {
@@ -169,21 +167,18 @@ fn level_error(
         ("table", Some(tables)) => {
             let error = tables.interpolation_error.map(|error| error.to_string());
             let error = error.unwrap_or("not measured".into());
-            let axes = &tables.axes;
+            let offsets = tables.axes.center_distance_offset.len();
             let effects = [
                 (index::LOAD_DEPENDENT, 2),
-                (
-                    index::CENTER_DISTANCE_EFFECT,
-                    axes.center_distance_offset.len(),
-                ),
-                (index::MISALIGNMENT_EFFECT, axes.misalignment.len()),
+                (index::CENTER_DISTANCE_EFFECT, offsets),
+                (index::MISALIGNMENT_EFFECT, tables.axes.misalignment.len()),
             ];
-            let off = effects
-                .iter()
-                .filter(|(i, nodes)| start(*i) == 0.0 && *nodes > 1);
-            let mut less: Vec<String> = off
-                .map(|(i, _)| format!("{} = false", VARIABLES[*i].name))
-                .collect();
+            let mut less = Vec::new();
+            for (i, nodes) in effects {
+                if start(i) == 0.0 && nodes > 1 {
+                    less.push(format!("{} = false", VARIABLES[i].name));
+                }
+            }
             if item(index::INTERPOLATION) != "spline" {
                 less.push("another interpolation".into());
             }

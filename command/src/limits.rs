@@ -1,4 +1,4 @@
-//! Limits of the command line's numbers: refused before anything is computed or memory is asked for.
+//! Limits of the command line's numbers: refused before anything is computed or memory is reserved.
 //!
 //! The operating point has the limits that the pair file has for its `operating` fields.
 
@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use gearmesh_preprocessor::pair::TORQUES;
 
-/// Positions over a mesh cycle where none are asked for: the same for numbers and for pictures, so that both show the same
+/// Positions over a mesh cycle by default: the same for numbers and for pictures, so that both show the same
 /// largest pressure.
 pub const POSITIONS: usize = 64;
 
@@ -34,19 +34,15 @@ pub fn check<T: PartialOrd + Display>(
     range: &RangeInclusive<T>,
 ) -> Result<T, String> {
     let refusal = || format!("give a value from {} to {}", range.start(), range.end());
-    value
-        .filter(|value| range.contains(value))
-        .ok_or_else(refusal)
+    let within = value.filter(|value| range.contains(value));
+    within.ok_or_else(refusal)
 }
 
 /// A parser of any number.
 pub fn finite(text: &str) -> Result<f64, String> {
-    let value = text
-        .trim()
-        .parse()
-        .ok()
-        .filter(|value: &f64| value.is_finite());
-    value.ok_or_else(|| "give a finite number".into())
+    let value = text.trim().parse().unwrap_or(f64::NAN);
+    let refusal = || "give a finite number".to_owned();
+    value.is_finite().then_some(value).ok_or_else(refusal)
 }
 
 /// A parser of torques, N m, that a pair file may cover.

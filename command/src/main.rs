@@ -10,7 +10,6 @@ macro_rules! refuse {
     };
 }
 
-mod build;
 mod cache;
 mod case;
 mod columns;
@@ -50,7 +49,7 @@ enum Command {
     Solve(solve::Solve),
     Tables(tables::Tables),
     Import(import::Import),
-    Build(build::Build),
+    Build(pack::Build),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
     Report(report::Report),

@@ -22,8 +22,7 @@ use crate::progress::Job;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Model")]
 pub struct ModelArgs {
-    /// Fineness of the finite elements: coarse is quickest, fine for convergence studies [default: as the pair file says,
-    /// normal]
+    /// Fineness of the finite elements: coarse is quickest, fine for convergence studies [default: as the pair file says, normal]
     #[arg(long, value_parser = PossibleValuesParser::new(["coarse", "normal", "fine"]).try_map(|name| serde_json::from_value::<Refinement>(name.into())))]
     refinement: Option<Refinement>,
 
@@ -34,6 +33,11 @@ pub struct ModelArgs {
     /// Hold the axial displacement: every slice by itself, as in a two-dimensional calculation
     #[arg(long)]
     pub plane_strain: bool,
+
+    /// Stress in the tooth roots, too, of a unit for its outputs of `rootStress`; its elastic model takes two to three times as
+    /// long as that of the contact
+    #[arg(long, conflicts_with = "plane_strain")]
+    pub root_stress: bool,
 
     /// Stations along the face [default: 40, for contact at run time 22, fewer where one would be shorter than the widest contact]
     #[arg(long, value_parser = limits::within(1..=MOST_STATIONS))]
@@ -68,6 +72,8 @@ pub struct Model {
     /// Seconds, and where the elastic models of both gears came from and are kept.
     pub effort: String,
     pub compliance: Compliance,
+    /// Of the loaded flank, where the stress in the roots is requested.
+    pub fillets: Option<Fillets>,
 }
 
 /// The models of the fillets of both gears and what it took to make them.
@@ -80,7 +86,7 @@ pub struct Fillets {
 pub type Compliance = [Arc<dyn ToothCompliance>; 2];
 
 impl ModelArgs {
-    /// The pair with the choices of the command line in place of those of the file.
+    /// The pair with the choices of the command line instead of those of the file.
     pub fn applied_to(&self, mut pair: Pair) -> Pair {
         pair.refinement = self.refinement.unwrap_or(pair.refinement);
         pair.tip_corner_contact = self.tip_corner_contact.unwrap_or(pair.tip_corner_contact);
@@ -96,8 +102,9 @@ impl ModelArgs {
         Ok(Job::new(self.quiet))
     }
 
-    /// The solver for `pair`, to which the command line has been applied, as part of `job`.
-    pub fn solver(&self, pair: &Pair, job: &Job) -> Result<Model, Error> {
+    /// The model of `pair`, to which the command line has been applied, as part of `job`; with the fillets for loads on the
+    /// flank `roots`.
+    pub fn model(&self, pair: &Pair, roots: Option<Flank>, job: &Job) -> Result<Model, Error> {
         let begin = Instant::now();
         let cache = self.cache_in_use();
         let progress = progress(job, "elastic model");
@@ -106,11 +113,13 @@ impl ModelArgs {
         let effort = effort(begin, &models.origins, cache.as_ref());
         let [first, second] = models.gears;
         let compliance: Compliance = [first, second];
+        let fillets = roots.map(|flank| self.fillets(pair, flank, job));
         Ok(Model {
             solver: ContactSolver::new(pair, compliance.clone(), self.contact_settings(pair))?,
             description: self.description(pair),
             effort,
             compliance,
+            fillets: fillets.transpose()?,
         })
     }
 
@@ -137,7 +146,7 @@ impl ModelArgs {
         }
     }
 
-    /// The solver whose contact a unit solves at run time: on fewer stations than `solver`, but for a number that was asked for.
+    /// The solver whose contact a unit solves at run time: on fewer stations than `solver`, but for a number that was requested.
     pub fn at_run_time(&self, solver: ContactSolver) -> ContactSolver {
         match self.stations {
             Some(_) => solver,
@@ -147,8 +156,11 @@ impl ModelArgs {
 
     /// Whether the elastic models of `pair` need not be computed.
     pub fn are_kept(&self, pair: &Pair) -> Result<bool, Error> {
-        let kept = |cache| PairCompliance::is_kept(&pair.geometry, &self.settings(pair), &cache);
-        Ok(self.cache_in_use().map(kept).transpose()?.unwrap_or(false))
+        let Some(cache) = self.cache_in_use() else {
+            return Ok(false);
+        };
+        let settings = self.settings(pair);
+        Ok(PairCompliance::is_kept(&pair.geometry, &settings, &cache)?)
     }
 
     fn settings(&self, pair: &Pair) -> Settings {
@@ -162,15 +174,17 @@ impl ModelArgs {
         self.cache.cache().filter(|_| !self.no_cache)
     }
 
-    /// The pair with the refinement whose difference to that of `pair` tells the error: the next finer one
+    /// The pair with the refinement whose difference to that of `pair` gives the error: the next finer one
     /// where it is cheap, else the next coarser one.
     pub fn reference(pair: &Pair) -> Pair {
-        let mut other = pair.clone();
-        other.refinement = match pair.refinement {
+        let refinement = match pair.refinement {
             Refinement::Normal => Refinement::Coarse,
             Refinement::Coarse | Refinement::Fine => Refinement::Normal,
         };
-        other
+        Pair {
+            refinement,
+            ..pair.clone()
+        }
     }
 
     fn description(&self, pair: &Pair) -> String {
@@ -200,7 +214,7 @@ pub fn widen(
     o.center_distance_offset = wider(o.center_distance_offset, center_distance_offset);
 }
 
-/// Tells `job` how far the models are that `model` names.
+/// Shows in `job` how far the models are that `model` names.
 fn progress(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
     move |gear, stage, share| {
         let words = match stage {
@@ -208,7 +222,7 @@ fn progress(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
             Stage::Condensation => "reducing it to its loaded flank",
             Stage::Ring => "joining all teeth to the whole gear",
         };
-        job.tell(&format!("{model} of gear {}: {words}", gear + 1), share);
+        job.show(&format!("{model} of gear {}: {words}", gear + 1), share);
         true
     }
 }

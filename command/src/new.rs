@@ -14,7 +14,7 @@ use crate::rexs;
 
 /// Write a commented pair file to start from.
 ///
-/// What is not asked for gets usual values: centre distance from the tooth numbers, backlash after ISO/TR
+/// What is not given gets usual values: centre distance from the tooth numbers, backlash after ISO/TR
 /// 10064-2, profile shift where teeth would be undercut, faces centred on each other.
 #[derive(Debug, Args)]
 pub struct New {
@@ -93,20 +93,18 @@ impl New {
         self.write(&text, "")
     }
 
-    /// Writes the pair file `text`; `summary` is printed beside a file.
+    /// Writes the pair file `text`; `summary` is printed with a file.
     fn write(&self, text: &str, summary: &str) -> Result<(), crate::Error> {
         let Some(path) = &self.output else {
             return Ok(output::print(text)?);
         };
-        let place = path.display();
+        let file = path.display();
         if path.exists() {
-            refuse!(
-                "--output = {place}: the file is there already; name another one, or remove it"
-            );
+            refuse!("--output = {file}: the file is there already; name another one, or remove it");
         }
         output::write_whole(path, text.as_bytes())?;
-        let next = format!("look at it with `gearmesh inspect {place}`");
-        output::print(&format!("{summary}Wrote {place}; {next}\n"))?;
+        let next = format!("look at it with `gearmesh inspect {file}`");
+        output::print(&format!("{summary}Wrote {file}; {next}\n"))?;
         Ok(())
     }
 
@@ -141,9 +139,8 @@ impl New {
         }
     }
 
-    /// Shifts that keep a rack of one module's addendum from undercutting: (z_min - z / cos³ beta) / z_min with
-    /// z_min = 2 / sin² alpha, rounded up to a twentieth. A ring takes the shift of its pinion, which leaves the
-    /// centre distance.
+    /// Shifts that keep a rack of one module's addendum from undercutting: (z_min - z / cos³ beta) / z_min with z_min = 2 / sin²
+    /// alpha, rounded up to a twentieth. A ring takes the shift of its pinion, which leaves the centre distance.
     fn profile_shifts(&self) -> [f64; 2] {
         let least = 2.0 / self.pressure_angle_deg.to_radians().sin().powi(2);
         let cos = self.helix_angle_deg.to_radians().cos();

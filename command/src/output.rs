@@ -51,17 +51,17 @@ const LONGEST_TEXT: u64 = 256 << 20;
 
 /// The text of tables or samples. A pair file has its own limit.
 pub fn read_text(path: &Path) -> Result<String, String> {
-    let place = path.display();
+    let name = path.display();
     let file = std::fs::File::open(path).map_err(|error| unreadable(path, &error))?;
     let mut text = String::new();
-    // One byte more than allowed tells a longer file, even where no length is known.
+    // One byte more than allowed shows a longer file, even where no length is known.
     match file.take(LONGEST_TEXT + 1).read_to_string(&mut text) {
         Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(format!(
-            "{place}: neither text nor an archive; name a pair file, tables, samples or an FMU"
+            "{name}: neither text nor an archive; name a pair file, tables, samples or an FMU"
         )),
         Err(error) => Err(unreadable(path, &error)),
         Ok(length) if length as u64 > LONGEST_TEXT => Err(format!(
-            "{place}: longer than {} MB, and tables or samples of a pair have a few; name another file, or give fewer samples",
+            "{name}: longer than {} MB, and tables or samples of a pair have a few; name another file, or give fewer samples",
             LONGEST_TEXT >> 20
         )),
         Ok(_) => Ok(text),
@@ -119,17 +119,14 @@ pub struct Listing {
 impl Listing {
     pub fn row(&mut self, name: impl Into<String>, value: impl Into<String>) -> &mut Self {
         // Either may come from a file that somebody else wrote.
-        self.rows
-            .push((shown(&name.into()), shown_in_full(&value.into())));
+        let (name, value) = (shown(&name.into()), shown_in_full(&value.into()));
+        self.rows.push((name, value));
         self
     }
 
     pub fn in_one_line(&self) -> String {
-        let rows = self
-            .rows
-            .iter()
-            .map(|(name, value)| format!("{name} {value}"));
-        rows.collect::<Vec<_>>().join("; ")
+        let row = |(name, value): &(String, String)| format!("{name} {value}");
+        self.rows.iter().map(row).collect::<Vec<_>>().join("; ")
     }
 }
 

@@ -216,7 +216,7 @@ fn quantities(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
 /// Reliefs of gear `i`, each with its start and end in every form of a drawing.
 fn reliefs(pair: &Pair, i: usize) -> Value {
     let g = &pair.geometry.gears[i];
-    let place = |roll: f64| {
+    let forms = |roll: f64| {
         json!({
             "diameter_mm": 2e3 * g.radius_at_roll(roll), "roll_length_mm": 1e3 * roll,
             "roll_angle_deg": (roll / g.base_radius()).to_degrees(),
@@ -228,7 +228,7 @@ fn reliefs(pair: &Pair, i: usize) -> Value {
         let relief = [("tip_relief", m.tip_relief), ("root_relief", m.root_relief)];
         let given = relief.into_iter().filter_map(|(name, r)| Some((name, r?)));
         let all = given.map(|(name, r)| {
-            let value = json!({ "amount_um": 1e6 * r.amount, "start": place(r.start_roll), "end": place(r.end_roll) });
+            let value = json!({ "amount_um": 1e6 * r.amount, "start": forms(r.start_roll), "end": forms(r.end_roll) });
             (name.to_owned(), value)
         });
         Value::Object(all.collect())

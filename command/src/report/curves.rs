@@ -25,10 +25,8 @@ const POSITION: &str = "mesh position";
 fn over_cycle(cases: &[Case], value: impl Fn(&Case, &ContactResult) -> f64) -> Vec<Curve> {
     let curve = |case: &Case| {
         let results = &case.cycle.results;
-        let values = results
-            .iter()
-            .chain(results.first())
-            .map(|r| value(case, r));
+        let results = results.iter().chain(results.first());
+        let values = results.map(|result| value(case, result));
         let positions = case.cycle.mesh_position.iter().copied().chain([1.0]);
         // Torques of a survey have no end of digits.
         let torque = format!("{:.3e}", case.input.torque).parse();
@@ -48,7 +46,7 @@ pub fn cycle(variant: &Variant, cases: &[Case]) -> Section {
         "Contact position along the face", [POSITION, "z_c (mm)"], Height::Curves(least_way)
             => over_cycle(cases, |_, r| 1e3 * r.contact_z);
     };
-    if let Variant::Pair(_) = variant {
+    if let Variant::Pair(..) = variant {
         figures.extend(charts! {
             "Load share of one tooth pair", [POSITION, "share of the load"], Height::FromZero(0.0)
                 => cases.iter().map(load_share).collect();
@@ -145,7 +143,7 @@ pub fn misalignment(variant: &Variant, loads: &Loads) -> Result<Section, Error> 
 
 /// What friction takes.
 pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads) -> Result<Section, Error> {
-    let cases = Variant::Pair(solver).cases(&loads.survey, &[0.0], POSITIONS)?;
+    let cases = Variant::Pair(solver, None).cases(&loads.survey, &[0.0], POSITIONS)?;
     let map = |title: &str, unit: &str, value: fn(&Loss) -> f64| {
         let at_torque = |case: &Case| -> Vec<f64> {
             let speeds = loads.speeds.iter();
@@ -156,10 +154,8 @@ pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads) -> Result<Sect
         Figure::map(title, ["speed of gear 1 (rpm)", TORQUE, unit], map)
     };
     let over_torque = |label, value: &dyn Fn(&Case) -> f64| {
-        Curve::new(
-            label,
-            cases.iter().map(|case| (case.input.torque, value(case))),
-        )
+        let points = cases.iter().map(|case| (case.input.torque, value(case)));
+        Curve::new(label, points)
     };
     let even = ohlendorf(&pair.geometry, pair.geometry.center_distance);
     let mut figures = vec![

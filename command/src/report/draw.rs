@@ -10,13 +10,13 @@ use super::figure::{Curve, Height, Map, Style};
 use crate::Error;
 
 const SIZE: (u32, u32) = (1400, 800);
-/// Of the width, for the legend and for the scale beside the plot.
+/// Of the width, for the legend and for the scale next to the plot.
 const LEGEND_WIDTH: u32 = 380;
 const SCALE_WIDTH: u32 = 190;
 
 const INK: RGBColor = RGBColor(34, 34, 34);
 
-/// Curves told apart by colour, also by eyes that see no red or no green.
+/// Curves distinguished by colour, also by eyes that see no red or no green.
 const CURVES: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -35,7 +35,7 @@ fn font(size: u32) -> TextStyle<'static> {
     ("sans-serif", size).into_font().color(&INK)
 }
 
-/// Decimals that tell the labels of an axis of this length apart.
+/// Decimals that make the labels of an axis of this length differ.
 fn digits(axis: &Range<f64>) -> usize {
     let step = (axis.end - axis.start) / 10.0;
     if step > 0.0 {

@@ -87,13 +87,13 @@ impl Map {
     ) -> Map {
         let axes = [columns, rows].map(cells);
         let [x, y] = &axes;
-        let places = y.iter().flat_map(|y| x.iter().map(move |x| [x, y]));
-        let patch = |(place, value): ([&Cell; 2], f64)| Patch {
-            node: place.map(|cell| cell.node),
-            ends: place.map(|cell| cell.ends),
+        let pairs = y.iter().flat_map(|y| x.iter().map(move |x| [x, y]));
+        let patch = |(cells, value): ([&Cell; 2], f64)| Patch {
+            node: cells.map(|cell| cell.node),
+            ends: cells.map(|cell| cell.ends),
             value: value.is_finite().then_some(value),
         };
-        let patches: Vec<Patch> = places.zip(values).map(patch).collect();
+        let patches: Vec<Patch> = pairs.zip(values).map(patch).collect();
         let ends = axes.each_ref().map(|cells| {
             let ends = || cells.iter().flat_map(|cell| cell.ends);
             [

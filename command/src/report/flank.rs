@@ -63,19 +63,16 @@ fn patterns(
 ) -> Vec<Figure> {
     let gears = |case| [(case, 0), (case, 1)];
     let all = cases.iter().flat_map(gears);
-    let mut all: Vec<(String, Map)> = all
-        .map(|(case, i)| {
-            let title = format!("{what} on gear {} at {}", i + 1, load(case));
-            (title, pattern(geometry, case, i, value))
-        })
-        .collect();
+    let map = |(case, i)| {
+        let title = format!("{what} on gear {} at {}", i + 1, load(case));
+        (title, pattern(geometry, case, i, value))
+    };
+    let mut all: Vec<(String, Map)> = all.map(map).collect();
     let top = all.iter().map(|(_, map)| map.top).fold(0.0, f64::max);
     all.iter_mut().for_each(|(_, map)| map.top = top);
     let labels = ["z (mm)", "diameter (mm)", unit];
-    let figures = all.into_iter();
-    figures
-        .map(|(title, map)| Figure::map(title, labels, map))
-        .collect()
+    let figure = |(title, map)| Figure::map(title, labels, map);
+    all.into_iter().map(figure).collect()
 }
 
 /// Sections on what the flanks carry: `cases` aligned, `tilted` at the limits of the misalignment, `nominal` for the
@@ -90,7 +87,7 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
     let pattern = ["Contact pattern", "pressure (MPa)"];
     let distribution = ["Load distribution", "line load (N/mm)"];
 
-    let note = "Largest pressure that each place of the flank sees over the mesh cycle. Blue: contact reaches the tip edge of this gear, or \
+    let note = "Largest pressure that each point of the flank sees over the mesh cycle. Blue: contact reaches the tip edge of this gear, or \
                 of its mate where it meets the root; at a sharp edge pressure has no bound, so it is not on the scale. z: from gear 1's \
                 z = 0 face.";
     let figures = patterns(geometry, cases, pattern, torque, pressure);
@@ -102,7 +99,7 @@ pub fn carried(pair: &Pair, cases: &[Case], nominal: &Case, tilted: &[Case]) -> 
         let figures = patterns(geometry, tilted, pattern, tilt, pressure);
         sections.push(Section::new(heading, note, figures));
     }
-    let note = "Largest normal force per length of contact line that each place of the flank carries over the mesh cycle.";
+    let note = "Largest normal force per length of contact line that each point of the flank carries over the mesh cycle.";
     let figures = patterns(geometry, cases, distribution, torque, line_load);
     sections.push(Section::new("Load distribution", note, figures));
     let note = format!(
@@ -124,9 +121,8 @@ fn contact_lines(case: &Case, tau: f64) -> Figure {
     let inside = |s: &&SegmentLoad| s.edge.is_none() && s.pressure > VISIBLE * 1e6;
     let segments: Vec<&SegmentLoad> = case.cycle.loads[i].iter().filter(inside).collect();
     let curve = |segments: &[&SegmentLoad]| {
-        let points = segments
-            .iter()
-            .map(|s| (500.0 * (s.z[0] + s.z[1]), s.pressure * 1e-6));
+        let point = |s: &&SegmentLoad| (500.0 * (s.z[0] + s.z[1]), s.pressure * 1e-6);
+        let points = segments.iter().map(point);
         Curve::new(format!("pair {}", segments[0].tooth_pair), points)
     };
     let pairs = segments.chunk_by(|a, b| a.tooth_pair == b.tooth_pair);
@@ -147,13 +143,13 @@ pub fn modifications(pair: &Pair) -> Section {
     for (i, gear) in geometry.gears.iter().enumerate() {
         let start = geometry.active_start_roll(i, geometry.center_distance);
         let pitch = gear.roll_length(geometry.operating_pitch_radius(i, geometry.center_distance));
-        let trace = |ends: [f64; 2], place: &dyn Fn(f64) -> [f64; 2]| {
+        let trace = |ends: [f64; 2], coordinates: &dyn Fn(f64) -> [f64; 2]| {
             let curve = |flank, name| {
                 let m = &pair.microgeometry.flank(flank)[i];
                 let along = (0..=TRACE_POINTS)
                     .map(|k| ends[0] + (ends[1] - ends[0]) * k as f64 / TRACE_POINTS as f64);
                 let point = |at| {
-                    let [roll, z] = place(at);
+                    let [roll, z] = coordinates(at);
                     (1e3 * at, -1e6 * m.removal(gear, roll, z))
                 };
                 Curve::new(name, along.map(point))

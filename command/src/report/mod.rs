@@ -75,10 +75,6 @@ pub struct Report {
     #[arg(long, value_name = "SPEED", default_value_t = 3000.0, value_parser = limits::within(1.0..=1e6))]
     largest_speed_rpm: f64,
 
-    /// Stress in the tooth roots, too; its elastic model takes two to three times as long as that of the contact
-    #[arg(long, conflicts_with = "plane_strain")]
-    root_stress: bool,
-
     #[command(flatten)]
     model: ModelArgs,
 }
@@ -86,11 +82,8 @@ pub struct Report {
 impl Report {
     pub fn run(self) -> Result<(), Error> {
         let (pair, gauges) = pair::read_with_gauges(&self.pair)?;
-        let read = [&self.pair]
-            .into_iter()
-            .chain(&self.tables)
-            .chain(&self.compare);
-        output::check_writable(&self.output, read)?;
+        let others = self.tables.iter().chain(&self.compare);
+        output::check_writable(&self.output, others.chain([&self.pair]))?;
         if let Some(folder) = &self.figures {
             output::make_folder("--figures", folder)?;
         }
@@ -130,12 +123,8 @@ impl Report {
         let speed = self.largest_speed_rpm;
         let mut torques = self.torques_nm.clone();
         if torques.is_empty() {
-            torques.extend(
-                LOADS
-                    .map(|load| load * nominal)
-                    .iter()
-                    .filter(|t| **t <= largest),
-            );
+            let usual = LOADS.map(|load| load * nominal);
+            torques.extend(usual.iter().filter(|torque| **torque <= largest));
         }
         Loads {
             nominal,
@@ -156,17 +145,12 @@ impl Report {
         for &torque in loads.torques.iter().chain(&loads.survey) {
             widen(&mut pair, torque, ends, [0.0; 2]);
         }
-        let model = self.model.solver(&pair, job)?;
+        let roots = self.model.root_stress.then_some(Flank::Drive);
+        let model = self.model.model(&pair, roots, job)?;
         let solver = &model.solver;
-        let variant = Variant::Pair(solver);
-        let mut aligned = variant.cases(&loads.torques, &[0.0], loads.positions)?;
-        let fillets = self
-            .root_stress
-            .then(|| self.model.fillets(&pair, Flank::Drive, job));
-        let fillets = fillets.transpose()?;
-        for case in &mut aligned {
-            case.solve_roots(solver, fillets.as_ref())?;
-        }
+        let with_roots = Variant::Pair(solver, model.fillets.as_ref());
+        let aligned = with_roots.cases(&loads.torques, &[0.0], loads.positions)?;
+        let variant = Variant::Pair(solver, None);
         let mut tilts = vec![0.0];
         tilts.extend(ends.into_iter().filter(|tilt| *tilt != 0.0));
         let nominal = variant.cases(&[loads.nominal], &tilts, loads.positions)?;
@@ -175,7 +159,7 @@ impl Report {
         sections.insert(2, table(solver, &aligned));
         sections.push(curves::losses(&pair, solver, loads)?);
         sections.extend(flank::carried(&pair, &aligned, &nominal[0], &nominal[1..]));
-        if self.root_stress {
+        if self.model.root_stress {
             sections.push(flank::roots(&aligned, loads.nominal));
         }
         Ok((model.description, sections))

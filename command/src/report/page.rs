@@ -48,14 +48,11 @@ impl Section {
 
 /// Small letters and digits of `title` with hyphens between words: an anchor, the name of a file.
 fn slug(title: &str) -> String {
-    // A sign tells two charts apart.
+    // A sign distinguishes two charts.
     let title = title.replace(" -", " minus ");
     let words = title.split(|c: char| !c.is_alphanumeric());
-    let words: Vec<String> = words
-        .filter(|w| !w.is_empty())
-        .map(str::to_lowercase)
-        .collect();
-    words.join("-")
+    let words = words.filter(|w| !w.is_empty()).map(str::to_lowercase);
+    words.collect::<Vec<_>>().join("-")
 }
 
 impl Page {

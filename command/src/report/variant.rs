@@ -7,6 +7,7 @@ use gearmesh::table::{Query, Table};
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
 
 use crate::case::{Case, load_matrix};
+use crate::model::Fillets;
 
 /// Loads at which every variant is shown: those of the operating range of the reported pair.
 pub struct Loads {
@@ -24,14 +25,15 @@ pub struct Loads {
 }
 
 pub enum Variant<'a> {
-    Pair(&'a ContactSolver),
+    /// With its fillets where the stress in the roots is shown.
+    Pair(&'a ContactSolver, Option<&'a Fillets>),
     Tables(Box<Table>),
 }
 
 impl Variant<'_> {
     pub fn geometry(&self) -> &PairGeometry {
         match self {
-            Variant::Pair(solver) => solver.geometry(),
+            Variant::Pair(solver, _) => solver.geometry(),
             Variant::Tables(table) => table.geometry(),
         }
     }
@@ -53,11 +55,13 @@ impl Variant<'_> {
             positions,
         };
         match self {
-            Variant::Pair(solver) => Case::solve_all(solver, &input(&loads[0]), &loads, &|_| {}),
-            Variant::Tables(table) => Ok(loads
-                .iter()
-                .map(|load| of_table(table, input(load)))
-                .collect()),
+            Variant::Pair(solver, fillets) => {
+                Case::solve_all(solver, *fillets, &input(&loads[0]), &loads, &|_| {})
+            }
+            Variant::Tables(table) => {
+                let case = |load| of_table(table, input(load));
+                Ok(loads.iter().map(case).collect())
+            }
         }
     }
 }

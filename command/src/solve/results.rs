@@ -18,7 +18,7 @@ use crate::case::{Case, details, load, summary};
 use crate::columns::{Column, columns, csv, lists, object};
 use crate::output;
 
-/// Names of the files in the folder; the last two only where root stress is asked for.
+/// Names of the files in the folder; the last two only where root stress is requested.
 const NAMES: [&str; 7] = [
     "load-distribution.csv",
     "mesh-cycle.csv",
@@ -29,7 +29,7 @@ const NAMES: [&str; 7] = [
     "root-stress-field.csv",
 ];
 
-/// Refuses a folder that cannot take the files, those of root stress if it is asked for, and makes it if it is not there.
+/// Refuses a folder that cannot take the files, those of root stress if it is requested, and makes it if it is not there.
 pub fn check(folder: &Path, root_stress: bool) -> Result<(), Error> {
     output::make_folder("--output", folder)?;
     for name in &NAMES[..if root_stress { 7 } else { 5 }] {
@@ -129,10 +129,8 @@ pub fn json(
 /// What is to be known of the results, one sentence each.
 pub fn notes(pair: &Pair, case: &Case) -> Vec<String> {
     let on_teeth = pair::note_on_teeth(&pair.teeth).map(String::from);
-    on_teeth
-        .into_iter()
-        .chain(case.cycle.note_on_segments())
-        .collect()
+    let notes = [on_teeth, case.cycle.note_on_segments()];
+    notes.into_iter().flatten().collect()
 }
 
 type At<'a> = (usize, &'a Case);
@@ -231,7 +229,7 @@ fn harmonics_of(case: &Case, k: usize) -> [Option<Harmonic>; HARMONICS] {
     }
 }
 
-/// Harmonics in a row; those that the positions cannot tell apart stay empty.
+/// Harmonics in a row; those that the positions cannot resolve stay empty.
 fn harmonic_columns<'r>() -> Vec<Column<'static, &'r Case>> {
     let mut columns = Vec::new();
     for (k, (of, _, unit)) in HARMONIC_LISTS.into_iter().enumerate() {

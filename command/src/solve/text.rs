@@ -35,7 +35,7 @@ pub fn text(solved: &Solved, speeds: &[f64]) -> String {
         "elastic model" => "{}", solved.model.description;
         "time for the elastic model" => "{}", solved.model.effort;
     }
-    if let Some(f) = &solved.fillets {
+    if let Some(f) = &solved.model.fillets {
         rows! { rows; "time for the model of the fillets" => "{}", f.effort; }
     }
     rows! { rows; "time for the contact" => "{seconds:.3} s"; }
@@ -85,7 +85,7 @@ fn many(solved: &Solved, cases: &[Case]) -> String {
     let mut columns = load();
     columns.extend(summary(&solved.model.solver));
     let mut text = format!("{}\n{LEGEND}", table(&columns, cases));
-    if solved.fillets.is_some() {
+    if solved.model.fillets.is_some() {
         let mut columns = load();
         columns.extend(largest_root_stress());
         text += &format!("\n{}\n{ROOT_LEGEND}", table(&columns, cases));

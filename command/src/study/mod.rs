@@ -1,6 +1,5 @@
 //! `gearmesh study PAIR.json`: what modifications and tolerances do to transmission error, pressure and root stress.
 
-mod best;
 mod samples;
 mod show;
 mod statistics;
@@ -23,12 +22,11 @@ use sha2::{Digest, Sha256};
 use crate::Error;
 use crate::case::{Case, load_matrix};
 use crate::limits;
-use crate::model::{Fillets, Model, ModelArgs, widen};
+use crate::model::{Model, ModelArgs, widen};
 use crate::output;
-use best::{Best, BestArgs};
 use samples::{Sample, Table, outcomes};
 pub use show::bands_of;
-use statistics::Statistics;
+use statistics::{Best, BestArgs, Statistics};
 use variation::{Plan, Requested, Variation};
 
 const FLANK: Flank = Flank::Drive;
@@ -36,7 +34,7 @@ const FLANK: Flank = Flank::Drive;
 /// Most mesh cycles of a study.
 const MOST_CYCLES: usize = 1_000_000;
 
-/// What can be varied beside fields of the pair file.
+/// What can be varied in addition to fields of the pair file.
 const LOADS: &str = "torque_nm, misalignment_mrad or center_distance_offset_um";
 
 /// Solve the mesh cycle of a pair on a grid of modifications, and of samples within tolerances.
@@ -78,11 +76,6 @@ pub struct Study {
     #[arg(long, default_value_t = 32, value_parser = limits::within(3..=limits::MOST_POSITIONS))]
     positions: usize,
 
-    /// The largest root stress of both gears, too; its elastic model takes two to three times as long as that of the
-    /// contact
-    #[arg(long, conflicts_with = "plane_strain")]
-    root_stress: bool,
-
     /// Folder for samples.csv, study.json, study.html, its charts, and of a grid best.json; it is made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
@@ -121,8 +114,6 @@ struct Bench<'a> {
     /// The pair as drawn, its operating range widened to what is varied.
     pair: Pair,
     model: Model,
-    /// For the stress in the roots, where it is asked for.
-    fillets: Option<Fillets>,
     plan: &'a Plan,
     torques: &'a [f64],
     positions: usize,
@@ -161,7 +152,7 @@ impl Study {
         limits::check(Some(count), &(1..=MOST_CYCLES)).map_err(|e| {
             format!("points of the grid times samples times torques = {count}: {e}")
         })?;
-        let outcomes = outcomes(self.root_stress);
+        let outcomes = outcomes(self.model.root_stress);
         let measure = self.best.measure(&outcomes, &torques)?;
         let range = |field: &str, unit: f64, drawn: f64| {
             let varied = plan.all().filter(|v| v.fields().any(|f| f == field));
@@ -171,12 +162,8 @@ impl Study {
         for &torque in &torques {
             let most = range("torque_nm", 1.0, torque)[1];
             let tilts = range("misalignment_mrad", 1e-3, 0.0);
-            widen(
-                &mut pair,
-                most,
-                tilts,
-                range("center_distance_offset_um", 1e-6, 0.0),
-            );
+            let offsets = range("center_distance_offset_um", 1e-6, 0.0);
+            widen(&mut pair, most, tilts, offsets);
         }
 
         output::make_folder("--output", &self.output)?;
@@ -196,7 +183,7 @@ impl Study {
         if !self.restart && is_begun(&summary, &identity)? {
             done = table.read()?;
         }
-        // More samples than asked for now stay in the table.
+        // More samples than requested now stay in the table.
         let all = (0..=points).flat_map(|point| (0..=samples).map(move |number| (point, number)));
         let is_missing = |id: &(usize, usize)| done.iter().all(|s| (s.point, s.number) != *id);
         let missing: Vec<(usize, usize)> = all.filter(is_missing).collect();
@@ -217,12 +204,9 @@ impl Study {
         write_json(&summary, &all)?;
 
         let job = self.model.start()?;
-        let fillets = self
-            .root_stress
-            .then(|| self.model.fillets(&pair, FLANK, &job));
+        let roots = self.model.root_stress.then_some(FLANK);
         let bench = Bench {
-            model: self.model.solver(&pair, &job)?,
-            fillets: fillets.transpose()?,
+            model: self.model.model(&pair, roots, &job)?,
             draft: &draft,
             pair,
             plan: &plan,
@@ -235,7 +219,7 @@ impl Study {
             let solved = block.par_iter().map(|&(point, number)| {
                 let sample = bench.sample(point, number, self.seed);
                 let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                job.tell("samples", count as f64 / missing.len() as f64);
+                job.show("samples", count as f64 / missing.len() as f64);
                 sample
             });
             done.par_extend(solved);
@@ -244,7 +228,7 @@ impl Study {
         }
         drop(job);
 
-        let found = Best::of(&measure, &plan, &done)?;
+        let found = measure.best(&plan, &done)?;
         for point in [0].into_iter().chain(found.as_ref().map(|best| best.point)) {
             all.statistics.extend(spread(&done, point, &table)?);
         }
@@ -282,7 +266,11 @@ impl Study {
             self.positions,
             self.model.contact_settings(pair)
         );
-        let roots = if self.root_stress { " root stress" } else { "" };
+        let roots = if self.model.root_stress {
+            " root stress"
+        } else {
+            ""
+        };
         let plane = self.model.plane_strain;
         hex(&Sha256::digest(format!("{all} {plane}{roots}"))[..16])
     }
@@ -293,12 +281,12 @@ fn is_begun(summary: &Path, identity: &str) -> Result<bool, Error> {
     if !summary.exists() {
         return Ok(false);
     }
-    let place = summary.display();
+    let path = summary.display();
     let found: serde_json::Value = serde_json::from_str(&output::read_text(summary)?)
-        .map_err(|error| format!("{place}: {error}; begin anew with --restart"))?;
+        .map_err(|error| format!("{path}: {error}; begin anew with --restart"))?;
     if found["identity"] != identity {
         refuse!(
-            "{place}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with --restart"
+            "{path}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with --restart"
         );
     }
     Ok(true)
@@ -394,8 +382,8 @@ impl Bench<'_> {
 
     fn solve(&self, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         let load = |name: &str| {
-            let place = self.plan.fields.iter().position(|(field, _)| field == name);
-            place.map(|k| values[k])
+            let index = self.plan.fields.iter().position(|(field, _)| field == name);
+            index.map(|k| values[k])
         };
         let misalignment = 1e-3 * load("misalignment_mrad").unwrap_or(0.0);
         let torques = match load("torque_nm") {
@@ -418,10 +406,10 @@ impl Bench<'_> {
         let compliance = self.model.compliance.clone();
         let solver = ContactSolver::new(&pair, compliance, *self.model.solver.settings())?;
         let mut results = Vec::new();
-        for mut case in Case::solve_all(&solver, &input, &loads, &|_| ())? {
-            case.solve_roots(&solver, self.fillets.as_ref())?;
+        let fillets = self.model.fillets.as_ref();
+        for case in Case::solve_all(&solver, fillets, &input, &loads, &|_| ())? {
             let row = (&solver, &case);
-            let outcomes = outcomes(self.fillets.is_some());
+            let outcomes = outcomes(fillets.is_some());
             let values = outcomes
                 .iter()
                 .map(|outcome| (outcome.value)(&row).as_f64());

@@ -92,9 +92,9 @@ impl Table<'_> {
         if !self.path.exists() {
             return Ok(Vec::new());
         }
-        let place = self.path.display();
+        let path = self.path.display();
         let wrong = |what: &str| {
-            format!("{place}: {what}; name another folder, or begin anew with --restart")
+            format!("{path}: {what}; name another folder, or begin anew with --restart")
         };
         let text = output::read_text(self.path)?;
         let mut reader = csv::Reader::from_reader(text.as_bytes());

@@ -6,9 +6,8 @@ use gearmesh::words::{count, fixed, rounded, shown};
 use serde::Deserialize;
 
 use super::Summary;
-use super::best::Measure;
 use super::samples::{Outcome, Sample, outcomes};
-use super::statistics::{Statistics, ascending};
+use super::statistics::{Measure, Statistics, ascending};
 use super::variation::{Plan, Variation};
 use crate::Error;
 use crate::case::torque_in_words;
@@ -36,14 +35,8 @@ pub struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// Measure of every point of the grid that has one, best first.
     fn ranking(&self) -> Vec<(usize, f64)> {
-        let points = 1..=self.plan.points();
-        let mut all: Vec<(usize, f64)> = points
-            .filter_map(|point| Some((point, self.measure.of(self.done, point)?)))
-            .collect();
-        all.sort_by(|a, b| a.1.total_cmp(&b.1));
-        all
+        self.measure.ranking(self.plan, self.done)
     }
 
     pub fn text(&self) -> String {
@@ -97,10 +90,8 @@ impl Shown<'_> {
         if samples > 0 {
             text += &self.correlations();
         }
-        let mut refusals = self
-            .done
-            .iter()
-            .filter_map(|s| Some((s, s.outcome.as_ref().err()?)));
+        let refusal = |s: &Sample| s.outcome.as_ref().err().cloned();
+        let mut refusals = self.done.iter().filter_map(|s| Some((s, refusal(s)?)));
         if let Some((Sample { point, number, .. }, error)) = refusals.next() {
             let point = match point {
                 0 => String::new(),

@@ -65,22 +65,16 @@ pub struct GridArgs {
     #[arg(long)]
     pub friction: bool,
 
-    /// Also the stress in the tooth roots, for the outputs of the unit's `rootStress`; its elastic model takes two to
-    /// three times as long as that of the contact
-    #[arg(long, conflicts_with = "plane_strain")]
-    pub root_stress: bool,
-
     /// Also tooth pairs one by one, for stiffnessModel = teeth of the unit, which takes index errors and run-out
     #[arg(long)]
     pub teeth: bool,
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    let share = text
-        .parse()
-        .ok()
-        .filter(|share| 0.0 < *share && *share < 1.0);
-    share.ok_or_else(|| "give a share of the nominal force between 0 and 1, such as 0.002".into())
+    match text.parse() {
+        Ok(share) if 0.0 < share && share < 1.0 => Ok(share),
+        _ => Err("give a share of the nominal force between 0 and 1, such as 0.002".into()),
+    }
 }
 
 impl Tables {
@@ -95,7 +89,7 @@ impl Tables {
 /// Tables that were just computed.
 pub struct Made {
     pub file: TableFile,
-    /// The contact at run time, if it was asked for.
+    /// The contact at run time, if it was requested.
     pub contact: Option<ContactFile>,
     /// What is to be known of both, in lines.
     pub text: String,
@@ -110,7 +104,7 @@ pub fn compute(
     args: &ModelArgs,
 ) -> Result<Made, Error> {
     // `--set rootStress=true` asks for it, too, and is no option that conflicts with another.
-    if grid.root_stress && args.plane_strain {
+    if args.root_stress && args.plane_strain {
         refuse!(
             "--plane-strain has no stress in the tooth roots; leave out `rootStress` or --plane-strain"
         );
@@ -123,12 +117,10 @@ pub fn compute(
     let coverage = coverage(&pair, [!grid.no_center_distance, !grid.no_misalignment]);
     let job = args.start()?;
     preflight(&pair, args, &coverage, &job)?;
-    let model = args.solver(&pair, &job)?;
+    let model = args.model(&pair, None, &job)?;
     corners(&model.solver, &pair, &coverage)?;
-    let mut lines = vec![format!(
-        "elastic model: {}, {}",
-        model.description, model.effort
-    )];
+    let (description, effort) = (&model.description, &model.effort);
+    let mut lines = vec![format!("elastic model: {description}, {effort}")];
 
     let begin = Instant::now();
     // Solves that no table holds are not counted with it.
@@ -159,15 +151,15 @@ pub fn compute(
     lines.extend(at_build(&pair));
 
     let begin = Instant::now();
-    let root_stress = grid.root_stress.then(|| sweeps.root_stress()).transpose()?;
+    let root_stress = args.root_stress.then(|| sweeps.root_stress()).transpose()?;
     if let Some(record) = &root_stress {
         let error = &record.interpolation_error;
         lines.push(format!("root stress: {}, {error}", seconds_since(begin)));
     }
-    let begin = Instant::now();
     let at_run_time = (contact || grid.teeth)
-        .then(|| contact_file(&pair, &args.at_run_time(model.solver.clone())))
-        .transpose()?;
+        .then(|| contact_file(&pair, &args.at_run_time(model.solver.clone())));
+    let at_run_time = at_run_time.transpose()?;
+    let begin = Instant::now();
     let teeth = at_run_time.as_ref().filter(|_| grid.teeth);
     let teeth = teeth.map(|contact| sweeps.teeth(contact)).transpose()?;
     if let Some(record) = &teeth {

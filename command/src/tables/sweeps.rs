@@ -53,12 +53,11 @@ impl Sweeps<'_> {
         solver: &WatchedSolver<'_>,
         max_error: Option<f64>,
     ) -> Result<(FlankGrid, Option<FlankGrid>, InterpolationError), Error> {
+        let geometry = &self.pair.geometry;
         let (drive, mut error) = match max_error {
             None => self.default_grid(solver, Flank::Drive)?,
             Some(bound) => self.watched("static contact", |watch| {
-                let geometry = &self.pair.geometry;
-                let grid = table_within(solver, geometry, self.coverage, self.tilt, bound, watch);
-                Ok(grid?)
+                table_within(solver, geometry, self.coverage, self.tilt, bound, watch)
             })?,
         };
         within(max_error, &error)?;
@@ -79,14 +78,20 @@ impl Sweeps<'_> {
         let axes = self.with_misalignments(default_axes(self.coverage));
         let largest = self.coverage.maximum_torque;
         let grid = self.watched("static contact", |watch| {
-            Ok(sweep(solver, flank, &axes, largest, watch)?)
+            sweep(solver, flank, &axes, largest, watch)
         })?;
         let table = FlankTable::new(&grid, Interpolation::Spline)?;
-        let geometry = &self.pair.geometry;
+        let (geometry, coverage) = (&self.pair.geometry, self.coverage);
         let error = self.watched("error of the tables", |watch| {
-            let (coverage, points) = (self.coverage, HELD_OUT_POINTS);
-            let error = measure(solver, geometry, flank, coverage, &table, points, watch);
-            Ok(error?)
+            measure(
+                solver,
+                geometry,
+                flank,
+                coverage,
+                &table,
+                HELD_OUT_POINTS,
+                watch,
+            )
         })?;
         Ok((grid, error))
     }
@@ -94,15 +99,16 @@ impl Sweeps<'_> {
     pub fn sliding(&self) -> Result<FrictionRecord, Error> {
         let base_radius = self.pair.geometry.gears[0].base_radius();
         let axes = default_sliding_axes(self.coverage, base_radius);
-        let of_flank = |flank| {
+        let solver = &self.model.solver;
+        let sample = |flank| {
             self.watched("sliding", |watch| {
-                Ok(sweep_sliding(&self.model.solver, flank, &axes, watch)?)
+                sweep_sliding(solver, flank, &axes, watch)
             })
         };
         Ok(FrictionRecord {
             law: self.pair.friction,
-            drive: of_flank(Flank::Drive)?,
-            coast: self.on_own_coast(of_flank)?,
+            drive: sample(Flank::Drive)?,
+            coast: self.on_own_coast(sample)?,
             axes: axes.clone(),
         })
     }
@@ -110,27 +116,28 @@ impl Sweeps<'_> {
     pub fn root_stress(&self) -> Result<RootStressRecord, Error> {
         let base_radius = self.pair.geometry.gears[0].base_radius();
         let axes = default_root_stress_axes(self.coverage, base_radius);
-        let of_flank = |flank| {
+        let sample = |flank| {
             let sweep = RootStressSweep {
                 solver: &self.model.solver,
                 models: &self.args.fillets(self.pair, flank, self.job)?.maps,
                 flank,
             };
-            self.watched("root stress", |watch| {
+            self.watched("root stress", |watch| -> Result<_, Error> {
                 let samples = sweep.samples(&axes, watch)?;
                 let table = samples.spline(&axes, [true; 2])?;
                 let error = sweep.measure(self.coverage, &table, HELD_OUT_POINTS, watch)?;
                 Ok((samples, error))
             })
         };
-        let (drive, error) = of_flank(Flank::Drive)?;
-        let coast = self.on_own_coast(of_flank)?;
+        let (drive, mut error) = sample(Flank::Drive)?;
+        let coast = self.on_own_coast(sample)?.map(|(samples, found)| {
+            error = error.with(found);
+            samples
+        });
         Ok(RootStressRecord {
             drive,
-            interpolation_error: coast
-                .iter()
-                .fold(error, |error, (_, coast)| error.with(*coast)),
-            coast: coast.map(|(samples, _)| samples),
+            coast,
+            interpolation_error: error,
             axes,
         })
     }
@@ -145,7 +152,7 @@ impl Sweeps<'_> {
         };
         let axes = self.with_misalignments(default_teeth_axes(self.coverage));
         self.watched("tooth pairs", |watch| {
-            Ok(sweep.record(&axes, HELD_OUT_POINTS, watch)?)
+            sweep.record(&axes, HELD_OUT_POINTS, watch)
         })
     }
 
@@ -161,20 +168,16 @@ impl Sweeps<'_> {
         };
         let solver = ContactSolver::new(self.pair, self.model.compliance.clone(), finer)?;
         let coverage = super::coverage(self.pair, [true; 2]);
-        let of_flank = |flank| {
+        let error = |flank| {
             self.watched("error of contact at run time", |watch| {
-                let points = RUN_TIME_POINTS;
-                let error = measure_at_run_time(&solver, contact, flank, &coverage, points, watch);
-                Ok(error?)
+                measure_at_run_time(&solver, contact, flank, &coverage, RUN_TIME_POINTS, watch)
             })
         };
-        let error = of_flank(Flank::Drive)?;
-        let coast = contact
-            .coast
-            .as_ref()
-            .map(|_| of_flank(Flank::Coast))
-            .transpose()?;
-        Ok(coast.map_or(error, |coast| error.with(coast)))
+        let drive = error(Flank::Drive)?;
+        match contact.coast {
+            Some(_) => Ok(drive.with(error(Flank::Coast)?)),
+            None => Ok(drive),
+        }
     }
 
     fn with_misalignments(&self, axes: Axes) -> Axes {
@@ -194,19 +197,20 @@ impl Sweeps<'_> {
     }
 
     /// `work` with its progress shown as that of `stage`.
-    fn watched<R>(
+    fn watched<R, E: Into<Error>>(
         &self,
         stage: &str,
-        work: impl FnOnce(&Watch) -> Result<R, Error>,
+        work: impl FnOnce(&Watch) -> Result<R, E>,
     ) -> Result<R, Error> {
         work(&Watch {
-            progress: &|done, total| self.job.tell(stage, done as f64 / total as f64),
+            progress: &|done, total| self.job.show(stage, done as f64 / total as f64),
             cancel: &AtomicBool::new(false),
         })
+        .map_err(Into::into)
     }
 }
 
-/// Refuses tables that miss the error asked for.
+/// Refuses tables that miss the requested error.
 fn within(max_error: Option<f64>, found: &InterpolationError) -> Result<(), Error> {
     if let Some(error) = max_error.filter(|error| found.force_rms > *error) {
         refuse!(
@@ -232,7 +236,7 @@ pub fn preflight(
         refinement: Refinement::Coarse,
         ..pair.clone()
     };
-    corners(&args.solver(&coarse, job)?.solver, pair, coverage)
+    corners(&args.model(&coarse, None, job)?.solver, pair, coverage)
 }
 
 /// Solves under the largest torque at the corners of `coverage` and at its nominal state.

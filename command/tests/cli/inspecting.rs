@@ -34,7 +34,7 @@ fn every_shipped_pair_file_can_be_inspected() {
 fn what_teeth_are_thinned_by_is_shown() {
     let shown = succeed(concat!("inspect ", pairs!(), "planet-ring-27-84.json"));
     let thinned = "each thinned by 40.0 um at the operating pitch circle";
-    assert!(shown.contains(thinned), "{shown}");
+    contains(&shown, &[thinned]);
 }
 
 /// Topography of a flank over diameter or roll, with `removal` (um) of it.
@@ -72,7 +72,7 @@ fn a_topography_is_shown_with_its_least_and_largest_removal_and_that_at_the_tip(
     let shown = succeed(format!("inspect {pair}"));
     let removal =
         "removal -23.67 to -5.06 um on the active flank, -23.67 um at the tip at mid-face";
-    assert!(shown.contains(removal), "{shown}");
+    contains(&shown, &[removal]);
 }
 
 #[test]

@@ -36,7 +36,7 @@ const QUICK: &str = concat!(
 /// Tables over load and mesh position only.
 const SMALL: &str = "--no-center-distance --no-misalignment";
 
-/// The command, with the library that it packs beside it, as after a build of the whole workspace.
+/// The command, with the library that it packs in its folder, as after a build of the whole workspace.
 fn command() -> Command {
     static LIBRARY: Once = Once::new();
     let program = Path::new(env!("CARGO_BIN_EXE_gearmesh"));
@@ -81,8 +81,13 @@ fn refusal(output: &Output, words: &[&str]) {
         code => assert_eq!(code, Some(2), "{error}"),
     }
     assert_eq!(text(&output.stdout), "");
+    contains(&error, words);
+}
+
+/// Asserts that `text` has all of `words`.
+fn contains(text: &str, words: &[&str]) {
     for word in words {
-        assert!(error.contains(word), "{word}: {error}");
+        assert!(text.contains(word), "{word}: {text}");
     }
 }
 

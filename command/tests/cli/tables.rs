@@ -21,7 +21,7 @@ fn options_of_tables_that_cannot_be_are_refused_by_name() {
     let folder = Folder::new();
     let out = folder.path("out");
     for (options, words) in [
-        // However root stress is asked for.
+        // However root stress is requested.
         (
             "build --plane-strain --set rootStress=true",
             "leave out `rootStress` or --plane-strain",
@@ -127,13 +127,14 @@ fn tooth_pairs_one_by_one_are_what_their_unit_starts_with_and_refuse_teeth_of_th
     ));
     assert!(built.contains("`stiffnessModel = teeth`, which takes the tooth errors"));
     let shown = succeed(format!("inspect {fmu}"));
-    for words in [
-        "teeth: error at 1000 random points",
-        "tooth pairs one by one",
-        "um/kN",
-    ] {
-        assert!(shown.contains(words), "{shown}");
-    }
+    contains(
+        &shown,
+        &[
+            "teeth: error at 1000 random points",
+            "tooth pairs one by one",
+            "um/kN",
+        ],
+    );
     let mut starts = shown
         .lines()
         .filter(|line| line.contains("start: stiffnessModel"));

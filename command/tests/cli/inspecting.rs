@@ -6,7 +6,7 @@ use std::process::Stdio;
 
 #[test]
 fn inspecting_the_papers_pair_shows_its_contact_ratios_and_nominal_force() {
-    let shown = succeed(format!("inspect {PAPER}"));
+    let shown = succeed!("inspect {PAPER}");
     // Table 1 of the paper; the force from the geometry, see docs/paper-comparison.md.
     for (name, expected, within) in [
         ("transverse contact ratio", 1.540, 1e-3),
@@ -34,7 +34,7 @@ fn every_shipped_pair_file_can_be_inspected() {
 fn what_teeth_are_thinned_by_is_shown() {
     let shown = succeed(concat!("inspect ", pairs!(), "planet-ring-27-84.json"));
     let thinned = "each thinned by 40.0 um at the operating pitch circle";
-    contains(&shown, &[thinned]);
+    contains!(shown, thinned);
 }
 
 /// Topography of a flank over diameter or roll, with `removal` (um) of it.
@@ -54,7 +54,7 @@ fn files_that_a_pair_names_are_sought_in_its_folder() {
     let pair = folder.pair(|pair| pair["gear1"]["topography_file"] = "flank.csv".into());
     let flank = topography("diameter_mm", &[77.5, 82.0, 90.315], |_| 2.0);
     folder.write("flank.csv", flank);
-    succeed(format!("inspect {pair}"));
+    succeed!("inspect {pair}");
 }
 
 #[test]
@@ -69,10 +69,10 @@ fn a_topography_is_shown_with_its_least_and_largest_removal_and_that_at_the_tip(
             pair["gear1"].as_object_mut().unwrap().remove(field);
         }
     });
-    let shown = succeed(format!("inspect {pair}"));
+    let shown = succeed!("inspect {pair}");
     let removal =
         "removal -23.67 to -5.06 um on the active flank, -23.67 um at the tip at mid-face";
-    contains(&shown, &[removal]);
+    contains!(shown, removal);
 }
 
 #[test]
@@ -101,10 +101,7 @@ fn a_reader_that_goes_away_is_no_failure() {
 
 #[test]
 fn an_option_that_does_not_exist_is_an_error() {
-    refused(
-        format!("solve {PAPER} --compliance analytical"),
-        &["'--compliance'"],
-    );
+    refused!("solve {PAPER} --compliance analytical"; "'--compliance'");
 }
 
 #[test]
@@ -132,6 +129,6 @@ fn a_file_without_end_is_refused_by_its_length() {
     // A hole: nothing of it lies on the disk.
     file.set_len(1 << 40).unwrap();
     for command in ["inspect", "solve", "pack -o x.fmu --tables"] {
-        refused(format!("{command} {path}"), &["longer than"]);
+        refused!("{command} {path}"; "longer than");
     }
 }

@@ -43,7 +43,7 @@ fn an_interrupt_ends_long_work_and_leaves_no_file() {
         let ended = child.wait_with_output().unwrap();
         assert_eq!(ended.status.code(), Some(130), "{:?}", ended.status);
         let error = text(&ended.stderr);
-        contains(&error, &["stopped"]);
+        contains!(error, "stopped");
         assert_eq!(names(&out), Vec::<String>::new());
         let is_model = |name: &String| name.ends_with(".compliance");
         assert!(names(&cache).iter().all(is_model), "{:?}", names(&cache));

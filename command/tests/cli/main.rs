@@ -7,6 +7,27 @@ macro_rules! pairs {
     };
 }
 
+/// Standard output of the command with these words, which does its work.
+macro_rules! succeed {
+    ($($line:tt)*) => {
+        succeed(format!($($line)*))
+    };
+}
+
+/// The command with these words is refused with all of the words after the semicolon.
+macro_rules! refused {
+    ($line:literal $(, $value:expr)*; $($word:expr),+) => {
+        refused(format!($line $(, $value)*), &[$(&*$word),+])
+    };
+}
+
+/// A text has all of these words.
+macro_rules! contains {
+    ($text:expr, $($word:expr),+ $(,)?) => {
+        contains(AsRef::<str>::as_ref(&$text), &[$(&*$word),+])
+    };
+}
+
 mod inspecting;
 mod interrupt;
 mod models;
@@ -84,6 +105,12 @@ fn refusal(output: &Output, words: &[&str]) {
     contains(&error, words);
 }
 
+/// The first line of `text` with these words.
+fn line<'t>(text: &'t str, words: &str) -> &'t str {
+    let line = text.lines().find(|line| line.contains(words));
+    line.unwrap_or_else(|| panic!("no {words} in {text}"))
+}
+
 /// Asserts that `text` has all of `words`.
 fn contains(text: &str, words: &[&str]) {
     for word in words {
@@ -101,7 +128,7 @@ fn json(text: impl AsRef<str>) -> Value {
 
 /// JSON of the paper's pair with `options`.
 fn solve_json(options: &str) -> Value {
-    json(succeed(format!("solve {PAPER} --json {QUICK} {options}")))
+    json(succeed!("solve {PAPER} --json {QUICK} {options}"))
 }
 
 /// A folder of its own for a test.

@@ -97,17 +97,17 @@ fn an_elastic_model_serves_every_change_that_does_not_touch_it() {
         std::fs::write(path, cut).unwrap();
     }
     let words = model(|_| ());
-    contains(&words, &["computed", "note", "the file is cut off"]);
+    contains!(words, "computed", "note", "the file is cut off");
     assert!(model(|_| ()).contains("read from"));
     // No other folder than the one that was named.
     assert!(!folder.exists(".gearmesh-compliance"));
-    let listed = succeed(format!("cache --cache-dir {kept}"));
-    contains(&listed, &["20 teeth, module 4 mm", "of 1000.0 MB"]);
+    let listed = succeed!("cache --cache-dir {kept}");
+    contains!(listed, "20 teeth, module 4 mm", "of 1000.0 MB");
     // A file that merely ends like a model stays, and is named.
     let foreign = folder.write("cache/notes.compliance", b"not a model");
-    let words = succeed(format!("cache --clear --cache-dir {kept}"));
+    let words = succeed!("cache --clear --cache-dir {kept}");
     let left = format!("left {foreign}, which is no model");
-    contains(&words, &["removed 3 models", &left]);
+    contains!(words, "removed 3 models", &left);
     assert_eq!(folder.read("cache/notes.compliance"), "not a model");
     assert_eq!(count(), 1);
 }

@@ -17,9 +17,9 @@ fn a_new_pair_file_is_commented_and_accepted_as_it_stands() {
     for (i, options) in PAIRS.iter().enumerate() {
         let name = format!("pair-{i}.json");
         let path = folder.path(&name);
-        succeed(format!("new -o {path} {options}"));
+        succeed!("new -o {path} {options}");
         assert!(folder.read(&name).contains("// > 0: gear 1"));
-        let seen = succeed(format!("inspect {path}"));
+        let seen = succeed!("inspect {path}");
         assert!(seen.starts_with(&format!("pair-{i}\n")), "{seen}");
         // The pinion's fillet asks for it, in whatever ring it turns.
         let is_known = |note: &str| note.contains("tips of the ring are shortened");
@@ -32,35 +32,17 @@ fn a_new_pair_file_is_commented_and_accepted_as_it_stands() {
 fn a_new_pair_file_overwrites_nothing_and_without_a_name_goes_to_standard_output() {
     let folder = Folder::new();
     let path = folder.write("mine.json", "mine");
-    refused(format!("new -o {path} {}", PAIRS[0]), &["is there already"]);
+    refused!("new -o {path} {}", PAIRS[0]; "is there already");
     assert_eq!(folder.read("mine.json"), "mine");
-    assert!(succeed(format!("new {}", PAIRS[0])).contains("\"teeth\": 23"));
+    assert!(succeed!("new {}", PAIRS[0]).contains("\"teeth\": 23"));
 }
 
 #[test]
 fn a_new_pair_that_cannot_work_or_lacks_a_number_is_refused_by_field() {
-    for (options, words) in [
-        (
-            "--module-mm 0.002 --torque-nm 120",
-            ["normal_module_mm", "0.002 m is 2 mm"],
-        ),
-        (
-            "--module-mm nan --torque-nm 50",
-            [
-                "'nan' for '--module-mm <MODULE_MM>'",
-                "give a finite number",
-            ],
-        ),
-        (
-            "--module-mm 2 --torque-nm 50 --pressure-angle-deg 0",
-            ["`normal_pressure_angle_deg` = 0", ""],
-        ),
-    ] {
-        refused(
-            format!("new --teeth 23 81 --face-width-mm 30 28 {options}"),
-            &words,
-        );
-    }
+    let new = "new --teeth 23 81 --face-width-mm 30 28 --torque-nm 120 --module-mm";
+    refused!("{new} 0.002"; "normal_module_mm", "0.002 m is 2 mm");
+    refused!("{new} nan"; "'nan' for '--module-mm <MODULE_MM>': give a finite number");
+    refused!("{new} 2 --pressure-angle-deg 0"; "`normal_pressure_angle_deg` = 0");
 }
 
 #[test]
@@ -70,25 +52,18 @@ fn an_internal_pair_with_few_teeth_between_becomes_an_fmu() {
         let [pair, fmu] =
             ["pair.json", "unit.fmu"].map(|name| folder.path(&teeth.replace(' ', name)));
         let options = "--internal --module-mm 2 --face-width-mm 20 20 --torque-nm 50";
-        succeed(format!("new {options} --teeth {teeth} -o {pair}"));
-        succeed(format!("pack --pair {pair} -o {fmu}"));
+        succeed!("new {options} --teeth {teeth} -o {pair}");
+        succeed!("pack --pair {pair} -o {fmu}");
     }
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_one_line() {
-    let full = std::fs::File::options()
-        .write(true)
-        .open("/dev/full")
-        .unwrap();
-    let words = PAIRS[1].split(' ');
-    let output = command()
-        .arg("new")
-        .args(words)
-        .stdout(full)
-        .output()
-        .unwrap();
+    let full = std::fs::File::options().write(true).open("/dev/full");
+    let mut new = command();
+    let new = new.arg("new").args(PAIRS[1].split(' '));
+    let output = new.stdout(full.unwrap()).output().unwrap();
     refusal(&output, &["standard output", "make room"]);
 }
 
@@ -98,12 +73,8 @@ fn a_disk_that_fills_is_refused_without_the_temporary_name() {
     // No file may grow, as on a full disk; the signal that says so is ignored.
     let output = Command::new("sh")
         .args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$@\"", "sh"])
-        .args([
-            env!("CARGO_BIN_EXE_gearmesh"),
-            "new",
-            "-o",
-            &folder.path("pair.json"),
-        ])
+        .args([env!("CARGO_BIN_EXE_gearmesh"), "new", "-o"])
+        .arg(folder.path("pair.json"))
         .args(PAIRS[1].split(' '))
         .output()
         .unwrap();
@@ -118,21 +89,17 @@ const REXS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rexs");
 fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and_left() {
     let folder = Folder::new();
     let pair = folder.path("pair.json");
-    let listed = succeed(format!(
-        "new --rexs {REXS}/stage.rexs --torque-nm 90 -o {pair}"
-    ));
-    contains(
-        &listed,
-        &[
-            "taken: gear1.teeth from number_of_teeth of cylindrical_gear 11",
-            "taken: gear2.dedendum_coefficient from addendum_coefficient_reference_profile of rack_shaped_tool 41",
-            "assumed: gear2: the left flank is the drive flank",
-            "left: triangular_tip_relief 33 of the flank 24",
-            "left: gear2.root_diameter_mm = 70: does not fit",
-            "left: cylindrical_gear 11: u_coordinate_on_shaft",
-        ],
+    let listed = succeed!("new --rexs {REXS}/stage.rexs --torque-nm 90 -o {pair}");
+    contains!(
+        listed,
+        "taken: gear1.teeth from number_of_teeth of cylindrical_gear 11",
+        "taken: gear2.dedendum_coefficient from addendum_coefficient_reference_profile of rack_shaped_tool 41",
+        "assumed: gear2: the left flank is the drive flank",
+        "left: triangular_tip_relief 33 of the flank 24",
+        "left: gear2.root_diameter_mm = 70: does not fit",
+        "left: cylindrical_gear 11: u_coordinate_on_shaft"
     );
-    let shown = json(succeed(format!("inspect {pair} --json")));
+    let shown = json(succeed!("inspect {pair} --json"));
     for (pointer, value, within) in [
         ("/center_distance_mm", 82.104, 1e-9),
         ("/gear1/span_measurement_mm", 30.68, 1e-6),
@@ -152,29 +119,21 @@ fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and
 
 #[test]
 fn a_ring_in_rexs_json_keeps_the_sign_of_iso_21771() {
-    let text = succeed(format!("new --rexs {REXS}/stages.rexsj --stage 1"));
-    contains(
-        &text,
-        &[
-            "\"profile_shift_iso_21771\": -0.2",
-            "\"teeth\": 84",
-            "\"root_diameter_mm\": 173.8",
-            "\"meshing\": \"internal\"",
-        ],
+    let text = succeed!("new --rexs {REXS}/stages.rexsj --stage 1");
+    contains!(
+        text,
+        "\"profile_shift_iso_21771\": -0.2",
+        "\"teeth\": 84",
+        "\"root_diameter_mm\": 173.8",
+        "\"meshing\": \"internal\""
     );
 }
 
 #[test]
 fn a_rexs_file_that_lacks_or_leaves_open_what_is_needed_is_refused_by_name() {
-    for (file, problem) in [
-        (
-            "stages.rexsj",
-            "2 cylindrical stages: 1 (Planet and ring), 4 (Second)",
-        ),
-        ("stages.rexsj --stage 7", "--stage = 7"),
-        ("stages.rexsj --stage 4", "gear2.face_width_mm"),
-        ("../../Cargo.toml", "no REXS file"),
-    ] {
-        refused(format!("new --rexs {REXS}/{file}"), &[problem]);
-    }
+    let stages = format!("new --rexs {REXS}/stages.rexsj");
+    refused!("{stages}"; "2 cylindrical stages: 1 (Planet and ring), 4 (Second)");
+    refused!("{stages} --stage 7"; "--stage = 7");
+    refused!("{stages} --stage 4"; "gear2.face_width_mm");
+    refused!("new --rexs {REXS}/../../Cargo.toml"; "no REXS file");
 }

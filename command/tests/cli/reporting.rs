@@ -6,20 +6,16 @@ use super::*;
 fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
     let folder = Folder::new();
     let [page, figures] = folder.paths(["report.html", "figures"]);
-    succeed(format!(
-        "report {PAPER} --positions 8 -o {page} --figures {figures} {QUICK}"
-    ));
+    succeed!("report {PAPER} --positions 8 -o {page} --figures {figures} {QUICK}");
     let html = folder.read("report.html");
     let charts = html.matches("<svg").count();
     assert!(charts >= 8);
-    contains(
-        &html,
-        &[
-            "Power lost",
-            "Power lost over that transmitted",
-            "loss factor",
-            "prefers-color-scheme:dark",
-        ],
+    contains!(
+        html,
+        "Power lost",
+        "Power lost over that transmitted",
+        "loss factor",
+        "prefers-color-scheme:dark"
     );
     for reference in ["src=", "url(", "@import"] {
         assert!(!html.contains(reference), "{reference}");
@@ -47,14 +43,12 @@ fn the_report_is_one_file_that_asks_for_nothing_from_a_network() {
 fn a_report_compares_pair_files_and_tables_in_the_same_charts() {
     let folder = Folder::new();
     let [page, figures, tables] = folder.paths(["report.html", "figures", "tables.json"]);
-    succeed(format!(
-        "tables {PAPER} -o {tables} {SMALL} --stations 8 {QUICK}"
-    ));
+    succeed!("tables {PAPER} -o {tables} {SMALL} --stations 8 {QUICK}");
     let stiffness = |other: &str| -> Vec<(String, f64)> {
         let options = "--positions 8 --torques-nm 100";
-        succeed(format!(
+        succeed!(
             "report {PAPER} -o {page} --figures {figures} {options} --compare {other} {QUICK}"
-        ));
+        );
         let csv = folder.read("figures/mesh-stiffness.csv");
         let mut csv = csv::Reader::from_reader(csv.as_bytes());
         let rows = csv.records().map(Result::unwrap);
@@ -65,14 +59,12 @@ fn a_report_compares_pair_files_and_tables_in_the_same_charts() {
     let name = "100 N m (palermo2013-unmodified)";
     assert_eq!(rows.iter().filter(|(curve, _)| curve == name).count(), 9);
     let html = folder.read("report.html");
-    contains(
-        &html,
-        &[
-            "In numbers: palermo2013-unmodified",
-            "Contact pattern on gear 2 at 100 N m (palermo2013-unmodified)",
-            "Harris map",
-            "K-chart",
-        ],
+    contains!(
+        html,
+        "In numbers: palermo2013-unmodified",
+        "Contact pattern on gear 2 at 100 N m (palermo2013-unmodified)",
+        "Harris map",
+        "K-chart"
     );
     // Tables are those of the pair itself.
     let rows = stiffness(&tables);
@@ -87,9 +79,7 @@ fn a_report_compares_pair_files_and_tables_in_the_same_charts() {
 fn the_report_shows_the_torques_asked_for_and_the_pressure_that_solve_gives() {
     let folder = Folder::new();
     let page = folder.path("report.html");
-    succeed(format!(
-        "report {PAPER} --torques-nm 55,90 -o {page} {QUICK}"
-    ));
+    succeed!("report {PAPER} --torques-nm 55,90 -o {page} {QUICK}");
     let html = folder.read("report.html");
     let json = solve_json("--torque-nm 90");
     let pressure = largest(numbers(&json["maximum_pressure_mpa"]));
@@ -138,8 +128,8 @@ fn a_file_or_folder_that_cannot_be_made_is_named_with_what_was_tried() {
         (format!("report -o {page} --figures {below}"), "--figures"),
     ] {
         let words = format!("{option} = {below}: making this folder failed: ");
-        refused(format!("{options} {PAPER}"), &[&words]);
+        refused!("{options} {PAPER}"; &words);
     }
-    refused(format!("report {PAPER} -o {below}/page.html"), &[&below]);
+    refused!("report {PAPER} -o {below}/page.html"; &below);
     assert!(!folder.exists("page.html"));
 }

@@ -10,13 +10,8 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     let json = solve_json("--torque-nm 100 --positions 12 --speed-rpm 500,1500");
     let positions = numbers(&json["mesh_position"]);
     assert!((positions[3] - 0.25).abs() < 1e-15);
-    for key in [
-        "mesh_position",
-        "ste_loa_um",
-        "contact_z_mm",
-        "maximum_pressure_mpa",
-        "edge_line_load_n_per_mm",
-    ] {
+    let keys = "mesh_position ste_loa_um contact_z_mm maximum_pressure_mpa edge_line_load_n_per_mm";
+    for key in keys.split(' ') {
         assert_eq!(numbers(&json[key]).len(), 12, "{key}");
     }
     for share in json["load_share"].as_array().unwrap() {
@@ -27,17 +22,14 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
     let least = ste.iter().copied().fold(f64::MAX, f64::min);
     let span = largest(ste.iter().copied()) - least;
     let lost = 0.05 * value("loss_factor");
+    let even = value("loss_factor_ohlendorf") / value("loss_factor");
     for (found, expected, within) in [
         (value("mean_ste_loa_um"), mean(&ste), 1e-9),
         (value("peak_to_peak_ste_loa_um"), span, 1e-9),
         (value("transverse_contact_ratio"), 1.540, 1e-3),
         (value("overlap_ratio"), 0.448, 1e-3),
         (value("torque_nm"), 100.0, 1e-12),
-        (
-            value("loss_factor_ohlendorf") / value("loss_factor"),
-            1.0,
-            0.2,
-        ),
+        (even, 1.0, 0.2),
         (value("face_load_factor"), 1.5, 0.5),
     ] {
         assert!((found - expected).abs() < within, "{found} {expected}");
@@ -54,11 +46,9 @@ fn a_solve_reports_every_agreed_key_for_every_position() {
         assert!((loss[i] / (lost * transmitted) - 1.0).abs() < 1e-9);
         assert!((1.0 - efficiency[i] - lost).abs() < 1e-12);
     }
-    let text = succeed(format!(
-        "solve {PAPER} --torque-nm 100 --positions 12 {QUICK}"
-    ));
+    let text = succeed!("solve {PAPER} --torque-nm 100 --positions 12 {QUICK}");
     let shown = format!("{:.4} um", value("mean_ste_loa_um"));
-    contains(&text, &[&shown]);
+    contains!(text, &shown);
 }
 
 #[test]
@@ -70,9 +60,9 @@ fn coefficient_times_loss_factor_times_power_is_the_loss_with_every_law() {
                 "law": law, "dynamic_viscosity_mpa_s": 20, "roughness_ra_um": [0.4, 0.4],
             });
         });
-        let json = json(succeed(format!(
+        let json = json(succeed!(
             "solve {pair} --positions 8 --json --torque-nm 100 --speed-rpm 1000 {QUICK}"
-        )));
+        ));
         let factor = number(&json["loss_factor"]) * numbers(&json["friction_coefficient"])[0];
         let product = factor * 100.0 * 1000.0 * TAU / 60.0;
         let ratio = numbers(&json["loss_w"])[0] / product;
@@ -84,9 +74,9 @@ fn coefficient_times_loss_factor_times_power_is_the_loss_with_every_law() {
 fn values_that_rest_on_few_loaded_segments_are_noted_where_they_are_printed() {
     let note = "the largest flank pressure";
     let tilted = "--misalignment-mrad 20 --torque-nm 20 --positions 4";
-    let solve = |options: &str| succeed(format!("solve {PAPER} {tilted} {QUICK} {options}"));
+    let solve = |options: &str| succeed!("solve {PAPER} {tilted} {QUICK} {options}");
     let text = solve("");
-    contains(&text, &[note, "--stations"]);
+    contains!(text, note, "--stations");
     let notes = &json(solve("--json"))["notes"];
     assert!(notes[0].as_str().unwrap().contains(note));
     assert!(!solve("--stations 240").contains(note));
@@ -100,7 +90,7 @@ fn results_that_leave_tooth_errors_out_say_so_and_stay_those_of_equal_teeth() {
     let [page, study] = folder.paths(["page.html", "study"]);
 
     let note = "solve, report, study and tables take them as all alike";
-    let solve = |options: &str| succeed(format!("solve {pair} --positions 4 {QUICK} {options}"));
+    let solve = |options: &str| succeed!("solve {pair} --positions 4 {QUICK} {options}");
     for loads in ["", "--torque-nm 50,100"] {
         let text = solve(loads);
         assert_eq!(text.matches(note).count(), 1, "{text}");
@@ -111,17 +101,14 @@ fn results_that_leave_tooth_errors_out_say_so_and_stay_those_of_equal_teeth() {
     assert_eq!(alike["notes"], serde_json::json!([]));
     assert_eq!(json["ste_loa_um"], alike["ste_loa_um"]);
 
-    succeed(format!("report {pair} --positions 4 -o {page} {QUICK}"));
+    succeed!("report {pair} --positions 4 -o {page} {QUICK}");
     let study = format!("study {pair} --positions 4 --samples 2 -o {study} {QUICK}");
-    assert!(succeed(format!("{study} --vary torque_nm=90..110")).contains(note));
+    assert!(succeed!("{study} --vary torque_nm=90..110").contains(note));
     for file in ["page.html", "study/study.json", "study/study.html"] {
         assert!(folder.read(file).contains(note), "{file}");
     }
     let runout = "--vary gear1.tooth_errors.runout_um";
-    refused(
-        format!("{study} {runout}=0..10"),
-        &[runout, "all teeth as alike"],
-    );
+    refused!("{study} {runout}=0..10"; runout, "all teeth as alike");
 }
 
 #[test]
@@ -158,19 +145,12 @@ fn root_stress_is_given_where_asked_for_and_agrees_in_json_and_csv() {
 fn a_matrix_of_loads_is_solved_on_one_model_and_written_as_csv_files_that_agree() {
     let folder = Folder::new();
     let loads = "--torque-nm 50,100 --misalignment-mrad -0.5,0,0.5";
-    let json = solve_json(&format!(
-        "{loads} --positions 12 --output {}",
-        folder.path("out")
-    ));
+    let out = folder.path("out");
+    let json = solve_json(&format!("{loads} --positions 12 --output {out}"));
     let cases = json["cases"].as_array().unwrap();
-    let [summary, cycle, segments, face, stiffness] = [
-        "summary",
-        "mesh-cycle",
-        "load-distribution",
-        "face-load",
-        "stiffness",
-    ]
-    .map(|name| folder.rows(&format!("out/{name}.csv")));
+    let table = |name: &str| folder.rows(&format!("out/{name}.csv"));
+    let [summary, cycle, stiffness] = ["summary", "mesh-cycle", "stiffness"].map(table);
+    let [segments, face] = ["load-distribution", "face-load"].map(table);
     assert_eq!((cases.len(), summary.len()), (6, 6));
     for (case, row) in cases.iter().zip(&summary) {
         for key in ["torque_nm", "mean_ste_loa_um"] {
@@ -178,10 +158,8 @@ fn a_matrix_of_loads_is_solved_on_one_model_and_written_as_csv_files_that_agree(
         }
         let load = |row: &Row| [row["torque_nm"], row["misalignment_mrad"]];
         let of_load = |rows: &[Row]| -> Vec<Row> {
-            rows.iter()
-                .filter(|r| load(r) == load(row))
-                .cloned()
-                .collect()
+            let own = rows.iter().filter(|r| load(r) == load(row));
+            own.cloned().collect()
         };
         assert_eq!(of_load(&cycle).len(), 12);
         // Every position carries the torque: its segments sum to the force on the line of action.
@@ -238,25 +216,18 @@ fn a_bow_of_the_shafts_acts_as_crowning_and_a_slope_as_misalignment() {
         assert!(*bent > straight + 0.2, "{bent} {straight}");
     }
     folder.write("shafts.csv", "z_mm,closing_um\n0,1\n0,2\n");
-    refused(
-        format!("solve {PAPER} --deflection {shafts}"),
-        &["shafts.csv", "z of the"],
-    );
+    refused!("solve {PAPER} --deflection {shafts}"; "shafts.csv", "z of the");
 }
 
 #[test]
 fn the_error_is_estimated_from_another_refinement() {
-    let text = succeed(format!(
-        "solve {PAPER} --estimate-error --root-stress {QUICK}"
-    ));
+    let text = succeed!("solve {PAPER} --estimate-error --root-stress {QUICK}");
     let (solved, estimate) = text.split_once("estimated error").expect(&text);
-    contains(&solved, &["time for the model of the fillets"]);
-    contains(
-        &estimate,
-        &[
-            "time for its model of the fillets",
-            "finite elements, normal",
-        ],
+    contains!(solved, "time for the model of the fillets");
+    contains!(
+        estimate,
+        "time for its model of the fillets",
+        "finite elements, normal"
     );
     // docs/validation.md: coarse is 0.3 % and some percent of a small swing away; docs/root-stress.md: some percent.
     for (name, most) in [
@@ -265,18 +236,9 @@ fn the_error_is_estimated_from_another_refinement() {
         ("root stress 1", 5.0),
         ("root stress 2", 5.0),
     ] {
-        let line = estimate
-            .lines()
-            .find(|line| line.contains(name))
-            .expect(name);
-        let percent: f64 = line
-            .split_whitespace()
-            .rev()
-            .nth(1)
-            .unwrap()
-            .parse()
-            .unwrap();
-        assert!(percent != 0.0 && percent.abs() < most, "{line}");
+        let words = line(estimate, name).split_whitespace();
+        let percent: f64 = words.rev().nth(1).unwrap().parse().unwrap();
+        assert!(percent != 0.0 && percent.abs() < most, "{name}: {percent}");
     }
 }
 
@@ -285,16 +247,15 @@ fn an_error_of_nothing_is_none() {
     let pair = concat!(pairs!(), "palermo2013-unmodified.json");
     // A load that is none does not hide the other.
     for (torques, is_none) in [("0", true), ("0,100", false)] {
-        let text = succeed(format!(
-            "solve {pair} --estimate-error --torque-nm {torques} --positions 4 {QUICK}"
-        ));
+        let text =
+            succeed!("solve {pair} --estimate-error --torque-nm {torques} --positions 4 {QUICK}");
         let estimate = text.split_once("estimated error").unwrap().1;
         assert!(
             !estimate.contains("NaN") && !estimate.contains("inf"),
             "{estimate}"
         );
-        let pressure = estimate.lines().find(|line| line.contains("p_max"));
-        assert_eq!(pressure.unwrap().contains("none"), is_none, "{estimate}");
+        let pressure = line(estimate, "p_max");
+        assert_eq!(pressure.contains("none"), is_none, "{estimate}");
     }
 }
 
@@ -327,25 +288,10 @@ fn the_coast_flank_of_a_symmetric_pair_is_as_stiff_as_the_drive_flank() {
 
 #[test]
 fn an_operating_point_that_cannot_be_is_refused_by_name() {
-    for (options, words) in [
-        // No option of this name, but a value.
-        (
-            "--torque-nm -10",
-            ["'-10' for '--torque-nm", "--flank coast"],
-        ),
-        (
-            "--torque-nm=nan",
-            [
-                "'nan' for '--torque-nm <TORQUE_NM>': give 0 or a value from",
-                "",
-            ],
-        ),
-        // Tips meet roots.
-        (
-            "--center-distance-offset-um -2500",
-            ["center_distance_offset", "root of its mate"],
-        ),
-    ] {
-        refused(format!("solve {PAPER} {QUICK} {options}"), &words);
-    }
+    let solve = format!("solve {PAPER} {QUICK}");
+    // No option of this name, but a value.
+    refused!("{solve} --torque-nm -10"; "'-10' for '--torque-nm", "--flank coast");
+    refused!("{solve} --torque-nm=nan"; "'nan' for '--torque-nm <TORQUE_NM>': give 0 or a value from");
+    // Tips meet roots.
+    refused!("{solve} --center-distance-offset-um -2500"; "center_distance_offset", "root of its mate");
 }

@@ -8,10 +8,7 @@ fn a_range_that_cannot_be_covered_is_refused_on_the_coarse_model_with_its_corner
     let folder = Folder::new();
     let pair = folder.pair(|pair| pair["operating"]["maximum_torque_nm"] = 15.5e3.into());
     let [tables, cache] = folder.paths(["tables.json", "cache"]);
-    refused(
-        format!("tables {pair} -o {tables} --refinement fine --cache-dir {cache} -q"),
-        &["operating range", "torque = 15500 N m, misalignment = "],
-    );
+    refused!("tables {pair} -o {tables} --refinement fine --cache-dir {cache} -q"; "operating range", "torque = 15500 N m, misalignment = ");
     // The fine model was not begun: only the coarse one, which both gears share, is there.
     assert_eq!(folder.count("cache"), 1);
 }
@@ -20,29 +17,21 @@ fn a_range_that_cannot_be_covered_is_refused_on_the_coarse_model_with_its_corner
 fn options_of_tables_that_cannot_be_are_refused_by_name() {
     let folder = Folder::new();
     let out = folder.path("out");
-    for (options, words) in [
-        // However root stress is requested.
-        (
-            "build --plane-strain --set rootStress=true",
-            "leave out `rootStress` or --plane-strain",
-        ),
-        ("tables --max-error 0", "--max-error"),
-        ("pack --tables", "`--pair`"),
-    ] {
-        refused(format!("{options} {PAPER} -o {out}"), &[words]);
-        assert!(!folder.exists("out"));
-    }
+    // However root stress is requested.
+    refused!("build --plane-strain --set rootStress=true {PAPER} -o {out}"; "leave out `rootStress` or --plane-strain");
+    refused!("tables --max-error 0 {PAPER} -o {out}"; "--max-error");
+    refused!("pack --tables {PAPER} -o {out}"; "`--pair`");
+    assert!(!folder.exists("out"));
 }
 
 #[test]
 fn building_is_tabulating_and_packing_and_altered_tables_are_refused() {
     let folder = Folder::new();
     let [tables, packed, built] = folder.paths(["tables.json", "packed.fmu", "bü%20ilt.fmu"]);
-    succeed(format!("tables {PAPER} -o {tables} {SMALL} {QUICK}"));
-    succeed(format!("pack --tables {tables} -o {packed}"));
-    let made = succeed(format!("build {PAPER} -o {built} {SMALL} {QUICK}"));
-    let [tabulated, packed, built] =
-        [tables, packed, built].map(|file| succeed(format!("inspect {file}")));
+    succeed!("tables {PAPER} -o {tables} {SMALL} {QUICK}");
+    succeed!("pack --tables {tables} -o {packed}");
+    let made = succeed!("build {PAPER} -o {built} {SMALL} {QUICK}");
+    let [tabulated, packed, built] = [tables, packed, built].map(|file| succeed!("inspect {file}"));
     for (shown, words) in [
         (&made, "teeth: each thinned by 0.1 um"),
         (&made, "note: at a centre distance offset of -100 um"),
@@ -54,14 +43,7 @@ fn building_is_tabulating_and_packing_and_altered_tables_are_refused() {
         assert!(shown.contains(words), "{words}: {shown}");
     }
     // The GUID is that of the contents.
-    let guid = |shown: &str| {
-        shown
-            .lines()
-            .find(|line| line.contains("GUID"))
-            .map(String::from)
-    };
-    assert!(guid(&packed).is_some());
-    assert_eq!(guid(&packed), guid(&built));
+    assert_eq!(line(&packed, "GUID"), line(&built, "GUID"));
     // Nothing but the three files.
     assert_eq!(folder.count(""), 3);
 
@@ -74,7 +56,7 @@ fn building_is_tabulating_and_packing_and_altered_tables_are_refused() {
     assert_ne!(text, altered);
     let altered = folder.write("altered.json", altered);
     let fmu = folder.path("altered.fmu");
-    refused(format!("pack --tables {altered} -o {fmu}"), &["checksum"]);
+    refused!("pack --tables {altered} -o {fmu}"; "checksum");
     assert!(!folder.exists("altered.fmu"));
 }
 
@@ -106,8 +88,8 @@ fn samples_of_another_program_become_an_fmu_and_one_that_yields_under_more_torqu
 
     folder.write("samples.csv", samples(6.0));
     succeed(import);
-    succeed(format!("pack --tables {tables} -o {fmu}"));
-    assert!(succeed(format!("inspect {fmu}")).contains("samples.csv"));
+    succeed!("pack --tables {tables} -o {fmu}");
+    assert!(succeed!("inspect {fmu}").contains("samples.csv"));
 }
 
 #[test]
@@ -126,19 +108,15 @@ fn tooth_pairs_one_by_one_are_what_their_unit_starts_with_and_refuse_teeth_of_th
         json!({ "drive_flank": { "pitch_class": 6 }, "runout_um": 5.0 }),
     ));
     assert!(built.contains("`stiffnessModel = teeth`, which takes the tooth errors"));
-    let shown = succeed(format!("inspect {fmu}"));
-    contains(
-        &shown,
-        &[
-            "teeth: error at 1000 random points",
-            "tooth pairs one by one",
-            "um/kN",
-        ],
+    let shown = succeed!("inspect {fmu}");
+    contains!(
+        shown,
+        "teeth: error at 1000 random points",
+        "tooth pairs one by one",
+        "um/kN"
     );
-    let mut starts = shown
-        .lines()
-        .filter(|line| line.contains("start: stiffnessModel"));
-    assert!(starts.any(|line| line.ends_with(" teeth")), "{shown}");
+    let start = line(&shown, "start: stiffnessModel");
+    assert!(start.ends_with(" teeth"), "{start}");
 }
 
 #[test]
@@ -158,7 +136,7 @@ fn what_is_read_is_not_written_over() {
             "report",
             "import none.csv --pair",
         ] {
-            refused(format!("{command} {pair} -o {output}"), &["which is read"]);
+            refused!("{command} {pair} -o {output}"; "which is read");
         }
     }
     let report = format!("report {PAPER} --tables {tables} -o {tables}");
@@ -174,8 +152,8 @@ fn what_is_read_is_not_written_over() {
 fn packing_and_inspecting_say_what_the_unit_runs_on() {
     let folder = Folder::new();
     let fmu = folder.path("unit.fmu");
-    let packed = succeed(format!("pack --pair {PAPER} -o {fmu}"));
-    for shown in [&packed, &succeed(format!("inspect {fmu}"))] {
+    let packed = succeed!("pack --pair {PAPER} -o {fmu}");
+    for shown in [&packed, &succeed!("inspect {fmu}")] {
         let (_, version) = shown.split_once("linux64 (glibc 2.").expect(shown);
         let (minor, _) = version.split_once(" or later)").expect(shown);
         assert!((2..100).contains(&minor.parse::<u32>().unwrap()), "{shown}");
@@ -193,8 +171,8 @@ fn the_error_of_contact_at_run_time_is_that_of_the_unit() {
     let fmu = folder.path("unit.fmu");
     let force_rms = |stations: usize| -> f64 {
         let options = format!("--set stiffnessModel=contact --stations {stations}");
-        let built = succeed(format!("build {PAPER} -o {fmu} {SMALL} {QUICK} {options}"));
-        let inspected = succeed(format!("inspect {fmu}"));
+        let built = succeed!("build {PAPER} -o {fmu} {SMALL} {QUICK} {options}");
+        let inspected = succeed!("inspect {fmu}");
         let errors = [
             (built, "contact at run time:"),
             (inspected, "contact: error at"),
@@ -227,7 +205,7 @@ fn a_tilt_far_beyond_what_the_teeth_give_way_has_tables() {
     });
     let pair = folder.write("pair.json", pair.to_string());
     let tables = folder.path("tables.json");
-    succeed(format!("tables {pair} -o {tables} -q {QUICK}"));
+    succeed!("tables {pair} -o {tables} -q {QUICK}");
     let made = super::json(folder.read("tables.json"));
     assert_eq!(numbers(&made["axes"]["misalignment_rad"]).len(), 33);
     let rms = number(&made["interpolation_error"]["force_rms"]);

@@ -34,8 +34,8 @@ pub struct ModelArgs {
     #[arg(long)]
     pub plane_strain: bool,
 
-    /// Stress in the tooth roots, too, of a unit for its outputs of `rootStress`; its elastic model takes two to three times as
-    /// long as that of the contact
+    /// Stress in the tooth roots of both gears, too, in tables for the outputs of a unit's `rootStress`; its elastic model
+    /// takes two to three times as long as that of the contact
     #[arg(long, conflicts_with = "plane_strain")]
     pub root_stress: bool,
 

@@ -126,7 +126,7 @@ impl New {
             torque,
             most: rounded(1.5 * torque),
         };
-        Ok(file.render()?)
+        Ok(file.render()? + "\n")
     }
 
     /// 0.38, or the largest twentieth that the tip of a rack with a dedendum of 1.25 modules has room for.

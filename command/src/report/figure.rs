@@ -122,11 +122,14 @@ struct Cell {
 
 /// Cells that meet halfway between `nodes`, the outermost as wide as their neighbours.
 fn cells(nodes: &[f64]) -> Vec<Cell> {
-    let last = nodes.len() - 1;
     let step = |i: usize| nodes.get(i + 1).map_or(1.0, |next| next - nodes[i]);
     let cell = |(i, node): (usize, &f64)| {
-        let low = node - 0.5 * step(i.saturating_sub(1));
-        let high = node + 0.5 * step(i.min(last.saturating_sub(1)));
+        let before = 0.5 * step(i.saturating_sub(1));
+        let low = node - before;
+        let high = match nodes.get(i + 1) {
+            Some(next) => next - 0.5 * step(i),
+            None => node + before,
+        };
         Cell {
             node: 0.5 * (low + high),
             ends: [low, high],

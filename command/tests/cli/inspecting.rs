@@ -78,16 +78,12 @@ fn a_topography_is_shown_with_its_least_and_largest_removal_and_that_at_the_tip(
 #[test]
 fn a_wrong_pair_file_is_refused_in_one_line_with_field_value_and_remedy() {
     let folder = Folder::new();
-    let unknown = |pair: &mut Value| pair["helix_deg"] = 13.0.into();
-    let negative = |pair: &mut Value| pair["normal_module_mm"] = (-4.0).into();
-    for (pair, words) in [
-        (folder.pair(unknown), &["`helix_deg`"][..]),
-        // Field = value: problem; remedy.
-        (folder.pair(negative), &["normal_module_mm", "-4", ";"]),
-        ("no-such-pair.json".into(), &["no-such-pair.json"]),
-    ] {
-        refused(format!("inspect {pair}"), words);
-    }
+    let pair = folder.pair(|pair| pair["helix_deg"] = 13.0.into());
+    refused!("inspect {pair}"; "`helix_deg`");
+    let pair = folder.pair(|pair| pair["normal_module_mm"] = (-4.0).into());
+    // Field = value: problem; remedy.
+    refused!("inspect {pair}"; "normal_module_mm", "-4", ";");
+    refused!("inspect no-such-pair.json"; "no-such-pair.json");
 }
 
 #[test]

@@ -8,24 +8,24 @@ mod interpolants;
 mod levels;
 mod run_up;
 
-use crate::setup::{Setup, shipped_at};
+use crate::data::last_that_holds;
+use crate::setup::{Setup, ratio, shipped_at};
 use crate::{Chapter, Context, Result, timing};
 use gearmesh::contact::ContactSettings;
-use gearmesh::element::{Element, Inputs, InputsChange, Latch, LoadedFlank, MotionChange, Parameters, StiffnessModel};
+use gearmesh::element::{Element, Inputs, Latch, LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::pair::Refinement;
 use gearmesh::random::Random;
 use gearmesh::table::{Axis, FlankGrid, Table};
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
 
-pub const CHAPTERS: [(&str, Chapter); 9] = [
+pub const CHAPTERS: [(&str, Chapter); 8] = [
     ("machine", |_, data| timing::machine(data)),
     ("interpolants", interpolants::report),
     ("element", element::report),
     ("effects", effects::report),
     ("growth", growth::report),
     ("cost-per-second", hosts::cost),
-    ("hosts", hosts::report),
     ("run-up", run_up::report),
     ("levels", levels::report),
 ];
@@ -43,24 +43,20 @@ impl Sampled {
     fn of(context: &Context) -> Result<&Self> {
         if context.samples.get().is_none() {
             eprintln!("    samples of the contact solver");
-            let setup = at(PAIR, Refinement::Coarse)?;
+            let setup = coarse(PAIR)?;
             let grid = setup.samples([16, 9, 17, if context.quick { 32 } else { 64 }])?;
             let _ = context.samples.set(Self { setup, grid });
         }
         context.samples.get().ok_or_else(|| "no samples".into())
     }
-
-    /// The table of the whole element: every other mesh position.
-    fn half(&self) -> FlankGrid {
-        thinned(&self.grid, [1, 1, 1, 2])
-    }
 }
 
-/// The shipped pair `name` on as many stations for each refinement.
-fn at(name: &str, refinement: Refinement) -> Result<Setup> {
-    let pair = shipped_at(name, refinement)?;
-    let tip_corner_contact = pair.tip_corner_contact;
-    Setup::new(pair, ContactSettings { tip_corner_contact, ..ContactSettings::default() })
+/// The shipped pair `name` on coarse elements, with as many segments as other refinements have.
+fn coarse(name: &str) -> Result<Setup> {
+    let pair = shipped_at(name, Refinement::Coarse)?;
+    let mut contact = ContactSettings::default();
+    contact.tip_corner_contact = pair.tip_corner_contact;
+    Setup::new(pair, contact)
 }
 
 /// Held-out points per scene.
@@ -71,13 +67,22 @@ fn points(context: &Context) -> usize {
 /// Every `step`-th node of `grid` along (displacement, centre distance, misalignment, mesh position),
 /// ends kept; a step of 0 takes the nominal node alone.
 fn thinned(grid: &FlankGrid, steps: [usize; 4]) -> FlankGrid {
-    let axes = [Axis::Displacement, Axis::CenterDistance, Axis::Misalignment, Axis::MeshPosition];
+    let axes = [
+        Axis::Displacement,
+        Axis::CenterDistance,
+        Axis::Misalignment,
+        Axis::MeshPosition,
+    ];
     let mut thin = grid.clone();
     for (axis, step) in axes.into_iter().zip(steps) {
         let nodes = thin.axes.along_mut(axis).clone();
         let nominal = (0..nodes.len()).min_by(|&i, &j| nodes[i].abs().total_cmp(&nodes[j].abs()));
         // The last displacement, the top load, is the one that must stay.
-        let first = if axis == Axis::Displacement { step - 1 } else { 0 };
+        let first = if axis == Axis::Displacement {
+            step - 1
+        } else {
+            0
+        };
         let chosen: Vec<usize> = match step {
             0 => nominal.into_iter().collect(),
             _ => (first..nodes.len()).step_by(step).collect(),
@@ -85,17 +90,6 @@ fn thinned(grid: &FlankGrid, steps: [usize; 4]) -> FlankGrid {
         thin = thin.with_nodes(axis, &chosen);
     }
     thin
-}
-
-/// Turns, small translations and velocities of both gears: a direction that touches every input.
-fn direction() -> InputsChange {
-    let change = |s: f64| MotionChange {
-        p: Vector3::new(1.0, -0.5, 0.3) * s,
-        rotation: Vector3::new(0.2, 0.4, 10.0) * s,
-        v: Vector3::new(0.1, 0.2, 0.3),
-        w: Vector3::new(0.3, 0.2, 0.1),
-    };
-    InputsChange { gears: [change(1.0), change(-0.7)], carrier: MotionChange::default() }
 }
 
 /// Parameters with every effect on.
@@ -106,12 +100,6 @@ fn everything(setup: &Setup) -> Parameters {
         loaded_flank: LoadedFlank::Both,
         ..Parameters::default()
     }
-}
-
-/// Rate of gear 2 over that of gear 1.
-fn ratio(setup: &Setup) -> f64 {
-    let geometry = &setup.pair.geometry;
-    -geometry.e() * geometry.gears[0].z() / geometry.gears[1].z()
 }
 
 /// An element with random poses of both gears in contact, as a solver would hand them in.
@@ -129,10 +117,15 @@ struct Spread {
 }
 
 impl Posed {
-    fn new(setup: &Setup, parameters: &Parameters, table: &Arc<Table>, spread: &Spread) -> Result<Self> {
+    fn new(
+        setup: &Setup,
+        parameters: &Parameters,
+        table: &Arc<Table>,
+        spread: &Spread,
+    ) -> Result<Self> {
         let element = Element::new(&setup.pair.geometry, parameters, Some(table.clone()))?;
         let latch = element.latch(&element.nominal_inputs())?;
-        let ratio = ratio(setup);
+        let ratio = ratio(&setup.pair.geometry);
         let mut random = Random::new(0x2545_F491_4F6C_DD1D);
         let mut both = |x: f64| random.within([-x, x]);
         let spin = |angle: f64| *Rotation3::from_axis_angle(&Vector3::z_axis(), angle).matrix();
@@ -146,16 +139,12 @@ impl Posed {
             let [low, high] = spread.normal_force;
             let force = 0.5 * (low + high) + 0.5 * both(high - low);
             // Force rises with the angle of gear 1; half a base pitch at most lies between contact and no contact.
-            let (mut free, mut deep) = (-5e-3, 5e-3);
-            for _ in 0..40 {
-                let middle = 0.5 * (free + deep);
-                inputs.gears[0].r = spin(turn + middle);
-                if element.evaluate(&latch, &inputs)?.normal_force < force {
-                    free = middle;
-                } else {
-                    deep = middle;
-                }
-            }
+            let free = |angle: f64| {
+                let mut turned = inputs;
+                turned.gears[0].r = spin(turn + angle);
+                Ok(element.evaluate(&latch, &turned)?.normal_force < force)
+            };
+            let [free, deep] = last_that_holds([-5e-3, 5e-3], 40, free)?;
             inputs.gears[0].r = spin(turn + 0.5 * (free + deep));
             for (gear, speed) in inputs.gears.iter_mut().zip([100.0, 100.0 * ratio]) {
                 gear.w = Vector3::z() * speed;
@@ -163,6 +152,10 @@ impl Posed {
             }
             poses.push(inputs);
         }
-        Ok(Self { element, latch, poses })
+        Ok(Self {
+            element,
+            latch,
+            poses,
+        })
     }
 }

@@ -12,6 +12,7 @@ use super::FiniteElementError;
 use super::model::Model;
 use crate::storage::write_whole;
 use gearmesh::gear::Gear;
+use gearmesh::sealed;
 use gearmesh::words::{hex, rounded};
 use sha2::{Digest, Sha256};
 use std::fmt::Display;
@@ -30,10 +31,8 @@ const VERSION: u32 = 6;
 /// How many bytes of it all versions share: these tell a file of this cache from others.
 const COMMON: usize = MAGIC.len() - b"0005\r\n".len();
 
-/// Bytes before the checksum, the key and the label: a byte with its length, then its text.
-const CHECKSUM: usize = MAGIC.len();
-const KEY: usize = CHECKSUM + 32;
-const LABEL: usize = KEY + 32;
+/// Bytes before the label: a byte with its length, then its text.
+const LABEL: usize = sealed::HEAD + 32;
 
 const ENDING: &str = "compliance";
 
@@ -231,7 +230,9 @@ pub(super) fn get<T: Stored>(
         Err(fault) => fault,
     };
     let found = compute()?;
-    let origin = match cache.store(&path, &sealed(&key, what, &found.encode())) {
+    let label = [&[what.len() as u8], what.as_bytes()].concat();
+    let contents = [&key, &label[..], &found.encode()].concat();
+    let origin = match cache.store(&path, &sealed::seal(MAGIC, &contents)) {
         Err(error) => Origin::NotStored(in_words(&error)),
         Ok(()) if fault.kind() == io::ErrorKind::NotFound => Origin::Stored,
         Ok(()) => Origin::Replaced(in_words(&fault)),
@@ -249,25 +250,13 @@ pub(super) fn key(model: &Model, reach: usize, what: &str) -> [u8; 32] {
 fn read<T: Stored>(path: &Path, key: &[u8; 32]) -> io::Result<T> {
     let bytes = fs::read(path)?;
     let fault = |reason: &str| io::Error::new(io::ErrorKind::InvalidData, reason);
-    if !bytes.starts_with(MAGIC) {
-        return Err(fault("not a compliance file of this version"));
-    }
-    let cut = || fault("the file is cut off or altered");
-    let (checksum, sealed) = bytes[CHECKSUM..].split_at_checked(32).ok_or_else(cut)?;
-    if Sha256::digest(sealed)[..] != *checksum {
-        return Err(cut());
-    }
-    if !sealed.starts_with(key) {
-        return Err(fault("the file belongs to another gear or other settings"));
-    }
-    let body = LABEL + 1 + usize::from(bytes[LABEL]);
-    T::decode(&bytes[body..]).ok_or_else(cut)
-}
-
-fn sealed(key: &[u8; 32], label: &str, body: &[u8]) -> Vec<u8> {
-    let label = [&[label.len() as u8], label.as_bytes()].concat();
-    let sealed = [key, &label[..], body].concat();
-    [&MAGIC[..], &Sha256::digest(&sealed), &sealed].concat()
+    let contents = sealed::open(MAGIC, &bytes).map_err(fault)?;
+    let labelled = contents.strip_prefix(key);
+    let labelled = labelled.ok_or_else(|| fault("it belongs to another gear or other settings"))?;
+    let body = labelled.split_first();
+    let body = body.and_then(|(length, rest)| rest.get(usize::from(*length)..));
+    body.and_then(T::decode)
+        .ok_or_else(|| fault("it was cut or altered"))
 }
 
 pub(super) fn gear_in_words(gear: &Gear) -> String {

@@ -17,7 +17,7 @@
 
 use super::FiniteElementError;
 use super::dense::eliminate;
-use super::mesh::Mesh;
+use super::mesh::{LoadColumn, Mesh};
 use nalgebra::DMatrix;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -33,9 +33,6 @@ pub(super) struct CondensedSector {
     /// Numbers kept at most at a time.
     pub numbers: usize,
 }
-
-/// A sparse load, or functional of the displacement: (unknown, value), the unknowns numbered node by node.
-pub(super) type LoadColumn = Vec<(usize, f64)>;
 
 /// Parts of at most so many elements are not cut further.
 const LEAF: usize = 4;
@@ -418,10 +415,7 @@ mod tests {
     #[test]
     fn parts_leave_the_schur_complement_of_the_whole_matrix() {
         let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
-        let settings = Settings {
-            plane_strain: true,
-            ..Settings::new(Refinement::Coarse, 0)
-        };
+        let settings = Settings::new(Refinement::Coarse, 0).in_plane_strain();
         let mesh = Model::new(&gear, &settings).unwrap().mesh();
         let material = [1.0, 0.3];
         // The free unknowns, those of the sides last.

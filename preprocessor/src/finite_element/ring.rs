@@ -214,8 +214,9 @@ fn longest(y: &DMatrix<f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::finite_element::Settings;
-    use crate::finite_element::condensation::{LoadColumn, condense};
+    use crate::finite_element::condensation::condense;
     use crate::finite_element::harmonics;
+    use crate::finite_element::mesh::LoadColumn;
     use crate::finite_element::model::Model;
     use crate::samples;
     use gearmesh::gear::{Body, Gear, GearKind};

@@ -14,10 +14,7 @@ fn spur(teeth: u32, module: f64, bore_ratio: f64) -> Gear {
 
 /// Settings of a plane model at `refinement`.
 fn plane(refinement: Refinement) -> Settings {
-    Settings {
-        plane_strain: true,
-        ..Settings::new(refinement, 2)
-    }
+    Settings::new(refinement, 2).in_plane_strain()
 }
 
 /// A kernel too narrow to matter, in place of a point load.
@@ -159,10 +156,7 @@ fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
     let mut gear = spur(20, 4e-3, 0.5);
     gear.poisson_ratio = 0.0;
     let solid = Settings::new(Refinement::Coarse, 0);
-    let plane = Settings {
-        plane_strain: true,
-        ..solid
-    };
+    let plane = solid.in_plane_strain();
     let roll = [gear.roll_length(41e-3); 2];
     let solid = FiniteElementCompliance::new(&gear, &solid, &|_, _| true).unwrap();
     let plane = FiniteElementCompliance::new(&gear, &plane, &|_, _| true).unwrap();

@@ -1,12 +1,10 @@
 //! Computed models kept in files of one folder of bounded size.
 //!
-//! The key of a model is the SHA-256 of what it is computed from: the mesh of the section and its layers, material and number of
-//! teeth, how many of them are asked for, and the version of the code. So every setting and constant that shapes section and
-//! layers shapes its key without a list to keep; for what is done with them [`VERSION`] stands.
+//! The key of a model is the SHA-256 of what it is computed from: section and layers of the mesh, material, number of teeth,
+//! reach, and the version of the code; for what is done with these [`VERSION`] stands.
 //!
-//! File: magic line, SHA-256 of the rest, key, label, body; little endian. A file that is cut,
-//! altered or of another version is recomputed and replaced, with a note; it never gives a result. A
-//! half-written one is never found. When a new model does not fit, the least recently used ones go.
+//! File: [`sealed`] key, label and body, little endian. A file that is cut, altered or of another version is recomputed and
+//! replaced, with a note. When a new model does not fit, the least recently used ones go.
 
 use super::FiniteElementError;
 use super::model::Model;
@@ -24,8 +22,8 @@ use std::time::SystemTime;
 /// Changes with the layout of the file.
 const MAGIC: &[u8; 32] = b"gearmesh finite elements v0005\r\n";
 
-/// Changes with what is computed of section and layers: a method, or a constant that they do not show, such as how many modes of the sides and
-/// Fourier indices are left out, or how the result is rounded. What was kept is then not found.
+/// Changes with what is computed of section and layers: a method, or a constant that they do not show, such as how the result
+/// is rounded. What was cached is then not found.
 const VERSION: u32 = 6;
 
 /// How many bytes of it all versions share: these tell a file of this cache from others.
@@ -205,9 +203,6 @@ pub(super) trait Stored: Sized {
 
 /// What `compute` gives of `model` for teeth up to `reach` apart, by way of `cache` if there is one. `what` that is, in words, is
 /// part of its key. An unusable cache costs the time of a computation.
-///
-/// # Errors
-/// Those of `compute`.
 pub(super) fn get<T: Stored>(
     cache: Option<&ModelCache>,
     model: &Model,

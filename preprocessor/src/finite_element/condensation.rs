@@ -43,9 +43,6 @@ const TASK: f64 = 1e8;
 
 /// Eliminates the inside of the sector `mesh` of `material` (Young's modulus, Pa, and Poisson ratio) under the first `loads` of
 /// `columns`; the others are functionals that are observed under them. `progress` is given the share done and may stop the work.
-///
-/// # Errors
-/// No memory, a stiffness that is not positive definite, or cancelled.
 pub(super) fn condense(
     mesh: &Mesh,
     material: [f64; 2],

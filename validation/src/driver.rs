@@ -406,21 +406,16 @@ impl<'a> CoSimulation<'a> {
 
     /// One communication step.
     pub fn advance(&mut self) -> Result<()> {
-        let Way {
-            master,
-            coupling,
-            effective_mass,
-        } = self.way;
         let request = StepRequest {
-            coupling,
+            coupling: self.way.coupling,
             length: self.step,
-            effective_mass,
+            effective_mass: self.way.effective_mass,
         };
         let inputs = self.scene.inputs(self.time, &self.state);
         let (element, latch) = (&self.scene.element, &self.scene.latch);
         let workspace = &mut self.scene.workspace.borrow_mut();
         let predicted = element.predict(latch, &inputs, self.last.as_ref(), &request, workspace)?;
-        let acting = match master {
+        let acting = match self.way.master {
             Master::Sequential => predicted.loads,
             Master::Parallel => self.loads,
         };

@@ -36,22 +36,14 @@ struct Arguments {
 }
 
 fn main() -> Result<()> {
-    let Arguments {
-        chapters: chosen,
-        quick,
-        data,
-        python,
-        measure,
-    } = Arguments::parse();
-    if let Some(measure) = measure {
+    let arguments = Arguments::parse();
+    if let Some(measure) = arguments.measure {
         return cost::measure(&measure[0], &measure[1]);
     }
-    let context = Context {
-        quick,
-        python,
-        ..Context::default()
-    };
-    let data = data.unwrap_or_else(|| in_repository("docs/data"));
+    let mut context = Context::default();
+    (context.quick, context.python) = (arguments.quick, arguments.python);
+    let chosen = arguments.chapters;
+    let data = arguments.data.unwrap_or_else(|| in_repository("docs/data"));
     let start = Instant::now();
     let mut known = vec![];
     for (folder, chapters) in FOLDERS {

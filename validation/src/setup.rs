@@ -305,14 +305,17 @@ impl Setup {
 
     /// A tables file around `grid`.
     pub fn file(&self, grid: &FlankGrid) -> TableFile {
-        let Pair {
-            name,
-            geometry,
-            operating,
-            ..
-        } = &self.pair;
+        let pair = &self.pair;
+        let operating = &pair.operating;
         let torques = [operating.nominal_torque, operating.maximum_torque];
-        TableFile::new(name, "validation", geometry, torques, grid, None)
+        TableFile::new(
+            &pair.name,
+            "validation",
+            &pair.geometry,
+            torques,
+            grid,
+            None,
+        )
     }
 
     /// The same as a table.

@@ -41,16 +41,12 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     for &bore in if context.quick { &BORES[..2] } else { &BORES } {
         eprintln!("    bore {bore} mm");
         let plain = solved(false, bore, Refinement::Coarse)?;
-        let Solved {
-            mean,
-            swing,
-            unloaded,
-        } = solved(true, bore, Refinement::Coarse)?;
+        let modified = solved(true, bore, Refinement::Coarse)?;
+        let plain_row = format!("{:.3} | {:.3}", plain.mean, plain.swing);
+        let (mean, swing) = (modified.mean, modified.swing);
+        let loaded = mean - modified.unloaded;
         rows.push(format!(
-            "{bore} | {:.3} | {:.3} | {mean:.3} | {:.3} | {swing:.3}",
-            plain.mean,
-            plain.swing,
-            mean - unloaded
+            "{bore} | {plain_row} | {mean:.3} | {loaded:.3} | {swing:.3}"
         ));
         curve.push([bore, plain.mean]);
     }

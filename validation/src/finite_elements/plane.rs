@@ -37,6 +37,10 @@ impl Published {
             .collect::<std::result::Result<_, _>>()?)
     }
 
+    fn name(&self) -> String {
+        format!("{}/{}, m {} mm", self.teeth1, self.teeth2, self.module_mm)
+    }
+
     /// At its nominal pose alone.
     fn pair(&self) -> Result<Pair> {
         let spur = Spur {
@@ -122,22 +126,15 @@ fn pair_stiffness(context: &Context, data: &Data) -> Result<()> {
     {
         let pair = published.pair()?;
         let solver = plane_solver(context, &pair)?;
-        let Published {
-            teeth1,
-            teeth2,
-            module_mm,
-            line_load,
-            bore,
-            ..
-        } = published;
         let expected = published.stiffness.ok_or("no stiffness")?;
-        let found = line_load / single_pair(&solver, pair.operating.maximum_torque)?;
+        let found = published.line_load / single_pair(&solver, pair.operating.maximum_torque)?;
         let error = percent(found, expected);
         // 16 teeth without shift are undercut; what the published number holds for is not known.
-        if teeth1 != 16 {
+        if published.teeth1 != 16 {
             errors.push(error);
         }
-        let name = format!("{teeth1}/{teeth2}, m {module_mm} mm, bore {bore:.3}");
+        let name = format!("{}, bore {:.3}", published.name(), published.bore);
+        let line_load = published.line_load;
         rows.push(format!(
             "{name} | {line_load} | {expected:.2} | {found:.2} | {error:+.2}"
         ));
@@ -167,19 +164,12 @@ fn transmission_error(context: &Context, data: &Data) -> Result<()> {
     };
     for published in Published::read(include_str!("../../../tests/data/plane_ste.csv"))? {
         let pair = published.pair()?;
-        let Published {
-            teeth1,
-            teeth2,
-            module_mm,
-            line_load,
-            bore,
-            ..
-        } = published;
         // As a spur pair, basic rack 1.25 / 0.38 of the transverse module.
         let what = match published.pressure_angle_deg {
-            Some(20.0) => format!("{teeth1}/{teeth2}, m {module_mm} mm"),
+            Some(20.0) => published.name(),
             _ => "transverse section of the paper's pair".into(),
         };
+        let (line_load, bore) = (published.line_load, published.bore);
         let name = format!("{what}, {line_load} N/mm, bore {bore:.3}");
         let expected = [published.mean_um, published.swing_um].map(Option::unwrap_or_default);
         // The number of positions of the published cycles: the STE rises towards the jump at each hand-over.

@@ -36,10 +36,8 @@ fn points() -> Vec<Query> {
 }
 
 pub fn report(context: &Context, data: &Data) -> Result<()> {
-    let Sampled {
-        setup,
-        grid: samples,
-    } = Sampled::of(context)?;
+    let sampled = Sampled::of(context)?;
+    let (setup, samples) = (&sampled.setup, &sampled.grid);
     let random = points();
     let (mut tables, mut rows) = (vec![], vec![]);
     for counts in GRIDS {

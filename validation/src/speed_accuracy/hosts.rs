@@ -79,17 +79,11 @@ pub fn cost(context: &Context, data: &Data) -> Result<()> {
                 Ok(error.is_some_and(|error| error < BEARABLE))
             };
             let [longest, _] = last_that_holds([1e-7_f64.ln(), 1e-4_f64.ln()], 10, bears)?;
-            let Steps {
-                c,
-                ctypes,
-                fmpy,
-                libcosim,
-                ecos,
-                ..
-            } = steps(context, &path)?;
+            let found = steps(context, &path)?;
+            let c = found.c;
             let step = longest.exp();
             let mut row = format!("{name} | {coupling} | {:.2} | {c:.0}", 1e6 * step);
-            for ns in [c, ctypes, fmpy, libcosim, ecos] {
+            for ns in [c, found.ctypes, found.fmpy, found.libcosim, found.ecos] {
                 row += &format!(" | {:.2}", 1e-9 * ns / step);
             }
             rows.push(row);

@@ -8,20 +8,20 @@ use crate::{Context, Result};
 use gearmesh::table::{FlankTable, Interpolation};
 
 /// All there are, with their names in the FMU.
-pub const INTERPOLATIONS: [(Interpolation, &str); 3] = [
+const INTERPOLATIONS: [(Interpolation, &str); 3] = [
     (Interpolation::Linear, "linear"),
     (Interpolation::Spline, "spline"),
     (Interpolation::Shepard, "shepard"),
 ];
 
 /// Error of the force over the nominal force.
-pub struct ForceError {
-    pub rms: f64,
-    pub largest: f64,
+struct ForceError {
+    rms: f64,
+    largest: f64,
 }
 
 /// The error of `table` at `points`.
-pub fn force_error(table: &FlankTable, points: &[Exact], nominal: f64) -> ForceError {
+fn force_error(table: &FlankTable, points: &[Exact], nominal: f64) -> ForceError {
     let error = |x: &Exact| (table.evaluate(&x.query, false).gradient[0] - x.force).abs() / nominal;
     let errors: Vec<f64> = points.iter().map(error).collect();
     let [_, largest] = range(errors.iter().copied());
@@ -34,26 +34,28 @@ pub fn force_error(table: &FlankTable, points: &[Exact], nominal: f64) -> ForceE
 /// One table with its error and its price, ns without and with gradient.
 struct Outcome {
     name: String,
+    steps: [usize; 4],
     table: FlankTable,
     error: ForceError,
     time: [f64; 2],
 }
 
+/// The grid of the table of ratios.
+const RATIOS: [usize; 4] = [1, 1, 1, 2];
 /// Steps through the samples that make the grids.
-const GRIDS: [[usize; 4]; 6] = [
+const GRIDS: [[usize; 4]; 7] = [
     [4, 2, 4, 8],
     [2, 2, 2, 4],
     [2, 2, 1, 4],
     [2, 2, 1, 2],
     [1, 2, 1, 2],
+    RATIOS,
     [1, 1, 1, 1],
 ];
 
 pub fn report(context: &Context, data: &Data) -> Result<()> {
-    let Sampled {
-        setup,
-        grid: samples,
-    } = Sampled::of(context)?;
+    let sampled = Sampled::of(context)?;
+    let (setup, samples) = (&sampled.setup, &sampled.grid);
     let exact = setup.exact(&setup.ranges(4), points(context))?;
     let mut outcomes = vec![];
     for steps in GRIDS {
@@ -65,11 +67,13 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
             match FlankTable::new(&grid, interpolation) {
                 Ok(table) => {
                     let error = force_error(&table, &exact, setup.nominal_force());
+                    let time = [0.0; 2];
                     outcomes.push(Outcome {
                         name,
+                        steps,
                         table,
                         error,
-                        time: [0.0; 2],
+                        time,
                     });
                 }
                 Err(why) => eprintln!("    {name}: {why}"),
@@ -88,26 +92,58 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     for (outcome, time) in outcomes.iter_mut().zip(times.chunks_exact(2)) {
         outcome.time = [time[0], time[1]];
     }
-    let row = |Outcome {
-                   name,
-                   table,
-                   error,
-                   time,
-               }: &Outcome| {
+    let row = |o: &Outcome| {
         // Those that no other one beats in both time with gradient and error.
-        let better = |o: &Outcome| o.time[1] < time[1] && o.error.rms <= error.rms;
+        let better = |other: &Outcome| other.time[1] < o.time[1] && other.error.rms <= o.error.rms;
         let front = if outcomes.iter().any(better) {
             ""
         } else {
             "yes"
         };
-        let (kilobytes, [value, gradient]) = (table.bytes() as f64 / 1e3, time);
-        let (rms, largest) = (100.0 * error.rms, 100.0 * error.largest);
+        let (kilobytes, [value, gradient]) = (o.table.bytes() as f64 / 1e3, o.time);
+        let errors = format!(
+            "{:.3} | {:.3}",
+            100.0 * o.error.rms,
+            100.0 * o.error.largest
+        );
         format!(
-            "{name} | {kilobytes:.0} | {value:.0} | {gradient:.0} | {rms:.3} | {largest:.3} | {front}"
+            "{} | {kilobytes:.0} | {value:.0} | {gradient:.0} | {errors} | {front}",
+            o.name
         )
     };
     let rows: Vec<_> = outcomes.iter().map(row).collect();
     let head = "interpolation | grid | kB | value, ns | with gradient, ns | rms error, % | largest error, % | Pareto front";
-    data.table("interpolants-4d", head, &rows)
+    data.table("interpolants-4d", head, &rows)?;
+
+    let of_grid: Vec<_> = outcomes.iter().filter(|o| o.steps == RATIOS).collect();
+    let [linear, spline, shepard] = of_grid[..] else {
+        return Err("a grid of the table of ratios was refused".into());
+    };
+    let ([value, gradient], [of_value, of_gradient]) = (spline.time, linear.time);
+    let errors = [spline, shepard].map(|o| o.error.rms);
+    let rows = [
+        format!(
+            "spline over linear kernel, 4-D with gradient | {:.2}",
+            gradient / of_gradient
+        ),
+        format!(
+            "spline over linear kernel, 4-D value | {:.2}",
+            value / of_value
+        ),
+        format!(
+            "rms error, spline over linear, same 4-D grid | {:.3}",
+            errors[0] / linear.error.rms
+        ),
+        format!(
+            "shepard over spline kernel, 4-D with gradient | {:.1}",
+            shepard.time[1] / gradient
+        ),
+        format!(
+            "rms error, shepard over spline, same 4-D grid | {:.2}",
+            errors[1] / errors[0]
+        ),
+        format!("spline kernel, 4-D value, ns | {value:.0}"),
+        format!("spline kernel, 4-D with gradient, ns | {gradient:.0}"),
+    ];
+    data.table("ratios", "quantity | measured", &rows)
 }

@@ -9,7 +9,7 @@ import pytest
 from conftest import FORMULATIONS, QUICK, pair_files
 from differences import check_derivatives, values_of, variables
 from test_mechanics import Geometry
-from test_state import goes_on_elsewhere, run
+from test_state import goes_on_elsewhere
 
 INTERPOLATIONS = LINEAR, SPLINE, SHEPARD = 1, 2, 3
 EVERY_INTERPOLATION = pytest.mark.parametrize("interpolation", INTERPOLATIONS, ids=["linear", "spline", "shepard"])
@@ -212,19 +212,6 @@ def test_interpolations_differ_by_the_error_of_the_table_alone(table_mesh):
         forces.append(instance.get("mesh.tangentialForce"))
     assert len(set(forces)) == len(INTERPOLATIONS)
     assert forces == pytest.approx([forces[1]] * len(forces), rel=0.02)
-
-
-def test_two_pairs_with_tables_run_at_once(table_mesh):
-    alone = {}
-    for pair in FULL:
-        instance = table_mesh(pair).initialize()
-        alone[pair] = run(instance, 20)
-    both = {pair: table_mesh(pair).initialize() for pair in FULL}
-    mixed = {pair: [] for pair in FULL}
-    for i in range(20):
-        for pair, instance in both.items():
-            mixed[pair] += run(instance, 1, first=i)
-    assert mixed == alone and alone[FULL[0]] != alone[FULL[1]]
 
 
 @pytest.mark.parametrize("pair", FULL)

@@ -1,16 +1,17 @@
 //! Computed models kept in files of one folder of bounded size.
 //!
-//! The key of a model is the SHA-256 of what it is computed from: section and layers of the mesh, material, number of teeth,
-//! reach, and the version of the code; for what is done with these [`VERSION`] stands.
+//! The key of a model is the SHA-256 of what it is computed from: the mesh of the section and its layers, material and number of
+//! teeth, how many of them are asked for, and the version of the code. So every setting and constant that shapes section and
+//! layers shapes its key without a list to keep; for what is done with them [`VERSION`] stands.
 //!
-//! File: [`sealed`] key, label and body, little endian. A file that is cut, altered or of another version is recomputed and
-//! replaced, with a note. When a new model does not fit, the least recently used ones go.
+//! File: magic line, SHA-256 of the rest, key, label, body; little endian. A file that is cut,
+//! altered or of another version is recomputed and replaced, with a note; it never gives a result. A
+//! half-written one is never found. When a new model does not fit, the least recently used ones go.
 
 use super::FiniteElementError;
 use super::model::Model;
 use crate::storage::write_whole;
 use gearmesh::gear::Gear;
-use gearmesh::sealed;
 use gearmesh::words::{hex, rounded};
 use sha2::{Digest, Sha256};
 use std::fmt::Display;
@@ -22,15 +23,17 @@ use std::time::SystemTime;
 /// Changes with the layout of the file.
 const MAGIC: &[u8; 32] = b"gearmesh finite elements v0005\r\n";
 
-/// Changes with what is computed of section and layers: a method, or a constant that they do not show, such as how the result
-/// is rounded. What was cached is then not found.
+/// Changes with what is computed of section and layers: a method, or a constant that they do not show, such as how many modes of the sides and
+/// Fourier indices are left out, or how the result is rounded. What was kept is then not found.
 const VERSION: u32 = 6;
 
 /// How many bytes of it all versions share: these tell a file of this cache from others.
 const COMMON: usize = MAGIC.len() - b"0005\r\n".len();
 
-/// Bytes before the label: a byte with its length, then its text.
-const LABEL: usize = sealed::HEAD + 32;
+/// Bytes before the checksum, the key and the label: a byte with its length, then its text.
+const CHECKSUM: usize = MAGIC.len();
+const KEY: usize = CHECKSUM + 32;
+const LABEL: usize = KEY + 32;
 
 const ENDING: &str = "compliance";
 
@@ -203,6 +206,9 @@ pub(super) trait Stored: Sized {
 
 /// What `compute` gives of `model` for teeth up to `reach` apart, by way of `cache` if there is one. `what` that is, in words, is
 /// part of its key. An unusable cache costs the time of a computation.
+///
+/// # Errors
+/// Those of `compute`.
 pub(super) fn get<T: Stored>(
     cache: Option<&ModelCache>,
     model: &Model,
@@ -225,9 +231,7 @@ pub(super) fn get<T: Stored>(
         Err(fault) => fault,
     };
     let found = compute()?;
-    let label = [&[what.len() as u8], what.as_bytes()].concat();
-    let contents = [&key, &label[..], &found.encode()].concat();
-    let origin = match cache.store(&path, &sealed::seal(MAGIC, &contents)) {
+    let origin = match cache.store(&path, &sealed(&key, what, &found.encode())) {
         Err(error) => Origin::NotStored(in_words(&error)),
         Ok(()) if fault.kind() == io::ErrorKind::NotFound => Origin::Stored,
         Ok(()) => Origin::Replaced(in_words(&fault)),
@@ -245,13 +249,25 @@ pub(super) fn key(model: &Model, reach: usize, what: &str) -> [u8; 32] {
 fn read<T: Stored>(path: &Path, key: &[u8; 32]) -> io::Result<T> {
     let bytes = fs::read(path)?;
     let fault = |reason: &str| io::Error::new(io::ErrorKind::InvalidData, reason);
-    let contents = sealed::open(MAGIC, &bytes).map_err(fault)?;
-    let labelled = contents.strip_prefix(key);
-    let labelled = labelled.ok_or_else(|| fault("it belongs to another gear or other settings"))?;
-    let body = labelled.split_first();
-    let body = body.and_then(|(length, rest)| rest.get(usize::from(*length)..));
-    body.and_then(T::decode)
-        .ok_or_else(|| fault("it was cut or altered"))
+    if !bytes.starts_with(MAGIC) {
+        return Err(fault("not a compliance file of this version"));
+    }
+    let cut = || fault("the file is cut off or altered");
+    let (checksum, sealed) = bytes[CHECKSUM..].split_at_checked(32).ok_or_else(cut)?;
+    if Sha256::digest(sealed)[..] != *checksum {
+        return Err(cut());
+    }
+    if !sealed.starts_with(key) {
+        return Err(fault("the file belongs to another gear or other settings"));
+    }
+    let body = LABEL + 1 + usize::from(bytes[LABEL]);
+    T::decode(&bytes[body..]).ok_or_else(cut)
+}
+
+fn sealed(key: &[u8; 32], label: &str, body: &[u8]) -> Vec<u8> {
+    let label = [&[label.len() as u8], label.as_bytes()].concat();
+    let sealed = [key, &label[..], body].concat();
+    [&MAGIC[..], &Sha256::digest(&sealed), &sealed].concat()
 }
 
 pub(super) fn gear_in_words(gear: &Gear) -> String {

@@ -1,7 +1,7 @@
 //! Condensation and ring closure against closed forms and against the whole gear in one piece.
 
-use super::condensation::condense;
-use super::mesh::{LoadColumn, Mesh};
+use super::condensation::{LoadColumn, condense};
+use super::mesh::Mesh;
 use super::outline::Outline;
 use super::section::Section;
 use super::*;
@@ -151,8 +151,13 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
         left => (s + 1) % teeth * n + left,
     };
     let mut whole = Mesh {
-        dimension: 2,
-        ..Mesh::default()
+        points: Vec::new(),
+        angles: Vec::new(),
+        elements: Vec::new(),
+        cells: Vec::new(),
+        held: Vec::new(),
+        sides: [Vec::new(), Vec::new()],
+        ..sector.clone()
     };
     for s in 0..teeth {
         let turn = 2.0 * PI * s as f64 / teeth as f64;
@@ -160,16 +165,19 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
             let (r, angle) = (x.hypot(*y), sector.angles[node] + turn);
             whole.points.push([r * angle.cos(), r * angle.sin(), 0.0]);
             whole.angles.push(angle);
-            let held = sector.held[node] || twin[node] != usize::MAX;
-            whole.held.push(held);
+            whole
+                .held
+                .push(sector.held[node] || twin[node] != usize::MAX);
         }
-        let elements = sector.elements.iter().map(|node| number(*node, s));
-        whole.elements.extend(elements);
-        let cells = sector
-            .cells
-            .iter()
-            .map(|c| [c[0] + 100 * s as i32, c[1], 0]);
-        whole.cells.extend(cells);
+        whole
+            .elements
+            .extend(sector.elements.iter().map(|node| number(*node, s)));
+        whole.cells.extend(
+            sector
+                .cells
+                .iter()
+                .map(|c| [c[0] + 100 * s as i32, c[1], 0]),
+        );
     }
     let columns: Vec<LoadColumn> = [0, 1, 11]
         .iter()
@@ -184,7 +192,10 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
         .unwrap()
         .held_influence;
 
-    let settings = Settings::new(Refinement::Coarse, 1).in_plane_strain();
+    let settings = Settings {
+        plane_strain: true,
+        ..Settings::new(Refinement::Coarse, 1)
+    };
     let model = Model::new(&gear, &settings).unwrap();
     let influence = model.influence(settings.reach, &|_, _| true).unwrap();
     let m = sector.flank.len();

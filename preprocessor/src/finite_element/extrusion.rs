@@ -24,6 +24,7 @@ fn middle(layers: &Range<usize>) -> Plane {
 /// The mesh while it grows, with its nodes by node of the section and plane.
 struct Extrusion<'a> {
     section: &'a Section,
+    stations: &'a [f64],
     twist: f64,
     along: Option<&'a Layers>,
     held: HashSet<usize>,
@@ -37,6 +38,7 @@ impl Mesh {
     pub fn new(section: &Section, outline: &Outline, along: Option<&Layers>, twist: f64) -> Mesh {
         let mut extrusion = Extrusion {
             section,
+            stations: along.map_or(&[0.0], |along| &along.stations),
             twist: along.map_or(0.0, |_| twist),
             along,
             held: section.held.iter().copied().collect(),
@@ -59,9 +61,7 @@ impl Mesh {
 impl Extrusion<'_> {
     /// Place of a plane, m.
     fn z(&self, plane: Plane) -> f64 {
-        self.along.map_or(0.0, |along| {
-            0.5 * (along.stations[plane[0]] + along.stations[plane[1]])
-        })
+        0.5 * (self.stations[plane[0]] + self.stations[plane[1]])
     }
 
     /// Number of the node `node` of the section on `plane`; a new one if there is none yet.
@@ -154,7 +154,7 @@ impl Extrusion<'_> {
 
     /// Hangs the nodes that lie on `plane` within the side over `edge` (both corners, then the middle) and `layers`.
     fn hang_on(&mut self, [a, b, between]: [usize; 3], layers: &Range<usize>, plane: Plane) {
-        let ends = [layers.start, layers.end].map(|end| self.z([end; 2]));
+        let ends = [layers.start, layers.end].map(|end| self.stations[end]);
         let zeta = (2.0 * self.z(plane) - ends[0] - ends[1]) / (ends[1] - ends[0]);
         for (node, xi) in [(a, -1.0), (b, 1.0), (between, 0.0)] {
             let Some(at) = self.numbers.get(&(node, plane)).copied() else {

@@ -35,7 +35,10 @@ impl FlankGrid {
         half_width: f64,
     ) -> FlankGrid {
         FlankGrid {
-            arcs: (section.flank.iter().step_by(2))
+            arcs: section
+                .flank
+                .iter()
+                .step_by(2)
                 .map(|(_, arc)| *arc)
                 .collect(),
             stations: stations.to_vec(),
@@ -84,8 +87,8 @@ impl FlankGrid {
 
     /// Reference length of the kernel at the middle of `strip`, m.
     pub fn reference_length(&self, strip: &Strip) -> f64 {
-        let middle = 0.5 * (strip.roll[0] + strip.roll[1]);
-        self.kernel(middle).reference_length()
+        self.kernel(0.5 * (strip.roll[0] + strip.roll[1]))
+            .reference_length()
     }
 
     pub fn weights(&self, strip: &Strip) -> Weights {
@@ -141,8 +144,14 @@ pub(super) fn face_nodes(
         let (i, k) = (2 * element + half(c[0]), 2 * layer + half(c[1]));
         let base = (k / 2) * (3 * elements + 2);
         let corners = base + 2 * elements + 1 + i / 2;
-        let has_all = k.is_multiple_of(2);
-        (if has_all { base + i } else { corners }, c)
+        (
+            if k.is_multiple_of(2) {
+                base + i
+            } else {
+                corners
+            },
+            c,
+        )
     })
 }
 

@@ -6,9 +6,10 @@
 //! the map without a backward solution (reciprocity).
 
 use super::cache::{Stored, gear_in_words, get};
+use super::condensation::LoadColumn;
 use super::fillet::{COMPONENTS, FilletGrid};
 use super::flank::{FlankGrid, Weights};
-use super::mesh::{LoadColumn, Mesh};
+use super::mesh::Mesh;
 use super::model::Model;
 use super::settings::Settings;
 use super::{FiniteElementError, ModelCache, Origin, Progress};
@@ -236,7 +237,10 @@ impl RootStress {
         Ok(RootField {
             fillet: &self.fillet,
             tangent: self.tangent,
-            clear: (self.fillet.z.iter())
+            clear: self
+                .fillet
+                .z
+                .iter()
                 .map(|z| self.clear(*z, &beside))
                 .collect(),
             principal: principal.collect(),
@@ -271,8 +275,10 @@ impl Map {
         columns.extend_from_slice(stress);
         let sectors = -(reach as i32)..=reach as i32;
         let response = model.response(mesh, &columns, loads, sectors, progress)?;
-        let (entries, units) = (Vec::new(), Vec::new());
-        let mut map = Map { entries, units };
+        let mut map = Map {
+            entries: Vec::new(),
+            units: Vec::new(),
+        };
         for column in response.iter().flat_map(|tooth| tooth.column_iter()) {
             let largest = column.amax();
             let unit = if largest > 0.0 {
@@ -324,8 +330,12 @@ impl RootField<'_> {
         if i == 0 || i + 1 == clear {
             return self.at_arc(number, self.fillet.arcs[i]);
         }
-        let arcs = &self.fillet.arcs;
-        let at = |k: usize| (arcs[k] - arcs[i], stress[k] - stress[i]);
+        let at = |k: usize| {
+            (
+                self.fillet.arcs[k] - self.fillet.arcs[i],
+                stress[k] - stress[i],
+            )
+        };
         let ((x0, y0), (x2, y2)) = (at(i - 1), at(i + 1));
         // Through (0, 0): y = a x + b x²; both neighbours lie lower, so that b < 0 and the top between them.
         let b = (y0 / x0 - y2 / x2) / (x0 - x2);

@@ -4,9 +4,11 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use gearmesh::pair::Refinement;
 
 fn settings(refinement: Refinement, plane_strain: bool) -> Settings {
-    let mut settings = Settings::new(refinement, 1);
-    settings.plane_strain = plane_strain;
-    settings.for_root_stress()
+    Settings {
+        plane_strain,
+        ..Settings::new(refinement, 1)
+    }
+    .for_root_stress()
 }
 
 fn strip(gear: &Gear, tooth: i32, radius: f64) -> Strip {
@@ -33,11 +35,18 @@ fn every_level_is_near_a_mesh_four_times_as_fine_as_normal() {
     finest.discretization.kernel_half_width = 0.075;
     for radius in [38.5e-3, 40e-3, 42e-3, 43.6e-3] {
         let exact = plane(&gear, &finest, radius);
-        let levels = [Refinement::Coarse, Refinement::Normal, Refinement::Fine];
-        for (refinement, bound) in levels.into_iter().zip([0.04, 0.015, 0.01]) {
+        for (refinement, bound) in [
+            (Refinement::Coarse, 0.04),
+            (Refinement::Normal, 0.015),
+            (Refinement::Fine, 0.01),
+        ] {
             let found = plane(&gear, &settings(refinement, true), radius);
             for (found, exact) in found.iter().zip(exact) {
-                assert_relative_eq!(*found, exact, max_relative = bound);
+                println!(
+                    "{refinement:?} r {radius}: {:+.2} %",
+                    100.0 * (found / exact - 1.0)
+                );
+                assert!((found / exact - 1.0).abs() < bound, "{found} {exact}");
             }
         }
     }
@@ -47,7 +56,10 @@ fn every_level_is_near_a_mesh_four_times_as_fine_as_normal() {
 fn functionals_that_are_loads_answer_with_the_influence() {
     // The rectangular way through condensation and ring against the symmetric one, both ways round the gear.
     let gear = samples::gear(GearKind::External, 13, 1.0, 0.0, 0.3);
-    let plane = Settings::new(Refinement::Coarse, 2).in_plane_strain();
+    let plane = Settings {
+        plane_strain: true,
+        ..Settings::new(Refinement::Coarse, 2)
+    };
     let model = Model::new(&gear, &plane).unwrap();
     let mesh = model.mesh();
     let mut columns = mesh.loads();
@@ -62,7 +74,11 @@ fn functionals_that_are_loads_answer_with_the_influence() {
         let away = place as i32 - 2;
         let known = &influence[away.unsigned_abs() as usize];
         for (i, j) in (0..loads).flat_map(|i| (0..loads).map(move |j| (i, j))) {
-            let known = known[if away < 0 { (j, i) } else { (i, j) }];
+            let known = if away < 0 {
+                known[(j, i)]
+            } else {
+                known[(i, j)]
+            };
             assert_abs_diff_eq!(response[(i, j)], known, epsilon = 1e-11 * scale);
         }
     }
@@ -120,13 +136,19 @@ fn stresses_add_up_and_neighbours_count() {
     let at = |loads: &[(Strip, f64)]| model.of_tooth(0, loads).unwrap().at_tangent().unwrap();
     // Uniaxial in the section: the largest principal stress is linear as long as it is the one along the profile.
     let both = at(&[on(0, 1e5), on(1, 1e5)]).stress;
-    let in_parts = at(&[on(0, 5e4), on(1, 1e5), on(0, 5e4)]).stress;
-    assert_relative_eq!(both, in_parts, max_relative = 1e-12);
+    assert_relative_eq!(
+        both,
+        at(&[on(0, 5e4), on(1, 1e5), on(0, 5e4)]).stress,
+        max_relative = 1e-12
+    );
     assert!((both - at(&[on(0, 1e5)]).stress).abs() > 1e-4 * both);
     // A loaded tooth pulls at the fillet of the next one that it leans away from.
     let largest = |tooth| {
-        let field = model.of_tooth(tooth, &[on(0, 1e5)]).unwrap();
-        field.largest().stress
+        model
+            .of_tooth(tooth, &[on(0, 1e5)])
+            .unwrap()
+            .largest()
+            .stress
     };
     let (own, next) = (largest(0), largest(1));
     assert!(next > 0.05 * own && next < 0.3 * own, "{next} {own}");
@@ -175,8 +197,12 @@ fn a_kept_map_is_the_computed_one_and_a_spoilt_file_is_computed_anew() {
     };
     assert_eq!(stress(&computed), stress(&read));
     let kept = &cache.models().unwrap()[0];
-    let gear = kept.gear.as_ref().unwrap();
-    assert!(gear.starts_with("root stress, 20 teeth"), "{gear}");
+    assert!(
+        kept.gear
+            .as_ref()
+            .unwrap()
+            .starts_with("root stress, 20 teeth")
+    );
     let mut bytes = std::fs::read(&kept.path).unwrap();
     let last = bytes.len() - 1;
     bytes[last] ^= 1;

@@ -14,7 +14,6 @@
 //! sector repeats around the gear. In a ring the same figure stands on its head. Where the body has a web, rows
 //! end at the inside of the rim and at the hub.
 
-use super::element::QUAD8;
 use super::grading::{divide, graded, graded_from_both, halved};
 use super::outline::{Outline, Polar};
 use super::settings::Discretization;
@@ -290,11 +289,21 @@ impl Section {
         }
         for i in (0..columns - 1).step_by(2) {
             for j in (0..rows - 1).step_by(2) {
-                let place =
-                    |c: &[f64; 3]| grid[i + (1.0 + c[0]) as usize][j + (1.0 + c[1]) as usize];
-                let mut quad = QUAD8.each_ref().map(place);
+                let at = |a: usize, b: usize| grid[i + a][j + b];
+                let mut quad = [
+                    at(0, 0),
+                    at(2, 0),
+                    at(2, 2),
+                    at(0, 2),
+                    at(1, 0),
+                    at(2, 1),
+                    at(1, 2),
+                    at(0, 1),
+                ];
                 if self.signed_area(&quad) < 0.0 {
-                    quad = [0, 3, 2, 1, 7, 6, 5, 4].map(|k: usize| quad[k]);
+                    quad = [
+                        quad[0], quad[3], quad[2], quad[1], quad[7], quad[6], quad[5], quad[4],
+                    ];
                 }
                 self.quads.push(quad);
                 let away = |from: i32, steps: usize| {

@@ -1,4 +1,4 @@
-//! Figures of one sector, for studies.
+//! The mesh of one sector as it is, for pictures and studies.
 
 use super::element::{QUAD8, shape};
 use super::mesh::Mesh;
@@ -7,14 +7,49 @@ use super::{FiniteElementError, Settings};
 use gearmesh::compliance::Strip;
 use gearmesh::gear::Gear;
 
-/// How many displacements of one sector of `gear` are free.
-///
-/// # Errors
-/// As [`super::FiniteElementCompliance::new`]: no usable tooth, too thin a rim.
-pub fn sector_unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
-    let mesh = Model::new(gear, settings)?.mesh();
-    let free = mesh.held.iter().filter(|held| !**held).count() - mesh.hanging.len();
-    Ok(mesh.dimension * free)
+/// The transverse section of the mesh of one tooth, its centre line on the x axis, and the layers along the face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectorMesh {
+    /// Nodes, m.
+    pub nodes: Vec<[f64; 2]>,
+    /// 8-node quadrilaterals: corners, then the middles of the sides from the first corner on.
+    pub elements: Vec<[usize; 8]>,
+    /// Nodes of the loaded flank.
+    pub flank: Vec<usize>,
+    /// Ends of the layers of hexahedra, m from the z = 0 face.
+    pub stations: Vec<f64>,
+}
+
+impl SectorMesh {
+    /// The mesh on which [`super::FiniteElementCompliance::new`] computes.
+    ///
+    /// # Errors
+    /// As there: no usable tooth, too thin a rim; [`FiniteElementError::PlaneBody`] for a gear with a web.
+    pub fn new(gear: &Gear, settings: &Settings) -> Result<Self, FiniteElementError> {
+        let plane = Settings {
+            plane_strain: true,
+            ..*settings
+        };
+        let section = Model::new(gear, &plane)?.section;
+        let sizes = &settings.discretization;
+        let points = (0..section.nodes.len()).map(|node| section.cartesian(node));
+        Ok(SectorMesh {
+            nodes: points.map(|p| [p[0], p[1]]).collect(),
+            flank: section.flank.iter().map(|(node, _)| *node).collect(),
+            elements: section.quads,
+            stations: sizes.stations(gear.face_width, gear.normal_module),
+        })
+    }
+
+    /// How many displacements of one sector are free.
+    ///
+    /// # Errors
+    /// As [`SectorMesh::new`].
+    pub fn unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
+        let mesh = Model::new(gear, settings)?.mesh();
+        let free = mesh.held.iter().filter(|held| !**held).count() - mesh.hanging.len();
+        Ok(mesh.dimension * free)
+    }
 }
 
 /// Compliance of a tooth in plane strain, m²/N: displacement along the load line where it crosses the tooth's
@@ -29,7 +64,10 @@ pub fn centre_line_compliance(
     settings: &Settings,
     radius: f64,
 ) -> Result<f64, FiniteElementError> {
-    let plane = settings.in_plane_strain();
+    let plane = Settings {
+        plane_strain: true,
+        ..*settings
+    };
     let model = Model::new(gear, &plane)?;
     let roll = gear.roll_length(radius);
     let strip = Strip {
@@ -48,15 +86,20 @@ pub fn centre_line_compliance(
     let angle = gear.half_base_angle() - (roll / gear.base_radius() - pressure_angle);
     let direction = angle + std::f64::consts::FRAC_PI_2 - pressure_angle;
     let crossing = gear.base_radius() / direction.sin();
-    let observed = shape_functions_at(&mesh, crossing).ok_or(FiniteElementError::NoCrossing {
-        radius_mm: 1e3 * crossing,
-    })?;
-    // Components in the node's own axes.
-    let components = |(node, n): (usize, f64)| {
-        let (sin, cos) = (direction - mesh.angles[node]).sin_cos();
-        [(2 * node, n * cos), (2 * node + 1, n * sin)]
-    };
-    let observed = observed.into_iter().flat_map(components).collect();
+    let observed = shape_functions_at(&mesh, crossing)
+        .ok_or(FiniteElementError::NoCrossing {
+            radius_mm: 1e3 * crossing,
+        })?
+        .into_iter()
+        .flat_map(|(node, n)| {
+            // Components in the node's own axes.
+            let turned = direction - mesh.angles[node];
+            [
+                (2 * node, n * turned.cos()),
+                (2 * node + 1, n * turned.sin()),
+            ]
+        })
+        .collect();
     let influence = model.response(&mesh, &[load, observed], 2, 0..=0, &|_, _| true)?;
     Ok(influence[0][(1, 0)])
 }
@@ -83,8 +126,11 @@ fn shape_functions_at(mesh: &Mesh, x: f64) -> Option<Vec<(usize, f64)>> {
         }
         if xi[0].abs() <= 1.0 + 1e-9 && xi[1].abs() <= 1.0 + 1e-9 {
             let weights = nodes.iter().zip(&QUAD8);
-            let weights = weights.map(|(node, c)| (*node, shape(2, c, &xi).0));
-            return Some(weights.collect());
+            return Some(
+                weights
+                    .map(|(node, c)| (*node, shape(2, c, &xi).0))
+                    .collect(),
+            );
         }
     }
     None

@@ -138,13 +138,6 @@ impl Settings {
         settings
     }
 
-    /// The same in plane strain.
-    #[must_use]
-    pub fn in_plane_strain(mut self) -> Settings {
-        self.plane_strain = true;
-        self
-    }
-
     /// Solid model at `refinement` for contact on up to `reach` + 1 neighbouring teeth.
     pub fn new(refinement: Refinement, reach: usize) -> Settings {
         Settings {

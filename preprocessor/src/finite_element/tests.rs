@@ -14,15 +14,10 @@ fn spur(teeth: u32, module: f64, bore_ratio: f64) -> Gear {
 
 /// Settings of a plane model at `refinement`.
 fn plane(refinement: Refinement) -> Settings {
-    Settings::new(refinement, 2).in_plane_strain()
-}
-
-fn model(gear: &Gear, settings: &Settings) -> FiniteElementCompliance {
-    FiniteElementCompliance::new(gear, settings, &|_, _| true).unwrap()
-}
-
-fn strip(tooth: i32, z: [f64; 2], roll: [f64; 2]) -> Strip {
-    Strip { tooth, z, roll }
+    Settings {
+        plane_strain: true,
+        ..Settings::new(refinement, 2)
+    }
 }
 
 /// A kernel too narrow to matter, in place of a point load.
@@ -54,9 +49,15 @@ fn with_hertz(gear: &Gear, element: f64, kernel: f64, radii: &[f64]) -> Vec<f64>
     let mut settings = plane(Refinement::Normal);
     settings.discretization.flank_element = element;
     settings.discretization.kernel_half_width = kernel;
-    let model = model(gear, &settings);
-    let at = |r: &f64| strip(0, [0.0, 1.0], [gear.roll_length(*r); 2]);
-    let strips: Vec<Strip> = radii.iter().map(at).collect();
+    let model = FiniteElementCompliance::new(gear, &settings, &|_, _| true).unwrap();
+    let strips: Vec<Strip> = radii
+        .iter()
+        .map(|r| Strip {
+            tooth: 0,
+            z: [0.0, 1.0],
+            roll: [gear.roll_length(*r); 2],
+        })
+        .collect();
     let bulk = model.bulk(&strips).unwrap();
     let nu = gear.poisson_ratio;
     let local = 2.0 * (1.0 - nu * nu) / (std::f64::consts::PI * gear.youngs_modulus);
@@ -122,23 +123,34 @@ fn loads_on_a_tooth_displace_the_other_way_round_alike() {
 fn influence_matrix_of_strips_on_three_teeth_is_positive_definite() {
     let mut gear = spur(20, 4e-3, 0.5);
     gear.helix_angle = 13f64.to_radians();
-    let model = model(&gear, &Settings::new(Refinement::Coarse, 2));
+    let settings = Settings::new(Refinement::Coarse, 2);
+    let model = FiniteElementCompliance::new(&gear, &settings, &|_, _| true).unwrap();
     let tip = gear.roll_length(gear.tip_radius);
-    let mut strips = vec![];
-    for (tooth, i) in (0..3).flat_map(|tooth| (0..30).map(move |i| (tooth, i))) {
-        let z = [i, i + 1].map(|k| 24e-3 * f64::from(k) / 30.0);
-        let roll = z.map(|z| tip - 1e-3 - 3e-3 * f64::from(tooth) - 0.2 * z);
-        strips.push(strip(tooth, z, roll));
-    }
+    let strips: Vec<Strip> = (0..3)
+        .flat_map(|tooth| {
+            (0..30).map(move |i| {
+                let end = |k: i32| 24e-3 * f64::from(k) / 30.0;
+                let roll = |z: f64| tip - 1e-3 - 3e-3 * f64::from(tooth) - 0.2 * z;
+                Strip {
+                    tooth,
+                    z: [end(i), end(i + 1)],
+                    roll: [roll(end(i)), roll(end(i + 1))],
+                }
+            })
+        })
+        .collect();
     let matrix = model.bulk(&strips).unwrap();
     assert_eq!(matrix, matrix.transpose());
     let least = matrix.symmetric_eigenvalues().min();
     assert!(least > 0.0, "least eigenvalue {least:e} m/N");
     let mut far = strips[0];
     far.tooth = 3;
-    let (distance, reach) = (3, 2);
     let refused = model.bulk(&[strips[0], far]);
-    assert_eq!(refused, Err(BeyondModel { distance, reach }));
+    let expected = BeyondModel {
+        distance: 3,
+        reach: 2,
+    };
+    assert_eq!(refused, Err(expected));
 }
 
 #[test]
@@ -147,11 +159,23 @@ fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
     let mut gear = spur(20, 4e-3, 0.5);
     gear.poisson_ratio = 0.0;
     let solid = Settings::new(Refinement::Coarse, 0);
-    let plane = solid.in_plane_strain();
+    let plane = Settings {
+        plane_strain: true,
+        ..solid
+    };
     let roll = [gear.roll_length(41e-3); 2];
-    let [solid, plane] = [solid, plane].map(|settings| model(&gear, &settings));
-    let whole = strip(0, [0.0, gear.face_width], roll);
-    let part = strip(0, [3e-3, 5e-3], roll);
+    let solid = FiniteElementCompliance::new(&gear, &solid, &|_, _| true).unwrap();
+    let plane = FiniteElementCompliance::new(&gear, &plane, &|_, _| true).unwrap();
+    let whole = Strip {
+        tooth: 0,
+        z: [0.0, gear.face_width],
+        roll,
+    };
+    let part = Strip {
+        tooth: 0,
+        z: [3e-3, 5e-3],
+        roll,
+    };
     let expected = plane.bulk(&[whole]).unwrap()[(0, 0)];
     let matrix = solid.bulk(&[whole, part]).unwrap();
     // Loads act along the normals at the nodes, and 20-node elements weigh those unevenly along z: an
@@ -164,18 +188,24 @@ fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
 #[test]
 fn mirrored_strips_on_a_spur_gear_have_the_same_influence() {
     let gear = spur(20, 4e-3, 0.5);
-    let model = model(&gear, &Settings::new(Refinement::Coarse, 1));
-    let bulk = |place: &dyn Fn([f64; 2]) -> [f64; 2]| {
-        let ends = [(0, [0.0, 1e-3]), (0, [7e-3, 8.3e-3]), (1, [2e-3, 2.7e-3])];
-        let roll = |tooth| [gear.roll_length(40e-3 + 1e-3 * f64::from(tooth)); 2];
-        let strips = ends.map(|(tooth, z)| strip(tooth, place(z), roll(tooth)));
-        model.bulk(&strips).unwrap()
+    let model =
+        FiniteElementCompliance::new(&gear, &Settings::new(Refinement::Coarse, 1), &|_, _| true)
+            .unwrap();
+    let strips = |mirror: bool| -> Vec<Strip> {
+        [(0, 0.0, 1e-3), (0, 7e-3, 8.3e-3), (1, 2e-3, 2.7e-3)]
+            .map(|(tooth, low, high)| Strip {
+                tooth,
+                z: if mirror {
+                    [gear.face_width - high, gear.face_width - low]
+                } else {
+                    [low, high]
+                },
+                roll: [gear.roll_length(40e-3 + 1e-3 * f64::from(tooth)); 2],
+            })
+            .to_vec()
     };
-    let (there, mirrored) = (
-        bulk(&|z| z),
-        bulk(&|[a, b]| [gear.face_width - b, gear.face_width - a]),
-    );
-    assert!((&there - mirrored).amax() < 1e-9 * there.amax());
+    let difference = model.bulk(&strips(false)).unwrap() - model.bulk(&strips(true)).unwrap();
+    assert!(difference.amax() < 1e-9 * model.bulk(&strips(false)).unwrap().amax());
 }
 
 #[test]

@@ -62,7 +62,8 @@ impl Published {
 
 /// Contact on the path only, plane strain.
 fn plane_solver(context: &Context, pair: &Pair) -> Result<ContactSolver> {
-    let settings = Settings::for_pair(pair).in_plane_strain();
+    let mut settings = Settings::for_pair(pair);
+    settings.plane_strain = true;
     let contact = ContactSettings {
         stations: 1,
         tip_corner_contact: false,

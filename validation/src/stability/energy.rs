@@ -171,14 +171,6 @@ fn long_run(pair: &PairGeometry, element: Element, steps: usize) -> Result<f64> 
     Ok(worst)
 }
 
-/// Energy error of a long run with the sampled potential.
-pub fn sampled_drift(formulation: Formulation, steps: usize) -> Result<f64> {
-    let [external, _] = external_and_internal();
-    let case = Case::Sampled(external);
-    let element = case.element(choice(formulation, Interpolation::Spline))?;
-    long_run(case.geometry(), element, steps)
-}
-
 pub fn report(context: &Context, data: &Data) -> Result<()> {
     use Formulation::{Conjugate, Paper};
     use Interpolation::{Linear, Shepard, Spline};

@@ -158,10 +158,8 @@ fn over_distance(solver: &ContactSolver) -> Result<f64> {
     let [low, high] = range(columns.iter().flatten().copied());
     let mut misses = vec![];
     for w in columns.windows(7).step_by(2) {
-        for i in 0..COUNT {
-            let between = (9.0 * (w[2][i] + w[4][i]) - (w[0][i] + w[6][i])) / 16.0;
-            misses.push(between - w[3][i]);
-        }
+        let between = |i: usize| (9.0 * (w[2][i] + w[4][i]) - (w[0][i] + w[6][i])) / 16.0;
+        misses.extend((0..COUNT).map(|i| between(i) - w[3][i]));
     }
     Ok(largest(misses).abs() / (high - low))
 }

@@ -1,7 +1,7 @@
 //! Which level of detail a dynamic run needs: cost and error of each against contact at run time on the finest elements.
 
 use super::{PAIR, everything};
-use crate::data::{Data, rms};
+use crate::data::{Data, mean, range, rms};
 use crate::driver::{Bearing, Gear, Scene, Spin};
 use crate::setup::{Setup, ratio, shipped_at, ste};
 use crate::timing::{median, timed};
@@ -34,10 +34,13 @@ const BEARING: Bearing = Bearing {
     tilt_damping: 2.0,
 };
 
-/// A run: dynamic transmission error and z_c at every sample, m, and the seconds of a step, median.
+/// A run: what is met at every sample, m and rad, and the seconds of a step, median.
+#[derive(Default)]
 struct Run {
     dte: Vec<f64>,
     contact_z: Vec<f64>,
+    misalignment: Vec<f64>,
+    center_distance: Vec<f64>,
     step: f64,
 }
 
@@ -64,7 +67,7 @@ impl Run {
         // Its centre stays where it is.
         let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), TILT);
         state[0].q = tilt.into_inner() * state[0].q;
-        let (mut dte, mut contact_z, mut seconds) = (vec![], vec![], vec![]);
+        let (mut run, mut seconds) = (Run::default(), vec![]);
         for sample in 0..(DURATION / STEP).round() as usize / STEPS_PER_SAMPLE {
             let time = |n: usize| (sample * STEPS_PER_SAMPLE + n) as f64 * STEP;
             let mut steps = 0..STEPS_PER_SAMPLE;
@@ -75,16 +78,14 @@ impl Run {
             let t = time(STEPS_PER_SAMPLE);
             let out = scene.contact(t, &state)?;
             if t >= SETTLING * DURATION {
-                dte.push(out.transmission_error);
-                contact_z.push(out.contact_z);
+                run.dte.push(out.transmission_error);
+                run.contact_z.push(out.contact_z);
+                run.misalignment.push(out.misalignment);
+                run.center_distance.push(out.center_distance);
             }
         }
-        let step = median(seconds);
-        Ok(Run {
-            dte,
-            contact_z,
-            step,
-        })
+        run.step = median(seconds);
+        Ok(run)
     }
 }
 
@@ -211,5 +212,31 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         "4-D table from contact on the same elements | | {by_table:.3} |"
     ));
     let head = "level | a step, µs | rms error of the DTE, µm | of z_c, mm";
-    data.table("levels", head, &rows)
+    data.table("levels", head, &rows)?;
+
+    let ends = |values: &[f64], scale: f64, digits: usize| {
+        let [low, high] = range(values.iter().map(|x| scale * x));
+        format!("{low:.digits$} | {high:.digits$}")
+    };
+    let nominal = best.pair.geometry.center_distance;
+    let off: Vec<_> = reference
+        .center_distance
+        .iter()
+        .map(|c| c - nominal)
+        .collect();
+    let mean = 1e6 * mean(reference.dte.iter().copied());
+    let rows = [
+        format!(
+            "misalignment, mrad | {}",
+            ends(&reference.misalignment, 1e3, 2)
+        ),
+        format!(
+            "centre distance off the nominal, µm | {}",
+            ends(&off, 1e6, 0)
+        ),
+        format!("DTE, µm | {}", ends(&reference.dte, 1e6, 2)),
+        format!("DTE, mean, µm | {mean:.2} |"),
+        format!("z_c, mm | {}", ends(&reference.contact_z, 1e3, 2)),
+    ];
+    data.table("levels-reference", "of the reference | from | to", &rows)
 }

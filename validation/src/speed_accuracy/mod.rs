@@ -48,8 +48,10 @@ impl Sampled {
 /// The shipped pair `name` on coarse elements, with as many segments as other refinements have.
 fn coarse(name: &str) -> Result<Setup> {
     let pair = shipped_at(name, Refinement::Coarse)?;
-    let mut contact = ContactSettings::default();
-    contact.tip_corner_contact = pair.tip_corner_contact;
+    let contact = ContactSettings {
+        tip_corner_contact: pair.tip_corner_contact,
+        ..ContactSettings::default()
+    };
     Setup::new(pair, contact)
 }
 

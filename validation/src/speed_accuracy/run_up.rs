@@ -35,7 +35,7 @@ fn scene(setup: &Setup) -> Result<Scene> {
         nominal * x * x * (3.0 - 2.0 * x)
     }));
     let gears = [Gear::new(geometry, 0, faster), Gear::new(geometry, 1, load)];
-    Ok(Scene::new(element, gears)?)
+    Scene::new(element, gears)
 }
 
 /// DTE at every sample, m, of one solver over everything, or of a master with the element on the other side in its `way`.

@@ -27,7 +27,7 @@ pub fn system(zeta: f64) -> Result<SingleFreedom> {
     let mut parameters = Parameters::default();
     (parameters.damping, parameters.damping_onset) = (damping, 1e-3);
     let (law, still) = (ModulatedSpring::new(0.0), Spin::speed(0.0));
-    Ok(SingleFreedom::new(&pair, &parameters, law, 100.0, still)?)
+    SingleFreedom::new(&pair, &parameters, law, 100.0, still)
 }
 
 /// Mass of gear 2 on the line of action, kg, the only one that moves.

@@ -39,7 +39,7 @@ fn system(damping: f64, drag: f64, amplitude: f64, w: f64) -> Result<SingleFreed
     (parameters.damping, parameters.damping_onset) = (damping, 1e-6);
     let law = ModulatedSpring::new(0.0);
     let speed = Spin::Speed(Arc::new(move |t| amplitude * w * (w * t).cos()));
-    Ok(SingleFreedom::new(&pair, &parameters, law, drag, speed)?)
+    SingleFreedom::new(&pair, &parameters, law, drag, speed)
 }
 
 /// A step that resolves the contact, strides through the flight and lands on the flank.

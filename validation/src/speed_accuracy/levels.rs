@@ -115,7 +115,7 @@ fn contact(refinement: Refinement) -> Result<(Setup, ContactFile)> {
 fn by_contact(setup: &Setup, file: &ContactFile) -> Result<Element> {
     let parameters =
         Parameters { stiffness_model: StiffnessModel::Contact, loaded_flank: LoadedFlank::Drive, ..everything(setup) };
-    Ok(Element::with_contact(&setup.pair.geometry, &parameters, file)?)
+    Ok(Element::with_contact(&setup.pair.geometry, &parameters, file, None)?)
 }
 
 /// Constant stiffness, tables with one effect more each, and tooth pair by tooth pair, all teeth alike.

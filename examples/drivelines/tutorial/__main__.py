@@ -17,9 +17,8 @@ from gearmesh import History, MeshCycle
 from gearmesh.plots import figure as new_figure
 
 from ..files import OUT, PAIRS, built, save
-from ..housing.cases import run_up
+from ..housing.cases import sweep
 from ..housing.model import SPUR
-from ..housing.observe import observed
 
 TORQUE = 150.0
 ORDERS = (SPUR.teeth[0], 2 * SPUR.teeth[0])
@@ -52,7 +51,7 @@ def static(pair: Path, *torques: float) -> list[MeshCycle]:
 
 def one_run(pair: Path) -> History:
     """A run-up."""
-    return observed(run_up("variable load", TORQUE, fmu=built(pair)))
+    return sweep("variable load", TORQUE, fmu=built(pair))[0]
 
 
 def run_ups(pairs: dict[str, Path]) -> list[History]:

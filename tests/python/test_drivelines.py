@@ -5,6 +5,7 @@ import sys
 from contextlib import closing
 from dataclasses import replace
 
+import gearmesh
 import numpy as np
 import pytest
 from conftest import ROOT
@@ -14,6 +15,7 @@ from scipy.sparse.linalg import spsolve
 
 sys.path.insert(0, str(ROOT))
 
+from examples.drivelines import loss  # noqa: E402
 from examples.drivelines.cosimulation import balance as cosimulation, masters, ssp  # noqa: E402
 from examples.drivelines.housing import cases as housing, walls  # noqa: E402
 from examples.drivelines.housing.model import HELICAL, SPUR  # noqa: E402
@@ -211,10 +213,26 @@ def test_small_swings_follow_the_linear_frequency_response(support):
         assert linear.measured(support, frequency) == pytest.approx(linear.closed_form(support, [frequency])[0], rel=2e-3)
 
 
-def test_run_up_jumps_at_a_higher_speed_than_run_down():
+def test_run_up_jumps_at_a_higher_speed_than_run_down_and_both_leave_the_linear_line_where_teeth_part():
     run = jump.sweep(1600.0, 2600.0, sweep_s=0.6)
     (up, apart), (down, _) = jump.jump(run.up), jump.jump(run.down)
-    assert len(apart) and up > 1.1 * down
+    assert up > 1.1 * down
+    speeds = np.linspace(1600.0, 2600.0, 201)
+    linear_line = jump.linear_swing(run.natural_frequency_hz, speeds)
+    ends = speeds[np.isnan(linear_line)]
+    assert ends.min() < run.resonance_rpm < ends.max()
+    assert apart.min() == pytest.approx(ends.min(), rel=0.04)
+    at, swing = gearmesh.swing(run.up, "transmission_error_um")
+    touching = (at > 1700.0) & (at < 2200.0)
+    assert swing[touching] == pytest.approx(np.interp(at[touching], speeds, linear_line), rel=0.15)
+
+
+@pytest.mark.parametrize("law", loss.LAWS)
+def test_the_unit_loses_over_a_mesh_cycle_what_solve_says(law):
+    expected = loss.solved("C14", law, relief=False).loss_w[loss.SPEEDS.index(1500.0)]
+    assert loss.through_the_fmu("C14", law, 1500.0) == pytest.approx(expected, rel=5e-3)
+    if law == "schlenk":
+        assert expected == pytest.approx(loss.PUBLISHED, rel=0.035)
 
 
 @pytest.mark.parametrize("host", ssp.HOSTS)

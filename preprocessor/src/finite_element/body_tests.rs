@@ -26,6 +26,8 @@ struct Case {
     hub_diameter_mm: f64,
     hub_z_mm: [f64; 2],
     bore_diameter_mm: f64,
+    #[serde(default)]
+    held_z_mm: Vec<f64>,
     kernel_half_width_mm: f64,
     strips: Vec<Place>,
     influence_nm_per_n: Vec<Vec<f64>>,
@@ -56,7 +58,7 @@ impl Case {
             web: self.web_z_mm.map(|z| 1e-3 * z),
             hub_radius: 0.5e-3 * self.hub_diameter_mm,
             hub: self.hub_z_mm.map(|z| 1e-3 * z),
-            held_ends: [false; 2],
+            held_ends: self.hub_z_mm.map(|z| self.held_z_mm.contains(&z)),
         });
         gear
     }
@@ -72,7 +74,7 @@ impl Case {
 }
 
 #[test]
-fn thin_rims_with_webs_give_way_like_an_independent_model_of_the_whole_gear() {
+fn thin_rims_and_pinion_shafts_give_way_like_an_independent_model_of_the_whole_gear() {
     let text = include_str!("../../../tests/data/thin_rim.json");
     let data: Data = serde_json::from_str(text).unwrap();
     for case in data.cases {
@@ -91,6 +93,9 @@ fn thin_rims_with_webs_give_way_like_an_independent_model_of_the_whole_gear() {
             .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
             .unwrap();
         assert!(worst.0.abs() < 1e-2, "{}: {worst:?}", case.name);
+        if !case.held_z_mm.is_empty() {
+            continue;
+        }
         // A full disc is another gear.
         let disc = Gear { body: None, ..gear };
         let disc = FiniteElementCompliance::new(&disc, &settings, &|_, _| true).unwrap();

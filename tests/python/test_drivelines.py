@@ -20,14 +20,15 @@ from examples.drivelines.cosimulation import balance as cosimulation, masters, s
 from examples.drivelines.housing import cases as housing, walls  # noqa: E402
 from examples.drivelines.housing.model import HELICAL, SPUR  # noqa: E402
 from examples.drivelines.planetary import cases as planetary, phase  # noqa: E402
-from examples.drivelines.planetary.stage import IN_PHASE, SEQUENTIAL  # noqa: E402
+from examples.drivelines.planetary.stage import IN_PHASE, PITCH, SEQUENTIAL  # noqa: E402
 from examples.drivelines.rattle import idle, mujoco_joint  # noqa: E402
 from examples.drivelines.response import jump, linear  # noqa: E402
 from examples.drivelines.tutorial import __main__ as tutorial  # noqa: E402
+from scripts.docs.check import cell  # noqa: E402
 
 
 def test_bricks_bend_as_a_free_plate_does():
-    """Square, Poisson's ratio 0.3: omega a^2 sqrt(rho h / D) of Leissa's Vibration of Plates, NASA SP-160, table 4.69 and after."""
+    """Square, Poisson's ratio 0.3: omega a^2 sqrt(rho h / D) by Leissa, Vibration of Plates, NASA SP-160, 1969."""
     side, thickness, young, density = 0.4, 4e-3, 206e9, 7850.0
     edge = np.linspace(0.0, side, 11)
     mesh = walls.fem.MeshHex.init_tensor(edge, edge, np.array([0.0, thickness]))
@@ -46,7 +47,7 @@ def test_the_reduced_housing_has_the_statics_and_the_modes_of_its_elements(box):
     found = walls.housing(SPUR.center_distance)
     solid = seated(box)
     full = 2.0 * np.pi * walls.frequencies(solid.T @ box.mounted() @ solid, solid.T @ box.mass @ solid, 26)
-    assert found.frequencies[:26] == pytest.approx(full, rel=1e-3)
+    assert found.frequencies[:26] == pytest.approx(full, rel=0.015)
     load = np.zeros(solid.shape[1])
     load[:3], load[12:15] = (1000.0, 300.0, 200.0), (-1000.0, -300.0, -200.0)  # on a seat of each shaft
     exact = solid @ spsolve((solid.T @ box.mounted() @ solid).tocsc(), load)
@@ -145,7 +146,7 @@ def test_the_published_phase_needs_a_tip_that_nobody_published_where_the_tooth_t
 @pytest.fixture(scope="module")
 def mesh_cycles():
     """Of planets that tilt, in phase and not."""
-    return [planetary.cycle(places, 16) for places in (IN_PHASE, SEQUENTIAL)]
+    return [planetary.cycle(places) for places in (IN_PHASE, SEQUENTIAL)]
 
 
 def test_sequential_planets_leave_of_each_harmonic_what_their_phases_add_up_to(mesh_cycles):
@@ -155,8 +156,26 @@ def test_sequential_planets_leave_of_each_harmonic_what_their_phases_add_up_to(m
         assert ratio == pytest.approx(planetary.vanishing(SEQUENTIAL, harmonic), rel=0.03)
 
 
+def test_the_page_has_the_figures_of_the_stage(mesh_cycles):
+    def stated(table, row, column):
+        return float(re.search(r"[\d.]+", cell(f"drivelines/planetary-{table}.csv", row, column))[0])
+
+    in_phase, sequential = mesh_cycles
+    spectra = [2e6 * PITCH[0] * np.abs(np.fft.rfft(cycle.error)) / 32 for cycle in mesh_cycles]
+    for n in (1, 2, 3):
+        for column, spectrum in zip(("in phase (0/40/80)", "0/42/84"), spectra):
+            assert spectrum[n] == pytest.approx(stated("harmonics", str(n), column), rel=5e-3, abs=5e-4)
+    assert np.linalg.norm(sequential.lateral.mean(axis=0)) == pytest.approx(
+        stated("harmonics", "steady", "lateral force on the sun at 0/42/84, N"), rel=1e-3
+    )
+    column = "bearings 160 mm apart"
+    moment = stated("tilt", "moment on a pin, mean over the mesh cycle, N m", column)
+    assert in_phase.tilting[:, 1].mean() == pytest.approx(moment, rel=1e-3)
+    assert 1e6 * abs(in_phase.tilt.mean()) == pytest.approx(stated("tilt", "tilt of a planet, µrad", column), rel=3e-3)
+
+
 def test_no_lateral_force_on_the_sun_where_even_planets_mesh_in_phase(mesh_cycles):
-    in_phase, sequential = (np.abs(np.fft.rfft(cycle.lateral, axis=0)) / 16 for cycle in mesh_cycles)
+    in_phase, sequential = (np.abs(np.fft.rfft(cycle.lateral, axis=0)) / 32 for cycle in mesh_cycles)
     assert in_phase.max() < 1e-5 * sequential[1].max()
     assert np.linalg.norm(sequential[0]) == pytest.approx(planetary.steady_lateral(SEQUENTIAL), rel=0.02)
 

@@ -44,11 +44,12 @@ class Books:
         elastic, walls = q[line.elastic], q_t[line.walls]
         kinetic = 0.5 * np.array(INERTIAS) @ q_t[line.rotors] ** 2 + 0.5 * walls @ walls
         kinetic += sum(at(body.item, Output.KineticEnergy, [0.0, 0.0, 0.0]) for body in line.bodies.values())
-        stored = 0.5 * elastic @ line.stiffness @ elastic + sum(0.5 * spring.stiffness @ line.deflections(spring) ** 2 for spring in line.springs.values())
-        impulse = line.housing.impulse @ walls + sum(body.mass * at(body.item, Output.Velocity, body.center) for body in line.bodies.values())
+        stored = elastic @ line.stiffness @ elastic + sum(s.stiffness @ line.deflections(s) ** 2 for s in line.springs.values())
+        impulse = line.housing.impulse @ walls
+        impulse = impulse + sum(body.mass * at(body.item, Output.Velocity, body.center) for body in line.bodies.values())
         if not self.begin.any():
             self.begin = impulse
-        self.ledger.enter([line.pair], kinetic, stored, *self.integrals, impulse - self.begin if self.momentum else None)
+        self.ledger.enter([line.pair], kinetic, 0.5 * stored, *self.integrals, impulse - self.begin if self.momentum else None)
 
 
 def books(line: Driveline, duration: float, step: float, momentum: bool = False) -> dict[str, float]:

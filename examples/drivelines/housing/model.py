@@ -12,20 +12,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import exudyn as exu
+import exudyn.utilities as items
 import numpy as np
-from exudyn.utilities import (
-    CoordinateSpringDamper,
-    LoadCoordinate,
-    MarkerBodyRigid,
-    MarkerNodeCoordinate,
-    Mass1D,
-    Node1D,
-    NodeGenericODE2,
-    NodeRigidBodyRxyz,
-    ObjectGenericODE2,
-    ObjectRigidBody,
-    RigidBodySpringDamper,
-)
 from gearmesh import GearPair
 from gearmesh.exudyn import attach, attach_stepped
 from scipy.sparse import csr_matrix
@@ -133,10 +121,8 @@ class Driveline:
     def _housing(self):
         """Its modes, and the bearings between its seats and the shafts, in one object of the bodies' nodes and the modes."""
         found, count = self.housing, len(self.housing.frequencies)
-        rest = [0.0] * count
-        self.modes = self.mbs.AddNode(
-            NodeGenericODE2(numberOfODE2Coordinates=count, referenceCoordinates=rest, initialCoordinates=rest, initialCoordinates_t=rest)
-        )
+        rest = dict.fromkeys(("referenceCoordinates", "initialCoordinates", "initialCoordinates_t"), [0.0] * count)
+        self.modes = self.mbs.AddNode(items.NodeGenericODE2(numberOfODE2Coordinates=count, **rest))
         bodies = [self.bodies[k, i] for k, shaft in enumerate(SHAFTS) for i in shaft.bearings]
         # Displacements of the shafts in the bearings, from the coordinates of bodies and modes.
         self.slip = np.hstack([np.kron(np.eye(len(bodies)), np.eye(3, 6)), -found.seats])
@@ -147,21 +133,17 @@ class Driveline:
         self.damping = self.damped * losses
         mass = exu.MatrixContainer()
         mass.SetWithSparseMatrix(csr_matrix(np.diag([*none, *np.ones(count)])))
-        nodes = [*(body.node for body in bodies), self.modes]
-        self.mbs.AddObject(
-            ObjectGenericODE2(nodeNumbers=nodes, massMatrix=mass, stiffnessMatrix=self.stiffness, dampingMatrix=self.damping)
-        )
+        nodes, matrices = [*(body.node for body in bodies), self.modes], {"stiffnessMatrix": self.stiffness, "dampingMatrix": self.damping}
+        self.mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=mass, **matrices))
         return bodies
 
     def _body(self, name, reference, mass, inertia, center=(0.0, 0.0, 0.0), spin=0.0):
         """Adds a body; `inertia` about its centre of mass."""
         center = np.array(center, dtype=float)
         about = inertia + mass * (center @ center * np.eye(3) - np.outer(center, center))
-        node = self.mbs.AddNode(
-            NodeRigidBodyRxyz(referenceCoordinates=[*reference, 0, 0, 0], initialVelocities=[0, 0, 0, 0, 0, spin])
-        )
+        node = self.mbs.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=[*reference, 0, 0, 0], initialVelocities=[0, 0, 0, 0, 0, spin]))
         six = [about[i][j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))]
-        item = self.mbs.AddObject(ObjectRigidBody(mass=mass, inertia=six, centerOfMass=list(center), nodeNumber=node))
+        item = self.mbs.AddObject(items.ObjectRigidBody(mass=mass, inertia=six, centerOfMass=list(center), nodeNumber=node))
         self.bodies[name] = Body(node, item, np.array(reference, dtype=float), center, mass, about)
 
     def _shaft(self, k: int, shaft: Shaft):
@@ -186,40 +168,27 @@ class Driveline:
             lateral = 1.0 / (1.0 / shear + length**2 / (12.0 * bending))
             stiffness = np.array([lateral, lateral, YOUNG * area / length, bending, bending, 2.0 * SHEAR * second / length])
             ends = [self._marker((k, j), (x, 0.0, 0.5 * (z[i] + z[i + 1]))) for j in (i, i + 1)]
-            # Between the axes of both ends, with the rotation vector: by Cardan angles, torque in a bent shaft would do work
-            # in every turn, T theta^2 pi at a bend of theta.
-            self._spring(("piece", k, i), ends, stiffness, MATERIAL_DAMPING * stiffness, midway=True)
-
-    def _spring(self, name, markers, stiffness, damping, midway=False):
-        damping = damping * self.damped
-        item = self.mbs.AddObject(
-            RigidBodySpringDamper(
-                markerNumbers=list(markers),
-                stiffness=np.diag(stiffness),
-                damping=np.diag(damping),
-                useIntrinsicFormulation=midway,
-            )
-        )
-        self.springs[name] = Spring(item, stiffness, damping)
+            damping = MATERIAL_DAMPING * self.damped * stiffness
+            # With the rotation vector between the axes of both ends: by Cardan angles, torque in a bent shaft would do work in every
+            # turn, T theta^2 pi at a bend of theta.
+            matrices = {"stiffness": np.diag(stiffness), "damping": np.diag(damping), "useIntrinsicFormulation": True}
+            item = self.mbs.AddObject(items.RigidBodySpringDamper(markerNumbers=ends, **matrices))
+            self.springs["piece", k, i] = Spring(item, stiffness, damping)
 
     def _marker(self, body, point):
         local = np.subtract(point, self.bodies[body].reference)
-        return self.mbs.AddMarker(MarkerBodyRigid(bodyNumber=self.bodies[body].item, localPosition=list(local)))
+        return self.mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=self.bodies[body].item, localPosition=list(local)))
 
     def _rotor(self, k: int, shaft: Shaft) -> int:
         """Motor or load: an inertia behind a torsional coupling at the shaft's end; its coordinate is the angle."""
-        node = self.mbs.AddNode(
-            Node1D(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialVelocities=[self.spins[k]])
-        )
-        self.mbs.AddObject(Mass1D(mass=INERTIAS[k], nodeNumber=node))
-        rotor = self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
-        end = self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=self.bodies[k, shaft.coupling].node, coordinate=5))
+        node = self.mbs.AddNode(items.Node1D(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialVelocities=[self.spins[k]]))
+        self.mbs.AddObject(items.Mass1D(mass=INERTIAS[k], nodeNumber=node))
+        rotor = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
+        end = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self.bodies[k, shaft.coupling].node, coordinate=5))
         stiffness, damping = COUPLING[k], COUPLING_DAMPING[k] * self.damped
-        item = self.mbs.AddObject(CoordinateSpringDamper(markerNumbers=[rotor, end], stiffness=stiffness, damping=damping))
+        item = self.mbs.AddObject(items.CoordinateSpringDamper(markerNumbers=[rotor, end], stiffness=stiffness, damping=damping))
         self.springs["coupling", k] = Spring(item, np.array([stiffness]), np.array([damping]), ((Output.Displacement,), (Output.Velocity,)))
-        self.mbs.AddLoad(
-            LoadCoordinate(markerNumber=rotor, load=1.0, loadUserFunction=lambda _m, t, _load: self.torques[k](t))
-        )
+        self.mbs.AddLoad(items.LoadCoordinate(markerNumber=rotor, load=1.0, loadUserFunction=lambda _m, t, _load: self.torques[k](t)))
         return node
 
     def deflections(self, spring: Spring, rates: bool = False) -> np.ndarray:
@@ -243,8 +212,7 @@ class Driveline:
 
         self.mbs.SetPreStepUserFunction(record)
         settings = exu.SimulationSettings()
-        settings.timeIntegration.numberOfSteps = round(duration / step)
-        settings.timeIntegration.endTime = duration
+        settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = round(duration / step), duration
         settings.timeIntegration.verboseMode = 0
         # Of the mass matrix, in every stage: a tenth of the time of the dense one.
         settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse

@@ -134,7 +134,7 @@ def order_figure(pairs: dict[str, Path], runs: list[History]) -> None:
         for order, style in zip(ORDERS, ("-", "--")):
             axis.semilogy(*order_over_speed(run, order), style, color=f"C{colour}", label=f"{name}, order {order}")
     axis.axhline(10.0, color="grey", lw=0.8)
-    axis.set(xlabel="speed, rpm", ylabel="acceleration of the housing wall, m/s²", xlim=(500, 6000), ylim=(1e-2, 300))
+    axis.set(xlabel="speed, rpm", ylabel="acceleration of the housing wall, m/s²", xlim=(500, 6000), ylim=(1e-2, 3000))
     axis.legend(loc="upper right", ncol=2, fontsize=8)
     save(figure, "tutorial-orders")
 

@@ -69,7 +69,7 @@ def books(axis) -> None:
             axis.loglog(1e6 * sizes, strays, style, color=f"C{n}", ms=4, label=f"{kind}, {coupling}, order {order:.2f}")
             print(f"{coupling}, undamped: {kind} order {order:.2f}, strays {strays[-1]:.1e} at {1e6 * sizes[-1]:.2f} us, "
                   f"{strays[2]:.1e} at {1e6 * sizes[2]:.2f} us")
-    axis.set(xlabel="communication step, µs", ylabel="energy (of the mesh's), momentum (of the impulse)", ylim=(1e-10, 10.0))
+    axis.set(xlabel="communication step (µs)", ylabel="energy (of the mesh's), momentum (of the impulse)", ylim=(1e-10, 10.0))
     axis.set_xticks(1e6 * sizes, [f"{1e6 * size:g}" for size in sizes])
     axis.xaxis.set_minor_locator(NullLocator())
     axis.legend(fontsize=8)
@@ -100,7 +100,7 @@ def compare(gears: Gears, axis) -> None:
         f"{coupling} {distance(cosimulate(gears, begin, DURATION, packed, coupling), reference):.1e}" for coupling in COUPLINGS[2:4]))
     for coupling in COUPLINGS[:4]:
         print(f"{coupling}: stands {1e6 * longest_stable(gears, begin, coupling):.1f} us")
-    axis.set(xlabel="communication step, µs", ylabel="largest error of the run over the elastic displacement", ylim=(1e-8, 1.0))
+    axis.set(xlabel="communication step (µs)", ylabel="largest error of the run over the elastic displacement", ylim=(1e-8, 1.0))
     axis.legend()
 
 

@@ -5,7 +5,7 @@ use super::local_law::POINTS;
 use super::profile::GapProfile;
 use super::setup::ContactSetup;
 use super::transverse::TransverseSection;
-use crate::compliance::Strip;
+use crate::compliance::Segment;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry};
 
@@ -275,7 +275,7 @@ impl ContactLines<'_> {
     ///
     /// Tooth pair k lies k pitches ahead in the sense of rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k
     /// and -k.
-    pub fn seen_by_gears(&self, tau: f64, k: i32, z: [f64; 2], clamped: bool) -> [Strip; 2] {
+    pub fn seen_by_gears(&self, tau: f64, k: i32, z: [f64; 2], clamped: bool) -> [Segment; 2] {
         let ends = z.map(|z| self.flanks(tau, k, z, clamped).closest_point().roll);
         [0, 1].map(|i| {
             let gear = &self.setup.geometry.gears[i];
@@ -285,9 +285,9 @@ impl ContactLines<'_> {
             let roll = ends.map(|end| end[i]);
             if self.is_mirrored(i) {
                 let (z, roll) = ([b - z[1], b - z[0]], [roll[1], roll[0]]);
-                Strip { tooth, z, roll }
+                Segment { tooth, z, roll }
             } else {
-                Strip { tooth, z, roll }
+                Segment { tooth, z, roll }
             }
         })
     }

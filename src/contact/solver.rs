@@ -9,7 +9,7 @@ use super::position::{Limits, PositionProblem};
 use super::result::ContactResult;
 use super::setup::{ContactSettings, ContactSetup, Deflection, estimated_reach, widest_contact};
 use super::transverse::{PairNumbers, TransverseSection};
-use crate::compliance::{Strip, ToothCompliance};
+use crate::compliance::{Segment, ToothCompliance};
 use crate::friction::{FrictionLaw, Sliding, SlidingSums};
 use crate::gear::{Flank, PairGeometry, PairTeeth, ToothProfile};
 use crate::pair::Pair;
@@ -324,7 +324,7 @@ impl ContactSolver {
         tau: f64,
         center_distance_offset: f64,
         segments: impl Iterator<Item = (i32, [f64; 2])>,
-    ) -> Result<Vec<[Strip; 2]>, ContactError> {
+    ) -> Result<Vec<[Segment; 2]>, ContactError> {
         let section = self.section(center_distance_offset)?;
         let lines = ContactLines::new(&self.setup, &section, flank);
         Ok(segments

@@ -331,8 +331,11 @@ impl<T: Scalar> Solution<T> {
                     continue;
                 }
                 let spin = -rates.mesh_angle;
-                let found = friction.on_flank(k, &pose.map, i, load, sliding[i], &twist, spin);
-                let Some(found) = found else { continue };
+                let tabulated = || friction.tabulated(i, load, c - k.center_distance);
+                let Some(sliding) = sliding[i].or_else(tabulated) else {
+                    continue;
+                };
+                let found = friction.on_flank(k, &pose.map, load, sliding, &twist, spin);
                 on_2.add(&found.row, found.force);
                 friction_power -= found.force * found.speed;
                 if i == index {

@@ -84,7 +84,12 @@ impl Friction {
 
     /// Share, axial share, distance and weight of the load of flank `i` in the table.
     #[inline(always)]
-    fn tabulated<T: Scalar>(&self, i: usize, load: &FlankLoad<T>, offset: T) -> Option<[T; 4]> {
+    pub(crate) fn tabulated<T: Scalar>(
+        &self,
+        i: usize,
+        load: &FlankLoad<T>,
+        offset: T,
+    ) -> Option<[T; 4]> {
         let table = self.table.as_ref()?;
         let (sliding, mirrored) = table.sliding(FLANKS[i])?;
         let q = load.table_coordinates(table.effects(), offset, mirrored);
@@ -96,21 +101,18 @@ impl Friction {
         Some(all)
     }
 
-    /// Friction of flank `i` under `load` > 0, which slides as `sliding` or the table says, while gear 2 moves against gear 1 with `twist` and gear 1 turns with `spin`
-    /// (rad/s) against the line of centres.
+    /// Friction of a flank under `load` > 0, of share, axial share, distance and weight as given, while gear 2 moves against gear 1 with
+    /// `twist` and gear 1 turns with `spin` (rad/s) against the line of centres.
     #[inline(always)]
     pub(crate) fn on_flank<T: Scalar>(
         &self,
         k: &Constants,
         map: &Map<T>,
-        i: usize,
         load: &FlankLoad<T>,
-        sliding: Option<[T; 4]>,
+        [share, share_z, distance, weight]: [T; 4],
         twist: &Spatial<T>,
         spin: T,
-    ) -> Option<FlankFriction<T>> {
-        let [share, share_z, distance, weight] =
-            sliding.or_else(|| self.tabulated(i, load, map.c - k.center_distance))?;
+    ) -> FlankFriction<T> {
         let row = map.friction_row(k, load.sign, [share, share_z, distance]);
         let rolling = spin * spin * self.rolling_per_spin.powi(2) + LOWEST_ROLLING_SPEED.powi(2);
         let c = &self.coefficient;
@@ -129,12 +131,12 @@ impl Friction {
         };
         let speed = -row.power(twist);
         let sign = speed / (speed * speed + self.transition).sqrt();
-        Some(FlankFriction {
+        FlankFriction {
             force: mu * load.elastic * k.per_cos_beta_b * sign,
             row,
             speed,
             coefficient: mu * weight,
             loss_factor: distance / divisor * self.loss_per_distance,
-        })
+        }
     }
 }

@@ -18,7 +18,8 @@ TABLE, CONTACT, TEETH = 2, 3, 4
 @pytest.fixture(scope="module")
 def unit(tmp_path_factory):
     file = tmp_path_factory.mktemp("contact") / "external.fmu"
-    unit = Unit(gearmesh.build(pair_files()["external"], file, contact=True, **QUICK, **ALIGNED))
+    made = {"contact": True, "teeth": True, "friction": True, "root_stress": True}
+    unit = Unit(gearmesh.build(pair_files()["external"], file, **made, **QUICK, **ALIGNED))
     yield {"external": unit}
     unit.close()
 
@@ -50,6 +51,22 @@ def test_contact_at_run_time_is_that_of_the_tables(solved, formulation, flank):
         assert contact == pytest.approx(table, rel=1e-2)
         z = [1e3 * m.get("mesh.contactZ") for m in both]
         assert z[1] == pytest.approx(z[0], abs=0.1)
+
+
+@FORMULATIONS
+def test_friction_and_root_stress_are_those_of_the_tables(solved, formulation):
+    names = ["mesh.frictionPower", "mesh.lossFactor", "mesh.rootStress1", "mesh.rootStress2"]
+    for phase in np.linspace(0.0, 0.3, 7):
+        found = []
+        for model in (TABLE, CONTACT, TEETH):
+            instance = started(
+                solved, model, formulation=formulation, meshPhase=phase, friction=1, rootStress=1
+            )
+            press(instance, 1.5e-5)
+            instance.set({"gear1.angularVelocity[3]": 100.0})
+            found.append(np.array([instance.get(name) / instance.get("mesh.normalForce") for name in names]))
+        for level in found[1:]:
+            assert level == pytest.approx(found[0], rel=0.05)
 
 
 def test_contact_at_run_time_has_no_axes_and_no_range(solved):

@@ -5,7 +5,7 @@ use crate::data::{Data, percent};
 use crate::setup::{solver, ste};
 use crate::timing::timed;
 use crate::{Context, Result};
-use gearmesh::compliance::{BeyondModel, Strip, ToothCompliance};
+use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::finite_element::{Discretization, FiniteElementCompliance, Settings};
@@ -111,13 +111,13 @@ fn one_pair(context: &Context, data: &Data, part: &str, pair: &Pair) -> Result<(
 struct SingleTeeth(Arc<FiniteElementCompliance>);
 
 impl ToothCompliance for SingleTeeth {
-    fn bulk(&self, strips: &[Strip]) -> std::result::Result<DMatrix<f64>, BeyondModel> {
-        let all = self.0.bulk(strips)?;
-        let same = |i: usize, j: usize| strips[i].tooth == strips[j].tooth;
+    fn bulk(&self, segments: &[Segment]) -> std::result::Result<DMatrix<f64>, BeyondModel> {
+        let all = self.0.bulk(segments)?;
+        let same = |i: usize, j: usize| segments[i].tooth == segments[j].tooth;
         Ok(all.map_with_location(|i, j, x| if same(i, j) { x } else { 0.0 }))
     }
 
-    fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
-        self.0.reference_lengths(strips)
+    fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
+        self.0.reference_lengths(segments)
     }
 }

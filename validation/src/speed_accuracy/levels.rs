@@ -119,6 +119,7 @@ fn by_contact(setup: &Setup, file: &ContactFile) -> Result<Element> {
         &setup.pair.geometry,
         &parameters,
         file,
+        None,
     )?)
 }
 

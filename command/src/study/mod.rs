@@ -135,6 +135,15 @@ impl Study {
         }
         let plan = Plan::new(&self.vary, self.iso_1328_class, &draft, &pair, torques[0])?;
         check(&plan, &draft, &pair)?;
+        if plan
+            .grid
+            .iter()
+            .any(|axis| axis.field.split(',').any(|field| field == "torque_nm"))
+        {
+            refuse!(
+                "--vary = torque_nm on a grid: torques have no best; give them as --torques-nm"
+            );
+        }
         if plan.is_varied("torque_nm") && torques.len() > 1 {
             refuse!(
                 "--torques-nm: torque_nm is varied, too; give one torque, or vary something else"

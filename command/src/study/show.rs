@@ -275,9 +275,9 @@ pub fn bands_of(folder: &Path, name: &str) -> Result<Section, Error> {
     let text = output::read_text(&path).map_err(wrong)?;
     let known: Known =
         serde_json::from_str(&text).map_err(|e| wrong(format!("study.json: {e}")))?;
-    if known.pair != name {
+    if known.pair != name && Some(&*known.pair) != name.strip_suffix("-best") {
         let other = shown(&known.pair);
-        return Err(wrong(format!("a study of {other}; name one of {name}")).into());
+        return Err(wrong(format!("this is a study of {other}; give one of {name}")).into());
     }
     if known.torques_nm.len() < 2 || known.statistics.is_empty() {
         let torques: Vec<f64> = known.torques_nm.into_iter().map(rounded).collect();

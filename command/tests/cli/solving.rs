@@ -240,6 +240,12 @@ fn the_error_is_estimated_from_another_refinement() {
         let percent: f64 = words.rev().nth(1).unwrap().parse().unwrap();
         assert!(percent != 0.0 && percent.abs() < most, "{name}: {percent}");
     }
+    // The refinements have segments of different lengths.
+    let text = succeed!("solve {PAPER} --estimate-error --positions 2 --refinement coarse");
+    let mut words =
+        line(text.split_once("estimated error").unwrap().1, "K_Hbeta").split_whitespace();
+    let percent: f64 = words.nth_back(1).unwrap().parse().unwrap();
+    assert!(percent.abs() < 2.0, "{percent}");
 }
 
 #[test]

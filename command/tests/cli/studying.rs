@@ -72,6 +72,7 @@ fn a_study_refuses_what_it_cannot_vary_before_it_computes() {
     refused!("{study} --vary misalignment_mrad=0..90"; "--vary misalignment_mrad = 90:");
     refused!("{study} --vary misalignment_mrad=0..1e300"; "--vary misalignment_mrad = 1e300: give");
     refused!("{study} --vary torque_nm=-5..5"; "--vary torque_nm = -5: give");
+    refused!("{study} --vary torque_nm=50..100/3"; "give them as --torques-nm");
     refused!("{study} --vary operating.nominal_torque_nm=+-50"; "vary modifications");
     refused!("{study} --vary friction.coefficient=0.01..0.2"; "vary modifications");
     refused!("{study} --vary gear1.coast_flank.lead_slope_um=0..5"; "drive flank");

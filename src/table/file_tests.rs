@@ -90,8 +90,14 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
         (|f| f.version = 3, "version = 3"),
         (|f| f.format = "other".into(), "format = other"),
         (|f| f.drive.loa_force[0] = -1.0, "drive.loa_force_n[0] = -1"),
-        (|f| f.drive.loa_force.clear(), "drive.loa_force_n = 0 values"),
-        (|f| f.axes.mesh_position[2] = 0.0, "axes.mesh_position[2] = 0"),
+        (
+            |f| f.drive.loa_force.clear(),
+            "drive.loa_force_n = 0 values",
+        ),
+        (
+            |f| f.axes.mesh_position[2] = 0.0,
+            "axes.mesh_position[2] = 0",
+        ),
         (|f| f.nominal_torque_nm = -1.0, "nominal_torque_nm = -1"),
         (
             |f| of_stress(f, |r| r.drive.gear_2_pa.truncate(9)),
@@ -111,14 +117,23 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
             "at most 10000",
         ),
         // Cells at the ends of the spline, which lie outside the nodes: too narrow, they would take memory without bound.
-        (|f| f.axes.displacement_fraction[0] = 1e-12, "0 and 0.000000000001"),
-        (|f| f.axes.mesh_position[5] = 1.0 - 1e-12, "closer than 1e-5"),
+        (
+            |f| f.axes.displacement_fraction[0] = 1e-12,
+            "0 and 0.000000000001",
+        ),
+        (
+            |f| f.axes.mesh_position[5] = 1.0 - 1e-12,
+            "closer than 1e-5",
+        ),
         // JSON has no NaN: it is written as null and refused as no number.
         (|f| f.drive.moment.as_mut().unwrap()[1] = f64::NAN, "null"),
         // Geometry that no pair file gives.
         (|f| f.geometry.gears[0].hand = 0.5, "gear1.hand = 0.5"),
         (|f| f.geometry.gears[0].teeth = 0, "gear1.teeth = 0"),
-        (|f| f.geometry.center_distance = 0.01, "center_distance_m = 0.01"),
+        (
+            |f| f.geometry.center_distance = 0.01,
+            "center_distance_m = 0.01",
+        ),
     ];
     for (change, name) in changes {
         let mut f = file();
@@ -145,7 +160,10 @@ fn an_effect_without_its_axis_is_refused_by_name() {
         ..effects
     };
     for (effects, names) in [
-        (no_axis, ["centerDistanceEffect", "center_distance_offset_m"]),
+        (
+            no_axis,
+            ["centerDistanceEffect", "center_distance_offset_m"],
+        ),
         (too_large, ["nominalTorque", "maximum_torque_nm"]),
     ] {
         let error = table.sliced(&effects).unwrap_err().to_string();

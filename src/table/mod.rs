@@ -20,14 +20,14 @@ pub mod samples;
 mod summary;
 mod teeth;
 
-pub use error::TableError;
 pub use crate::accuracy::{InterpolationError, RootStressError, rms_and_largest};
+pub use error::TableError;
 pub use file::{TableFile, VERSION};
 pub use grid::{Axes, Axis, FlankGrid};
 pub use interpolation::{FlankTable, Interpolation};
 pub use records::{
-    FrictionRecord, LoadAxes, LoadJet, LoadSamples, LoadSpline, RootStressRecord, RootStressSamples,
-    SlidingSamples,
+    FrictionRecord, LoadAxes, LoadJet, LoadSamples, LoadSpline, RootStressRecord,
+    RootStressSamples, SlidingSamples,
 };
 pub use runtime::{Effects, Load, Table};
 pub use teeth::{GearTeethRecord, TeethFlank, TeethRecord};

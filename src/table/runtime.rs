@@ -143,11 +143,19 @@ impl Table {
         let on = [effects.center_distance, effects.misalignment];
         let sliding = wanted(effects.friction, &file.friction, TableError::NO_FRICTION)?;
         let sliding = sliding.map(|r| {
-            Flanks::new(&r.drive, r.coast.as_ref(), |samples| samples.spline(&r.axes, on))
+            Flanks::new(&r.drive, r.coast.as_ref(), |samples| {
+                samples.spline(&r.axes, on)
+            })
         });
-        let stress = wanted(effects.root_stress, &file.root_stress, TableError::NO_ROOT_STRESS)?;
+        let stress = wanted(
+            effects.root_stress,
+            &file.root_stress,
+            TableError::NO_ROOT_STRESS,
+        )?;
         let stress = stress.map(|r| {
-            Flanks::new(&r.drive, r.coast.as_ref(), |samples| samples.spline(&r.axes, on))
+            Flanks::new(&r.drive, r.coast.as_ref(), |samples| {
+                samples.spline(&r.axes, on)
+            })
         });
         let teeth = wanted(effects.teeth, &file.teeth, TableError::NO_TEETH)?;
         let teeth = teeth.map(|record| TeethFlank::both(record, &file.geometry, &effects));

@@ -103,13 +103,23 @@ impl<'a> WatchedSolver<'a> {
 }
 
 impl StaticSource for WatchedSolver<'_> {
-    fn position(&self, flank: Flank, p: f64, c: f64) -> Result<Box<dyn StaticPosition + '_>, String> {
+    fn position(
+        &self,
+        flank: Flank,
+        p: f64,
+        c: f64,
+    ) -> Result<Box<dyn StaticPosition + '_>, String> {
         SolverPosition::boxed(self.solver, flank, [p, c], Some(&self.quality))
     }
 }
 
 impl StaticSource for ContactSolver {
-    fn position(&self, flank: Flank, p: f64, c: f64) -> Result<Box<dyn StaticPosition + '_>, String> {
+    fn position(
+        &self,
+        flank: Flank,
+        p: f64,
+        c: f64,
+    ) -> Result<Box<dyn StaticPosition + '_>, String> {
         SolverPosition::boxed(self, flank, [p, c], None)
     }
 }

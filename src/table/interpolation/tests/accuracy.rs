@@ -36,7 +36,7 @@ fn spline_finds_a_smooth_springs_force_shuttling_and_other_gradients() {
 }
 
 #[test]
-fn shepard_passes_through_the_samples_and_errs_no_more_than_linear() {
+fn shepard_errs_no_more_than_linear() {
     let grid = Spring::grid([10, 5, 7, 16]);
     let shepard = FlankTable::new(&grid, Interpolation::Shepard).unwrap();
     let linear = FlankTable::new(&grid, Interpolation::Linear).unwrap();
@@ -153,7 +153,10 @@ fn samples_that_fall_or_have_the_wrong_shape_are_refused_by_name() {
     let changes: [(Change, &str); 7] = [
         (|g| g.loa_force[6] = -1.0, "loa_force_n[6] = -1"),
         (|g| g.loa_force[6] = f64::NAN, "loa_force_n[6] = NaN"),
-        (|g| g.axes.misalignment[1] = -1.0, "misalignment_rad[1] = -1"),
+        (
+            |g| g.axes.misalignment[1] = -1.0,
+            "misalignment_rad[1] = -1",
+        ),
         (|g| g.axes.mesh_position.push(1.0), "mesh_position"),
         (
             |g| g.axes.center_distance_offset = vec![0.0, 1e-6],

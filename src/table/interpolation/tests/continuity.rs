@@ -38,7 +38,11 @@ fn spline_force_is_twice_continuously_differentiable_across_every_cell() {
         (2, &axes.misalignment),
         (3, &axes.mesh_position),
     ] {
-        let inner = if i == 3 { &nodes[..] } else { &nodes[1..nodes.len() - 1] };
+        let inner = if i == 3 {
+            &nodes[..]
+        } else {
+            &nodes[1..nodes.len() - 1]
+        };
         for &node in inner {
             for n in 0..20 {
                 let q = with(&point(n, 1.0), i, node);

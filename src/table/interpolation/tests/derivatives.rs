@@ -8,7 +8,12 @@ use crate::table::{FlankTable, Interpolation, Potential, Query};
 const EVERY: [usize; 4] = [0, 1, 2, 3];
 
 /// Fourth-order central difference of `f` at `q` by coordinate `i` with the step `h`.
-fn difference<const K: usize>(q: &Query, i: usize, h: f64, f: impl Fn(&Query) -> [f64; K]) -> [f64; K] {
+fn difference<const K: usize>(
+    q: &Query,
+    i: usize,
+    h: f64,
+    f: impl Fn(&Query) -> [f64; K],
+) -> [f64; K] {
     let at = |k: f64| f(&moved(q, i, k * h));
     let (near, far) = ([at(1.0), at(-1.0)], [at(2.0), at(-2.0)]);
     std::array::from_fn(|k| {
@@ -43,7 +48,12 @@ fn worst<const K: usize>(
 /// Of the gradient of `table` against its values.
 fn worst_gradient(table: &FlankTable, steps: [f64; 2], coordinates: &[usize]) -> f64 {
     let at = |q: &Query| table.evaluate(q, true);
-    worst(steps, coordinates, |q| [at(q).value], |q, i| [at(q).gradient[i]])
+    worst(
+        steps,
+        coordinates,
+        |q| [at(q).value],
+        |q, i| [at(q).gradient[i]],
+    )
 }
 
 /// Of the second derivatives of `table` against its gradient.
@@ -62,7 +72,10 @@ fn gradient_is_that_of_the_potential_in_every_dimension() {
             let table = FlankTable::new(&grid, interpolation).unwrap();
             for spread in [1.0, 2.5] {
                 let worst = worst_gradient(&table, [spread, 4e-6], &EVERY);
-                assert!(worst < 2e-7, "{shape:?} {interpolation:?} {spread}: {worst}");
+                assert!(
+                    worst < 2e-7,
+                    "{shape:?} {interpolation:?} {spread}: {worst}"
+                );
             }
         }
     }
@@ -193,4 +206,3 @@ fn results_depend_neither_on_the_width_of_the_registers_nor_on_whether_second_de
         }
     }
 }
-

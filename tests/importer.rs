@@ -1,4 +1,4 @@
-//! A packed unit driven by the importer of the crate `fmi`: a host of another family than fmpy.
+//! A packed FMU driven by the importer of the crate `fmi`: a host of another family than fmpy.
 
 use gearmesh_preprocessor::pair;
 use std::path::Path;
@@ -10,7 +10,7 @@ use gearmesh::fmi::variables::{VARIABLES, index};
 use gearmesh::pair::Pair;
 use gearmesh_preprocessor::package::{self, Contents, Starts};
 
-/// Packs the unit of a shipped pair, with constant stiffness, into `folder` and imports it.
+/// Packs the FMU of a shipped pair, with constant stiffness, into `folder` and imports it.
 fn import(pair: &str, folder: &Path) -> (Pair, Fmi2Import) {
     let file = format!("{}/resources/pairs/{pair}.json", env!("CARGO_MANIFEST_DIR"));
     let pair = pair::read(file).unwrap();

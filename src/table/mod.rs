@@ -20,12 +20,13 @@ pub mod samples;
 mod summary;
 mod teeth;
 
+pub use crate::accuracy::{InterpolationError, RootStressError, rms_and_largest};
 pub use error::TableError;
-pub use file::{InterpolationError, TableFile, VERSION, rms_and_largest};
+pub use file::{TableFile, VERSION};
 pub use grid::{Axes, Axis, FlankGrid};
 pub use interpolation::{FlankTable, Interpolation};
 pub use records::{
-    FrictionRecord, LoadAxes, LoadJet, LoadSamples, LoadSpline, RootStressError, RootStressRecord,
+    FrictionRecord, LoadAxes, LoadJet, LoadSamples, LoadSpline, RootStressRecord,
     RootStressSamples, SlidingSamples,
 };
 pub use runtime::{Effects, Load, Table};

@@ -1,8 +1,8 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
 use super::{
-    Axis, FlankGrid, FlankTable, Interpolation, LoadAxes, LoadSamples, LoadSpline, TableError,
-    TableFile, TeethFlank,
+    Axis, FlankGrid, FlankTable, Interpolation, LoadSamples, LoadSpline, TableError, TableFile,
+    TeethFlank,
 };
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
@@ -83,15 +83,12 @@ impl<T> Flanks<T> {
     }
 }
 
-impl Flanks<LoadSpline> {
-    fn of_load<S: LoadSamples>(
-        axes: &LoadAxes,
-        drive: &S,
-        coast: Option<&S>,
-        effects: &Effects,
-    ) -> Result<Self, TableError> {
-        let on = [effects.center_distance, effects.misalignment];
-        Flanks::new(drive, coast, |samples: &S| samples.spline(axes, on))
+/// The `record` of an effect that is on.
+fn wanted<T>(on: bool, record: &Option<T>, missing: TableError) -> Result<Option<&T>, TableError> {
+    match record {
+        _ if !on => Ok(None),
+        None => Err(missing),
+        Some(record) => Ok(Some(record)),
     }
 }
 
@@ -143,37 +140,31 @@ impl Table {
     /// # Errors
     /// As [`Table::sliced`].
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
-        let sliding = match &file.friction {
-            _ if !effects.friction => None,
-            None => return Err(TableError::NO_FRICTION),
-            Some(r) => Some(Flanks::of_load(
-                &r.axes,
-                &r.drive,
-                r.coast.as_ref(),
-                &effects,
-            )?),
-        };
-        let root_stress = match &file.root_stress {
-            _ if !effects.root_stress => None,
-            None => return Err(TableError::NO_ROOT_STRESS),
-            Some(r) => Some(Flanks::of_load(
-                &r.axes,
-                &r.drive,
-                r.coast.as_ref(),
-                &effects,
-            )?),
-        };
-        let teeth = match &file.teeth {
-            _ if !effects.teeth => None,
-            None => return Err(TableError::NO_TEETH),
-            Some(record) => Some(TeethFlank::both(record, &file.geometry, &effects)?),
-        };
+        let on = [effects.center_distance, effects.misalignment];
+        let sliding = wanted(effects.friction, &file.friction, TableError::NO_FRICTION)?;
+        let sliding = sliding.map(|r| {
+            Flanks::new(&r.drive, r.coast.as_ref(), |samples| {
+                samples.spline(&r.axes, on)
+            })
+        });
+        let stress = wanted(
+            effects.root_stress,
+            &file.root_stress,
+            TableError::NO_ROOT_STRESS,
+        )?;
+        let stress = stress.map(|r| {
+            Flanks::new(&r.drive, r.coast.as_ref(), |samples| {
+                samples.spline(&r.axes, on)
+            })
+        });
+        let teeth = wanted(effects.teeth, &file.teeth, TableError::NO_TEETH)?;
+        let teeth = teeth.map(|record| TeethFlank::both(record, &file.geometry, &effects));
         let flank = |grid: &FlankGrid| Ok(flank_table(grid.on(&file.axes), &effects)?.1);
         Ok(Table {
             force: Flanks::new(&file.drive, file.coast.as_ref(), flank)?,
-            sliding,
-            root_stress,
-            teeth,
+            sliding: sliding.transpose()?,
+            root_stress: stress.transpose()?,
+            teeth: teeth.transpose()?,
             effects,
             file,
         })

@@ -8,7 +8,7 @@ use super::PackageError;
 /// File names of the library as cargo gives them on Linux, Windows and macOS.
 const NAMES: [&str; 3] = ["libgearmesh.so", "gearmesh.dll", "libgearmesh.dylib"];
 
-/// A compiled library of the unit for one platform.
+/// A compiled library of the FMU for one platform.
 #[derive(Debug, Clone)]
 pub struct Library {
     /// Name of the platform in the standard: `linux64`, `win64`, `darwin64`, ...

@@ -324,8 +324,12 @@ type References = *const fmi2ValueReference;
 exports! {
     /// Opens the initialization.
     fmi2EnterInitializationMode() = enter(EnterInitializationMode, State::InitializationMode);
+    /// Closes the initialization: checks the parameters and latches the phases of the teeth.
+    fmi2ExitInitializationMode() = call(ExitInitializationMode, |c| c.instance.exit_initialization());
     /// Ends the simulation.
     fmi2Terminate() = enter(Terminate, State::Terminated);
+    /// Back to the state after fmi2Instantiate.
+    fmi2Reset() = call(Reset, |c| { c.instance.reset(); Ok(()) });
     /// The host handles an event: inputs and tunable parameters may jump.
     fmi2EnterEventMode() = enter(EnterEventMode, State::EventMode);
     /// The host integrates.
@@ -350,6 +354,12 @@ exports! {
     /// Refuses any variable: there are none of type String.
     fmi2SetString(vr: References, nvr: usize, _value: *const fmi2String) = no_strings(SetString, vr, nvr);
 
+    /// Goes back to a stored state.
+    fmi2SetFMUstate(state: fmi2FMUstate) = call(SetFMUstate, |c| c.instance.restore(state.addr()));
+    /// Bytes that a stored state takes.
+    fmi2SerializedFMUstateSize(state: fmi2FMUstate, size: *mut usize) =
+        call(SerializedFMUstateSize, |c| put(size, c.instance.serialize(state.addr())?.len()));
+
     /// One communication step.
     fmi2DoStep(point: fmi2Real, step: fmi2Real, _no_set_state_prior: fmi2Boolean) =
         call(DoStep, |c| c.instance.do_step(point, step));
@@ -371,6 +381,9 @@ exports! {
     fmi2GetStringStatus(kind: fmi2StatusKind, value: *mut fmi2String) =
         get_status(GetStringStatus, kind, None, value, |_| ptr::null());
 
+    /// There are no discrete states: one iteration is enough, and no event is to come.
+    fmi2NewDiscreteStates(info: *mut fmi2EventInfo) =
+        call(NewDiscreteStates, |_| put(info, fmi2EventInfo::default()));
     /// The time, on which nothing depends.
     fmi2SetTime(time: fmi2Real) = call(SetTime, |c| c.instance.set_time(time));
     /// There are no continuous states.
@@ -502,22 +515,6 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     })
 }
 
-/// Closes the initialization: checks the parameters and latches the phases of the teeth.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2ExitInitializationMode(c: fmi2Component) -> fmi2Status {
-    let function = Function::ExitInitializationMode;
-    call(c, function, |c| c.instance.exit_initialization())
-}
-
-/// Back to the state after fmi2Instantiate.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2Reset(c: fmi2Component) -> fmi2Status {
-    call(c, Function::Reset, |c| {
-        c.instance.reset();
-        Ok(())
-    })
-}
-
 /// Stores the state, over the given one if that is not null. A fmi2FMUstate is a number here, not an address.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
@@ -525,14 +522,6 @@ pub unsafe extern "C" fn fmi2GetFMUstate(c: fmi2Component, state: *mut fmi2FMUst
         check_array(state, 1, "FMUstate")?;
         let given = Some((*state).addr()).filter(|handle| *handle != 0);
         put(state, ptr::without_provenance_mut(c.instance.store(given)?))
-    })
-}
-
-/// Goes back to a stored state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetFMUstate(c: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
-    call(c, Function::SetFMUstate, |c| {
-        c.instance.restore(state.addr())
     })
 }
 
@@ -548,18 +537,6 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(
             *state = ptr::null_mut();
         }
         Ok(())
-    })
-}
-
-/// Bytes that a stored state takes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    c: fmi2Component,
-    state: fmi2FMUstate,
-    size: *mut usize,
-) -> fmi2Status {
-    call(c, Function::SerializedFMUstateSize, |c| {
-        put(size, c.instance.serialize(state.addr())?.len())
     })
 }
 
@@ -650,17 +627,6 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
         let references = array(vr, nvr, "vr")?;
         let slopes = c.instance.output_derivatives(references, orders)?;
         put_all(value, nvr, slopes)
-    })
-}
-
-/// There are no discrete states: one iteration is enough, and no event is to come.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2NewDiscreteStates(
-    c: fmi2Component,
-    info: *mut fmi2EventInfo,
-) -> fmi2Status {
-    call(c, Function::NewDiscreteStates, |_| {
-        put(info, fmi2EventInfo::default())
     })
 }
 

@@ -490,9 +490,8 @@ pub(super) mod tests {
         let phi = pair.operating_pressure_angle(distance);
         let exact = Spring::potential(&Query {
             delta: turn * pair.operating_pitch_radius(0, distance) * phi.cos(),
-            center_distance_offset: 0.0,
-            misalignment: 0.0,
             mesh_position: turn / std::f64::consts::TAU * pair.gears[0].z(),
+            ..Query::default()
         });
         let tangential = [VARIABLES[index::MESH_TANGENTIAL_FORCE].value_reference];
         let mut force = 0.0;

@@ -33,9 +33,9 @@ pub use runtime::{Effects, Load, Table};
 pub use teeth::{GearTeethRecord, TeethFlank, TeethRecord};
 
 /// Where the table is asked, for one flank (coast flank: after mapping to its own table).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Query {
-    /// Elongation on the line of action at mid-face, m; > 0 compresses.
+    /// Approach of the teeth on the line of action at mid-face, m; > 0 in contact.
     pub delta: f64,
     /// Actual minus nominal centre distance, m.
     pub center_distance_offset: f64,

@@ -1,8 +1,8 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
 use super::{
-    Axis, FlankGrid, FlankTable, Interpolation, LoadSamples, LoadSpline, TableError, TableFile,
-    TeethFlank,
+    Axes, Axis, FlankGrid, FlankTable, Interpolation, LoadSamples, LoadSpline, TableError,
+    TableFile, TeethFlank,
 };
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
@@ -40,6 +40,23 @@ pub struct Effects {
     pub root_stress: bool,
     /// Tooth pair by tooth pair, for teeth that differ.
     pub teeth: bool,
+}
+
+impl Effects {
+    /// The spline and a variable load with all that `axes` have, and nothing beside the force.
+    pub fn of_axes(axes: &Axes) -> Self {
+        let [center_distance, misalignment, _] = axes.present();
+        Effects {
+            interpolation: Interpolation::Spline,
+            load: Load::Variable,
+            center_distance,
+            misalignment,
+            shuttling: misalignment,
+            friction: false,
+            root_stress: false,
+            teeth: false,
+        }
+    }
 }
 
 /// Everything of one pair at run time. Read-only; share it by `Arc`.
@@ -114,16 +131,8 @@ impl Table {
     /// # Errors
     /// As [`FlankTable::new`].
     pub fn from_file(file: TableFile) -> Result<Self, TableError> {
-        let effects = Effects {
-            interpolation: Interpolation::Spline,
-            load: Load::Variable,
-            center_distance: file.axes.center_distance_offset.len() > 1,
-            misalignment: file.axes.misalignment.len() > 1,
-            shuttling: file.axes.misalignment.len() > 1 || file.drive.moment.is_some(),
-            friction: false,
-            root_stress: false,
-            teeth: false,
-        };
+        let mut effects = Effects::of_axes(&file.axes);
+        effects.shuttling |= file.drive.moment.is_some();
         Self::with_effects(Arc::new(file), effects)
     }
 

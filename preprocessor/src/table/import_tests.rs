@@ -26,9 +26,8 @@ fn csv(torques: &[f64]) -> String {
 fn at(table: &FlankTable, delta: f64, mesh_position: f64) -> [f64; 4] {
     let query = Query {
         delta,
-        center_distance_offset: 0.0,
-        misalignment: 0.0,
         mesh_position,
+        ..Query::default()
     };
     table.evaluate(&query, false).gradient
 }

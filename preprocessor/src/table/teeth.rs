@@ -12,8 +12,7 @@ use gearmesh::gear::Flank;
 use gearmesh::random::Random;
 use gearmesh::root::bisection;
 use gearmesh::table::{
-    Axes, Effects, GearTeethRecord, Interpolation, InterpolationError, Load, Query, TableError,
-    TeethFlank, TeethRecord,
+    Axes, Effects, GearTeethRecord, InterpolationError, Query, TableError, TeethFlank, TeethRecord,
 };
 use gearmesh::words::rounded;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
@@ -126,14 +125,8 @@ impl TeethSweep<'_> {
     ) -> Result<InterpolationError, TableError> {
         let geometry = self.solver.geometry();
         let effects = Effects {
-            interpolation: Interpolation::Spline,
-            load: Load::Variable,
-            center_distance: record.axes.center_distance_offset.len() > 1,
-            misalignment: record.axes.misalignment.len() > 1,
             shuttling: true,
-            friction: false,
-            root_stress: false,
-            teeth: true,
+            ..Effects::of_axes(&record.axes)
         };
         let level = TeethFlank::new(record, geometry, flank, &effects)?;
         let exact = self.contact.flank(flank).ok_or_else(no_coast_flank)?;

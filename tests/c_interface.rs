@@ -106,7 +106,7 @@ fn an_instance_lives_from_instantiation_to_freeing() {
     }
 }
 
-/// Loads the library that lies beside this test, runs an instance, and unloads it again.
+/// Loads the library in the folder of this test, runs an instance, and unloads it again.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn load_and_unload(library: &CStr, uri: &CStr, guid: &CStr, kind: fmi2Type) {
     // Safety: the symbols have the types of the standard (checked where they are made), the library
@@ -171,7 +171,7 @@ fn loading_and_unloading_leaves_no_byte_behind() {
     let (unit, guid) = (tabulated(folder.path()), CString::new(GUID).unwrap());
     let uri = resources(folder.path(), &unit);
     let path = CString::new(library.path.to_str().unwrap()).unwrap();
-    // Safety: it asks for statistics.
+    // Safety: it reads statistics.
     let given_out = || unsafe { libc::mallinfo2() }.uordblks;
     let mut before = 0;
     for cycle in 0..12 {

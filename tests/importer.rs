@@ -22,7 +22,7 @@ fn import(pair: &str, folder: &Path) -> (Pair, Fmi2Import) {
         contact: None,
         starts: &starts,
     };
-    // The library that cargo built for this test lies beside the test's program.
+    // The library that cargo built for this test is in the folder of the test's program.
     let libraries = package::libraries_beside(&std::env::current_exe().unwrap()).unwrap();
     let fmu = folder.join("pair.fmu");
     package::pack(&contents, &libraries, &fmu).unwrap();

@@ -5,7 +5,7 @@
 //! tests/header.rs compares each signature with the standard's header.
 //!
 //! # Safety
-//! All functions ask of the host what the standard asks: a component is null or came from
+//! All functions require of the host what the standard requires: a component is null or came from
 //! fmi2Instantiate and was not freed, arrays hold as many items as passed (null only with none), strings
 //! end with a zero byte, and one instance is used by one thread at a time. Every
 //! `unsafe fn` below relies on that where it follows a pointer; it is stated this once.
@@ -271,7 +271,7 @@ unsafe fn no_strings(
     })
 }
 
-/// The answer to the one question of this type that the FMU has a status for, if `kind` asks it.
+/// The answer to the one question of this type that the FMU has a status for, if `kind` is that one.
 unsafe fn get_status<T>(
     c: fmi2Component,
     function: Function,
@@ -447,7 +447,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     made.unwrap_or(ptr::null_mut())
 }
 
-/// A new instance for the interface that the host asks for.
+/// A new instance for the interface that the host names.
 fn instantiate(
     kind: fmi2Type,
     name: &str,
@@ -630,7 +630,7 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     })
 }
 
-/// Asks for nothing, and need not be called: outputs depend on nothing that came before.
+/// Requests nothing, and need not be called: outputs depend on nothing that came before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     c: fmi2Component,

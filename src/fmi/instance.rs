@@ -1,7 +1,7 @@
 //! One instance of the FMU: what the functions of the interface do, in safe Rust.
 //!
 //! Outputs and their derivatives are a pure function of inputs, parameters, phase zeros and, with `coupling`, of the last step.
-//! They are made when they are asked for and cached until one of these changes (`Instance::changed`), so that hosts may set
+//! They are made when they are read and cached until one of these changes (`Instance::changed`), so that hosts may set
 //! and get in any order, value by value, and go back in time.
 
 use std::sync::Arc;

@@ -320,7 +320,6 @@ pub(super) mod tests {
     use crate::fmi::instance::Instance;
     use crate::fmi::lifecycle::{Interface, State};
     use crate::fmi::variables::{VARIABLES, index};
-    use crate::table::Query;
     use crate::table::samples::Spring;
 
     /// A pipe would never answer, and a file as large as this would take all memory.
@@ -393,7 +392,7 @@ pub(super) mod tests {
         }
     }
 
-    /// An instance of `interface` in initialization mode, in the nominal pose, with these start values beside that.
+    /// An instance of `interface` in initialization mode, in the nominal pose, with these start values besides.
     pub(in crate::fmi) fn instance(
         interface: Interface,
         geometry: PairGeometry,
@@ -476,34 +475,6 @@ pub(super) mod tests {
             assert!(error.message.contains(name), "{error}");
             on_table(counts, &[]).exit_initialization().unwrap();
         }
-    }
-
-    #[test]
-    fn the_force_is_that_of_the_table_at_the_pose() {
-        let mut instance = on_table([20, 1, 1, 24], &[]);
-        instance.exit_initialization().unwrap();
-        let turn = 1.2e-4;
-        let spin = VARIABLES[index::GEAR1_ANGLES_3].value_reference;
-        instance.set_real(&[spin], &[turn]).unwrap();
-        let pair = crate::gear::samples::paper_pair(1.0);
-        let distance = pair.center_distance;
-        let phi = pair.operating_pressure_angle(distance);
-        let exact = Spring::potential(&Query {
-            delta: turn * pair.operating_pitch_radius(0, distance) * phi.cos(),
-            mesh_position: turn / std::f64::consts::TAU * pair.gears[0].z(),
-            ..Query::default()
-        });
-        let tangential = [VARIABLES[index::MESH_TANGENTIAL_FORCE].value_reference];
-        let mut force = 0.0;
-        let read = instance.get_real(&tangential, |x| force = x / phi.cos());
-        read.unwrap();
-        assert!(exact.gradient[0] > 50.0);
-        let error = force / exact.gradient[0] - 1.0;
-        assert!(
-            error.abs() < 2e-3,
-            "{force} N, exact {} N",
-            exact.gradient[0]
-        );
     }
 
     #[cfg(unix)]

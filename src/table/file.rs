@@ -54,13 +54,13 @@ pub struct TableFile {
     pub drive: FlankGrid,
     /// Samples of the coast flank, if its microgeometry differs; otherwise it is the mirrored drive flank.
     pub coast: Option<FlankGrid>,
-    /// How the load slides, for the effect `friction`; absent where it is not wanted.
+    /// How the load slides, for the effect `friction`; absent in tables without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionRecord>,
-    /// Stress in the tooth roots, for the outputs of `rootStress`; absent where it is not wanted.
+    /// Stress in the tooth roots, for the outputs of `rootStress`; absent in tables without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub root_stress: Option<RootStressRecord>,
-    /// Tooth pairs one by one, for `stiffnessModel = teeth`; absent where it is not wanted.
+    /// Tooth pairs one by one, for `stiffnessModel = teeth`; absent in tables without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub teeth: Option<TeethRecord>,
 }

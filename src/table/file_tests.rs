@@ -148,25 +148,12 @@ fn defects_are_refused_by_field_even_with_a_good_checksum() {
 }
 
 #[test]
-fn an_effect_without_its_axis_is_refused_by_name() {
+fn a_constant_load_beyond_the_table_is_refused_by_name() {
     let table = Table::from_file(file()).unwrap();
-    let effects = *table.effects();
-    let no_axis = Effects {
-        center_distance: true,
-        ..effects
-    };
-    let too_large = Effects {
+    let effects = Effects {
         load: Load::Constant { loa_force: 1e9 },
-        ..effects
+        ..*table.effects()
     };
-    for (effects, names) in [
-        (
-            no_axis,
-            ["centerDistanceEffect", "center_distance_offset_m"],
-        ),
-        (too_large, ["nominalTorque", "maximum_torque_nm"]),
-    ] {
-        let error = table.sliced(&effects).unwrap_err().to_string();
-        assert!(names.iter().all(|name| error.contains(name)), "{error}");
-    }
+    let error = table.sliced(&effects).unwrap_err().to_string();
+    assert!(error.contains("nominalTorque"), "{error}");
 }

@@ -1,4 +1,4 @@
-//! What the tables file holds over the load beside the force: how the load slides, for friction, and stress in the tooth roots.
+//! What the tables file holds over the load besides the force: how the load slides, for friction, and stress in the tooth roots.
 //!
 //! Samples stand on nodes of their own ([`LoadAxes`]), over (centre distance, misalignment, force, mesh position), the last index
 //! fastest. Those of [`Sliding`] are ratios to the load. Root stress is the largest over face, fillet and teeth: where another

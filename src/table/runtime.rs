@@ -20,7 +20,7 @@ pub enum Load {
     },
 }
 
-/// What a table is asked to answer to. An effect that is off costs neither time nor memory.
+/// What a table depends on. An effect that is off costs neither time nor memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effects {
     /// Between the nodes.
@@ -43,7 +43,7 @@ pub struct Effects {
 }
 
 impl Effects {
-    /// The spline and a variable load with all that `axes` have, and nothing beside the force.
+    /// The spline and a variable load with all that `axes` have, and of the force alone.
     pub fn of_axes(axes: &Axes) -> Self {
         let [center_distance, misalignment, _] = axes.present();
         Effects {
@@ -101,7 +101,7 @@ impl<T> Flanks<T> {
 }
 
 /// The `record` of an effect that is on.
-fn wanted<T>(on: bool, record: &Option<T>, missing: TableError) -> Result<Option<&T>, TableError> {
+fn if_on<T>(on: bool, record: &Option<T>, missing: TableError) -> Result<Option<&T>, TableError> {
     match record {
         _ if !on => Ok(None),
         None => Err(missing),
@@ -150,13 +150,13 @@ impl Table {
     /// As [`Table::sliced`].
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
         let on = [effects.center_distance, effects.misalignment];
-        let sliding = wanted(effects.friction, &file.friction, TableError::NO_FRICTION)?;
+        let sliding = if_on(effects.friction, &file.friction, TableError::NO_FRICTION)?;
         let sliding = sliding.map(|r| {
             Flanks::new(&r.drive, r.coast.as_ref(), |samples| {
                 samples.spline(&r.axes, on)
             })
         });
-        let stress = wanted(
+        let stress = if_on(
             effects.root_stress,
             &file.root_stress,
             TableError::NO_ROOT_STRESS,
@@ -166,7 +166,7 @@ impl Table {
                 samples.spline(&r.axes, on)
             })
         });
-        let teeth = wanted(effects.teeth, &file.teeth, TableError::NO_TEETH)?;
+        let teeth = if_on(effects.teeth, &file.teeth, TableError::NO_TEETH)?;
         let teeth = teeth.map(|record| TeethFlank::both(record, &file.geometry, &effects));
         let flank = |grid: &FlankGrid| Ok(flank_table(grid.on(&file.axes), &effects)?.1);
         Ok(Table {
@@ -194,26 +194,26 @@ impl Table {
         &self.effects
     }
 
-    /// The table of `flank`, and whether it is the drive flank's mirrored: then ask it at -M and take
+    /// The table of `flank`, and whether it is the drive flank's mirrored: then evaluate it at -M and take
     /// the opposite moment.
     pub fn flank(&self, flank: Flank) -> (&FlankTable, bool) {
         self.force.get(flank)
     }
 
-    /// How the load of `flank` slides, and whether it is the drive flank mirrored: then ask it at -M and take the
-    /// opposite axial position. None unless it was asked for.
+    /// How the load of `flank` slides, and whether it is the drive flank mirrored: then evaluate it at -M and take the
+    /// opposite axial position. None where the effect is off.
     pub fn sliding(&self, flank: Flank) -> Option<(&LoadSpline, bool)> {
         Some(self.sliding.as_ref()?.get(flank))
     }
 
-    /// Stress in the roots under the load of `flank`, and whether it is the drive flank mirrored: then ask it at -M. None
-    /// unless it was asked for.
+    /// Stress in the roots under the load of `flank`, and whether it is the drive flank mirrored: then evaluate it at -M. None
+    /// where the effect is off.
     pub fn root_stress(&self, flank: Flank) -> Option<(&LoadSpline, bool)> {
         Some(self.root_stress.as_ref()?.get(flank))
     }
 
-    /// Tooth pairs of `flank` one by one, and whether their samples are those of the drive flank mirrored: then ask at -M and
-    /// take the opposite moment. None unless it was asked for.
+    /// Tooth pairs of `flank` one by one, and whether their samples are those of the drive flank mirrored: then evaluate at -M and
+    /// take the opposite moment. None where the effect is off.
     pub fn teeth(&self, flank: Flank) -> Option<(&TeethFlank, bool)> {
         let [drive, coast] = self.teeth.as_ref()?;
         let own = self.file.teeth.as_ref()?.coast.is_some();

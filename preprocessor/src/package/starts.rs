@@ -161,7 +161,7 @@ pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
     // Phase within the pitch, 0 at a tooth centre (ring: at a space centre), of what gear 1 offers.
     let phase1 = (at1 / pitch(g1.z())).rem_euclid(1.0);
     // An external tooth fills the ring's space: phases agree. Two external gears: half a pitch apart.
-    let wanted = if geometry.e() > 0.0 {
+    let needed = if geometry.e() > 0.0 {
         0.5 - phase1
     } else {
         phase1
@@ -169,7 +169,7 @@ pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
     // Gear 2's tooth stands on its +x in its own z = 0 face; the helix has turned it in that of gear 1.
     let helix = g2.hand * g2.helix_angle.tan() / g2.reference_radius();
     let present = ((at2 + helix * g2.face_offset) / pitch(g2.z())).rem_euclid(1.0);
-    let turn = (present - wanted).rem_euclid(1.0);
+    let turn = (present - needed).rem_euclid(1.0);
     pitch(g2.z()) * if turn > 0.5 { turn - 1.0 } else { turn }
 }
 

@@ -153,7 +153,7 @@ fn samples_that_cannot_be_a_table_are_refused_by_line_and_value() {
     }
 }
 
-/// What is said of a spring whose displacements are `scale` times those of [`csv`].
+/// The doubts about a spring whose displacements are `scale` times those of [`csv`].
 fn doubts(scale: f64, nominal_torque: f64) -> Result<Vec<String>, String> {
     let mut imported = import_csv(&csv(&TORQUES), &spur_pair()).unwrap();
     for values in [

@@ -5,6 +5,7 @@ Pairs of the FZG test rig with centre distance 91.5 mm; the tip reliefs are ours
 
 from __future__ import annotations
 
+import json
 import math
 
 import gearmesh
@@ -14,7 +15,7 @@ from gearmesh.plots import BLUE, GREEN, RED, figure as new_figure
 
 from examples.hosts.tables import show
 
-from .files import OUT, save
+from .files import OUT, PAIRS, save
 
 TORQUE = 200.0  # N m on the pinion
 SPEEDS = (250.0, 500.0, 1000.0, 1500.0, 2000.0, 3000.0, 4000.0, 6000.0)  # rpm
@@ -22,30 +23,16 @@ OIL = {"dynamic_viscosity_mpa_s": 13.28, "roughness_ra_um": [0.4, 0.31], "lubric
 WORDS = {"constant": "constant, 0.05", "schlenk": "Schlenk", "xu_kahraman": "Xu and Kahraman"}
 PUBLISHED = 274.0  # W, C14 at 1500 rpm by the law of Schlenk, from a program with rigid teeth
 LAWS = {"constant": ({"coefficient": 0.05}, GREEN), "schlenk": (OIL, BLUE), "xu_kahraman": (OIL, RED)}
-# Module, mm, helix angle, degrees, face, mm; of both gears teeth, profile shifts and tip diameters, mm.
-PAIRS = {
-    "C14": (4.5, 0.0, 14.0, (16, 24), (0.1817, 0.1715), (82.45, 118.35)),
-    "H501": (3.5, 15.0, 23.0, (20, 30), (0.1809, 0.0891), (80.67, 116.26)),
-    "H701": (2.5, 15.0, 17.0, (28, 42), (0.2290, 0.1489), (78.55, 114.39)),
-    # Published are 76.23 and 111.73, which meet the fillets of our rack.
-    "H951": (1.75, 15.0, 21.24, (38, 57), (1.6915, 2.0003), (76.11, 111.55)),
-}
+NAMES = ("C14", "H501", "H701", "H951")
 
 
 def pair(name: str, law: str, relief: bool) -> dict:
-    """A pair file; the tip relief is that of the shipped fzg-c in proportion to the module."""
-    module, helix, face, *gears = PAIRS[name]
+    """The pair file with the law; the tip relief is that of the shipped fzg-c in proportion to the module."""
+    content = json.loads((PAIRS / f"fzg-{name.lower()}.json").read_text())
+    module = content["normal_module_mm"]
     tip = {"tip_relief": {"amount_um": 5.5 * module, "start": {"from_tip_mm": 0.8 * module}, "shape": "parabolic"}} if relief else {}
-    both = [
-        {"teeth": z, "profile_shift": x, "tip_diameter_mm": d, "face_width_mm": face, "bore_diameter_mm": 30.0} | tip for z, x, d in zip(*gears)
-    ]
-    operating = {"nominal_torque_nm": TORQUE, "maximum_torque_nm": 2.0 * TORQUE}
-    operating |= {"center_distance_offset_um": [-10.0, 10.0], "misalignment_mrad": [-0.5, 0.5]}
-    return {
-        "name": f"{name}-{law}", "meshing": "external", "normal_module_mm": module, "normal_pressure_angle_deg": 20.0, "helix_angle_deg": helix,
-        "center_distance_mm": 91.5, "backlash_um": 150.0, "gear1": both[0], "gear2": both[1], "operating": operating,
-        "friction": {"law": law} | LAWS[law][0],
-    }  # fmt: skip
+    gears = {gear: content[gear] | tip for gear in ("gear1", "gear2")}
+    return content | gears | {"name": f"{name}-{law}", "friction": {"law": law} | LAWS[law][0]}
 
 
 def solved(name: str, law: str, relief: bool) -> gearmesh.MeshCycle:
@@ -59,22 +46,19 @@ def through_the_fmu(name: str, law: str, rpm: float, positions: int = 32) -> flo
     with GearPair(fmu, interface="model-exchange") as unit:
         unit.initialize()
         turning, geometry, speed, lost = Turning(unit), unit.geometry, rpm * math.pi / 30.0, []
-        start, force = unit.u[unit.input["gear2.angles[3]"]], TORQUE / geometry.pitch_radii[0]
+        start = unit.u[unit.input["gear2.angles[3]"]]
         for angle in np.arange(positions) / positions * 2.0 * math.pi / geometry.teeth[0]:
-            low, high = 0.0, 1e-3
-            for _ in range(40):
-                middle = 0.5 * (low + high)
-                turning(angle, speed, start + geometry.ratio * angle + middle, geometry.ratio * speed)
-                low, high = (middle, high) if unit["mesh.tangentialForce"] < force else (low, middle)
+            at = turning.resting(-TORQUE / geometry.ratio, angle, start + geometry.ratio * angle)
+            turning(angle, speed, at, geometry.ratio * speed)
             lost.append(-unit["mesh.frictionPower"])
     return float(np.mean(lost))
 
 
 def main() -> None:
-    figure, axes = new_figure(len(PAIRS), 15, 4.0, sharey=True)
+    figure, axes = new_figure(len(NAMES), 15, 4.0, sharey=True)
     power = TORQUE * np.array(SPEEDS) * math.pi / 30.0
     rows = [["pair", "law", "tip relief", *(f"loss at {rpm:g} rpm (W)" for rpm in SPEEDS), "loss factor", "mean coefficient at 1500 rpm"]]
-    for axis, name in zip(axes, PAIRS):
+    for axis, name in zip(axes, NAMES):
         for law, (_, colour) in LAWS.items():
             for relief, style in ((False, "-"), (True, "--")):
                 cycle = solved(name, law, relief)

@@ -150,7 +150,9 @@ impl Table {
     /// As [`Table::sliced`].
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
         let on = [effects.center_distance, effects.misalignment];
-        let sliding = if_on(effects.friction, &file.friction, TableError::NO_FRICTION)?;
+        // Tooth pairs one by one slide as their own loads do.
+        let slides = effects.friction && !effects.teeth;
+        let sliding = if_on(slides, &file.friction, TableError::NO_FRICTION)?;
         let sliding = sliding.map(|r| {
             Flanks::new(&r.drive, r.coast.as_ref(), |samples| {
                 samples.spline(&r.axes, on)

@@ -7,8 +7,7 @@ from functools import cache
 
 import gearmesh
 import numpy as np
-from gearmesh import GearPair, RunUp, Turning, integrate
-from gearmesh.energy import Ledger, mesh_loss
+from gearmesh import GearPair, RunUp, Turning, energy
 
 from ..files import PAIRS, local
 
@@ -54,7 +53,7 @@ def linear_swing(natural_frequency_hz: float, rpm: np.ndarray) -> np.ndarray:
 
 def balance(damped: bool, rpm: float = 2200.0, duration: float = 0.03, step: float = 2.5e-6) -> dict[str, float]:
     """At a steady speed near resonance, from no load, so that teeth part: what energy and loads stray, over the run."""
-    ledger, apart, speed = Ledger(duration), [], rpm * math.pi / 30.0
+    speed = rpm * math.pi / 30.0
     with GearPair(local("spur-50-50"), {"damping": DAMPING * damped}, "model-exchange") as pair:
         pair.initialize()
         turning = Turning(pair)
@@ -64,10 +63,7 @@ def balance(damped: bool, rpm: float = 2200.0, duration: float = 0.03, step: flo
 
         def accounts(_: float, z: np.ndarray) -> list[float]:
             """Power of the drive on gear 1 and of the torque on gear 2, and what the mesh loses."""
-            return [-turning.moments()[0] * speed + TORQUE * z[1], mesh_loss(pair)]
+            return [-turning.moments()[0] * speed + TORQUE * z[1], energy.mesh_loss(pair)]
 
         start = np.array([0.0, -speed])
-        for _, z, (work, lost) in integrate(rate, start, step, round(duration / step), every=40, accounts=accounts):
-            apart.append(pair.flank == 0)
-            ledger.enter([pair], 0.5 * INERTIA * z[1] ** 2, 0.0, lost, work)
-    return ledger.found() | {"share of time apart": float(np.mean(apart))}
+        return energy.balance([pair], rate, start, step, duration, accounts, lambda z: 0.5 * INERTIA * z[1] ** 2)

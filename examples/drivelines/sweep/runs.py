@@ -47,16 +47,6 @@ class Run:
         """Of gear 2, which is `ahead` of the motion in ratio, from angle and speed of gear 1."""
         return (self.turning(angle, speed, self.ratio * angle + ahead, self.ratio * speed + slip)[1] + self.torque) / INERTIA
 
-    def touching(self) -> float:
-        """Angle of gear 2 at which the teeth balance the torque at rest, by bisection from the middle of the backlash."""
-        low, high = self.middle, self.middle + 1e-3
-        while self.acceleration(0.0, 0.0, high, 0.0) > 0.0:
-            low, high = high, high + 1e-3
-        for _ in range(50):
-            angle = 0.5 * (low + high)
-            low, high = (angle, high) if self.acceleration(0.0, 0.0, angle, 0.0) > 0.0 else (low, angle)
-        return low
-
 
 def simulate(fmu: bytes, cases: list[dict[str, float]]) -> list[dict[str, list[float]]]:
     """Runs the cases side by side by Runge-Kutta 4, each over so many `speeds` from `first_rpm` to `last_rpm`.
@@ -67,7 +57,7 @@ def simulate(fmu: bytes, cases: list[dict[str, float]]) -> list[dict[str, list[f
     runs = [Run(pair, case) for pair, case in zip(units(fmu, len(cases)), cases)]
     speeds = np.array([np.linspace(case["first_rpm"], case["last_rpm"], int(case["speeds"])) for case in cases]).T
     static, rows = np.array([run.static for run in runs]), []
-    state = np.concatenate([np.zeros(len(runs)), [run.touching() for run in runs], np.zeros(len(runs))])
+    state = np.concatenate([np.zeros(len(runs)), [run.turning.resting(run.torque, 0.0, run.middle) for run in runs], np.zeros(len(runs))])
     for before, after in zip([speeds[0], *speeds], speeds * pi / 30.0):
         before = before * pi / 30.0
 

@@ -46,13 +46,9 @@ struct UnitArgs {
 
 impl Pack {
     pub fn run(self) -> Result<(), crate::Error> {
-        let UnitArgs {
-            output: path,
-            library,
-            set,
-        } = &self.unit;
+        let (path, set) = (&self.unit.output, &self.unit.set);
         output::check_writable(path, self.tables.iter().chain(&self.pair))?;
-        let libraries = libraries(library)?;
+        let libraries = libraries(&self.unit.library)?;
         let packed = if let Some(tables) = &self.tables {
             let text = output::read_text(tables)?;
             let file = TableFile::from_json(&text).map_err(|error| {

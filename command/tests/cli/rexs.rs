@@ -10,19 +10,13 @@ fn rexs(name: &str) -> String {
 fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and_left() {
     let folder = tempfile::tempdir().unwrap();
     let pair = folder.path().join("pair.json").display().to_string();
-    let output = gearmesh(&[
-        "new",
-        "--rexs",
-        &rexs("stage.rexs"),
-        "--torque-nm",
-        "90",
-        "-o",
-        &pair,
-    ]);
+    let file = rexs("stage.rexs");
+    let output = gearmesh(&["new", "--rexs", &file, "--torque-nm", "90", "-o", &pair]);
     assert!(output.status.success(), "{}", stderr(&output));
     let listed = stdout(&output);
     for line in [
         "taken: gear1.teeth from number_of_teeth of cylindrical_gear 11",
+        "taken: gear1.lower_end_relief from end_relief_datum_face 34",
         "taken: gear2.dedendum_coefficient from addendum_coefficient_reference_profile of rack_shaped_tool 41",
         "assumed: gear2: the left flank is the drive flank",
         "left: triangular_tip_relief 33 of the flank 24",
@@ -40,11 +34,12 @@ fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and
     near("/center_distance_mm", 82.104, 1e-9);
     near("/gear1/span_measurement_mm", 30.68, 1e-6);
     near("/gear2/dimension_over_balls_mm", 91.9, 1e-6);
-    near(
-        "/gear1/reliefs/drive_flank/tip_relief/start/diameter_mm",
-        86.0,
-        1e-6,
-    );
+    let drive = "/gear1/reliefs/drive_flank";
+    let relief = format!("{drive}/tip_relief/start/diameter_mm");
+    near(&relief, 86.0, 1e-6);
+    near(&format!("{drive}/lower_end_relief/length_mm"), 3.0, 1e-9);
+    near(&format!("{drive}/lead_slope_um"), 0.0, 1e-9);
+    near("/gear2/reliefs/drive_flank/lead_crowning_um", 4.0, 1e-9);
     near("/gear1/lead_mm", 1117.2538, 1e-3);
     assert_eq!(shown["gear2"]["hand"], "left");
 }

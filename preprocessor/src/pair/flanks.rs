@@ -122,7 +122,7 @@ impl Flanks<'_> {
         let is_within = start_roll > low && start_roll < high;
         if !is_within {
             let failure = format!("the start of `{path}` is not on the active profile");
-            short_tooth(self.file, g, &failure, "or another start of the relief")?;
+            short_tooth(self.file, g, &failure, ", or another start of the relief")?;
         }
         let path = format!("{path}.start");
         // Only of a diameter it is known what is usual.

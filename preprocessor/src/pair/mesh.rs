@@ -183,7 +183,7 @@ pub(super) fn short_tooth(
     ensure!(is_default || addendum[i] >= SHORT_ADDENDUM, tip => value;
         "the addendum is {:.3} modules, while one module asks for a tip diameter of {:.3} mm, and {failure}",
         addendum[i], 2.0 * usual_tip_radius(gear) / MM;
-        "give the diameter of the tips; {otherwise}");
+        "give the diameter of the tips{otherwise}");
     Ok(())
 }
 
@@ -197,7 +197,7 @@ impl InMesh<'_> {
         let is_enough = transverse > 0.0 && total >= 1.0;
         let problem = format!("the total contact ratio is {total:.3}");
         if !is_enough {
-            let otherwise = "check module and tooth number, too";
+            let otherwise = "; check module and tooth number, too";
             short_tooth(self.file, self.geometry, &problem, otherwise)?;
         }
         ensure!(is_enough, self.field => &self.value;

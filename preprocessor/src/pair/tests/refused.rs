@@ -30,10 +30,8 @@ fn every_refusal_names_field_value_problem_and_remedy() {
         let number = |text: &str| text.parse::<f64>().ok();
         let is_same = number(value).is_some() && number(value) == number(&refusal.value);
         assert_eq!(refusal.field, field, "{case}");
-        assert!(
-            is_same || refusal.value == value.trim_matches('"') || value.is_empty(),
-            "{case}"
-        );
+        let values = ["", &refusal.value, &format!("\"{}\"", refusal.value)];
+        assert!(is_same || values.contains(&value), "{case}");
         assert!(message.contains(words), "{case}");
         let verbs = ["give", "choose", "check", "shorten", "narrow", "leave"];
         assert!(
@@ -128,12 +126,12 @@ fn a_misspelt_field_leads_to_its_neighbour() {
 
 #[test]
 fn a_value_of_another_form_is_refused_by_field_and_value_without_the_words_of_a_parser() {
-    let jargon = "f64 u32 u8 struct variant JSON invalid EOF";
+    let jargon = "f64|u32|u8|struct|variant|JSON|invalid type|EOF";
     for [name, value, words] in rows(include_str!("forms.txt")) {
         let (field, message) = form(&patched(PAPER, &setting(name, value)));
         assert_eq!(field, name, "{message}");
         assert!(message.contains(words), "{message}");
-        let mut jargon = jargon.split(' ');
+        let mut jargon = jargon.split('|');
         assert!(!jargon.any(|word| message.contains(word)), "{message}");
     }
     let (field, message) = form(&patched(PAPER, r#"{"gear2": {"teeth": null}}"#));

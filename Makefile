@@ -6,7 +6,7 @@ PYTHON ?= python3
 CARGO ?= cargo
 VENV := .venv
 GEARMESH := target/release/gearmesh
-DRIVELINES := housing planetary response cosimulation rattle sweep tutorial
+DRIVELINES := housing planetary response cosimulation rattle sweep loss tutorial
 export PYTHON
 
 .PHONY: all setup build demo test lint licenses report examples bench callgrind release clean distclean
@@ -98,6 +98,7 @@ report: examples
 	    $(GEARMESH) report $$pair -o $$page.html --figures $$page || exit 1; \
 	done
 	cp target/drivelines/*.png docs/drivelines/
+	cp $(addprefix target/drivelines/,response.csv sweep-branches.csv loss.csv) docs/data/drivelines/
 	$(VENV)/bin/python -m examples.drivelines.tutorial --docs docs
 	$(VENV)/bin/python -m scripts.docs.figures
 

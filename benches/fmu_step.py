@@ -3,13 +3,11 @@
     python benches/fmu_step.py UNIT.fmu
 
 prints one JSON object: nanoseconds per step (set all inputs, do the step, get all main outputs), medians
-over batches, instructions per step of the unit and of an empty one with as many variables (benches/empty_fmu.c), and
-the moment on gear 1 in N m that tells whether the teeth were in contact.
+over batches, and the moment on gear 1 in N m that tells whether the teeth were in contact.
 """
 
 import ctypes
 import json
-import re
 import shutil
 import statistics
 import subprocess
@@ -22,9 +20,6 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 BATCHES = 21
-# As in fmu_step.c, and steps of a batch under valgrind.
-C_BATCHES = 41
-COUNTED = 50
 STEP = 1e-6
 
 
@@ -42,46 +37,20 @@ def blocks(description):
     return inputs, outputs
 
 
-def compiled(source, target, *options):
-    """The C file `source` of this folder as `target`."""
-    source = Path(__file__).with_name(source)
-    command = ["cc", "-O2", "-std=c99", "-Wall", "-Wextra", str(source), "-o", str(target)]
-    subprocess.run([*command, *options], check=True)
-
-
 def from_c(folder, description, inputs, outputs):
-    """Nanoseconds and instructions (where there is valgrind) of a step, of the unit and of one that computes nothing."""
+    """Nanoseconds of a step, and the moment on gear 1."""
     with tempfile.TemporaryDirectory() as build:
-        program, empty = Path(build, "fmu_step"), Path(build, "empty_fmu.so")
-        compiled("fmu_step.c", program, "-ldl")
-        compiled("empty_fmu.c", empty, "-shared", "-fPIC", "-lm")
-        unit = next(Path(folder, "binaries", "linux64").glob("*.so"))
+        program = Path(build, "fmu_step")
+        source = Path(__file__).with_name("fmu_step.c")
+        command = ["cc", "-O2", "-std=c99", "-Wall", "-Wextra", str(source), "-o", str(program), "-ldl"]
+        subprocess.run(command, check=True)
+        library = next(Path(folder, "binaries", "linux64").glob("*.so"))
         uri = Path(folder, "resources").as_uri()
-
-        def run(library, first, steps, *before):
-            blocks = (first[0], len(inputs), first[1], len(outputs))
-            command = [*before, program, library, description.guid, uri, steps, *blocks]
-            return subprocess.run([str(x) for x in command], check=True, capture_output=True, text=True)
-
-        def instructions(library, first):
-            if shutil.which("valgrind") is None:
-                return None
-            counted = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
-            few, many = (
-                int(re.search(r"Collected : (\d+)", run(library, first, steps, *counted).stderr).group(1))
-                for steps in (COUNTED, 2 * COUNTED)
-            )
-            return round((many - few) / (COUNTED * C_BATCHES))
-
-        ours, none = (inputs[0], outputs[0]), (0, len(inputs))
-        times = {}
-        for name, library, first in (("c", unit, ours), ("empty", empty, none)):
-            time, moment = (float(x) for x in run(library, first, 20000).stdout.split())
-            times[name] = time
-            times[f"{name}_instructions"] = instructions(library, first)
-            if name == "c":
-                times["moment"] = moment
-        return times
+        blocks = (inputs[0], len(inputs), outputs[0], len(outputs))
+        command = [program, library, description.guid, uri, 20000, *blocks]
+        run = subprocess.run([str(x) for x in command], check=True, capture_output=True, text=True)
+        time, moment = (float(x) for x in run.stdout.split())
+        return {"c": time, "moment": moment}
 
 
 def median_step(step, steps):
@@ -140,15 +109,6 @@ def main(fmu):
             slave.getReal(outputs)
             clock += STEP
 
-        def value_by_value():
-            nonlocal clock
-            for reference, value in zip(inputs, values):
-                slave.setReal([reference], [value])
-            slave.doStep(clock, STEP)
-            for reference in outputs:
-                slave.getReal([reference])
-            clock += STEP
-
         vr_in = (ctypes.c_uint * len(inputs))(*inputs)
         vr_out = (ctypes.c_uint * len(outputs))(*outputs)
         u = (ctypes.c_double * len(inputs))(*values)
@@ -170,12 +130,9 @@ def main(fmu):
             clock += STEP
 
         result = {
-            "inputs": len(inputs),
-            "outputs": len(outputs),
             **times,
             "ctypes": median_step(through_ctypes, 2000),
             "fmpy": median_step(through_fmpy, 300),
-            "value_by_value": median_step(value_by_value, 60),
         }
         slave.terminate()
         slave.freeInstance()

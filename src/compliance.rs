@@ -5,10 +5,10 @@ use nalgebra::DMatrix;
 
 use thiserror::Error;
 
-/// Two strips lie on teeth farther apart than the elastic model goes.
+/// Two segments lie on teeth farther apart than the elastic model goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error(
-    "strips lie {distance} teeth apart, but the elastic model holds the influence of teeth on each other up to \
+    "segments lie {distance} teeth apart, but the elastic model holds the influence of teeth on each other up to \
      {reach} teeth apart only; compute it with a larger `reach`"
 )]
 pub struct BeyondModel {
@@ -19,10 +19,10 @@ pub struct BeyondModel {
 }
 
 /// A piece of a contact line as one gear sees it, in canonical coordinates of that gear: a
-/// right-handed gear whose loaded flank faces +theta ([`Strip::tooth`] counts in +theta, `z` from
+/// right-handed gear whose loaded flank faces +theta ([`Segment::tooth`] counts in +theta, `z` from
 /// the z = 0 face). The contact solver maps left-handed gears and the other flank onto it by mirrors.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strip {
+pub struct Segment {
     /// Number of the tooth, counted in +theta from the one that touches at the pitch point at mesh
     /// position 0. Only differences matter.
     pub tooth: i32,
@@ -34,26 +34,26 @@ pub struct Strip {
 
 /// Elastic model of one gear.
 ///
-/// The approach of the two flanks of strip i, along the flank normal, is
-/// `sum_j (bulk_1 + bulk_2)_ij F_j + sum over both gears of local_i`, F_j the normal force on strip j, with
+/// The approach of the two flanks of segment i, along the flank normal, is
+/// `sum_j (bulk_1 + bulk_2)_ij F_j + sum over both gears of local_i`, F_j the normal force on segment j, with
 /// `local_i = 2 (1 - nu^2) / (pi E) * F_i / l_i * (ln(2 L_i / b_i) + 1/2)`:
 /// the centre displacement of a half-plane under the Hertz pressure of half-width b_i
 /// (Johnson, Contact Mechanics, 1985, section 4.2 and app. 5) relative to the length L_i, and l_i the
-/// length of the strip along the contact line. What L_i is depends on the bulk model: a bulk part that
+/// length of the segment along the contact line. What L_i is depends on the bulk model: a bulk part that
 /// includes more of the local displacement has the smaller L_i.
 pub trait ToothCompliance: Send + Sync {
-    /// Symmetric influence matrix, m/N: displacement of strip i into its own flank along the inward
-    /// normal, averaged over the strip, per unit normal force on strip j.
+    /// Symmetric influence matrix, m/N: displacement of segment i into its own flank along the inward
+    /// normal, averaged over the segment, per unit normal force on segment j.
     ///
     /// # Errors
-    /// [`BeyondModel`] for strips on teeth so far apart that the model knows nothing of them.
-    fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel>;
+    /// [`BeyondModel`] for segments on teeth so far apart that the model knows nothing of them.
+    fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel>;
 
-    /// The length L_i of every strip, m, that completes `bulk` with the local contact.
-    fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64>;
+    /// The length L_i of every segment, m, that completes `bulk` with the local contact.
+    fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64>;
 
     /// The model of the same gear turned end for end, where that is another one: the contact solver takes it for
-    /// strips that it had to mirror in z. None for bodies that are the same from both ends of the face.
+    /// segments that it had to mirror in z. None for bodies that are the same from both ends of the face.
     fn turned(&self) -> Option<&dyn ToothCompliance> {
         None
     }

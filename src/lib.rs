@@ -42,7 +42,7 @@
 //! | r_w | `operating_pitch_radius()` | m | z C / abs(z1 + e z2), (3) |
 //! | beta_b | `base_helix_angle()` | rad | tan beta_b = tan beta cos alpha_t |
 //! | DTE | `transmission_error` | m | dynamic transmission error, tangential, (1) |
-//! | delta | `delta` | m | elongation on the line of action at mid-face, DTE cos phi |
+//! | delta | `delta` | m | approach on the line of action at mid-face, DTE cos phi |
 //! | STE | `ste` | m | static transmission error on the line of action at mid-face |
 //! | PMC | `mesh_position` | 1 | position on the mesh cycle, (13) |
 //! | M | `misalignment` | rad | in the plane of action, > 0: more penetration at larger z, (18) |

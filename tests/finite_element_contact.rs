@@ -206,7 +206,7 @@ fn tip_edges_agree_in_plane_strain_where_they_take_up_load_and_where_they_give_i
 
 #[test]
 fn solid_spur_pairs_agree_with_relief_and_with_crowning_under_misalignment() {
-    // 2 mrad tell the ends of a strip apart by 1.2 um, which is no reason for more pressure than the line bears; they leave
+    // 2 mrad tell the ends of a segment apart by 1.2 um, which is no reason for more pressure than the line bears; they leave
     // transmission errors of less than a micrometre.
     // 1 mrad moves the ends of the wide face by 24 um and leaves 0.7 um at mid-face under 200 N m, told to 0.013 um.
     for (name, each, mean) in [

@@ -5,7 +5,7 @@
 #[path = "common/gears.rs"]
 mod gears;
 
-use gearmesh::compliance::Strip;
+use gearmesh::compliance::Segment;
 use gearmesh::gear::{Gear, GearKind, PairGeometry};
 use gearmesh::pair::Refinement;
 use gearmesh_preprocessor::NominalRootStress;
@@ -15,7 +15,7 @@ use serde_json::Value;
 const DATA: &str = include_str!("data/root_stress.json");
 
 /// Pieces of the contact line.
-const STRIPS: usize = 60;
+const SEGMENTS: usize = 60;
 
 fn gear(of: &Value, plane_strain: bool) -> Gear {
     let number = |name: &str, default: f64| of.get(name).map_or(default, |v| v.as_f64().unwrap());
@@ -51,29 +51,29 @@ fn ends(of: &Value, name: &str) -> [f64; 2] {
     [0, 1].map(|i| of[name][i].as_f64().unwrap())
 }
 
-/// The contact line of `load` as strips with their forces, N (plane strain: one, N per m).
-fn strips(gear: &Gear, load: &Value, plane_strain: bool) -> Vec<(Strip, f64)> {
+/// The contact line of `load` as segments with their forces, N (plane strain: one, N per m).
+fn segments(gear: &Gear, load: &Value, plane_strain: bool) -> Vec<(Segment, f64)> {
     let roll = ends(load, "radius_mm").map(|r| gear.roll_length(1e-3 * r));
     let density = ends(load, "load_n_per_mm").map(|q| 1e3 * q);
     let between = |ends: [f64; 2], share: f64| ends[0] + share * (ends[1] - ends[0]);
     if plane_strain {
-        let strip = Strip {
+        let segment = Segment {
             tooth: 0,
             z: [0.0, gear.face_width],
             roll,
         };
-        return vec![(strip, density[0])];
+        return vec![(segment, density[0])];
     }
-    let step = gear.face_width / STRIPS as f64;
-    (0..STRIPS)
+    let step = gear.face_width / SEGMENTS as f64;
+    (0..SEGMENTS)
         .map(|i| {
-            let share = [0.0, 0.5, 1.0].map(|part| (i as f64 + part) / STRIPS as f64);
-            let strip = Strip {
+            let share = [0.0, 0.5, 1.0].map(|part| (i as f64 + part) / SEGMENTS as f64);
+            let segment = Segment {
                 tooth: 0,
                 z: [share[0] * gear.face_width, share[2] * gear.face_width],
                 roll: [between(roll, share[0]), between(roll, share[2])],
             };
-            (strip, between(density, share[1]) * step)
+            (segment, between(density, share[1]) * step)
         })
         .collect()
 }
@@ -89,7 +89,7 @@ fn check(case: &Value, refinement: Refinement, bound: f64) {
     let model = RootStress::new(&gear, &settings.for_root_stress(), &|_, _| true).unwrap();
     for load in case["loads"].as_array().unwrap() {
         let field = model
-            .of_tooth(0, &strips(&gear, load, plane_strain))
+            .of_tooth(0, &segments(&gear, load, plane_strain))
             .unwrap();
         let largest = field.largest();
         let mut pairs = vec![
@@ -188,14 +188,14 @@ fn the_nominal_stress_of_iso_6336_is_within_an_eighth_of_finite_elements() {
                 ..Settings::new(Refinement::Normal, 1)
             };
             let model = RootStress::new(gear, &settings.for_root_stress(), &|_, _| true).unwrap();
-            let strip = Strip {
+            let segment = Segment {
                 tooth: 0,
                 z: [0.0, gear.face_width],
                 roll: [roll; 2],
             };
             // Normal force per face width.
             let force = torque / pair.gears[0].base_radius() / gear.face_width;
-            let field = model.of_tooth(0, &[(strip, force)]).unwrap();
+            let field = model.of_tooth(0, &[(segment, force)]).unwrap();
             let found = [field.largest(), field.at_tangent().unwrap()];
             let [largest, tangent] = found.map(|point| point.stress / nominal.stress);
             println!(

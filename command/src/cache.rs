@@ -56,10 +56,8 @@ pub struct Cache {
 
 impl Cache {
     pub fn run(self) -> Result<(), Error> {
-        let cache = self
-            .cache
-            .cache()
-            .ok_or("no folder for elastic models: name one with --cache-dir")?;
+        let cache = self.cache.cache();
+        let cache = cache.ok_or("no folder for elastic models: name one with --cache-dir")?;
         let folder = cache.directory().display();
         let failed = |error| format!("{folder}: {error}; name another folder with --cache-dir");
         let models = cache.models().map_err(failed)?;
@@ -76,10 +74,9 @@ impl Cache {
         let mut rows = Listing::default();
         for model in models.iter().rev() {
             let unused = HumanDuration(model.used.elapsed().unwrap_or_default());
-            rows.row(
-                model.gear.as_deref().unwrap_or("model of another version"),
-                format!("{}, last used {unused} ago", megabytes(model.bytes)),
-            );
+            let gear = model.gear.as_deref().unwrap_or("model of another version");
+            let size = megabytes(model.bytes);
+            rows.row(gear, format!("{size}, last used {unused} ago"));
         }
         let number = count(models.len(), "elastic model");
         let limit = megabytes(cache.limit());

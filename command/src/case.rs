@@ -14,53 +14,48 @@ use crate::model::Fillets;
 pub struct Case {
     pub input: CycleInput,
     pub cycle: MeshCycle,
-    /// Stress in the roots of gear 1 and gear 2, where it is asked for.
+    /// Stress in the roots of gear 1 and gear 2, where it is requested.
     pub roots: Option<[GearRoots; 2]>,
 }
 
 impl Case {
-    /// A mesh cycle for each of `loads`, the rest as in `input`; `progress` is told which share of them is solved.
+    /// A mesh cycle for each of `loads`, the rest as in `input`, with the stress in the roots where there are `fillets`;
+    /// `progress` gets the share of them that is solved.
     pub fn solve_all(
         solver: &ContactSolver,
+        fillets: Option<&Fillets>,
         input: &CycleInput,
         loads: &[LoadCase],
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Vec<Case>, ContactError> {
         let cycles = MeshCycle::solve_all(solver, input, loads, progress)?;
-        let with_load = |(cycle, load): (MeshCycle, &LoadCase)| Case {
-            input: CycleInput {
+        let case = |(cycle, load): (MeshCycle, &LoadCase)| {
+            let input = CycleInput {
                 torque: load.torque,
                 misalignment: load.misalignment,
                 ..*input
-            },
-            cycle,
-            roots: None,
+            };
+            let roots = fillets.map(|fillets| cycle.root_stress(solver, &input, &fillets.maps));
+            Ok(Case {
+                roots: roots.transpose()?,
+                input,
+                cycle,
+            })
         };
-        Ok(cycles.into_iter().zip(loads).map(with_load).collect())
-    }
-
-    /// Adds the stress in the roots where there are `fillets`.
-    pub fn solve_roots(
-        &mut self,
-        solver: &ContactSolver,
-        fillets: Option<&Fillets>,
-    ) -> Result<(), ContactError> {
-        let stress = |fillets: &Fillets| self.cycle.root_stress(solver, &self.input, &fillets.maps);
-        self.roots = fillets.map(stress).transpose()?;
-        Ok(())
+        cycles.into_iter().zip(loads).map(case).collect()
     }
 
     /// Load along the face, in the stations of `solver`.
     pub fn face_load(&self, solver: &ContactSolver) -> FaceLoad {
         let geometry = solver.geometry();
         let (low, width) = geometry.face_overlap();
-        let stations = solver.settings().stations;
         let cos_beta_b = geometry.base_helix_angle().cos();
-        self.cycle
-            .face_load([low, low + width], stations, cos_beta_b)
+        let stations = solver.settings().stations;
+        let ends = [low, low + width];
+        self.cycle.face_load(ends, stations, cos_beta_b)
     }
 
-    /// The largest root stress of gear `i`, MPa; 0 without load, None where it is not asked for.
+    /// The largest root stress of gear `i`, MPa; 0 without load, None where it is not requested.
     pub fn root_stress(&self, i: usize) -> Option<f64> {
         let largest = self.roots.as_ref()?[i].largest();
         Some(largest.map_or(0.0, |tooth| 1e-6 * tooth.largest.stress))
@@ -83,23 +78,28 @@ impl Case {
     /// What friction takes while gear 1 makes `rpm` turns a minute.
     pub fn loss(&self, pair: &Pair, rpm: f64) -> Loss {
         let sliding = [&self.cycle.sliding[..], &self.cycle.friction];
-        let spin = rpm * TAU / 60.0;
-        Loss::new(
-            &pair.geometry,
-            &pair.friction,
-            sliding,
-            self.input.torque,
-            spin,
-        )
+        let (torque, spin) = (self.input.torque, rpm * TAU / 60.0);
+        Loss::new(&pair.geometry, &pair.friction, sliding, torque, spin)
     }
 
     /// Share of the transmitted power that is lost at a coefficient of friction of 1.
     pub fn loss_factor(&self, solver: &ContactSolver) -> f64 {
-        loss_factor_of(
-            solver.geometry(),
-            Sliding::mean(&self.cycle.sliding).distance,
-        )
+        let sliding = Sliding::mean(&self.cycle.sliding);
+        loss_factor_of(solver.geometry(), sliding.distance)
     }
+}
+
+/// Each of `torques` (N m) with each of `misalignments` (rad).
+pub fn load_matrix(torques: &[f64], misalignments: &[f64]) -> Vec<LoadCase> {
+    let mut loads = Vec::new();
+    for &torque in torques {
+        let load = |&misalignment| LoadCase {
+            torque,
+            misalignment,
+        };
+        loads.extend(misalignments.iter().map(load));
+    }
+    loads
 }
 
 /// A torque in text, `100 N m`.
@@ -109,7 +109,7 @@ pub fn torque_in_words(torque: f64) -> String {
 
 type Row<'a> = &'a Case;
 
-/// What tells cases apart.
+/// What distinguishes cases.
 pub fn load<'r>() -> Vec<Column<'static, Row<'r>>> {
     columns! { |c: &Row|
         "torque_nm", ["torque", "N m", None] => c.input.torque;
@@ -141,7 +141,7 @@ harmonic; p_max: largest flank pressure; tip edge: largest line load there; K_Hb
 face; stiffness: mean of the cycle, tangent, on the line of action, also over the common face width.
 ";
 
-/// What else there is to tell of a case.
+/// Further results of a case.
 pub fn details<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
     let g = solver.geometry();
     let center_distance = |input: &CycleInput| g.center_distance + input.center_distance_offset;

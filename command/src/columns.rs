@@ -14,14 +14,11 @@ pub struct Column<'a, T> {
     pub name: String,
     /// Null where a row has none.
     pub value: Box<dyn Fn(&T) -> Value + 'a>,
-    pub text: Option<Text>,
-}
-
-pub struct Text {
+    /// What text calls it; empty where text does not have it.
     pub head: String,
     pub unit: &'static str,
-    /// Decimals; none: as many as the value has.
-    pub digits: Option<usize>,
+    /// Decimals in text; None: as many as the value has.
+    digits: Option<usize>,
 }
 
 /// Columns of the rows of a type, `|row: &Type| "name" => value;` for each; between name and arrow
@@ -43,22 +40,25 @@ impl<'a, T> Column<'a, T> {
         Column {
             name: name.into(),
             value: Box::new(value),
-            text: None,
+            head: String::new(),
+            unit: "",
+            digits: None,
         }
     }
 
     pub fn shown(
-        mut self,
+        self,
         head: impl Into<String>,
         unit: &'static str,
         digits: impl Into<Option<usize>>,
     ) -> Self {
-        self.text = Some(Text {
-            head: head.into(),
+        let (head, digits) = (head.into(), digits.into());
+        Column {
+            head,
             unit,
-            digits: digits.into(),
-        });
-        self
+            digits,
+            ..self
+        }
     }
 
     /// The value of `row` for a CSV file, empty where there is none.
@@ -72,9 +72,9 @@ impl<'a, T> Column<'a, T> {
     }
 
     /// The value of `row` in text.
-    fn in_words(&self, text: &Text, row: &T) -> String {
+    fn in_words(&self, row: &T) -> String {
         let value = (self.value)(row);
-        match (value.as_f64(), text.digits) {
+        match (value.as_f64(), self.digits) {
             (None, _) => value.as_str().unwrap_or("-").to_owned(),
             (Some(value), Some(digits)) if value.abs() >= 1e6 => format!("{value:.digits$e}"),
             (Some(value), Some(digits)) => fixed(value, digits),
@@ -83,48 +83,39 @@ impl<'a, T> Column<'a, T> {
     }
 }
 
-fn in_text<'c, T>(columns: &'c [Column<T>]) -> impl Iterator<Item = (&'c Column<'c, T>, &'c Text)> {
-    columns.iter().filter_map(|c| Some((c, c.text.as_ref()?)))
+fn in_text<'c, T>(columns: &'c [Column<T>]) -> impl Iterator<Item = &'c Column<'c, T>> {
+    columns.iter().filter(|column| !column.head.is_empty())
+}
+
+fn named<'c, T>(columns: &'c [Column<T>]) -> impl Iterator<Item = &'c Column<'c, T>> {
+    columns.iter().filter(|column| !column.name.is_empty())
 }
 
 /// The lines of a table: heads, units, and one for each of `rows`.
 pub fn lines<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> Vec<Vec<String>> {
-    let line = |cell: &dyn Fn(&Column<T>, &Text) -> String| {
-        in_text(columns)
-            .map(|(column, text)| cell(column, text))
-            .collect()
-    };
-    let heads = [
-        line(&|_, text| text.head.clone()),
-        line(&|_, text| text.unit.into()),
+    let mut lines = vec![
+        in_text(columns).map(|column| column.head.clone()).collect(),
+        in_text(columns).map(|column| column.unit.into()).collect(),
     ];
-    let rows = rows
-        .into_iter()
-        .map(|row| line(&|column, text| column.in_words(text, &row)));
-    heads.into_iter().chain(rows).collect()
+    for row in rows {
+        let cells = in_text(columns).map(|column| column.in_words(&row));
+        lines.push(cells.collect());
+    }
+    lines
 }
 
 /// Those lines below each other.
 pub fn table<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> String {
     let lines = lines(columns, rows);
-    let width = |k: usize| {
-        lines
-            .iter()
-            .map(|line| line[k].chars().count())
-            .max()
-            .unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..lines[0].len()).map(|k| width(k).max(9)).collect();
-    let mut text = String::new();
+    let width = |k: usize| lines.iter().map(|line| line[k].chars().count()).max();
+    let widths = (0..lines[0].len()).map(|k| width(k).unwrap_or(0).max(9));
+    let widths: Vec<usize> = widths.collect();
     // The line of units is left out where there are none.
-    for line in lines
-        .iter()
-        .filter(|line| line.iter().any(|cell| !cell.is_empty()))
-    {
-        let cells = line
-            .iter()
-            .zip(&widths)
-            .map(|(cell, width)| format!("{cell:>width$}"));
+    let is_filled = |line: &&Vec<String>| line.iter().any(|cell| !cell.is_empty());
+    let mut text = String::new();
+    for line in lines.iter().filter(is_filled) {
+        let cells = line.iter().zip(&widths);
+        let cells = cells.map(|(cell, width)| format!("{cell:>width$}"));
         let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join(" ").trim_end());
     }
     text
@@ -132,18 +123,16 @@ pub fn table<T>(columns: &[Column<T>], rows: impl IntoIterator<Item = T>) -> Str
 
 /// Adds a row of text for each column of `row`.
 pub fn list<T>(rows: &mut Listing, columns: &[Column<T>], row: &T) {
-    for (column, text) in in_text(columns) {
-        let value = column.in_words(text, row);
-        rows.row(&text.head, format!("{value} {}", text.unit).trim_end());
+    for column in in_text(columns) {
+        let words = format!("{} {}", column.in_words(row), column.unit);
+        rows.row(&column.head, words.trim_end());
     }
 }
 
 /// `row` as a JSON object.
 pub fn object<T>(columns: &[Column<T>], row: &T) -> Map<String, Value> {
-    let named = columns.iter().filter(|column| !column.name.is_empty());
-    named
-        .map(|column| (column.name.clone(), (column.value)(row)))
-        .collect()
+    let value = |column: &Column<T>| (column.name.clone(), (column.value)(row));
+    named(columns).map(value).collect()
 }
 
 /// A JSON object with a list over `rows` for every column.
@@ -151,11 +140,11 @@ pub fn lists<T>(
     columns: &[Column<T>],
     rows: impl Iterator<Item = T> + Clone,
 ) -> Map<String, Value> {
-    let list = |column: &Column<T>| rows.clone().map(|row| (column.value)(&row)).collect();
-    let columns = columns.iter();
-    columns
-        .map(|column| (column.name.clone(), list(column)))
-        .collect()
+    let list = |column: &Column<T>| {
+        let values = rows.clone().map(|row| (column.value)(&row));
+        (column.name.clone(), values.collect())
+    };
+    named(columns).map(list).collect()
 }
 
 /// A CSV file: a line for each of the `rows` of every group, after the `keys` of that group.
@@ -165,14 +154,13 @@ pub fn csv<'g, G, T, Rows: IntoIterator<Item = T>>(
     groups: &'g [G],
     rows: impl Fn(&'g G) -> Rows,
 ) -> Result<Vec<u8>, Error> {
-    let named = || columns.iter().filter(|column| !column.name.is_empty());
     let mut writer = csv::Writer::from_writer(Vec::new());
     let names = keys.iter().map(|key| &key.name);
-    writer.write_record(names.chain(named().map(|column| &column.name)))?;
+    writer.write_record(names.chain(named(columns).map(|column| &column.name)))?;
     for group in groups {
         let keys: Vec<String> = keys.iter().map(|key| key.field(&group)).collect();
         for row in rows(group) {
-            let fields = named().map(|column| column.field(&row));
+            let fields = named(columns).map(|column| column.field(&row));
             writer.write_record(keys.iter().cloned().chain(fields))?;
         }
     }

@@ -62,10 +62,9 @@ pub fn evaluation(path: &Path, guid: &str) -> Result<Option<f64>, Error> {
 /// Spin of gear 1 (rad) from the nominal pose that makes it bear the nominal torque.
 fn loaded(element: &Element, latch: &Latch, parameters: &Parameters) -> Option<f64> {
     let bears = |spin: f64| {
-        let outputs = element
-            .evaluate(latch, &turned(element, [spin, 0.0]))
-            .ok()?;
-        (outputs.moment[0].z.abs() >= parameters.nominal_torque).then_some(spin)
+        let outputs = element.evaluate(latch, &turned(element, [spin, 0.0]));
+        let moment = outputs.ok()?.moment[0].z;
+        (moment.abs() >= parameters.nominal_torque).then_some(spin)
     };
     // From a micrometre's worth of an angle to a hundredth of a radian, on either flank.
     let spins = (0..60).map(|i| 1e-6 * 1.17f64.powi(i));
@@ -85,10 +84,9 @@ fn turned(element: &Element, spins: [f64; 2]) -> Inputs {
 fn poses(element: &Element, resources: &Resources, spin: f64) -> Vec<Inputs> {
     let geometry = &resources.unit.geometry;
     let [z1, z2] = [0, 1].map(|i| f64::from(geometry.gears[i].teeth));
-    (0..POSITIONS)
-        .map(|i| {
-            let turn = std::f64::consts::TAU / z1 * i as f64 / POSITIONS as f64;
-            turned(element, [spin + turn, -turn * z1 / (geometry.e() * z2)])
-        })
-        .collect()
+    let pose = |i: usize| {
+        let turn = std::f64::consts::TAU / z1 * i as f64 / POSITIONS as f64;
+        turned(element, [spin + turn, -turn * z1 / (geometry.e() * z2)])
+    };
+    (0..POSITIONS).map(pose).collect()
 }

@@ -92,65 +92,50 @@ fn topography(pair: &Pair, i: usize, m: &Microgeometry) -> Option<String> {
 
 fn flank(name: &str, gear: &Gear, m: &Microgeometry, rows: &mut Listing) {
     let diameters = |rolls: [f64; 2]| rolls.map(|roll| fixed(2e3 * gear.radius_at_roll(roll), 3));
-    let angle = |roll: f64| fixed((roll / gear.base_radius()).to_degrees(), 3);
-    let mut row = |what: &str, words: String| {
-        rows.row(format!("{name}: {what}"), words);
-    };
+    let named = |what: &str| format!("{name}: {what}");
     for (what, relief) in [("tip relief", m.tip_relief), ("root relief", m.root_relief)] {
-        if let Some(r) = relief {
-            let [from, to] = diameters([r.start_roll, r.end_roll]);
-            let (um, shape) = (um(r.amount), shape(r.shape));
-            row(
-                what,
-                format!(
-                    "{um} um, {shape} from diameter {from} to {to} mm, roll length {} to {} mm, roll angle {} to {} deg",
-                    fixed(1e3 * r.start_roll, 4),
-                    fixed(1e3 * r.end_roll, 4),
-                    angle(r.start_roll),
-                    angle(r.end_roll),
-                ),
-            );
+        let Some(r) = relief else { continue };
+        let rolls = [r.start_roll, r.end_roll];
+        let [d1, d2] = diameters(rolls);
+        let [l1, l2] = rolls.map(|roll| fixed(1e3 * roll, 4));
+        let [a1, a2] = rolls.map(|roll| fixed((roll / gear.base_radius()).to_degrees(), 3));
+        rows! { rows;
+            named(what) => "{} um, {} from diameter {d1} to {d2} mm, roll length {l1} to {l2} mm, roll angle {a1} to {a2} deg", um(r.amount), shape(r.shape);
         }
     }
     if let Some(c) = m.profile_crowning {
-        let ([from, to], um) = (diameters(c.rolls), um(c.amount));
-        row(
-            "profile crowning",
-            format!("{um} um at diameters {from} and {to} mm, parabolic, 0 at mid-roll"),
-        );
+        let [from, to] = diameters(c.rolls);
+        rows! { rows;
+            named("profile crowning") => "{} um at diameters {from} and {to} mm, parabolic, 0 at mid-roll", um(c.amount);
+        }
     }
     if let Some(p) = m.profile_slope.filter(|p| p.amount != 0.0) {
-        let ([from, to], more, c_ha) = (diameters(p.rolls), um(p.amount), um(-p.amount));
-        row(
-            "profile slope",
-            format!(
-                "{more} um more at diameter {to} than at {from} mm (C_Ha {c_ha} um), linear, 0 at mid-roll"
-            ),
-        );
+        let ([from, to], c_ha) = (diameters(p.rolls), um(-p.amount));
+        rows! { rows;
+            named("profile slope") => "{} um more at diameter {to} than at {from} mm (C_Ha {c_ha} um), linear, 0 at mid-roll", um(p.amount);
+        }
     }
     let bias = m.profile_slope.map_or(0.0, |p| p.bias);
-    #[rustfmt::skip]
-    let amounts = [
-        ("bias", bias, "more profile slope at the large-z end than at z = 0, 0 at mid-face"),
-        ("lead crowning", m.lead_crowning, "at both ends of the face, parabolic, 0 at mid-face"),
-        ("lead slope", m.lead_slope, "more at the large-z end than at z = 0, linear, 0 at mid-face"),
-    ];
-    for (what, amount, words) in amounts {
-        if amount != 0.0 {
-            row(what, format!("{} um {words}", um(amount)));
-        }
+    if bias != 0.0 {
+        rows! { rows; named("bias") => "{} um more profile slope at the large-z end than at z = 0, 0 at mid-face", um(bias); }
+    }
+    if m.lead_crowning != 0.0 {
+        rows! { rows; named("lead crowning") => "{} um at both ends of the face, parabolic, 0 at mid-face", um(m.lead_crowning); }
+    }
+    if m.lead_slope != 0.0 {
+        rows! { rows; named("lead slope") => "{} um more at the large-z end than at z = 0, linear, 0 at mid-face", um(m.lead_slope); }
     }
     let [low, high] = m.end_relief;
-    #[rustfmt::skip]
-    let ends: &[(&str, Option<EndRelief>)] = match low == high {
-        true => &[("end relief, both ends", low)],
-        false => &[("end relief at z = 0", low), ("end relief at the large-z end", high)],
-    };
-    for (what, relief) in ends {
-        if let Some(r) = relief {
-            let (um, shape, mm) = (um(r.amount), shape(r.shape), fixed(1e3 * r.length, 3));
-            row(what, format!("{um} um, {shape} over the last {mm} mm"));
-        }
+    let both = low.filter(|_| low == high);
+    let own = |end: Option<EndRelief>| end.filter(|_| both.is_none());
+    for (what, relief) in [
+        ("end relief, both ends", both),
+        ("end relief at z = 0", own(low)),
+        ("end relief at the large-z end", own(high)),
+    ] {
+        let Some(r) = relief else { continue };
+        let (shape, mm) = (shape(r.shape), fixed(1e3 * r.length, 3));
+        rows! { rows; named(what) => "{} um, {shape} over the last {mm} mm", um(r.amount); }
     }
 }
 
@@ -158,10 +143,6 @@ fn um(amount: f64) -> String {
     fixed(amount * 1e6, 1)
 }
 
-fn shape(shape: ReliefShape) -> &'static str {
-    match shape {
-        ReliefShape::Linear => "linear",
-        ReliefShape::Parabolic => "parabolic",
-        ReliefShape::Arc => "arc",
-    }
+fn shape(shape: ReliefShape) -> String {
+    format!("{shape:?}").to_lowercase()
 }

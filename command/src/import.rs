@@ -37,25 +37,23 @@ impl Import {
         output::check_writable(&self.output, read)?;
         let pair = pair::read(&self.pair)?;
         let read = |path: &PathBuf| -> Result<_, crate::Error> {
-            let place = path.display();
-            let text = output::read_text(path)?;
-            let imported =
-                import_csv(&text, &pair.geometry).map_err(|error| format!("{place}: {error}"))?;
+            let named = |error: String| format!("{}: {error}", path.display());
+            let imported = import_csv(&output::read_text(path)?, &pair.geometry);
+            let imported = imported.map_err(|error| named(error.to_string()))?;
             let doubts = imported.doubts(&pair.geometry, pair.operating.nominal_torque);
-            for doubt in doubts.map_err(|error| format!("{place}: {error}"))? {
-                eprintln!("gearmesh: note: {place}: {doubt}");
+            for doubt in doubts.map_err(|error| named(error.to_string()))? {
+                eprintln!("gearmesh: note: {}", named(doubt.to_string()));
             }
             Ok(imported)
         };
         let drive = read(&self.samples)?;
         let coast = self.coast.as_ref().map(read).transpose()?;
         if coast.is_none() && !pair.coast_mirrors_drive() {
-            return Err(format!(
+            refuse!(
                 "{}: modifications or face offset make the flanks differ; give the samples of the coast \
                  flank with --coast",
                 self.pair.display()
-            )
-            .into());
+            );
         }
         let file = TableFile::new(
             &pair.name,
@@ -67,8 +65,8 @@ impl Import {
         );
         file.check()?;
         output::write_whole(&self.output, file.to_json().as_bytes())?;
-        let written = self.output.display();
-        output::print(&format!("Wrote {written}: {}\n", file.size_and_error()))?;
+        let words = file.size_and_error();
+        output::print(&format!("Wrote {}: {words}\n", self.output.display()))?;
         Ok(())
     }
 }

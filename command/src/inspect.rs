@@ -1,22 +1,20 @@
 //! `gearmesh inspect FILE`: what is in a file that gearmesh reads or writes.
 
-use gearmesh_preprocessor::pair;
-use std::fmt::Write;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use gearmesh::table::{Table, TableFile};
+use gearmesh::fmi::resources::UnitFile;
+use gearmesh::fmi::variables::{VARIABLES, index};
+use gearmesh::table::{InterpolationError, Table, TableFile};
 use gearmesh::words::{count, shown};
 use gearmesh_preprocessor::package::{self, start_in_words};
+use gearmesh_preprocessor::pair;
 use serde::de::IgnoredAny;
 
-use crate::Error;
-use crate::accuracy;
-use crate::cost;
-use crate::drawing::as_json;
-use crate::output::{self, Listing};
-use crate::pair_summary::pair_summary;
+use crate::output::{self, Listing, rows};
+use crate::pair_summary::{as_json, pair_summary};
+use crate::{Error, cost};
 
 /// Show what is in a pair file, in tables or in an FMU.
 #[derive(Debug, Args)]
@@ -31,38 +29,32 @@ pub struct Inspect {
 
 impl Inspect {
     pub fn run(self) -> Result<(), Error> {
-        let no_json = || {
-            let place = self.file.display();
-            match self.json {
-                true => Err(format!(
-                    "--json: {place} is no pair file; leave the option out"
-                )),
-                false => Ok(()),
-            }
+        let name = self.file.display();
+        let text = match is_archive(&self.file)? {
+            true => None,
+            false => Some(output::read_text(&self.file)?),
         };
-        let text = if is_archive(&self.file)? {
-            no_json()?;
-            fmu(&self.file)?
-        } else {
-            let text = output::read_text(&self.file)?;
-            let place = |error: Error| format!("{}: {error}", self.file.display());
-            match is_tables(&text) {
-                true => {
-                    no_json()?;
-                    table_file(&TableFile::from_json(&text).map_err(|e| place(e.into()))?)?
-                }
+        let is_pair = text.as_ref().is_some_and(|text| !is_tables(text));
+        if self.json && !is_pair {
+            refuse!("--json: {name} is no pair file; leave the option out");
+        }
+        let shown = match text {
+            None => fmu(&self.file)?,
+            Some(text) if is_tables(&text) => {
+                let file = TableFile::from_json(&text).map_err(|e| format!("{name}: {e}"))?;
+                table_file(&file)?
+            }
+            Some(_) => {
                 // Files that it names are sought in its folder.
-                false => {
-                    let read = pair::read_with_gauges(&self.file);
-                    let (pair, gauges) = read.map_err(|e| place(e.into()))?;
-                    match self.json {
-                        true => format!("{:#}\n", as_json(&pair, gauges)),
-                        false => pair_summary(&pair, gauges),
-                    }
+                let read = pair::read_with_gauges(&self.file);
+                let (pair, gauges) = read.map_err(|e| format!("{name}: {e}"))?;
+                match self.json {
+                    true => format!("{:#}\n", as_json(&pair, gauges)),
+                    false => pair_summary(&pair, gauges),
                 }
             }
         };
-        output::print(&text)?;
+        output::print(&shown)?;
         Ok(())
     }
 }
@@ -99,45 +91,103 @@ fn table_file(file: &TableFile) -> Result<String, Error> {
 
 fn fmu(path: &Path) -> Result<String, Error> {
     let found = package::inspect(path)?;
-    let mut rows = Listing::default();
-    rows.row("GUID", &found.unit.guid)
-        .row("platforms", found.platforms.join(", "));
-    if let Some(time) = cost::evaluation(path, &found.unit.guid)? {
-        let words = format!(
-            "{:.2} us on this machine, under nominal torque and with the start values below",
-            1e6 * time
-        );
-        rows.row("time of one evaluation", words);
-    }
-    let tables = found
-        .tables
-        .as_deref()
-        .map(TableFile::from_json)
-        .transpose()?;
-    let step = format!("{:?} s", found.step_size);
-    let error = package::step_error(&found.unit, tables.as_ref(), found.step_size);
-    rows.row("communication step", match error {
-        Some(error) => format!("{step}; costs {:.2} % rms of the variation of mesh.transmissionError under a load applied over 2 ms", 100.0 * error),
-        None => step,
-    });
+    let unit = &found.unit;
+    let tables = found.tables.as_deref().map(TableFile::from_json);
+    let tables = tables.transpose()?;
+    let step_error = package::step_error(unit, tables.as_ref(), found.step_size);
     let contact_error = found.contact_error.as_ref();
-    let error = accuracy::of_level(&found.unit, tables.as_ref(), contact_error);
+    let error = level_error(unit, tables.as_ref(), contact_error);
+    let mut rows = Listing::default();
+    rows! { rows;
+        "GUID" => "{}", unit.guid;
+        "platforms" => "{}", found.platforms.join(", ");
+    }
+    if let Some(time) = cost::evaluation(path, &unit.guid)? {
+        rows! { rows;
+            "time of one evaluation" => "{:.2} us on this machine, under nominal torque and with the start values below", 1e6 * time;
+        }
+    }
+    let costs = step_error.map_or(String::new(), |error| {
+        format!(
+            "; costs {:.2} % rms of the variation of mesh.transmissionError under a load applied over 2 ms",
+            100.0 * error
+        )
+    });
+    rows! { rows; "communication step" => "{:?} s{costs}", found.step_size; }
     if contact_error.is_some() && !error.starts_with("contact:") {
-        rows.row(
-            "error of contact at run time",
-            accuracy::at_run_time(contact_error),
-        );
+        let error = run_time_error(contact_error);
+        rows! { rows; "error of contact at run time" => "{error}"; }
     }
     rows.row("error", error);
-    for (name, value) in &found.unit.starts {
+    for (name, value) in &unit.starts {
         rows.row(format!("start: {name}"), start_in_words(name, *value));
     }
     for (name, size) in &found.files {
         rows.row(format!("file: {name}"), count(*size as usize, "byte"));
     }
-    let mut text = format!("{}: FMU\n{rows}", shown(&found.unit.name));
+    let mut text = format!("{}: FMU\n{rows}", shown(&unit.name));
     if let Some(tables) = &tables {
-        let _ = write!(text, "\n{}", table_file(tables)?);
+        text += &format!("\n{}", table_file(tables)?);
     }
     Ok(text)
+}
+
+/// How far contact at run time is from static contact.
+pub fn run_time_error(error: Option<&InterpolationError>) -> String {
+    match error {
+        Some(error) => {
+            format!("{error}; against static contact on more stations, all teeth alike")
+        }
+        None => "not measured; build the unit again".to_owned(),
+    }
+}
+
+/// The level that `unit` starts with, by the name of its `stiffnessModel`, and how far its forces are from those of its static
+/// contact, as it was measured when the unit was made, that of contact at run time being `contact`.
+fn level_error(
+    unit: &UnitFile,
+    tables: Option<&TableFile>,
+    contact: Option<&InterpolationError>,
+) -> String {
+    let start = |i: usize| {
+        let own = unit.starts.get(VARIABLES[i].name).copied();
+        own.or(VARIABLES[i].start).unwrap_or(0.0)
+    };
+    // Items are counted from 1.
+    let item = |i: usize| {
+        let item = VARIABLES[i].items.get((start(i) as usize).wrapping_sub(1));
+        item.copied().unwrap_or("")
+    };
+    let level = item(index::STIFFNESS_MODEL);
+    let error = match (level, tables) {
+        ("contact", _) => run_time_error(contact),
+        ("teeth", Some(TableFile { teeth: Some(t), .. })) => {
+            format!("{} against contact at run time", t.error)
+        }
+        ("table", Some(tables)) => {
+            let error = tables.interpolation_error.map(|error| error.to_string());
+            let error = error.unwrap_or("not measured".into());
+            let offsets = tables.axes.center_distance_offset.len();
+            let effects = [
+                (index::LOAD_DEPENDENT, 2),
+                (index::CENTER_DISTANCE_EFFECT, offsets),
+                (index::MISALIGNMENT_EFFECT, tables.axes.misalignment.len()),
+            ];
+            let mut less = Vec::new();
+            for (i, nodes) in effects {
+                if start(i) == 0.0 && nodes > 1 {
+                    less.push(format!("{} = false", VARIABLES[i].name));
+                }
+            }
+            if item(index::INTERPOLATION) != "spline" {
+                less.push("another interpolation".into());
+            }
+            match less.join(", ").as_str() {
+                "" => error,
+                less => format!("{error}; that of the spline with all axes, more with {less}"),
+            }
+        }
+        _ => "not measured: one stiffness for all loads and mesh positions".to_owned(),
+    };
+    format!("{level}: {error}")
 }

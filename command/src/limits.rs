@@ -1,4 +1,4 @@
-//! Limits of the command line's numbers: refused before anything is computed or memory is asked for.
+//! Limits of the command line's numbers: refused before anything is computed or memory is reserved.
 //!
 //! The operating point has the limits that the pair file has for its `operating` fields.
 
@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use gearmesh_preprocessor::pair::TORQUES;
 
-/// Positions over a mesh cycle where none are asked for: the same for numbers and for pictures, so that both show the same
+/// Positions over a mesh cycle by default: the same for numbers and for pictures, so that both show the same
 /// largest pressure.
 pub const POSITIONS: usize = 64;
 
@@ -25,10 +25,7 @@ pub const CENTER_DISTANCE_OFFSETS: RangeInclusive<f64> = -1e4..=1e4;
 pub fn within<T: FromStr + PartialOrd + Display + Clone>(
     range: RangeInclusive<T>,
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
-    move |text| {
-        let value = text.parse().ok();
-        check(value, &range)
-    }
+    move |text| check(text.parse().ok(), &range)
 }
 
 /// `value`, refused where it lies outside `range` or is none.
@@ -37,19 +34,15 @@ pub fn check<T: PartialOrd + Display>(
     range: &RangeInclusive<T>,
 ) -> Result<T, String> {
     let refusal = || format!("give a value from {} to {}", range.start(), range.end());
-    value
-        .filter(|value| range.contains(value))
-        .ok_or_else(refusal)
+    let within = value.filter(|value| range.contains(value));
+    within.ok_or_else(refusal)
 }
 
 /// A parser of any number.
 pub fn finite(text: &str) -> Result<f64, String> {
-    let value = text
-        .trim()
-        .parse()
-        .ok()
-        .filter(|value: &f64| value.is_finite());
-    value.ok_or_else(|| "give a finite number".into())
+    let value = text.trim().parse().unwrap_or(f64::NAN);
+    let refusal = || "give a finite number".to_owned();
+    value.is_finite().then_some(value).ok_or_else(refusal)
 }
 
 /// A parser of torques, N m, that a pair file may cover.
@@ -71,25 +64,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_torque_that_rounding_outweighs_is_refused() {
-        let refusal = torque("1e-20").unwrap_err();
-        assert_eq!(refusal, "give 0 or a value from 1e-9 to 1e9");
-        assert_eq!(torque("1e-9"), Ok(1e-9));
-        for refused in ["-1e-9", "nan", "1e300", "much"] {
-            assert!(torque(refused).is_err(), "{refused}");
-        }
-    }
-
-    #[test]
-    fn the_edges_of_the_range_are_allowed_and_nan_is_not() {
+    fn the_edges_of_a_range_are_allowed_and_what_lies_beyond_or_is_no_number_is_not() {
         let misalignment = within(MISALIGNMENTS);
-        assert_eq!(misalignment("-20"), Ok(-20.0));
+        assert_eq!((misalignment("-20"), torque("1e-9")), (Ok(-20.0), Ok(1e-9)));
         for refused in ["nan", "20.1", "1e300", "much", ""] {
             let refusal = misalignment(refused).unwrap_err();
             assert_eq!(refusal, "give a value from -20 to 20", "{refused}");
         }
-        let positions = within(1..=MOST_POSITIONS);
-        assert_eq!(positions("1"), Ok(1));
-        assert!(positions("100000000000").is_err() && positions("-1").is_err());
+        // A torque that rounding outweighs, too.
+        for refused in ["1e-20", "-1e-9", "nan", "1e300", "much"] {
+            let refusal = torque(refused).unwrap_err();
+            assert_eq!(refusal, "give 0 or a value from 1e-9 to 1e9", "{refused}");
+        }
+        assert!(within(1..=MOST_POSITIONS)("-1").is_err());
     }
 }

@@ -3,13 +3,17 @@
 //! One file per subcommand. Results go to standard output, progress and errors to standard error,
 //! and the exit status is 0 only when the whole thing was done.
 
-mod accuracy;
-mod build;
+/// Ends a function with an error in these words.
+macro_rules! refuse {
+    ($($words:tt)*) => {
+        return Err(format!($($words)*).into())
+    };
+}
+
 mod cache;
 mod case;
 mod columns;
 mod cost;
-mod drawing;
 mod flank_summary;
 mod import;
 mod inspect;
@@ -19,7 +23,6 @@ mod new;
 mod output;
 mod pack;
 mod pair_summary;
-mod preflight;
 mod progress;
 mod report;
 mod rexs;
@@ -46,7 +49,7 @@ enum Command {
     Solve(solve::Solve),
     Tables(tables::Tables),
     Import(import::Import),
-    Build(build::Build),
+    Build(pack::Build),
     Pack(pack::Pack),
     Inspect(inspect::Inspect),
     Report(report::Report),

@@ -22,9 +22,8 @@ use crate::progress::Job;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Model")]
 pub struct ModelArgs {
-    /// Fineness of the finite elements: coarse is quickest, fine for convergence studies [default: as the pair file says,
-    /// normal]
-    #[arg(long, value_parser = PossibleValuesParser::new(["coarse", "normal", "fine"]).map(refinement))]
+    /// Fineness of the finite elements: coarse is quickest, fine for convergence studies [default: as the pair file says, normal]
+    #[arg(long, value_parser = PossibleValuesParser::new(["coarse", "normal", "fine"]).try_map(|name| serde_json::from_value::<Refinement>(name.into())))]
     refinement: Option<Refinement>,
 
     /// Whether tip corners may touch outside the path of contact [default: as the pair file says, on]
@@ -33,7 +32,12 @@ pub struct ModelArgs {
 
     /// Hold the axial displacement: every slice by itself, as in a two-dimensional calculation
     #[arg(long)]
-    plane_strain: bool,
+    pub plane_strain: bool,
+
+    /// Stress in the tooth roots of both gears, too, in tables for the outputs of a unit's `rootStress`; its elastic model
+    /// takes two to three times as long as that of the contact
+    #[arg(long, conflicts_with = "plane_strain")]
+    pub root_stress: bool,
 
     /// Stations along the face [default: 40, for contact at run time 22, fewer where one would be shorter than the widest contact]
     #[arg(long, value_parser = limits::within(1..=MOST_STATIONS))]
@@ -65,72 +69,57 @@ const MOST_THREADS: usize = 1024;
 pub struct Model {
     pub solver: ContactSolver,
     pub description: String,
-    pub effort: Effort,
+    /// Seconds, and where the elastic models of both gears came from and are kept.
+    pub effort: String,
     pub compliance: Compliance,
+    /// Of the loaded flank, where the stress in the roots is requested.
+    pub fillets: Option<Fillets>,
 }
 
 /// The models of the fillets of both gears and what it took to make them.
 pub struct Fillets {
     /// Maps from loads to the stress in the roots of gear 1 and gear 2.
     pub maps: [Arc<RootStress>; 2],
-    pub effort: Effort,
-}
-
-/// What making the models of both gears took: seconds, and where they came from and are kept.
-pub struct Effort {
-    seconds: f64,
-    origin: String,
-}
-
-impl std::fmt::Display for Effort {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:.3} s, {}", self.seconds, self.origin)
-    }
+    pub effort: String,
 }
 
 pub type Compliance = [Arc<dyn ToothCompliance>; 2];
 
 impl ModelArgs {
-    /// The pair with the choices of the command line in place of those of the file.
+    /// The pair with the choices of the command line instead of those of the file.
     pub fn applied_to(&self, mut pair: Pair) -> Pair {
         pair.refinement = self.refinement.unwrap_or(pair.refinement);
         pair.tip_corner_contact = self.tip_corner_contact.unwrap_or(pair.tip_corner_contact);
         pair
     }
 
-    pub fn job(&self) -> Job {
-        Job::new(self.quiet)
-    }
-
-    /// Sets the number of threads. Once per run.
-    pub fn use_threads(&self) -> Result<(), Error> {
+    /// Begins the work, on the chosen number of threads. Once per run.
+    pub fn start(&self) -> Result<Job, Error> {
         if let Some(threads) = self.threads {
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build_global()?;
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.build_global()?;
         }
-        Ok(())
+        Ok(Job::new(self.quiet))
     }
 
-    pub fn is_plane_strain(&self) -> bool {
-        self.plane_strain
-    }
-
-    /// The solver for `pair`, to which the command line has been applied, as part of `job`.
-    pub fn solver(&self, pair: &Pair, job: &Job) -> Result<Model, Error> {
+    /// The model of `pair`, to which the command line has been applied, as part of `job`; with the fillets for loads on the
+    /// flank `roots`.
+    pub fn model(&self, pair: &Pair, roots: Option<Flank>, job: &Job) -> Result<Model, Error> {
         let begin = Instant::now();
         let cache = self.cache_in_use();
         let progress = progress(job, "elastic model");
         let settings = self.settings(pair);
         let models = PairCompliance::new(&pair.geometry, &settings, cache.as_ref(), &progress)?;
-        let effort = Effort::new(begin, &models.origins, cache.as_ref());
+        let effort = effort(begin, &models.origins, cache.as_ref());
         let [first, second] = models.gears;
         let compliance: Compliance = [first, second];
+        let fillets = roots.map(|flank| self.fillets(pair, flank, job));
         Ok(Model {
             solver: ContactSolver::new(pair, compliance.clone(), self.contact_settings(pair))?,
             description: self.description(pair),
             effort,
             compliance,
+            fillets: fillets.transpose()?,
         })
     }
 
@@ -144,7 +133,7 @@ impl ModelArgs {
         let [(first, a), (second, b)] = models;
         Ok(Fillets {
             maps: [first, second],
-            effort: Effort::new(begin, &[a, b], cache.as_ref()),
+            effort: effort(begin, &[a, b], cache.as_ref()),
         })
     }
 
@@ -157,7 +146,7 @@ impl ModelArgs {
         }
     }
 
-    /// The solver whose contact a unit solves at run time: on fewer stations than `solver`, but for a number that was asked for.
+    /// The solver whose contact a unit solves at run time: on fewer stations than `solver`, but for a number that was requested.
     pub fn at_run_time(&self, solver: ContactSolver) -> ContactSolver {
         match self.stations {
             Some(_) => solver,
@@ -167,8 +156,11 @@ impl ModelArgs {
 
     /// Whether the elastic models of `pair` need not be computed.
     pub fn are_kept(&self, pair: &Pair) -> Result<bool, Error> {
-        let kept = |cache| PairCompliance::is_kept(&pair.geometry, &self.settings(pair), &cache);
-        Ok(self.cache_in_use().map(kept).transpose()?.unwrap_or(false))
+        let Some(cache) = self.cache_in_use() else {
+            return Ok(false);
+        };
+        let settings = self.settings(pair);
+        Ok(PairCompliance::is_kept(&pair.geometry, &settings, &cache)?)
     }
 
     fn settings(&self, pair: &Pair) -> Settings {
@@ -182,15 +174,17 @@ impl ModelArgs {
         self.cache.cache().filter(|_| !self.no_cache)
     }
 
-    /// The pair with the refinement whose difference to that of `pair` tells the error: the next finer one
+    /// The pair with the refinement whose difference to that of `pair` gives the error: the next finer one
     /// where it is cheap, else the next coarser one.
     pub fn reference(pair: &Pair) -> Pair {
-        let mut other = pair.clone();
-        other.refinement = match pair.refinement {
+        let refinement = match pair.refinement {
             Refinement::Normal => Refinement::Coarse,
             Refinement::Coarse | Refinement::Fine => Refinement::Normal,
         };
-        other
+        Pair {
+            refinement,
+            ..pair.clone()
+        }
     }
 
     fn description(&self, pair: &Pair) -> String {
@@ -202,14 +196,6 @@ impl ModelArgs {
             words.push_str(", contact on the path only");
         }
         words
-    }
-}
-
-fn refinement(name: String) -> Refinement {
-    match name.as_str() {
-        "coarse" => Refinement::Coarse,
-        "fine" => Refinement::Fine,
-        _ => Refinement::Normal,
     }
 }
 
@@ -228,7 +214,7 @@ pub fn widen(
     o.center_distance_offset = wider(o.center_distance_offset, center_distance_offset);
 }
 
-/// Tells `job` how far the models are that `model` names.
+/// Shows in `job` how far the models are that `model` names.
 fn progress(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
     move |gear, stage, share| {
         let words = match stage {
@@ -236,41 +222,33 @@ fn progress(job: &Job, model: &str) -> impl Fn(usize, Stage, f64) -> bool {
             Stage::Condensation => "reducing it to its loaded flank",
             Stage::Ring => "joining all teeth to the whole gear",
         };
-        job.tell(&format!("{model} of gear {}: {words}", gear + 1), share);
+        job.show(&format!("{model} of gear {}: {words}", gear + 1), share);
         true
     }
 }
 
-impl Effort {
-    /// Of models with these origins, begun at `begin`. Says on standard error where the cache did not help: a result is right
-    /// without it, but it should not be slow in silence.
-    fn new(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> Effort {
-        let folder = cache.map_or(String::new(), |c| c.directory().display().to_string());
-        let [first, second] = origins.each_ref().map(|origin| match origin {
-            Origin::Loaded => format!("read from {folder}"),
-            Origin::Stored | Origin::Replaced(_) => format!("computed and kept in {folder}"),
-            Origin::Computed | Origin::NotStored(_) => "computed".to_owned(),
-        });
-        // Equal gears share one model.
-        let models = if origins[0] == origins[1] { 1 } else { 2 };
-        for origin in &origins[..models] {
-            match origin {
-                Origin::Replaced(why) => {
-                    eprintln!("gearmesh: note: finite-element model computed anew: {why}");
-                }
-                Origin::NotStored(why) => {
-                    eprintln!("gearmesh: note: finite-element model not kept: {why}");
-                }
-                Origin::Computed | Origin::Stored | Origin::Loaded => {}
-            }
-        }
-        let origin = match first == second {
-            true => first,
-            false => format!("gear 1 {first}, gear 2 {second}"),
+/// What making models with these origins took, begun at `begin`. Says on standard error where the cache did not help: a
+/// result is right without it, but it should not be slow in silence.
+fn effort(begin: Instant, origins: &[Origin; 2], cache: Option<&ModelCache>) -> String {
+    // Equal gears share one model.
+    let models = if origins[0] == origins[1] { 1 } else { 2 };
+    for origin in &origins[..models] {
+        let what = match origin {
+            Origin::Replaced(why) => format!("computed anew: {why}"),
+            Origin::NotStored(why) => format!("not kept: {why}"),
+            Origin::Computed | Origin::Stored | Origin::Loaded => continue,
         };
-        Effort {
-            seconds: begin.elapsed().as_secs_f64(),
-            origin,
-        }
+        eprintln!("gearmesh: note: finite-element model {what}");
     }
+    let folder = cache.map_or(String::new(), |c| c.directory().display().to_string());
+    let words = origins.each_ref().map(|origin| match origin {
+        Origin::Loaded => format!("read from {folder}"),
+        Origin::Stored | Origin::Replaced(_) => format!("computed and kept in {folder}"),
+        Origin::Computed | Origin::NotStored(_) => "computed".to_owned(),
+    });
+    let words = match words {
+        [first, second] if first == second => first,
+        [first, second] => format!("gear 1 {first}, gear 2 {second}"),
+    };
+    format!("{:.3} s, {words}", begin.elapsed().as_secs_f64())
 }

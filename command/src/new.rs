@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use askama::Template;
 use clap::Args;
 use gearmesh::pair::Pair;
 use gearmesh::words::rounded;
@@ -13,7 +14,7 @@ use crate::rexs;
 
 /// Write a commented pair file to start from.
 ///
-/// What is not asked for gets usual values: centre distance from the tooth numbers, backlash after ISO/TR
+/// What is not given gets usual values: centre distance from the tooth numbers, backlash after ISO/TR
 /// 10064-2, profile shift where teeth would be undercut, faces centred on each other.
 #[derive(Debug, Args)]
 pub struct New {
@@ -62,6 +63,21 @@ pub struct New {
     output: Option<PathBuf>,
 }
 
+#[derive(Template)]
+#[template(path = "new.json", escape = "none")]
+struct File<'a> {
+    new: &'a New,
+    name: serde_json::Value,
+    /// A comment on what follows from the pair.
+    derived: &'a str,
+    module: f64,
+    backlash_um: f64,
+    /// Between the z = 0 faces, which share their middle.
+    offset: f64,
+    torque: f64,
+    most: f64,
+}
+
 impl New {
     pub fn run(self) -> Result<(), crate::Error> {
         if let Some(file) = &self.rexs {
@@ -69,79 +85,48 @@ impl New {
             return self.write(&taken.text, &taken.summary);
         }
         // What is filled in follows from the pair without it.
-        let bare = pair::from_json(
-            &self
-                .text(0.0, "")
-                .replace("\"backlash_um\"", "// \"backlash_um\""),
-        )?;
-        let text = self.text(usual_backlash_um(&bare), &derived(&bare));
+        let bare = self.text(0.0, "")?;
+        let bare = bare.replace("\"backlash_um\"", "// \"backlash_um\"");
+        let bare = pair::from_json(&bare)?;
+        let text = self.text(usual_backlash_um(&bare), &derived(&bare))?;
         pair::from_json(&text)?;
         self.write(&text, "")
     }
 
-    /// Writes the pair file `text`; `summary` is printed beside a file.
+    /// Writes the pair file `text`; `summary` is printed with a file.
     fn write(&self, text: &str, summary: &str) -> Result<(), crate::Error> {
         let Some(path) = &self.output else {
             return Ok(output::print(text)?);
         };
-        let place = path.display();
+        let file = path.display();
         if path.exists() {
-            return Err(format!(
-                "--output = {place}: the file is there already; name another one, or remove it"
-            )
-            .into());
+            refuse!("--output = {file}: the file is there already; name another one, or remove it");
         }
         output::write_whole(path, text.as_bytes())?;
-        output::print(&format!(
-            "{summary}Wrote {place}; look at it with `gearmesh inspect {place}`\n"
-        ))?;
+        let next = format!("look at it with `gearmesh inspect {file}`");
+        output::print(&format!("{summary}Wrote {file}; {next}\n"))?;
         Ok(())
     }
 
     /// The file; `derived` is a comment on what follows from it.
-    fn text(&self, backlash_um: f64, derived: &str) -> String {
+    fn text(&self, backlash_um: f64, derived: &str) -> Result<String, crate::Error> {
         let stem = self.output.as_deref().and_then(|path| path.file_stem());
         let name = self.name.clone().unwrap_or_else(|| match stem {
             Some(stem) => stem.to_string_lossy().into_owned(),
             None => format!("pair-{}-{}", self.teeth[0], self.teeth[1]),
         });
-        let [meshing, of_ring, held2] = match self.internal {
-            true => [
-                "internal",
-                " // a ring: of its fillet",
-                "\"rim_diameter_mm\": 0.0, // where the ring is held; default: root diameter + 7 modules",
-            ],
-            false => [
-                "external",
-                "",
-                "\"bore_diameter_mm\": 0.0, // where the body is held; default: half of the root diameter",
-            ],
-        };
         let torque = self.torque_nm.unwrap_or_default();
-        let [shift1, shift2] = self.profile_shifts();
-        let [b1, b2] = [self.face_width_mm[0], self.face_width_mm[1]];
-        format!(
-            include_str!("new.template.json"),
-            name = serde_json::Value::from(name),
-            module = self.module_mm.unwrap_or_default(),
-            alpha = self.pressure_angle_deg,
-            beta = self.helix_angle_deg,
-            offset = rounded(0.5 * (b1 - b2)),
-            z1 = self.teeth[0],
-            z2 = self.teeth[1],
-            round = self.tool_tip_radius(),
-            torque = torque,
-            most = rounded(1.5 * torque),
-            derived = derived,
-            meshing = meshing,
-            of_ring = of_ring,
-            held2 = held2,
-            backlash_um = backlash_um,
-            shift1 = shift1,
-            shift2 = shift2,
-            b1 = b1,
-            b2 = b2,
-        )
+        let file = File {
+            new: self,
+            name: name.into(),
+            derived,
+            module: self.module_mm.unwrap_or_default(),
+            backlash_um,
+            offset: rounded(0.5 * (self.face_width_mm[0] - self.face_width_mm[1])),
+            torque,
+            most: rounded(1.5 * torque),
+        };
+        Ok(file.render()? + "\n")
     }
 
     /// 0.38, or the largest twentieth that the tip of a rack with a dedendum of 1.25 modules has room for.
@@ -154,9 +139,8 @@ impl New {
         }
     }
 
-    /// Shifts that keep a rack of one module's addendum from undercutting: (z_min - z / cos³ beta) / z_min with
-    /// z_min = 2 / sin² alpha, rounded up to a twentieth. A ring takes the shift of its pinion, which leaves the
-    /// centre distance.
+    /// Shifts that keep a rack of one module's addendum from undercutting: (z_min - z / cos³ beta) / z_min with z_min = 2 / sin²
+    /// alpha, rounded up to a twentieth. A ring takes the shift of its pinion, which leaves the centre distance.
     fn profile_shifts(&self) -> [f64; 2] {
         let least = 2.0 / self.pressure_angle_deg.to_radians().sin().powi(2);
         let cos = self.helix_angle_deg.to_radians().cos();
@@ -164,13 +148,8 @@ impl New {
             let short = 1.0 - f64::from(teeth) / cos.powi(3) / least;
             ((20.0 * short).ceil() / 20.0).clamp(0.0, 1.0)
         };
-        let first = shift(self.teeth[0]);
-        let second = if self.internal {
-            first
-        } else {
-            shift(self.teeth[1])
-        };
-        [first, second]
+        let own = if self.internal { 0 } else { 1 };
+        [0, own].map(|i| shift(self.teeth[i]))
     }
 }
 

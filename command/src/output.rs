@@ -27,11 +27,10 @@ pub fn check_writable<P: AsRef<Path>>(
     let known = |path: &Path| path.canonicalize().ok();
     let here = known(path);
     for input in read {
-        if here.is_some() && known(input.as_ref()) == here {
-            let (path, input) = (path.display(), input.as_ref().display());
-            return Err(format!(
-                "--output {path} is {input}, which is read: give another file"
-            ));
+        let input = input.as_ref();
+        if here.is_some() && known(input) == here {
+            let (path, input) = (path.display(), input.display());
+            refuse!("--output {path} is {input}, which is read: give another file");
         }
     }
     storage::check_writable(path).map_err(|error| unwritable(path, &error))
@@ -52,17 +51,17 @@ const LONGEST_TEXT: u64 = 256 << 20;
 
 /// The text of tables or samples. A pair file has its own limit.
 pub fn read_text(path: &Path) -> Result<String, String> {
-    let place = path.display();
+    let name = path.display();
     let file = std::fs::File::open(path).map_err(|error| unreadable(path, &error))?;
     let mut text = String::new();
-    // One byte more than allowed tells a longer file, even where no length is known.
+    // One byte more than allowed shows a longer file, even where no length is known.
     match file.take(LONGEST_TEXT + 1).read_to_string(&mut text) {
         Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(format!(
-            "{place}: neither text nor an archive; name a pair file, tables, samples or an FMU"
+            "{name}: neither text nor an archive; name a pair file, tables, samples or an FMU"
         )),
         Err(error) => Err(unreadable(path, &error)),
         Ok(length) if length as u64 > LONGEST_TEXT => Err(format!(
-            "{place}: longer than {} MB, and tables or samples of a pair have a few; name another file, or give fewer samples",
+            "{name}: longer than {} MB, and tables or samples of a pair have a few; name another file, or give fewer samples",
             LONGEST_TEXT >> 20
         )),
         Ok(_) => Ok(text),
@@ -81,12 +80,10 @@ pub fn unreadable(path: &Path, error: &io::Error) -> String {
 pub fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        Err(error) => Err(io::Error::new(
-            error.kind(),
-            format!("cannot write to standard output: {error}; send it elsewhere, or make room"),
-        )),
-        Ok(()) => Ok(()),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(io::Error::other(format!(
+            "cannot write to standard output: {error}; send it elsewhere, or make room"
+        ))),
+        _ => Ok(()),
     }
 }
 
@@ -122,17 +119,14 @@ pub struct Listing {
 impl Listing {
     pub fn row(&mut self, name: impl Into<String>, value: impl Into<String>) -> &mut Self {
         // Either may come from a file that somebody else wrote.
-        self.rows
-            .push((shown(&name.into()), shown_in_full(&value.into())));
+        let (name, value) = (shown(&name.into()), shown_in_full(&value.into()));
+        self.rows.push((name, value));
         self
     }
 
     pub fn in_one_line(&self) -> String {
-        let rows = self.rows.iter();
-        let rows: Vec<String> = rows
-            .map(|(name, value)| format!("{name} {value}"))
-            .collect();
-        rows.join("; ")
+        let row = |(name, value): &(String, String)| format!("{name} {value}");
+        self.rows.iter().map(row).collect::<Vec<_>>().join("; ")
     }
 }
 
@@ -150,12 +144,6 @@ impl std::fmt::Display for Listing {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_file_in_a_missing_folder_is_refused_by_name() {
-        let error = write_whole(Path::new("/no/such/folder/out.json"), b"x").unwrap_err();
-        assert!(error.to_string().contains("/no/such/folder/out.json"));
-    }
 
     #[test]
     fn a_row_is_a_whole_sentence() {

@@ -1,4 +1,5 @@
-//! `gearmesh pack`: tables or a pair, and the compiled library, into one .fmu file.
+//! `gearmesh pack`: tables or a pair, and the compiled library, into one .fmu file; `gearmesh build`: from a pair through its
+//! tables.
 
 use gearmesh_preprocessor::pair;
 use std::path::{Path, PathBuf};
@@ -9,7 +10,9 @@ use gearmesh::table::TableFile;
 use gearmesh_preprocessor::package::{self, Contents, Library, Packed, Setting, Starts};
 
 use crate::inspect::is_tables;
+use crate::model::ModelArgs;
 use crate::output;
+use crate::tables::{self, GridArgs};
 
 /// Pack tables, or a pair with constant stiffness, into an FMU.
 #[derive(Debug, Args)]
@@ -27,18 +30,18 @@ pub struct Pack {
 
 /// The unit to write.
 #[derive(Debug, Args)]
-pub struct UnitArgs {
+struct UnitArgs {
     /// FMU to write
     #[arg(short, long)]
-    pub output: PathBuf,
+    output: PathBuf,
 
-    /// Compiled library of the unit, once per platform [default: those beside this program]
+    /// Compiled library of the unit, once per platform [default: those in the folder of this program]
     #[arg(long)]
-    pub library: Vec<PathBuf>,
+    library: Vec<PathBuf>,
 
     /// Start value of a parameter or input, such as damping=500 or interpolation=shepard; repeatable
     #[arg(long, value_name = "NAME=VALUE")]
-    pub set: Vec<Setting>,
+    set: Vec<Setting>,
 }
 
 impl Pack {
@@ -53,16 +56,13 @@ impl Pack {
         let packed = if let Some(tables) = &self.tables {
             let text = output::read_text(tables)?;
             let file = TableFile::from_json(&text).map_err(|error| {
-                let hint = if is_tables(&text) {
-                    ""
-                } else {
-                    "; a pair file is packed by `--pair`"
-                };
-                format!(
-                    "--tables = {}: {}{hint}",
-                    tables.display(),
-                    output::chain(&error)
-                )
+                let (tables, error) = (tables.display(), output::chain(&error));
+                match is_tables(&text) {
+                    true => format!("--tables = {tables}: {error}"),
+                    false => {
+                        format!("--tables = {tables}: {error}; a pair file is packed by `--pair`")
+                    }
+                }
             })?;
             pack_tables(&file, None, &libraries, set, path)?
         } else {
@@ -82,8 +82,48 @@ impl Pack {
     }
 }
 
+/// Compute the tables of a pair and pack them into an FMU.
+#[derive(Debug, Args)]
+pub struct Build {
+    /// Pair file
+    pair: PathBuf,
+
+    #[command(flatten)]
+    unit: UnitArgs,
+
+    /// Also what stiffnessModel = contact needs: static contact solved at every evaluation of the unit
+    #[arg(long)]
+    contact: bool,
+
+    #[command(flatten)]
+    grid: GridArgs,
+
+    #[command(flatten)]
+    model: ModelArgs,
+}
+
+impl Build {
+    pub fn run(self) -> Result<(), crate::Error> {
+        // A missing library shall not cost the time of the tables.
+        let libraries = libraries(&self.unit.library)?;
+        let UnitArgs { output, set, .. } = &self.unit;
+        let (mut grid, mut model) = (self.grid, self.model);
+        // What the unit starts with must be in its tables.
+        grid.friction |= set.iter().any(Setting::is_friction);
+        model.root_stress |= set.iter().any(Setting::is_root_stress);
+        grid.teeth |= set.iter().any(Setting::is_teeth);
+        let contact = self.contact || set.iter().any(Setting::is_contact);
+        let made = tables::compute(&self.pair, output, &grid, contact, &model)?;
+        let contact = made.contact.as_ref();
+        let packed = pack_tables(&made.file, contact, &libraries, set, output)?;
+        let words = in_words(&packed, output, &format!("; {}", made.text));
+        output::print(&format!("Wrote {words}"))?;
+        Ok(())
+    }
+}
+
 /// The unit that was `packed` into the file `path` and `more` about it; a last line where it runs on one platform alone.
-pub fn in_words(packed: &Packed, path: &Path, more: &str) -> String {
+fn in_words(packed: &Packed, path: &Path, more: &str) -> String {
     let words = format!(
         "{}: {:.2} MB, GUID {}, runs on {}{more}\n",
         path.display(),
@@ -95,18 +135,18 @@ pub fn in_words(packed: &Packed, path: &Path, more: &str) -> String {
         return words;
     };
     let platform = only.split(' ').next().unwrap_or(only);
-    let other = match platform {
-        "win64" => "Linux",
-        _ => "Windows",
+    let other = if platform == "win64" {
+        "Linux"
+    } else {
+        "Windows"
     };
     format!(
-        "{words}{platform} only: for {other} as well, give the libraries of a release, \
-         --library libgearmesh.so --library gearmesh.dll\n"
+        "{words}{platform} only: for {other} as well, give the libraries of a release, --library libgearmesh.so --library gearmesh.dll\n"
     )
 }
 
 /// Packs the unit of these tables and of `contact` at run time with the start values of `settings`.
-pub fn pack_tables(
+fn pack_tables(
     tables: &TableFile,
     contact: Option<&ContactFile>,
     libraries: &[Library],
@@ -123,13 +163,11 @@ pub fn pack_tables(
     Ok(package::pack(&contents, libraries, output)?)
 }
 
-/// The libraries at `paths`, or those beside this program if there are none.
-pub fn libraries(paths: &[PathBuf]) -> Result<Vec<Library>, crate::Error> {
+/// The libraries at `paths`, or those in the folder of this program if there are none.
+fn libraries(paths: &[PathBuf]) -> Result<Vec<Library>, crate::Error> {
     if paths.is_empty() {
         return Ok(package::libraries_beside(&std::env::current_exe()?)?);
     }
-    Ok(paths
-        .iter()
-        .map(|path| Library::read(path))
-        .collect::<Result<_, _>>()?)
+    let libraries = paths.iter().map(|path| Library::read(path));
+    Ok(libraries.collect::<Result<_, _>>()?)
 }

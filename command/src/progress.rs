@@ -35,7 +35,7 @@ impl Job {
     }
 
     /// `share` (0 to 1) of `stage` is done.
-    pub fn tell(&self, stage: &str, share: f64) {
+    pub fn show(&self, stage: &str, share: f64) {
         let words = format!("{stage}, {:.0} %", 100.0 * share);
         if let (true, Some(printed)) = (self.line.is_hidden(), &self.printed) {
             let mut printed = printed.lock().unwrap_or_else(PoisonError::into_inner);

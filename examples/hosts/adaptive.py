@@ -13,18 +13,17 @@ import argparse
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
-from gearmesh import GearPair
+from gearmesh import GearPair, Turning
 from scipy.integrate import solve_ivp
 
 from .tables import show
 
 INERTIA = 8e-4  # kg m^2, gear 2
 SPEED = 100.0  # rad/s, gear 1
-SPIN, RATE, MOMENT = "gear2.angles[3]", "gear2.angularVelocity[3]", "gear2.moment[3]"
-ERROR = "mesh.transmissionError"
 STAGES = {"RK45": 6, "DOP853": 12}
 # Of an event indicator about its zero, m: a solver that starts anew at an event must not find it again.
 HYSTERESIS = 1e-13
@@ -37,29 +36,23 @@ class Hinge:
         parameters = {} if backlash is None else {"backlash": backlash}
         self.pair = GearPair(fmu, parameters, interface="model-exchange")
         self.pair.initialize()
+        self.turning = Turning(self.pair)
         self.ratio, self.torque, self.backlash, self.calls = self.pair.geometry.ratio, torque, backlash, 0
 
-    def place(self, time: float, state: np.ndarray) -> None:
-        pair = self.pair
-        pair["gear1.angles[3]"], pair["gear1.angularVelocity[3]"] = SPEED * time, SPEED
-        pair[SPIN] = self.ratio * SPEED * time + state[0]
-        pair[RATE] = self.ratio * SPEED + state[1]
-        pair.evaluate(time)
-        self.calls += 1
-
     def rates(self, time: float, state: np.ndarray) -> list[float]:
-        self.place(time, state)
-        return [state[1], (self.torque(time) + self.pair[MOMENT]) / INERTIA]
+        self.calls += 1
+        moment = self.turning(SPEED * time, SPEED, self.ratio * SPEED * time + state[0], self.ratio * SPEED + state[1])[1]
+        return [state[1], (self.torque(time) + moment) / INERTIA]
 
     def jacobian(self, time: float, state: np.ndarray) -> list[list[float]]:
-        self.place(time, state)
-        ((stiffness, damping),) = self.pair.derivatives([MOMENT], [SPIN, RATE])
+        self.rates(time, state)
+        ((stiffness, damping),) = self.pair.derivatives(["gear2.moment[3]"], ["gear2.angles[3]", "gear2.angularVelocity[3]"])
         return [[0.0, 1.0], [stiffness / INERTIA, damping / INERTIA]]
 
     def gaps(self, time: float, state: np.ndarray) -> np.ndarray:
         """Compression of the drive flank, m, and with the other sign that of the coast flank: zero where it touches."""
-        self.place(time, state)
-        return self.pair[ERROR] + np.array([0.0, self.backlash])
+        self.rates(time, state)
+        return self.pair["mesh.transmissionError"] + np.array([0.0, self.backlash])
 
 
 @dataclass(frozen=True)
@@ -115,21 +108,25 @@ def solve(hinge: Hinge, grid: np.ndarray, method: str, rtol: float, events: bool
     return Run(steps, attempts - steps if attempts else 0, hinge.calls, np.array(lead))
 
 
+def compared(hinge: Hinge, grid: np.ndarray, best: Run, methods: tuple, tolerances: tuple, option: str, words: tuple) -> list[list[object]]:
+    """A row for each method and tolerance, without the option and with it; steps rejected where they are known."""
+    rows = []
+    for method, rtol, chosen in product(methods, tolerances, (False, True)):
+        run = solve(hinge, grid, method, rtol, **{option: chosen})
+        counts = [run.steps, run.rejected, run.calls] if method in STAGES else [run.steps, run.calls]
+        rows.append([method, f"{rtol:.0e}", words[chosen], *counts, f"{run.error(best):.1e}"])
+    hinge.pair.close()
+    return rows
+
+
 def onset(fmu: Path) -> list[list[object]]:
     """Rows of the table on event indicators: the torque reverses after 1 ms, the flanks part, the other ones meet."""
     hinge = Hinge(fmu, lambda t: 50.0 * math.cos(500.0 * math.pi * t), backlash=50e-6)
     # Few bounces: the error of each grows with the next.
     grid = np.linspace(0.0, 0.003, 2001)
     best = solve(hinge, grid, "DOP853", 1e-12, events=True)
-    rows = []
-    for method in ("RK45", "DOP853"):
-        for rtol in (1e-3, 1e-6, 1e-9):
-            for events in (False, True):
-                run = solve(hinge, grid, method, rtol, events)
-                counts = [run.steps, run.rejected, run.calls, f"{run.error(best):.1e}"]
-                rows.append([method, f"{rtol:.0e}", "with" if events else "without", *counts])
-    hinge.pair.close()
-    return [["solver", "tolerance", "events", "steps", "rejected", "calls of the FMU", "error"], *rows]
+    head = ["solver", "tolerance", "events", "steps", "rejected", "calls of the FMU", "error"]
+    return [head, *compared(hinge, grid, best, ("RK45", "DOP853"), (1e-3, 1e-6, 1e-9), "events", ("without", "with"))]
 
 
 def implicit(fmu: Path) -> list[list[object]]:
@@ -137,15 +134,8 @@ def implicit(fmu: Path) -> list[list[object]]:
     hinge = Hinge(fmu, lambda t: 100.0 * min(1.0, 500.0 * t) + 20.0 * math.sin(2000.0 * t))
     grid = np.linspace(0.0, 0.02, 2001)
     best = solve(hinge, grid, "DOP853", 1e-11)
-    rows = []
-    for method in ("Radau", "BDF"):
-        for rtol in (1e-4, 1e-6):
-            for jacobian in (False, True):
-                run = solve(hinge, grid, method, rtol, jacobian=jacobian)
-                by = "the FMU" if jacobian else "differences"
-                rows.append([method, f"{rtol:.0e}", by, run.steps, run.calls, f"{run.error(best):.1e}"])
-    hinge.pair.close()
-    return [["solver", "tolerance", "Jacobian by", "steps", "calls of the FMU", "error"], *rows]
+    head = ["solver", "tolerance", "Jacobian by", "steps", "calls of the FMU", "error"]
+    return [head, *compared(hinge, grid, best, ("Radau", "BDF"), (1e-4, 1e-6), "jacobian", ("differences", "the FMU"))]
 
 
 def main() -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from gearmesh import GearPair
+from gearmesh import GearPair, Turning
 from gearmesh.poses import cardan_axes
 
 # A power of two, so that times are exact in binary and every host sees the same: 61 us.
@@ -63,34 +63,18 @@ def revolution(fmu: Path, torque: float, revolutions: float = 1.0, steps: int = 
         angles = np.column_stack([TILT * wave, 0.5 * TILT * wave, start[SPIN] + 0.0 * wave])
         position = start[POSITION] + CENTRE_DISTANCE * wave
         pair.initialize()
-        ratio = pair.geometry.ratio
-
-        def bears(behind: float) -> float:
-            """Torque with gear 2 turned by `behind` against its own sense."""
-            pair[SPIN] = start[SPIN] + ratio * turn[i] - math.copysign(behind, ratio)
-            pair.evaluate(times[i])
-            return -pair["gear1.moment[3]"]
-
+        ratio, turning = pair.geometry.ratio, Turning(pair)
         for i in range(1, steps + 1):
-            wanted = torque * min(1.0, 16.0 * share[i])
-            pair["gear1.angles[3]"] = turn[i]
-            pair["gear2.angles[1]"], pair["gear2.angles[2]"] = angles[i, :2]
+            turning.tilt(*angles[i, :2])
             pair[POSITION] = position[i]
-            low, high = 0.0, 1e-6
-            while bears(high) < wanted:
-                low, high = high, 2.0 * high
-                if high > 0.1:
-                    raise ValueError(f"no pose bears {wanted} N m at {turn[i]} rad of gear 1")
-            while high - low > 1e-12:
-                middle = 0.5 * (low + high)
-                low, high = (middle, high) if bears(middle) < wanted else (low, middle)
-            angles[i, 2] = pair.u[pair.input[SPIN]]
-    turning = (cardan_axes(angles) @ np.gradient(angles, times, axis=0)[..., None])[..., 0]
+            wanted = torque * min(1.0, 16.0 * share[i])
+            angles[i, 2] = turning.resting(-wanted / ratio, turn[i], start[SPIN] + ratio * turn[i])
+    rates = (cardan_axes(angles) @ np.gradient(angles, times, axis=0)[..., None])[..., 0]
     names = ["gear1.angles[3]", "gear1.angularVelocity[3]", POSITION, "gear2.velocity[1]"]
     names += [f"gear2.{quantity}[{i}]" for quantity in ("angles", "angularVelocity") for i in (1, 2, 3)]
     speed = np.gradient(turn, times)
     return Scenario(
-        times, names, np.column_stack([turn, speed, position, np.gradient(position, times), angles, turning])
+        times, names, np.column_stack([turn, speed, position, np.gradient(position, times), angles, rates])
     )
 
 

@@ -8,6 +8,7 @@ gear that may tilt or move stands on more joints; here it is moved by its mount 
 import mujoco
 import numpy as np
 from gearmesh import GearPair
+from gearmesh.poses import generalised, place
 
 VERSION = mujoco.__version__
 MODEL = """
@@ -23,6 +24,7 @@ MODEL = """
 """
 # The joints in the order of their coordinates: the same angles as the unit's, about x, then y, then z.
 COORDINATES = ["gear1.angles[3]", "gear2.position[1]", "gear2.angles[1]", "gear2.angles[2]", "gear2.angles[3]"]
+JOINTS = [5, 6, 9, 10, 11]  # of the twelve coordinates of both gears
 
 
 class Mesh:
@@ -30,26 +32,17 @@ class Mesh:
 
     def __init__(self, fmu):
         self.pair = GearPair(fmu, interface="model-exchange")
+        self.reference = (0.0, 0.0, 0.0), (0.0, *self.pair.u[17:19])  # the joint x holds the whole distance
         self.model = mujoco.MjModel.from_xml_string(MODEL)
         self.data = mujoco.MjData(self.model)
 
     def force(self, _model, data):
         """Adds the generalised force at the poses and velocities of `data`."""
-        pair = self.pair
-        spin, x, tilt1, tilt2, spin2 = data.qpos
-        pair["gear1.angles[3]"], pair["gear1.angularVelocity[3]"] = spin, data.qvel[0]
-        for name, value in zip(COORDINATES[1:], (x, tilt1, tilt2, spin2)):
-            pair[name] = value
-        pair["gear2.velocity[1]"] = data.qvel[1]
-        # Hinge by hinge in world axes: MuJoCo keeps them as xaxis.
-        turning = data.xaxis[2:].T @ data.qvel[2:]
-        for i in range(3):
-            pair[f"gear2.angularVelocity[{i + 1}]"] = turning[i]
-        pair.evaluate(data.time)
-        moment = np.array([pair[f"gear2.moment[{i}]"] for i in (1, 2, 3)])
-        data.qfrc_passive[0] += pair["gear1.moment[3]"]
-        data.qfrc_passive[1] += pair["gear2.force[1]"]
-        data.qfrc_passive[2:] += data.xaxis[2:] @ moment
+        q, q_t = np.zeros(12), np.zeros(12)
+        q[JOINTS], q_t[JOINTS] = data.qpos, data.qvel
+        place(self.pair, q.tolist(), q_t.tolist(), self.reference)
+        self.pair.evaluate(data.time)
+        data.qfrc_passive += generalised(self.pair.y[:12], q)[JOINTS]
 
     def __enter__(self):
         mujoco.set_mjcb_passive(self.force)

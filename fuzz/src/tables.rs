@@ -82,6 +82,7 @@ pub fn formula(counts: [usize; 4]) -> TableFile {
             runout_angle_rad: 0.3,
         }),
         coast_errors: Default::default(),
+        friction: None,
         error: InterpolationError::default(),
     });
     file.solver = BTreeMap::new();

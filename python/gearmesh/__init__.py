@@ -21,7 +21,7 @@
         pair.step(5e-7)
         moment = pair["gear2.moment[3]"]
 
-For assemblies there are `integrate` and `cosimulate`, `gearmesh.poses`, `gearmesh.energy`, `gearmesh.exudyn` and `gearmesh.sweep`.
+For assemblies there are `integrate` and `cosimulate`, `gearmesh.poses`, `gearmesh.energy`, `gearmesh.exudyn`, `gearmesh.ssp` and `gearmesh.sweep`.
 """
 
 from .analysis import Campbell, Orders, campbell, decibels, orders, swing

@@ -109,6 +109,40 @@ class Turning:
         (a, b, c), (x, y, z) = self.pair.y[self._moment2], self._axis
         return self.pair.y[self._moment1], a * x + b * y + c * z
 
+    def resting(self, torque: float, angle1: float = 0.0, start: float = 0.0) -> float:
+        """Angle of gear 2 at which the teeth hold a torque on it at rest, by bisection.
+
+        Parameters
+        ----------
+        torque
+            On gear 2, N m, not 0; its sign says which flank.
+        angle1, start
+            Angle of gear 1, and one of gear 2 at which the teeth hold less or are apart, rad.
+
+        Returns
+        -------
+        float
+            rad.
+
+        Raises
+        ------
+        GearmeshError
+            The teeth do not hold it within 0.1 rad.
+        """
+        low, high = 0.0, math.copysign(1e-6, torque)
+
+        def holds(way: float) -> bool:
+            return (self(angle1, 0.0, start + way, 0.0)[1] + torque) * torque <= 0.0
+
+        while not holds(high):
+            low, high = high, 2.0 * high
+            if abs(high) > 0.1:
+                raise GearmeshError(f"torque = {torque}: the teeth do not hold it within 0.1 rad from {start}")
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if holds(middle) else (middle, high)
+        return start + low
+
     def __call__(self, *motion: float) -> tuple[float, float]:
         """Places the gears and evaluates the unit, or steps it: moments on gear 1 and 2."""
         self.place(*motion)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from .dynamics import Array, Rate, integrate
 from .pair import GearPair
 from .poses import POSES, RATES
 
@@ -145,6 +146,46 @@ class Ledger:
         total, mesh = np.array(self._rows).T
         found = {"energy over mesh": float(np.ptp(total) / mesh.max()), "loads": self._wrench}
         return found | ({"momentum": self._stray / self._passed} if self._has_momentum else {})
+
+
+def balance(
+    pairs: Sequence[GearPair],
+    rate: Rate,
+    start: Array,
+    step: float,
+    duration: float,
+    accounts: Callable[[float, Array], Sequence[float]],
+    kinetic: Callable[[Array], float],
+    *,
+    every: int = 40,
+) -> dict[str, float]:
+    """Runs an assembly whose only springs are the meshes, and books its energy.
+
+    Parameters
+    ----------
+    pairs
+        The units, through Model Exchange.
+    rate, start, step
+        As in `integrate`.
+    duration
+        Of the run, s.
+    accounts
+        Powers fed in and lost, W, from time and state.
+    kinetic
+        Energy of motion, J, from the state.
+    every
+        Steps between entries.
+
+    Returns
+    -------
+    dict
+        What a ledger found, and `share of time apart` of the last of `pairs`.
+    """
+    ledger, apart = Ledger(duration), []
+    for _, state, (fed, lost) in integrate(rate, start, step, round(duration / step), every=every, accounts=accounts):
+        apart.append(pairs[-1].flank == 0)
+        ledger.enter(pairs, kinetic(state), 0.0, lost, fed)
+    return ledger.found() | {"share of time apart": float(np.mean(apart))}
 
 
 def in_words(found: dict[str, float]) -> str:

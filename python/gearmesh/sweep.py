@@ -16,7 +16,7 @@ import numpy as np
 from .dynamics import Array
 
 Case = Mapping[str, float]
-Rows = Sequence[Mapping[str, float]]
+Rows = Sequence[Mapping[str, float | Sequence[float]]]
 
 
 def grid(**axes: Sequence[float]) -> list[dict[str, float]]:
@@ -69,8 +69,8 @@ def sweep(
 
     Returns
     -------
-    dict of (number of cases,)
-        Inputs and results by name, in the order of the cases.
+    dict of (number of cases, ...)
+        Inputs and results by name, in the order of the cases; a result may be a list, equally long for all cases.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -99,7 +99,7 @@ def sweep(
     return {name: np.array([row[name] for row in rows], dtype=float) for name in rows[0]}
 
 
-def finished(folder: str | Path) -> Iterator[tuple[str, dict[str, float]]]:
+def finished(folder: str | Path) -> Iterator[tuple[str, dict[str, float | list[float]]]]:
     """Key and results of each case that a sweep left in `folder`."""
     for part in sorted(Path(folder).glob("*.json")):
         yield from json.loads(part.read_text(encoding="utf-8")).items()

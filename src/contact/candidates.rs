@@ -5,7 +5,7 @@ use super::local_law::POINTS;
 use super::profile::GapProfile;
 use super::setup::ContactSetup;
 use super::transverse::TransverseSection;
-use crate::compliance::Strip;
+use crate::compliance::Segment;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, Microgeometry};
 
@@ -37,8 +37,6 @@ pub struct Candidate {
     /// What a misalignment closes of [`Candidate::gap`] over its size, at the points as local contact sees
     /// them, m, ascending; by the same levers the forces act on it.
     pub levers: [f64; POINTS],
-    /// Relative radius of curvature of the involutes in the normal section, m.
-    pub radius: f64,
     /// The gap about the closest point of the middle.
     pub(super) profile: GapProfile,
     /// Arms of the force about the axes of gear 1 and gear 2, in the transverse plane over their base radii; at
@@ -260,10 +258,6 @@ impl ContactLines<'_> {
             least.gap + (lead(0) + lead(1)) / numbers.cos_beta_b
         });
         let levers = points.map(|z| numbers.lever(self.flank, tau, k, z));
-        // Curvatures in the normal section: kappa cos beta_b / rho_t, negative for a ring.
-        let curvature: f64 = (0..2)
-            .map(|i| numbers.kappa[i] * numbers.cos_beta_b / middle.roll[i])
-            .sum();
         Candidate {
             tooth_pair: k,
             station: name.station,
@@ -271,7 +265,6 @@ impl ContactLines<'_> {
             roll: middle.roll,
             gap: along_segment(gap, self.setup.settings.own_share).map(|gap| gap - teeth_close),
             levers: along_segment(levers, self.setup.settings.own_share),
-            radius: curvature.recip(),
             profile: middle.profile,
             arms: middle.arms,
         }
@@ -282,7 +275,7 @@ impl ContactLines<'_> {
     ///
     /// Tooth pair k lies k pitches ahead in the sense of rotation: tooth s k on gear 1 and -e s k on gear 2, after the mirror k
     /// and -k.
-    pub fn seen_by_gears(&self, tau: f64, k: i32, z: [f64; 2], clamped: bool) -> [Strip; 2] {
+    pub fn seen_by_gears(&self, tau: f64, k: i32, z: [f64; 2], clamped: bool) -> [Segment; 2] {
         let ends = z.map(|z| self.flanks(tau, k, z, clamped).closest_point().roll);
         [0, 1].map(|i| {
             let gear = &self.setup.geometry.gears[i];
@@ -292,9 +285,9 @@ impl ContactLines<'_> {
             let roll = ends.map(|end| end[i]);
             if self.is_mirrored(i) {
                 let (z, roll) = ([b - z[1], b - z[0]], [roll[1], roll[0]]);
-                Strip { tooth, z, roll }
+                Segment { tooth, z, roll }
             } else {
-                Strip { tooth, z, roll }
+                Segment { tooth, z, roll }
             }
         })
     }

@@ -18,7 +18,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{candidates::Candidate, transverse::PairNumbers};
-use crate::compliance::{BeyondModel, Strip, ToothCompliance};
+use crate::compliance::{BeyondModel, Segment, ToothCompliance};
 use crate::root::bisection;
 
 /// Range over which a load is smoothed along the contact line, over the layers of the elements: elements
@@ -68,14 +68,14 @@ impl Influence {
         numbers: &PairNumbers,
         compliance: [&dyn ToothCompliance; 2],
         candidates: &[Candidate],
-        seen: &[[Strip; 2]],
+        seen: &[[Segment; 2]],
         reference: f64,
     ) -> Result<Influence, BeyondModel> {
         let n = candidates.len();
         let mut bulk = DMatrix::zeros(n, n);
         let mut lengths = [Vec::new(), Vec::new()];
         for (i, model) in compliance.iter().enumerate() {
-            let segments: Vec<Strip> = seen.iter().map(|both| both[i]).collect();
+            let segments: Vec<Segment> = seen.iter().map(|both| both[i]).collect();
             // The models know forces along the normal of their own flank. Where a tip edge bears, the force acts along that of
             // its mate. What turns the body and bends the tooth is its component along the circumference, by the arm that of
             // the force along the own normal; measured: within a tenth of what the direction does to the transmission error.

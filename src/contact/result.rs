@@ -6,6 +6,7 @@ use super::complementarity::{Solution, Start};
 use super::edge_load::EdgeLoad;
 use super::error::{ContactError, Prescribed, finite};
 use super::position::{Found, PositionProblem};
+use crate::friction::{Sliding, SlidingSums};
 
 /// Derivatives of load and moment at a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -236,6 +237,20 @@ impl PositionProblem {
             moment_by_misalignment: by_misalignment.dot(&levers) + within,
         };
         (moment, tangent)
+    }
+
+    /// How `forces` (N) on the segments slide, whose resultant on the line of action is `loa_force` (N), as `sums` adds up.
+    pub(super) fn sliding(&self, sums: &SlidingSums, forces: &[f64], loa_force: f64) -> Sliding {
+        let mut sum = Sliding::default();
+        let normal = loa_force / self.cos_beta_b;
+        for (segment, &force) in self.candidates.iter().zip(forces) {
+            if loa_force > 0.0 && force > 0.0 {
+                let lever = segment.middle() - self.z_ref;
+                let line_load = force / segment.length(self.cos_beta_b);
+                sums.add(&mut sum, force / normal, segment.roll, lever, line_load);
+            }
+        }
+        sum
     }
 
     /// Centroid of the load of `result` along the face, m in gear 1's frame; NaN without load.

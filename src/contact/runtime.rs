@@ -20,6 +20,7 @@ use super::position::{Limits, PositionProblem};
 use super::result::Tangent;
 use super::setup::ContactSetup;
 use super::transverse::{PairNumbers, TransverseSection};
+use crate::friction::{Sliding, SlidingSums};
 use crate::gear::Flank;
 use crate::gear::teeth::{Counts, Passing};
 
@@ -32,6 +33,8 @@ pub struct ContactPotential {
     pub gradient: [f64; 4],
     /// Second derivatives by approach and misalignment.
     pub tangent: Tangent,
+    /// How the load slides; zero unless [`RuntimeContact::with_friction`] asks for it.
+    pub sliding: Sliding,
     /// Approach beyond that for which tip edges are followed, centre distance beyond the nodes, segments in reach that they do not
     /// hold, or a pressure that no flank carries.
     pub out_of_range: bool,
@@ -46,6 +49,7 @@ pub struct RuntimeContact {
     flank: Flank,
     /// `None`: all teeth are alike.
     teeth: Option<Arc<Passing>>,
+    friction: Option<SlidingSums>,
 }
 
 /// Forces of the last solve, from which the next one starts. It saves steps of Newton's iteration and changes the solution by no
@@ -108,7 +112,16 @@ impl RuntimeContact {
             setup,
             condensed,
             flank,
+            friction: None,
         }
+    }
+
+    /// The same with the sliding under the law of friction of its pair; without a law it stays zero.
+    #[must_use]
+    pub fn with_friction(mut self) -> Self {
+        let law = self.setup.friction.as_ref();
+        self.friction = law.map(|law| SlidingSums::new(&self.setup.geometry, law));
+        self
     }
 
     /// The potential at the approach (m), centre distance offset (m), misalignment (rad) and mesh position `at`, with the
@@ -171,10 +184,14 @@ impl RuntimeContact {
             self.at_fixed_forces(&problem, &section, pose, solution)?;
         let (moment, tangent) = problem.moment(solution);
         let force = problem.arm.dot(&solution.force);
+        let sliding = (self.friction.as_ref()).map_or(Sliding::default(), |sums| {
+            problem.sliding(sums, solution.force.as_slice(), force)
+        });
         Ok(ContactPotential {
             energy,
             gradient: [force, by_offset, moment, by_tau],
             tangent,
+            sliding,
             out_of_range: found.excess.is_some() || !self.condensed.holds(offset) || missing,
         })
     }

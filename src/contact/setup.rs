@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::ContactError;
 use super::transverse::{PairNumbers, TransverseSection};
+use crate::friction::FrictionLaw;
 use crate::gear::{PairGeometry, PairMicrogeometry, PairTeeth};
 use crate::pair::{Pair, Refinement};
 
@@ -90,6 +91,9 @@ pub struct ContactSetup {
     pub corner_resolution: [f64; 2],
     /// Lengths of roll at which the involutes end at the root, m.
     pub form_rolls: [f64; 2],
+    /// Law of friction, on which no solution depends; `None` in files of earlier versions.
+    #[serde(default)]
+    pub friction: Option<FrictionLaw>,
 }
 
 /// Segments of one position, more than which are no contact of a pair: ten times those of the widest face.

@@ -5,13 +5,12 @@ use std::sync::Arc;
 use super::candidates::{Candidate, ContactLines, SegmentName, along_segment};
 use super::error::{ContactError, Failure, Prescribed, finite};
 use super::influence::Influence;
-use super::local_law::POINTS;
 use super::position::{Limits, PositionProblem};
 use super::result::ContactResult;
 use super::setup::{ContactSettings, ContactSetup, Deflection, estimated_reach, widest_contact};
 use super::transverse::{PairNumbers, TransverseSection};
-use crate::compliance::{Strip, ToothCompliance};
-use crate::friction::{FrictionLaw, Sliding, StripContact, TRANSITION_OVER_PITCH};
+use crate::compliance::{Segment, ToothCompliance};
+use crate::friction::{FrictionLaw, Sliding, SlidingSums};
 use crate::gear::{Flank, PairGeometry, PairTeeth, ToothProfile};
 use crate::pair::Pair;
 
@@ -38,7 +37,6 @@ pub struct ContactSolver {
     setup: ContactSetup,
     numbers: PairNumbers,
     compliance: [Arc<dyn ToothCompliance>; 2],
-    friction: FrictionLaw,
     deflection: Deflection,
 }
 
@@ -84,9 +82,9 @@ impl ContactSolver {
                 reference_length: widest_contact(pair),
                 corner_resolution,
                 form_rolls,
+                friction: Some(pair.friction),
             },
             compliance,
-            friction: pair.friction,
             deflection: Deflection::default(),
         };
         if settings.reach.is_some() || !settings.tip_corner_contact {
@@ -180,8 +178,8 @@ impl ContactSolver {
     }
 
     /// The pair's law of friction; no solution depends on it.
-    pub fn friction(&self) -> &FrictionLaw {
-        &self.friction
+    pub fn friction(&self) -> FrictionLaw {
+        self.setup.friction.unwrap_or_default()
     }
 
     /// The settings it was made with.
@@ -306,42 +304,14 @@ impl ContactSolver {
     }
 
     /// Sliding of `result`, a solution of `problem`, weighted by `law`.
-    ///
-    /// The distance from the pitch point follows from the lengths of roll of both flanks, so that it is that of the
-    /// flank and the tip edge where contact has left the path.
     pub fn sliding(
         &self,
         problem: &PositionProblem,
         result: &ContactResult,
         law: &FrictionLaw,
     ) -> Sliding {
-        let g = self.geometry();
-        let rb = [0, 1].map(|i| g.gears[i].base_radius());
-        let per_roll = g.gears[0].kappa() / (1.0 / rb[0] + g.e() / rb[1]);
-        let spin = g.rolling_speed_per_spin(g.center_distance).recip();
-        let transition = TRANSITION_OVER_PITCH * g.base_pitch();
-        let mut sum = Sliding::default();
-        if result.loa_force <= 0.0 {
-            return sum;
-        }
-        let normal = result.loa_force / g.base_helix_angle().cos();
-        for (i, candidate) in problem.candidates().iter().enumerate() {
-            let force = result.forces[i];
-            if force <= 0.0 {
-                continue;
-            }
-            let turned = [0, 1].map(|k| candidate.roll[k] / rb[k]);
-            let segment = StripContact {
-                line_load: force / (POINTS as f64 * problem.local[i].length()),
-                radius: candidate.radius,
-                plane_compliance: self.numbers.plane_compliance.iter().sum(),
-                rolling: turned.map(|angle| spin * rb[0] * angle),
-            };
-            let weight = law.weight(&segment) * force / normal;
-            let s = (turned[0] - turned[1]) * per_roll;
-            sum.add(weight, s, candidate.middle() - problem.z_ref, transition);
-        }
-        sum
+        let sums = SlidingSums::new(self.geometry(), law);
+        problem.sliding(&sums, &result.forces, result.loa_force)
     }
 
     /// Segments at the mesh position `tau` in [0, 1), each by its tooth pair and its ends (m in gear 1's frame), as gear 1 and gear 2 see them.
@@ -354,7 +324,7 @@ impl ContactSolver {
         tau: f64,
         center_distance_offset: f64,
         segments: impl Iterator<Item = (i32, [f64; 2])>,
-    ) -> Result<Vec<[Strip; 2]>, ContactError> {
+    ) -> Result<Vec<[Segment; 2]>, ContactError> {
         let section = self.section(center_distance_offset)?;
         let lines = ContactLines::new(&self.setup, &section, flank);
         Ok(segments

@@ -269,6 +269,7 @@ impl<T: Scalar> Solution<T> {
         let mut flanks = [pose.unloaded(k, 0, x, latch), pose.unloaded(k, 1, x, latch)];
         // By the coordinates, of both flanks.
         let mut slopes = Coordinates::zero();
+        let mut sliding = [None; 2];
         for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {
             let Some(law) = law else { continue };
             let scale = el.law_scale(cos_phi);
@@ -294,6 +295,7 @@ impl<T: Scalar> Solution<T> {
             out_of_range |= el.have_passed(flank.penetration.re(), q.half_gap.re())?;
             let s = flank.sign;
             flank.elastic = elastic;
+            sliding[i] = response.sliding;
             flank.arm = response.gradient[2] / response.gradient[0];
             flank.energy = response.energy * mesh.factor;
             flank.stiffness = response.stiffness * mesh.factor * scale;
@@ -329,9 +331,11 @@ impl<T: Scalar> Solution<T> {
                     continue;
                 }
                 let spin = -rates.mesh_angle;
-                let Some(found) = friction.on_flank(k, &pose.map, i, load, &twist, spin) else {
+                let tabulated = || friction.tabulated(i, load, c - k.center_distance);
+                let Some(sliding) = sliding[i].or_else(tabulated) else {
                     continue;
                 };
+                let found = friction.on_flank(k, &pose.map, load, sliding, &twist, spin);
                 on_2.add(&found.row, found.force);
                 friction_power -= found.force * found.speed;
                 if i == index {

@@ -15,7 +15,7 @@ use super::contact::FlankLoad;
 use super::dual::{Scalar, lift};
 use super::kinematics::{Map, Spatial};
 use super::parameters::Parameters;
-use crate::friction::{Coefficient, LOWEST_ROLLING_SPEED};
+use crate::friction::{Coefficient, FrictionLaw, LOWEST_ROLLING_SPEED};
 use crate::gear::PairGeometry;
 use crate::table::{LoadJet, Table};
 use std::sync::Arc;
@@ -24,10 +24,14 @@ use std::sync::Arc;
 /// rounded to.
 const LEAST_WEIGHT: f64 = 1e-4;
 
+/// Likewise without a table, where nothing is rounded.
+const NO_WEIGHT: f64 = 1e-12;
+
 /// Friction of one element.
 #[derive(Clone)]
 pub(crate) struct Friction {
-    table: Arc<Table>,
+    /// How the load slides, where the law does not find that itself.
+    table: Option<Arc<Table>>,
     coefficient: Coefficient,
     /// Speed of transition, squared, m²/s².
     transition: f64,
@@ -54,39 +58,61 @@ pub(crate) struct FlankFriction<T> {
 }
 
 impl Friction {
-    /// Of `pair` with the sliding in `table`; `None` if it is off.
-    pub(crate) fn new(pair: &PairGeometry, p: &Parameters, table: &Arc<Table>) -> Option<Friction> {
-        let record = table.file().friction.as_ref().filter(|_| p.friction)?;
-        let weights = record.drive.weight.iter().flatten().copied();
-        let mut coefficient = record.law.coefficient(pair);
+    /// Of `pair` with the coefficient of `law` and the sliding in `table`, or that of the elastic law.
+    pub(crate) fn new(
+        pair: &PairGeometry,
+        p: &Parameters,
+        law: &FrictionLaw,
+        table: Option<&Arc<Table>>,
+    ) -> Friction {
+        let mut coefficient = law.coefficient(pair);
         coefficient.scale *= p.friction_factor;
-        Some(Friction {
-            table: table.clone(),
+        let record = table.and_then(|table| table.file().friction.as_ref());
+        let least_weight = record.map_or(NO_WEIGHT, |record| {
+            let weights = record.drive.weight.iter().flatten().copied();
+            LEAST_WEIGHT * weights.fold(0.0, f64::max)
+        });
+        Friction {
+            table: table.cloned(),
             coefficient,
             transition: p.friction_transition_speed.powi(2),
             rolling_per_spin: pair.rolling_speed_per_spin(pair.center_distance),
             loss_per_distance: crate::friction::loss_factor_of(pair, 1.0),
-            least_weight: LEAST_WEIGHT * weights.fold(0.0, f64::max),
-        })
+            least_weight,
+        }
     }
 
-    /// Friction of flank `i` under `load` > 0 while gear 2 moves against gear 1 with `twist` and gear 1 turns with `spin`
-    /// (rad/s) against the line of centres.
+    /// Share, axial share, distance and weight of the load of flank `i` in the table.
+    #[inline(always)]
+    pub(crate) fn tabulated<T: Scalar>(
+        &self,
+        i: usize,
+        load: &FlankLoad<T>,
+        offset: T,
+    ) -> Option<[T; 4]> {
+        let table = self.table.as_ref()?;
+        let (sliding, mirrored) = table.sliding(FLANKS[i])?;
+        let q = load.table_coordinates(table.effects(), offset, mirrored);
+        let jets: [LoadJet; 4] = sliding.evaluate(q.map(T::re));
+        let mut all = jets.map(|jet| lift(jet.value, &jet.gradient, &q));
+        if mirrored {
+            all[1] = -all[1];
+        }
+        Some(all)
+    }
+
+    /// Friction of a flank under `load` > 0, of share, axial share, distance and weight as given, while gear 2 moves against gear 1 with
+    /// `twist` and gear 1 turns with `spin` (rad/s) against the line of centres.
     #[inline(always)]
     pub(crate) fn on_flank<T: Scalar>(
         &self,
         k: &Constants,
         map: &Map<T>,
-        i: usize,
         load: &FlankLoad<T>,
+        [share, share_z, distance, weight]: [T; 4],
         twist: &Spatial<T>,
         spin: T,
-    ) -> Option<FlankFriction<T>> {
-        let (table, mirrored) = self.table.sliding(FLANKS[i])?;
-        let q = load.table_coordinates(self.table.effects(), map.c - k.center_distance, mirrored);
-        let jets: [LoadJet; 4] = table.evaluate(q.map(T::re));
-        let [share, share_z, distance, weight] = jets.map(|jet| lift(jet.value, &jet.gradient, &q));
-        let share_z = if mirrored { -share_z } else { share_z };
+    ) -> FlankFriction<T> {
         let row = map.friction_row(k, load.sign, [share, share_z, distance]);
         let rolling = spin * spin * self.rolling_per_spin.powi(2) + LOWEST_ROLLING_SPEED.powi(2);
         let c = &self.coefficient;
@@ -105,12 +131,12 @@ impl Friction {
         };
         let speed = -row.power(twist);
         let sign = speed / (speed * speed + self.transition).sqrt();
-        Some(FlankFriction {
+        FlankFriction {
             force: mu * load.elastic * k.per_cos_beta_b * sign,
             row,
             speed,
             coefficient: mu * weight,
             loss_factor: distance / divisor * self.loss_per_distance,
-        })
+        }
     }
 }

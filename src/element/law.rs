@@ -3,6 +3,7 @@
 use super::dual::{Scalar, lift};
 use super::error::ElementError;
 use crate::contact::{ContactError, ContactFile, RuntimeContact, Warm};
+use crate::friction::Sliding;
 use crate::gear::Flank;
 use crate::gear::teeth::Counts;
 use crate::table::{COORDINATES, Effects, FlankTable, Potential, Query, Table, TableError};
@@ -79,6 +80,17 @@ pub(crate) struct Law {
     coordinate_factors: [f64; COORDINATES],
     /// Likewise on the gradient.
     gradient_factors: [f64; COORDINATES],
+    /// Whether its source finds how the load slides.
+    slides: bool,
+    /// -1 on axial positions of a mirrored flank.
+    axial_factor: f64,
+}
+
+/// Potential of a source, and how its load slides where the source finds that itself.
+#[derive(Default)]
+struct Answer {
+    potential: Potential,
+    sliding: Sliding,
 }
 
 /// Derivatives of the potential, as numbers that carry derivatives on.
@@ -89,6 +101,8 @@ pub(crate) struct Response<T> {
     pub gradient: [T; COORDINATES],
     /// Tangent stiffness on the line of action, N/m.
     pub stiffness: T,
+    /// Share, axial share (m), distance (m) and weight of [`Sliding`]; `None`: they stand in a table, or friction is off.
+    pub sliding: Option<[T; 4]>,
     /// A coordinate lies outside the table.
     pub out_of_range: bool,
 }
@@ -111,6 +125,8 @@ impl Law {
             },
             coordinate_factors: [1.0, by_distance, if_on(effects.misalignment, sign), 1.0],
             gradient_factors: [1.0, by_distance, if_on(effects.shuttling, sign), 1.0],
+            slides: effects.friction && matches!(source, Source::Teeth(..) | Source::Contact(_)),
+            axial_factor: sign,
             source,
         }
     }
@@ -134,7 +150,10 @@ impl Law {
     pub(crate) fn contact(file: &ContactFile, flank: Flank, effects: Effects) -> Option<Self> {
         let own = file.flank(flank);
         let mirrored = own.is_none();
-        let contact = own.or_else(|| file.flank(Flank::Drive))?;
+        let mut contact = own.or_else(|| file.flank(Flank::Drive))?;
+        if effects.friction {
+            contact = contact.with_friction();
+        }
         Some(Self::new(
             Source::Contact(Arc::new(contact)),
             mirrored,
@@ -169,7 +188,10 @@ impl Law {
             *q = *q * factor;
         }
         let at = [q[0].re(), q[1].re(), q[2].re(), q[3].re()];
-        let w = self.potential(at, counts, T::CARRIES, warm)?;
+        let Answer {
+            potential: w,
+            sliding,
+        } = self.answer(at, counts, T::CARRIES, warm)?;
         let mut gradient = q;
         for (i, g) in gradient.iter_mut().enumerate() {
             *g = lift(w.gradient[i], &w.hessian[i], &q) * self.gradient_factors[i];
@@ -181,7 +203,12 @@ impl Law {
         } else {
             [f64::NAN; COORDINATES]
         };
+        let sliding = match self.slides && w.gradient[0] > 0.0 {
+            true => Some(self.lift_sliding(sliding.to_array(), at, &q, counts, warm)?),
+            false => None,
+        };
         Ok(Response {
+            sliding,
             energy: lift(w.value, &w.gradient, &q),
             gradient,
             stiffness: lift(w.hessian[0][0], &slopes, &q),
@@ -200,14 +227,40 @@ impl Law {
         self.tells_teeth_apart
     }
 
+    /// `sliding` at the coordinates `at`, which are those of `q`, with its slopes by differences where `q` carries derivatives.
+    #[inline(never)]
+    fn lift_sliding<T: Scalar>(
+        &self,
+        sliding: [f64; 4],
+        at: [f64; COORDINATES],
+        q: &[T; COORDINATES],
+        counts: Counts,
+        warm: &mut Warm,
+    ) -> Result<[T; 4], ElementError> {
+        // By quantity and coordinate.
+        let mut slopes = [[0.0; COORDINATES]; 4];
+        for axis in (0..COORDINATES).filter(|_| T::CARRIES) {
+            let by_axis = central_difference(at, axis, STEP[axis], |x| {
+                let there = self.answer(x, counts, false, warm)?;
+                Ok::<_, ElementError>(there.sliding.to_array())
+            })?;
+            for (slopes, slope) in slopes.iter_mut().zip(by_axis) {
+                slopes[axis] = slope;
+            }
+        }
+        let mut lifted: [T; 4] = std::array::from_fn(|i| lift(sliding[i], &slopes[i], q));
+        lifted[1] = lifted[1] * self.axial_factor;
+        Ok(lifted)
+    }
+
     #[inline]
-    fn potential(
+    fn answer(
         &self,
         at: [f64; COORDINATES],
         counts: Counts,
         want_hessian: bool,
         warm: &mut Warm,
-    ) -> Result<Potential, ElementError> {
+    ) -> Result<Answer, ElementError> {
         let [delta, center_distance_offset, misalignment, mesh_position] = at;
         let query = Query {
             delta,
@@ -215,7 +268,7 @@ impl Law {
             misalignment,
             mesh_position,
         };
-        match &self.source {
+        let potential = match &self.source {
             Source::Linear(stiffness) => {
                 let mut w = Potential::default();
                 if delta > 0.0 {
@@ -223,24 +276,31 @@ impl Law {
                     w.value = 0.5 * w.gradient[0] * delta;
                     w.hessian[0][0] = *stiffness;
                 }
-                Ok(w)
+                w
             }
-            Source::Table(table, flank) => Ok(table.flank(*flank).0.evaluate(&query, want_hessian)),
+            Source::Table(table, flank) => table.flank(*flank).0.evaluate(&query, want_hessian),
             Source::Teeth(table, flank) => {
-                let teeth = table.teeth(*flank);
-                Ok(teeth.map_or(Potential::default(), |(teeth, _)| {
-                    teeth.evaluate(&query, counts, want_hessian)
-                }))
+                let Some((teeth, _)) = table.teeth(*flank) else {
+                    return Ok(Answer::default());
+                };
+                let (potential, sliding) = teeth.evaluate_sliding(&query, counts, want_hessian);
+                return Ok(Answer { potential, sliding });
             }
-            Source::Contact(contact) => contact_potential(contact, at, counts, want_hessian, warm)
-                .map_err(|error| {
+            Source::Contact(contact) => {
+                let found = contact_answer(contact, at, counts, want_hessian, warm);
+                return found.map_err(|error| {
                     let reason = format!("stiffnessModel = contact finds no loads: {error}");
                     ElementError::NoPotential(reason)
-                }),
+                });
+            }
             Source::Custom(law) => law
                 .evaluate(&query, counts, want_hessian)
-                .map_err(ElementError::NoPotential),
-        }
+                .map_err(ElementError::NoPotential)?,
+        };
+        Ok(Answer {
+            potential,
+            ..Answer::default()
+        })
     }
 
     /// Gradient of the tangent stiffness by central differences: of second derivatives over the approach, but of a contact
@@ -251,11 +311,11 @@ impl Law {
         counts: Counts,
         warm: &mut Warm,
     ) -> Result<[f64; COORDINATES], ElementError> {
-        const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
         let is_contact = matches!(self.source, Source::Contact(_));
         let mut slopes = |axis: usize| {
             central_difference(at, axis, STEP[axis], |x| {
-                Ok::<_, ElementError>(self.potential(x, counts, !is_contact, warm)?.hessian[0])
+                let there = self.answer(x, counts, !is_contact, warm)?;
+                Ok::<_, ElementError>(there.potential.hessian[0])
             })
         };
         let mut gradient = slopes(0)?;
@@ -267,6 +327,9 @@ impl Law {
         Ok(gradient)
     }
 }
+
+/// Steps of central differences by approach, centre distance, misalignment and mesh position.
+const STEP: [f64; COORDINATES] = [1e-9, 1e-7, 1e-7, 1e-5];
 
 /// Slopes of the four numbers `f` by the coordinate `axis`.
 fn central_difference<E>(
@@ -284,17 +347,17 @@ fn central_difference<E>(
     Ok(std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * step)))
 }
 
-/// The potential of a static contact solve at the coordinates `at`.
+/// The answer of a static contact solve at the coordinates `at`.
 ///
 /// # Errors
 /// No solve succeeds.
-fn contact_potential(
+fn contact_answer(
     contact: &RuntimeContact,
     at: [f64; COORDINATES],
     counts: Counts,
     want_hessian: bool,
     warm: &mut Warm,
-) -> Result<Potential, ContactError> {
+) -> Result<Answer, ContactError> {
     /// Of the central differences of the slopes by centre distance, m, and by mesh position.
     const STEPS: [(usize, f64); 2] = [(1, 1e-7), (3, 1e-4)];
     let here = contact.potential(at, counts, warm)?;
@@ -305,8 +368,12 @@ fn contact_potential(
         ..Potential::default()
     };
     out.hessian[0][0] = here.tangent.force_by_approach;
+    let answer = |potential| Answer {
+        potential,
+        sliding: here.sliding,
+    };
     if !want_hessian || here.gradient[0] == 0.0 {
-        return Ok(out);
+        return Ok(answer(out));
     }
     out.hessian[0][2] = here.tangent.force_by_misalignment;
     out.hessian[2][0] = here.tangent.force_by_misalignment;
@@ -321,5 +388,5 @@ fn contact_potential(
             out.hessian[axis][i] = slope;
         }
     }
-    Ok(out)
+    Ok(answer(out))
 }

@@ -60,7 +60,7 @@ pub(crate) mod tests;
 
 use crate::contact::ContactFile;
 use crate::gear::PairGeometry;
-use crate::table::Table;
+use crate::table::{Effects, Table, TableError, TeethRecord};
 use crate::words::number;
 use constants::{Constants, FLANKS};
 use contact::{Damper, Solution};
@@ -104,19 +104,35 @@ impl Element {
         Self::build(pair, parameters, laws)
     }
 
-    /// The element of `pair` with `parameters` under static contact at run time, that of `file`.
+    /// The element of `pair` with `parameters` under static contact at run time, that of `file`. Its root stress is that of
+    /// `table` under the same load, for teeth that are alike.
     ///
     /// # Errors
-    /// As [`Element::with_laws`].
+    /// As [`Element::with_laws`]; friction of a file without its law; root stress without a table of it or of teeth that differ.
     pub fn with_contact(
         pair: &PairGeometry,
         parameters: &Parameters,
         file: &ContactFile,
+        table: Option<Arc<Table>>,
     ) -> Result<Self, ElementError> {
-        let effects = parameters.table_effects(pair);
+        let effects = Effects {
+            friction: parameters.friction,
+            ..parameters.table_effects(pair)
+        };
         let [drive, coast] =
             FLANKS.map(|flank| Law::contact(file, flank, effects).ok_or(ElementError::NoContact));
-        Self::build(pair, parameters, [drive?, coast?])
+        let friction = match &file.setup.friction {
+            _ if !parameters.friction => None,
+            None => return Err(TableError::NO_FRICTION_LAW.into()),
+            Some(law) => Some(Friction::new(pair, parameters, law, None)),
+        };
+        let mut element = Self::build(pair, parameters, [drive?, coast?])?;
+        element.friction = friction;
+        if parameters.root_stress {
+            let differ = !file.setup.teeth.are_alike();
+            element.root_stress = Some(root_stress_table(table, differ)?);
+        }
+        Ok(element)
     }
 
     /// The element of `pair` with `parameters`; `table` is needed for [`StiffnessModel::Table`]. A table
@@ -159,11 +175,28 @@ impl Element {
                 }
                 let [drive, coast] = FLANKS.map(|flank| Law::table(&table, flank));
                 let element = Self::build(pair, parameters, [drive?, coast?])?;
+                let file = table.file();
+                let (law, sliding) = match effects.teeth {
+                    true => (file.teeth.as_ref().and_then(|record| record.friction), None),
+                    false => (
+                        file.friction.as_ref().map(|record| record.law),
+                        Some(&table),
+                    ),
+                };
+                let law = law.filter(|_| parameters.friction);
+                let root_stress = match parameters.root_stress {
+                    false => None,
+                    true => {
+                        let teeth = file.teeth.as_ref().filter(|_| effects.teeth);
+                        let differ = teeth.is_some_and(TeethRecord::tells_apart);
+                        Some(root_stress_table(Some(table.clone()), differ)?)
+                    }
+                };
                 Ok(Self {
-                    friction: Friction::new(pair, parameters, &table),
+                    friction: law.map(|law| Friction::new(pair, parameters, &law, sliding)),
+                    root_stress,
                     largest_force: largest / pair.gears[0].base_radius(),
                     covered: Some(Covered::by(&table)),
-                    root_stress: parameters.root_stress.then_some(table),
                     ..element
                 })
             }
@@ -288,6 +321,22 @@ impl Element {
         }
         Ok(passed)
     }
+}
+
+/// `table` for the stress in the tooth roots; `differ`: of teeth that differ.
+///
+/// # Errors
+/// There is none, or teeth differ: its stress is that of loads that teeth alike share.
+fn root_stress_table(table: Option<Arc<Table>>, differ: bool) -> Result<Arc<Table>, ElementError> {
+    if differ {
+        return Err(ElementError::Parameter {
+            name: "rootStress",
+            value: "true".into(),
+            remedy: "the tables hold the stress of teeth that are alike: set stiffnessModel = table, remove tooth_errors from \
+                     the pair file, or set rootStress = false",
+        });
+    }
+    table.ok_or_else(|| TableError::NO_ROOT_STRESS.into())
 }
 
 /// Multiple of the nominal force that teeth of constant stiffness may start with.

@@ -152,7 +152,8 @@ impl Parameters {
             center_distance: self.center_distance_effect,
             misalignment: self.misalignment_effect,
             shuttling: self.shuttling_effect,
-            friction: self.friction,
+            // A contact solve knows how its own load slides.
+            friction: self.friction && self.stiffness_model != StiffnessModel::Contact,
             root_stress: self.root_stress,
             teeth,
         }
@@ -195,14 +196,16 @@ impl Parameters {
             let value = number(self.mesh_phase, "rad");
             return refuse("meshPhase", value, "give a finite angle");
         }
-        let has_table = self.stiffness_model == StiffnessModel::Table;
-        if self.friction && !has_table {
-            let remedy = "how the load slides stands in the table: set stiffnessModel = table, or friction = false";
-            return refuse("friction", "true".into(), remedy);
-        }
-        if self.root_stress && !has_table {
-            let remedy = "the stress in the tooth roots stands in the table: set stiffnessModel = table, or rootStress = false";
-            return refuse("rootStress", "true".into(), remedy);
+        if self.stiffness_model == StiffnessModel::Constant {
+            let remedy = "a constant stiffness does not know where teeth touch: set stiffnessModel = table, teeth or contact, or this to false";
+            for (name, on) in [
+                ("friction", self.friction),
+                ("rootStress", self.root_stress),
+            ] {
+                if on {
+                    return refuse(name, "true".into(), remedy);
+                }
+            }
         }
         Ok(())
     }

@@ -130,18 +130,20 @@ impl Resources {
     /// Parameters without meaning; an effect whose axis the tables lack.
     pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
         let geometry = &self.unit.geometry;
+        let needs_table = match parameters.stiffness_model {
+            StiffnessModel::Table | StiffnessModel::Teeth => true,
+            StiffnessModel::Contact => parameters.root_stress,
+            StiffnessModel::Constant => false,
+        };
+        let effects = parameters.table_effects(geometry);
+        let file = self.tables.as_ref().filter(|_| needs_table);
+        let table = file.map(|file| self.table(file, effects)).transpose();
+        let table = table.map_err(ElementError::from)?;
         if let (StiffnessModel::Contact, Some(contact)) =
             (parameters.stiffness_model, &self.contact)
         {
-            return Ok(Element::with_contact(geometry, parameters, contact)?);
+            return Ok(Element::with_contact(geometry, parameters, contact, table)?);
         }
-        let table = match (&self.tables, parameters.stiffness_model) {
-            (Some(file), StiffnessModel::Table | StiffnessModel::Teeth) => {
-                let effects = parameters.table_effects(geometry);
-                Some(self.table(file, effects).map_err(ElementError::from)?)
-            }
-            _ => None,
-        };
         Ok(Element::new(geometry, parameters, table)?)
     }
 

@@ -33,7 +33,7 @@ pub enum FrictionLaw {
         /// mineral oil has 0.846, PAO and ester 0.65, polyglycol 0.585.
         lubricant_factor: f64,
     },
-    /// Local coefficient of every strip by Xu and Kahraman, Journal of Mechanical Design 129 (2007), 58-68:
+    /// Local coefficient of every segment by Xu and Kahraman, Journal of Mechanical Design 129 (2007), 58-68:
     /// mu = exp(f) P^1.03303 |SR|^1.036077 Ve^-0.100601 nu^0.752755 R^-0.390958,
     /// f = -8.916465 - 0.354068 |SR| P lg(nu) + 2.812084 exp(-|SR| P lg(nu)) + 0.620305 exp(S), with P the largest Hertz
     /// pressure GPa, Ve the mean of the rolling speeds m/s, SR their difference over it, nu mPa s, R the
@@ -83,9 +83,9 @@ impl std::fmt::Display for FrictionLaw {
     }
 }
 
-/// Contact on one strip, for laws that look at it.
+/// Contact on one segment, for laws that look at it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StripContact {
+pub struct SegmentContact {
     /// Normal force per length of contact line, N/m.
     pub line_load: f64,
     /// Relative radius of curvature in the normal section, m.
@@ -96,7 +96,7 @@ pub struct StripContact {
     pub rolling: [f64; 2],
 }
 
-/// Coefficient of one pair: `scale` F_bt^`by_load` v_sum^-`by_speed`, times the weights of the strips
+/// Coefficient of one pair: `scale` F_bt^`by_load` v_sum^-`by_speed`, times the weights of the segments
 /// ([`FrictionLaw::weight`]). F_bt N, v_sum the sum of the rolling speeds at the pitch point, m/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficient {
@@ -126,14 +126,14 @@ impl FrictionLaw {
         }
     }
 
-    /// Whether strips differ in their coefficients.
+    /// Whether segments differ in their coefficients.
     pub fn is_local(&self) -> bool {
         matches!(self, FrictionLaw::XuKahraman { .. })
     }
 
-    /// Part of the coefficient that is a strip's own: 1 for laws of the whole mesh, else the coefficient at
+    /// Part of the coefficient that is a segment's own: 1 for laws of the whole mesh, else the coefficient at
     /// v_sum = 1 m/s. Since both gears turn in a fixed ratio, the speed is a factor of its own.
-    pub fn weight(&self, strip: &StripContact) -> f64 {
+    pub fn weight(&self, segment: &SegmentContact) -> f64 {
         let FrictionLaw::XuKahraman {
             dynamic_viscosity_pa_s,
             roughness_rms_m,
@@ -141,12 +141,13 @@ impl FrictionLaw {
         else {
             return 1.0;
         };
-        let [u1, u2] = strip.rolling;
+        let [u1, u2] = segment.rolling;
         let mean = 0.5 * (u1 + u2);
         let ratio = ((u1 - u2) / mean).abs();
-        let e_star = strip.plane_compliance.recip();
+        let e_star = segment.plane_compliance.recip();
         let pressure = 1e-9
-            * (strip.line_load.max(0.0) * e_star / (std::f64::consts::PI * strip.radius)).sqrt();
+            * (segment.line_load.max(0.0) * e_star / (std::f64::consts::PI * segment.radius))
+                .sqrt();
         let viscosity = 1e3 * dynamic_viscosity_pa_s;
         let work = ratio * pressure * viscosity.log10();
         let f = -8.916_465 - 0.354_068 * work
@@ -157,7 +158,7 @@ impl FrictionLaw {
             * ratio.powf(1.036_077)
             * mean.powf(-0.100_601)
             * viscosity.powf(0.752_755)
-            * strip.radius.powf(-0.390_958)
+            * segment.radius.powf(-0.390_958)
     }
 
     /// What is left for the load and the speed of the mesh of `pair`.
@@ -230,7 +231,7 @@ mod tests {
             roughness_rms_m: 0.5e-6,
         };
         // Chosen so that P = 1 GPa, SR = 0.5, Ve = 1 m/s, R = 5 mm, lg(nu) = 1.
-        let strip = StripContact {
+        let segment = SegmentContact {
             line_load: 1e18 * std::f64::consts::PI * 5e-3 * 8.8e-12,
             radius: 5e-3,
             plane_compliance: 8.8e-12,
@@ -239,11 +240,11 @@ mod tests {
         let f: f64 =
             -8.916465 - 0.354068 * 0.5 + 2.812084 * (-0.5f64).exp() + 0.620305 * 0.5f64.exp();
         let mu = f.exp() * 0.5f64.powf(1.036077) * 10f64.powf(0.752755) * 5e-3f64.powf(-0.390958);
-        assert_relative_eq!(law.weight(&strip), mu, max_relative = 1e-12);
+        assert_relative_eq!(law.weight(&segment), mu, max_relative = 1e-12);
         assert!((0.01..0.1).contains(&mu), "{mu}");
-        let rolling = StripContact {
+        let rolling = SegmentContact {
             rolling: [1.0, 1.0],
-            ..strip
+            ..segment
         };
         assert_eq!(law.weight(&rolling), 0.0);
     }

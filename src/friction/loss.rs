@@ -38,7 +38,7 @@ pub struct Loss {
 
 impl Loss {
     /// Of a mesh cycle under `torque` (N m, > 0) on gear 1, which turns with `spin` (rad/s) against the line of
-    /// centres: how it slides with every strip counted alike, and weighted by `law`.
+    /// centres: how it slides with every segment counted alike, and weighted by `law`.
     pub fn new(
         pair: &PairGeometry,
         law: &FrictionLaw,

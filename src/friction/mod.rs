@@ -9,9 +9,9 @@ mod coefficient;
 mod loss;
 mod sliding;
 
-pub use coefficient::{Coefficient, FrictionLaw, LOWEST_ROLLING_SPEED, StripContact};
+pub use coefficient::{Coefficient, FrictionLaw, LOWEST_ROLLING_SPEED, SegmentContact};
 pub use loss::{Loss, loss_factor_of, ohlendorf};
-pub use sliding::{Sliding, TRANSITION_OVER_PITCH};
+pub use sliding::{Sliding, SlidingSums, TRANSITION_OVER_PITCH};
 
 #[cfg(test)]
 use crate::gear::samples as gears;

@@ -89,6 +89,10 @@ impl TableError {
         "friction = true: the table does not know how the load slides; switch friction off or make the tables with \
          `gearmesh tables --friction`",
     );
+    pub(crate) const NO_FRICTION_LAW: Self = TableError::Missing(
+        "friction = true: the FMU was built by an earlier version and has no law of friction for its stiffnessModel; build it \
+         again or set friction = false",
+    );
     pub(crate) const NO_ROOT_STRESS: Self = TableError::Missing(
         "rootStress = true: the table does not hold the stress in the tooth roots; switch rootStress off or make the \
          tables with `gearmesh tables --root-stress`",

@@ -34,7 +34,7 @@ pub use teeth::{GearTeethRecord, TeethFlank, TeethRecord};
 /// Where the table is asked, for one flank (coast flank: after mapping to its own table).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Query {
-    /// Elongation on the line of action at mid-face, m; > 0 compresses.
+    /// Approach on the line of action at mid-face, m; > 0 compresses.
     pub delta: f64,
     /// Actual minus nominal centre distance, m.
     pub center_distance_offset: f64,

@@ -144,7 +144,8 @@ impl Table {
     /// As [`Table::sliced`].
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
         let sliding = match &file.friction {
-            _ if !effects.friction => None,
+            // Tooth pairs one by one slide as their own loads do.
+            _ if !effects.friction || effects.teeth => None,
             None => return Err(TableError::NO_FRICTION),
             Some(r) => Some(Flanks::of_load(
                 &r.axes,

@@ -67,7 +67,7 @@ fn flank_pressure_does_not_grow_with_the_number_of_stations_nor_at_tip_edges() {
 #[test]
 fn the_largest_pressure_where_a_contact_line_crosses_the_start_of_a_relief_is_found_between_stations()
  {
-    // Both reliefs start at the pitch point, which the contact line crosses at mid-face at position 0: an end of two strips, in whose
+    // Both reliefs start at the pitch point, which the contact line crosses at mid-face at position 0: an end of two segments, in whose
     // middles the pressure is 11 % lower.
     let pair = relieved(12e-6, 0.5);
     let [few, many] = [20, 120].map(|stations| cycle(&pair, stations, 30.0).results);
@@ -102,7 +102,7 @@ fn steep_helix(amount: f64) -> Pair {
 
 #[test]
 fn line_loads_at_the_tip_edges_of_a_steep_helix_do_not_depend_on_the_stations() {
-    // Relief that keeps contact off the edges: the mean of a strip that reaches them is 77 and 18 N/mm. And less of it.
+    // Relief that keeps contact off the edges: the mean of a segment that reaches them is 77 and 18 N/mm. And less of it.
     for (amount, stations, low, high) in [(12.0, [20, 80], 0.0, 3e3), (8.0, [40, 80], 70e3, 100e3)]
     {
         let pair = steep_helix(amount);

@@ -2,22 +2,22 @@
 
 use super::*;
 use crate::fzg::{FZG, c14};
-use gearmesh::compliance::{BeyondModel, Strip, ToothCompliance};
+use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
 use gearmesh::friction::{FrictionLaw, Loss, Sliding, loss_factor_of};
 use gearmesh::gear::Flank;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// Strips that do not know of each other: where forces are prescribed, no more is asked.
+/// Segments that do not know of each other: where forces are prescribed, no more is asked.
 struct Alone;
 
 impl ToothCompliance for Alone {
-    fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
-        Ok(DMatrix::identity(strips.len(), strips.len()) * 1e-8)
+    fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
+        Ok(DMatrix::identity(segments.len(), segments.len()) * 1e-8)
     }
 
-    fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
-        vec![1e-3; strips.len()]
+    fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
+        vec![1e-3; segments.len()]
     }
 }
 

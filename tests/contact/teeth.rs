@@ -397,7 +397,7 @@ fn a_file_keeps_the_teeth_and_a_coast_flank_of_its_own_for_them() {
         let refused = ContactFile::from_bytes(&other.to_bytes()).unwrap_err();
         assert!(refused.contains(reason), "{refused}");
     }
-    // Nodes that do not hold the strips of a pose say so.
+    // Nodes that do not hold the segments of a pose say so.
     let mut few = file.clone();
     let drive = Arc::make_mut(&mut few.drive);
     drive.first_pair += 50;

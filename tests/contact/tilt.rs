@@ -101,14 +101,14 @@ fn a_tilt_closes_helical_flanks_as_two_exact_helicoids() {
         for flank in [Flank::Drive, Flank::Coast] {
             let problem = solver.position(flank, tau, 0.0).unwrap();
             let mut compared = 0;
-            for strip in problem.candidates() {
+            for segment in problem.candidates() {
                 // Off the path of contact the normal is another.
-                if (strip.arms[0] - 1.0).abs() > 1e-6 {
+                if (segment.arms[0] - 1.0).abs() > 1e-6 {
                     continue;
                 }
-                let start = (tau + f64::from(strip.tooth_pair)) * g.base_pitch();
+                let start = (tau + f64::from(segment.tooth_pair)) * g.base_pitch();
                 let exact = Helicoids::new(g, flank, start);
-                for (z, lever) in strip.points().into_iter().zip(strip.levers) {
+                for (z, lever) in segment.points().into_iter().zip(segment.levers) {
                     let expected = exact.closing(z - g.z_ref(), tilt) / tilt;
                     assert!(
                         (lever - expected).abs() < 1e-6,
@@ -133,9 +133,9 @@ fn a_milliradian_closes_along_the_normal_as_another_program_measures_it() {
     let mut on_line = problem
         .candidates()
         .iter()
-        .filter(|strip| strip.tooth_pair == 0 && strip.arms == [1.0; 2]);
-    let strip = on_line.next().unwrap();
-    let ([z0, .., z1], [l0, .., l1]) = (strip.points(), strip.levers);
+        .filter(|segment| segment.tooth_pair == 0 && segment.arms == [1.0; 2]);
+    let segment = on_line.next().unwrap();
+    let ([z0, .., z1], [l0, .., l1]) = (segment.points(), segment.levers);
     let lever = l0 + (l1 - l0) * (g.z_ref() + z - z0) / (z1 - z0);
     for closing in [
         1e-3 * lever,

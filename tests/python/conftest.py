@@ -18,6 +18,11 @@ import gearmesh  # noqa: E402
 from host import Unit  # noqa: E402
 
 
+FORMULATIONS = pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])
+COUPLINGS = pytest.mark.parametrize("coupling", [1, 2, 3], ids=["held", "sequential", "parallel"])
+EXTERNAL_AND_INTERNAL = pytest.mark.parametrize("pair", ["external", "ring2", "ring1"])
+
+
 def swapped(pair):
     """The pair with its gears exchanged: the ring becomes gear 1."""
     out = dict(pair, gear1=pair["gear2"], gear2=pair["gear1"], name=pair["name"] + "-swapped")

@@ -5,12 +5,12 @@ import json
 import gearmesh
 import numpy as np
 import pytest
-from conftest import ALIGNED, PAIRS, QUICK, instances, pair_files
-from differences import directional, evaluate, values_of, variables
+from conftest import ALIGNED, FORMULATIONS, PAIRS, QUICK, instances, pair_files
+from differences import evaluate, variables
 from gearmesh import GearPair
 from host import Unit
 from scipy.optimize import brentq
-from test_tables import FORMULATIONS, press
+from test_tables import press
 
 TABLE, CONTACT, TEETH = 2, 3, 4
 
@@ -18,7 +18,8 @@ TABLE, CONTACT, TEETH = 2, 3, 4
 @pytest.fixture(scope="module")
 def unit(tmp_path_factory):
     file = tmp_path_factory.mktemp("contact") / "external.fmu"
-    unit = Unit(gearmesh.build(pair_files()["external"], file, contact=True, **QUICK, **ALIGNED))
+    made = {"contact": True, "teeth": True, "friction": True, "root_stress": True}
+    unit = Unit(gearmesh.build(pair_files()["external"], file, **made, **QUICK, **ALIGNED))
     yield {"external": unit}
     unit.close()
 
@@ -52,6 +53,22 @@ def test_contact_at_run_time_is_that_of_the_tables(solved, formulation, flank):
         assert z[1] == pytest.approx(z[0], abs=0.1)
 
 
+@FORMULATIONS
+def test_friction_and_root_stress_are_those_of_the_tables(solved, formulation):
+    names = ["mesh.frictionPower", "mesh.lossFactor", "mesh.rootStress1", "mesh.rootStress2"]
+    for phase in np.linspace(0.0, 0.3, 7):
+        found = []
+        for model in (TABLE, CONTACT, TEETH):
+            instance = started(
+                solved, model, formulation=formulation, meshPhase=phase, friction=1, rootStress=1
+            )
+            press(instance, 1.5e-5)
+            instance.set({"gear1.angularVelocity[3]": 100.0})
+            found.append(np.array([instance.get(name) / instance.get("mesh.normalForce") for name in names]))
+        for level in found[1:]:
+            assert level == pytest.approx(found[0], rel=0.05)
+
+
 def test_contact_at_run_time_has_no_axes_and_no_range(solved):
     instance = started(solved, CONTACT, centerDistanceEffect=1, misalignmentEffect=1, shuttlingEffect=1)
     press(instance, 1.5e-5)
@@ -62,37 +79,6 @@ def test_contact_at_run_time_has_no_axes_and_no_range(solved):
     press(instance, 6e-5)
     assert instance.get("mesh.tangentialForce") > 100.0
     assert abs(instance.get("mesh.contactZ") - before) > 1e-3
-
-
-def derivatives_agree(instance, values, rng, bound):
-    """Directional derivatives of the loads by the poses at the inputs `values` against differences, to `bound` of the largest."""
-    outputs = [f"gear{g}.{kind}[{k}]" for g in (1, 2) for kind in ("force", "moment") for k in (1, 2, 3)]
-    moved = [n for n in values if ("position" in n or "angles" in n) and "carrier" not in n]
-    for _ in range(4):
-        seed = rng.normal(size=len(moved))
-        exact = directional(instance, outputs, moved, seed)
-        at = {}
-        for k in (-2, -1, 1, 2):
-            instance.set({n: values[n] + 2e-8 * k * s for n, s in zip(moved, seed)})
-            at[k] = evaluate(instance, outputs)
-        instance.set(values)
-        numeric = (8 * (at[1] - at[-1]) - (at[2] - at[-2])) / (12 * 2e-8)
-        for block in range(4):
-            rows = slice(3 * block, 3 * block + 3)
-            scale = np.abs(numeric[rows]).max()
-            assert np.abs(exact[rows] - numeric[rows]).max() <= bound * scale
-
-
-@FORMULATIONS
-def test_derivatives_of_contact_at_run_time_are_those_of_its_outputs(solved, formulation):
-    effects = {"centerDistanceEffect": 1, "misalignmentEffect": 1, "shuttlingEffect": 1}
-    instance = started(solved, CONTACT, formulation=formulation, **effects)
-    press(instance, 1.5e-5)
-    values = values_of(instance, variables(instance)[0])
-    values["gear2.angles[1]"] += 2e-4
-    values["gear2.position[3]"] += 1e-4
-    instance.set(values)
-    derivatives_agree(instance, values, np.random.default_rng(3), 1e-3)
 
 
 def test_states_of_contact_at_run_time_give_the_same_outputs_again(solved):
@@ -167,10 +153,3 @@ def test_index_errors_show_in_the_fast_level_as_in_contact(toothed):
     assert differ["teeth"][1:61] == pytest.approx(differ["contact"][1:61], abs=0.02)
 
 
-def test_derivatives_of_the_fast_level_are_those_of_its_outputs(toothed):
-    unit = Unit(toothed["differ"])
-    instance = next(instances({"differ": unit}))("differ")
-    instance.initialize({"stiffnessModel": TEETH, "damping": 0.0})
-    press(instance, 1.5e-5)
-    values = values_of(instance, variables(instance)[0])
-    derivatives_agree(instance, values, np.random.default_rng(4), 1e-4)

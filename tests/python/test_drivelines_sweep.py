@@ -14,27 +14,22 @@ sys.path.insert(0, str(ROOT))
 
 from examples.drivelines.files import shipped  # noqa: E402
 from examples.drivelines.sweep import runs  # noqa: E402
-from examples.drivelines.sweep.__main__ import connect, study  # noqa: E402
-from gearmesh.sweep import finished, grid  # noqa: E402
+from examples.drivelines.sweep.__main__ import cases, connect, study  # noqa: E402
+from gearmesh.sweep import finished  # noqa: E402
 
 SCRIPT = f"""
 import sys
 from pathlib import Path
 sys.path[:0] = [{str(ROOT)!r}, {str(ROOT / "tests" / "python")!r}]
-from test_drivelines_sweep import connect, speeds, study, unit
+from test_drivelines_sweep import cases, connect, study, unit
 if __name__ == "__main__":
-    with connect(None, 1) as client:
-        study(unit(), speeds(), Path(sys.argv[1]), client)
+    with connect(sys.argv[1], 0) as client:
+        study(unit(), cases(4), Path(sys.argv[2]), client, batch=1)
 """
 
 
 def unit():
     return shipped("fzg-c", phaseReference="absolute").read_bytes()
-
-
-def speeds():
-    some = [2000.0 + 250.0 * i for i in range(40)]
-    return grid(speed_rpm=some, torque_nm=[100.0], misalignment_mrad=[0.0], center_distance_offset_um=[0.0])
 
 
 @pytest.fixture
@@ -62,28 +57,34 @@ def scheduler(tmp_path):
             process.wait()
 
 
-def test_a_killed_sweep_goes_on_where_it_stopped_on_workers_elsewhere(tmp_path, scheduler):
-    cases, parts = speeds(), tmp_path / "parts"
+def test_a_killed_sweep_goes_on_where_it_stopped_on_workers_elsewhere_bit_equal(tmp_path, scheduler):
+    some, parts = cases(4), tmp_path / "parts"
     (tmp_path / "script.py").write_text(SCRIPT)
-    process = subprocess.Popen([sys.executable, tmp_path / "script.py", parts], start_new_session=True, cwd=tmp_path)
+    process = subprocess.Popen([sys.executable, tmp_path / "script.py", scheduler, parts], start_new_session=True, cwd=tmp_path)
     while not list(parts.glob("*.json")):
         assert process.poll() is None, "the sweep ended before its first result"
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     before = len(dict(finished(parts)))
-    assert 0 < before < len(cases), "the kill came too late to show anything"
+    assert 0 < before < len(some), "the kill came too late to show anything"
 
     seen = []
     with connect(scheduler, 0) as client:
         client.wait_for_workers(2)
-        table = study(unit(), cases, parts, client, lambda done, total: seen.append((done, total)))
-    assert seen[0] == (before, len(cases)) and seen[-1] == (len(cases), len(cases))
-    assert table["speed_rpm"].tolist() == [case["speed_rpm"] for case in cases]
-    rows = [key for key, _ in finished(parts)]
-    assert len(rows) == len(set(rows)) == len(cases)
+        table = study(unit(), some, parts, client, progress=lambda done, total: seen.append((done, total)))
+    assert seen[0] == (before, len(some)) and seen[-1] == (len(some), len(some))
+    keys = [key for key, _ in finished(parts)]
+    assert len(keys) == len(set(keys)) == len(some)
+    at_a_stretch = runs.simulate(unit(), some)
+    rows = [case | result for case, result in zip(some, at_a_stretch)]
+    assert {name: column.tolist() for name, column in table.items()} == {name: [row[name] for row in rows] for name in table}
 
 
-def test_cases_side_by_side_are_those_one_after_the_other():
-    cases = grid(speed_rpm=[4000.0, 9000.0], torque_nm=[100.0], misalignment_mrad=[1.0], center_distance_offset_um=[20.0])
-    assert runs.simulate(unit(), cases) == [row for case in cases for row in runs.simulate(unit(), [case])]
+def test_run_up_and_run_down_keep_their_own_answers():
+    case = {"torque_nm": 200.0, "misalignment_mrad": 0.0, "center_distance_offset_um": 0.0, "speeds": 9}
+    below, above = runs.simulate(unit(), [case | {"first_rpm": a, "last_rpm": b} for a, b in ((8000.0, 12000.0), (12000.0, 8000.0))])
+    assert below["speed_rpm"] == above["speed_rpm"][::-1]
+    factor = dict(zip(below["speed_rpm"], zip(below["dynamic_factor"], above["dynamic_factor"][::-1])))
+    assert factor[9000.0][1] > 2.0 * factor[9000.0][0]
+    assert factor[11500.0][1] == pytest.approx(factor[11500.0][0], rel=0.02)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from test_mechanics import Geometry
-from test_tables import CYCLE, FORMULATIONS, press
+from conftest import FORMULATIONS
+from test_tables import CYCLE, press
 
 OUTPUTS = ["mesh.frictionPower", "mesh.frictionCoefficient", "mesh.lossFactor"]
 

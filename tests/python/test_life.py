@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from conftest import FORMULATIONS, COUPLINGS, EXTERNAL_AND_INTERNAL
 from differences import directional, evaluate, variables
 from host import CO_SIMULATION, DISCARD, ERROR, MODEL_EXCHANGE, OK, EventInfo
 
@@ -212,7 +213,7 @@ def last_successful_time(instance):
     return time.value
 
 
-@pytest.mark.parametrize("coupling", [1, 2, 3], ids=["held", "sequential", "parallel"])
+@COUPLINGS
 def test_a_refused_step_changes_nothing(mesh, coupling):
     instance = mesh().initialize({"coupling": coupling, "gear1.angularVelocity[3]": 1.0})
     assert instance.step(0.0, 1e-5) == OK
@@ -239,8 +240,8 @@ def test_a_refused_step_changes_nothing(mesh, coupling):
     assert [instance.step(now, 1e-5) for _ in range(3)] == [DISCARD, ERROR, ERROR]
 
 
-@pytest.mark.parametrize("formulation", [1, 2], ids=["paper", "conjugate"])
-@pytest.mark.parametrize("pair", ["external", "ring2", "ring1"])
+@FORMULATIONS
+@EXTERNAL_AND_INTERNAL
 @pytest.mark.parametrize("phase", [1, 2], ids=["fromInitialPose", "absolute"])
 def test_derivatives_in_initialization_are_those_of_the_values(mesh, pair, formulation, phase):
     """With the initial pose as the touching one, the phases follow the pose until it is left."""

@@ -253,24 +253,21 @@ def test_the_example_input_turns_the_gears_under_nominal_torque(shipped_fmus, tm
     assert (np.diff(steady["mesh.position"]) % 1.0).sum() == pytest.approx(3.0, abs=0.1)
 
 
-@pytest.mark.parametrize("pair, torque, cosine", [("fzg-c", 302.0, 0.92428), ("palermo2013", 100.0, 0.93678)])
-def test_the_script_of_the_page_on_the_fmu_runs(tmp_path, pair, torque, cosine):
+@pytest.mark.parametrize("pair, torque", [("fzg-c", 302.0), ("palermo2013", 100.0)])
+def test_the_script_of_the_page_on_the_fmu_runs(tmp_path, pair, torque):
     """As a user would: own pair, own FMU, the lines of the page."""
     page = (ROOT / "docs" / "fmu.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", page, re.S)
     assert len(blocks) == 1
-    assert 10 <= len(blocks[0].splitlines()) <= 25
+    assert 10 <= len(blocks[0].splitlines()) <= 20
     (tmp_path / "first.py").write_text(blocks[0])
     gearmesh.pack(TABLES / f"{pair}.json", tmp_path / "pair.fmu")
     run = subprocess.run([sys.executable, "first.py"], cwd=tmp_path, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     assert "Warning" not in run.stdout + run.stderr
-    found, *errors = map(float, re.findall(r"(-?\d+\.\d+) (?:N m|um)", run.stdout))
-    assert found == pytest.approx(torque, rel=0.02)
-    (mean, swing), (mean_loa, swing_loa) = errors[:2], errors[2:]
-    assert mean > swing > 0.0
-    # On the line of action, as `gearmesh solve` has it, smaller by the cosine of the operating pressure angle.
-    assert (mean_loa, swing_loa) == pytest.approx((cosine * mean, cosine * swing), abs=0.01)
+    mean, swing = map(float, re.findall(r"(-?\d+\.\d+) N m", run.stdout))
+    assert mean == pytest.approx(torque, rel=0.02)
+    assert 0.0 < swing < 0.02 * torque
 
 
 def test_the_commands_of_the_units_page_run_with_what_the_package_brings(tmp_path):

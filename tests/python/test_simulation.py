@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from conftest import EXTERNAL_AND_INTERNAL
 from differences import directional, evaluate, variables
 from fmpy import simulate_fmu
 from host import DISCARD, MODEL_EXCHANGE, OK, EventInfo, Unit
@@ -67,26 +68,7 @@ def test_a_unit_runs_from_folders_with_awkward_names(fmus, tmp_path):
         instance.close()
 
 
-@pytest.mark.parametrize("coupling", [1, 2, 3], ids=["held", "sequential", "parallel"])
-def test_inputs_with_derivatives_advance_inside_the_step(mesh, coupling):
-    step, rate = 1e-4, 2.0
-    instance = mesh().initialize({"damping": 0.0, "coupling": coupling})
-    instance.expect(
-        "fmi2SetRealInputDerivatives",
-        instance.references(["gear1.angles[3]"]),
-        ctypes.c_size_t(1),
-        (ctypes.c_int * 1)(1),
-        (ctypes.c_double * 1)(rate),
-    )
-    assert instance.step(0.0, step) == OK
-    reference = mesh().initialize({"damping": 0.0})
-    reference.set({"gear1.angles[3]": rate * step})
-    end = reference.get("gear2.force[2]")
-    assert end > 1000.0
-    assert instance.get("gear2.force[2]") == pytest.approx(end, rel=1e-12)
-
-
-@pytest.mark.parametrize("pair", ["external", "ring2", "ring1"])
+@EXTERNAL_AND_INTERNAL
 @pytest.mark.parametrize("orientation", [1, 2], ids=["angles", "quaternion"])
 def test_without_a_mass_loads_are_the_mean_along_the_velocities(mesh, pair, orientation):
     """Linear stiffness: the mean over a step is the load in its middle, in the step after it for `parallel`."""
@@ -150,28 +132,6 @@ def test_output_derivatives_are_the_rates_of_the_outputs(mesh):
     before, after = (instance_at(t).get(*names) for t in (-step, step))
     numeric = (np.array(after) - before) / (2 * step)
     assert np.array(list(data)) == pytest.approx(numeric, rel=1e-6)
-
-
-def test_model_exchange_gives_what_co_simulation_gives_through_fmpy(fmus, table_fmus):
-    for fmu in (fmus["external"], table_fmus["external-cycle"]):
-        times = np.arange(65) / 2.0**16  # exact in binary, so that both hosts ask at the same times
-        inputs = np.zeros(len(times), dtype=[("time", float), ("gear1.angles[3]", float)])
-        inputs["time"] = times
-        inputs["gear1.angles[3]"] = 3e-4 * np.sin(4e3 * times)
-        common = dict(
-            filename=str(fmu),
-            stop_time=times[-1],
-            output_interval=times[1],
-            input=inputs,
-            output=OUTPUTS,
-        )
-        exchange = simulate_fmu(fmi_type="ModelExchange", solver="Euler", step_size=times[1], **common)
-        steps = simulate_fmu(fmi_type="CoSimulation", **common)
-        assert len(exchange) == len(times) == len(steps)
-        assert np.abs(exchange["gear2.moment[3]"]).max() > 1.0
-        for name in OUTPUTS:
-            # A step's result at t + h belongs to the inputs at t: that is fmpy's way with co-simulation.
-            assert np.array_equal(exchange[name][:-1], steps[name][1:]), name
 
 
 def test_model_exchange_answers_at_every_stage_and_goes_on_after_a_point_that_is_none(mesh):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import COUPLINGS
 from host import ERROR, OK
 
 STEP = 1e-5
@@ -50,7 +51,7 @@ def test_the_first_sample_belongs_to_the_initial_inputs(mesh):
     assert force[1] > 1000.0
 
 
-@pytest.mark.parametrize("coupling", [1, 2, 3], ids=["held", "sequential", "parallel"])
+@COUPLINGS
 def test_a_restored_state_repeats_what_followed_it(mesh, coupling):
     instance = mesh().initialize({"gear1.angles[3]": 0.01, "coupling": coupling})
     run(instance, 10)

@@ -6,17 +6,13 @@ import math
 import gearmesh
 import numpy as np
 import pytest
-from conftest import QUICK, pair_files
-from differences import check_derivatives, evaluate, values_of, variables
-from host import OK
+from conftest import FORMULATIONS, QUICK, pair_files
+from differences import check_derivatives, values_of, variables
 from test_mechanics import Geometry
-from test_state import STEP, goes_on_elsewhere, run
+from test_state import goes_on_elsewhere
 
-EFFECTS = ["centerDistanceEffect", "misalignmentEffect", "shuttlingEffect"]
-PAPER, CONJUGATE = 1, 2
 INTERPOLATIONS = LINEAR, SPLINE, SHEPARD = 1, 2, 3
 EVERY_INTERPOLATION = pytest.mark.parametrize("interpolation", INTERPOLATIONS, ids=["linear", "spline", "shepard"])
-FORMULATIONS = pytest.mark.parametrize("formulation", [PAPER, CONJUGATE], ids=["paper", "conjugate"])
 FULL = ["external-all", "ring2-all"]
 CYCLE = ["external-cycle", "ring2-cycle"]
 TORQUE = 100.0
@@ -71,32 +67,6 @@ def solved():
 
 
 @FORMULATIONS
-@pytest.mark.parametrize("pair", FULL)
-def test_every_combination_of_effects_gives_finite_balanced_wrenches(table_mesh, pair, formulation):
-    for on in itertools.product([0, 1], repeat=3):
-        for load_dependent, interpolation in itertools.product((1, 0), INTERPOLATIONS):
-            instance = table_mesh(pair)
-            g = Geometry(instance.unit)
-            choices = {"loadDependent": load_dependent, "interpolation": interpolation}
-            effects = dict(zip(EFFECTS, on))
-            instance.initialize({**effects, **choices, "formulation": formulation})
-            c = instance.get("gear2.position[1]")
-            instance.set({"gear2.position[1]": c + 2e-5, "gear2.angles[1]": 4e-4})
-            press(instance, 1.5e-5)
-            assert instance.step(0.0, STEP) == OK, instance.log()
-            f1, f2 = (np.array(instance.vector(f"gear{i}.force")) for i in (1, 2))
-            m1, m2 = (np.array(instance.vector(f"gear{i}.moment")) for i in (1, 2))
-            _, outputs = variables(instance)
-            assert np.all(np.isfinite(evaluate(instance, outputs)))
-            assert np.array_equal(f1, -f2) and np.linalg.norm(f1) > 500.0
-            # About the origin of gear 1 the pair of wrenches balances.
-            arm = np.array(instance.vector("gear2.position"))
-            scale = np.linalg.norm(f1) * g.c
-            assert m1 + m2 + np.cross(arm, f2) == pytest.approx(np.zeros(3), abs=1e-10 * scale)
-            assert instance.get("mesh.outOfRange") == 0
-
-
-@FORMULATIONS
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 @pytest.mark.parametrize("pair", CYCLE)
 def test_the_unit_carries_the_nominal_torque_at_the_static_transmission_error(
@@ -116,22 +86,6 @@ def test_the_unit_carries_the_nominal_torque_at_the_static_transmission_error(
         assert found == pytest.approx(static.ste_loa_um[i], rel=4e-3)
         z = 1e3 * instance.get("mesh.contactZ")
         assert z == pytest.approx(static.contact_z_mm[i], abs=0.05)
-
-
-@pytest.mark.parametrize("pair", CYCLE)
-def test_constant_load_is_the_secant_stiffness_at_nominal_torque(table_mesh, solved, pair):
-    """Paper, (21): k = F / STE at the nominal load, whatever the load is."""
-    static = solved[pair.removesuffix("-cycle"), "drive"]
-    for torque in (10.0, TORQUE, 150.0):
-        for i in (0, 3, 6):
-            position = static.mesh_position[i]
-            instance = under_torque(table_mesh, pair, position, torque, loadDependent=0, formulation=PAPER)
-            g = Geometry(instance.unit)
-            along_line = g.rw[0] * math.cos(g.phi)
-            k = TORQUE / along_line / (1e-6 * static.ste_loa_um[i]) * math.cos(g.phi) ** 2
-            assert instance.get("mesh.stiffness") == pytest.approx(k, rel=4e-3)
-            force = instance.get("mesh.stiffness") * instance.get("mesh.transmissionError")
-            assert instance.get("mesh.tangentialForce") == pytest.approx(force, rel=1e-9)
 
 
 def scan(instance, name, values, force):
@@ -258,19 +212,6 @@ def test_interpolations_differ_by_the_error_of_the_table_alone(table_mesh):
         forces.append(instance.get("mesh.tangentialForce"))
     assert len(set(forces)) == len(INTERPOLATIONS)
     assert forces == pytest.approx([forces[1]] * len(forces), rel=0.02)
-
-
-def test_two_pairs_with_tables_run_at_once(table_mesh):
-    alone = {}
-    for pair in FULL:
-        instance = table_mesh(pair).initialize()
-        alone[pair] = run(instance, 20)
-    both = {pair: table_mesh(pair).initialize() for pair in FULL}
-    mixed = {pair: [] for pair in FULL}
-    for i in range(20):
-        for pair, instance in both.items():
-            mixed[pair] += run(instance, 1, first=i)
-    assert mixed == alone and alone[FULL[0]] != alone[FULL[1]]
 
 
 @pytest.mark.parametrize("pair", FULL)

@@ -10,7 +10,6 @@ import json
 import shutil
 from pathlib import Path
 
-import gearmesh
 import numpy as np
 import pytest
 from conftest import ROOT
@@ -97,7 +96,3 @@ def test_a_unit_packed_by_version_0_1_0_gives_the_outputs_it_gave_then(old):
         instance.close()
 
 
-def test_units_and_tables_of_helical_gears_of_version_0_1_0_are_refused_by_name():
-    for file in ("pair.fmu", "tables.json"):
-        with pytest.raises(gearmesh.CommandError, match="tables of helical gears"):
-            gearmesh.inspect(DATA / file)

@@ -11,53 +11,56 @@
 //!
 //! with J_p about the axis a and J_t across it. A gear without a bearing gets neither force nor moment but about its axis.
 
+use crate::Result;
 use gearmesh::element::{
-    Coupling, Element, ElementError, Inputs, Latch, Loads, Motion, Outputs, Step, StepRequest, Workspace,
+    Coupling, Element, Inputs, Latch, Loads, Motion, Outputs, Step, StepRequest, Workspace,
 };
 use gearmesh::gear::PairGeometry;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::cell::RefCell;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Numbers per gear: position 3, quaternion w x y z 4, velocity 3, angular momentum 3.
-pub const GEAR_STATES: usize = 13;
-/// Numbers of both gears.
-pub const STATES: usize = 2 * GEAR_STATES;
-/// State of both gears.
-pub type State = [f64; STATES];
-
-/// State of one gear, taken apart.
+/// State of one gear, or its rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GearState {
     /// Position of the centre of mass, m, W.
     pub p: Vector3<f64>,
-    /// Orientation R_WG.
-    pub q: UnitQuaternion<f64>,
+    /// Orientation R_WG, not normalised.
+    pub q: Quaternion<f64>,
     /// Velocity of the centre of mass, m/s.
     pub v: Vector3<f64>,
     /// Angular momentum about the centre of mass, kg m^2/s, W.
     pub l: Vector3<f64>,
 }
 
-/// Gear `i` (0 or 1) of `state`.
-pub fn gear_state(state: &State, i: usize) -> GearState {
-    let s = &state[i * GEAR_STATES..(i + 1) * GEAR_STATES];
-    GearState {
-        p: Vector3::new(s[0], s[1], s[2]),
-        q: UnitQuaternion::new_normalize(Quaternion::new(s[3], s[4], s[5], s[6])),
-        v: Vector3::new(s[7], s[8], s[9]),
-        l: Vector3::new(s[10], s[11], s[12]),
-    }
-}
+/// State of both gears.
+pub type State = [GearState; 2];
 
-/// Put gear `i` (0 or 1) into `state`.
-pub fn set_gear_state(state: &mut State, i: usize, gear: &GearState) {
-    let s = &mut state[i * GEAR_STATES..(i + 1) * GEAR_STATES];
-    s[0..3].copy_from_slice(gear.p.as_slice());
-    s[3] = gear.q.w;
-    s[4..7].copy_from_slice(gear.q.imag().as_slice());
-    s[7..10].copy_from_slice(gear.v.as_slice());
-    s[10..13].copy_from_slice(gear.l.as_slice());
+impl GearState {
+    /// R_WG.
+    pub fn orientation(&self) -> UnitQuaternion<f64> {
+        UnitQuaternion::new_normalize(self.q)
+    }
+
+    fn axis(&self) -> Vector3<f64> {
+        self.orientation() * Vector3::z()
+    }
+
+    /// Angle of rotation about world z (twist of the swing-twist decomposition), [-pi, pi).
+    pub fn twist(&self) -> f64 {
+        let angle = 2.0 * self.q.k.atan2(self.q.w);
+        angle - TAU * (angle / TAU).round()
+    }
+
+    fn ahead(&self, rate: &Self, h: f64) -> Self {
+        Self {
+            p: self.p + rate.p * h,
+            q: self.q + rate.q * h,
+            v: self.v + rate.v * h,
+            l: self.l + rate.l * h,
+        }
+    }
 }
 
 /// What moves or loads a gear about its axis.
@@ -93,6 +96,17 @@ pub struct Bearing {
     pub tilt_damping: f64,
 }
 
+impl Bearing {
+    /// Without damping.
+    pub fn springs(stiffness: [f64; 3], tilt_stiffness: f64) -> Self {
+        Self {
+            stiffness,
+            tilt_stiffness,
+            ..Self::default()
+        }
+    }
+}
+
 /// Mass, kg, and moments of inertia about and across the axis, kg m^2, of every gear: those behind the paper's Table 2.
 pub const MASS: f64 = 0.8;
 pub const INERTIA: f64 = 4.213e-4;
@@ -114,7 +128,12 @@ impl Gear {
     /// Gear `i` of `pair`, which only spins.
     pub fn new(pair: &PairGeometry, i: usize, spin: Spin) -> Self {
         let origin = Vector3::new(pair.center_distance, 0.0, pair.gears[1].face_offset) * i as f64;
-        Self { center_of_mass: 0.0, origin, bearing: None, spin }
+        Self {
+            center_of_mass: 0.0,
+            origin,
+            bearing: None,
+            spin,
+        }
     }
 
     fn rest(&self) -> Vector3<f64> {
@@ -135,83 +154,108 @@ pub struct Scene {
 
 impl Scene {
     /// A scene that starts in the element's nominal pose, with its latch taken there.
-    pub fn new(element: Element, gears: [Gear; 2]) -> Result<Self, ElementError> {
+    pub fn new(element: Element, gears: [Gear; 2]) -> Result<Self> {
         let latch = element.latch(&element.nominal_inputs())?;
-        Ok(Self { element, latch, gears, workspace: RefCell::default() })
+        Ok(Self {
+            element,
+            latch,
+            gears,
+            workspace: RefCell::default(),
+        })
     }
 
     /// At rest, apart from imposed speeds, with zero angles.
     pub fn rest(&self) -> State {
-        let mut state = [0.0; STATES];
-        for (i, gear) in self.gears.iter().enumerate() {
+        self.gears.each_ref().map(|gear| {
             let spin = match &gear.spin {
                 Spin::Torque(_) => 0.0,
                 Spin::Speed(f) => f(0.0),
             };
-            let (q, l) = (UnitQuaternion::identity(), Vector3::z() * (spin * INERTIA));
-            set_gear_state(&mut state, i, &GearState { p: gear.rest(), q, v: Vector3::zeros(), l });
-        }
-        state
+            GearState {
+                p: gear.rest(),
+                q: Quaternion::identity(),
+                v: Vector3::zeros(),
+                l: Vector3::z() * (spin * INERTIA),
+            }
+        })
     }
 
     /// `state` with gear `i` turned about its axis by `angle` (rad) and spinning at `rate` (rad/s).
     pub fn with_spin(&self, state: &State, i: usize, angle: f64, rate: f64) -> State {
         let mut out = *state;
-        let mut g = gear_state(state, i);
-        g.q *= UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-        let a = g.q * Vector3::z();
-        g.l += a * (INERTIA * rate - g.l.dot(&a));
-        set_gear_state(&mut out, i, &g);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        out[i].q *= turn.into_inner();
+        let a = out[i].axis();
+        out[i].l += a * (INERTIA * rate - out[i].l.dot(&a));
         out
     }
 
     /// Angular velocity of gear `i`, rad/s, W.
-    pub fn angular_velocity(&self, t: f64, i: usize, g: &GearState) -> Vector3<f64> {
-        let gear = &self.gears[i];
-        let a = g.q * Vector3::z();
+    fn angular_velocity(&self, t: f64, i: usize, g: &GearState) -> Vector3<f64> {
+        let (gear, a) = (&self.gears[i], g.axis());
         let along = g.l.dot(&a);
         let spin = match &gear.spin {
             Spin::Torque(_) => along / INERTIA,
             Spin::Speed(f) => f(t),
         };
         let across = (g.l - a * along) / TRANSVERSE_INERTIA;
-        if gear.bearing.is_some() { a * spin + across } else { a * spin }
+        if gear.bearing.is_some() {
+            a * spin + across
+        } else {
+            a * spin
+        }
     }
 
     /// The element's inputs at `state`; the carrier is the world.
     pub fn inputs(&self, t: f64, state: &State) -> Inputs {
         Inputs {
             gears: [0, 1].map(|i| {
-                let g = gear_state(state, i);
-                let w = self.angular_velocity(t, i, &g);
-                let r = *g.q.to_rotation_matrix().matrix();
+                let g = &state[i];
+                let w = self.angular_velocity(t, i, g);
+                let r = *g.orientation().to_rotation_matrix().matrix();
                 let arm = r.column(2) * -self.gears[i].center_of_mass;
-                Motion { p: g.p + arm, r, v: g.v + w.cross(&arm), w }
+                Motion {
+                    p: g.p + arm,
+                    r,
+                    v: g.v + w.cross(&arm),
+                    w,
+                }
             }),
             carrier: Motion::default(),
         }
     }
 
     /// Contact loads at `state`.
-    pub fn contact(&self, t: f64, state: &State) -> Result<Outputs, ElementError> {
-        self.element.evaluate_from(&self.latch, &self.inputs(t, state), &mut self.workspace.borrow_mut())
+    pub fn contact(&self, t: f64, state: &State) -> Result<Outputs> {
+        Ok(self.element.evaluate_from(
+            &self.latch,
+            &self.inputs(t, state),
+            &mut self.workspace.borrow_mut(),
+        )?)
     }
 
     /// Rates of `state` with the contact's `force` and `moment` (about each gear's origin) given.
-    pub fn rates(&self, t: f64, state: &State, force: &[Vector3<f64>; 2], moment: &[Vector3<f64>; 2]) -> State {
-        let mut rates = [0.0; STATES];
+    pub fn rates(
+        &self,
+        t: f64,
+        state: &State,
+        force: &[Vector3<f64>; 2],
+        moment: &[Vector3<f64>; 2],
+    ) -> State {
+        let mut rates = *state;
         for (i, gear) in self.gears.iter().enumerate() {
-            let g = gear_state(state, i);
-            let w = self.angular_velocity(t, i, &g);
-            let a = g.q * Vector3::z();
+            let g = &state[i];
+            let (w, a) = (self.angular_velocity(t, i, g), g.axis());
             let mut total = force[i];
             let mut about = moment[i] - (a * gear.center_of_mass).cross(&force[i]);
             if let Spin::Torque(f) = &gear.spin {
                 about += (a + Vector3::z()) / (1.0 + a.z) * f(t, w.dot(&a));
             }
             if let Some(b) = &gear.bearing {
-                total -= Vector3::from(b.stiffness).component_mul(&(g.p - gear.rest())) + g.v * b.damping;
-                about += a.cross(&Vector3::z()) * b.tilt_stiffness - (w - a * w.dot(&a)) * b.tilt_damping;
+                total -= Vector3::from(b.stiffness).component_mul(&(g.p - gear.rest()))
+                    + g.v * b.damping;
+                about += a.cross(&Vector3::z()) * b.tilt_stiffness
+                    - (w - a * w.dot(&a)) * b.tilt_damping;
             } else {
                 total = Vector3::zeros();
                 about = a * about.dot(&a);
@@ -219,18 +263,18 @@ impl Scene {
             if matches!(gear.spin, Spin::Speed(_)) {
                 about -= a * about.dot(&a);
             }
-            let turn = Quaternion::from_imag(w * 0.5) * g.q.quaternion();
-            let s = &mut rates[i * GEAR_STATES..(i + 1) * GEAR_STATES];
-            s[0..3].copy_from_slice(g.v.as_slice());
-            s[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
-            s[7..10].copy_from_slice((total / MASS).as_slice());
-            s[10..13].copy_from_slice(about.as_slice());
+            rates[i] = GearState {
+                p: g.v,
+                q: Quaternion::from_imag(w * 0.5) * g.orientation().into_inner(),
+                v: total / MASS,
+                l: about,
+            };
         }
         rates
     }
 
     /// `state` one step `h` (s) of the classical Runge-Kutta method after `t`, the contact evaluated at every stage.
-    pub fn step(&self, t: f64, state: &State, h: f64) -> Result<State, ElementError> {
+    pub fn step(&self, t: f64, state: &State, h: f64) -> Result<State> {
         runge_kutta_4(t, state, h, |t, y| {
             let out = self.contact(t, y)?;
             Ok(self.rates(t, y, &out.force, &out.moment))
@@ -238,18 +282,19 @@ impl Scene {
     }
 
     /// Kinetic energy, energy of the bearings and elastic energy of the mesh, J.
-    pub fn energy(&self, t: f64, state: &State) -> Result<f64, ElementError> {
+    pub fn energy(&self, t: f64, state: &State) -> Result<f64> {
         let mut energy = self.contact(t, state)?.energy;
         for (i, gear) in self.gears.iter().enumerate() {
-            let g = gear_state(state, i);
-            let a = g.q * Vector3::z();
-            let w = self.angular_velocity(t, i, &g);
+            let g = &state[i];
+            let (w, a) = (self.angular_velocity(t, i, g), g.axis());
             let spin = w.dot(&a);
             let across = (w - a * spin).norm_squared();
-            energy += 0.5 * (MASS * g.v.norm_squared() + TRANSVERSE_INERTIA * across + INERTIA * spin * spin);
+            energy += 0.5
+                * (MASS * g.v.norm_squared() + TRANSVERSE_INERTIA * across + INERTIA * spin * spin);
             if let Some(b) = &gear.bearing {
                 let displacement = g.p - gear.rest();
-                energy += 0.5 * displacement.dot(&Vector3::from(b.stiffness).component_mul(&displacement));
+                energy += 0.5
+                    * displacement.dot(&Vector3::from(b.stiffness).component_mul(&displacement));
                 // Moment a × z times the stiffness is the gradient of 1 - a . z = |a - z|^2 / 2.
                 energy += 0.5 * b.tilt_stiffness * (a - Vector3::z()).norm_squared();
             }
@@ -258,20 +303,22 @@ impl Scene {
     }
 }
 
-/// Angle of rotation about world z (twist of the swing-twist decomposition), [-pi, pi).
-pub fn twist(q: &UnitQuaternion<f64>) -> f64 {
-    let angle = 2.0 * q.k.atan2(q.w);
-    angle - std::f64::consts::TAU * (angle / std::f64::consts::TAU).round()
-}
-
 /// One classical Runge-Kutta step of y' = f(t, y).
-fn runge_kutta_4<E>(t: f64, y: &State, h: f64, f: impl Fn(f64, &State) -> Result<State, E>) -> Result<State, E> {
-    let ahead = |k: &State, h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
+fn runge_kutta_4(
+    t: f64,
+    y: &State,
+    h: f64,
+    f: impl Fn(f64, &State) -> Result<State>,
+) -> Result<State> {
+    let ahead = |y: &State, k: &State, h: f64| [0, 1].map(|i| y[i].ahead(&k[i], h));
     let k1 = f(t, y)?;
-    let k2 = f(t + 0.5 * h, &ahead(&k1, 0.5 * h))?;
-    let k3 = f(t + 0.5 * h, &ahead(&k2, 0.5 * h))?;
-    let k4 = f(t + h, &ahead(&k3, h))?;
-    Ok(std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])))
+    let k2 = f(t + 0.5 * h, &ahead(y, &k1, 0.5 * h))?;
+    let k3 = f(t + 0.5 * h, &ahead(y, &k2, 0.5 * h))?;
+    let k4 = f(t + h, &ahead(y, &k3, h))?;
+    let weighted = [(k1, 1.0), (k2, 2.0), (k3, 2.0), (k4, 1.0)];
+    Ok(weighted
+        .iter()
+        .fold(*y, |y, (k, weight)| ahead(&y, k, weight * h / 6.0)))
 }
 
 /// Order in which a master lets both sides step.
@@ -296,7 +343,11 @@ pub struct Way {
 impl Way {
     /// Held loads.
     pub fn held(master: Master) -> Self {
-        Self { master, coupling: Coupling::Held, effective_mass: 0.0 }
+        Self {
+            master,
+            coupling: Coupling::Held,
+            effective_mass: 0.0,
+        }
     }
 
     /// Predicted loads.
@@ -305,7 +356,11 @@ impl Way {
             Master::Sequential => Coupling::Sequential,
             Master::Parallel => Coupling::Parallel,
         };
-        Self { master, coupling, effective_mass }
+        Self {
+            master,
+            coupling,
+            effective_mass,
+        }
     }
 }
 
@@ -329,20 +384,38 @@ pub struct CoSimulation<'a> {
 impl<'a> CoSimulation<'a> {
     /// Start at `state` and time zero, with communication step `step` (s) that the gears' own integrator
     /// divides into `substeps`.
-    pub fn new(scene: &'a Scene, way: Way, state: State, step: f64, substeps: usize) -> Result<Self, ElementError> {
+    pub fn new(
+        scene: &'a Scene,
+        way: Way,
+        state: State,
+        step: f64,
+        substeps: usize,
+    ) -> Result<Self> {
         let loads = Loads::at(&scene.contact(0.0, &state)?);
-        Ok(Self { scene, way, step, substeps, time: 0.0, state, loads, last: None })
+        Ok(Self {
+            scene,
+            way,
+            step,
+            substeps,
+            time: 0.0,
+            state,
+            loads,
+            last: None,
+        })
     }
 
     /// One communication step.
-    pub fn advance(&mut self) -> Result<(), ElementError> {
-        let Way { master, coupling, effective_mass } = self.way;
-        let request = StepRequest { coupling, length: self.step, effective_mass };
+    pub fn advance(&mut self) -> Result<()> {
+        let request = StepRequest {
+            coupling: self.way.coupling,
+            length: self.step,
+            effective_mass: self.way.effective_mass,
+        };
         let inputs = self.scene.inputs(self.time, &self.state);
         let (element, latch) = (&self.scene.element, &self.scene.latch);
         let workspace = &mut self.scene.workspace.borrow_mut();
         let predicted = element.predict(latch, &inputs, self.last.as_ref(), &request, workspace)?;
-        let acting = match master {
+        let acting = match self.way.master {
             Master::Sequential => predicted.loads,
             Master::Parallel => self.loads,
         };
@@ -351,7 +424,7 @@ impl<'a> CoSimulation<'a> {
         let (force, moment) = ([part(0), part(6)], [part(3), part(9)]);
         let h = self.step / self.substeps as f64;
         for n in 0..self.substeps {
-            let rates = |t: f64, y: &State| Ok::<_, ElementError>(self.scene.rates(t, y, &force, &moment));
+            let rates = |t: f64, y: &State| Ok(self.scene.rates(t, y, &force, &moment));
             self.state = runge_kutta_4(self.time + n as f64 * h, &self.state, h, rates)?;
         }
         self.time += self.step;

@@ -16,7 +16,9 @@ pub mod timing;
 use std::path::PathBuf;
 
 /// Whatever a measurement may fail with.
-pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error + Send + Sync>>;
+pub type Error = Box<dyn std::error::Error + Send + Sync>;
+/// What a measurement gives.
+pub type Result<T> = std::result::Result<T, Error>;
 
 /// What every chapter is run with.
 #[derive(Default)]

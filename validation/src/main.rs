@@ -1,8 +1,10 @@
 //! Writes the tables of docs/data.
 
+use clap::Parser;
 use gearmesh_validation::data::Data;
+use gearmesh_validation::finite_elements::{self, cost};
 use gearmesh_validation::{
-    Chapter, Context, Result, contact_at_run_time, finite_elements, in_repository, speed_accuracy, stability,
+    Chapter, Context, Result, contact_at_run_time, in_repository, speed_accuracy, stability,
 };
 use std::path::PathBuf;
 use std::time::Instant;
@@ -14,53 +16,53 @@ const FOLDERS: [(&str, &[(&str, Chapter)]); 4] = [
     ("contact-at-run-time", &contact_at_run_time::CHAPTERS),
 ];
 
-const HELP: &str = "gearmesh-validation [--quick] [--data FOLDER] [--python PROGRAM] [CHAPTER...]
-
-A CHAPTER is FOLDER/CHAPTER or its beginning; without one, all are run. Folders are those of docs/data.
-
-  --quick           fewer points and coarser elements: for trying out, not for the record
-  --data FOLDER     where tables go; docs/data unless given
-  --python PROGRAM  interpreter that has fmpy; .venv/bin/python unless given
-";
+/// Measures what docs/ says of gearmesh.
+#[derive(Parser)]
+struct Arguments {
+    /// FOLDER/CHAPTER or its beginning, with the folders of docs/data; all where none is given.
+    chapters: Vec<String>,
+    /// Fewer points and coarser elements: for trying out, not for the record.
+    #[arg(long)]
+    quick: bool,
+    /// Where tables go; docs/data unless given.
+    #[arg(long)]
+    data: Option<PathBuf>,
+    /// Interpreter that has fmpy.
+    #[arg(long, default_value = ".venv/bin/python")]
+    python: String,
+    /// Of the chapter on cost, which measures memory in a process of its own.
+    #[arg(long, hide = true, num_args = 2)]
+    measure: Option<Vec<String>>,
+}
 
 fn main() -> Result<()> {
-    let mut context = Context { python: ".venv/bin/python".into(), ..Context::default() };
-    let mut data = in_repository("docs/data");
-    let mut wanted = vec![];
-    let mut arguments = std::env::args().skip(1);
-    while let Some(argument) = arguments.next() {
-        let mut value = || arguments.next().ok_or(format!("{argument} takes a value"));
-        match argument.as_str() {
-            "--quick" => context.quick = true,
-            "--data" => data = PathBuf::from(value()?),
-            "--python" => context.python = value()?,
-            // Of the chapter on cost, which measures memory in a process of its own.
-            "--measure" => return finite_elements::cost::measure(&value()?, &value()?),
-            "--help" => {
-                print!("{HELP}{}", names());
-                return Ok(());
-            }
-            _ if names().lines().any(|name| name.trim().starts_with(&argument)) => wanted.push(argument),
-            _ => return Err(format!("{argument}: no such option or chapter; the chapters are\n{}", names()).into()),
-        }
+    let arguments = Arguments::parse();
+    if let Some(measure) = arguments.measure {
+        return cost::measure(&measure[0], &measure[1]);
     }
+    let mut context = Context::default();
+    (context.quick, context.python) = (arguments.quick, arguments.python);
+    let chosen = arguments.chapters;
+    let data = arguments.data.unwrap_or_else(|| in_repository("docs/data"));
     let start = Instant::now();
+    let mut known = vec![];
     for (folder, chapters) in FOLDERS {
         for (chapter, run) in chapters {
-            let name = format!("{folder}/{chapter}");
-            if wanted.is_empty() || wanted.iter().any(|wanted| name.starts_with(wanted.as_str())) {
-                eprintln!("[{:6.1} s] {name}", start.elapsed().as_secs_f64());
-                run(&context, &Data(data.join(folder)))?;
-            }
+            known.push((format!("{folder}/{chapter}"), folder, run));
+        }
+    }
+    let chosen_names = |name: &str| chosen.iter().any(|begin| name.starts_with(begin));
+    for begin in &chosen {
+        if !known.iter().any(|(name, ..)| name.starts_with(begin)) {
+            let names: Vec<_> = known.iter().map(|(name, ..)| name.as_str()).collect();
+            return Err(format!("{begin}: no such chapter, only {}", names.join(", ")).into());
+        }
+    }
+    for (name, folder, run) in &known {
+        if chosen.is_empty() || chosen_names(name) {
+            eprintln!("[{:6.1} s] {name}", start.elapsed().as_secs_f64());
+            run(&context, &Data(data.join(folder)))?;
         }
     }
     Ok(())
-}
-
-/// The chapters, one on each line.
-fn names() -> String {
-    let of_folder = |(folder, chapters): (&str, &[(&str, Chapter)])| {
-        chapters.iter().map(|(chapter, _)| format!("  {folder}/{chapter}\n")).collect::<String>()
-    };
-    FOLDERS.into_iter().map(of_folder).collect()
 }

@@ -4,19 +4,20 @@
 #[path = "../../tests/common/gears.rs"]
 mod gears;
 
-use crate::data::even;
 use crate::{Result, in_repository};
 use gearmesh::compliance::ToothCompliance;
-use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
+use gearmesh::contact::{ContactFile, ContactResult, ContactSettings, ContactSolver};
 use gearmesh::gear::{Flank, GearKind, PairGeometry};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh::random::Random;
-use gearmesh::table::{Axes, FlankGrid, Query, Table, TableFile};
-use gearmesh_preprocessor::contact::contact_file;
-use gearmesh_preprocessor::contact::{CycleInput, MeshCycle};
+use gearmesh::table::{Axes, FlankGrid, Query, Table, TableFile, TeethRecord};
+use gearmesh_preprocessor::contact::{CycleInput, MeshCycle, contact_file};
 use gearmesh_preprocessor::finite_element::{ModelCache, PairCompliance, Settings};
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::{Coverage, Watch, default_axes, displacement_nodes, mesh_positions, sweep};
+use gearmesh_preprocessor::table::{
+    Coverage, TeethSweep, Watch, default_axes, default_teeth_axes, displacement_nodes,
+    mesh_positions, sweep,
+};
 use gears::{gear, paper_pair, thinned};
 use rayon::prelude::*;
 use std::cell::RefCell;
@@ -24,23 +25,45 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// The pairs in resources/pairs.
-pub const SHIPPED: [&str; 5] = ["palermo2013", "palermo2013-unmodified", "fzg-c", "helical-25-47", "planet-ring-27-84"];
+pub const SHIPPED: [&str; 5] = [
+    "palermo2013",
+    "palermo2013-unmodified",
+    "fzg-c",
+    "helical-25-47",
+    "planet-ring-27-84",
+];
 
 /// The pair file resources/pairs/`name`.json.
 pub fn shipped(name: &str) -> Result<Pair> {
-    Ok(pair::read(in_repository(&format!("resources/pairs/{name}.json")))?)
+    Ok(pair::read(in_repository(&format!(
+        "resources/pairs/{name}.json"
+    )))?)
 }
 
 /// The same at another level of refinement.
 pub fn shipped_at(name: &str, refinement: Refinement) -> Result<Pair> {
-    Ok(Pair { refinement, ..shipped(name)? })
+    Ok(Pair {
+        refinement,
+        ..shipped(name)?
+    })
 }
 
 /// The paper's pair, each tooth thinned by 30 um on the base circle, and a ring of 61 teeth as its gear 2.
 pub fn external_and_internal() -> [PairGeometry; 2] {
-    let gears = [gear(GearKind::External, 20, 1.0, 13.0, 0.0), gear(GearKind::Ring, 61, 1.0, 13.0, 0.0)];
-    let center_distance = gears[1].reference_radius() - gears[0].reference_radius();
-    [paper_pair(1.0), PairGeometry { gears, center_distance }].map(|pair| thinned(pair, 30e-6))
+    let external = gear(GearKind::External, 20, 1.0, 13.0, 0.0);
+    let ring = gear(GearKind::Ring, 61, 1.0, 13.0, 0.0);
+    let center_distance = ring.reference_radius() - external.reference_radius();
+    let gears = [external, ring];
+    let internal = PairGeometry {
+        gears,
+        center_distance,
+    };
+    [paper_pair(1.0), internal].map(|pair| thinned(pair, 30e-6))
+}
+
+/// Angle of gear 2 over that of gear 1 in mesh.
+pub fn ratio(pair: &PairGeometry) -> f64 {
+    -pair.e() * pair.gears[0].z() / pair.gears[1].z()
 }
 
 /// Elastic models computed so far in this run.
@@ -50,36 +73,49 @@ pub struct Models(RefCell<Vec<(PairGeometry, Settings, PairCompliance)>>);
 impl Models {
     /// The models of `pair` with `settings`.
     pub fn get(&self, pair: &Pair, settings: &Settings) -> Result<PairCompliance> {
-        let known = self.0.borrow().iter().find(|k| k.0 == pair.geometry && k.1 == *settings).map(|k| k.2.clone());
-        if let Some(models) = known {
-            return Ok(models);
+        let same = |k: &&(PairGeometry, _, _)| k.0 == pair.geometry && k.1 == *settings;
+        if let Some((_, _, models)) = self.0.borrow().iter().find(same) {
+            return Ok(models.clone());
         }
         let models = compute(pair, settings)?;
-        self.0.borrow_mut().push((pair.geometry.clone(), *settings, models.clone()));
+        let entry = (pair.geometry.clone(), *settings, models.clone());
+        self.0.borrow_mut().push(entry);
         Ok(models)
     }
 
     /// Solver of `pair` at its level of refinement.
     pub fn solver(&self, pair: &Pair) -> Result<ContactSolver> {
-        solver(pair, &self.get(pair, &Settings::for_pair(pair))?, ContactSettings::for_pair(pair))
+        let models = self.get(pair, &Settings::for_pair(pair))?;
+        solver(pair, &models, ContactSettings::for_pair(pair))
     }
 }
 
 /// Elastic models of both gears, computed here.
 pub fn compute(pair: &Pair, settings: &Settings) -> Result<PairCompliance> {
-    Ok(PairCompliance::new(&pair.geometry, settings, None, &|_, _, _| true)?)
+    let go_on = |_, _, _| true;
+    Ok(PairCompliance::new(&pair.geometry, settings, None, &go_on)?)
 }
 
 /// Solver of `pair` on `models`.
-pub fn solver(pair: &Pair, models: &PairCompliance, contact: ContactSettings) -> Result<ContactSolver> {
-    let compliance = models.gears.clone().map(|gear| gear as Arc<dyn ToothCompliance>);
+pub fn solver(
+    pair: &Pair,
+    models: &PairCompliance,
+    contact: ContactSettings,
+) -> Result<ContactSolver> {
+    let gears = models.gears.clone();
+    let compliance = gears.map(|gear| gear as Arc<dyn ToothCompliance>);
     Ok(ContactSolver::new(pair, compliance, contact)?)
 }
 
 /// A mesh cycle of the drive flank at nominal centre distance with parallel axes: mean and peak-to-peak STE, um.
 pub fn ste(solver: &ContactSolver, torque: f64, positions: usize) -> Result<[f64; 2]> {
-    let flank = Flank::Drive;
-    let input = CycleInput { flank, torque, center_distance_offset: 0.0, misalignment: 0.0, positions };
+    let input = CycleInput {
+        flank: Flank::Drive,
+        torque,
+        center_distance_offset: 0.0,
+        misalignment: 0.0,
+        positions,
+    };
     let cycle = MeshCycle::solve(solver, &input)?;
     Ok([1e6 * cycle.mean_ste(), 1e6 * cycle.peak_to_peak_ste()])
 }
@@ -87,7 +123,18 @@ pub fn ste(solver: &ContactSolver, torque: f64, positions: usize) -> Result<[f64
 /// A sweep that nobody watches.
 pub fn quiet() -> Watch<'static> {
     static GO_ON: AtomicBool = AtomicBool::new(false);
-    Watch { progress: &|_, _| (), cancel: &GO_ON }
+    let (progress, cancel) = (&|_, _| (), &GO_ON);
+    Watch { progress, cancel }
+}
+
+/// The point at `delta` (m) and the mesh position `tau`, else nominal.
+pub fn query(delta: f64, tau: f64) -> Query {
+    Query {
+        delta,
+        center_distance_offset: 0.0,
+        misalignment: 0.0,
+        mesh_position: tau,
+    }
 }
 
 /// Ranges of random operating points: torque N m, centre distance offset m, misalignment rad, mesh position.
@@ -120,22 +167,38 @@ impl Setup {
         Ok(Self { pair, solver })
     }
 
-    /// The shipped pair `name` on elements whose models are kept in target/finite-elements, and what a unit packs of its
-    /// contact.
+    /// The shipped pair `name` on elements whose models are cached in target/finite-elements, and what an FMU packs of
+    /// its contact.
     pub fn packed(name: &str) -> Result<(Self, ContactFile)> {
         let pair = shipped(name)?;
-        let setup = Self::kept(pair)?;
-        let file = contact_file(&setup.pair, &setup.solver.clone().at_run_time())?;
-        Ok((setup, file))
-    }
-
-    /// `pair` on elements whose models are kept in target/finite-elements.
-    pub fn kept(pair: Pair) -> Result<Self> {
-        let cache = ModelCache::new(in_repository("target/finite-elements"), ModelCache::DEFAULT_LIMIT);
+        let folder = in_repository("target/finite-elements");
+        let cache = ModelCache::new(folder, ModelCache::DEFAULT_LIMIT);
         let settings = Settings::for_pair(&pair);
         let models = PairCompliance::new(&pair.geometry, &settings, Some(&cache), &|_, _, _| true)?;
         let solver = solver(&pair, &models, ContactSettings::for_pair(&pair))?;
-        Ok(Self { pair, solver })
+        let setup = Self { pair, solver };
+        let file = setup.contact_file()?;
+        Ok((setup, file))
+    }
+
+    /// What an FMU packs for contact at run time.
+    pub fn contact_file(&self) -> Result<ContactFile> {
+        Ok(contact_file(
+            &self.pair,
+            &self.solver.clone().at_run_time(),
+        )?)
+    }
+
+    /// What an FMU packs for tooth pairs one by one, measured at so many random `points`.
+    pub fn teeth_record(&self, contact: &ContactFile, points: usize) -> Result<TeethRecord> {
+        let coverage = self.coverage();
+        let sweep = TeethSweep {
+            solver: &self.solver,
+            contact,
+            coverage: &coverage,
+            coast_mirrors_drive: true,
+        };
+        Ok(sweep.record(&default_teeth_axes(&coverage), points, &quiet())?)
     }
 
     /// Nominal transverse force on the line of action, N: what errors are related to.
@@ -146,6 +209,18 @@ impl Setup {
     /// Half the common face width, m.
     pub fn half_face(&self) -> f64 {
         0.5 * self.pair.geometry.face_overlap().1
+    }
+
+    /// The nominal torque at the mesh position `tau`, parallel axes.
+    pub fn nominal(&self, tau: f64) -> Result<ContactResult> {
+        let torque = self.pair.operating.nominal_torque;
+        let position = self.solver.position(Flank::Drive, tau, 0.0)?;
+        Ok(position.solve_torque(torque, 0.0, None)?)
+    }
+
+    /// Approach under the nominal torque at the mesh position 0, m.
+    pub fn nominal_approach(&self) -> Result<f64> {
+        Ok(self.nominal(0.0)?.approach)
     }
 
     /// The whole operating range in the first `dimensions` of displacement, mesh position,
@@ -175,53 +250,72 @@ impl Setup {
     /// Direct solutions at `n` random points of `ranges`.
     pub fn exact(&self, ranges: &Ranges, n: usize) -> Result<Vec<Exact>> {
         let mut random = Random::new(0x9E37_79B9_7F4A_7C15);
-        let Ranges { torque, center_distance_offset, misalignment, mesh_position } = *ranges;
-        let mut point = || [torque, center_distance_offset, misalignment, mesh_position].map(|r| random.within(r));
-        let points: Vec<[f64; 4]> = (0..n).map(|_| point()).collect();
-        let solve = |[torque, c, m, p]: [f64; 4]| {
-            let solved = self.solver.position(Flank::Drive, p, c)?.solve_torque(torque, m, None)?;
-            let delta = solved.approach;
-            let query = Query { delta, center_distance_offset: c, misalignment: m, mesh_position: p };
-            Ok(Exact { query, force: solved.loa_force, moment: solved.moment })
+        let mut draw = |_| {
+            let torque = random.within(ranges.torque);
+            let query = Query {
+                delta: 0.0,
+                center_distance_offset: random.within(ranges.center_distance_offset),
+                misalignment: random.within(ranges.misalignment),
+                mesh_position: random.within(ranges.mesh_position),
+            };
+            (torque, query)
         };
-        points.into_par_iter().map(solve).collect()
+        let drawn: Vec<_> = (0..n).map(&mut draw).collect();
+        let solve = |(torque, query): (f64, Query)| {
+            let (tau, offset) = (query.mesh_position, query.center_distance_offset);
+            let position = self.solver.position(Flank::Drive, tau, offset)?;
+            let solved = position.solve_torque(torque, query.misalignment, None)?;
+            let (delta, force, moment) = (solved.approach, solved.loa_force, solved.moment);
+            let query = Query { delta, ..query };
+            Ok(Exact {
+                query,
+                force,
+                moment,
+            })
+        };
+        drawn.into_par_iter().map(solve).collect()
     }
 
-    /// Samples with `counts` (displacement, centre distance, misalignment, mesh position) nodes, of the default axes;
-    /// 1 leaves an axis out.
-    pub fn samples(&self, counts: [usize; 4]) -> Result<FlankGrid> {
+    /// The default axes thinned to `counts` (displacement, centre distance, misalignment, mesh position) nodes; 1 leaves
+    /// an axis out.
+    pub fn axes(&self, counts: [usize; 4]) -> Axes {
         let full = default_axes(&self.coverage());
-        let thinned = |nodes: &[f64], n: usize| -> Vec<f64> {
-            match n {
-                1 => vec![0.0],
-                _ => nodes.iter().copied().step_by((nodes.len() - 1) / (n - 1)).collect(),
-            }
+        let thinned = |nodes: Vec<f64>, n: usize| match n {
+            1 => vec![0.0],
+            _ => nodes
+                .iter()
+                .copied()
+                .step_by((nodes.len() - 1) / (n - 1))
+                .collect(),
         };
-        self.sweep(counts, thinned(&full.center_distance_offset, counts[1]), thinned(&full.misalignment, counts[2]))
-    }
-
-    /// Samples with evenly spaced centre distances and misalignments over the whole range.
-    pub fn even_samples(&self, counts: [usize; 4]) -> Result<FlankGrid> {
-        let operating = &self.pair.operating;
-        let [c, m] = [operating.center_distance_offset, operating.misalignment];
-        self.sweep(counts, even(c, counts[1]), even(m, counts[2]))
-    }
-
-    fn sweep(&self, counts: [usize; 4], center_distance_offset: Vec<f64>, misalignment: Vec<f64>) -> Result<FlankGrid> {
-        let axes = Axes {
+        Axes {
             displacement_fraction: displacement_nodes(counts[0], 1.6),
-            center_distance_offset,
-            misalignment,
+            center_distance_offset: thinned(full.center_distance_offset, counts[1]),
+            misalignment: thinned(full.misalignment, counts[2]),
             mesh_position: mesh_positions(counts[3]),
-        };
-        Ok(sweep(&self.solver, Flank::Drive, &axes, self.pair.operating.maximum_torque, &quiet())?)
+        }
+    }
+
+    /// Samples on [`Self::axes`].
+    pub fn samples(&self, counts: [usize; 4]) -> Result<FlankGrid> {
+        let torque = self.pair.operating.maximum_torque;
+        let axes = self.axes(counts);
+        Ok(sweep(&self.solver, Flank::Drive, &axes, torque, &quiet())?)
     }
 
     /// A tables file around `grid`.
     pub fn file(&self, grid: &FlankGrid) -> TableFile {
-        let operating = &self.pair.operating;
+        let pair = &self.pair;
+        let operating = &pair.operating;
         let torques = [operating.nominal_torque, operating.maximum_torque];
-        TableFile::new(&self.pair.name, "validation", &self.pair.geometry, torques, grid, None)
+        TableFile::new(
+            &pair.name,
+            "validation",
+            &pair.geometry,
+            torques,
+            grid,
+            None,
+        )
     }
 
     /// The same as a table.

@@ -1,7 +1,7 @@
 //! Times of short functions on a machine that does other things, too, and what machine that is.
 
+use crate::Result;
 use crate::data::Data;
-use crate::{Result, row};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -25,7 +25,10 @@ impl<'a> Candidate<'a> {
                 let _ = black_box(f(black_box(x)));
             }
         };
-        Candidate { evaluations: points.len(), run: Box::new(run) }
+        Candidate {
+            evaluations: points.len(),
+            run: Box::new(run),
+        }
     }
 }
 
@@ -72,37 +75,37 @@ pub fn timed<T>(f: impl FnOnce() -> T) -> (T, f64) {
 /// Writes machine.csv: date, processor, clock, compiler, load.
 pub fn machine(data: &Data) -> Result<()> {
     let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
-    let cpu_info = read("/proc/cpuinfo");
+    let (cpu_info, load) = (read("/proc/cpuinfo"), read("/proc/loadavg"));
     let field = |name: &str| {
-        cpu_info
-            .lines()
-            .find(|l| l.starts_with(name))
-            .and_then(|l| l.split_once(':'))
-            .map_or("unknown", |(_, v)| v.trim())
-            .to_owned()
+        let line = cpu_info.lines().find(|l| l.starts_with(name));
+        let value = line.and_then(|l| l.split_once(':'));
+        value.map_or("unknown", |(_, value)| value.trim())
     };
     let processors = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
-    let flags = field("flags");
-    let has = |flag: &str| flags.split(' ').any(|f| f == flag);
-    let vectors: Vec<&str> = ["avx", "fma", "avx2", "avx512f"].into_iter().filter(|f| has(f)).collect();
-    let load = read("/proc/loadavg");
-    let load = load.split(' ').next().unwrap_or("unknown").to_owned();
+    let flags: Vec<&str> = field("flags").split(' ').collect();
+    let mut vectors = vec!["avx", "fma", "avx2", "avx512f"];
+    vectors.retain(|flag| flags.contains(flag));
     let printed = |program: &str, argument: &str| {
         let output = std::process::Command::new(program).arg(argument).output();
-        output.map_or("unknown".to_owned(), |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
+        output.map_or("unknown".to_owned(), |o| {
+            String::from_utf8_lossy(&o.stdout).into_owned()
+        })
     };
-    let model = format!("{} (model {}, stepping {})", field("model name"), field("model\t"), field("stepping"));
+    let [model, number, stepping] = ["model name", "model\t", "stepping"].map(field);
     let rows = [
-        row!["date", printed("date", "+%F")],
-        row!["processor", model],
-        row!["processors to this process", processors],
-        row!["clock by dependent multiplications, GHz", format!("{:.2}", clock())],
-        row!["vector instructions", vectors.join(", ")],
-        row!["baseline of the code", std::env::consts::ARCH],
-        row!["compiler", printed("rustc", "--version")],
-        row!["load average of one minute at the start", load],
+        format!("date | {}", printed("date", "+%F")),
+        format!("processor | {model} (model {number}, stepping {stepping})"),
+        format!("processors to this process | {processors}"),
+        format!("clock by dependent multiplications, GHz | {:.2}", clock()),
+        format!("vector instructions | {}", vectors.join(", ")),
+        format!("baseline of the code | {}", std::env::consts::ARCH),
+        format!("compiler | {}", printed("rustc", "--version")),
+        format!(
+            "load average of one minute at the start | {}",
+            load.split(' ').next().unwrap_or("")
+        ),
     ];
-    data.table("machine", &["property", "value"], &rows)
+    data.table("machine", "property | value", &rows)
 }
 
 /// Clock, GHz: a 64-bit multiplication takes three cycles on x86-64 since 2008 and on current ARM cores.

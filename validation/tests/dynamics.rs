@@ -3,22 +3,25 @@
 #[rustfmt::skip] // formatted where it stands
 #[path = "../../tests/common/gears.rs"]
 mod gears;
+
 #[rustfmt::skip] // formatted where it stands
 #[path = "../../tests/common/spring.rs"]
 mod spring;
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use gearmesh::element::{Element, FlankLaws, Formulation, LoadedFlank, Parameters, StiffnessModel};
-use gearmesh::gear::PairGeometry;
 use gearmesh::table::{FlankTable, Interpolation};
-use gearmesh_validation::driver::{Bearing, Gear, INERTIA, Scene, Spin, State, gear_state, set_gear_state, twist};
+use gearmesh_validation::driver::{Bearing, Gear, INERTIA, Scene, Spin, State};
 use gears::paper_pair;
 use nalgebra::Vector3;
 use spring::Spring;
 use std::sync::Arc;
 
-fn gear(pair: &PairGeometry, i: usize, spin: Spin) -> Gear {
-    Gear { center_of_mass: 12.5e-3, ..Gear::new(pair, i, spin) }
+fn gear(pair: &gearmesh::gear::PairGeometry, i: usize, spin: Spin) -> Gear {
+    Gear {
+        center_of_mass: 12.5e-3,
+        ..Gear::new(pair, i, spin)
+    }
 }
 
 /// Constant stiffness, drive flank, gear 1 held or driven, gear 2 free to spin under `torque`.
@@ -30,12 +33,16 @@ fn one_freedom(parameters: &Parameters, torque: Spin) -> Scene {
 }
 
 fn quiet() -> Parameters {
-    Parameters { loaded_flank: LoadedFlank::Drive, damping: 0.0, ..Parameters::default() }
+    Parameters {
+        loaded_flank: LoadedFlank::Drive,
+        damping: 0.0,
+        ..Parameters::default()
+    }
 }
 
 /// Spin angle of gear 2, rad.
 fn angle(state: &State) -> f64 {
-    twist(&gear_state(state, 1).q)
+    state[1].twist()
 }
 
 #[test]
@@ -65,7 +72,11 @@ fn gains_are_those_of_the_papers_table_2() {
     for formulation in [Formulation::Paper, Formulation::Conjugate] {
         for frequency in [200.0, 1000.0, 5000.0] {
             let w = std::f64::consts::TAU * frequency;
-            let parameters = Parameters { formulation, damping: 1e5, ..quiet() };
+            let parameters = Parameters {
+                formulation,
+                damping: 1e5,
+                ..quiet()
+            };
             let torque = Spin::Torque(Arc::new(move |t, _| 100.0 + 30.0 * (w * t).sin()));
             let scene = one_freedom(&parameters, torque);
             // c/k = 0.23 ms: the start has died out after 4 ms. The pair is overdamped, so 1 us steps.
@@ -97,18 +108,23 @@ fn gains_are_those_of_the_papers_table_2() {
 /// Gear 2 in six freedoms on undamped springs against gear 1, held; all effects of a potential on.
 fn six_freedoms(formulation: Formulation) -> (Scene, State) {
     let pair = paper_pair(1.0);
-    let parameters = Parameters { formulation, stiffness_model: StiffnessModel::Table, ..quiet() };
+    let parameters = Parameters {
+        formulation,
+        stiffness_model: StiffnessModel::Table,
+        ..quiet()
+    };
     let grid = Spring::grid([10, 7, 9, 16]);
-    let laws = FlankLaws { drive: Arc::new(FlankTable::new(&grid, Interpolation::Spline).unwrap()), coast: None };
+    let laws = FlankLaws {
+        drive: Arc::new(FlankTable::new(&grid, Interpolation::Spline).unwrap()),
+        coast: None,
+    };
     let element = Element::with_laws(&pair, &parameters, &laws).unwrap();
     let mut second = gear(&pair, 1, Spin::torque(100.0));
-    second.bearing = Some(Bearing { stiffness: [2e8, 2e8, 1e8], tilt_stiffness: 1e5, ..Bearing::default() });
+    second.bearing = Some(Bearing::springs([2e8, 2e8, 1e8], 1e5));
     let scene = Scene::new(element, [gear(&pair, 0, Spin::speed(0.0)), second]).unwrap();
     let mut start = scene.with_spin(&scene.rest(), 1, 7e-6 / 38e-3, 0.0);
-    let mut g = gear_state(&start, 1);
-    g.v = Vector3::new(0.02, -0.03, 0.05);
-    g.l += Vector3::new(2e-4, 1e-4, 0.0);
-    set_gear_state(&mut start, 1, &g);
+    start[1].v = Vector3::new(0.02, -0.03, 0.05);
+    start[1].l += Vector3::new(2e-4, 1e-4, 0.0);
     (scene, start)
 }
 
@@ -121,7 +137,7 @@ fn energy(scene: &Scene, y: &State) -> f64 {
 fn a_gear_in_six_freedoms_keeps_its_energy() {
     let drift = |formulation| {
         let (scene, mut y) = six_freedoms(formulation);
-        let kinetic = 0.5 * 0.8 * gear_state(&y, 1).v.norm_squared();
+        let kinetic = 0.5 * 0.8 * y[1].v.norm_squared();
         let start = energy(&scene, &y);
         let mut worst = 0.0_f64;
         for n in 0..40_000 {
@@ -132,6 +148,9 @@ fn a_gear_in_six_freedoms_keeps_its_energy() {
     };
     let conjugate = drift(Formulation::Conjugate);
     let paper = drift(Formulation::Paper);
-    assert!(conjugate < 1e-5, "conjugate: {conjugate:.1e} of the kinetic energy");
+    assert!(
+        conjugate < 1e-5,
+        "conjugate: {conjugate:.1e} of the kinetic energy"
+    );
     assert!(paper > 1e-2, "paper: {paper:.1e}");
 }

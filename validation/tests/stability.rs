@@ -15,13 +15,16 @@ mod continuity {
         };
         assert_eq!(with(|x| x * x), Course::Smooth);
         assert_eq!(with(|x| (x - 0.3).max(0.0).powi(2)), Course::Smooth);
-        assert!(matches!(with(|x| 0.4 * (x - 0.3217).max(0.0)), Course::Kink(k) if (k / 0.01 - 1.0).abs() < 0.1));
+        assert!(
+            matches!(with(|x| 0.4 * (x - 0.3217).max(0.0)), Course::Kink(k) if (k / 0.01 - 1.0).abs() < 0.1)
+        );
         let step = |x: f64| if x > 0.7123 { 3e-4 } else { 0.0 };
         assert!(matches!(with(step), Course::Jump(j) if (j / 9.5e-5 - 1.0).abs() < 0.1));
     }
 
     #[test]
-    fn on_shipped_tables_spline_and_shepard_jump_nowhere_and_the_linear_force_does_not_over_displacement() {
+    fn on_shipped_tables_spline_and_shepard_jump_nowhere_and_the_linear_force_does_not_over_displacement()
+     {
         use Interpolation::{Linear, Shepard, Spline};
         for real in Real::pairs().unwrap() {
             for (formulation, interpolation) in [
@@ -31,7 +34,8 @@ mod continuity {
                 (Formulation::Conjugate, Linear),
             ] {
                 let law = format!("{formulation:?} {interpolation:?}");
-                let subject = subject(&real, formulation, interpolation, LoadedFlank::Both).unwrap();
+                let subject =
+                    subject(&real, formulation, interpolation, LoadedFlank::Both).unwrap();
                 for ((path, _), course) in PATHS.iter().zip(subject.course().unwrap()) {
                     println!("{} {law} {path}: {course}", real.name);
                     let linear_elsewhere = interpolation == Linear && *path != PATHS[0].0;
@@ -68,13 +72,17 @@ mod cosimulation {
     /// With more damping one step of the integrator inside differs from the exact solution by some percent.
     #[test]
     fn predicted_loads_are_stable_up_to_the_multipliers_of_the_exact_prediction() {
-        for (master, masses) in [(Master::Sequential, &MASSES[..]), (Master::Parallel, &MASSES[2..])] {
+        for (master, masses) in [
+            (Master::Sequential, &MASSES[..]),
+            (Master::Parallel, &MASSES[2..]),
+        ] {
             for zeta in [0.0, 0.03] {
                 let o = system(zeta).unwrap();
                 for &factor in masses {
                     let most = longest(factor).min(1.5);
                     let expected = expected_prediction(master, zeta, factor, most);
-                    let at = |h| stable(&o, Way::predicted(master, 0.5 * factor * mass()), h).unwrap();
+                    let at =
+                        |h| stable(&o, Way::predicted(master, 0.5 * factor * mass()), h).unwrap();
                     let case = format!("{master:?}, zeta = {zeta}, mass x {factor}: {expected}");
                     assert!(at(0.97 * expected), "{case}");
                     assert!(expected == most || !at(1.03 * expected), "{case}");
@@ -85,11 +93,14 @@ mod cosimulation {
 
     #[test]
     fn predicted_loads_take_energy_where_held_loads_bring_it() {
-        for master in [Master::Sequential, Master::Parallel] {
-            let found = energy_brought("palermo2013", |mass| Way::predicted(master, mass), 10_000).unwrap();
-            assert!((-1.01..0.0).contains(&found), "{master:?}: {found}");
-            let held = energy_brought("palermo2013", |_| Way::held(master), 100).unwrap();
-            assert!(held > 1.0, "{master:?}: {held}");
+        for name in TABLES {
+            for master in [Master::Sequential, Master::Parallel] {
+                let found =
+                    energy_brought(name, |mass| Way::predicted(master, mass), 10_000).unwrap();
+                assert!((-1.01..0.0).contains(&found), "{name}, {master:?}: {found}");
+                let held = energy_brought(name, |_| Way::held(master), 100).unwrap();
+                assert!(held > 1.0, "{name}, {master:?}: {held}");
+            }
         }
     }
 }

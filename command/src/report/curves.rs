@@ -4,7 +4,7 @@ use gearmesh::contact::{ContactResult, ContactSolver};
 use gearmesh::friction::{Loss, ohlendorf};
 use gearmesh::pair::Pair;
 
-use super::figure::{Curve, Figure, Height, Map};
+use super::figure::{Curve, Figure, Height, Map, charts};
 use super::page::Section;
 use super::variant::{Loads, Variant};
 use crate::Error;
@@ -24,46 +24,33 @@ const POSITION: &str = "mesh position";
 /// A quantity over the mesh cycle, a curve for every load; the first point is repeated at 1.
 fn over_cycle(cases: &[Case], value: impl Fn(&Case, &ContactResult) -> f64) -> Vec<Curve> {
     let curve = |case: &Case| {
-        let values = case.cycle.results.iter().map(|result| value(case, result));
-        let values: Vec<f64> = values.collect();
-        let ends = case.cycle.mesh_position.iter().copied().chain([1.0]);
-        let points = ends.zip(values.iter().chain(values.first()).copied());
+        let results = &case.cycle.results;
+        let results = results.iter().chain(results.first());
+        let values = results.map(|result| value(case, result));
+        let positions = case.cycle.mesh_position.iter().copied().chain([1.0]);
         // Torques of a survey have no end of digits.
         let torque = format!("{:.3e}", case.input.torque).parse();
-        Curve::new(torque_in_words(torque.unwrap_or(case.input.torque)), points)
+        let torque = torque.unwrap_or(case.input.torque);
+        Curve::new(torque_in_words(torque), positions.zip(values))
     };
     cases.iter().map(curve).collect()
 }
 
 pub fn cycle(variant: &Variant, cases: &[Case]) -> Section {
-    let face = 1e3 * variant.geometry().face_overlap().1;
-    let mut figures = vec![
-        Figure::lines(
-            "Static transmission error about its mean",
-            [POSITION, "STE less its mean (um)"],
-            Height::Curves(LEAST_ERROR),
-            over_cycle(cases, |c, r| 1e6 * (r.approach - c.cycle.mean_ste())),
-        ),
-        Figure::lines(
-            "Mesh stiffness",
-            [POSITION, "stiffness (N/um)"],
-            Height::FromZero(0.0),
-            over_cycle(cases, |_, r| 1e-6 * r.tangent.force_by_approach),
-        ),
-        Figure::lines(
-            "Contact position along the face",
-            [POSITION, "z_c (mm)"],
-            Height::Curves(LEAST_WAY * face),
-            over_cycle(cases, |_, r| 1e3 * r.contact_z),
-        ),
-    ];
-    if let Variant::Pair(_) = variant {
-        figures.push(Figure::lines(
-            "Load share of one tooth pair",
-            [POSITION, "share of the load"],
-            Height::FromZero(0.0),
-            cases.iter().map(load_share).collect(),
-        ));
+    let least_way = LEAST_WAY * 1e3 * variant.geometry().face_overlap().1;
+    let mut figures = charts! {
+        "Static transmission error about its mean", [POSITION, "STE less its mean (um)"], Height::Curves(LEAST_ERROR)
+            => over_cycle(cases, |c, r| 1e6 * (r.approach - c.cycle.mean_ste()));
+        "Mesh stiffness", [POSITION, "stiffness (N/um)"], Height::FromZero(0.0)
+            => over_cycle(cases, |_, r| 1e-6 * r.tangent.force_by_approach);
+        "Contact position along the face", [POSITION, "z_c (mm)"], Height::Curves(least_way)
+            => over_cycle(cases, |_, r| 1e3 * r.contact_z);
+    };
+    if let Variant::Pair(..) = variant {
+        figures.extend(charts! {
+            "Load share of one tooth pair", [POSITION, "share of the load"], Height::FromZero(0.0)
+                => cases.iter().map(load_share).collect();
+        });
     }
     let note = "STE: on the line of action at mid-face; the table below has the mean. At mesh position 0 a tooth pair touches at the \
                 pitch point; the load share is that of this pair from the start of its contact to the end. Stiffness: tangent, \
@@ -71,27 +58,30 @@ pub fn cycle(variant: &Variant, cases: &[Case]) -> Section {
     Section::new("Over the mesh cycle", note, figures)
 }
 
-/// Share of one tooth pair as it moves through the mesh: pair k at position tau is pair 0 at tau + k.
+/// Share of one tooth pair as it moves through the mesh.
 fn load_share(case: &Case) -> Curve {
-    let results = case.cycle.mesh_position.iter().zip(&case.cycle.results);
-    let shares = results.flat_map(|(tau, result)| {
-        let shares = result.load_share.iter();
-        shares.map(move |(k, share)| (tau + f64::from(*k), *share))
+    let shares = case.cycle.results.iter().enumerate().flat_map(|(i, r)| {
+        let shares = r.load_share.iter();
+        shares.map(move |&(pair, share)| (i, pair, share))
     });
-    let mut points: Vec<(f64, f64)> = shares.collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let curve = through_mesh(case, shares);
     // Keep one point without load at either side.
     let is_loaded = |p: &(f64, f64)| p.1 > 0.0;
-    let first = points.iter().position(is_loaded).unwrap_or(0);
-    let last = points
-        .iter()
-        .rposition(is_loaded)
-        .unwrap_or(points.len().saturating_sub(1));
-    let points = points
-        .into_iter()
-        .take(last + 2)
-        .skip(first.saturating_sub(1));
-    Curve::new(torque_in_words(case.input.torque), points)
+    let all = curve.points.len();
+    let first = curve.points.iter().position(is_loaded).unwrap_or(0);
+    let last = curve.points.iter().rposition(is_loaded).unwrap_or(all);
+    let points = curve.points[first.saturating_sub(1)..all.min(last + 2)].to_vec();
+    Curve { points, ..curve }
+}
+
+/// Values of one tooth pair through the mesh, from those of every pair at every position by its number: pair k at
+/// position tau is pair 0 at tau + k.
+pub fn through_mesh(case: &Case, values: impl Iterator<Item = (usize, i32, f64)>) -> Curve {
+    let position = |i: usize, pair| case.cycle.mesh_position[i] + f64::from(pair);
+    let points = values.map(|(i, pair, value)| (position(i, pair), value));
+    let mut curve = Curve::new(torque_in_words(case.input.torque), points);
+    curve.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    curve
 }
 
 /// Peak-to-peak value and harmonics of each of `cases` over `x`; in um, or of the harmonics alone in dB.
@@ -106,9 +96,8 @@ fn amplitudes(variant: &Variant, x: &[f64], cases: &[Case], in_db: bool) -> Vec<
         Curve::new(label, x.iter().copied().zip(values))
     };
     let harmonic = |h: usize| {
-        curve(format!("order {}", h * teeth), &|c| {
-            c.cycle.harmonics()[h - 1].map_or(f64::NAN, |h| h.amplitude)
-        })
+        let amplitude = |c: &Case| c.cycle.harmonics()[h - 1].map_or(f64::NAN, |h| h.amplitude);
+        curve(format!("order {}", h * teeth), &amplitude)
     };
     let mut curves: Vec<Curve> = (1..=HARMONICS).map(harmonic).collect();
     if !in_db {
@@ -121,27 +110,14 @@ fn amplitudes(variant: &Variant, x: &[f64], cases: &[Case], in_db: bool) -> Vec<
 
 pub fn torque(variant: &Variant, loads: &Loads) -> Result<Section, Error> {
     let cases = variant.cases(&loads.survey, &[0.0], POSITIONS)?;
-    let orders = |in_db| amplitudes(variant, &loads.survey, &cases, in_db);
-    let figures = vec![
-        Figure::lines(
-            "Orders of the STE over torque",
-            [TORQUE, "amplitude (um)"],
-            Height::FromZero(LEAST_ERROR),
-            orders(false),
-        ),
-        Figure::lines(
-            "Orders of the STE over torque in dB",
-            [TORQUE, "amplitude (dB re 1 um)"],
-            Height::Curves(1.0),
-            orders(true),
-        ),
-        Figure::lines(
-            "Harris map",
-            [POSITION, "STE (um)"],
-            Height::Curves(LEAST_ERROR),
-            over_cycle(&cases, |_, r| 1e6 * r.approach),
-        ),
-    ];
+    let figures = charts! {
+        "Orders of the STE over torque", [TORQUE, "amplitude (um)"], Height::FromZero(LEAST_ERROR)
+            => amplitudes(variant, &loads.survey, &cases, false);
+        "Orders of the STE over torque in dB", [TORQUE, "amplitude (dB re 1 um)"], Height::Curves(1.0)
+            => amplitudes(variant, &loads.survey, &cases, true);
+        "Harris map", [POSITION, "STE (um)"], Height::Curves(LEAST_ERROR)
+            => over_cycle(&cases, |_, r| 1e6 * r.approach);
+    };
     let note = "Aligned, on the line of action. Orders are those of gear 1: its number of teeth is the mesh frequency, twice that its second \
                 harmonic. Harris map: the whole STE over the mesh cycle for torques up to the largest.";
     Ok(Section::new("Over torque", note, figures))
@@ -151,63 +127,49 @@ pub fn misalignment(variant: &Variant, loads: &Loads) -> Result<Section, Error> 
     let mrad: Vec<f64> = loads.tilts.iter().map(|m| 1e3 * m).collect();
     let tilted = variant.cases(&[loads.nominal], &loads.tilts, POSITIONS)?;
     let all = variant.cases(&loads.survey, &loads.tilts, POSITIONS)?;
-    let map = Map::on_nodes(
-        ["misalignment (mrad)", TORQUE, "p-p STE (um)"],
-        [&mrad, &loads.survey],
-        all.iter().map(|case| 1e6 * case.cycle.peak_to_peak_ste()),
-        LEAST_ERROR,
-    );
-    let figures = vec![
-        Figure::lines(
-            "Orders of the STE over misalignment",
-            ["misalignment (mrad)", "amplitude (um)"],
-            Height::FromZero(LEAST_ERROR),
-            amplitudes(variant, &mrad, &tilted, false),
-        ),
-        Figure::map("Peak-to-peak STE over misalignment and torque", map),
-    ];
-    let at = torque_in_words(loads.nominal);
-    let note = format!("Misalignment in the plane of action. The orders are those at {at}.");
+    let mut figures = charts! {
+        "Orders of the STE over misalignment", ["misalignment (mrad)", "amplitude (um)"], Height::FromZero(LEAST_ERROR)
+            => amplitudes(variant, &mrad, &tilted, false);
+    };
+    let title = "Peak-to-peak STE over misalignment and torque";
+    let labels = ["misalignment (mrad)", TORQUE, "p-p STE (um)"];
+    let values = all.iter().map(|case| 1e6 * case.cycle.peak_to_peak_ste());
+    let map = Map::on_nodes([&mrad, &loads.survey], values, LEAST_ERROR);
+    figures.push(Figure::map(title, labels, map));
+    let torque = torque_in_words(loads.nominal);
+    let note = format!("Misalignment in the plane of action. The orders are those at {torque}.");
     Ok(Section::new("Over misalignment", note, figures))
 }
 
 /// What friction takes.
 pub fn losses(pair: &Pair, solver: &ContactSolver, loads: &Loads) -> Result<Section, Error> {
-    let cases = Variant::Pair(solver).cases(&loads.survey, &[0.0], POSITIONS)?;
+    let cases = Variant::Pair(solver, None).cases(&loads.survey, &[0.0], POSITIONS)?;
     let map = |title: &str, unit: &str, value: fn(&Loss) -> f64| {
         let at_torque = |case: &Case| -> Vec<f64> {
             let speeds = loads.speeds.iter();
             speeds.map(|rpm| value(&case.loss(pair, *rpm))).collect()
         };
-        let labels = ["speed of gear 1 (rpm)", TORQUE, unit];
         let values = cases.iter().flat_map(at_torque);
-        Figure::map(
-            title,
-            Map::on_nodes(labels, [&loads.speeds, &loads.survey], values, 0.0),
-        )
+        let map = Map::on_nodes([&loads.speeds, &loads.survey], values, 0.0);
+        Figure::map(title, ["speed of gear 1 (rpm)", TORQUE, unit], map)
+    };
+    let over_torque = |label, value: &dyn Fn(&Case) -> f64| {
+        let points = cases.iter().map(|case| (case.input.torque, value(case)));
+        Curve::new(label, points)
     };
     let even = ohlendorf(&pair.geometry, pair.geometry.center_distance);
-    let factor = cases
-        .iter()
-        .map(|case| (case.input.torque, case.loss_factor(solver)));
-    let figures = vec![
+    let mut figures = vec![
         map("Power lost", "W", |loss| loss.power),
         map("Power lost over that transmitted", "%", |loss| {
             100.0 * (1.0 - loss.efficiency)
         }),
-        Figure::lines(
-            "Loss factor",
-            [TORQUE, "loss factor"],
-            Height::FromZero(0.0),
-            vec![
-                Curve::new("by the load share", factor),
-                Curve::new(
-                    "Ohlendorf",
-                    loads.survey.iter().map(|torque| (*torque, even)),
-                ),
-            ],
-        ),
     ];
+    figures.extend(charts! {
+        "Loss factor", [TORQUE, "loss factor"], Height::FromZero(0.0) => vec![
+            over_torque("by the load share", &|case| case.loss_factor(solver)),
+            over_torque("Ohlendorf", &|_| even),
+        ];
+    });
     let note = "Friction between the teeth alone, with the law of the coefficient that the pair file chooses, the mean over the mesh \
                 cycle; aligned. The loss factor is the share of the power that is lost at a coefficient of 1: by the share of the load \
                 as it is, and with load shared evenly (Ohlendorf).";

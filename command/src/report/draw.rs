@@ -6,17 +6,17 @@ use gearmesh::words::fixed;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::figure::{Height, Lines, Map, Style};
+use super::figure::{Curve, Height, Map, Style};
 use crate::Error;
 
 const SIZE: (u32, u32) = (1400, 800);
-/// Of the width, for the legend and for the scale beside the plot.
-const LEGEND_WIDTH: u32 = 330;
+/// Of the width, for the legend and for the scale next to the plot.
+const LEGEND_WIDTH: u32 = 380;
 const SCALE_WIDTH: u32 = 190;
 
 const INK: RGBColor = RGBColor(34, 34, 34);
 
-/// Curves told apart by colour, also by eyes that see no red or no green.
+/// Curves distinguished by colour, also by eyes that see no red or no green.
 const CURVES: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -35,7 +35,7 @@ fn font(size: u32) -> TextStyle<'static> {
     ("sans-serif", size).into_font().color(&INK)
 }
 
-/// Decimals that tell the labels of an axis of this length apart.
+/// Decimals that make the labels of an axis of this length differ.
 fn digits(axis: &Range<f64>) -> usize {
     let step = (axis.end - axis.start) / 10.0;
     if step > 0.0 {
@@ -84,32 +84,24 @@ fn range(values: impl Iterator<Item = f64>, least: f64) -> Range<f64> {
     start - margin..end + margin
 }
 
-pub fn lines(
-    Lines {
-        labels,
-        height,
-        curves,
-    }: &Lines,
-) -> Result<String, Error> {
+pub fn lines(labels: &[String], height: Height, curves: &[Curve]) -> Result<String, Error> {
     let points = || curves.iter().flat_map(|c| &c.points);
     let lower = curves.iter().filter_map(|curve| match &curve.style {
         Style::Band(low) => Some(low),
         _ => None,
     });
-    let (Height::Curves(least) | Height::FromZero(least)) = *height;
+    let (Height::Curves(least) | Height::FromZero(least)) = height;
     let mut y = range(points().map(|p| p.1).chain(lower.flatten().copied()), least);
     if let Height::FromZero(_) = height {
         y.start = 0.0;
     }
-    let own = curves
-        .iter()
-        .filter(|c| c.style != Style::Dashed)
-        .count()
-        .max(1);
+    let is_own = |c: &&Curve| !matches!(c.style, Style::Dashed(_));
+    let own = curves.iter().filter(is_own).count().max(1);
     let colour = |i: usize| match own > CURVES.len() {
         true => shade(0.2 + 0.8 * (i % own) as f64 / own as f64),
         false => CURVES[i % own],
     };
+    let step = (740 / (curves.len() + 1)).min(44) as i32;
     drawn(|area| {
         let (plot, legend) = area.split_horizontally(SIZE.0 - LEGEND_WIDTH);
         let mut chart = ChartBuilder::on(&plot)
@@ -118,41 +110,55 @@ pub fn lines(
             .y_label_area_size(130)
             .build_cartesian_2d(ends(points().map(|p| p.0)), y)?;
         axes(&mut chart, [&labels[0], &labels[1]], 8, 0.12)?;
-        let step = (740 / curves.len().max(1)).min(44) as i32;
+        let mut next = 40;
+        let mut entry = |style: &Style, line: ShapeStyle, label: &str| -> Result<(), Error> {
+            let marks = match style {
+                Style::Solid => vec![[4, 48]],
+                Style::Dashed(_) => vec![[4, 18], [30, 48]],
+                Style::Band(_) => vec![],
+            };
+            for mark in marks {
+                legend.draw(&PathElement::new(mark.map(|x| (x, next)), line))?;
+            }
+            if let Style::Band(_) = style {
+                legend.draw(&Rectangle::new([(4, next - 12), (48, next + 12)], line))?;
+            }
+            let room = 2 * (LEGEND_WIDTH - 58) / label.chars().count().max(1) as u32;
+            let size = room.clamp(18, 32);
+            let corner = (58, next - size as i32 / 2);
+            legend.draw(&Text::new(label, corner, font(size)))?;
+            next += step;
+            Ok(())
+        };
+        let mut other = None;
         for (i, curve) in curves.iter().enumerate() {
-            let style = colour(i).stroke_width(4);
-            let mark = [(4, 40 + step * i as i32), (48, 40 + step * i as i32)];
+            let mut style = colour(i).stroke_width(4);
             let points = curve.points.iter().copied();
             match &curve.style {
                 Style::Solid => {
                     chart.draw_series(LineSeries::new(points, style))?;
-                    legend.draw(&PathElement::new(mark, style))?;
                 }
-                Style::Dashed => {
+                Style::Dashed(name) => {
                     chart.draw_series(DashedLineSeries::new(points, 14, 10, style))?;
-                    legend.draw(&PathElement::new([mark[0], (18, mark[0].1)], style))?;
-                    legend.draw(&PathElement::new([(30, mark[0].1), mark[1]], style))?;
+                    other = Some((&curve.style, name));
+                    // Curves of one colour share an entry.
+                    if curves[i % own].label == curve.label {
+                        continue;
+                    }
                 }
                 Style::Band(low) => {
-                    let fill = colour(i).mix(0.25).filled();
-                    let back = curve
-                        .points
-                        .iter()
-                        .zip(low)
-                        .rev()
-                        .map(|((x, _), y)| (*x, *y));
-                    let corners: Vec<_> = points.chain(back).collect();
-                    chart.draw_series([Polygon::new(corners, fill)])?;
-                    let corners = [(4, mark[0].1 - 12), (48, mark[0].1 + 12)];
-                    legend.draw(&Rectangle::new(corners, fill))?;
+                    style = colour(i).mix(0.25).filled();
+                    let lower = curve.points.iter().zip(low).rev();
+                    let corners = points.chain(lower.map(|((x, _), y)| (*x, *y)));
+                    chart.draw_series([Polygon::new(corners.collect::<Vec<_>>(), style)])?;
                 }
             }
-            // Long names of two variants get small.
-            let size = (500 / curve.label.chars().count().max(1) as u32).clamp(18, 32);
-            let place = (58, mark[0].1 - size as i32 / 2);
-            legend.draw(&Text::new(curve.label.as_str(), place, font(size)))?;
+            entry(&curve.style, style, &curve.label)?;
         }
-        Ok(())
+        match other {
+            Some((style, name)) => entry(style, INK.stroke_width(4), name),
+            None => Ok(()),
+        }
     })
 }
 
@@ -175,11 +181,10 @@ fn shade(fraction: f64) -> RGBColor {
 }
 
 /// Higher values over lower ones.
-pub fn map(map: &Map) -> Result<String, Error> {
+pub fn map(labels: &[String], map: &Map) -> Result<String, Error> {
     let order = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
     let mut patches: Vec<_> = map.patches.iter().collect();
     patches.sort_by(|a, b| order(a.value).total_cmp(&order(b.value)));
-    let [x, y, scale] = &map.labels;
     let [x_ends, y_ends] = map.ends.map(|[low, high]| low..high);
     let top = if map.top > 0.0 { map.top } else { 1.0 };
     drawn(|area| {
@@ -188,27 +193,27 @@ pub fn map(map: &Map) -> Result<String, Error> {
             .margin(24)
             .x_label_area_size(96)
             .y_label_area_size(130)
-            .build_cartesian_2d(x_ends.clone(), y_ends.clone())?;
-        axes(&mut chart, [x, y], 6, 0.0)?;
-        // Patches side by side would leave gaps: each is a pixel larger all around.
+            .build_cartesian_2d(x_ends, y_ends)?;
+        axes(&mut chart, [&labels[0], &labels[1]], 6, 0.0)?;
+        // Patches that adjoin would leave gaps: each is a pixel larger all around.
         let (width, height) = chart.plotting_area().dim_in_pixel();
-        let pixel = [(x_ends, width), (y_ends, height)]
-            .map(|(ends, pixels)| (ends.end - ends.start) / f64::from(pixels));
+        let pixel = [(0, width), (1, height)]
+            .map(|(axis, n)| (map.ends[axis][1] - map.ends[axis][0]) / f64::from(n));
         chart.draw_series(patches.into_iter().map(|patch| {
-            let middle = patch.middle();
-            let out = |at: f64, middle: f64, by: f64| at + by.copysign(at - middle);
-            let corners = patch.corners.iter();
-            let corners =
-                corners.map(|c| (out(c.0, middle.0, pixel[0]), out(c.1, middle.1, pixel[1])));
+            let [x, y] = [0, 1].map(|axis| {
+                let [a, b] = patch.ends[axis];
+                [a.min(b) - pixel[axis], a.max(b) + pixel[axis]]
+            });
+            let corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])];
             let colour = patch.value.map_or(EDGE, |value| shade(value / top));
-            Polygon::new(corners.collect::<Vec<_>>(), colour.filled())
+            Polygon::new(corners, colour.filled())
         }))?;
         let mut bar = ChartBuilder::on(&bar)
             .margin(24)
             .margin_bottom(120)
             .right_y_label_area_size(120)
             .build_cartesian_2d(0.0..1.0, 0.0..top)?;
-        axes(&mut bar, ["", scale], 5, 0.0)?;
+        axes(&mut bar, ["", &labels[2]], 5, 0.0)?;
         const STEPS: usize = 40;
         bar.draw_series((0..STEPS).map(|i| {
             let height = |i: usize| top * i as f64 / STEPS as f64;
@@ -246,15 +251,10 @@ mod tests {
     }
 
     #[test]
-    fn patches_side_by_side_leave_no_gap() {
+    fn patches_that_adjoin_leave_no_gap() {
         let rows: Vec<f64> = (0..40).map(|i| f64::from(i) * (1.0 / 40.0)).collect();
-        let svg = map(&Map::on_nodes(
-            ["x", "y", "v"],
-            [&[0.0], &rows],
-            vec![1.0; 40],
-            1.0,
-        ))
-        .unwrap();
+        let cells = Map::on_nodes([&[0.0], &rows], vec![1.0; 40], 1.0);
+        let svg = map(&["x", "y", "v"].map(Into::into), &cells).unwrap();
         let mut rows: Vec<(i32, i32)> = (svg.split("<polygon").skip(1))
             .map(|polygon| {
                 let points = polygon.split("points=\"").nth(1).unwrap();

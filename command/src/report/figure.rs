@@ -7,22 +7,15 @@ use crate::Error;
 #[derive(Debug, Clone)]
 pub struct Figure {
     pub title: String,
+    /// What stands at both axes and, of a map, at its scale, with the units.
+    pub labels: Vec<String>,
     pub plot: Plot,
 }
 
 #[derive(Debug, Clone)]
 pub enum Plot {
-    Lines(Lines),
+    Lines(Height, Vec<Curve>),
     Map(Map),
-}
-
-/// Curves over one quantity.
-#[derive(Debug, Clone)]
-pub struct Lines {
-    /// What stands at the axes, with the unit.
-    pub labels: [String; 2],
-    pub height: Height,
-    pub curves: Vec<Curve>,
 }
 
 /// The vertical axis; what is smaller than the height given, in its unit, is no more than rounding.
@@ -45,14 +38,14 @@ pub struct Curve {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Style {
     Solid,
-    /// Of the other variant.
-    Dashed,
+    /// Of the other variant, which has this name.
+    Dashed(String),
     /// The area down to these heights.
     Band(Vec<f64>),
 }
 
 impl Curve {
-    /// Points that are no numbers are left out.
+    /// Points that are NaN are left out.
     pub fn new(label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Curve {
         let points = points.into_iter();
         Curve {
@@ -66,8 +59,6 @@ impl Curve {
 /// Values over two quantities in shades.
 #[derive(Debug, Clone)]
 pub struct Map {
-    /// What stands at the axes and at the scale, with its unit.
-    pub labels: [String; 3],
     /// Ends of the axes.
     pub ends: [[f64; 2]; 2],
     pub patches: Vec<Patch>,
@@ -78,74 +69,101 @@ pub struct Map {
 /// A piece of a map with one value.
 #[derive(Debug, Clone)]
 pub struct Patch {
-    /// Corners in order, in the units of the axes.
-    pub corners: [(f64, f64); 4],
+    /// Where it is in the CSV file.
+    pub node: [f64; 2],
+    /// Its ends along both axes.
+    pub ends: [[f64; 2]; 2],
     /// None: contact at a tip edge, drawn apart from the scale, over everything.
     pub value: Option<f64>,
-}
-
-impl Patch {
-    pub fn middle(&self) -> (f64, f64) {
-        let [a, _, b, _] = self.corners;
-        (0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1))
-    }
 }
 
 impl Map {
     /// `values` in cells around the even nodes of both axes, all of a row after each other; the scale reaches to
     /// the largest, at least to `top`.
     pub fn on_nodes(
-        labels: [&str; 3],
         [columns, rows]: [&[f64]; 2],
         values: impl IntoIterator<Item = f64>,
         top: f64,
     ) -> Map {
-        let [columns, rows] = [columns, rows].map(cells_around);
-        let cells = rows
-            .windows(2)
-            .flat_map(|y| columns.windows(2).map(move |x| (x, y)));
-        let patch = |((x, y), value): ((&[f64], &[f64]), f64)| Patch {
-            corners: [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])],
+        let axes = [columns, rows].map(cells);
+        let [x, y] = &axes;
+        let pairs = y.iter().flat_map(|y| x.iter().map(move |x| [x, y]));
+        let patch = |(cells, value): ([&Cell; 2], f64)| Patch {
+            node: cells.map(|cell| cell.node),
+            ends: cells.map(|cell| cell.ends),
             value: value.is_finite().then_some(value),
         };
-        let patches: Vec<Patch> = cells.zip(values).map(patch).collect();
-        Map {
-            labels: labels.map(Into::into),
-            ends: [&columns, &rows].map(|ends| {
-                let [a, b] = [ends[0], ends[ends.len() - 1]];
-                [a.min(b), a.max(b)]
-            }),
-            top: patches.iter().filter_map(|p| p.value).fold(top, f64::max),
-            patches,
+        let patches: Vec<Patch> = pairs.zip(values).map(patch).collect();
+        let ends = axes.each_ref().map(|cells| {
+            let ends = || cells.iter().flat_map(|cell| cell.ends);
+            [
+                ends().fold(f64::INFINITY, f64::min),
+                ends().fold(f64::NEG_INFINITY, f64::max),
+            ]
+        });
+        let top = patches.iter().filter_map(|p| p.value).fold(top, f64::max);
+        Map { ends, patches, top }
+    }
+
+    /// The same cut to `low..high` along its first axis.
+    pub fn cut(mut self, low: f64, high: f64) -> Map {
+        self.ends[0] = [low, high];
+        for patch in &mut self.patches {
+            patch.ends[0] = patch.ends[0].map(|x| x.clamp(low, high));
         }
+        self
     }
 }
 
-/// Ends of cells halfway between `nodes`, the outermost as wide as their neighbours.
-fn cells_around(nodes: &[f64]) -> Vec<f64> {
-    let n = nodes.len();
-    let step = |i: usize| nodes.get(i + 1).map_or(1.0, |next| next - nodes[i]);
-    let last = step(n.saturating_sub(2));
-    let starts = (0..n).map(|i| nodes[i] - 0.5 * step(i.saturating_sub(1)));
-    starts.chain([nodes[n - 1] + 0.5 * last]).collect()
+struct Cell {
+    node: f64,
+    ends: [f64; 2],
 }
+
+/// Cells that meet halfway between `nodes`, the outermost as wide as their neighbours.
+fn cells(nodes: &[f64]) -> Vec<Cell> {
+    let step = |i: usize| nodes.get(i + 1).map_or(1.0, |next| next - nodes[i]);
+    let cell = |(i, node): (usize, &f64)| {
+        let before = 0.5 * step(i.saturating_sub(1));
+        let low = node - before;
+        let high = match nodes.get(i + 1) {
+            Some(next) => next - 0.5 * step(i),
+            None => node + before,
+        };
+        Cell {
+            node: 0.5 * (low + high),
+            ends: [low, high],
+        }
+    };
+    nodes.iter().enumerate().map(cell).collect()
+}
+
+/// Charts of curves, `"title", [label of x, of y], height => curves;` for each.
+macro_rules! charts {
+    ($($title:expr, $labels:expr, $height:expr => $curves:expr;)*) => {
+        vec![$($crate::report::figure::Figure::lines($title, $labels, $height, $curves)),*]
+    };
+}
+pub(crate) use charts;
 
 impl Figure {
-    pub fn lines(title: &str, labels: [&str; 2], height: Height, curves: Vec<Curve>) -> Figure {
-        let labels = labels.map(Into::into);
+    pub fn lines(
+        title: impl Into<String>,
+        labels: [&str; 2],
+        height: Height,
+        curves: Vec<Curve>,
+    ) -> Figure {
         Figure {
             title: title.into(),
-            plot: Plot::Lines(Lines {
-                labels,
-                height,
-                curves,
-            }),
+            labels: labels.map(Into::into).into(),
+            plot: Plot::Lines(height, curves),
         }
     }
 
-    pub fn map(title: impl Into<String>, map: Map) -> Figure {
+    pub fn map(title: impl Into<String>, labels: [&str; 3], map: Map) -> Figure {
         Figure {
             title: title.into(),
+            labels: labels.map(Into::into).into(),
             plot: Plot::Map(map),
         }
     }
@@ -153,37 +171,41 @@ impl Figure {
     /// The picture.
     pub fn svg(&self) -> askama::Result<String> {
         let drawn = match &self.plot {
-            Plot::Lines(lines) => draw::lines(lines),
-            Plot::Map(map) => draw::map(map),
+            Plot::Lines(height, curves) => draw::lines(&self.labels, *height, curves),
+            Plot::Map(map) => draw::map(&self.labels, map),
         };
         drawn.map_err(|error| askama::Error::custom(error.to_string()))
     }
 
-    /// Every point of the curves, or the middle of every patch with its value.
+    /// Every point of the curves, or the node of every patch with its value.
     pub fn csv(&self) -> Result<Vec<u8>, Error> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         match &self.plot {
-            Plot::Lines(Lines { labels, curves, .. }) => {
-                writer.write_record(["curve", &labels[0], &labels[1]])?;
-                for curve in curves {
-                    let points = curve.points.iter();
-                    let mut all: Vec<_> =
-                        points.map(|(x, y)| (curve.label.clone(), x, y)).collect();
-                    if let Style::Band(low) = &curve.style {
-                        let low = curve.points.iter().zip(low);
-                        all.extend(
-                            low.map(|((x, _), y)| (curve.label.clone() + ", lower end", x, y)),
-                        );
+            Plot::Lines(_, curves) => {
+                writer.write_record(["curve", &self.labels[0], &self.labels[1]])?;
+                for Curve {
+                    label,
+                    points,
+                    style,
+                } in curves
+                {
+                    let name = match style {
+                        Style::Dashed(variant) => format!("{label} ({variant})"),
+                        _ => label.clone(),
+                    };
+                    for (x, y) in points {
+                        writer.serialize((&name, x, y))?;
                     }
-                    for point in all {
-                        writer.serialize(point)?;
+                    let Style::Band(low) = style else { continue };
+                    for ((x, _), y) in points.iter().zip(low) {
+                        writer.serialize((format!("{label}, lower end"), x, y))?;
                     }
                 }
             }
             Plot::Map(map) => {
-                writer.write_record(&map.labels)?;
+                writer.write_record(&self.labels)?;
                 for patch in &map.patches {
-                    writer.serialize((patch.middle(), patch.value))?;
+                    writer.serialize((patch.node, patch.value))?;
                 }
             }
         }
@@ -192,21 +214,20 @@ impl Figure {
 
     /// Adds what `other` shows, of the variant `name`: curves dashed in the same chart; of a map it stays apart, on
     /// the same scale, and is returned.
-    pub fn compare(&mut self, other: Figure, name: &str) -> Option<Figure> {
-        match (&mut self.plot, other.plot) {
-            (Plot::Lines(own), Plot::Lines(more)) => {
-                own.curves
-                    .extend(more.curves.into_iter().map(|curve| Curve {
-                        label: format!("{} ({name})", curve.label),
-                        style: Style::Dashed,
-                        ..curve
-                    }));
+    pub fn compare(&mut self, mut other: Figure, name: &str) -> Option<Figure> {
+        match (&mut self.plot, &mut other.plot) {
+            (Plot::Lines(_, own), Plot::Lines(_, more)) => {
+                for mut curve in more.drain(..) {
+                    curve.style = Style::Dashed(name.into());
+                    own.push(curve);
+                }
                 None
             }
-            (Plot::Map(own), Plot::Map(mut map)) => {
+            (Plot::Map(own), Plot::Map(map)) => {
                 map.top = own.top.max(map.top);
                 own.top = map.top;
-                Some(Figure::map(format!("{} ({name})", other.title), map))
+                other.title += &format!(" ({name})");
+                Some(other)
             }
             _ => None,
         }
@@ -220,16 +241,14 @@ mod tests {
     #[test]
     fn cells_fill_the_map_and_carry_their_values_row_by_row() {
         let nodes = [&[1.0, 2.0, 3.0][..], &[10.0, 20.0]];
-        let map = Map::on_nodes(["x", "y", "v"], nodes, (0..6).map(f64::from), 0.0);
+        let map = Map::on_nodes(nodes, (0..6).map(f64::from), 0.0);
         assert_eq!((map.ends, map.top), ([[0.5, 3.5], [5.0, 25.0]], 5.0));
-        assert_eq!(map.patches.len(), 6);
+        assert_eq!(map.patches[4].ends, [[1.5, 2.5], [15.0, 25.0]]);
         assert_eq!(map.patches[4].value, Some(4.0));
-        assert_eq!(map.patches[4].middle(), (2.0, 20.0));
-        let csv = String::from_utf8(Figure::map("", map).csv().unwrap()).unwrap();
-        assert!(
-            csv.starts_with("x,y,v\n1.0,10.0,0.0\n2.0,10.0,1.0\n"),
-            "{csv}"
-        );
+        let map = map.cut(1.0, 3.0);
+        assert_eq!(map.patches[0].ends[0], [1.0, 1.5]);
+        let csv = Figure::map("", ["x", "y", "v"], map).csv().unwrap();
+        assert!(csv.starts_with(b"x,y,v\n1.0,10.0,0.0\n2.0,10.0,1.0\n"));
     }
 
     #[test]
@@ -240,22 +259,14 @@ mod tests {
         };
         let mut figure = lines(1.0);
         assert!(figure.compare(lines(2.0), "other").is_none());
-        let csv = String::from_utf8(figure.csv().unwrap()).unwrap();
-        assert_eq!(csv, "curve,x,y\nSTE,0.0,1.0\nSTE (other),0.0,2.0\n");
-        let map = |value| {
-            Figure::map(
-                "p",
-                Map::on_nodes(["", "", ""], [&[0.0], &[0.0]], [value], 0.0),
-            )
-        };
+        let csv = figure.csv().unwrap();
+        assert_eq!(csv, b"curve,x,y\nSTE,0.0,1.0\nSTE (other),0.0,2.0\n");
+        let map = |value| Figure::map("p", [""; 3], Map::on_nodes([&[0.0]; 2], [value], 0.0));
         let mut figure = map(1.0);
         let other = figure.compare(map(3.0), "other").unwrap();
-        let (Plot::Map(a), Plot::Map(b)) = (&figure.plot, &other.plot) else {
-            panic!("{figure:?}");
-        };
-        assert_eq!(
-            (a.top, b.top, other.title.as_str()),
-            (3.0, 3.0, "p (other)")
-        );
+        assert_eq!(other.title, "p (other)");
+        for Figure { plot, .. } in [figure, other] {
+            assert!(matches!(plot, Plot::Map(Map { top: 3.0, .. })));
+        }
     }
 }

@@ -5,7 +5,6 @@ mod draw;
 pub mod figure;
 mod flank;
 pub mod page;
-mod roots;
 mod variant;
 
 use std::path::{Path, PathBuf};
@@ -25,6 +24,7 @@ use crate::limits;
 use crate::model::{ModelArgs, widen};
 use crate::output;
 use crate::pair_summary::pair_summary;
+use crate::progress::Job;
 use crate::study;
 use page::{Page, Section};
 use variant::{Loads, Variant};
@@ -75,10 +75,6 @@ pub struct Report {
     #[arg(long, value_name = "SPEED", default_value_t = 3000.0, value_parser = limits::within(1.0..=1e6))]
     largest_speed_rpm: f64,
 
-    /// Stress in the tooth roots, too; its elastic model takes two to three times as long as that of the contact
-    #[arg(long, conflicts_with = "plane_strain")]
-    root_stress: bool,
-
     #[command(flatten)]
     model: ModelArgs,
 }
@@ -86,20 +82,16 @@ pub struct Report {
 impl Report {
     pub fn run(self) -> Result<(), Error> {
         let (pair, gauges) = pair::read_with_gauges(&self.pair)?;
-        let read = [
-            Some(&self.pair),
-            self.tables.as_ref(),
-            self.compare.as_ref(),
-        ];
-        output::check_writable(&self.output, read.into_iter().flatten())?;
+        let others = self.tables.iter().chain(&self.compare);
+        output::check_writable(&self.output, others.chain([&self.pair]))?;
         if let Some(folder) = &self.figures {
             output::make_folder("--figures", folder)?;
         }
-        self.model.use_threads()?;
+        let job = self.model.start()?;
         let pair = self.model.applied_to(pair);
         let loads = self.loads(&pair);
         let summary = pair_summary(&pair, gauges);
-        let (description, sections) = self.pair_sections(pair.clone(), &loads)?;
+        let (description, sections) = self.pair_sections(pair.clone(), &loads, &job)?;
         let note = format!("Elastic model: {description}.");
         let mut page = Page {
             title: format!("Static tooth contact: {}", pair.name),
@@ -113,7 +105,9 @@ impl Report {
             page.sections.push(study::bands_of(folder, &pair.name)?);
         }
         if let Some(other) = &self.compare {
-            let (name, sections) = self.other(other, &loads)?;
+            let described = self.other(other, &loads, &job);
+            let (name, sections) =
+                described.map_err(|error| format!("--compare = {}: {error}", other.display()))?;
             page.title += &format!(", compared with {name} (dashed)");
             compare(&mut page.sections, sections, &name);
         }
@@ -125,49 +119,38 @@ impl Report {
     fn loads(&self, pair: &Pair) -> Loads {
         let operating = &pair.operating;
         let (nominal, largest) = (operating.nominal_torque, operating.maximum_torque);
-        let usual = LOADS.iter().map(|load| load * nominal);
         let [low, high] = operating.misalignment;
+        let speed = self.largest_speed_rpm;
+        let mut torques = self.torques_nm.clone();
+        if torques.is_empty() {
+            let usual = LOADS.map(|load| load * nominal);
+            torques.extend(usual.iter().filter(|torque| **torque <= largest));
+        }
         Loads {
             nominal,
-            torques: match &self.torques_nm[..] {
-                [] => usual.filter(|torque| *torque <= largest).collect(),
-                given => given.to_vec(),
-            },
+            torques,
             survey: evenly(largest / TORQUES as f64, largest, TORQUES),
             tilts: match low < high {
                 true => evenly(low, high, MISALIGNMENTS),
                 false => vec![],
             },
             positions: self.positions,
-            speeds: evenly(
-                self.largest_speed_rpm / SPEEDS as f64,
-                self.largest_speed_rpm,
-                SPEEDS,
-            ),
+            speeds: evenly(speed / SPEEDS as f64, speed, SPEEDS),
         }
     }
 
     /// The elastic model of `pair` in words, and the sections on its contact.
-    fn pair_sections(
-        &self,
-        mut pair: Pair,
-        loads: &Loads,
-    ) -> Result<(String, Vec<Section>), Error> {
+    fn pair_sections(&self, mut pair: Pair, loads: &Loads, job: &Job) -> Described {
         let ends = [loads.tilts.first(), loads.tilts.last()].map(|end| end.copied().unwrap_or(0.0));
         for &torque in loads.torques.iter().chain(&loads.survey) {
             widen(&mut pair, torque, ends, [0.0; 2]);
         }
-        let job = self.model.job();
-        let model = self.model.solver(&pair, &job)?;
+        let roots = self.model.root_stress.then_some(Flank::Drive);
+        let model = self.model.model(&pair, roots, job)?;
         let solver = &model.solver;
-        let variant = Variant::Pair(solver);
-        let mut aligned = variant.cases(&loads.torques, &[0.0], loads.positions)?;
-        if self.root_stress {
-            let fillets = self.model.fillets(&pair, Flank::Drive, &job)?;
-            for case in &mut aligned {
-                case.solve_roots(solver, Some(&fillets))?;
-            }
-        }
+        let with_roots = Variant::Pair(solver, model.fillets.as_ref());
+        let aligned = with_roots.cases(&loads.torques, &[0.0], loads.positions)?;
+        let variant = Variant::Pair(solver, None);
         let mut tilts = vec![0.0];
         tilts.extend(ends.into_iter().filter(|tilt| *tilt != 0.0));
         let nominal = variant.cases(&[loads.nominal], &tilts, loads.positions)?;
@@ -176,42 +159,40 @@ impl Report {
         sections.insert(2, table(solver, &aligned));
         sections.push(curves::losses(&pair, solver, loads)?);
         sections.extend(flank::carried(&pair, &aligned, &nominal[0], &nominal[1..]));
-        if self.root_stress {
-            sections.push(roots::roots(&aligned, loads.nominal));
+        if self.model.root_stress {
+            sections.push(flank::roots(&aligned, loads.nominal));
         }
-        Ok((model.description.clone(), sections))
+        Ok((model.description, sections))
     }
 
     fn tables_section(&self, path: &Path, pair: &Pair) -> Result<Section, Error> {
         let file = TableFile::read(path)?;
+        let [path, own] = [path, &self.pair].map(Path::display);
         if file.geometry != pair.geometry {
-            return Err(format!(
-                "--tables = {}: made for another gear geometry than {}; name this pair's tables",
-                path.display(),
-                self.pair.display()
-            )
-            .into());
+            refuse!(
+                "--tables = {path}: made for another gear geometry than {own}; name this pair's tables"
+            );
         }
-        let place = path.display().to_string();
-        Ok(Section::new("Tables", place, vec![]).with_text(file.size_and_error()))
+        Ok(Section::new("Tables", path.to_string(), vec![]).with_text(file.size_and_error()))
     }
 
     /// Name and sections of the variant in the file `path`.
-    fn other(&self, path: &Path, loads: &Loads) -> Result<(String, Vec<Section>), Error> {
-        let named = |error: Error| format!("--compare = {}: {error}", path.display());
-        if !is_tables(&output::read_text(path).map_err(|e| named(e.into()))?) {
-            let pair = pair::read(path).map_err(|e| named(e.into()))?;
-            let pair = self.model.applied_to(pair);
-            let (_, sections) = self.pair_sections(pair.clone(), loads)?;
+    fn other(&self, path: &Path, loads: &Loads, job: &Job) -> Described {
+        if !is_tables(&output::read_text(path)?) {
+            let pair = self.model.applied_to(pair::read(path)?);
+            let (_, sections) = self.pair_sections(pair.clone(), loads, job)?;
             return Ok((pair.name, sections));
         }
-        let table = Table::read(path).map_err(|e| named(e.into()))?;
+        let table = Table::read(path)?;
         let name = format!("tables of {}", table.file().name);
         let variant = Variant::Tables(Box::new(table));
         let cases = variant.cases(&loads.torques, &[0.0], loads.positions)?;
         Ok((name, variant_sections(&variant, loads, &cases)?))
     }
 }
+
+/// What something is in words, and the sections on it.
+type Described = Result<(String, Vec<Section>), Error>;
 
 fn evenly(low: f64, high: f64, count: usize) -> Vec<f64> {
     let step = (high - low) / (count - 1) as f64;
@@ -272,15 +253,8 @@ fn table(solver: &ContactSolver, cases: &[Case]) -> Section {
     let mut columns = load();
     columns.extend(summary(solver));
     columns.extend(details(solver));
-    let mut rows = lines(&columns, cases);
-    let units = rows.remove(1);
-    for (head, unit) in rows[0].iter_mut().zip(units) {
-        if !unit.is_empty() {
-            *head = format!("{head} ({unit})");
-        }
-    }
     Section {
-        table: rows,
+        table: lines(&columns, cases),
         ..Section::new("In numbers", note, vec![])
     }
 }

@@ -21,7 +21,7 @@ pub struct Section {
     /// What it shows.
     pub note: String,
     pub text: String,
-    /// Rows of cells, the heads first.
+    /// Rows of cells, heads and units first.
     pub table: Vec<Vec<String>>,
     pub figures: Vec<Figure>,
 }
@@ -48,14 +48,11 @@ impl Section {
 
 /// Small letters and digits of `title` with hyphens between words: an anchor, the name of a file.
 fn slug(title: &str) -> String {
-    // A sign tells two charts apart.
+    // A sign distinguishes two charts.
     let title = title.replace(" -", " minus ");
     let words = title.split(|c: char| !c.is_alphanumeric());
-    let words: Vec<String> = words
-        .filter(|w| !w.is_empty())
-        .map(str::to_lowercase)
-        .collect();
-    words.join("-")
+    let words = words.filter(|w| !w.is_empty()).map(str::to_lowercase);
+    words.collect::<Vec<_>>().join("-")
 }
 
 impl Page {
@@ -79,12 +76,11 @@ mod tests {
     #[test]
     fn a_name_cannot_break_out_of_the_page() {
         let mut section = Section::new("a & b", "\"c\"", vec![]).with_text("<u>".into());
-        section.table = vec![vec!["<i>".into()], vec!["1 < 2".into()]];
-        let page = Page {
-            title: "<script>".into(),
-            sections: vec![section],
-        };
-        let html = page.render().unwrap();
+        section.table = [["<i>"], [""], ["1 < 2"]]
+            .map(|row| row.map(Into::into).into())
+            .into();
+        let (title, sections) = ("<script>".into(), vec![section]);
+        let html = Page { title, sections }.render().unwrap();
         for tag in ["<script>", "<i>", "<u>"] {
             assert!(!html.contains(tag), "{html}");
         }

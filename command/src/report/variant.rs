@@ -6,7 +6,8 @@ use gearmesh::root::bisection;
 use gearmesh::table::{Query, Table};
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
 
-use crate::case::Case;
+use crate::case::{Case, load_matrix};
+use crate::model::Fillets;
 
 /// Loads at which every variant is shown: those of the operating range of the reported pair.
 pub struct Loads {
@@ -24,14 +25,15 @@ pub struct Loads {
 }
 
 pub enum Variant<'a> {
-    Pair(&'a ContactSolver),
+    /// With its fillets where the stress in the roots is shown.
+    Pair(&'a ContactSolver, Option<&'a Fillets>),
     Tables(Box<Table>),
 }
 
 impl Variant<'_> {
     pub fn geometry(&self) -> &PairGeometry {
         match self {
-            Variant::Pair(solver) => solver.geometry(),
+            Variant::Pair(solver, _) => solver.geometry(),
             Variant::Tables(table) => table.geometry(),
         }
     }
@@ -44,14 +46,7 @@ impl Variant<'_> {
         misalignments: &[f64],
         positions: usize,
     ) -> Result<Vec<Case>, ContactError> {
-        let at_torque = |&torque| {
-            let misalignments = misalignments.iter();
-            misalignments.map(move |&misalignment| LoadCase {
-                torque,
-                misalignment,
-            })
-        };
-        let loads: Vec<LoadCase> = torques.iter().flat_map(at_torque).collect();
+        let loads = load_matrix(torques, misalignments);
         let input = |load: &LoadCase| CycleInput {
             flank: Flank::Drive,
             torque: load.torque,
@@ -60,7 +55,9 @@ impl Variant<'_> {
             positions,
         };
         match self {
-            Variant::Pair(solver) => Case::solve_all(solver, &input(&loads[0]), &loads, &|_| {}),
+            Variant::Pair(solver, fillets) => {
+                Case::solve_all(solver, *fillets, &input(&loads[0]), &loads, &|_| {})
+            }
             Variant::Tables(table) => {
                 let case = |load| of_table(table, input(load));
                 Ok(loads.iter().map(case).collect())
@@ -74,7 +71,7 @@ fn of_table(table: &Table, input: CycleInput) -> Case {
     let force = input.torque / geometry.gears[0].base_radius();
     let (flank, _) = table.flank(Flank::Drive);
     let result = |&mesh_position: &f64| {
-        let at = |delta| {
+        let evaluated = |delta| {
             let query = Query {
                 delta,
                 center_distance_offset: 0.0,
@@ -84,8 +81,9 @@ fn of_table(table: &Table, input: CycleInput) -> Case {
             flank.evaluate(&query, false)
         };
         // Force rises with the approach, which is a millimetre at most.
-        let approach = bisection([-1e-3, 1e-3], 60, |delta| at(delta).gradient[0] < force);
-        let found = at(approach);
+        let is_short = |delta| evaluated(delta).gradient[0] < force;
+        let approach = bisection([-1e-3, 1e-3], 60, is_short);
+        let found = evaluated(approach);
         ContactResult {
             approach,
             contact_z: geometry.z_ref() + found.gradient[2] / found.gradient[0],

@@ -1,27 +1,27 @@
 //! `gearmesh solve PAIR.json`: mesh cycles, quasi-static, for one load or a matrix of loads.
 
-mod deflection;
 mod results;
 mod text;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use gearmesh::contact::Deflection;
-use gearmesh::gear::Flank;
+use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::pair::Pair;
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
 use gearmesh_preprocessor::pair;
+use serde::Deserialize;
 use serde_json::json;
 
 use crate::Error;
-use crate::case::{Case, summary};
+use crate::case::{Case, load_matrix, summary};
 use crate::columns::Column;
 use crate::limits;
-use crate::model::{Fillets, Model, ModelArgs, widen};
+use crate::model::{Model, ModelArgs, widen};
 use crate::output::{self, Listing, rows};
-use deflection::DeflectionArgs;
+use crate::progress::Job;
 
 /// Solve the static contact over the mesh cycle, for one load or for every torque with every misalignment.
 #[derive(Debug, Args)]
@@ -58,12 +58,7 @@ pub struct Solve {
     #[command(flatten)]
     deflection: DeflectionArgs,
 
-    /// Stress in the tooth roots of both gears, too, with the nominal one of ISO 6336-3 beside it; its elastic
-    /// model takes two to three times as long as that of the contact
-    #[arg(long, conflicts_with = "plane_strain")]
-    root_stress: bool,
-
-    /// Speeds of gear 1 at which loss and efficiency are wanted, rpm, separated by commas
+    /// Speeds of gear 1 at which loss and efficiency are given, rpm, separated by commas
     #[arg(long, value_delimiter = ',', value_parser = limits::within(0.0..=1e6))]
     speed_rpm: Vec<f64>,
 
@@ -100,8 +95,6 @@ fn flank(name: String) -> Flank {
 struct Solved {
     pair: Pair,
     model: Model,
-    /// For the stress in the roots, where it is asked for.
-    fillets: Option<Fillets>,
     /// One for each load.
     cases: Vec<Case>,
 }
@@ -112,7 +105,7 @@ impl Solve {
         let loads = self.loads(&pair)?;
         let deflection = self.deflection.read(&pair.geometry)?;
         if let Some(folder) = &self.output {
-            results::check(folder, self.root_stress)?;
+            results::check(folder, self.model.root_stress)?;
         }
         let bent = deflection.as_ref().map_or(0.0, |deflection| {
             let (low, width) = pair.geometry.face_overlap();
@@ -125,8 +118,8 @@ impl Solve {
             let tilts = [load.misalignment - bent, load.misalignment + bent];
             widen(&mut pair, load.torque, tilts, [offset; 2]);
         }
-        self.model.use_threads()?;
-        let solved = self.solve(pair, &loads, deflection.as_ref())?;
+        let job = self.model.start()?;
+        let solved = self.solve(pair, &loads, deflection.as_ref(), &job)?;
         let solver = &solved.model.solver;
         if let Some(folder) = &self.output {
             results::write(folder, solver, &solved.cases)?;
@@ -137,49 +130,44 @@ impl Solve {
                 [case] => json(case).into(),
                 cases => json!({ "cases": cases.iter().map(json).collect::<Vec<_>>() }),
             };
-            serde_json::to_string_pretty(&json)? + "\n"
+            format!("{json:#}\n")
         } else {
             text::text(&solved, &self.speed_rpm)
         };
         if self.estimate_error {
             let other = ModelArgs::reference(&solved.pair);
-            let other = self.solve(other, &loads, deflection.as_ref())?;
+            let other = self.solve(other, &loads, deflection.as_ref(), &job)?;
             text += &difference(&solved, &other);
         }
+        drop(job);
         output::print(&text)?;
         Ok(())
     }
 
     /// Every torque with every misalignment.
     fn loads(&self, pair: &Pair) -> Result<Vec<LoadCase>, Error> {
-        let nominal = [pair.operating.nominal_torque];
-        let torques = match &self.torque_nm[..] {
-            [] => &nominal[..],
-            given => given,
-        };
+        let mut torques = self.torque_nm.clone();
+        if torques.is_empty() {
+            torques.push(pair.operating.nominal_torque);
+        }
         let count = torques.len() * self.misalignment_mrad.len();
         // More results would not fit into memory.
         limits::check(Some(count), &(1..=10_000))
             .map_err(|error| format!("torques times misalignments = {count}: {error}"))?;
-        let at_torque = |&torque| {
-            let misalignments = self.misalignment_mrad.iter();
-            misalignments.map(move |mrad| LoadCase {
-                torque,
-                misalignment: mrad * 1e-3,
-            })
-        };
-        Ok(torques.iter().flat_map(at_torque).collect())
+        let misalignments = self.misalignment_mrad.iter().map(|mrad| mrad * 1e-3);
+        Ok(load_matrix(&torques, &misalignments.collect::<Vec<_>>()))
     }
 
-    /// A cycle of `pair` for each of `loads`, with the stress in the roots where it is asked for.
+    /// A cycle of `pair` for each of `loads`, with the stress in the roots where it is requested.
     fn solve(
         &self,
         pair: Pair,
         loads: &[LoadCase],
         deflection: Option<&Deflection>,
+        job: &Job,
     ) -> Result<Solved, Error> {
-        let job = self.model.job();
-        let mut model = self.model.solver(&pair, &job)?;
+        let roots = self.model.root_stress.then_some(self.flank);
+        let mut model = self.model.model(&pair, roots, job)?;
         if let Some(deflection) = deflection {
             model.solver = model.solver.with_deflection(deflection.clone());
         }
@@ -190,21 +178,10 @@ impl Solve {
             misalignment: loads[0].misalignment,
             positions: self.positions,
         };
-        let progress = |share| job.tell("static contact", share);
-        let mut cases = Case::solve_all(&model.solver, &input, loads, &progress)?;
-        let fillets = match self.root_stress {
-            true => Some(self.model.fillets(&pair, self.flank, &job)?),
-            false => None,
-        };
-        for case in &mut cases {
-            case.solve_roots(&model.solver, fillets.as_ref())?;
-        }
-        Ok(Solved {
-            pair,
-            model,
-            fillets,
-            cases,
-        })
+        let progress = |share| job.show("static contact", share);
+        let fillets = model.fillets.as_ref();
+        let cases = Case::solve_all(&model.solver, fillets, &input, loads, &progress)?;
+        Ok(Solved { pair, model, cases })
     }
 }
 
@@ -214,21 +191,20 @@ fn difference(solved: &Solved, other: &Solved) -> String {
     let mut rows = Listing::default();
     rows! { rows; "compared with" => "{}", model.description; }
     let mut columns = summary(&model.solver);
-    if other.fillets.is_some() {
+    if model.fillets.is_some() {
         columns.extend(text::largest_root_stress());
     }
     for column in &columns {
-        let Some(text) = &column.text else { continue };
         let both = solved.cases.iter().zip(&other.cases);
         let shares = both.filter_map(|(a, b)| share(column, a, b));
         let worst = shares.max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        let words = worst.map_or("none to tell: it is zero".into(), |worst| {
+        let words = worst.map_or("none to give: it is zero".into(), |worst| {
             format!("{:+.2} %", 100.0 * worst)
         });
-        rows.row(&text.head, words);
+        rows.row(&column.head, words);
     }
     rows! { rows; "time for its elastic model" => "{}", model.effort; }
-    if let Some(f) = &other.fillets {
+    if let Some(f) = &model.fillets {
         rows! { rows; "time for its model of the fillets" => "{}", f.effort; }
     }
     format!("\nestimated error, from the difference to another refinement\n{rows}")
@@ -238,4 +214,57 @@ fn difference(solved: &Solved, other: &Solved) -> String {
 fn share<'c>(column: &Column<&'c Case>, a: &'c Case, b: &'c Case) -> Option<f64> {
     let [a, b] = [a, b].map(|case| (column.value)(&case).as_f64());
     Some(a? / b? - 1.0).filter(|share| share.is_finite())
+}
+
+/// How shafts and housing bend, in addition to the misalignment.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Deflection along the face")]
+struct DeflectionArgs {
+    /// CSV with the columns z_mm (from gear 1's z = 0 face) and closing_um: how far the flanks come closer there on
+    /// the line of action before they bear load
+    #[arg(long, value_name = "CSV", conflicts_with = "bow_um")]
+    deflection: Option<PathBuf>,
+
+    /// How much less both ends of the face close than its middle, um, parabolic, 0 at mid-face
+    #[arg(long, default_value_t = 0.0, value_parser = limits::within(-LARGEST_UM..=LARGEST_UM))]
+    bow_um: f64,
+}
+
+#[derive(Deserialize)]
+struct Row {
+    z_mm: f64,
+    closing_um: f64,
+}
+
+/// Largest closing that is read, um: a hundred times what shafts do.
+const LARGEST_UM: f64 = 1e4;
+
+impl DeflectionArgs {
+    /// The deflection; None where none is requested.
+    fn read(&self, geometry: &PairGeometry) -> Result<Option<Deflection>, Error> {
+        if let Some(path) = &self.deflection {
+            let curve = curve(path).map_err(|error| format!("{}: {error}", path.display()))?;
+            return Ok(Some(curve));
+        }
+        let (low, width) = geometry.face_overlap();
+        let bow = Deflection::bow(self.bow_um * 1e-6, [low, low + width])?;
+        Ok((self.bow_um != 0.0).then_some(bow))
+    }
+}
+
+fn curve(path: &Path) -> Result<Deflection, Error> {
+    // The reader counts a line only at its \n, after the position of the next one.
+    let text = output::read_text(path)?.replace("\r\n", "\n");
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+    let mut points = Vec::new();
+    for row in reader.deserialize() {
+        let Row { z_mm, closing_um } = row?;
+        limits::check(Some(closing_um), &(-LARGEST_UM..=LARGEST_UM))
+            .map_err(|e| format!("closing_um = {closing_um} at z_mm = {z_mm}: {e}"))?;
+        points.push([z_mm * 1e-3, closing_um * 1e-6]);
+    }
+    Ok(Deflection::new(points)?)
 }

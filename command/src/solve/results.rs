@@ -18,7 +18,7 @@ use crate::case::{Case, details, load, summary};
 use crate::columns::{Column, columns, csv, lists, object};
 use crate::output;
 
-/// Names of the files in the folder; the last two only where root stress is asked for.
+/// Names of the files in the folder; the last two only where root stress is requested.
 const NAMES: [&str; 7] = [
     "load-distribution.csv",
     "mesh-cycle.csv",
@@ -29,11 +29,10 @@ const NAMES: [&str; 7] = [
     "root-stress-field.csv",
 ];
 
-/// Refuses a folder that cannot take the files, those of root stress if it is asked for, and makes it if it is not there.
+/// Refuses a folder that cannot take the files, those of root stress if it is requested, and makes it if it is not there.
 pub fn check(folder: &Path, root_stress: bool) -> Result<(), Error> {
     output::make_folder("--output", folder)?;
-    let count = if root_stress { 7 } else { 5 };
-    for name in &NAMES[..count] {
+    for name in &NAMES[..if root_stress { 7 } else { 5 }] {
         output::check_writable(&folder.join(name), [] as [&Path; 0])?;
     }
     Ok(())
@@ -48,7 +47,7 @@ pub fn write(folder: &Path, solver: &ContactSolver, cases: &[Case]) -> Result<()
     let mut row = summary(solver);
     row.extend(harmonic_columns());
     let mut tables = vec![
-        csv(&load(), &distribution(geometry), cases, strips)?,
+        csv(&load(), &distribution(geometry), cases, segments)?,
         csv(&load(), &positions(&pairs), cases, at_positions)?,
         csv(&load(), &stiffness(geometry), cases, at_positions)?,
         csv(&load(), &face_load(), cases, |case| stations(solver, case))?,
@@ -84,11 +83,6 @@ pub fn json(
     more("tooth_pairs", json!(pairs));
     more("solve_seconds", json!(cycle.solve_seconds));
     more("notes", json!(notes(pair, case)));
-    let face = case.face_load(solver);
-    let [z, load] = [(face.z, 1e3), (face.load, 1e-3)]
-        .map(|(values, unit)| values.iter().map(|value| unit * value).collect());
-    more("face_z_mm", z);
-    more("face_load_n_per_mm", load);
     for (k, (_, of, unit)) in HARMONIC_LISTS.into_iter().enumerate() {
         let all = harmonics_of(case, k);
         let list =
@@ -96,26 +90,32 @@ pub fn json(
         more(&format!("{of}harmonics_{unit}"), list(|h| h.amplitude));
         more(&format!("{of}harmonics_phase_rad"), list(|h| h.phase));
     }
+    let face = case.face_load(solver);
+    more("face_z_mm", face.z.iter().map(|z| 1e3 * z).collect());
+    more(
+        "face_load_n_per_mm",
+        face.load.iter().map(|load| 1e-3 * load).collect(),
+    );
     if let Some(gears) = &case.roots {
         let over_cycle = |stress: fn(&ToothRoot) -> Option<f64>| {
             let stresses = |gear: &GearRoots| gear.over_cycle(cycle.results.len(), stress);
             let mpa = |stresses: Vec<f64>| stresses.iter().map(|s| 1e-6 * s).collect::<Vec<f64>>();
             json!(gears.each_ref().map(|gear| mpa(stresses(gear))))
         };
-        let at_tangent = over_cycle(|tooth| Some(tooth.at_tangent?.stress));
+        more("root_stress_mpa", over_cycle(|t| Some(t.largest.stress)));
         more(
-            "root_stress_mpa",
-            over_cycle(|tooth| Some(tooth.largest.stress)),
+            "root_stress_at_tangent_mpa",
+            over_cycle(|t| Some(t.at_tangent?.stress)),
         );
-        more("root_stress_at_tangent_mpa", at_tangent);
         let largest = [0, 1].map(|i| {
             let mut tooth = object(&root_stress(), &largest_tooth(case, i)?);
-            let mut rename = |column: &str, key: &str| {
+            for (column, key) in [
+                ("root_stress_mpa", "stress_mpa"),
+                ("root_stress_at_tangent_mpa", "at_tangent_mpa"),
+            ] {
                 let value = tooth.remove(column)?;
-                tooth.insert(key.into(), value)
-            };
-            rename("root_stress_mpa", "stress_mpa");
-            rename("root_stress_at_tangent_mpa", "at_tangent_mpa");
+                tooth.insert(key.into(), value);
+            }
             Some(tooth)
         });
         more("largest_root_stress", json!(largest));
@@ -129,10 +129,8 @@ pub fn json(
 /// What is to be known of the results, one sentence each.
 pub fn notes(pair: &Pair, case: &Case) -> Vec<String> {
     let on_teeth = pair::note_on_teeth(&pair.teeth).map(String::from);
-    on_teeth
-        .into_iter()
-        .chain(case.cycle.note_on_segments())
-        .collect()
+    let notes = [on_teeth, case.cycle.note_on_segments()];
+    notes.into_iter().flatten().collect()
 }
 
 type At<'a> = (usize, &'a Case);
@@ -176,18 +174,18 @@ fn stiffness<'r>(geometry: &PairGeometry) -> Vec<Column<'static, At<'r>>> {
     }
 }
 
-/// Number of a position with a strip of its contact lines.
-type AtStrip<'a> = (At<'a>, &'a SegmentLoad);
+/// Number of a position with a segment of its contact lines.
+type AtSegment<'a> = (At<'a>, &'a SegmentLoad);
 
-fn strips(case: &Case) -> impl Iterator<Item = AtStrip<'_>> {
-    at_positions(case).flat_map(|at| case.cycle.loads[at.0].iter().map(move |strip| (at, strip)))
+fn segments(case: &Case) -> impl Iterator<Item = AtSegment<'_>> {
+    at_positions(case).flat_map(|at| case.cycle.loads[at.0].iter().map(move |s| (at, s)))
 }
 
-/// Line load, pressure and gap of a strip at a mesh position.
-fn distribution<'s, 'r>(geometry: &'s PairGeometry) -> Vec<Column<'s, AtStrip<'r>>> {
+/// Line load, pressure and gap of a segment at a mesh position.
+fn distribution<'s, 'r>(geometry: &'s PairGeometry) -> Vec<Column<'s, AtSegment<'r>>> {
     let cos_beta_b = geometry.base_helix_angle().cos();
     let diameter = |i: usize, s: &SegmentLoad| 2e3 * geometry.gears[i].radius_at_roll(s.roll[i]);
-    columns! { |((i, c), s): &AtStrip|
+    columns! { |((i, c), s): &AtSegment|
         "mesh_position" => c.cycle.mesh_position[*i];
         "tooth_pair" => s.tooth_pair;
         "z_mm" => 500.0 * (s.z[0] + s.z[1]);
@@ -224,20 +222,14 @@ const HARMONIC_LISTS: [(&str, &str, &str); 2] = [
 
 /// The harmonics of item `k` of [`HARMONIC_LISTS`].
 fn harmonics_of(case: &Case, k: usize) -> [Option<Harmonic>; HARMONICS] {
+    let cycle = &case.cycle;
     match k {
-        0 => harmonics(
-            &case
-                .cycle
-                .ste()
-                .iter()
-                .map(|ste| 1e6 * ste)
-                .collect::<Vec<_>>(),
-        ),
-        _ => harmonics(&case.cycle.stiffness()),
+        0 => harmonics(&cycle.ste().iter().map(|ste| 1e6 * ste).collect::<Vec<_>>()),
+        _ => harmonics(&cycle.stiffness()),
     }
 }
 
-/// Harmonics in a row; those that the positions cannot tell apart stay empty.
+/// Harmonics in a row; those that the positions cannot resolve stay empty.
 fn harmonic_columns<'r>() -> Vec<Column<'static, &'r Case>> {
     let mut columns = Vec::new();
     for (k, (of, _, unit)) in HARMONIC_LISTS.into_iter().enumerate() {
@@ -272,10 +264,8 @@ pub struct Tooth<'a> {
 fn loaded_teeth(case: &Case) -> impl Iterator<Item = Tooth<'_>> {
     let gears = case.roots.iter().flatten().enumerate();
     gears.flat_map(move |(gear, roots)| {
-        roots
-            .teeth
-            .iter()
-            .map(move |root| Tooth { case, gear, root })
+        let teeth = roots.teeth.iter();
+        teeth.map(move |root| Tooth { case, gear, root })
     })
 }
 

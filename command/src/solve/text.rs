@@ -1,7 +1,5 @@
 //! Mesh cycles as text.
 
-use std::fmt::Write;
-
 use gearmesh::gear::Flank;
 use gearmesh::words::{count, rounded};
 
@@ -15,48 +13,40 @@ use crate::output::{Listing, rows};
 
 /// All cycles, a line for each; of a single one every position, and the losses at `speeds` of gear 1, rpm.
 pub fn text(solved: &Solved, speeds: &[f64]) -> String {
-    let Solved {
-        pair,
-        model,
-        fillets,
-        cases,
-    } = solved;
+    let cases = &solved.cases;
     let input = &cases[0].input;
-    let flank = if input.flank == Flank::Drive {
-        "drive"
-    } else {
-        "coast"
+    let flank = match input.flank {
+        Flank::Drive => "drive",
+        Flank::Coast => "coast",
     };
-    let offset = rounded(input.center_distance_offset * 1e6);
-    let loads = count(cases.len(), "load");
     let mut text = format!(
-        "{}: {loads}, {flank} flank, centre distance offset {offset} um\n\n",
-        pair.name
+        "{}: {}, {flank} flank, centre distance offset {} um\n\n",
+        solved.pair.name,
+        count(cases.len(), "load"),
+        rounded(input.center_distance_offset * 1e6)
     );
     let mut rows = Listing::default();
     match &cases[..] {
         [case] => text += &one(solved, case, speeds, &mut rows),
         cases => text += &many(solved, cases),
     }
+    let seconds: f64 = cases.iter().map(|case| case.cycle.solve_seconds).sum();
     rows! { rows;
-        "elastic model" => "{}", model.description;
-        "time for the elastic model" => "{}", model.effort;
+        "elastic model" => "{}", solved.model.description;
+        "time for the elastic model" => "{}", solved.model.effort;
     }
-    if let Some(f) = fillets {
+    if let Some(f) = &solved.model.fillets {
         rows! { rows; "time for the model of the fillets" => "{}", f.effort; }
     }
-    let seconds: f64 = cases.iter().map(|case| case.cycle.solve_seconds).sum();
     rows! { rows; "time for the contact" => "{seconds:.3} s"; }
-    let _ = write!(text, "\n{rows}");
-    text + &all_notes(solved)
+    text + &format!("\n{rows}") + &all_notes(solved)
 }
 
 /// One cycle, position by position.
 fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> String {
     let solver = &solved.model.solver;
-    let harmonics = case.cycle.harmonics();
-    let harmonics =
-        harmonics.map(|h| h.map_or("-".into(), |h| format!("{:.4}", 1e6 * h.amplitude)));
+    let harmonics = case.cycle.harmonics().map(|h| h.map(|h| 1e6 * h.amplitude));
+    let harmonics = harmonics.map(|h| h.map_or("-".into(), |h| format!("{h:.4}")));
     let mut first = Listing::default();
     for columns in [load(), summary(solver)] {
         list(&mut first, &columns, &case);
@@ -69,29 +59,22 @@ fn one(solved: &Solved, case: &Case, speeds: &[f64], rows: &mut Listing) -> Stri
          pair 1 is ahead of it by one pitch and leaves the mesh first, pair -1 comes into mesh after it.\n";
     text += LEGEND;
     list(rows, &details(solver), &case);
-    rows! { rows;
-        "residual of the contact conditions" => "{:.1e}", case.cycle.kkt_residual();
-    }
+    rows! { rows; "residual of the contact conditions" => "{:.1e}", case.cycle.kkt_residual(); }
     if !speeds.is_empty() {
-        let _ = write!(
-            text,
-            "\n{}",
-            table(&losses(&solved.pair, case), speeds.iter().copied())
-        );
+        let losses = table(&losses(&solved.pair, case), speeds.iter().copied());
+        text += &format!("\n{losses}");
     }
     if case.roots.is_some() {
         let largest = (0..2).filter_map(|i| largest_tooth(case, i));
-        let _ = write!(text, "\n{}", table(&root_stress(), largest));
+        text += &format!("\n{}", table(&root_stress(), largest));
         for i in 0..2 {
-            let name = format!("ISO 6336-3, gear {}", i + 1);
-            match nominal_stress(solver, case, i) {
-                None => rows.row(name, "beyond the standard (rim or notch)"),
-                Some(stress) => {
-                    let mut terms = Listing::default();
-                    list(&mut terms, &nominal(), &stress);
-                    rows.row(name, terms.in_one_line())
-                }
-            };
+            let mut terms = Listing::default();
+            if let Some(stress) = nominal_stress(solver, case, i) {
+                list(&mut terms, &nominal(), &stress);
+            } else {
+                terms.row("beyond the standard", "(rim or notch)");
+            }
+            rows.row(format!("ISO 6336-3, gear {}", i + 1), terms.in_one_line());
         }
     }
     text
@@ -102,19 +85,19 @@ fn many(solved: &Solved, cases: &[Case]) -> String {
     let mut columns = load();
     columns.extend(summary(&solved.model.solver));
     let mut text = format!("{}\n{LEGEND}", table(&columns, cases));
-    if solved.fillets.is_some() {
+    if solved.model.fillets.is_some() {
         let mut columns = load();
         columns.extend(largest_root_stress());
-        let _ = write!(
-            text,
-            "\n{}\n\
-             root stress: largest principal stress in the fillets of a gear over the mesh cycle; at tangent: the same at the\n\
-             30 degree tangent (ring: 60 degrees).\n",
-            table(&columns, cases)
-        );
+        text += &format!("\n{}\n{ROOT_LEGEND}", table(&columns, cases));
     }
     text
 }
+
+/// What the heads of [`largest_root_stress`] mean.
+const ROOT_LEGEND: &str = "\
+root stress: largest principal stress in the fillets of a gear over the mesh cycle; at tangent: the same at the
+30 degree tangent (ring: 60 degrees).
+";
 
 pub fn largest_root_stress<'r>() -> Vec<Column<'static, &'r Case>> {
     let mut columns = Vec::new();
@@ -131,11 +114,8 @@ pub fn largest_root_stress<'r>() -> Vec<Column<'static, &'r Case>> {
 fn all_notes(solved: &Solved) -> String {
     let mut about: Vec<(String, Vec<String>)> = vec![];
     for case in &solved.cases {
-        let load = format!(
-            "{}, {} mrad",
-            torque_in_words(case.input.torque),
-            rounded(case.input.misalignment * 1e3)
-        );
+        let torque = torque_in_words(case.input.torque);
+        let load = format!("{torque}, {} mrad", rounded(case.input.misalignment * 1e3));
         for note in notes(&solved.pair, case) {
             match about.iter_mut().find(|(other, _)| *other == note) {
                 Some((_, loads)) => loads.push(load.clone()),

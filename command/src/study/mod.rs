@@ -1,6 +1,5 @@
 //! `gearmesh study PAIR.json`: what modifications and tolerances do to transmission error, pressure and root stress.
 
-mod best;
 mod samples;
 mod show;
 mod statistics;
@@ -14,21 +13,20 @@ use gearmesh::contact::ContactSolver;
 use gearmesh::gear::{Flank, tolerance};
 use gearmesh::pair::Pair;
 use gearmesh::words::{hex, number, rounded};
-use gearmesh_preprocessor::contact::{CycleInput, LoadCase};
+use gearmesh_preprocessor::contact::CycleInput;
 use gearmesh_preprocessor::pair::{self, PairDraft};
 use rayon::prelude::*;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::Error;
-use crate::case::Case;
+use crate::case::{Case, load_matrix};
 use crate::limits;
-use crate::model::{Fillets, Model, ModelArgs, widen};
+use crate::model::{Model, ModelArgs, widen};
 use crate::output;
-use best::{Best, BestArgs};
 use samples::{Sample, Table, outcomes};
 pub use show::bands_of;
-use statistics::Statistics;
+use statistics::{Best, BestArgs, Statistics};
 use variation::{Plan, Requested, Variation};
 
 const FLANK: Flank = Flank::Drive;
@@ -36,7 +34,7 @@ const FLANK: Flank = Flank::Drive;
 /// Most mesh cycles of a study.
 const MOST_CYCLES: usize = 1_000_000;
 
-/// What can be varied beside fields of the pair file.
+/// What can be varied in addition to fields of the pair file.
 const LOADS: &str = "torque_nm, misalignment_mrad or center_distance_offset_um";
 
 /// Solve the mesh cycle of a pair on a grid of modifications, and of samples within tolerances.
@@ -78,11 +76,6 @@ pub struct Study {
     #[arg(long, default_value_t = 32, value_parser = limits::within(3..=limits::MOST_POSITIONS))]
     positions: usize,
 
-    /// The largest root stress of both gears, too; its elastic model takes two to three times as long as that of the
-    /// contact
-    #[arg(long, conflicts_with = "plane_strain")]
-    root_stress: bool,
-
     /// Folder for samples.csv, study.json, study.html, its charts, and of a grid best.json; it is made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
@@ -121,8 +114,6 @@ struct Bench<'a> {
     /// The pair as drawn, its operating range widened to what is varied.
     pair: Pair,
     model: Model,
-    /// For the stress in the roots, where it is asked for.
-    fillets: Option<Fillets>,
     plan: &'a Plan,
     torques: &'a [f64],
     positions: usize,
@@ -138,16 +129,15 @@ impl Study {
     pub fn run(self) -> Result<(), Error> {
         let draft = PairDraft::read(&self.pair)?;
         let mut pair = self.model.applied_to(draft.pair()?);
-        let torques = match &self.torques_nm[..] {
-            [] => vec![pair.operating.nominal_torque],
-            given => given.to_vec(),
-        };
+        let mut torques = self.torques_nm.clone();
+        if torques.is_empty() {
+            torques.push(pair.operating.nominal_torque);
+        }
         let plan = Plan::new(&self.vary, self.iso_1328_class, &draft, &pair, torques[0])?;
         check(&plan, &draft, &pair)?;
         if plan.is_varied("torque_nm") && torques.len() > 1 {
-            return Err(
+            refuse!(
                 "--torques-nm: torque_nm is varied, too; give one torque, or vary something else"
-                    .into(),
             );
         }
         let samples = match (plan.drawn.is_empty(), self.samples) {
@@ -157,28 +147,23 @@ impl Study {
             _ => 20,
         };
         let points = plan.points();
-        let count = (points + 1)
-            .saturating_mul(samples + 1)
-            .saturating_mul(torques.len());
+        let cycles = [samples + 1, torques.len()].into_iter();
+        let count = cycles.fold(points + 1, usize::saturating_mul);
         limits::check(Some(count), &(1..=MOST_CYCLES)).map_err(|e| {
             format!("points of the grid times samples times torques = {count}: {e}")
         })?;
-        let outcomes = outcomes(self.root_stress);
+        let outcomes = outcomes(self.model.root_stress);
         let measure = self.best.measure(&outcomes, &torques)?;
         let range = |field: &str, unit: f64, drawn: f64| {
-            let varied = plan.grid.iter().chain(&plan.drawn);
-            let ends = varied.filter(|v| v.fields().any(|f| f == field));
-            ends.fold([drawn; 2], |[low, high], v| {
-                [low.min(v.low * unit), high.max(v.high * unit)]
-            })
+            let varied = plan.all().filter(|v| v.fields().any(|f| f == field));
+            let ends = varied.map(|v| [v.low, v.high].map(|end| end * unit));
+            ends.fold([drawn; 2], |[low, high], [a, b]| [low.min(a), high.max(b)])
         };
         for &torque in &torques {
-            widen(
-                &mut pair,
-                range("torque_nm", 1.0, torque)[1],
-                range("misalignment_mrad", 1e-3, 0.0),
-                range("center_distance_offset_um", 1e-6, 0.0),
-            );
+            let most = range("torque_nm", 1.0, torque)[1];
+            let tilts = range("misalignment_mrad", 1e-3, 0.0);
+            let offsets = range("center_distance_offset_um", 1e-6, 0.0);
+            widen(&mut pair, most, tilts, offsets);
         }
 
         output::make_folder("--output", &self.output)?;
@@ -198,7 +183,7 @@ impl Study {
         if !self.restart && is_begun(&summary, &identity)? {
             done = table.read()?;
         }
-        // More samples than asked for now stay in the table.
+        // More samples than requested now stay in the table.
         let all = (0..=points).flat_map(|point| (0..=samples).map(move |number| (point, number)));
         let is_missing = |id: &(usize, usize)| done.iter().all(|s| (s.point, s.number) != *id);
         let missing: Vec<(usize, usize)> = all.filter(is_missing).collect();
@@ -208,7 +193,7 @@ impl Study {
             identity: &identity,
             seed: self.seed,
             distribution: "even",
-            varied: plan.grid.iter().chain(&plan.drawn).collect(),
+            varied: plan.all().collect(),
             torques_nm: &torques,
             samples,
             refused: 0,
@@ -218,14 +203,10 @@ impl Study {
         };
         write_json(&summary, &all)?;
 
-        self.model.use_threads()?;
-        let job = self.model.job();
+        let job = self.model.start()?;
+        let roots = self.model.root_stress.then_some(FLANK);
         let bench = Bench {
-            model: self.model.solver(&pair, &job)?,
-            fillets: match self.root_stress {
-                true => Some(self.model.fillets(&pair, FLANK, &job)?),
-                false => None,
-            },
+            model: self.model.model(&pair, roots, &job)?,
             draft: &draft,
             pair,
             plan: &plan,
@@ -238,7 +219,7 @@ impl Study {
             let solved = block.par_iter().map(|&(point, number)| {
                 let sample = bench.sample(point, number, self.seed);
                 let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                job.tell("samples", count as f64 / missing.len() as f64);
+                job.show("samples", count as f64 / missing.len() as f64);
                 sample
             });
             done.par_extend(solved);
@@ -247,7 +228,7 @@ impl Study {
         }
         drop(job);
 
-        let found = Best::of(&measure, &plan, &done)?;
+        let found = measure.best(&plan, &done)?;
         for point in [0].into_iter().chain(found.as_ref().map(|best| best.point)) {
             all.statistics.extend(spread(&done, point, &table)?);
         }
@@ -285,8 +266,12 @@ impl Study {
             self.positions,
             self.model.contact_settings(pair)
         );
-        let roots = if self.root_stress { " root stress" } else { "" };
-        let plane = self.model.is_plane_strain();
+        let roots = if self.model.root_stress {
+            " root stress"
+        } else {
+            ""
+        };
+        let plane = self.model.plane_strain;
         hex(&Sha256::digest(format!("{all} {plane}{roots}"))[..16])
     }
 }
@@ -296,15 +281,13 @@ fn is_begun(summary: &Path, identity: &str) -> Result<bool, Error> {
     if !summary.exists() {
         return Ok(false);
     }
-    let place = summary.display();
+    let path = summary.display();
     let found: serde_json::Value = serde_json::from_str(&output::read_text(summary)?)
-        .map_err(|error| format!("{place}: {error}; begin anew with --restart"))?;
+        .map_err(|error| format!("{path}: {error}; begin anew with --restart"))?;
     if found["identity"] != identity {
-        return Err(format!(
-            "{place}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with \
-             --restart"
-        )
-        .into());
+        refuse!(
+            "{path}: another study, with other fields, seed, pair or settings; name another folder, or begin anew with --restart"
+        );
     }
     Ok(true)
 }
@@ -327,14 +310,13 @@ fn changed(draft: &PairDraft, plan: &Plan, values: &[f64]) -> Result<PairDraft, 
 
 /// Whether a load may have `value`; None where `field` is no load.
 fn load_limit(field: &str, value: f64) -> Option<Result<f64, String>> {
-    match field {
-        "torque_nm" => Some(limits::check_torque(value)),
-        "misalignment_mrad" => Some(limits::check(Some(value), &limits::MISALIGNMENTS)),
-        "center_distance_offset_um" => {
-            Some(limits::check(Some(value), &limits::CENTER_DISTANCE_OFFSETS))
-        }
-        _ => None,
-    }
+    let range = match field {
+        "torque_nm" => return Some(limits::check_torque(value)),
+        "misalignment_mrad" => limits::MISALIGNMENTS,
+        "center_distance_offset_um" => limits::CENTER_DISTANCE_OFFSETS,
+        _ => return None,
+    };
+    Some(limits::check(Some(value), &range))
 }
 
 /// Refuses a field that there is not, values that the pair file may not have, and what changes the teeth
@@ -345,45 +327,42 @@ fn check(plan: &Plan, draft: &PairDraft, pair: &Pair) -> Result<(), Error> {
         0 => draft.clone(),
         _ => changed(draft, plan, &plan.values(1, 0, 0))?,
     };
-    let named = |field: &str, error: Error| format!("--vary {field}: {error}");
-    for variation in plan.grid.iter().chain(&plan.drawn) {
+    for variation in plan.all() {
         let field = &variation.field;
         let mut acts = false;
-        let mut flanks = Vec::new();
+        let mut flanks = vec![pair.microgeometry.flank(FLANK).clone()];
         for value in [variation.low, variation.high] {
             let mut changed = base.clone();
             for name in variation.fields() {
                 match load_limit(name, value) {
                     Some(load) => {
-                        load.map_err(|error| {
-                            format!("--vary {name} = {}: {error}", number(value))
-                        })?;
+                        load.map_err(|e| format!("--vary {name} = {}: {e}", number(value)))?;
                         acts = true;
                     }
                     None => changed.set(name, value)?,
                 }
             }
-            let found = changed.pair().map_err(|e| named(field, e.into()))?;
+            let found = changed.pair().map_err(|e| format!("--vary {field}: {e}"))?;
             if found.teeth != pair.teeth {
-                return Err(named(field, format!(
-                    "a study takes all teeth as alike, so that it would change nothing; vary what all teeth have, {LOADS}"
-                ).into()).into());
+                refuse!(
+                    "--vary {field}: a study takes all teeth as alike, so that it would change nothing; vary what all teeth have, \
+                     {LOADS}"
+                );
             }
             if found.geometry != pair.geometry {
-                return Err(named(field, format!(
-                    "it changes the teeth or where they stand, so that every sample needed an elastic model of its own; vary \
-                     modifications, {LOADS}"
-                ).into()).into());
+                refuse!(
+                    "--vary {field}: it changes the teeth or where they stand, so that every sample needed an elastic model of \
+                     its own; vary modifications, {LOADS}"
+                );
             }
             flanks.push(found.microgeometry.flank(FLANK).clone());
         }
-        flanks.push(pair.microgeometry.flank(FLANK).clone());
-        acts |= flanks.windows(2).any(|two| two[0] != two[1]);
+        acts |= flanks.iter().any(|flank| *flank != flanks[0]);
         if !acts {
-            return Err(named(field, format!(
-                "no result of a study depends on it, which takes the drive flank at the torque, misalignment and centre distance \
-                 of the command line; vary modifications of that flank, {LOADS}"
-            ).into()).into());
+            refuse!(
+                "--vary {field}: no result of a study depends on it, which takes the drive flank at the torque, misalignment and \
+                 centre distance of the command line; vary modifications of that flank, {LOADS}"
+            );
         }
     }
     Ok(())
@@ -403,45 +382,38 @@ impl Bench<'_> {
 
     fn solve(&self, values: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         let load = |name: &str| {
-            let place = self.plan.fields.iter().position(|(field, _)| field == name);
-            place.map(|k| values[k])
+            let index = self.plan.fields.iter().position(|(field, _)| field == name);
+            index.map(|k| values[k])
         };
         let misalignment = 1e-3 * load("misalignment_mrad").unwrap_or(0.0);
-        let varied = load("torque_nm");
-        let torques = self.torques.iter().map(|torque| varied.unwrap_or(*torque));
-        let loads: Vec<LoadCase> = torques
-            .map(|torque| LoadCase {
-                torque,
-                misalignment,
-            })
-            .collect();
+        let torques = match load("torque_nm") {
+            Some(torque) => &[torque][..],
+            None => self.torques,
+        };
+        let loads = load_matrix(torques, &[misalignment]);
         let input = CycleInput {
             flank: FLANK,
-            torque: loads[0].torque,
+            torque: torques[0],
             center_distance_offset: 1e-6 * load("center_distance_offset_um").unwrap_or(0.0),
             misalignment,
             positions: self.positions,
         };
+        let changed = changed(self.draft, self.plan, values)?.pair()?;
         let pair = Pair {
-            microgeometry: changed(self.draft, self.plan, values)?
-                .pair()?
-                .microgeometry,
+            microgeometry: changed.microgeometry,
             ..self.pair.clone()
         };
         let compliance = self.model.compliance.clone();
         let solver = ContactSolver::new(&pair, compliance, *self.model.solver.settings())?;
-        let outcomes = outcomes(self.fillets.is_some());
         let mut results = Vec::new();
-        for mut case in Case::solve_all(&solver, &input, &loads, &|_| ())? {
-            case.solve_roots(&solver, self.fillets.as_ref())?;
+        let fillets = self.model.fillets.as_ref();
+        for case in Case::solve_all(&solver, fillets, &input, &loads, &|_| ())? {
+            let row = (&solver, &case);
+            let outcomes = outcomes(fillets.is_some());
             let values = outcomes
                 .iter()
-                .map(|outcome| (outcome.value)(&solver, &case));
-            results.push(
-                values
-                    .map(|value| value.map_or(f64::NAN, rounded))
-                    .collect(),
-            );
+                .map(|outcome| (outcome.value)(&row).as_f64());
+            results.push(values.map(|v| v.map_or(f64::NAN, rounded)).collect());
         }
         Ok(results)
     }
@@ -454,24 +426,25 @@ fn spread(done: &[Sample], point: usize, table: &Table) -> Result<Vec<Statistics
     let drawn = all().find(|s| s.number == 0);
     let drawn = drawn.ok_or("the pair as drawn was not solved; begin anew with --restart")?;
     if let Err(error) = &drawn.outcome {
-        return Err(format!("the pair as drawn: {error}").into());
+        refuse!("the pair as drawn: {error}");
     }
     let is_drawn = all().any(|s| s.number > 0);
     let solved = all().filter(|s| s.outcome.is_ok() && (s.number > 0) == is_drawn);
     let solved: Vec<&Sample> = solved.collect();
     if solved.is_empty() {
-        return Err("no sample could be solved; samples.csv says why".into());
+        refuse!("no sample could be solved; samples.csv says why");
     }
-    let at_torque = |(t, torque): (usize, &f64)| {
-        let statistics = table.outcomes.iter().enumerate();
-        let statistics =
-            statistics.map(|(k, o)| Statistics::new(o.name, k, (t, *torque), drawn, &solved));
-        statistics.collect::<Vec<_>>()
-    };
-    Ok(table
-        .torques
-        .iter()
-        .enumerate()
-        .flat_map(at_torque)
-        .collect())
+    let mut all = Vec::new();
+    for (t, &torque) in table.torques.iter().enumerate() {
+        for (k, outcome) in table.outcomes.iter().enumerate() {
+            all.push(Statistics::new(
+                &outcome.name,
+                k,
+                (t, torque),
+                drawn,
+                &solved,
+            ));
+        }
+    }
+    Ok(all)
 }

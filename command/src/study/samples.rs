@@ -10,56 +10,22 @@ use crate::case::Case;
 use crate::columns::{Column, columns, csv};
 use crate::output;
 
-/// A result of a mesh cycle.
-pub struct Outcome {
-    /// Column of samples.csv, with its unit.
-    pub name: &'static str,
-    /// What correlations and charts call it; empty where it has none.
-    pub head: &'static str,
-    pub unit: &'static str,
-    pub value: fn(&ContactSolver, &Case) -> Option<f64>,
-}
+/// A result of a mesh cycle: in samples.csv; with a head also in correlations and charts.
+pub type Outcome<'r> = Column<'static, (&'r ContactSolver, &'r Case)>;
 
 /// The results of a sample at a torque, the last two only with `root_stress`.
-pub fn outcomes(root_stress: bool) -> Vec<Outcome> {
-    let outcome = |name, head, unit, value| Outcome {
-        name,
-        head,
-        unit,
-        value,
+pub fn outcomes<'r>(root_stress: bool) -> Vec<Outcome<'r>> {
+    let mut all = columns! { |(solver, c): &(&ContactSolver, &Case)|
+        "peak_to_peak_ste_loa_um", ["p-p STE", "um", None] => 1e6 * c.cycle.peak_to_peak_ste();
+        "mean_ste_loa_um" => 1e6 * c.cycle.mean_ste();
+        "harmonic_1_loa_um", ["1st harm.", "um", None] => c.cycle.harmonics()[0].map(|h| 1e6 * h.amplitude);
+        "maximum_pressure_mpa", ["pressure", "MPa", None] => 1e-6 * c.cycle.max_pressure();
+        "edge_line_load_n_per_mm" => c.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);
+        "face_load_factor", ["K_Hbeta", "", None] => c.face_load(solver).face_load_factor();
+        "root_stress_1_mpa", ["root 1", "MPa", None] => c.root_stress(0);
+        "root_stress_2_mpa", ["root 2", "MPa", None] => c.root_stress(1);
     };
-    let mut all = vec![
-        outcome("peak_to_peak_ste_loa_um", "p-p STE", "um", |_, c| {
-            Some(1e6 * c.cycle.peak_to_peak_ste())
-        }),
-        outcome("mean_ste_loa_um", "", "um", |_, c| {
-            Some(1e6 * c.cycle.mean_ste())
-        }),
-        outcome("harmonic_1_loa_um", "1st harm.", "um", |_, c| {
-            Some(1e6 * c.cycle.harmonics()[0]?.amplitude)
-        }),
-        outcome("maximum_pressure_mpa", "pressure", "MPa", |_, c| {
-            Some(1e-6 * c.cycle.max_pressure())
-        }),
-        outcome("edge_line_load_n_per_mm", "", "N/mm", |_, c| {
-            Some(
-                c.cycle
-                    .edge_load()
-                    .map_or(0.0, |edge| 1e-3 * edge.line_load),
-            )
-        }),
-        outcome("face_load_factor", "K_Hbeta", "", |solver, c| {
-            Some(c.face_load(solver).face_load_factor())
-        }),
-    ];
-    if root_stress {
-        all.push(outcome("root_stress_1_mpa", "root 1", "MPa", |_, c| {
-            c.root_stress(0)
-        }));
-        all.push(outcome("root_stress_2_mpa", "root 2", "MPa", |_, c| {
-            c.root_stress(1)
-        }));
-    }
+    all.truncate(if root_stress { 8 } else { 6 });
     all
 }
 
@@ -86,30 +52,29 @@ pub struct Table<'a> {
     pub path: &'a Path,
     pub plan: &'a Plan,
     pub torques: &'a [f64],
-    pub outcomes: &'a [Outcome],
+    pub outcomes: &'a [Outcome<'static>],
 }
 
 impl Table<'_> {
     /// Number, fields, results, and what went wrong if something did.
     fn columns<'s>(&self) -> Vec<Column<'_, (usize, &'s Sample)>> {
-        let mut all =
-            columns! { |(_, s): &(usize, &Sample)| "point" => s.point; "sample" => s.number; };
-        if self.plan.grid.is_empty() {
-            all.remove(0);
+        let mut all = Vec::new();
+        if !self.plan.grid.is_empty() {
+            all.extend(columns! { |(_, s): &(usize, &Sample)| "point" => s.point; });
         }
+        all.extend(columns! { |(_, s): &(usize, &Sample)| "sample" => s.number; });
         if !self.plan.is_varied("torque_nm") {
             all.extend(columns! { |(t, _): &(usize, &Sample)| "torque_nm" => self.torques[*t]; });
         }
         for (k, (field, _)) in self.plan.fields.iter().enumerate() {
-            all.extend(columns! { |(_, s): &(usize, &Sample)| field.as_str() => s.fields[k]; });
+            all.extend(columns! { |(_, s): &(usize, &Sample)| field => s.fields[k]; });
         }
         for (k, outcome) in self.outcomes.iter().enumerate() {
-            let name = outcome.name;
+            let name = &outcome.name;
             all.extend(columns! { |(t, s): &(usize, &Sample)| name => s.result(*t, k); });
         }
-        all.extend(
-            columns! { |(_, s): &(usize, &Sample)| "error" => s.outcome.as_ref().err().cloned(); },
-        );
+        let error = |s: &Sample| s.outcome.as_ref().err().cloned();
+        all.extend(columns! { |(_, s): &(usize, &Sample)| "error" => error(s); });
         all
     }
 
@@ -127,9 +92,9 @@ impl Table<'_> {
         if !self.path.exists() {
             return Ok(Vec::new());
         }
-        let place = self.path.display();
+        let path = self.path.display();
         let wrong = |what: &str| {
-            format!("{place}: {what}; name another folder, or begin anew with --restart")
+            format!("{path}: {what}; name another folder, or begin anew with --restart")
         };
         let text = output::read_text(self.path)?;
         let mut reader = csv::Reader::from_reader(text.as_bytes());
@@ -138,10 +103,9 @@ impl Table<'_> {
         if reader.headers()?.iter().ne(names) {
             return Err(wrong("columns of another study").into());
         }
-        let first = expected
-            .iter()
-            .position(|column| column.name == self.plan.fields[0].0);
-        let (first, fields) = (first.unwrap_or(0), self.plan.fields.len());
+        let fields = self.plan.fields.len();
+        let is_first = |column: &Column<_>| column.name == self.plan.fields[0].0;
+        let first = expected.iter().position(is_first).unwrap_or(0);
         let mut samples: Vec<Sample> = Vec::new();
         for record in reader.records() {
             let record = record?;
@@ -152,28 +116,26 @@ impl Table<'_> {
             let numbers = |from: usize, count: usize| -> Result<Vec<f64>, String> {
                 record.iter().skip(from).take(count).map(number).collect()
             };
-            let at = usize::from(!self.plan.grid.is_empty());
             let results = match record.iter().next_back().unwrap_or_default() {
-                "" => Ok(vec![numbers(first + fields, self.outcomes.len())?]),
+                "" => Ok(numbers(first + fields, self.outcomes.len())?),
                 error => Err(error.to_owned()),
             };
-            let (point, own) = (
-                number(&record[0])? as usize * at,
-                number(&record[at])? as usize,
-            );
-            match samples
-                .last_mut()
-                .filter(|s| (s.point, s.number) == (point, own))
-            {
+            let [point, own] = match self.plan.grid.is_empty() {
+                true => [0.0, number(&record[0])?],
+                false => [number(&record[0])?, number(&record[1])?],
+            }
+            .map(|number| number as usize);
+            let known = samples.last_mut();
+            match known.filter(|s| (s.point, s.number) == (point, own)) {
                 None => samples.push(Sample {
                     point,
                     number: own,
                     fields: numbers(first, fields)?,
-                    outcome: results,
+                    outcome: results.map(|results| vec![results]),
                 }),
                 Some(sample) => {
                     if let (Ok(all), Ok(more)) = (&mut sample.outcome, results) {
-                        all.extend(more);
+                        all.push(more);
                     }
                 }
             }
@@ -218,8 +180,7 @@ mod tests {
         table(plan, found).write(&samples).unwrap();
         assert_eq!(table(plan, found).read().unwrap(), samples);
         for refused in [table(fewer, found).read(), table(plan, more).read()] {
-            let error = refused.unwrap_err().to_string();
-            assert!(error.contains("another study"), "{error}");
+            assert!(refused.unwrap_err().to_string().contains("another study"));
         }
     }
 }

@@ -1,22 +1,26 @@
 //! What a study prints, and the same as an HTML page with charts.
 
-use std::fmt::Write;
 use std::path::Path;
 
 use gearmesh::words::{count, fixed, rounded, shown};
 use serde::Deserialize;
 
 use super::Summary;
-use super::best::Measure;
 use super::samples::{Outcome, Sample, outcomes};
-use super::statistics::{Statistics, ascending};
+use super::statistics::{Measure, Statistics, ascending};
 use super::variation::{Plan, Variation};
 use crate::Error;
 use crate::case::torque_in_words;
 use crate::columns::{columns, table};
 use crate::output::{self, Listing};
-use crate::report::figure::{Curve, Figure, Height, Map, Style};
+use crate::report::figure::{Curve, Figure, Height, Map, Style, charts};
 use crate::report::page::{Page, Section};
+
+/// What the correlations mean.
+const CORRELATIONS: &str = "
+The first correlation is near zero for a field that acts alike in both directions; the second one, of how far the field
+is from its value as drawn, shows it. What fields do together (slopes of both gears that cancel) shows in neither.
+";
 
 /// Points of a grid in the table of the best ones.
 const BEST: usize = 10;
@@ -25,54 +29,47 @@ const BEST: usize = 10;
 pub struct Shown<'a> {
     pub summary: &'a Summary<'a>,
     pub plan: &'a Plan,
-    pub outcomes: &'a [Outcome],
+    pub outcomes: &'a [Outcome<'static>],
     pub done: &'a [Sample],
     pub measure: &'a Measure,
 }
 
 impl Shown<'_> {
-    /// Measure of every point of the grid that has one, best first.
     fn ranking(&self) -> Vec<(usize, f64)> {
-        let points = 1..=self.plan.points();
-        let mut all: Vec<(usize, f64)> = points
-            .filter_map(|point| Some((point, self.measure.of(self.done, point)?)))
-            .collect();
-        all.sort_by(|a, b| a.1.total_cmp(&b.1));
-        all
+        self.measure.ranking(self.plan, self.done)
     }
 
     pub fn text(&self) -> String {
-        let Summary { pair, seed, .. } = *self.summary;
-        let points = match self.plan.points() {
-            0 => String::new(),
-            points => format!("{} of a grid, ", count(points, "point")),
-        };
+        let Summary {
+            pair,
+            seed,
+            samples,
+            refused,
+            ..
+        } = *self.summary;
+        let mut text = format!("{}: ", shown(pair));
+        if self.plan.points() > 0 {
+            text += &format!("{} of a grid, ", count(self.plan.points(), "point"));
+        }
         let mut rows = Listing::default();
-        for v in &self.summary.varied {
-            let how = v
-                .points
-                .map_or("even".into(), |points| format!("{points} points"));
+        for v in self.plan.all() {
+            let how = v.points.map(|points| format!("{points} points"));
+            let how = how.unwrap_or("even".into());
             rows.row(&v.field, format!("{} to {}, {how}", v.low, v.high));
         }
-        let mut text = format!(
-            "{}: {points}{}, {} refused, seed {seed}\n\n{rows}\n",
-            shown(pair),
-            count(self.summary.samples, "sample"),
-            self.summary.refused
-        );
+        let number = count(samples, "sample");
+        text += &format!("{number}, {refused} refused, seed {seed}\n\n{rows}\n");
         if let Some(best) = &self.summary.best {
-            let _ = writeln!(
-                text,
-                "best by {}; as drawn: {}\n",
-                best.measure,
-                best.as_drawn.map_or("refused".into(), |v| fixed(v, 4))
-            );
+            let as_drawn = best.as_drawn.map_or("refused".into(), |v| fixed(v, 4));
+            text += &format!("best by {}; as drawn: {as_drawn}\n\n", best.measure);
             let mut columns = columns! { |(point, value): &(usize, f64)|
                 "", ["point", "", None] => *point;
                 "", ["measure", "", 4] => *value;
             };
             for (k, (field, _)) in self.plan.fields.iter().enumerate() {
-                columns.extend(columns! { |(point, _): &(usize, f64)| "", [field, "", None] => self.plan.values(*point, 0, 0)[k]; });
+                columns.extend(columns! { |(point, _): &(usize, f64)|
+                    "", [field, "", None] => self.plan.values(*point, 0, 0)[k];
+                });
             }
             text += &table(&columns, self.ranking().into_iter().take(BEST));
             text.push('\n');
@@ -88,29 +85,22 @@ impl Shown<'_> {
             "", ["95 %", "", 3] => s.percentile_95;
             "", ["largest", "", 3] => s.largest;
         };
-        let all = &self.summary.statistics;
-        let columns = if self.summary.samples > 0 {
-            &spread[..]
-        } else {
-            &spread[..4]
-        };
-        text += &table(columns, all);
-        if self.summary.samples > 0 {
+        let shown = if samples > 0 { spread.len() } else { 4 };
+        text += &table(&spread[..shown], &self.summary.statistics);
+        if samples > 0 {
             text += &self.correlations();
         }
-        if let Some((sample, error)) = self
-            .done
-            .iter()
-            .find_map(|s| Some((s, s.outcome.as_ref().err()?)))
-        {
-            let _ = write!(text, "\nfirst that was refused: ");
-            if sample.point > 0 {
-                let _ = write!(text, "point {}, ", sample.point);
-            }
-            let _ = writeln!(text, "sample {}: {error}", sample.number);
+        let refusal = |s: &Sample| s.outcome.as_ref().err().cloned();
+        let mut refusals = self.done.iter().filter_map(|s| Some((s, refusal(s)?)));
+        if let Some((Sample { point, number, .. }, error)) = refusals.next() {
+            let point = match point {
+                0 => String::new(),
+                point => format!("point {point}, "),
+            };
+            text += &format!("\nfirst that was refused: {point}sample {number}: {error}\n");
         }
         for note in &self.summary.notes {
-            let _ = write!(text, "\nnote: {note}\n");
+            text += &format!("\nnote: {note}\n");
         }
         text
     }
@@ -123,25 +113,20 @@ impl Shown<'_> {
         let statistics: Vec<&Statistics> = statistics.take(self.outcomes.len()).collect();
         let mut text = String::new();
         let mut correlations = |head: &str, values: fn(&Statistics) -> &[f64]| {
-            let place = |v: &Variation| {
-                self.plan
-                    .fields
-                    .iter()
-                    .position(|(field, _)| *field == v.field)
-            };
+            let fields = &self.plan.fields;
+            let index = |v: &Variation| fields.iter().position(|(field, _)| *field == v.field);
             let mut all = columns! { |v: &&Variation| "", [head, "", None] => v.field.clone(); };
             for (s, outcome) in statistics.iter().zip(self.outcomes) {
-                if !outcome.head.is_empty() {
-                    all.extend(columns! { |v: &&Variation| "", [outcome.head, "", 2] => place(v).map(|k| values(s)[k]); });
-                }
+                // What has no head stays out.
+                all.extend(columns! { |v: &&Variation|
+                    "", [&outcome.head, "", 2] => index(v).map(|k| values(s)[k]);
+                });
             }
-            text.push('\n');
-            text += &table(&all, &self.plan.drawn);
+            text += &format!("\n{}", table(&all, &self.plan.drawn));
         };
         correlations("correlation with", |s| &s.correlation);
         correlations("of the distance from drawn", |s| &s.correlation_of_distance);
-        text + "\nThe first correlation is near zero for a field that acts alike in both directions; the second one, of how far the field\n\
-             is from its value as drawn, shows it. What fields do together (slopes of both gears that cancel) shows in neither.\n"
+        text + CORRELATIONS
     }
 
     /// `text` is what the command prints.
@@ -160,11 +145,8 @@ impl Shown<'_> {
         }
         if self.summary.samples > 0 {
             let note = "Share of the samples up to a value; the vertical line is the point itself.";
-            sections.push(Section::new(
-                "Cumulative distribution",
-                note,
-                self.distributions(),
-            ));
+            let heading = "Cumulative distribution";
+            sections.push(Section::new(heading, note, self.distributions()));
         }
         Page {
             title: format!("Study: {}", self.summary.pair),
@@ -175,38 +157,29 @@ impl Shown<'_> {
     /// The measure over each axis of the grid, and over both of two.
     fn grid(&self) -> Vec<Figure> {
         let ranking = self.ranking();
-        let axis = |(k, axis): (usize, &Variation)| {
-            let best = |i: usize| {
-                let found = ranking
-                    .iter()
-                    .find(|(point, _)| self.plan.indices(*point)[k] == i);
-                (
-                    axis.value(i),
-                    found.map_or(f64::NAN, |(_, measure)| *measure),
-                )
-            };
-            let points = (0..axis.points.unwrap_or(0)).map(best);
-            let title = format!("Measure over {}", axis.field);
-            let curve = vec![Curve::new("best", points)];
-            Figure::lines(
-                &title,
-                [&axis.field, "measure"],
-                Height::FromZero(0.0),
-                curve,
-            )
+        let nodes = |axis: &Variation| -> Vec<f64> {
+            let all = 0..axis.points.unwrap_or(0);
+            all.map(|i| axis.value(i)).collect()
         };
-        let mut figures: Vec<Figure> = self.plan.grid.iter().enumerate().map(axis).collect();
-        if let [x, y] = &self.plan.grid[..] {
-            let nodes = [x, y].map(|axis| {
-                (0..axis.points.unwrap_or(0))
-                    .map(|i| axis.value(i))
-                    .collect::<Vec<_>>()
+        let mut figures = Vec::new();
+        for (k, axis) in self.plan.grid.iter().enumerate() {
+            let best = |(i, x): (usize, f64)| {
+                let mut points = ranking.iter();
+                let found = points.find(|(point, _)| self.plan.indices(*point)[k] == i);
+                (x, found.map_or(f64::NAN, |(_, measure)| *measure))
+            };
+            let points = nodes(axis).into_iter().enumerate().map(best);
+            figures.extend(charts! {
+                format!("Measure over {}", axis.field), [&axis.field, "measure"], Height::FromZero(0.0)
+                    => vec![Curve::new("best", points)];
             });
-            let values =
-                (1..=self.plan.points()).map(|p| self.measure.of(self.done, p).unwrap_or(f64::NAN));
-            let labels = [x.field.as_str(), &y.field, "measure"];
-            let map = Map::on_nodes(labels, [&nodes[0], &nodes[1]], values, 0.0);
-            figures.push(Figure::map("Measure over both; blue: refused", map));
+        }
+        if let [x, y] = &self.plan.grid[..] {
+            let points = 1..=self.plan.points();
+            let values = points.map(|p| self.measure.of(self.done, p).unwrap_or(f64::NAN));
+            let map = Map::on_nodes([&nodes(x), &nodes(y)], values, 0.0);
+            let title = "Measure over both; blue: refused";
+            figures.push(Figure::map(title, [&x.field, &y.field, "measure"], map));
         }
         figures
     }
@@ -214,13 +187,9 @@ impl Shown<'_> {
     fn distributions(&self) -> Vec<Figure> {
         let mut charts = Vec::new();
         let point = self.summary.best.map_or(0, |best| best.point);
-        let (itself, samples): (Vec<&Sample>, Vec<&Sample>) = self
-            .done
-            .iter()
-            .filter(|s| s.point == point)
-            .partition(|s| s.number == 0);
-        let headed = self.outcomes.iter().enumerate();
-        for (k, Outcome { head, unit, .. }) in headed.filter(|(_, o)| !o.head.is_empty()) {
+        let samples = self.done.iter().filter(|s| s.point == point);
+        let (itself, samples): (Vec<&Sample>, Vec<&Sample>) = samples.partition(|s| s.number == 0);
+        for (k, outcome) in self.outcomes.iter().enumerate().filter(is_headed) {
             let mut curves = Vec::new();
             for (t, torque) in self.summary.torques_nm.iter().enumerate() {
                 let values: Vec<f64> = samples.iter().filter_map(|s| s.result(t, k)).collect();
@@ -237,18 +206,23 @@ impl Shown<'_> {
                 curves.push(Curve::new("point itself", line));
             }
             if !curves.is_empty() {
-                let labels = [&*axis_label(head, unit), "share of the samples (%)"];
-                let title = format!("Distribution of {head}");
-                charts.push(Figure::lines(&title, labels, Height::FromZero(0.0), curves));
+                charts.extend(charts! {
+                    format!("Distribution of {}", outcome.head), [&label(outcome), "share of the samples (%)"], Height::FromZero(0.0)
+                        => curves;
+                });
             }
         }
         charts
     }
 }
 
-fn axis_label(head: &str, unit: &str) -> String {
-    match unit {
-        "" => head.into(),
+fn is_headed((_, outcome): &(usize, &Outcome)) -> bool {
+    !outcome.head.is_empty()
+}
+
+fn label(Outcome { head, unit, .. }: &Outcome) -> String {
+    match *unit {
+        "" => head.clone(),
         unit => format!("{head} ({unit})"),
     }
 }
@@ -258,35 +232,30 @@ fn bands(statistics: &[Statistics]) -> Section {
     let mut points: Vec<usize> = statistics.iter().map(|s| s.point).collect();
     points.dedup();
     let mut figures = Vec::new();
-    for outcome in outcomes(true).iter().filter(|o| !o.head.is_empty()) {
-        let Outcome { head, unit, .. } = outcome;
+    for (_, outcome) in outcomes(true).iter().enumerate().filter(is_headed) {
         let mut curves = Vec::new();
         for point in &points {
-            let name = if *point == 0 {
-                "as drawn"
-            } else {
-                "best of the grid"
+            let name = match point {
+                0 => "as drawn",
+                _ => "best of the grid",
             };
-            let own = statistics
-                .iter()
-                .filter(|s| s.point == *point && s.result == outcome.name);
-            let mut own: Vec<&Statistics> = own.collect();
+            let is_own = |s: &&Statistics| s.point == *point && s.result == outcome.name;
+            let mut own: Vec<&Statistics> = statistics.iter().filter(is_own).collect();
             own.sort_by(|a, b| a.torque_nm.total_cmp(&b.torque_nm));
             let points =
                 |value: fn(&Statistics) -> f64| own.iter().map(move |s| (s.torque_nm, value(s)));
-            let line = Curve::new(name, points(|s| s.nominal));
-            let band = Curve {
+            curves.push(Curve::new(name, points(|s| s.nominal)));
+            let is_drawn = own.iter().any(|s| s.percentile_5 < s.percentile_95);
+            curves.extend(is_drawn.then(|| Curve {
                 style: Style::Band(own.iter().map(|s| s.percentile_5).collect()),
                 ..Curve::new("5 to 95 %", points(|s| s.percentile_95))
-            };
-            let is_drawn = own.iter().any(|s| s.percentile_5 < s.percentile_95);
-            curves.push(line);
-            curves.extend(is_drawn.then_some(band));
+            }));
         }
         if curves.iter().any(|curve| !curve.points.is_empty()) {
-            let title = format!("Band of {head} over torque");
-            let labels = ["torque on gear 1 (N m)", &*axis_label(head, unit)];
-            figures.push(Figure::lines(&title, labels, Height::FromZero(0.0), curves));
+            figures.extend(charts! {
+                format!("Band of {} over torque", outcome.head), ["torque on gear 1 (N m)", &label(outcome)], Height::FromZero(0.0)
+                    => curves;
+            });
         }
     }
     let note = "Lines: the point itself; areas: between the 5th and the 95th percentile of its samples within the tolerances.";
@@ -310,15 +279,15 @@ pub fn bands_of(folder: &Path, name: &str) -> Result<Section, Error> {
     let known: Known =
         serde_json::from_str(&text).map_err(|e| wrong(format!("study.json: {e}")))?;
     if known.pair != name {
-        return Err(wrong(format!(
-            "a study of {}; name one of {name}",
-            shown(&known.pair)
-        ))
-        .into());
+        let other = shown(&known.pair);
+        return Err(wrong(format!("a study of {other}; name one of {name}")).into());
     }
     if known.torques_nm.len() < 2 || known.statistics.is_empty() {
         let torques: Vec<f64> = known.torques_nm.into_iter().map(rounded).collect();
-        return Err(wrong(format!("no band over the torques {torques:?}; solve the study to its end with two --torques-nm or more")).into());
+        return Err(wrong(format!(
+            "no band over the torques {torques:?}; solve the study to its end with two --torques-nm or more"
+        ))
+        .into());
     }
     Ok(bands(&known.statistics))
 }

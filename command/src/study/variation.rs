@@ -16,54 +16,50 @@ use crate::limits;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requested {
     fields: String,
-    range: Range,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Range {
-    Between([f64; 2]),
-    About(f64),
-    Grid([f64; 2], usize),
+    ends: [f64; 2],
+    /// Whether the ends are those about the value in the pair file.
+    is_tolerance: bool,
+    points: Option<usize>,
 }
 
 impl FromStr for Requested {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Requested, String> {
-        let wrong = || {
+        let requested = || -> Option<Requested> {
+            let number = |text: &str| limits::finite(text).ok();
+            let (fields, range) = text.split_once('=')?;
+            let fields = fields.replace(' ', "");
+            let mut points = None;
+            let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
+            let ends = if let Some(tolerance) = tolerance {
+                [-1.0, 1.0].map(|sign| number(tolerance).map(|t| sign * t.abs()))
+            } else {
+                let (low, mut high) = range.split_once("..")?;
+                if let Some((end, count)) = high.split_once('/') {
+                    high = end;
+                    let count = count.trim().parse().ok();
+                    points = Some(count.filter(|n| (2..=1000).contains(n))?);
+                }
+                [number(low), number(high)]
+            };
+            let ends = [ends[0]?, ends[1]?];
+            // Fields that share a value are those of a grid.
+            let is_named = fields.split(',').all(|field| !field.is_empty())
+                && (!fields.contains(',') || points.is_some());
+            (is_named && ends[0] <= ends[1]).then_some(Requested {
+                fields,
+                ends,
+                is_tolerance: tolerance.is_some(),
+                points,
+            })
+        };
+        requested().ok_or_else(|| {
             format!(
                 "`{text}`: give FIELD=LOW..HIGH, FIELD=+-TOLERANCE or FIELD=LOW..HIGH/POINTS with 2 to 1000 points, such as \
                  gear1.lead_slope_um=+-8, misalignment_mrad=-0.5..0.5 or gear1.lead_crowning_um=0..10/11"
             )
-        };
-        let number = |text: &str| limits::finite(text).map_err(|_| wrong());
-        let (fields, range) = text.split_once('=').ok_or_else(wrong)?;
-        let fields = fields.replace(' ', "");
-        let tolerance = range.strip_prefix("+-").or(range.strip_prefix('±'));
-        let range = match (tolerance, range.split_once("..")) {
-            (Some(tolerance), _) => Range::About(number(tolerance)?.abs()),
-            (None, None) => return Err(wrong()),
-            (None, Some((low, high))) => match high.split_once('/') {
-                None => Range::Between([number(low)?, number(high)?]),
-                Some((high, points)) => {
-                    let points = points.trim().parse().ok();
-                    let points = points
-                        .filter(|n| (2..=1000).contains(n))
-                        .ok_or_else(wrong)?;
-                    Range::Grid([number(low)?, number(high)?], points)
-                }
-            },
-        };
-        let is_ordered = match range {
-            Range::Between([low, high]) | Range::Grid([low, high], _) => low <= high,
-            Range::About(_) => true,
-        };
-        // Fields that share a value are those of a grid.
-        let is_named = fields.split(',').all(|field| !field.is_empty())
-            && (!fields.contains(',') || matches!(range, Range::Grid(..)));
-        (is_ordered && is_named)
-            .then_some(Requested { fields, range })
-            .ok_or_else(wrong)
+        })
     }
 }
 
@@ -93,7 +89,7 @@ impl Variation {
 }
 
 /// All that is varied.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plan {
     pub grid: Vec<Variation>,
     /// Drawn within intervals; about a point of the grid where the field is on it, too.
@@ -103,7 +99,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The variations asked for, about `torque` (N m) and the values of `draft`, and the slopes of both gears' flanks within the
+    /// The requested variations, about `torque` (N m) and the values of `draft`, and the slopes of both gears' flanks within the
     /// tolerance class `class` of ISO 1328-1, if there is one.
     ///
     /// # Errors
@@ -115,23 +111,19 @@ impl Plan {
         pair: &Pair,
         torque: f64,
     ) -> Result<Plan, Error> {
-        let mut plan = Plan {
-            grid: vec![],
-            drawn: vec![],
-            fields: vec![],
-        };
+        let mut plan = Plan::default();
         let as_drawn = |field: &str| match field {
             "torque_nm" => torque,
             _ => draft.number(field).unwrap_or(0.0),
         };
-        for Requested { fields, range } in requested {
-            let about = as_drawn(fields);
-            let ([low, high], points) = match *range {
-                Range::Between(ends) => (ends, None),
-                Range::About(tolerance) => ([about - tolerance, about + tolerance], None),
-                Range::Grid(ends, points) => (ends, Some(points)),
+        for r in requested {
+            let about = if r.is_tolerance {
+                as_drawn(&r.fields)
+            } else {
+                0.0
             };
-            plan.add(fields.clone(), [low, high], points)?;
+            let ends = r.ends.map(|end| about + end);
+            plan.add(r.fields.clone(), ends, r.points)?;
         }
         for (i, gear) in pair.geometry.gears.iter().enumerate() {
             let Some(class) = class else { break };
@@ -149,42 +141,40 @@ impl Plan {
                 plan.add(field, [about - um, about + um], None)?;
             }
         }
-        let all = plan.grid.iter().chain(&plan.drawn);
-        for field in all.flat_map(Variation::fields) {
-            if plan.fields.iter().all(|(known, _)| known != field) {
+        let varied: Vec<Variation> = plan.all().cloned().collect();
+        for field in varied.iter().flat_map(Variation::fields) {
+            if !plan.fields.iter().any(|(known, _)| known == field) {
                 plan.fields.push((field.into(), as_drawn(field)));
             }
         }
         if plan.fields.is_empty() {
-            return Err(
-                "nothing is varied: name fields with --vary, or a class with --iso-1328-class"
-                    .into(),
-            );
+            refuse!("nothing is varied: name fields with --vary, or a class with --iso-1328-class");
         }
         Ok(plan)
     }
 
-    fn add(
-        &mut self,
-        field: String,
-        [low, high]: [f64; 2],
-        points: Option<usize>,
-    ) -> Result<(), Error> {
+    fn add(&mut self, field: String, ends: [f64; 2], points: Option<usize>) -> Result<(), Error> {
         let all = match points {
             Some(_) => &mut self.grid,
             None => &mut self.drawn,
         };
         let is_known = |field: &&str| all.iter().any(|v| v.fields().any(|known| known == *field));
         if let Some(twice) = field.split(',').find(is_known) {
-            return Err(format!("`{twice}` is varied twice; leave one out").into());
+            refuse!("`{twice}` is varied twice; leave one out");
         }
+        let [low, high] = ends.map(rounded);
         all.push(Variation {
             field,
-            low: rounded(low),
-            high: rounded(high),
+            low,
+            high,
             points,
         });
         Ok(())
+    }
+
+    /// What is varied, the grid first.
+    pub fn all(&self) -> impl Iterator<Item = &Variation> {
+        self.grid.iter().chain(&self.drawn)
     }
 
     pub fn is_varied(&self, field: &str) -> bool {
@@ -200,31 +190,30 @@ impl Plan {
     /// Number of the value of each axis of the grid at `point`, from 1.
     pub fn indices(&self, point: usize) -> Vec<usize> {
         let mut rest = point - 1;
+        let index = |points: usize| {
+            let i = rest % points;
+            rest /= points;
+            i
+        };
         let points = self.grid.iter().filter_map(|axis| axis.points);
-        points
-            .map(|points| {
-                let i = rest % points;
-                rest /= points;
-                i
-            })
-            .collect()
+        points.map(index).collect()
     }
 
     /// Values of the fields at `point` of the grid (0: as drawn) of sample `number` (0: the point itself) with the seed
     /// `seed`: the same in every run.
     pub fn values(&self, point: usize, number: usize, seed: u64) -> Vec<f64> {
         let mut values: Vec<f64> = self.fields.iter().map(|(_, drawn)| *drawn).collect();
-        let place = |field: &str| self.fields.iter().position(|(known, _)| known == field);
+        let index = |field: &str| self.fields.iter().position(|(known, _)| known == field);
         if point > 0 {
             for (axis, i) in self.grid.iter().zip(self.indices(point)) {
-                for k in axis.fields().filter_map(place) {
+                for k in axis.fields().filter_map(index) {
                     values[k] = axis.value(i);
                 }
             }
         }
         if number > 0 {
             for (variation, value) in self.drawn.iter().zip(draw(&self.drawn, seed, number)) {
-                if let Some(k) = place(&variation.field) {
+                if let Some(k) = index(&variation.field) {
                     values[k] = rounded(value + (values[k] - self.fields[k].1));
                 }
             }
@@ -243,10 +232,8 @@ fn draw(variations: &[Variation], seed: u64, number: usize) -> Vec<f64> {
         x ^ (x >> 31)
     };
     let mut random = Random::new(mix(mix(seed) ^ number as u64).max(1));
-    let variations = variations.iter();
-    variations
-        .map(|v| rounded(random.within([v.low, v.high])))
-        .collect()
+    let value = |v: &Variation| rounded(random.within([v.low, v.high]));
+    variations.iter().map(value).collect()
 }
 
 #[cfg(test)]
@@ -255,23 +242,20 @@ mod tests {
 
     #[test]
     fn intervals_tolerances_and_grids_are_read_and_anything_else_is_refused() {
-        let of = |text: &str| text.parse::<Requested>().unwrap().range;
-        assert_eq!(of("a.b_um=-1..2"), Range::Between([-1.0, 2.0]));
-        assert_eq!(of("a=+-8"), Range::About(8.0));
-        assert_eq!(of("a=±0.5"), Range::About(0.5));
-        assert_eq!(of("a, b=1..3/5"), Range::Grid([1.0, 3.0], 5));
-        for wrong in [
-            "a",
-            "a=1",
-            "a=2..1",
-            "a=x..1",
-            "=1..2",
-            "a=+-nan",
-            "a=0..inf",
-            "a=0..1/1",
-            "a,b=0..1",
-            "a,=0..1/3",
+        for (text, ends, is_tolerance, points) in [
+            ("a.b_um=-1..2", [-1.0, 2.0], false, None),
+            ("a=+-8", [-8.0, 8.0], true, None),
+            ("a=±0.5", [-0.5, 0.5], true, None),
+            ("a, b=1..3/5", [1.0, 3.0], false, Some(5)),
         ] {
+            let r: Requested = text.parse().unwrap();
+            assert_eq!(
+                (r.ends, r.is_tolerance, r.points),
+                (ends, is_tolerance, points)
+            );
+        }
+        let wrong = "a|a=1|a=2..1|a=x..1|=1..2|a=+-nan|a=0..inf|a=0..1/1|a,b=0..1|a,=0..1/3";
+        for wrong in wrong.split('|') {
             assert!(wrong.parse::<Requested>().is_err(), "{wrong}");
         }
     }

@@ -16,13 +16,12 @@ use gearmesh_preprocessor::table::{Coverage, SolveQuality, WatchedSolver, tilt};
 use serde_json::{Value, json};
 
 use crate::Error;
-use crate::accuracy;
 use crate::flank_summary::modifications;
+use crate::inspect::run_time_error;
 use crate::model::{Model, ModelArgs};
 use crate::output::{self, Listing};
 use crate::pair_summary::at_build;
-use crate::preflight::{corners, preflight};
-use sweeps::Sweeps;
+use sweeps::{Sweeps, corners, preflight};
 
 /// Error of the force, rms over the nominal one, from which on tooth pairs one by one are warned of: several times that of
 /// the shipped pairs.
@@ -66,22 +65,16 @@ pub struct GridArgs {
     #[arg(long)]
     pub friction: bool,
 
-    /// Also the stress in the tooth roots, for the outputs of the unit's `rootStress`; its elastic model takes two to
-    /// three times as long as that of the contact
-    #[arg(long, conflicts_with = "plane_strain")]
-    pub root_stress: bool,
-
     /// Also tooth pairs one by one, for stiffnessModel = teeth of the unit, which takes index errors and run-out
     #[arg(long)]
     pub teeth: bool,
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    let share = text
-        .parse()
-        .ok()
-        .filter(|share| 0.0 < *share && *share < 1.0);
-    share.ok_or_else(|| "give a share of the nominal force between 0 and 1, such as 0.002".into())
+    match text.parse() {
+        Ok(share) if 0.0 < share && share < 1.0 => Ok(share),
+        _ => Err("give a share of the nominal force between 0 and 1, such as 0.002".into()),
+    }
 }
 
 impl Tables {
@@ -96,7 +89,7 @@ impl Tables {
 /// Tables that were just computed.
 pub struct Made {
     pub file: TableFile,
-    /// The contact at run time, if it was asked for.
+    /// The contact at run time, if it was requested.
     pub contact: Option<ContactFile>,
     /// What is to be known of both, in lines.
     pub text: String,
@@ -111,25 +104,22 @@ pub fn compute(
     args: &ModelArgs,
 ) -> Result<Made, Error> {
     // `--set rootStress=true` asks for it, too, and is no option that conflicts with another.
-    if grid.root_stress && args.is_plane_strain() {
-        return Err("--plane-strain has no stress in the tooth roots; leave out `rootStress` or --plane-strain".into());
+    if args.root_stress && args.plane_strain {
+        refuse!(
+            "--plane-strain has no stress in the tooth roots; leave out `rootStress` or --plane-strain"
+        );
     }
     let pair = args.applied_to(pair::read(path)?);
     if grid.teeth {
         TeethRecord::takes(&pair.teeth)?;
     }
     output::check_writable(output, [path])?;
-    args.use_threads()?;
     let coverage = coverage(&pair, [!grid.no_center_distance, !grid.no_misalignment]);
-    let job = args.job();
+    let job = args.start()?;
     preflight(&pair, args, &coverage, &job)?;
-    let model = args.solver(&pair, &job)?;
+    let model = args.model(&pair, None, &job)?;
     corners(&model.solver, &pair, &coverage)?;
-    let Model {
-        description,
-        effort,
-        ..
-    } = &model;
+    let (description, effort) = (&model.description, &model.effort);
     let mut lines = vec![format!("elastic model: {description}, {effort}")];
 
     let begin = Instant::now();
@@ -150,46 +140,31 @@ pub fn compute(
     let (drive, coast, error) = sweeps.flanks(&source, grid.max_error)?;
     let friction = grid.friction.then(|| sweeps.sliding()).transpose()?;
     let quality = source.quality();
-    let SolveQuality {
-        solves,
-        most_iterations,
-        kkt_residual,
-    } = quality;
     lines.push(format!(
-        "static contact: {}, {solves} contact solves, Newton steps {most_iterations} at most of {MAXIMUM_ITERATIONS} allowed, \
-         residual of the contact conditions {kkt_residual:.1e} at most",
-        seconds_since(begin)
+        "static contact: {}, {} contact solves, Newton steps {} at most of {MAXIMUM_ITERATIONS} allowed, residual of the contact \
+         conditions {:.1e} at most",
+        seconds_since(begin),
+        quality.solves,
+        quality.most_iterations,
+        quality.kkt_residual
     ));
     lines.extend(at_build(&pair));
 
     let begin = Instant::now();
-    let root_stress = grid.root_stress.then(|| sweeps.root_stress()).transpose()?;
+    let root_stress = args.root_stress.then(|| sweeps.root_stress()).transpose()?;
     if let Some(record) = &root_stress {
-        lines.push(format!(
-            "root stress: {}, {}",
-            seconds_since(begin),
-            record.interpolation_error
-        ));
+        let error = &record.interpolation_error;
+        lines.push(format!("root stress: {}, {error}", seconds_since(begin)));
     }
-    let with_contact = contact;
-    let mut contact = match contact || grid.teeth {
-        true => Some(contact_file(
-            &pair,
-            &args.at_run_time(model.solver.clone()),
-        )?),
-        false => None,
-    };
+    let at_run_time = (contact || grid.teeth)
+        .then(|| contact_file(&pair, &args.at_run_time(model.solver.clone())));
+    let at_run_time = at_run_time.transpose()?;
     let begin = Instant::now();
-    let at_run_time = contact.as_ref().filter(|_| grid.teeth);
-    let teeth = at_run_time
-        .map(|contact| sweeps.teeth(contact))
-        .transpose()?;
+    let teeth = at_run_time.as_ref().filter(|_| grid.teeth);
+    let teeth = teeth.map(|contact| sweeps.teeth(contact)).transpose()?;
     if let Some(record) = &teeth {
-        let time = seconds_since(begin);
-        lines.push(format!(
-            "tooth pairs one by one: {time}, {}",
-            record.in_words()
-        ));
+        let (time, words) = (seconds_since(begin), record.in_words());
+        lines.push(format!("tooth pairs one by one: {time}, {words}"));
         if record.error.force_rms > LARGE_ERROR {
             lines.push(format!(
                 "warning: tooth pairs one by one carry {:.1} % rms of the nominal force more or less than they should; for this \
@@ -198,17 +173,15 @@ pub fn compute(
             ));
         }
     }
-    contact = contact.filter(|_| with_contact);
+    let mut contact = at_run_time.filter(|_| contact);
     if let Some(contact) = &mut contact {
         contact.error = Some(sweeps.error_at_run_time(contact)?);
-        let error = accuracy::at_run_time(contact.error.as_ref());
+        let error = run_time_error(contact.error.as_ref());
         lines.push(format!("contact at run time: {error}"));
     }
     if let Some(note) = pair::note_on_teeth(&pair.teeth) {
-        lines.push(format!(
-            "note: {}",
-            note_at_build(note, teeth.is_some(), contact.is_some())
-        ));
+        let note = note_at_build(note, teeth.is_some(), contact.is_some());
+        lines.push(format!("note: {note}"));
     }
 
     let mut file = TableFile::new(
@@ -241,12 +214,12 @@ fn seconds_since(begin: Instant) -> String {
 fn coverage(pair: &Pair, included: [bool; 2]) -> Coverage {
     let range =
         |included: bool, range: [f64; 2]| (included && range[0] < range[1]).then_some(range);
-    let operating = &pair.operating;
+    let o = &pair.operating;
     Coverage {
-        center_distance_offset: range(included[0], operating.center_distance_offset),
-        misalignment: range(included[1], operating.misalignment),
-        nominal_torque: operating.nominal_torque,
-        maximum_torque: operating.maximum_torque,
+        center_distance_offset: range(included[0], o.center_distance_offset),
+        misalignment: range(included[1], o.misalignment),
+        nominal_torque: o.nominal_torque,
+        maximum_torque: o.maximum_torque,
     }
 }
 
@@ -265,7 +238,7 @@ fn settings(
     Ok(serde_json::from_value(json!({
         "elastic_model": model.description,
         "tip_corner_contact": pair.tip_corner_contact,
-        "plane_strain": args.is_plane_strain(),
+        "plane_strain": args.plane_strain,
         "stations_along_the_face": model.solver.settings().stations,
         "contact_solves": quality.solves,
         "most_newton_steps": quality.most_iterations,
@@ -279,14 +252,17 @@ fn settings(
 /// Which levels of a unit take the teeth of a pair that differ: `note` where none of those built with `teeth` or `contact` does.
 fn note_at_build(note: &str, teeth: bool, contact: bool) -> String {
     let table = "`stiffnessModel = table` takes all teeth as alike";
-    if !teeth {
-        return match contact {
-            true => format!("{table}; `stiffnessModel = contact` takes the tooth errors"),
-            false => note.to_owned(),
-        };
+    let takes = "which takes the tooth errors";
+    match (teeth, contact) {
+        (false, false) => note.to_owned(),
+        (false, true) => format!("{table}; `stiffnessModel = contact` takes the tooth errors"),
+        (true, false) => {
+            format!("units start with `stiffnessModel = teeth`, {takes}; {table}")
+        }
+        (true, true) => {
+            format!(
+                "units start with `stiffnessModel = teeth`, {takes}, as `contact` does; {table}"
+            )
+        }
     }
-    let also = if contact { ", as `contact` does" } else { "" };
-    format!(
-        "units start with `stiffnessModel = teeth`, which takes the tooth errors{also}; {table}"
-    )
 }

@@ -1,14 +1,17 @@
-//! What a tables file is made of: grids of the flanks, sliding, root stress, tooth pairs.
+//! What a tables file is made of: grids of the flanks, sliding, root stress, tooth pairs; before them, whether the contact can
+//! be solved at the corners of the operating range.
 
 use std::sync::atomic::AtomicBool;
 
 use gearmesh::contact::{ContactFile, ContactSettings, ContactSolver};
 use gearmesh::gear::Flank;
-use gearmesh::pair::Pair;
+use gearmesh::pair::{Pair, Refinement};
+
 use gearmesh::table::{
     Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSamples,
     RootStressRecord, TeethRecord,
 };
+use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
 use gearmesh_preprocessor::table::{
     Coverage, RootStressSweep, TeethSweep, Watch, WatchedSolver, default_axes,
     default_root_stress_axes, default_sliding_axes, default_teeth_axes, measure,
@@ -18,6 +21,9 @@ use gearmesh_preprocessor::table::{
 use crate::Error;
 use crate::model::{Model, ModelArgs};
 use crate::progress::Job;
+
+/// Positions of the mesh cycle at which every corner is solved.
+const POSITIONS: usize = 16;
 
 /// Random operating points at which the default grid is measured.
 const HELD_OUT_POINTS: usize = 1000;
@@ -47,12 +53,11 @@ impl Sweeps<'_> {
         solver: &WatchedSolver<'_>,
         max_error: Option<f64>,
     ) -> Result<(FlankGrid, Option<FlankGrid>, InterpolationError), Error> {
+        let geometry = &self.pair.geometry;
         let (drive, mut error) = match max_error {
             None => self.default_grid(solver, Flank::Drive)?,
             Some(bound) => self.watched("static contact", |watch| {
-                let geometry = &self.pair.geometry;
-                let grid = table_within(solver, geometry, self.coverage, self.tilt, bound, watch);
-                Ok(grid?)
+                table_within(solver, geometry, self.coverage, self.tilt, bound, watch)
             })?,
         };
         within(max_error, &error)?;
@@ -73,21 +78,20 @@ impl Sweeps<'_> {
         let axes = self.with_misalignments(default_axes(self.coverage));
         let largest = self.coverage.maximum_torque;
         let grid = self.watched("static contact", |watch| {
-            Ok(sweep(solver, flank, &axes, largest, watch)?)
+            sweep(solver, flank, &axes, largest, watch)
         })?;
         let table = FlankTable::new(&grid, Interpolation::Spline)?;
-        let geometry = &self.pair.geometry;
+        let (geometry, coverage) = (&self.pair.geometry, self.coverage);
         let error = self.watched("error of the tables", |watch| {
-            let points = HELD_OUT_POINTS;
-            Ok(measure(
+            measure(
                 solver,
                 geometry,
                 flank,
-                self.coverage,
+                coverage,
                 &table,
-                points,
+                HELD_OUT_POINTS,
                 watch,
-            )?)
+            )
         })?;
         Ok((grid, error))
     }
@@ -95,15 +99,16 @@ impl Sweeps<'_> {
     pub fn sliding(&self) -> Result<FrictionRecord, Error> {
         let base_radius = self.pair.geometry.gears[0].base_radius();
         let axes = default_sliding_axes(self.coverage, base_radius);
-        let of_flank = |flank| {
+        let solver = &self.model.solver;
+        let sample = |flank| {
             self.watched("sliding", |watch| {
-                Ok(sweep_sliding(&self.model.solver, flank, &axes, watch)?)
+                sweep_sliding(solver, flank, &axes, watch)
             })
         };
         Ok(FrictionRecord {
             law: self.pair.friction,
-            drive: of_flank(Flank::Drive)?,
-            coast: self.on_own_coast(of_flank)?,
+            drive: sample(Flank::Drive)?,
+            coast: self.on_own_coast(sample)?,
             axes: axes.clone(),
         })
     }
@@ -111,27 +116,28 @@ impl Sweeps<'_> {
     pub fn root_stress(&self) -> Result<RootStressRecord, Error> {
         let base_radius = self.pair.geometry.gears[0].base_radius();
         let axes = default_root_stress_axes(self.coverage, base_radius);
-        let of_flank = |flank| {
+        let sample = |flank| {
             let sweep = RootStressSweep {
                 solver: &self.model.solver,
                 models: &self.args.fillets(self.pair, flank, self.job)?.maps,
                 flank,
             };
-            self.watched("root stress", |watch| {
+            self.watched("root stress", |watch| -> Result<_, Error> {
                 let samples = sweep.samples(&axes, watch)?;
                 let table = samples.spline(&axes, [true; 2])?;
                 let error = sweep.measure(self.coverage, &table, HELD_OUT_POINTS, watch)?;
                 Ok((samples, error))
             })
         };
-        let (drive, error) = of_flank(Flank::Drive)?;
-        let coast = self.on_own_coast(of_flank)?;
+        let (drive, mut error) = sample(Flank::Drive)?;
+        let coast = self.on_own_coast(sample)?.map(|(samples, found)| {
+            error = error.with(found);
+            samples
+        });
         Ok(RootStressRecord {
             drive,
-            interpolation_error: coast
-                .iter()
-                .fold(error, |error, (_, coast)| error.with(*coast)),
-            coast: coast.map(|(samples, _)| samples),
+            coast,
+            interpolation_error: error,
             axes,
         })
     }
@@ -146,7 +152,7 @@ impl Sweeps<'_> {
         };
         let axes = self.with_misalignments(default_teeth_axes(self.coverage));
         self.watched("tooth pairs", |watch| {
-            Ok(sweep.record(&axes, HELD_OUT_POINTS, watch)?)
+            sweep.record(&axes, HELD_OUT_POINTS, watch)
         })
     }
 
@@ -162,21 +168,16 @@ impl Sweeps<'_> {
         };
         let solver = ContactSolver::new(self.pair, self.model.compliance.clone(), finer)?;
         let coverage = super::coverage(self.pair, [true; 2]);
-        let of_flank = |flank| {
+        let error = |flank| {
             self.watched("error of contact at run time", |watch| {
-                let points = RUN_TIME_POINTS;
-                Ok(measure_at_run_time(
-                    &solver, contact, flank, &coverage, points, watch,
-                )?)
+                measure_at_run_time(&solver, contact, flank, &coverage, RUN_TIME_POINTS, watch)
             })
         };
-        let error = of_flank(Flank::Drive)?;
-        let coast = contact
-            .coast
-            .as_ref()
-            .map(|_| of_flank(Flank::Coast))
-            .transpose()?;
-        Ok(coast.map_or(error, |coast| error.with(coast)))
+        let drive = error(Flank::Drive)?;
+        match contact.coast {
+            Some(_) => Ok(drive.with(error(Flank::Coast)?)),
+            None => Ok(drive),
+        }
     }
 
     fn with_misalignments(&self, axes: Axes) -> Axes {
@@ -196,27 +197,74 @@ impl Sweeps<'_> {
     }
 
     /// `work` with its progress shown as that of `stage`.
-    fn watched<R>(
+    fn watched<R, E: Into<Error>>(
         &self,
         stage: &str,
-        work: impl FnOnce(&Watch) -> Result<R, Error>,
+        work: impl FnOnce(&Watch) -> Result<R, E>,
     ) -> Result<R, Error> {
         work(&Watch {
-            progress: &|done, total| self.job.tell(stage, done as f64 / total as f64),
+            progress: &|done, total| self.job.show(stage, done as f64 / total as f64),
             cancel: &AtomicBool::new(false),
         })
+        .map_err(Into::into)
     }
 }
 
-/// Refuses tables that miss the error asked for.
+/// Refuses tables that miss the requested error.
 fn within(max_error: Option<f64>, found: &InterpolationError) -> Result<(), Error> {
-    match max_error {
-        Some(error) if found.force_rms > error => Err(format!(
-            "--max-error = {error}: the best grid has an rms error of {:.5}; ask for no less, or narrow \
-             the ranges of the pair file",
+    if let Some(error) = max_error.filter(|error| found.force_rms > *error) {
+        refuse!(
+            "--max-error = {error}: the best grid has an rms error of {:.5}; ask for no less, or narrow the ranges of the pair file",
             found.force_rms
-        )
-        .into()),
-        _ => Ok(()),
+        );
     }
+    Ok(())
+}
+
+/// Refuses what cannot be solved at a corner of `coverage`, on the coarse model, which takes seconds, where that of `pair` is
+/// still to be computed.
+pub fn preflight(
+    pair: &Pair,
+    args: &ModelArgs,
+    coverage: &Coverage,
+    job: &Job,
+) -> Result<(), Error> {
+    if pair.refinement == Refinement::Coarse || args.are_kept(pair)? {
+        return Ok(());
+    }
+    let coarse = Pair {
+        refinement: Refinement::Coarse,
+        ..pair.clone()
+    };
+    corners(&args.model(&coarse, None, job)?.solver, pair, coverage)
+}
+
+/// Solves under the largest torque at the corners of `coverage` and at its nominal state.
+pub fn corners(solver: &ContactSolver, pair: &Pair, coverage: &Coverage) -> Result<(), Error> {
+    let with_nominal =
+        |range: Option<[f64; 2]>| [0.0].into_iter().chain(range.into_iter().flatten());
+    let loads = with_nominal(coverage.misalignment).map(|misalignment| LoadCase {
+        torque: coverage.maximum_torque,
+        misalignment,
+    });
+    let loads: Vec<LoadCase> = loads.collect();
+    let flanks: &[Flank] = match pair.coast_mirrors_drive() {
+        true => &[Flank::Drive],
+        false => &[Flank::Drive, Flank::Coast],
+    };
+    for &flank in flanks {
+        for center_distance_offset in with_nominal(coverage.center_distance_offset) {
+            let input = CycleInput {
+                flank,
+                torque: coverage.maximum_torque,
+                center_distance_offset,
+                misalignment: 0.0,
+                positions: POSITIONS,
+            };
+            MeshCycle::solve_all(solver, &input, &loads, &|_| {}).map_err(|error| {
+                format!("the operating range of the pair file cannot be covered: {error}")
+            })?;
+        }
+    }
+    Ok(())
 }

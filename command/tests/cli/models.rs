@@ -1,36 +1,26 @@
 //! Elastic models that are kept.
 
 use super::*;
+use std::os::unix::fs::MetadataExt;
 
 #[test]
 fn a_finite_element_model_is_kept_and_found_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let cache = folder.path().join("cache");
+    let folder = Folder::new();
+    let cache = folder.path("cache");
     let solve = || {
-        let output = succeed(&[
-            "solve",
-            &paper(),
-            "--refinement",
-            "coarse",
-            "--positions",
-            "4",
-            "--json",
-            "--cache-dir",
-            cache.to_str().unwrap(),
-        ]);
-        let json: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
-        assert_eq!(stderr(&output), "");
-        numbers(&json["ste_loa_um"])
+        let line = format!("solve {PAPER} --refinement coarse --positions 4 --json");
+        let output = run(format!("{line} --cache-dir {cache}"));
+        assert_eq!(text(&output.stderr), "");
+        numbers(&json(text(&output.stdout))["ste_loa_um"])
     };
     let first = solve();
     // Both gears are equal but for hand: one model.
-    let kept: Vec<_> = std::fs::read_dir(&cache)
-        .unwrap()
-        .map(|e| e.unwrap().path())
-        .collect();
-    assert_eq!(kept.len(), 1);
+    assert_eq!(folder.count("cache"), 1);
     // A file that is written anew is another one.
-    let number = || std::fs::metadata(&kept[0]).unwrap().ino();
+    let number = || {
+        let entry = std::fs::read_dir(&cache).unwrap().next().unwrap();
+        entry.unwrap().metadata().unwrap().ino()
+    };
     let written = number();
     assert_eq!(first, solve());
     assert_eq!(number(), written);
@@ -38,59 +28,58 @@ fn a_finite_element_model_is_kept_and_found_again() {
     assert!(mean(&first) > 5.0 && mean(&first) < 20.0);
 }
 
-/// `gearmesh tables` of the paper's pair after `change`, the smallest there are, in `folder`; returns what it
-/// says about its elastic models.
-fn elastic_model_of_tables(folder: &Path, change: impl Fn(&mut serde_json::Value)) -> String {
-    let text = std::fs::read_to_string(paper()).unwrap();
-    let mut pair: serde_json::Value = serde_json::from_str(&text).unwrap();
-    pair["compliance"] = serde_json::json!({ "refinement": "coarse" });
-    change(&mut pair);
-    let file = folder.join("pair.json");
-    std::fs::write(&file, pair.to_string()).unwrap();
-    let tables = folder.join("tables.json");
-    let output = succeed(&[
-        "tables",
-        file.to_str().unwrap(),
-        "-o",
-        tables.to_str().unwrap(),
-        "--no-center-distance",
-        "--no-misalignment",
-        "--stations",
-        "8",
-        "--cache-dir",
-        folder.join("cache").to_str().unwrap(),
-    ]);
-    let line = stdout(&output)
-        .lines()
-        .find(|line| line.contains("elastic model"));
-    format!("{}{}", line.unwrap(), stderr(&output))
+#[test]
+fn no_model_is_kept_where_none_shall_be_whatever_the_environment_says() {
+    let folder = Folder::new();
+    let line = format!("solve {PAPER} --refinement coarse --positions 1 --no-cache");
+    let mut command = command();
+    let command = command
+        .args(line.split(' '))
+        .env("GEARMESH_CACHE_DIR", folder.path(""));
+    assert!(command.output().unwrap().status.success());
+    assert_eq!(folder.count(""), 0);
+}
+
+/// `gearmesh tables` of the paper's pair after `change`, the smallest there are, in `folder`; returns the line on the
+/// elastic model, and standard error.
+fn elastic_model_of_tables(folder: &Folder, change: fn(&mut Value)) -> String {
+    let pair = folder.pair(|pair| {
+        pair["compliance"] = serde_json::json!({ "refinement": "coarse" });
+        change(pair);
+    });
+    let [tables, cache] = folder.paths(["tables.json", "cache"]);
+    let output = run(format!(
+        "tables {pair} -o {tables} {SMALL} --stations 8 --cache-dir {cache}"
+    ));
+    let (shown, error) = (text(&output.stdout), text(&output.stderr));
+    let line = shown.lines().find(|line| line.contains("elastic model"));
+    format!("{}{error}", line.expect(&error))
 }
 
 #[test]
 fn an_elastic_model_serves_every_change_that_does_not_touch_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let kept = folder.path().join("cache");
-    let count = || std::fs::read_dir(&kept).unwrap().count();
-    let of = |change: fn(&mut serde_json::Value)| elastic_model_of_tables(folder.path(), change);
-    let place = format!("kept in {}", kept.display());
+    let folder = Folder::new();
+    let kept = folder.path("cache");
+    let count = || folder.count("cache");
+    let model = |change| elastic_model_of_tables(&folder, change);
 
-    assert!(of(|_| ()).contains(&place));
+    assert!(model(|_| ()).contains(&format!("kept in {kept}")));
     assert_eq!(count(), 1);
-    let unchanged: [fn(&mut serde_json::Value); 4] = [
+    let unchanged: [fn(&mut Value); 4] = [
         |pair| pair["gear1"]["tip_relief"]["amount_um"] = 9.0.into(),
         |pair| pair["gear2"]["lead_crowning_um"] = 0.0.into(),
         |pair| pair["operating"]["maximum_torque_nm"] = 170.0.into(),
         |pair| pair["operating"]["misalignment_mrad"] = serde_json::json!([-1.0, 2.0]),
     ];
     for change in unchanged {
-        let said = of(change);
+        let words = model(change);
         assert!(
-            said.contains("read from") && !said.contains("note"),
-            "{said}"
+            words.contains("read from") && !words.contains("note"),
+            "{words}"
         );
         assert_eq!(count(), 1);
     }
-    let changed: [fn(&mut serde_json::Value); 2] = [
+    let changed: [fn(&mut Value); 2] = [
         |pair| {
             pair["gear1"]["bore_diameter_mm"] = 31.0.into();
             pair["gear2"]["bore_diameter_mm"] = 31.0.into();
@@ -98,7 +87,7 @@ fn an_elastic_model_serves_every_change_that_does_not_touch_it() {
         |pair| pair["compliance"]["refinement"] = "normal".into(),
     ];
     for (change, files) in changed.into_iter().zip(2..) {
-        assert!(of(change).contains("computed"));
+        assert!(model(change).contains("computed"));
         assert_eq!(count(), files);
     }
 
@@ -107,33 +96,18 @@ fn an_elastic_model_serves_every_change_that_does_not_touch_it() {
         let cut = std::fs::read(&path).unwrap()[..40].to_vec();
         std::fs::write(path, cut).unwrap();
     }
-    let said = of(|_| ());
-    assert!(said.contains("computed"), "{said}");
-    assert!(
-        said.contains("note") && said.contains("the file is cut off"),
-        "{said}"
-    );
-    assert!(of(|_| ()).contains("read from"));
-    // Nothing but the files asked for lies beside the tables.
-    assert!(!folder.path().join(".gearmesh-compliance").exists());
-    let cache = |more: &[&str]| {
-        let arguments = [&["cache", "--cache-dir", kept.to_str().unwrap()], more].concat();
-        stdout(&succeed(&arguments)).to_owned()
-    };
-    let listed = cache(&[]);
-    assert!(
-        listed.contains("20 teeth, module 4 mm") && listed.contains("of 1000.0 MB"),
-        "{listed}"
-    );
-    // A file that merely ends like a model stays, and is said to.
-    let foreign = kept.join("notes.compliance");
-    std::fs::write(&foreign, b"not a model").unwrap();
-    let said = cache(&["--clear"]);
-    let left = format!("left {}, which is no model", foreign.display());
-    assert!(
-        said.contains("removed 3 models") && said.contains(&left),
-        "{said}"
-    );
-    assert_eq!(std::fs::read(&foreign).unwrap(), b"not a model");
+    let words = model(|_| ());
+    contains!(words, "computed", "note", "the file is cut off");
+    assert!(model(|_| ()).contains("read from"));
+    // No other folder than the one that was named.
+    assert!(!folder.exists(".gearmesh-compliance"));
+    let listed = succeed!("cache --cache-dir {kept}");
+    contains!(listed, "20 teeth, module 4 mm", "of 1000.0 MB");
+    // A file that merely ends like a model stays, and is named.
+    let foreign = folder.write("cache/notes.compliance", b"not a model");
+    let words = succeed!("cache --clear --cache-dir {kept}");
+    let left = format!("left {foreign}, which is no model");
+    contains!(words, "removed 3 models", &left);
+    assert_eq!(folder.read("cache/notes.compliance"), "not a model");
     assert_eq!(count(), 1);
 }

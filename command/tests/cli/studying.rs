@@ -1,258 +1,152 @@
-//! Samples within tolerances.
+//! Grids and samples within tolerances.
 
 use super::*;
 
 #[test]
 fn a_study_goes_on_where_it_was_and_depends_on_nothing_but_its_seed() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let study = |out: &str, samples: &str, more: &[&str]| {
-        let pair = paper();
-        let asked = [
-            "study",
-            &pair,
-            "--positions",
-            "6",
-            "--samples",
-            samples,
-            "-o",
-            out,
-            "--vary",
-            "gear1.lead_slope_um=+-6",
-            "--vary",
-            "misalignment_mrad=-0.2..0.2",
-        ];
-        gearmesh(&[&asked, &QUICK[..], more].concat())
+    let folder = Folder::new();
+    let study = |out: &str, options: &str| {
+        let out = folder.path(out);
+        let vary = "--vary gear1.lead_slope_um=+-6 --vary misalignment_mrad=-0.2..0.2";
+        format!("study {PAPER} --positions 6 -o {out} {vary} {QUICK} {options}")
     };
-    let (whole, parts) = (path("whole"), path("parts"));
-    let output = study(&whole, "10", &[]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert!(
-        stdout(&output).contains("10 samples, 0 refused"),
-        "{}",
-        stdout(&output)
-    );
-    assert!(study(&parts, "3", &[]).status.success());
-    assert!(study(&parts, "10", &[]).status.success());
-    let table = |folder: &str| std::fs::read(Path::new(folder).join("samples.csv")).unwrap();
-    assert_eq!(table(&whole), table(&parts));
+    let table = |out: &str| folder.read(&format!("{out}/samples.csv"));
+    let charts = |out: &str| {
+        folder
+            .read(&format!("{out}/study.html"))
+            .matches("<svg")
+            .count()
+    };
+    let shown = succeed(study("whole", "--samples 10"));
+    contains!(shown, "10 samples, 0 refused");
+    succeed(study("parts", "--samples 3"));
+    succeed(study("parts", "--samples 10"));
+    assert_eq!(table("whole"), table("parts"));
 
     // The pair as drawn is sample 0; slope and misalignment gather the load at an end of the face.
-    let samples = rows(&Path::new(&whole).join("samples.csv"));
+    let samples = folder.rows("whole/samples.csv");
     assert_eq!(samples.len(), 11);
     assert_eq!(samples[0]["gear1.lead_slope_um"], 0.0);
     let factors = samples.iter().map(|s| s["face_load_factor"]);
-    assert!(factors.fold(0.0, f64::max) > 1.03 * samples[0]["face_load_factor"]);
-    let summary = std::fs::read_to_string(Path::new(&whole).join("study.json")).unwrap();
-    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
-    let shown = stdout(&output);
+    assert!(largest(factors) > 1.03 * samples[0]["face_load_factor"]);
     let heads = "   p-p STE 1st harm.  pressure   K_Hbeta\n";
     for head in ["correlation with", "of the distance from drawn"] {
-        assert!(shown.contains(&format!("{head}{heads}")), "{shown}");
+        contains!(shown, &format!("{head}{heads}"));
     }
     // Slope and misalignment gather the load to either side.
+    let summary = json(folder.read("whole/study.json"));
     let factor = &summary["statistics"][5];
     assert_eq!(factor["result"], "face_load_factor");
     let distance = numbers(&factor["correlation_of_distance"]);
     assert!(distance.iter().any(|c| *c > 0.5), "{distance:?}");
-    let of = |name: &str| summary["statistics"][0][name].as_f64().unwrap();
-    assert!(of("least") <= of("median") && of("median") <= of("percentile_95"));
-    let page = std::fs::read_to_string(Path::new(&whole).join("study.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 4);
+    let [least, median, most] =
+        ["least", "median", "percentile_95"].map(|name| number(&summary["statistics"][0][name]));
+    assert!(least <= median && median <= most);
+    assert_eq!(charts("whole"), 4);
 
-    let output = study(&whole, "10", &["--seed", "2"]);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(
-        stderr(&output).contains("another study"),
-        "{}",
-        stderr(&output)
-    );
-    assert!(
-        study(&whole, "10", &["--seed", "2", "--restart"])
-            .status
-            .success()
-    );
-    assert_ne!(table(&whole), table(&parts));
+    refused(study("whole", "--samples 10 --seed 2"), &["another study"]);
+    succeed(study("whole", "--samples 10 --seed 2 --restart"));
+    assert_ne!(table("whole"), table("parts"));
 
     // With root stress: the same samples with two columns more.
-    let output = study(&parts, "3", &["--root-stress"]);
-    assert!(
-        stderr(&output).contains("another study"),
-        "{}",
-        stderr(&output)
+    refused(
+        study("parts", "--samples 3 --root-stress"),
+        &["another study"],
     );
-    let output = study(&parts, "3", &["--root-stress", "--restart"]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert!(
-        stdout(&output).contains("root_stress_2_mpa"),
-        "{}",
-        stdout(&output)
-    );
-    let stressed = rows(&Path::new(&parts).join("samples.csv"));
-    for sample in &stressed {
+    let shown = succeed(study("parts", "--samples 3 --root-stress --restart"));
+    contains!(shown, "root_stress_2_mpa");
+    for sample in folder.rows("parts/samples.csv") {
         assert!(sample["root_stress_1_mpa"] > 20.0 && sample["root_stress_2_mpa"] > 20.0);
     }
-    let page = std::fs::read_to_string(Path::new(&parts).join("study.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 6);
+    assert_eq!(charts("parts"), 6);
 }
 
 #[test]
 fn a_study_refuses_what_it_cannot_vary_before_it_computes() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("study");
-    for (vary, said) in [
-        ("gear1.lead_slop_um=0..1", "lead_slop_um"),
-        ("gear1.bore_diameter_mm=28..30", "teeth"),
-        ("gear1.lead_crowning_um=-5..5", "lead_crowning_um"),
-        ("misalignment_mrad=0..90", "--vary misalignment_mrad = 90:"),
-        ("operating.nominal_torque_nm=+-50", "vary modifications"),
-        ("friction.coefficient=0.01..0.2", "vary modifications"),
-        ("gear1.coast_flank.lead_slope_um=0..5", "drive flank"),
-    ] {
-        let output = gearmesh(&[
-            "study",
-            &paper(),
-            "--vary",
-            vary,
-            "-o",
-            out.to_str().unwrap(),
-        ]);
-        assert_eq!(output.status.code(), Some(1), "{vary}");
-        assert!(stderr(&output).contains(said), "{}", stderr(&output));
-        assert!(!out.exists());
-    }
-    let output = gearmesh(&[
-        "study",
-        &paper(),
-        "--iso-1328-class",
-        "6",
-        "--positions",
-        "2",
-        "-o",
-        out.to_str().unwrap(),
-    ]);
-    let refused = stderr(&output);
+    let folder = Folder::new();
+    let out = folder.path("study");
+    let study = format!("study {PAPER} -o {out}");
+    refused!("{study} --vary gear1.lead_slop_um=0..1"; "lead_slop_um");
+    refused!("{study} --vary gear1.bore_diameter_mm=28..30"; "teeth");
+    refused!("{study} --vary gear1.lead_crowning_um=-5..5"; "lead_crowning_um");
+    refused!("{study} --vary misalignment_mrad=0..90"; "--vary misalignment_mrad = 90:");
+    refused!("{study} --vary misalignment_mrad=0..1e300"; "--vary misalignment_mrad = 1e300: give");
+    refused!("{study} --vary torque_nm=-5..5"; "--vary torque_nm = -5: give");
+    refused!("{study} --vary operating.nominal_torque_nm=+-50"; "vary modifications");
+    refused!("{study} --vary friction.coefficient=0.01..0.2"; "vary modifications");
+    refused!("{study} --vary gear1.coast_flank.lead_slope_um=0..5"; "drive flank");
+    refused!("{study}"; "--iso-1328-class");
+    refused!("{study} --iso-1328-class Q6"; "'Q6' for '--iso-1328-class <CLASS>': give a class from 1 to 11, a bare number");
     // Two positions have no harmonic.
-    assert!(
-        refused.contains("'2' for '--positions <POSITIONS>': give a value from 3"),
-        "{refused}"
-    );
-    let output = gearmesh(&[
-        "study",
-        &paper(),
-        "--iso-1328-class",
-        "Q6",
-        "-o",
-        out.to_str().unwrap(),
-    ]);
-    assert!(
-        stderr(&output).contains(
-            "'Q6' for '--iso-1328-class <CLASS>': give a class from 1 to 11, a bare number"
-        ),
-        "{}",
-        stderr(&output)
-    );
-    let output = gearmesh(&["study", &paper(), "-o", out.to_str().unwrap()]);
-    assert!(
-        stderr(&output).contains("--iso-1328-class"),
-        "{}",
-        stderr(&output)
-    );
+    refused!("{study} --iso-1328-class 6 --positions 2"; "'2' for '--positions <POSITIONS>': give a value from 3");
+    assert!(!folder.exists("study"));
+}
+
+#[test]
+fn the_start_of_a_relief_is_varied_in_any_form_that_the_pair_file_allows() {
+    let folder = Folder::new();
+    let out = folder.path("study");
+    // The file has it at the pitch point.
+    let vary = "--vary gear1.tip_relief.start.diameter_mm=83..87/3";
+    succeed!("study {PAPER} --positions 4 -o {out} {vary} {QUICK}");
+    let swings = folder.rows("study/samples.csv");
+    let swings = swings
+        .iter()
+        .map(|s| s["peak_to_peak_ste_loa_um"].to_bits());
+    assert_eq!(swings.collect::<std::collections::HashSet<_>>().len(), 4);
+    let best = json(folder.read("study/best.json"));
+    let start = number(&best["gear1"]["tip_relief"]["start"]["diameter_mm"]);
+    assert!([83.0, 85.0, 87.0].contains(&start), "{start}");
 }
 
 #[test]
 fn a_grid_finds_the_relief_whose_point_is_best_and_writes_it_as_a_pair_file_with_bands_over_torque()
 {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let (out, page) = (path("study"), path("report.html"));
-    let pair = paper();
-    let reliefs = "gear1.tip_relief.amount_um,gear2.tip_relief.amount_um=1..13/3";
-    let asked = [
-        "study",
-        &pair,
-        "-o",
-        &out,
-        "--positions",
-        "8",
-        "--torques-nm",
-        "60,100",
-        "--vary",
-        reliefs,
-    ];
-    let more = [
-        "--vary",
-        "gear1.lead_slope_um=+-6",
-        "--samples",
-        "2",
-        "--weights",
-        "1,3",
-    ];
-    let output = succeed(&[&asked[..], &more, &QUICK].concat());
-    assert!(
-        stdout(&output).contains("3 points of a grid, 2 samples"),
-        "{}",
-        stdout(&output)
-    );
+    let folder = Folder::new();
+    let [out, page] = folder.paths(["study", "report.html"]);
+    let reliefs = "--vary gear1.tip_relief.amount_um,gear2.tip_relief.amount_um=1..13/3";
+    let study =
+        format!("study {PAPER} -o {out} --positions 8 --torques-nm 60,100 {reliefs} {QUICK}");
+    let more = "--vary gear1.lead_slope_um=+-6 --samples 2 --weights 1,3";
+    let shown = succeed!("{study} {more}");
+    contains!(shown, "3 points of a grid, 2 samples");
 
     // Every point, as drawn first, with its samples at both torques; both gears share the relief.
-    let samples = rows(&Path::new(&out).join("samples.csv"));
+    let samples = folder.rows("study/samples.csv");
     assert_eq!(samples.len(), 4 * 3 * 2);
-    assert!(
-        samples
-            .iter()
-            .all(|s| s["gear1.tip_relief.amount_um"] == s["gear2.tip_relief.amount_um"])
-    );
+    let mut reliefs = samples
+        .iter()
+        .map(|s| [1, 2].map(|i| s[&format!("gear{i}.tip_relief.amount_um")]));
+    assert!(reliefs.all(|[one, two]| one == two));
     let measure = |point: f64, sample: f64| {
-        let own = samples
-            .iter()
-            .filter(|s| s["point"] == point && s["sample"] == sample);
-        let weighted =
-            own.map(|s| s["harmonic_1_loa_um"] * if s["torque_nm"] == 60.0 { 0.25 } else { 0.75 });
-        weighted.sum::<f64>()
+        let is_own = |s: &&HashMap<_, _>| s["point"] == point && s["sample"] == sample;
+        let weight = |torque| if torque == 60.0 { 0.25 } else { 0.75 };
+        let own = samples.iter().filter(is_own);
+        own.map(|s| s["harmonic_1_loa_um"] * weight(s["torque_nm"]))
+            .sum::<f64>()
     };
-    let worst = |point| {
-        [0.0, 1.0, 2.0]
-            .map(|sample| measure(point, sample))
-            .into_iter()
-            .fold(0.0, f64::max)
-    };
-    let best = [1.0, 2.0, 3.0]
-        .into_iter()
+    let worst = |point| largest([0.0, 1.0, 2.0].map(|sample| measure(point, sample)));
+    let points = [1.0, 2.0, 3.0].into_iter();
+    let best = points
         .min_by(|a, b| worst(*a).total_cmp(&worst(*b)))
         .unwrap();
-    let text = std::fs::read_to_string(Path::new(&out).join("study.json")).unwrap();
-    let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
-    assert_eq!(summary["best"]["point"].as_f64(), Some(best));
-    assert!((summary["best"]["value"].as_f64().unwrap() - worst(best)).abs() < 1e-12);
-    let text = std::fs::read_to_string(Path::new(&out).join("best.json")).unwrap();
-    let written: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let summary = json(folder.read("study/study.json"));
+    assert_eq!(number(&summary["best"]["point"]), best);
+    assert!((number(&summary["best"]["value"]) - worst(best)).abs() < 1e-12);
+    let written = json(folder.read("study/best.json"));
     assert_eq!(
-        written["gear2"]["tip_relief"]["amount_um"].as_f64(),
-        Some(6.0 * best - 5.0)
+        number(&written["gear2"]["tip_relief"]["amount_um"]),
+        6.0 * best - 5.0
     );
-    succeed(&["inspect", &format!("{out}/best.json")]);
+    succeed!("inspect {out}/best.json");
 
-    let report = [
-        "report",
-        &pair,
-        "-o",
-        &page,
-        "--positions",
-        "4",
-        "--study",
-        &out,
-    ];
-    succeed(&[&report[..], &QUICK].concat());
-    let html = std::fs::read_to_string(&page).unwrap();
-    assert!(html.contains("Band of 1st harm. over torque"));
+    succeed!("report {PAPER} -o {page} --positions 4 --study {out} {QUICK}");
+    assert!(
+        folder
+            .read("report.html")
+            .contains("Band of 1st harm. over torque")
+    );
 
-    for (option, value, said) in [
-        ("--best", "noise", "give one of peak_to_peak_ste_loa_um"),
-        ("--weights", "1,2,3", "one for each torque"),
-    ] {
-        let refused = gearmesh(&[&asked[..], &[option, value]].concat());
-        assert_eq!(refused.status.code(), Some(1));
-        assert!(stderr(&refused).contains(said), "{}", stderr(&refused));
-    }
+    refused!("{study} --best noise"; "give one of peak_to_peak_ste_loa_um");
+    refused!("{study} --weights 1,2,3"; "one for each torque");
 }

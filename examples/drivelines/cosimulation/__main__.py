@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from contextlib import closing
 from itertools import product
 
@@ -48,13 +47,6 @@ def longest_stable(gears, begin, coupling) -> float:
     return size / 1.25
 
 
-def evaluations(gears, begin, size: float, count: int = 64) -> float:
-    """Of the unit in an iterated step, mean of `count`; directional derivatives not counted."""
-    before = gears.evaluations
-    cosimulate(gears, begin, count * size, size, "iterated")
-    return (gears.evaluations - before) / count
-
-
 def main() -> None:
     figure, (left, right) = new_figure(2, 13, 5.0)
     with closing(Gears()) as gears:
@@ -77,7 +69,7 @@ def books(axis) -> None:
             axis.loglog(1e6 * sizes, strays, style, color=f"C{n}", ms=4, label=f"{kind}, {coupling}, order {order:.2f}")
             print(f"{coupling}, undamped: {kind} order {order:.2f}, strays {strays[-1]:.1e} at {1e6 * sizes[-1]:.2f} us, "
                   f"{strays[2]:.1e} at {1e6 * sizes[2]:.2f} us")
-    axis.set(xlabel="communication step, µs", ylabel="energy (of the mesh's), momentum (of the impulse)", ylim=(1e-10, 10.0))
+    axis.set(xlabel="communication step (µs)", ylabel="energy (of the mesh's), momentum (of the impulse)", ylim=(1e-10, 10.0))
     axis.set_xticks(1e6 * sizes, [f"{1e6 * size:g}" for size in sizes])
     axis.xaxis.set_minor_locator(NullLocator())
     axis.legend(fontsize=8)
@@ -97,24 +89,18 @@ def compare(gears: Gears, axis) -> None:
         file = ssp.build(gears, begin, coupling)
         errors = []
         for size in sizes:
-            clock = time.process_time()
-            found = host(file, DURATION, size)
-            clock = (time.process_time() - clock) / round(DURATION / size)
-            errors.append(distance(found, reference, ssp.COLUMNS))
-        print(f"{name}, SSP of three FMUs, {coupling}: order {np.log2(errors[-2] / errors[-1]):.2f}, {1e6 * clock:.0f} us of processor time a step, "
-              f"{by_size(sizes, errors)}")
+            errors.append(distance(host(file, DURATION, size), reference, ssp.COLUMNS))
+        print(f"{name}, SSP of three FMUs, {coupling}: order {np.log2(errors[-2] / errors[-1]):.2f}, {by_size(sizes, errors)}")
         marker = {"Ecos": "k+", "libcosim": "kx"}[name] if coupling == "parallel" else "r+"
         axis.loglog(1e6 * sizes, errors, marker, ms=10, label=f"{name}, SSP, coupling = {coupling}")
     packed = packed_step()
-    for size in (1e-6, 16e-6):
-        print(f"iterated at {1e6 * size:.2f} us: {evaluations(gears, begin, size):.1f} evaluations a step")
     axis.axvline(1e6 * packed, color="grey", lw=0.8)
     axis.text(1e6 * packed, 0.3, " packed step", color="grey")
     print(f"packed step {1e6 * packed:.1f} us; largest error at it: " + ", ".join(
         f"{coupling} {distance(cosimulate(gears, begin, DURATION, packed, coupling), reference):.1e}" for coupling in COUPLINGS[2:4]))
     for coupling in COUPLINGS[:4]:
         print(f"{coupling}: stands {1e6 * longest_stable(gears, begin, coupling):.1f} us")
-    axis.set(xlabel="communication step, µs", ylabel="largest error of the run over the elastic displacement", ylim=(1e-8, 1.0))
+    axis.set(xlabel="communication step (µs)", ylabel="largest error of the run over the elastic displacement", ylim=(1e-8, 1.0))
     axis.legend()
 
 

@@ -26,7 +26,7 @@ class Gears:
 
     def __init__(self, parameters=None, coupling: str | None = None, begin: np.ndarray | None = None):
         # Absolute phases: hosts may start at any pose. Packing brings one with the tooth in the middle of the space.
-        self.parameters, self.evaluations = parameters or {}, 0
+        self.parameters = parameters or {}
         choices, interface = (self.parameters, "model-exchange") if coupling is None else ({**self.parameters, "coupling": coupling}, "co-simulation")
         self.pair = GearPair(shipped("helical-25-47", phaseReference="absolute"), choices, interface)
         self.middle = self.pair.u[self.pair.input["gear2.angles[3]"]]
@@ -48,7 +48,6 @@ class Gears:
     def __call__(self, x: np.ndarray) -> np.ndarray:
         self.place(x)
         self.pair.evaluate(0.0)
-        self.evaluations += 1
         return self.loads()
 
     def close(self) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import sys
-import zipfile
 from pathlib import Path
 
 import gearmesh
 import numpy as np
+from gearmesh.ssp import write as write_ssp
 from pythonfmu import FmuBuilder
 
 from ..files import OUT, ROOT
@@ -47,36 +47,8 @@ def build(gears, begin, coupling: str = "parallel") -> Path:
     pose[3] += CENTER_DISTANCE
     starts = dict(zip(IN + RATES, pose.tolist())) | {"coupling": coupling, "phaseReference": "absolute"}
     gearmesh.pack(ROOT / "resources" / "tables" / "helical-25-47.json", folder / "Gears.fmu", set=starts)
-    components = "\n".join(
-        f'<ssd:Component name="{name.lower()}" type="application/x-fmu-sharedlibrary" source="resources/{name}.fmu"><ssd:Connectors>'
-        + "".join(
-            f'<ssd:Connector name="{variable}" kind="{kind}"><ssc:Real/></ssd:Connector>'
-            for kind, variable in sorted(
-                {("output", v) for c, v, _, _ in CONNECTIONS if c == name.lower()}
-                | {("input", v) for _, _, c, v in CONNECTIONS if c == name.lower()}
-            )
-        )
-        + "</ssd:Connectors></ssd:Component>"
-        for name in ("Shafts", "Housing", "Gears")
-    )
-    wires = "\n".join(
-        f'<ssd:Connection startElement="{a}" startConnector="{b}" endElement="{c}" endConnector="{d}"/>' for a, b, c, d in CONNECTIONS
-    )
-    description = f"""<?xml version="1.0" encoding="UTF-8"?>
-<ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
-  xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" name="gearbox" version="1.0">
-<ssd:System name="gearbox"><ssd:Elements>
-{components}
-</ssd:Elements><ssd:Connections>
-{wires}
-</ssd:Connections></ssd:System></ssd:SystemStructureDescription>
-"""
-    out = folder / "gearbox.ssp"
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("SystemStructure.ssd", description)
-        for name in ("Shafts", "Housing", "Gears"):
-            archive.write(folder / f"{name}.fmu", f"resources/{name}.fmu")
-    return out
+    units = {name: folder / f"{name.capitalize()}.fmu" for name in ("shafts", "housing", "gears")}
+    return write_ssp(folder / "gearbox.ssp", units, CONNECTIONS)
 
 
 def with_ecos(ssp: Path, duration: float, size: float) -> np.ndarray:

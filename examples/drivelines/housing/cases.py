@@ -1,4 +1,4 @@
-"""What is simulated: a torque ramp, a run-up in three levels of detail, and the balances of each."""
+"""What is simulated: a torque ramp, a run-up and run-down in three levels of detail, and the balances of each."""
 
 from __future__ import annotations
 
@@ -8,18 +8,14 @@ from pathlib import Path
 
 import exudyn as exu
 import numpy as np
-from gearmesh import GearPair
+from gearmesh import GearPair, History
 
 from ..files import local, shipped
 from .balance import books
-from .model import HELICAL, INERTIAS, SHAFTS, SPUR, Driveline, Gears, Motion
+from .model import HELICAL, INERTIAS, SHAFTS, SPUR, Driveline, Gears
 
 RPM = math.pi / 30.0
 STEP = 1e-5  # s; Runge-Kutta 4 stands 1.4e-5, the shafts' axial modes limit it
-DIAGNOSTICS = (
-    "mesh.transmissionError", "mesh.tangentialForce", "mesh.contactZ", "mesh.misalignment", "mesh.normalForce",
-    "mesh.stiffness",
-)  # fmt: skip
 # zeta = 0.02: test rigs with spur gears on roller bearings show 0.01 to 0.03.
 SPUR_DAMPING = 500.0
 VARIANTS = {
@@ -39,7 +35,7 @@ def unit(gears: Gears, parameters: dict, fmu: Path | str | None = None, interfac
 
 def rise(time: float, duration: float = 0.02) -> float:
     """From 0 to 1 with continuous slope."""
-    share = min(time / duration, 1.0)
+    share = min(max(time / duration, 0.0), 1.0)
     return share * share * (3.0 - 2.0 * share)
 
 
@@ -54,34 +50,85 @@ def ramp_line(torque: float, rpm: float, duration: float, damped: bool = True):
         )  # fmt: skip
 
 
-def torque_ramp(torque: float = 120.0, rpm: float = 600.0, duration: float = 0.4) -> tuple[Driveline, Motion]:
-    """The helical pair at a steady speed; the torque rises evenly."""
+def torque_ramp(torque: float = 120.0, rpm: float = 600.0, duration: float = 0.4) -> dict[str, np.ndarray]:
+    """The helical pair at a steady speed; the torque rises evenly.
+
+    `torque`, N m; forces on each seat by shaft and bearing, `seats` (n, 2, 2, 3), N, without the dampers' share; force and moment
+    on each gear, `loads` (n, 2, 2, 3); `misalignment`, rad, `normal force`, N, and `contact z`, m.
+    """
     with ramp_line(torque, rpm, duration) as line:
-        return line, line.run(duration, STEP, 5, DIAGNOSTICS)
+
+        def observe(_time, q, *_):
+            seats = line.bearings * (line.slip @ q[line.elastic])
+            mesh = [line.pair[f"mesh.{name}"] for name in ("misalignment", "normalForce", "contactZ")]
+            return np.concatenate([seats, line.pair.y[:12], mesh])
+
+        time, rows = line.run(duration, STEP, observe, 5)
+    seats, loads = (block.reshape(-1, 2, 2, 3) for block in (rows[:, :12], rows[:, 12:24]))
+    return {"torque": torque * time / duration, "seats": seats, "loads": loads} | dict(
+        zip(("misalignment", "normal force", "contact z"), rows[:, 24:].T)
+    )
+
+
+def deviation_from_statics(ramp: dict[str, np.ndarray]) -> float:
+    """Largest difference of the forces on the seats from those on a rigid shaft on two bearings, mean over the last tenth, over
+    the tooth force."""
+    late = slice(-len(ramp["torque"]) // 10, None)
+    (seats, loads), difference = (ramp[name][late].mean(axis=0) for name in ("seats", "loads")), []
+    for k, shaft in enumerate(SHAFTS):
+        (force, moment), (fixed, floating) = loads[k], (shaft.stations[i] for i in shaft.bearings)
+        arm = HELICAL.faces[k][0] - fixed
+        # Moments about the fixed bearing; the floating one takes no axial force.
+        far = np.array([force[0] * arm + moment[1], force[1] * arm - moment[0], 0.0]) / (floating - fixed)
+        difference += [seats[k, 0] - (force - far), seats[k, 1] - far]
+    return float(np.abs(difference).max() / np.linalg.norm(loads[0, 0]))
 
 
 @contextmanager
-def run_up_line(
+def sweep_line(
     variant: str, torque: float, rpm: float, duration: float, fmu: Path | str | None = None, damped: bool = True, coupling=None
 ):
-    """The assembly of the run-up, before it."""
+    """The assembly of run-up and run-down, before them."""
     choices = {"damping": SPUR_DAMPING * damped} | VARIANTS[variant] | ({"coupling": coupling} if coupling else {})
     with unit(SPUR, choices, fmu, "co-simulation" if coupling else "model-exchange") as pair:
         line = Driveline(SPUR, pair, damped=damped, coupling=coupling)
         # Each side's own inertia; the shafts without the gears add less than 1 %.
-        sides = [inertia + line.bodies[k, shaft.gear].inertia[2, 2] for k, (inertia, shaft) in enumerate(zip(INERTIAS, SHAFTS))]
+        sides = [inertia + blank.inertia[2, 2] for inertia, blank in zip(INERTIAS, line.blanks)]
         ahead, behind = (inertia * rpm * RPM / duration for inertia in sides)
-        line.torques = (lambda t: (torque + ahead) * rise(t), lambda t: (torque - behind) * rise(t))
+        way = lambda t: rise(t) - 2.0 * rise(t - duration)  # noqa: E731
+        line.torques = (lambda t: torque * rise(t) + ahead * way(t), lambda t: torque * rise(t) - behind * way(t))
         yield line
 
 
-def run_up(
-    variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8, fmu: Path | str | None = None, coupling=None
-) -> Motion:
-    """The spur pair from rest to `rpm`, evenly; the teeth carry `torque`: the load brakes with less, the motor drives with more.
-    `coupling`: by co-simulation, with communication steps of `STEP`."""
-    with run_up_line(variant, torque, rpm, duration, fmu, coupling=coupling) as line:
-        return line.run(duration, STEP, 2, DIAGNOSTICS)
+def sweep(
+    variant: str, torque: float = 150.0, rpm: float = 6000.0, duration: float = 0.8, fmu: Path | str | None = None, coupling=None,
+    down: bool = False,
+) -> tuple[History, ...]:  # fmt: skip
+    """The spur pair from rest to `rpm`, evenly, and `down` again; the teeth carry `torque`: the load brakes with less, the motor
+    drives with more. `coupling`: by co-simulation, with communication steps of `STEP`.
+
+    Signals of each history: `wall_m_per_s2`, the acceleration of the top wall at the sensor; `wave 0` and on, m/s, whose squares
+    add up to the mean square of the normal velocity over all walls; and `tangential_force_n`, `transmission_error_um` and
+    `stiffness_n_per_m` of the mesh.
+    """
+    with sweep_line(variant, torque, rpm, duration, fmu, coupling=coupling) as line:
+        walls, (spin, *_) = line.housing, line.gear_coordinates[5:]
+
+        def observe(_, q, q_t, q_tt):
+            mesh = [line.pair[f"mesh.{name}"] for name in ("tangentialForce", "transmissionError", "stiffness")]
+            return np.concatenate([[q[spin], q_t[spin] / RPM, walls.sensor @ q_tt[line.walls]], mesh, walls.waves @ q_t[line.walls]])
+
+        time, rows = line.run(duration * (1 + down), STEP, observe, 2)
+    names = ["wall_m_per_s2", "tangential_force_n", "transmission_error_um", "stiffness_n_per_m"]
+    rows[:, 4] *= 1e6
+    signals = dict(zip([*names, *(f"wave {i}" for i in range(len(walls.waves)))], rows[:, 2:].T))
+    run = History(time, rows[:, 0], rows[:, 1], signals)
+    return tuple(run.cut(slice(half * len(time) // (1 + down), (half + 1) * len(time) // (1 + down))) for half in range(1 + down))
+
+
+def mean_square(history: History) -> np.ndarray:
+    """Of the normal velocity over all walls, m^2/s^2, at each time."""
+    return sum(column**2 for name, column in history.signals.items() if name.startswith("wave "))
 
 
 def eigenfrequencies(stiffness: float) -> np.ndarray:
@@ -91,7 +138,7 @@ def eigenfrequencies(stiffness: float) -> np.ndarray:
         line = Driveline(SPUR, pair, damped=False)
         data, start = line.mbs.systemData, exu.ConfigurationType.Initial
         q = np.array(data.GetODE2Coordinates(start))
-        q[line.bodies[0, SHAFTS[0].gear].first + 5] = 2e-4  # pressed
+        q[line.gear_coordinates[5]] = 2e-4  # pressed
         data.SetODE2Coordinates(q, start)
         values = line.mbs.ComputeODE2Eigenvalues(exu.SimulationSettings(), convert2Frequencies=True, autoAssemble=False)[0]
     return np.sort(np.real(values))
@@ -104,71 +151,26 @@ def mesh_resonance(stiffness: float) -> float:
     return float(0.5 * (low + high)[np.argmax(change)])
 
 
-def bearing_forces(line: Driveline, history: Motion) -> dict[tuple[int, int], np.ndarray]:
-    """Forces of the shafts on the housing, N, in its axes, by shaft and station; without the dampers' share."""
-    out = {}
-    for name, spring in line.springs.items():
-        if name[0] == "bearing":
-            shift = np.array([line.deflections(spring, q)[:3] for q in history.q])
-            out[name[1:]] = shift * spring.stiffness[:3]
-    return out
-
-
-def statics(line: Driveline, force: np.ndarray, moment: np.ndarray, k: int) -> dict[int, np.ndarray]:
-    """Bearing forces of shaft `k` from the loads on its gear by the equilibrium of a rigid shaft on two bearings."""
-    shaft, gears = SHAFTS[k], line.gears
-    fixed, floating = (shaft.stations[i] for i in shaft.bearings)
-    face = gears.faces[k][0]
-    # Moments about the fixed bearing; the floating one takes no axial force.
-    arm = face - fixed
-    far = np.array([force[0] * arm + moment[1], force[1] * arm - moment[0]]) / (floating - fixed)
-    return {
-        shaft.bearings[0]: np.array([force[0] - far[0], force[1] - far[1], force[2]]),
-        shaft.bearings[1]: np.array([far[0], far[1], 0.0]),
-    }
-
-
-def deviation_from_statics(line: Driveline, history: Motion) -> float:
-    """Largest difference between the bearing forces and `statics`, mean over the last tenth, over the tooth force."""
-    count = len(history.time)
-    some = [slice(i, i + 1) for i in range(count - count // 10, count, 7)]
-    difference, size = [], []
-    with unit(line.gears, {}) as pair:
-        for at in some:
-            one = Motion(*(x[at] for x in (history.time, history.q, history.q_t, history.q_tt)), {})
-            poses = line.gear_coordinates(one.q[0])
-            pair.u[:6], pair.u[16:22] = poses[:6], poses[6:]
-            pair.evaluate(0.0)
-            loads = np.array(pair.y[:12]).reshape(2, 2, 3)
-            found = bearing_forces(line, one)
-            pieces = [(found[k, i][0], f) for k in (0, 1) for i, f in statics(line, *loads[k], k).items()]
-            difference.append([a - b for a, b in pieces])
-            size.append(np.linalg.norm(loads[0, 0]))
-    return float(np.abs(np.mean(difference, axis=0)).max() / np.mean(size))
-
-
 def balance(gears: Gears, damped: bool = False, duration: float = 0.01, step: float = 2.5e-6) -> dict[str, float]:
     """No mounts, constant torques switched on at speed: what energy, momentum and loads stray, over the run."""
     torque, ratio = 100.0, gears.teeth[0] / gears.teeth[1]
     with unit(gears, {} if damped else {"damping": 0.0}) as pair:
         line = Driveline(
-            gears, pair, damped=damped, free_housing=True, speed=350.0,
+            gears, pair, damped=damped, mounts=False, speed=350.0,
             motor=lambda _: torque, load=lambda _: torque / ratio,
         )  # fmt: skip
-        return books(line, line.run(duration, step, 1), momentum=True)
+        return books(line, duration, step, momentum=True)
 
 
 def balance_of_ramp(damped: bool, duration: float = 0.4) -> dict[str, float]:
     """Of the torque ramp, mounts and all."""
     with ramp_line(120.0, 600.0, duration, damped) as line:
-        return books(line, line.run(duration, STEP, 1))
+        return books(line, duration, STEP)
 
 
-def balance_of_run_up(
+def balance_of_sweep(
     variant: str, damped: bool, rpm: float = 6000.0, duration: float = 0.1, step: float = 2.5e-6
 ) -> dict[str, float]:
     """Of a run-up, mounts and all; by default eight times as fast as the one shown, so that a quarter of the step is affordable."""
-    with run_up_line(variant, 150.0, rpm, duration, damped=damped) as line:
-        history = line.run(duration, step, 1, ("mesh.tangentialForce",))
-        late = history.after(0.25 * duration).mesh["mesh.tangentialForce"]
-        return books(line, history) | {"share of time apart": float(np.mean(late == 0.0))}
+    with sweep_line(variant, 150.0, rpm, duration, damped=damped) as line:
+        return books(line, duration, step)

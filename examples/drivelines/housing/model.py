@@ -1,4 +1,4 @@
-"""A helical pair on flexible shafts and bearings in a housing on mounts, in exudyn.
+"""A pair on flexible shafts and bearings in an elastic housing on mounts, in exudyn.
 
 z runs along the shafts, gear 1's z = 0 face lies at the origin and the output shaft at x = C. Every body has a node
 with Tait-Bryan angles x-y-z (spin last), which Runge-Kutta 4 integrates without constraints. A piece of
@@ -8,27 +8,19 @@ shaft is a spring between two bodies, taken at its middle, where the stiffness o
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import exudyn as exu
+import exudyn.utilities as items
 import numpy as np
-from exudyn.utilities import (
-    CoordinateSpringDamper,
-    LoadCoordinate,
-    MarkerBodyRigid,
-    MarkerNodeCoordinate,
-    Mass1D,
-    Node1D,
-    NodeRigidBodyRxyz,
-    ObjectGround,
-    ObjectRigidBody,
-    RigidBodySpringDamper,
-)
 from gearmesh import GearPair
 from gearmesh.exudyn import attach, attach_stepped
-from gearmesh.poses import cardan_axes
-from scipy.spatial.transform import Rotation
+from scipy.sparse import csr_matrix
 
+from .walls import housing
+
+Output = exu.OutputVariableType
 DENSITY, YOUNG, SHEAR = 7850.0, 206e9, 206e9 / 2.6  # steel
 SHEAR_FACTOR = 0.9  # of a round section
 
@@ -72,20 +64,14 @@ BEARING_DAMPING = 300.0  # N s/m
 MATERIAL_DAMPING = 4e-7  # s, times the shafts' stiffness
 COUPLING, COUPLING_DAMPING = (1e4, 2e4), (1.0, 2.0)  # N m/rad, N m s/rad; input, output
 INERTIAS = (0.01, 0.05)  # kg m^2, motor and load
-HOUSING_MASS, HOUSING_INERTIA = 25.0, (0.30, 0.35, 0.45)  # kg, kg m^2
-HOUSING_CENTER = (0.06, -0.03, 0.03)
-MOUNT, MOUNT_DAMPING = 3e6, 600.0  # N/m and N s/m, each direction
-MOUNTS = tuple((x, -0.12, z) for x in (-0.12, 0.24) for z in (-0.07, 0.13))
-SENSOR = (0.20, 0.06, 0.10)  # accelerometer on the housing wall
 
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body; `reference` and `center` (of mass, body axes) in m, inertia about the reference point."""
+    """A rigid body; `reference` and `center` (of mass, from there) in m, inertia about the reference point."""
 
     node: int
     item: int
-    first: int  # of its six coordinates
     reference: np.ndarray
     center: np.ndarray
     mass: float
@@ -94,17 +80,12 @@ class Body:
 
 @dataclass(frozen=True)
 class Spring:
-    """Spring and damper between points of two bodies (None: ground), diagonal in the axes of the first or, `midway`, between.
+    """A connector of exudyn with its diagonals; `outputs` are its deflections and their rates."""
 
-    Rotations are then the rotation vector instead of Cardan angles. Pieces of shaft need that: torque in bent shafts
-    would do work in every turn by Cardan angles, T theta^2 pi at a bend of theta.
-    """
-
-    bodies: tuple[object, object]
-    point: np.ndarray  # where both ends lie at the start, world
+    item: int
     stiffness: np.ndarray
     damping: np.ndarray
-    midway: bool = False
+    outputs: tuple[tuple, tuple] = ((Output.DisplacementLocal, Output.Rotation), (Output.VelocityLocal, Output.AngularVelocityLocal))
 
 
 class Driveline:
@@ -113,40 +94,57 @@ class Driveline:
     `coupling` ("sequential" or "parallel"): `pair` is a co-simulation instance, and the loads are held over the integrator's steps.
     """
 
-    def __init__(
-        self, gears: Gears, pair: GearPair, *, damped=True, free_housing=False, speed=0.0, motor=None, load=None, coupling=None
-    ):
+    def __init__(self, gears: Gears, pair: GearPair, *, damped=True, mounts=True, speed=0.0, motor=None, load=None, coupling=None):
         self.gears, self.pair, self.damped = gears, pair, damped
         self.mbs = exu.SystemContainer().AddSystem()
-        self.bodies: dict[object, Body] = {}
+        self.bodies: dict[tuple[int, int], Body] = {}
         self.springs: dict[object, Spring] = {}
         self.spins = (speed, -speed * gears.teeth[0] / gears.teeth[1])
-        self._body("housing", HOUSING_CENTER, HOUSING_MASS, np.diag(HOUSING_INERTIA))
+        self.housing = housing(gears.center_distance, mounts)
         for k, shaft in enumerate(SHAFTS):
             self._shaft(k, shaft)
-        if not free_housing:
-            for i, point in enumerate(MOUNTS):
-                self._spring(("mount", i), None, "housing", point, [MOUNT] * 3 + [0.0] * 3, MOUNT_DAMPING)
-        blanks = [self.bodies[k, shaft.gear] for k, shaft in enumerate(SHAFTS)]
-        place = self.mbs, pair, [b.node for b in blanks], [b.reference for b in blanks]
+        in_bearings = self._housing()
+        self.blanks = [self.bodies[k, shaft.gear] for k, shaft in enumerate(SHAFTS)]
+        place = self.mbs, pair, [b.node for b in self.blanks], [b.reference for b in self.blanks]
         self.step_gears = attach_stepped(*place) if coupling else None
         if not coupling:
             attach(*place)
         self.torques = (motor or (lambda _: 0.0), load or (lambda _: 0.0))
-        self.rotors = [self._rotor(k, shaft) for k, shaft in enumerate(SHAFTS)]
+        rotors = [self._rotor(k, shaft) for k, shaft in enumerate(SHAFTS)]
         self.mbs.Assemble()
+        self.rotors = [self.mbs.GetNodeODE2Index(node) for node in rotors]
+        places = [[self.mbs.GetNodeODE2Index(b.node) + np.arange(6) for b in bodies] for bodies in (self.blanks, in_bearings)]
+        self.gear_coordinates, in_bearings = map(np.concatenate, places)
+        self.walls = self.mbs.GetNodeODE2Index(self.modes) + np.arange(len(self.housing.frequencies))
+        self.elastic = np.concatenate([in_bearings, self.walls])
+
+    def _housing(self):
+        """Its modes, and the bearings between its seats and the shafts, in one object of the bodies' nodes and the modes."""
+        found, count = self.housing, len(self.housing.frequencies)
+        rest = dict.fromkeys(("referenceCoordinates", "initialCoordinates", "initialCoordinates_t"), [0.0] * count)
+        self.modes = self.mbs.AddNode(items.NodeGenericODE2(numberOfODE2Coordinates=count, **rest))
+        bodies = [self.bodies[k, i] for k, shaft in enumerate(SHAFTS) for i in shaft.bearings]
+        # Displacements of the shafts in the bearings, from the coordinates of bodies and modes.
+        self.slip = np.hstack([np.kron(np.eye(len(bodies)), np.eye(3, 6)), -found.seats])
+        self.bearings = np.array([BEARING_RADIAL, BEARING_RADIAL, BEARING_AXIAL, BEARING_RADIAL, BEARING_RADIAL, 0.0] * len(SHAFTS))
+        none = np.zeros(6 * len(bodies))
+        self.stiffness = np.diag([*none, *found.frequencies**2]) + self.slip.T @ np.diag(self.bearings) @ self.slip
+        losses = np.diag([*none, *found.damping]) + BEARING_DAMPING * self.slip.T @ np.diag(self.bearings > 0.0) @ self.slip
+        self.damping = self.damped * losses
+        mass = exu.MatrixContainer()
+        mass.SetWithSparseMatrix(csr_matrix(np.diag([*none, *np.ones(count)])))
+        nodes, matrices = [*(body.node for body in bodies), self.modes], {"stiffnessMatrix": self.stiffness, "dampingMatrix": self.damping}
+        self.mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes, massMatrix=mass, **matrices))
+        return bodies
 
     def _body(self, name, reference, mass, inertia, center=(0.0, 0.0, 0.0), spin=0.0):
         """Adds a body; `inertia` about its centre of mass."""
         center = np.array(center, dtype=float)
         about = inertia + mass * (center @ center * np.eye(3) - np.outer(center, center))
-        node = self.mbs.AddNode(
-            NodeRigidBodyRxyz(referenceCoordinates=[*reference, 0, 0, 0], initialVelocities=[0, 0, 0, 0, 0, spin])
-        )
+        node = self.mbs.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=[*reference, 0, 0, 0], initialVelocities=[0, 0, 0, 0, 0, spin]))
         six = [about[i][j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))]
-        item = self.mbs.AddObject(ObjectRigidBody(mass=mass, inertia=six, centerOfMass=list(center), nodeNumber=node))
-        first = 6 * len(self.bodies)
-        self.bodies[name] = Body(node, item, first, np.array(reference, dtype=float), center, mass, about)
+        item = self.mbs.AddObject(items.ObjectRigidBody(mass=mass, inertia=six, centerOfMass=list(center), nodeNumber=node))
+        self.bodies[name] = Body(node, item, np.array(reference, dtype=float), center, mass, about)
 
     def _shaft(self, k: int, shaft: Shaft):
         """Half of each adjacent piece goes to a station, and the gear's blank to the gear's."""
@@ -168,153 +166,61 @@ class Driveline:
         for i, length in enumerate(lengths):
             bending, shear = YOUNG * second / length, SHEAR * SHEAR_FACTOR * area / length
             lateral = 1.0 / (1.0 / shear + length**2 / (12.0 * bending))
-            stiffness = [lateral, lateral, YOUNG * area / length, bending, bending, 2.0 * SHEAR * second / length]
-            middle = (x, 0.0, 0.5 * (z[i] + z[i + 1]))
-            self._spring(("piece", k, i), (k, i), (k, i + 1), middle, stiffness, MATERIAL_DAMPING * np.array(stiffness), midway=True)
-        for i, axial in zip(shaft.bearings, (BEARING_AXIAL, 0.0)):
-            stiffness = np.array([BEARING_RADIAL, BEARING_RADIAL, axial, 0.0, 0.0, 0.0])
-            place = (x, 0.0, z[i])
-            damping = BEARING_DAMPING * (stiffness > 0.0)
-            self._spring(("bearing", k, i), "housing", (k, i), place, stiffness, damping)
-
-    def _spring(self, name, first, second, point, stiffness, damping, midway=False):
-        point, stiffness = np.array(point, dtype=float), np.array(stiffness, dtype=float)
-        damping = np.broadcast_to(damping, 6) * (stiffness > 0.0) * self.damped
-        self.springs[name] = Spring((first, second), point, stiffness, damping, midway)
-        self.mbs.AddObject(
-            RigidBodySpringDamper(
-                markerNumbers=[self._marker(first, point), self._marker(second, point)],
-                stiffness=np.diag(stiffness),
-                damping=np.diag(damping),
-                useIntrinsicFormulation=midway,
-            )
-        )
+            stiffness = np.array([lateral, lateral, YOUNG * area / length, bending, bending, 2.0 * SHEAR * second / length])
+            ends = [self._marker((k, j), (x, 0.0, 0.5 * (z[i] + z[i + 1]))) for j in (i, i + 1)]
+            damping = MATERIAL_DAMPING * self.damped * stiffness
+            # With the rotation vector between the axes of both ends: by Cardan angles, torque in a bent shaft would do work in every
+            # turn, T theta^2 pi at a bend of theta.
+            matrices = {"stiffness": np.diag(stiffness), "damping": np.diag(damping), "useIntrinsicFormulation": True}
+            item = self.mbs.AddObject(items.RigidBodySpringDamper(markerNumbers=ends, **matrices))
+            self.springs["piece", k, i] = Spring(item, stiffness, damping)
 
     def _marker(self, body, point):
-        if body is None:
-            item, local = self.mbs.AddObject(ObjectGround()), point
-        else:
-            item, local = self.bodies[body].item, point - self.bodies[body].reference
-        return self.mbs.AddMarker(MarkerBodyRigid(bodyNumber=item, localPosition=list(local)))
+        local = np.subtract(point, self.bodies[body].reference)
+        return self.mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=self.bodies[body].item, localPosition=list(local)))
 
     def _rotor(self, k: int, shaft: Shaft) -> int:
         """Motor or load: an inertia behind a torsional coupling at the shaft's end; its coordinate is the angle."""
-        node = self.mbs.AddNode(
-            Node1D(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialVelocities=[self.spins[k]])
-        )
-        self.mbs.AddObject(Mass1D(mass=INERTIAS[k], nodeNumber=node))
-        rotor = self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
-        end = self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=self.bodies[k, shaft.coupling].node, coordinate=5))
-        self.mbs.AddObject(
-            CoordinateSpringDamper(
-                markerNumbers=[rotor, end], stiffness=COUPLING[k], damping=COUPLING_DAMPING[k] * self.damped
-            )
-        )
-        self.mbs.AddLoad(
-            LoadCoordinate(markerNumber=rotor, load=1.0, loadUserFunction=lambda _m, t, _load: self.torques[k](t))
-        )
-        return 6 * len(self.bodies) + k
+        node = self.mbs.AddNode(items.Node1D(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialVelocities=[self.spins[k]]))
+        self.mbs.AddObject(items.Mass1D(mass=INERTIAS[k], nodeNumber=node))
+        rotor = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
+        end = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self.bodies[k, shaft.coupling].node, coordinate=5))
+        stiffness, damping = COUPLING[k], COUPLING_DAMPING[k] * self.damped
+        item = self.mbs.AddObject(items.CoordinateSpringDamper(markerNumbers=[rotor, end], stiffness=stiffness, damping=damping))
+        self.springs["coupling", k] = Spring(item, np.array([stiffness]), np.array([damping]), ((Output.Displacement,), (Output.Velocity,)))
+        self.mbs.AddLoad(items.LoadCoordinate(markerNumber=rotor, load=1.0, loadUserFunction=lambda _m, t, _load: self.torques[k](t)))
+        return node
 
-    def run(self, duration: float, step: float, every: int, diagnostics=()) -> Motion:
-        """Integrates with Runge-Kutta 4 and keeps every `every`-th step."""
-        steps = round(duration / step)
-        count = steps // every
-        data = self.mbs.systemData
-        size = len(data.GetODE2Coordinates())
-        rows = np.zeros((3, count, size))
-        more = np.zeros((count, len(diagnostics)))
-        done = [0]
+    def deflections(self, spring: Spring, rates: bool = False) -> np.ndarray:
+        """In the spring's axes, at the state that the system has; or their rates."""
+        return np.concatenate([np.atleast_1d(self.mbs.GetObjectOutput(spring.item, output)) for output in spring.outputs[rates]])
 
-        blanks = np.r_[tuple(slice(b.first, b.first + 6) for b in (self.bodies[k, s.gear] for k, s in enumerate(SHAFTS)))]
+    def run(self, duration: float, step: float, observe: Callable, every: int = 1) -> tuple[np.ndarray, np.ndarray]:
+        """Integrates with Runge-Kutta 4: time, and of every `every`-th step a row of what `observe` makes of time, coordinates,
+        rates and accelerations."""
+        data, done, rows = self.mbs.systemData, 0, []
 
-        def record(_mbs, _time):
+        def record(_mbs, time):
+            nonlocal done
+            q, q_t = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
             if self.step_gears:
-                self.step_gears(data.GetODE2Coordinates()[blanks], data.GetODE2Coordinates_t()[blanks], step)
-            n, rest = divmod(done[0], every)
-            done[0] += 1
-            if rest == 0 and n < count:
-                rows[0, n] = data.GetODE2Coordinates()
-                rows[1, n] = data.GetODE2Coordinates_t()
-                rows[2, n] = data.GetODE2Coordinates_tt()
-                if diagnostics:
-                    more[n] = [self.pair[name] for name in diagnostics]
+                self.step_gears(q[self.gear_coordinates], q_t[self.gear_coordinates], step)
+            if done % every == 0:
+                rows.append(observe(done * step, q, q_t, data.GetODE2Coordinates_tt()))
+            done += 1
             return True
 
         self.mbs.SetPreStepUserFunction(record)
         settings = exu.SimulationSettings()
-        settings.timeIntegration.numberOfSteps = steps
-        settings.timeIntegration.endTime = duration
+        settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = round(duration / step), duration
         settings.timeIntegration.verboseMode = 0
+        # Of the mass matrix, in every stage: a tenth of the time of the dense one.
+        settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+        settings.linearSolver.reuseAnalyzedPattern = True
         settings.solution.file.write = False
         settings.solution.sensors.active = False
         self.mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
-        return Motion(step * every * np.arange(count), *rows, dict(zip(diagnostics, more.T)))
-
-    def gear_coordinates(self, q: np.ndarray) -> np.ndarray:
-        """Position and Cardan angles of gear 1, then of gear 2, from the system's coordinates."""
-        blanks = [self.bodies[k, shaft.gear] for k, shaft in enumerate(SHAFTS)]
-        return np.concatenate([q[b.first : b.first + 6] + np.r_[b.reference, 0, 0, 0] for b in blanks])
-
-    def deflections(self, spring: Spring, q: np.ndarray) -> np.ndarray:
-        """Displacement and rotation of a spring's second end against the first, in the spring's axes.
-
-        `q` is one row of coordinates or one for each instant.
-        """
-        (p, _), (r, _) = (self._end(name, spring.point, q) for name in spring.bodies)
-        back, turn = self._axes(spring, q)
-        # Of Cardan angles the third is the spin where one side turns, and has no stiffness there.
-        turned = Rotation.from_matrix(turn)
-        return np.concatenate([apply(back, r - p), turned.as_rotvec() if spring.midway else turned.as_euler("XYZ")], axis=-1)
-
-    def slip(self, spring: Spring, q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
-        """Velocity and angular velocity of a spring's second end against the first, in the spring's axes."""
-        first, second = (self._end_rates(name, spring.point, q, q_t) for name in spring.bodies)
-        back = self._axes(spring, q)[0]
-        return np.concatenate([apply(back, b - a) for a, b in zip(first, second)], axis=-1)
-
-    def _axes(self, spring: Spring, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Rotation from the world into the spring's axes, and that of the second body against the first."""
-        a, b = (self._end(name, spring.point, q)[1] for name in spring.bodies)
-        turn = np.swapaxes(a, -1, -2) @ b
-        axes = a @ Rotation.from_rotvec(0.5 * Rotation.from_matrix(turn).as_rotvec()).as_matrix() if spring.midway else a
-        return np.swapaxes(axes, -1, -2), turn
-
-    def couplings(self, x: np.ndarray) -> np.ndarray:
-        """Of motor and load against their shafts' ends: twist from coordinates, rad, or its rate from their rates."""
-        ends = [self.bodies[k, shaft.coupling].first + 5 for k, shaft in enumerate(SHAFTS)]
-        return x[..., self.rotors] - x[..., ends]
-
-    def _end(self, name, point, q):
-        if name is None:
-            return point, np.eye(3)
-        body = self.bodies[name]
-        axes = rotation(q[..., body.first + 3 : body.first + 6])
-        return body.reference + q[..., body.first : body.first + 3] + axes @ (point - body.reference), axes
-
-    def _end_rates(self, name, point, q, q_t):
-        if name is None:
-            return np.zeros(3), np.zeros(3)
-        body = self.bodies[name]
-        angles = slice(body.first + 3, body.first + 6)
-        omega = apply(cardan_axes(q[..., angles]), q_t[..., angles])
-        arm = rotation(q[..., angles]) @ (point - body.reference)
-        return q_t[..., body.first : body.first + 3] + np.cross(omega, arm), omega
-
-
-@dataclass
-class Motion:
-    """Coordinates, rates and accelerations over time; further outputs of the unit by name."""
-
-    time: np.ndarray
-    q: np.ndarray
-    q_t: np.ndarray
-    q_tt: np.ndarray
-    mesh: dict[str, np.ndarray]
-
-    def after(self, start: float) -> Motion:
-        keep = self.time >= start
-        more = {name: column[keep] for name, column in self.mesh.items()}
-        return Motion(self.time[keep], self.q[keep], self.q_t[keep], self.q_tt[keep], more)
+        return step * every * np.arange(len(rows)), np.array(rows)
 
 
 def cylinder(radius: float, length: float, bore: float = 0.0):
@@ -322,13 +228,3 @@ def cylinder(radius: float, length: float, bore: float = 0.0):
     mass = DENSITY * math.pi * (radius**2 - bore**2) * length
     across = mass * (3.0 * (radius**2 + bore**2) + length**2) / 12.0
     return mass, np.diag([across, across, 0.5 * mass * (radius**2 + bore**2)])
-
-
-def apply(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Matrix times vector, for one or for each of a row."""
-    return (matrices @ vectors[..., None])[..., 0]
-
-
-def rotation(angles: np.ndarray) -> np.ndarray:
-    """Rx Ry Rz, for one row of angles or for each."""
-    return Rotation.from_euler("XYZ", angles).as_matrix()

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from gearmesh.energy import Ledger
 
-from .stage import CENTER_DISTANCE, TEETH, Stage
+from .phase import ALPHA_T
+from .stage import CENTER_DISTANCE, IN_PHASE, PITCH, TEETH, Stage
 
 TORQUE = -56.7e3  # N m on the sun: 750 kW at 22.1 rpm of the carrier
 CARRIER_SPEED = 22.1 * np.pi / 30.0
+STIFF = 10.0  # m, span of bearings that let no planet tilt
 FLOATING = 1e6  # N/m, the support left to a floating sun: 10 N at 10 um
 
 
@@ -21,17 +25,51 @@ def measured_phase() -> float:
         return float((ring - sun + 0.5) % 1.0 - 0.5)
 
 
-def transmission_error(places: tuple[int, ...], positions: int = 32) -> np.ndarray:
-    """Angle of the sun beyond the kinematic one, rad, over a mesh cycle at rest, sun and carrier on fixed axes."""
-    out = np.empty(positions)
-    with Stage(places) as stage:
+@dataclass(frozen=True)
+class Cycle:
+    """At rest at even steps of a mesh cycle, sun and carrier on fixed axes; a row each.
+
+    `error` is the angle of the sun beyond the kinematic one, rad; `lateral` the force of the meshes on the sun, x and y, N;
+    `tilting` the moment on the first pin about its radial and its tangential direction, N m; `tilt` of the first planet about the
+    latter, rad; `thrust` the axial force on the sun, N.
+    """
+
+    error: np.ndarray
+    lateral: np.ndarray
+    tilting: np.ndarray
+    tilt: np.ndarray
+    thrust: np.ndarray
+
+
+def cycle(places: tuple[int, ...] = IN_PHASE, positions: int = 32, **options) -> Cycle:
+    """The stage under the nominal torque; `options` of `Stage`."""
+    rows = np.empty((positions, 7))
+    with Stage(places, **options) as stage:
         guess = None
         for i in range(positions):
             carrier = 2.0 * np.pi / TEETH[2] * i / positions
             q = stage.equilibrium(carrier, TORQUE, guess)
             guess = q - stage.rolled(carrier)
-            out[i] = guess[2]
-    return out
+            load = stage.stiffness() * stage.shift(q)
+            axes = np.array([[np.cos(carrier), -np.sin(carrier)], [np.sin(carrier), np.cos(carrier)]])
+            rows[i] = guess[5], *load[0, :2], *(load[1, 3:5] @ axes), guess[9:11] @ axes[:, 1], load[0, 2]
+    return Cycle(rows[:, 0], rows[:, 1:3], rows[:, 3:5], rows[:, 5], rows[:, 6])
+
+
+def overturning() -> tuple[float, float]:
+    """Moment, N m, on a planet by the axial forces of its meshes, opposite at its operating pitch radius, and thrust on the sun, N.
+
+    F_t tan(helix angle there) = F_t tan(7.5 deg) r_w / r each.
+    """
+    radii = CENTER_DISTANCE * np.array(TEETH[:2]) / (TEETH[0] + TEETH[1])
+    axial = abs(TORQUE) / 3.0 / radii[0] * np.tan(np.radians(7.5)) * radii[0] / PITCH[0]
+    return 2.0 * axial * radii[1], 3.0 * axial
+
+
+def steady_lateral(places: tuple[int, ...]) -> float:
+    """Of equal forces of the planets along their lines of action on the sun, N."""
+    force = abs(TORQUE) / 3.0 / (PITCH[0] * np.cos(ALPHA_T))
+    return float(force * abs(np.exp(2j * np.pi * np.array(places) / (TEETH[0] + TEETH[2])).sum()))
 
 
 def vanishing(places: tuple[int, ...], harmonic: int) -> float:
@@ -40,10 +78,10 @@ def vanishing(places: tuple[int, ...], harmonic: int) -> float:
     return float(abs(np.exp(2j * np.pi * harmonic * gamma).mean()))
 
 
-def load_sharing(error: float, floating: bool, positions: int = 4) -> np.ndarray:
-    """Shares of the three planets, mean over the mesh cycle, with a pin error on the first."""
+def load_sharing(error: float, floating: bool, positions: int = 4, span: float = STIFF) -> np.ndarray:
+    """Shares of the three planets, mean over the mesh cycle, with a pin error on the first; by default no planet tilts."""
     shares = []
-    with Stage(errors=(error, 0.0, 0.0)) as stage:
+    with Stage(errors=(error, 0.0, 0.0), span=span) as stage:
         guess = None
         for i in range(positions):
             carrier = 2.0 * np.pi / TEETH[2] * i / positions
@@ -63,7 +101,7 @@ def path_stiffness() -> float:
     A planet pushed by e on its pin presses both meshes, F = k_s d_s = k_r d_r with d_s + d_r = 2 e', and its pin
     carries 2 F: F (1/k_s + 1/k_r + 4/k_pin) = 2 e. Tangents at the nominal torque.
     """
-    with Stage() as stage:
+    with Stage(span=STIFF) as stage:
         stage.equilibrium(0.0, TORQUE)
         sun, ring = (pair["mesh.stiffness"] for pair in stage.meshes[0])
         return 2.0 / (1.0 / sun + 1.0 / ring + 4.0 / stage.pin)

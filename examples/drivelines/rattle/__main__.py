@@ -26,7 +26,7 @@ def main() -> None:
         left.plot(np.full(len(gap), gamma), 1e6 * gap, "k.", ms=3)
     for limit in (low, high):
         left.axvline(limit, color="C3", lw=0.8)
-    left.set(xlabel="acceleration over drag, Gamma", ylabel="gap in mid-flight, once a period, µm", title="idle gear over a shaken gear")
+    left.set(xlabel="acceleration over drag, Gamma", ylabel="gap in mid-flight, once a period (µm)", title="idle gear over a shaken gear")
     one = [g for g, gap in zip(GAMMAS, gaps) if gap.min() > 1e-5 and np.ptp(gap) < 4e-6]
     print(f"found with one impact a period: {min(one):.2f} to {max(one):.2f}")
 
@@ -54,7 +54,7 @@ def main() -> None:
         for step in (5e-6, 2.5e-6, 1.25e-6):
             print(f"MuJoCo, nothing damped, {integrator} at {1e6 * step:g} us: {in_words(free_joint(integrator, step))}")
     print(f"MuJoCo, nothing damped, limited hinge: {kept_by_the_hinge(5e-6):.3f} of the energy left")
-    right.set(xlabel="pinion times ratio, mrad", ylabel="wheel, mrad", title="reversing joint in MuJoCo")
+    right.set(xlabel="pinion times ratio (mrad)", ylabel="wheel (mrad)", title="reversing joint in MuJoCo")
     right.legend()
     save(figure, "rattle")
 

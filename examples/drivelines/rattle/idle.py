@@ -5,8 +5,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 
 import numpy as np
-from gearmesh import GearPair, Turning, cosimulate, integrate
-from gearmesh.energy import Ledger, mesh_loss
+from gearmesh import GearPair, Turning, cosimulate, energy, integrate
 
 from ..files import shipped
 
@@ -118,7 +117,7 @@ def gearbox_of(gamma: float, damped: bool = True):
 
         def accounts(time, s):
             fed = -loaded.moments()[0] * drive(time)[1] + LOADED_TORQUE * s[1] - DRAG * s[3]
-            return [fed, mesh_loss(loaded.pair) + mesh_loss(idle.pair)]
+            return [fed, energy.mesh_loss(loaded.pair) + energy.mesh_loss(idle.pair)]
 
         yield (loaded.pair, idle.pair), rate, accounts, np.array([0.0, -SPEED, 0.0, RATIO * SPEED])
 
@@ -133,9 +132,5 @@ def gearbox(gamma: float, periods: int = 30) -> tuple[float, float]:
 
 def balance(damped: bool, gamma: float = 1.2, duration: float = 0.03, step: float = 2.5e-6) -> dict[str, float]:
     """The gearbox from rest on no load, rattling: what energy and loads stray, over the run."""
-    ledger, apart = Ledger(duration), []
     with gearbox_of(gamma, damped) as (pairs, rate, accounts, start):
-        for _, s, (work, lost) in integrate(rate, start, step, round(duration / step), every=40, accounts=accounts):
-            apart.append(pairs[1].flank == 0)
-            ledger.enter(pairs, 0.5 * (COUNTERSHAFT * s[1] ** 2 + INERTIA * s[3] ** 2), 0.0, lost, work)
-    return ledger.found() | {"share of time apart": float(np.mean(apart))}
+        return energy.balance(pairs, rate, start, step, duration, accounts, lambda s: 0.5 * (COUNTERSHAFT * s[1] ** 2 + INERTIA * s[3] ** 2))

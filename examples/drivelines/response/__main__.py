@@ -8,11 +8,13 @@ from itertools import repeat
 import gearmesh
 import numpy as np
 from gearmesh.energy import in_words
-from gearmesh.plots import figure as new_figure
+from gearmesh.plots import BLUE, RED, figure as new_figure
 
-from ..files import save
+from examples.hosts.tables import show
+
+from ..files import OUT, save
 from . import linear
-from .jump import balance as parting, jump, sweep
+from .jump import balance as parting, jump, linear_swing, sweep
 from .linear import ONE, SIX, closed_form, eigenfrequencies, measured
 
 RANGE = (1500.0, 3300.0)  # rpm
@@ -32,13 +34,24 @@ def main() -> None:
             print(f"{name}: resonances {np.round(eigenfrequencies(support))} Hz; largest deviation {100 * error.max():.2f} %")
         left.xaxis.set_minor_formatter(lambda value, _: f"{value:.0f}" if f"{value:.0e}"[0] in "25" else "")
         left.xaxis.set_major_formatter("{x:.0f}")
-        left.set(xlabel="frequency, Hz", ylabel="transmission error, µm")
+        left.set(xlabel="frequency (Hz)", ylabel="transmission error (µm)")
         left.legend(fontsize=8)
         run = run.result()
     gearmesh.plot_run_up(run, axes=right)
-    for name, history in (("run-up", run.up), ("run-down", run.down)):
+    speeds = np.linspace(*RANGE, 361)
+    swing = linear_swing(run.natural_frequency_hz, speeds)
+    right.plot(speeds, swing, "k:", label="linear, while teeth touch")
+    ends = speeds[np.isnan(swing)]
+    rows = [["speed (rpm)", "linear", "run-up", "run-down"], ["resonance or jump", f"{run.resonance_rpm:.0f}"]]
+    rows += [["teeth part from", f"{ends.min():.0f}"], ["to", f"{ends.max():.0f}"], ["largest swing of the transmission error (um)", ""]]
+    for history, colour, way in ((run.up, BLUE, "run-up"), (run.down, RED, "run-down")):
         speed, apart = jump(history)
-        print(f"{name}: jump at {speed:.0f} rpm, teeth part from {apart.min():.0f} to {apart.max():.0f} rpm")
+        right.axvspan(apart.min(), apart.max(), ymax=0.03, color=colour, alpha=0.5, label=f"teeth part, {way}")
+        for row, value in zip(rows[1:], (speed, apart.min(), apart.max())):
+            row.append(f"{value:.0f}")
+        rows[-1].append(f"{gearmesh.swing(history, 'transmission_error_um')[1].max():.1f}")
+    right.legend(fontsize=8)
+    show("response", rows, OUT)
     save(figure, "response")
     for damped in (False, True):
         word = "damped" if damped else "undamped"

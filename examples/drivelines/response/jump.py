@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import gearmesh
 import numpy as np
-from gearmesh import GearPair, RunUp, Turning, integrate
-from gearmesh.energy import Ledger, mesh_loss
+from gearmesh import GearPair, RunUp, Turning, energy
 
-from ..files import local
+from ..files import PAIRS, local
 
 TORQUE = 150.0  # N m on gear 1, and as much on gear 2
 INERTIA = 7.6e-3  # kg m^2, a steel disc of 150 mm and 20 mm
-DAMPING = 1100.0  # N s/m: zeta = 0.0305
+ZETA, DAMPING = 0.0305, 1100.0  # damping ratio, and that in N s/m
+PRESSURE_ANGLE = math.radians(20.0)
+
+
+@cache
+def static() -> gearmesh.MeshCycle:
+    return gearmesh.solve(PAIRS / "spur-50-50.json", TORQUE, refinement="coarse")
 
 
 def sweep(start: float, end: float, sweep_s: float = 1.6) -> RunUp:
     """Up and down between speeds in rpm."""
-    return gearmesh.run_up(local("spur-50-50"), (math.inf, INERTIA), 0.0305, TORQUE, (start, end), sweep_s=sweep_s)
+    stiffness = {"constantStiffness": static().mean_mesh_stiffness_loa_n_per_m * math.cos(PRESSURE_ANGLE) ** 2}
+    return gearmesh.run_up(local("spur-50-50"), (math.inf, INERTIA), ZETA, TORQUE, (start, end), sweep_s=sweep_s, parameters=stiffness)
 
 
 def jump(history: gearmesh.History) -> tuple[float, np.ndarray]:
@@ -28,9 +35,25 @@ def jump(history: gearmesh.History) -> tuple[float, np.ndarray]:
     return float(speeds[1:][np.argmax(np.abs(np.diff(np.log(swing))))]), apart
 
 
+def linear_swing(natural_frequency_hz: float, rpm: np.ndarray) -> np.ndarray:
+    """Swing of the transmission error, um, on a constant spring that the static transmission error moves; NaN where the teeth would part.
+
+    The model of Ozguven and Houser.
+    """
+    cycle = static()
+    order = np.arange(1, 1 + len(cycle.harmonics_loa_um))
+    ratio = np.outer(rpm / 60.0 * 50 / natural_frequency_hz, order)  # 50 teeth
+    amplitude = cycle.harmonics_loa_um * np.exp(1j * cycle.harmonics_phase_rad) / (1.0 - ratio**2 + 2j * ZETA * ratio)
+    wave = np.exp(1j * np.outer(order, np.linspace(0.0, 2.0 * np.pi, 256)))
+    error, acceleration = (amplitude @ wave).real, (-(ratio**2) * amplitude @ wave).real
+    swing = 0.5 * np.ptp(error, axis=1) / math.cos(PRESSURE_ANGLE)  # on the pitch circle
+    # The force is that at rest less mass times acceleration, here over the stiffness.
+    return np.where(acceleration.max(axis=1) < cycle.mean_ste_loa_um, swing, np.nan)
+
+
 def balance(damped: bool, rpm: float = 2200.0, duration: float = 0.03, step: float = 2.5e-6) -> dict[str, float]:
     """At a steady speed near resonance, from no load, so that teeth part: what energy and loads stray, over the run."""
-    ledger, apart, speed = Ledger(duration), [], rpm * math.pi / 30.0
+    speed = rpm * math.pi / 30.0
     with GearPair(local("spur-50-50"), {"damping": DAMPING * damped}, "model-exchange") as pair:
         pair.initialize()
         turning = Turning(pair)
@@ -40,10 +63,7 @@ def balance(damped: bool, rpm: float = 2200.0, duration: float = 0.03, step: flo
 
         def accounts(_: float, z: np.ndarray) -> list[float]:
             """Power of the drive on gear 1 and of the torque on gear 2, and what the mesh loses."""
-            return [-turning.moments()[0] * speed + TORQUE * z[1], mesh_loss(pair)]
+            return [-turning.moments()[0] * speed + TORQUE * z[1], energy.mesh_loss(pair)]
 
         start = np.array([0.0, -speed])
-        for _, z, (work, lost) in integrate(rate, start, step, round(duration / step), every=40, accounts=accounts):
-            apart.append(pair.flank == 0)
-            ledger.enter([pair], 0.5 * INERTIA * z[1] ** 2, 0.0, lost, work)
-    return ledger.found() | {"share of time apart": float(np.mean(apart))}
+        return energy.balance([pair], rate, start, step, duration, accounts, lambda z: 0.5 * INERTIA * z[1] ** 2)

@@ -20,23 +20,30 @@ from dask.distributed import Client, LocalCluster
 from gearmesh.plots import figure as new_figure
 from gearmesh.sweep import grid, sweep
 
+from examples.hosts.tables import show
+
 from ..files import OUT, save, shipped
 from . import runs
 
-SPEEDS, TORQUES = np.linspace(1000.0, 14000.0, 40), (50.0, 100.0, 200.0, 300.0)
-TILTS, OFFSETS = (0.0, 1.0), (0.0, 40.0)
-BATCH = 8  # cases a task, side by side: about a third of a second
+SPEEDS, TORQUES = (1000.0, 14000.0), (50.0, 100.0, 200.0, 300.0)  # rpm, N m
+TILTS, OFFSETS = (0.0, 1.0), (0.0, 40.0)  # mrad, um
+COUNT = 40  # of speeds
+BATCH = 4  # cases a task, side by side
+TWO = 1.2  # ratio of the factors from which on there are two answers
 
 
-def cases(speeds=SPEEDS) -> list[dict[str, float]]:
-    return grid(speed_rpm=speeds, torque_nm=TORQUES, misalignment_mrad=TILTS, center_distance_offset_um=OFFSETS)
+def cases(count: int = COUNT, torques=TORQUES) -> list[dict[str, float]]:
+    """Each from the lowest speed up, then from the highest down."""
+    axes = {"torque_nm": torques, "misalignment_mrad": TILTS, "center_distance_offset_um": OFFSETS, "speeds": [count]}
+    ways = [{"first_rpm": first, "last_rpm": last} for first, last in (SPEEDS, SPEEDS[::-1])]
+    return [case | way for case in grid(**axes) for way in ways]
 
 
-def study(fmu: bytes, some: list[dict[str, float]], folder: Path, client: Client, progress=lambda done, total: None) -> dict[str, np.ndarray]:
+def study(fmu: bytes, some: list[dict[str, float]], folder: Path, client: Client, **options) -> dict[str, np.ndarray]:
     """Computes the cases that have no result in `folder`. Workers need gearmesh and numpy, not this repository."""
     cloudpickle.register_pickle_by_value(runs)
     identity = hashlib.sha256(fmu + Path(runs.__file__).read_bytes()).hexdigest()
-    return sweep(partial(runs.simulate, fmu), some, folder, client.get_executor(), batch=BATCH, identity=identity, progress=progress)
+    return sweep(partial(runs.simulate, fmu), some, folder, client.get_executor(), identity=identity, **{"batch": BATCH, **options})
 
 
 @contextmanager
@@ -52,7 +59,7 @@ def connect(scheduler: str | None, workers: int):
             yield client
 
 
-def show(done: int, total: int) -> None:
+def progress(done: int, total: int) -> None:
     print(f"\r{done} of {total}", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 
@@ -62,22 +69,22 @@ def processor_time(client: Client) -> float:
 
 
 def throughput(fmu: bytes) -> None:
-    """Cases per second: Dask with one and with two workers, and one process that runs 64 side by side or one by one."""
-    some = cases(np.linspace(2000.0, 12000.0, 8))
+    """Runs per second: Dask with one and with two workers, and one process that runs 64 side by side or one by one."""
+    some = [case | {"first_rpm": rpm} for case in cases(1)[::2] for rpm in np.linspace(2000.0, 12000.0, 8)]
     for workers in (1, 2):
         with connect(None, workers) as client:
             parts = OUT / "throughput" / f"{time.time_ns()}"
             study(fmu, some[:1], parts, client)
             clock, spent = time.perf_counter(), processor_time(client)
-            study(fmu, some, parts, client)
+            study(fmu, some, parts, client, batch=8)
             clock, spent = time.perf_counter() - clock, processor_time(client) - spent
-            print(f"Dask, {workers} worker{'s' * (workers > 1)}: {len(some) / clock:.1f} cases/s, {len(some) / spent:.1f} per second of processor time")
-    for count in (1, BATCH, 64):
+            print(f"Dask, {workers} worker{'s' * (workers > 1)}: {len(some) / clock:.1f} runs/s, {len(some) / spent:.1f} per second of processor time")
+    for count in (1, 8, 64):
         runs.simulate(fmu, some[:count])
         clock = time.process_time()
         for i in range(0, 64, count):
             runs.simulate(fmu, some[i : i + count])
-        print(f"one process, {count} instance{'s' * (count > 1)}: {64 / (time.process_time() - clock):.1f} cases per second of processor time")
+        print(f"one process, {count} instance{'s' * (count > 1)}: {64 / (time.process_time() - clock):.1f} runs per second of processor time")
 
 
 def main() -> None:
@@ -91,25 +98,39 @@ def main() -> None:
         throughput(fmu)
         return
     with connect(arguments.scheduler, arguments.workers) as client:
-        table = study(fmu, cases(), OUT / "sweep", client, show)
-    np.savetxt(OUT / "sweep.csv", np.column_stack(list(table.values())), delimiter=",", header=",".join(table), comments="")
+        table = study(fmu, cases(), OUT / "sweep", client, progress=progress)
+    rows = [np.broadcast_to(column.reshape(len(cases()), -1), (len(cases()), COUNT)).ravel() for column in table.values()]
+    np.savetxt(OUT / "sweep.csv", np.column_stack(rows), delimiter=",", header=",".join(table), comments="")
     draw(table)
 
 
+def branches(table: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Dynamic factor by torque, misalignment, offset and rising speed: from below, and from above."""
+    factor = table["dynamic_factor"].reshape(len(TORQUES), len(TILTS), len(OFFSETS), 2, -1)
+    return factor[..., 0, :], factor[..., 1, ::-1]
+
+
 def draw(table: dict[str, np.ndarray]) -> None:
-    factor = table["dynamic_factor"].reshape(len(SPEEDS), len(TORQUES), len(TILTS), len(OFFSETS))
-    figure, axes = new_figure(len(TILTS) + 1)
+    (below, above), speeds = branches(table), np.linspace(*SPEEDS, COUNT)
+    figure, axes = new_figure(3)
+    two = np.maximum(above / below, below / above) > TWO
     for k, tilt in enumerate(TILTS):
-        picture = axes[k].contourf(SPEEDS, TORQUES, factor[:, :, k, 0].T, np.linspace(1.0, 3.0, 21), extend="max")
-        axes[k].set(xlabel="speed, rpm", ylabel="torque, N m", title=f"dynamic factor, misalignment {tilt:g} mrad")
-    figure.colorbar(picture, ax=axes[len(TILTS) - 1])
+        picture = axes[k].contourf(speeds, TORQUES, below[:, k, 0], np.linspace(1.0, 3.0, 21), extend="max")
+        axes[k].contourf(speeds, TORQUES, two[:, k, 0], [0.5, 1.0], colors="none", hatches=["//"])
+        axes[k].set(xlabel="speed (rpm)", ylabel="torque (N m)", title=f"run-up, {tilt:g} mrad; //: two answers")
+    figure.colorbar(picture, ax=axes[1], label="dynamic factor")
+    rows = [["torque (N m)", "speeds with two answers", "from (rpm)", "to (rpm)", "largest factor from below", "from above"]]
     for i, torque in enumerate(TORQUES):
-        for k, style in enumerate(("-", "--")):
-            axes[-1].plot(SPEEDS, factor[:, i, 0, k], style, color=f"C{i}", label=None if k else f"{torque:g} N m")
+        axes[2].plot(speeds, below[i, 0, 0], color=f"C{i}", label=f"{torque:g} N m")
+        axes[2].plot(speeds, above[i, 0, 0], "--", color=f"C{i}")
+        found = speeds[two[i, 0, 0]]
+        largest = [f"{branch[i, 0, 0].max():.2f}" for branch in (below, above)]
+        rows.append([f"{torque:g}", len(found), f"{found.min():.0f}", f"{found.max():.0f}", *largest])
+    show("sweep-branches", rows, OUT)
     for axis in axes:
         axis.set_xticks(range(2000, 14001, 4000))
-    axes[-1].set(xlabel="speed, rpm", ylabel="dynamic factor", title="centre distance: nominal, dashed + 40 µm")
-    axes[-1].legend()
+    axes[2].set(xlabel="speed (rpm)", ylabel="dynamic factor", title="run-up, dashed: run-down")
+    axes[2].legend()
     save(figure, "sweep")
 
 

@@ -1,6 +1,6 @@
-"""Dynamic runs of a pair at a speed, torque, misalignment and centre distance; needs gearmesh and numpy alone.
+"""Dynamic runs of a pair over speed, from each speed on to the next; needs gearmesh and numpy alone.
 
-Gear 1 turns at a constant speed, gear 2 drags a torque. Several runs advance side by side, one unit each.
+Gear 1 turns as imposed, gear 2 drags a torque. Several cases advance side by side, one unit each.
 """
 
 from __future__ import annotations
@@ -32,53 +32,49 @@ def units(fmu: bytes, count: int) -> list[GearPair]:
 
 
 class Run:
-    """Unit, pose and torque of one run."""
+    """Unit, pose and torque of one case."""
 
     def __init__(self, pair: GearPair, case: dict[str, float]):
         geometry, self.turning = pair.geometry, Turning(pair)
         self.ratio, self.torque = geometry.ratio, -case["torque_nm"] / geometry.ratio
-        self.speed = case["speed_rpm"] * pi / 30.0
         self.middle = pi / geometry.teeth[1]  # half a pitch: there a space faces the tooth of gear 1 at its angle 0
         pair["gear2.position[1]"] = geometry.center_distance + 1e-6 * case["center_distance_offset_um"]
         self.turning.tilt(*geometry.tilt_of_gear2(1e-3 * case["misalignment_mrad"]))
         self.static = case["torque_nm"] / geometry.pitch_radii[0]
-        self.force, self.error = pair.output["mesh.tangentialForce"], pair.output["mesh.transmissionError"]
+        self.signals = [pair.output[name] for name in ("mesh.tangentialForce", "mesh.transmissionError")]
 
-    def acceleration(self, time: float, angle: float, speed: float) -> float:
-        return (self.turning(self.speed * time, self.speed, angle, speed)[1] + self.torque) / INERTIA
-
-    def touching(self) -> float:
-        """Angle of gear 2 at which the teeth balance the torque at rest, by bisection from the middle of the backlash."""
-        low, high = self.middle, self.middle + 1e-3
-        while self.acceleration(0.0, high, 0.0) > 0.0:
-            low, high = high, high + 1e-3
-        for _ in range(50):
-            angle = 0.5 * (low + high)
-            low, high = (angle, high) if self.acceleration(0.0, angle, 0.0) > 0.0 else (low, angle)
-        return low
+    def acceleration(self, angle: float, speed: float, ahead: float, slip: float) -> float:
+        """Of gear 2, which is `ahead` of the motion in ratio, from angle and speed of gear 1."""
+        return (self.turning(angle, speed, self.ratio * angle + ahead, self.ratio * speed + slip)[1] + self.torque) / INERTIA
 
 
-def simulate(fmu: bytes, cases: list[dict[str, float]]) -> list[dict[str, float]]:
-    """Runs the cases side by side by Runge-Kutta 4; each with its largest and smallest force over the mean."""
+def simulate(fmu: bytes, cases: list[dict[str, float]]) -> list[dict[str, list[float]]]:
+    """Runs the cases side by side by Runge-Kutta 4, each over so many `speeds` from `first_rpm` to `last_rpm`.
+
+    A speed starts from the motion at the one before, so where two answers exist each direction keeps its own. The drives
+    bring what changes the speed. By speed: the largest and smallest force over the mean, and what the errors swing.
+    """
     runs = [Run(pair, case) for pair, case in zip(units(fmu, len(cases)), cases)]
-    state = np.array([run.touching() for run in runs] + [run.speed * run.ratio for run in runs])
+    speeds = np.array([np.linspace(case["first_rpm"], case["last_rpm"], int(case["speeds"])) for case in cases]).T
+    static, rows = np.array([run.static for run in runs]), []
+    state = np.concatenate([np.zeros(len(runs)), [run.turning.resting(run.torque, 0.0, run.middle) for run in runs], np.zeros(len(runs))])
+    for before, after in zip([speeds[0], *speeds], speeds * pi / 30.0):
+        before = before * pi / 30.0
 
-    def rate(time, state):
-        angles, speeds = np.split(state, 2)
-        return np.array([*speeds, *(run.acceleration(time, a, s) for run, a, s in zip(runs, angles.tolist(), speeds.tolist()))])
+        def rate(time, state):
+            angle, ahead, slip = np.split(state, 3)
+            speed = before + (after - before) * min(time / SETTLE, 1.0)
+            motions = zip(runs, angle.tolist(), speed.tolist(), ahead.tolist(), slip.tolist())
+            return np.concatenate([speed, slip, [run.acceleration(*motion) for run, *motion in motions]])
 
-    rows = [
-        [(y[run.force], y[run.error]) for run in runs for y in (run.turning.pair.y,)]
-        for time, _, _ in integrate(rate, state, STEP, round((SETTLE + MEASURE) / STEP) - 1)
-        if time >= SETTLE - 0.5 * STEP
-    ]
-    forces, errors = np.moveaxis(np.array(rows), -1, 0)
+        found = []
+        for time, state, _ in integrate(rate, state, STEP, round((SETTLE + MEASURE) / STEP)):
+            if time >= SETTLE - 0.5 * STEP:
+                found.append([[run.turning.pair.y[k] for k in run.signals] for run in runs])
+        forces, errors = np.moveaxis(np.array(found), -1, 0)
+        rows.append([forces.max(axis=0) / static, forces.min(axis=0) / static, 1e6 * np.ptp(errors, axis=0), (forces == 0.0).mean(axis=0)])
+    names = ("dynamic_factor", "lowest_factor", "transmission_error_pp_um", "apart")
     return [
-        {
-            "dynamic_factor": float(forces[:, i].max() / run.static),
-            "lowest_factor": float(forces[:, i].min() / run.static),
-            "transmission_error_pp_um": float(1e6 * np.ptp(errors[:, i])),
-            "apart": float((forces[:, i] == 0.0).mean()),
-        }
-        for i, run in enumerate(runs)
+        {"speed_rpm": speeds[:, i].tolist()} | {name: [float(row[k][i]) for row in rows] for k, name in enumerate(names)}
+        for i in range(len(runs))
     ]

@@ -113,7 +113,7 @@ impl MeshCycle {
                 let solved = results.into_iter().map(|result| Solved {
                     loads: at.segment_loads(&result),
                     sliding: solver.sliding(&at, &result, &even),
-                    friction: solver.sliding(&at, &result, solver.friction()),
+                    friction: solver.sliding(&at, &result, &solver.friction()),
                     result,
                 });
                 Ok(solved.collect())

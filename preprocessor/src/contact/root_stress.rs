@@ -5,8 +5,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::mesh_cycle::{CycleInput, MeshCycle};
-use crate::finite_element::{RootField, RootPoint, RootStress, SpreadStrips};
-use gearmesh::compliance::Strip;
+use crate::finite_element::{RootField, RootPoint, RootStress, SpreadSegments};
+use gearmesh::compliance::Segment;
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem};
 use gearmesh::gear::{Flank, PairGeometry};
 
@@ -54,11 +54,11 @@ impl GearRoots {
     }
 }
 
-/// Strips of both gears at one position of the mesh, and what their loads do to the roots.
+/// Segments of both gears at one position of the mesh, and what their loads do to the roots.
 pub struct PositionRoots<'a> {
     models: &'a [Arc<RootStress>; 2],
     /// The segments as each gear sees them.
-    segments: [SpreadStrips; 2],
+    segments: [SpreadSegments; 2],
     /// The tooth pair of each, ascending.
     tooth_pairs: Vec<i32>,
     center_distance_offset: f64,
@@ -97,7 +97,7 @@ impl<'a> PositionRoots<'a> {
         let seen =
             solver.seen_by_gears(flank, tau, center_distance_offset, segments.into_iter())?;
         let of_gear = |i: usize| {
-            let seen: Vec<Strip> = seen.iter().map(|segment| segment[i]).collect();
+            let seen: Vec<Segment> = seen.iter().map(|segment| segment[i]).collect();
             models[i].spread(&seen)
         };
         Ok(PositionRoots {

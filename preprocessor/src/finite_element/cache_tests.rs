@@ -1,7 +1,7 @@
 use super::*;
 use crate::finite_element::{Discretization, FiniteElementCompliance, Settings};
 use crate::samples;
-use gearmesh::compliance::{Strip, ToothCompliance};
+use gearmesh::compliance::{Segment, ToothCompliance};
 use gearmesh::gear::GearKind;
 use gearmesh::pair::Refinement;
 use nalgebra::DMatrix;
@@ -34,12 +34,12 @@ fn key_of(gear: &Gear, settings: &Settings) -> [u8; 32] {
 }
 
 fn bulk(model: &FiniteElementCompliance) -> DMatrix<f64> {
-    let strip = |tooth, roll| Strip {
+    let segment = |tooth, roll| Segment {
         tooth,
         z: [0.0, 1e-3],
         roll: [roll, roll],
     };
-    model.bulk(&[strip(0, 14e-3), strip(1, 10e-3)]).unwrap()
+    model.bulk(&[segment(0, 14e-3), segment(1, 10e-3)]).unwrap()
 }
 
 #[test]

@@ -1,14 +1,14 @@
-//! The grid of nodes on the loaded flank, and strips as weights on it.
+//! The grid of nodes on the loaded flank, and segments as weights on it.
 
 use super::element::{GAUSS3, QUAD8, shape};
 use super::kernel::{EDGE_KERNEL_OVER_ELEMENT, GAUSS5, HALF_KERNEL_FROM_EDGE, Kernel};
 use super::outline::Outline;
 use super::section::Section;
-use gearmesh::compliance::Strip;
+use gearmesh::compliance::Segment;
 use std::collections::BTreeMap;
 
-/// Weights of the flank nodes that share the force on a strip (they sum to one) and, since loads and
-/// displacements are treated alike, average the displacement of the strip.
+/// Weights of the flank nodes that share the force on a segment (they sum to one) and, since loads and
+/// displacements are treated alike, average the displacement of the segment.
 pub(super) type Weights = Vec<(usize, f64)>;
 
 /// Faces of the elements along the loaded flank: arc length of their ends by z of their ends. A plane
@@ -85,21 +85,21 @@ impl FlankGrid {
         HALF_KERNEL_FROM_EDGE * self.edge_half_width().min(self.kernel_half_width)
     }
 
-    /// Reference length of the kernel at the middle of `strip`, m.
-    pub fn reference_length(&self, strip: &Strip) -> f64 {
-        self.kernel(0.5 * (strip.roll[0] + strip.roll[1]))
+    /// Reference length of the kernel at the middle of `segment`, m.
+    pub fn reference_length(&self, segment: &Segment) -> f64 {
+        self.kernel(0.5 * (segment.roll[0] + segment.roll[1]))
             .reference_length()
     }
 
-    pub fn weights(&self, strip: &Strip) -> Weights {
-        let length = strip.z[1] - strip.z[0];
+    pub fn weights(&self, segment: &Segment) -> Weights {
+        let length = segment.z[1] - segment.z[0];
         let mut sum = BTreeMap::new();
-        for (layer, low, high) in cells(&self.stations, strip.z) {
+        for (layer, low, high) in cells(&self.stations, segment.z) {
             for (x, weight) in GAUSS3 {
                 let share = 0.5 * (1.0 + x);
                 let z = low + share * (high - low);
-                let along = (z - strip.z[0]) / length;
-                let roll = strip.roll[0] + along * (strip.roll[1] - strip.roll[0]);
+                let along = (z - segment.z[0]) / length;
+                let roll = segment.roll[0] + along * (segment.roll[1] - segment.roll[0]);
                 let part = 0.5 * weight * (high - low) / length;
                 self.spread(layer, z, roll, part, &mut sum);
             }

@@ -8,7 +8,7 @@ use super::cache::Stored;
 use nalgebra::DMatrix;
 
 /// The unit is the largest entry over this. The largest one, a node in a corner of the flank under a load of its
-/// own, is some hundred times the usual ones: these are kept to 1e-7, and strips average over many nodes.
+/// own, is some hundred times the usual ones: these are kept to 1e-7, and segments average over many nodes.
 pub(super) const LARGEST: f64 = (1_u32 << 30) as f64;
 
 /// C_k, rows tooth k, columns tooth 0, in units.

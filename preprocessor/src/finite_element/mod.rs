@@ -12,7 +12,7 @@
 //! are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on
 //! the flank nodes of tooth 0.
 //!
-//! A [`Strip`] is a line load spread across its contact line by a smooth kernel (`kernel`); weights f
+//! A [`Segment`] is a line load spread across its contact line by a smooth kernel (`kernel`); weights f
 //! on the flank nodes give the influence f_i^T C f_j. It contains the kernel's own local displacement, and
 //! [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact
 //! does not depend on the kernel's width.
@@ -44,13 +44,13 @@ pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;
 pub use model::Stage;
 pub use pair::{PairCompliance, pair_root_stress};
-pub use root_stress::{RootField, RootPoint, RootStress, SpreadStrips};
+pub use root_stress::{RootField, RootPoint, RootStress, SpreadSegments};
 pub use sector::{SectorMesh, centre_line_compliance};
 pub use settings::{Discretization, Settings};
 
 use cache::gear_in_words;
 use flank::{FlankGrid, Weights};
-use gearmesh::compliance::{BeyondModel, Strip, ToothCompliance};
+use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
 use gearmesh::gear::Gear;
 use influence::Influence;
 use model::Model;
@@ -144,12 +144,12 @@ impl FiniteElementCompliance {
         self.influence.teeth() - 1
     }
 
-    /// Factor of the influence of strip `j` on strip `i` beyond that of their weights.
-    fn slice_factor(&self, a: &Strip, b: &Strip) -> f64 {
+    /// Factor of the influence of segment `j` on segment `i` beyond that of their weights.
+    fn slice_factor(&self, a: &Segment, b: &Segment) -> f64 {
         if !self.plane_strain {
             return 1.0;
         }
-        // Independent slices: strips act on each other as far as they lie in the same slices. The force
+        // Independent slices: segments act on each other as far as they lie in the same slices. The force
         // per length of contact line is cos beta_b times that per metre of depth; so is the displacement
         // along the flank normal seen from the transverse plane, but one of the two factors is left
         // to the shorter path of the line load, as the local contact of `ToothCompliance` counts it.
@@ -160,9 +160,9 @@ impl FiniteElementCompliance {
 }
 
 impl ToothCompliance for FiniteElementCompliance {
-    fn bulk(&self, strips: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
-        let weights: Vec<Weights> = strips.iter().map(|s| self.grid.weights(s)).collect();
-        let mut teeth: Vec<i32> = strips.iter().map(|s| s.tooth).collect();
+    fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
+        let weights: Vec<Weights> = segments.iter().map(|s| self.grid.weights(s)).collect();
+        let mut teeth: Vec<i32> = segments.iter().map(|s| s.tooth).collect();
         teeth.sort_unstable();
         teeth.dedup();
         if let (Some(first), Some(last)) = (teeth.first(), teeth.last()) {
@@ -174,11 +174,11 @@ impl ToothCompliance for FiniteElementCompliance {
                 });
             }
         }
-        let mut matrix = DMatrix::zeros(strips.len(), strips.len());
+        let mut matrix = DMatrix::zeros(segments.len(), segments.len());
         let mut displacement = vec![0.0; self.grid.len()];
         for (j, load) in weights.iter().enumerate() {
-            for tooth in teeth.iter().filter(|t| **t >= strips[j].tooth) {
-                let offset = (tooth - strips[j].tooth) as usize;
+            for tooth in teeth.iter().filter(|t| **t >= segments[j].tooth) {
+                let offset = (tooth - segments[j].tooth) as usize;
                 displacement.fill(0.0);
                 for (node, weight) in load {
                     let weight = weight * self.influence.unit();
@@ -188,14 +188,14 @@ impl ToothCompliance for FiniteElementCompliance {
                     }
                 }
                 for (i, response) in weights.iter().enumerate() {
-                    if strips[i].tooth != *tooth || (offset == 0 && i < j) {
+                    if segments[i].tooth != *tooth || (offset == 0 && i < j) {
                         continue;
                     }
                     let value: f64 = response
                         .iter()
                         .map(|(node, w)| w * displacement[*node])
                         .sum();
-                    let value = value * self.slice_factor(&strips[i], &strips[j]);
+                    let value = value * self.slice_factor(&segments[i], &segments[j]);
                     matrix[(i, j)] = value;
                     matrix[(j, i)] = value;
                 }
@@ -204,8 +204,8 @@ impl ToothCompliance for FiniteElementCompliance {
         Ok(matrix)
     }
 
-    fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
-        strips
+    fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
+        segments
             .iter()
             .map(|s| self.grid.reference_length(s))
             .collect()

@@ -71,7 +71,7 @@ pub fn pair_root_stress(
     progress: &PairProgress<'_>,
 ) -> Result<[(Arc<RootStress>, Origin); 2], FiniteElementError> {
     let settings = settings.for_root_stress();
-    // As strips see them: turned end for end where they are mirrored.
+    // As segments see them: turned end for end where they are mirrored.
     let gears = [0, 1].map(|i| {
         let turned = pair.gears[i].turned();
         let turned = turned.filter(|_| pair.is_mirrored(flank, i));

@@ -1,4 +1,4 @@
-//! Stress in the tooth root as a linear map from the loads on strips of the flanks.
+//! Stress in the tooth root as a linear map from the loads on segments of the flanks.
 //!
 //! A model of its own beside [`super::FiniteElementCompliance`]: the same elements, condensation and ring, refined along
 //! the fillet and coarser on the flank, whose loads the root feels by their resultants. The stress at the points of the
@@ -13,7 +13,7 @@ use super::mesh::Mesh;
 use super::model::Model;
 use super::settings::Settings;
 use super::{FiniteElementError, ModelCache, Origin, Progress};
-use gearmesh::compliance::{BeyondModel, Strip};
+use gearmesh::compliance::{BeyondModel, Segment};
 use gearmesh::gear::{Gear, GearKind};
 
 /// Stress in the tooth roots of one gear per load on its flanks.
@@ -62,9 +62,9 @@ impl Stored for Map {
     }
 }
 
-/// Strips of one gear as loads on the nodes of its flanks.
+/// Segments of one gear as loads on the nodes of its flanks.
 #[derive(Debug, Clone)]
-pub struct SpreadStrips(Vec<(Strip, Weights)>);
+pub struct SpreadSegments(Vec<(Segment, Weights)>);
 
 /// Stress in the root of one tooth beside its loaded flank.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,7 +82,7 @@ pub struct RootField<'a> {
 pub struct RootPoint {
     /// Largest principal stress, Pa, tension positive.
     pub stress: f64,
-    /// Along the face, m from the z = 0 face of the gear as [`Strip`] counts it.
+    /// Along the face, m from the z = 0 face of the gear as [`Segment`] counts it.
     pub z: f64,
     /// Distance from the axis, m.
     pub radius: f64,
@@ -165,47 +165,47 @@ impl RootStress {
         self.reach
     }
 
-    /// Stress in the root of `tooth` under normal forces, N, on strips of this gear (plane strain: N per m of face).
+    /// Stress in the root of `tooth` under normal forces, N, on segments of this gear (plane strain: N per m of face).
     ///
     /// # Errors
-    /// [`BeyondModel`] for a loaded strip farther away than [`RootStress::reach`].
+    /// [`BeyondModel`] for a loaded segment farther away than [`RootStress::reach`].
     pub fn of_tooth(
         &self,
         tooth: i32,
-        loads: &[(Strip, f64)],
+        loads: &[(Segment, f64)],
     ) -> Result<RootField<'_>, BeyondModel> {
-        let (strips, forces): (Vec<Strip>, Vec<f64>) = loads.iter().copied().unzip();
-        self.of_tooth_under(tooth, &self.spread(&strips), &forces)
+        let (segments, forces): (Vec<Segment>, Vec<f64>) = loads.iter().copied().unzip();
+        self.of_tooth_under(tooth, &self.spread(&segments), &forces)
     }
 
-    /// Strips of this gear, ready for [`RootStress::of_tooth_under`] any forces.
-    pub fn spread(&self, strips: &[Strip]) -> SpreadStrips {
-        let spread = |strip: &Strip| (*strip, self.loads.weights(strip));
-        SpreadStrips(strips.iter().map(spread).collect())
+    /// Segments of this gear, ready for [`RootStress::of_tooth_under`] any forces.
+    pub fn spread(&self, segments: &[Segment]) -> SpreadSegments {
+        let spread = |segment: &Segment| (*segment, self.loads.weights(segment));
+        SpreadSegments(segments.iter().map(spread).collect())
     }
 
-    /// As [`RootStress::of_tooth`], under the normal forces `loads`, N, on `strips`.
+    /// As [`RootStress::of_tooth`], under the normal forces `loads`, N, on `segments`.
     ///
     /// # Errors
     /// As there.
     ///
     /// # Panics
-    /// With another number of loads than of strips.
+    /// With another number of loads than of segments.
     pub fn of_tooth_under(
         &self,
         tooth: i32,
-        strips: &SpreadStrips,
+        segments: &SpreadSegments,
         loads: &[f64],
     ) -> Result<RootField<'_>, BeyondModel> {
-        assert_eq!(strips.0.len(), loads.len(), "a load for each strip");
+        assert_eq!(segments.0.len(), loads.len(), "a load for each segment");
         let (nodes, points) = (self.loads.len(), COMPONENTS * self.fillet.len());
         let mut stress = vec![0.0; points];
         let mut forces = vec![vec![0.0; nodes]; 2 * self.reach + 1];
-        for ((strip, weights), force) in strips.0.iter().zip(loads) {
+        for ((segment, weights), force) in segments.0.iter().zip(loads) {
             if *force == 0.0 {
                 continue;
             }
-            let away = tooth - strip.tooth;
+            let away = tooth - segment.tooth;
             if away.unsigned_abs() as usize > self.reach {
                 return Err(BeyondModel {
                     distance: away.unsigned_abs() as usize,
@@ -231,9 +231,9 @@ impl RootStress {
             let (mean, half) = (0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1]));
             mean + half.hypot(s[2])
         });
-        let loaded = strips.0.iter().zip(loads);
-        let beside = loaded.filter(|((strip, _), force)| strip.tooth == tooth && **force > 0.0);
-        let beside: Vec<&Strip> = beside.map(|((strip, _), _)| strip).collect();
+        let loaded = segments.0.iter().zip(loads);
+        let beside = loaded.filter(|((segment, _), force)| segment.tooth == tooth && **force > 0.0);
+        let beside: Vec<&Segment> = beside.map(|((segment, _), _)| segment).collect();
         Ok(RootField {
             fillet: &self.fillet,
             tangent: self.tangent,
@@ -247,13 +247,13 @@ impl RootStress {
         })
     }
 
-    /// How many places along the profile at `z` lie farther than `local` from the `loaded` strips of this tooth; at least the one in the
+    /// How many places along the profile at `z` lie farther than `local` from the `loaded` segments of this tooth; at least the one in the
     /// middle of the space.
-    fn clear(&self, z: f64, loaded: &[&Strip]) -> usize {
-        let lowest = loaded.iter().filter_map(|strip| {
-            let nearest = z.clamp(strip.z[0], strip.z[1]);
-            let along = (nearest - strip.z[0]) / (strip.z[1] - strip.z[0]);
-            let roll = strip.roll[0] + along * (strip.roll[1] - strip.roll[0]);
+    fn clear(&self, z: f64, loaded: &[&Segment]) -> usize {
+        let lowest = loaded.iter().filter_map(|segment| {
+            let nearest = z.clamp(segment.z[0], segment.z[1]);
+            let along = (nearest - segment.z[0]) / (segment.z[1] - segment.z[0]);
+            let roll = segment.roll[0] + along * (segment.roll[1] - segment.roll[0]);
             let square = self.local.powi(2) - (z - nearest).powi(2);
             (square > 0.0).then(|| self.loads.arc(roll) - square.sqrt())
         });

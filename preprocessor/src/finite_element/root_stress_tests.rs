@@ -11,8 +11,8 @@ fn settings(refinement: Refinement, plane_strain: bool) -> Settings {
     .for_root_stress()
 }
 
-fn strip(gear: &Gear, tooth: i32, radius: f64) -> Strip {
-    Strip {
+fn segment(gear: &Gear, tooth: i32, radius: f64) -> Segment {
+    Segment {
         tooth,
         z: [0.0, gear.face_width],
         roll: [gear.roll_length(radius); 2],
@@ -22,7 +22,9 @@ fn strip(gear: &Gear, tooth: i32, radius: f64) -> Strip {
 /// Largest stress and that at the 30 degree tangent under 100 N/mm at `radius`, MPa.
 fn plane(gear: &Gear, settings: &Settings, radius: f64) -> [f64; 2] {
     let model = RootStress::new(gear, settings, &|_, _| true).unwrap();
-    let field = model.of_tooth(0, &[(strip(gear, 0, radius), 1e5)]).unwrap();
+    let field = model
+        .of_tooth(0, &[(segment(gear, 0, radius), 1e5)])
+        .unwrap();
     [field.largest(), field.at_tangent().unwrap()].map(|point| 1e-6 * point.stress)
 }
 
@@ -132,8 +134,8 @@ fn stresses_add_up_and_neighbours_count() {
     let gear = samples::gear(GearKind::External, 20, 1.0, 0.0, 0.0);
     let settings = settings(Refinement::Coarse, true);
     let model = RootStress::new(&gear, &settings, &|_, _| true).unwrap();
-    let on = |tooth, force| (strip(&gear, tooth, 41e-3), force);
-    let at = |loads: &[(Strip, f64)]| model.of_tooth(0, loads).unwrap().at_tangent().unwrap();
+    let on = |tooth, force| (segment(&gear, tooth, 41e-3), force);
+    let at = |loads: &[(Segment, f64)]| model.of_tooth(0, loads).unwrap().at_tangent().unwrap();
     // Uniaxial in the section: the largest principal stress is linear as long as it is the one along the profile.
     let both = at(&[on(0, 1e5), on(1, 1e5)]).stress;
     assert_relative_eq!(
@@ -165,12 +167,12 @@ fn largest_stress_does_not_follow_the_width_of_a_corner_load_beside_the_fillet()
     narrow.discretization.kernel_half_width *= 0.5;
     let [wide, narrow] = [wide, narrow].map(|settings| {
         let model = RootStress::new(&gear, &settings, &|_, _| true).unwrap();
-        let corner = Strip {
+        let corner = Segment {
             tooth: 0,
             z: [0.0, 1e-3],
             roll: [model.loads.form_roll + 0.5e-3; 2],
         };
-        let even = (strip(&gear, 0, 42e-3), 2000.0);
+        let even = (segment(&gear, 0, 42e-3), 2000.0);
         let field = model.of_tooth(0, &[even, (corner, 600.0)]).unwrap();
         let anywhere = field.principal.iter().copied().fold(0.0, f64::max);
         (field.largest(), anywhere)
@@ -192,7 +194,9 @@ fn a_kept_map_is_the_computed_one_and_a_spoilt_file_is_computed_anew() {
     assert_eq!((stored, loaded), (Origin::Stored, Origin::Loaded));
     assert!(computed.map == read.map);
     let stress = |model: &RootStress| {
-        let field = model.of_tooth(0, &[(strip(&gear, 0, 41e-3), 1e5)]).unwrap();
+        let field = model
+            .of_tooth(0, &[(segment(&gear, 0, 41e-3), 1e5)])
+            .unwrap();
         field.largest()
     };
     assert_eq!(stress(&computed), stress(&read));

@@ -4,7 +4,7 @@ use super::element::{QUAD8, shape};
 use super::mesh::Mesh;
 use super::model::Model;
 use super::{FiniteElementError, Settings};
-use gearmesh::compliance::Strip;
+use gearmesh::compliance::Segment;
 use gearmesh::gear::Gear;
 
 /// The transverse section of the mesh of one tooth, its centre line on the x axis, and the layers along the face.
@@ -70,14 +70,14 @@ pub fn centre_line_compliance(
     };
     let model = Model::new(gear, &plane)?;
     let roll = gear.roll_length(radius);
-    let strip = Strip {
+    let segment = Segment {
         tooth: 0,
         z: [0.0, 1.0],
         roll: [roll; 2],
     };
     let mesh = model.mesh();
     let of_nodes = mesh.loads();
-    let weights = model.grid.weights(&strip);
+    let weights = model.grid.weights(&segment);
     let load = (weights.iter())
         .flat_map(|(node, w)| of_nodes[*node].iter().map(move |(at, n)| (*at, w * n)))
         .collect();

@@ -111,7 +111,7 @@ pub struct Settings {
     pub discretization: Discretization,
     /// Axial displacement held everywhere: independent transverse slices.
     pub plane_strain: bool,
-    /// Largest difference of tooth numbers among strips that bear load at the same time.
+    /// Largest difference of tooth numbers among segments that bear load at the same time.
     pub reach: usize,
 }
 

@@ -50,18 +50,18 @@ fn with_hertz(gear: &Gear, element: f64, kernel: f64, radii: &[f64]) -> Vec<f64>
     settings.discretization.flank_element = element;
     settings.discretization.kernel_half_width = kernel;
     let model = FiniteElementCompliance::new(gear, &settings, &|_, _| true).unwrap();
-    let strips: Vec<Strip> = radii
+    let segments: Vec<Segment> = radii
         .iter()
-        .map(|r| Strip {
+        .map(|r| Segment {
             tooth: 0,
             z: [0.0, 1.0],
             roll: [gear.roll_length(*r); 2],
         })
         .collect();
-    let bulk = model.bulk(&strips).unwrap();
+    let bulk = model.bulk(&segments).unwrap();
     let nu = gear.poisson_ratio;
     let local = 2.0 * (1.0 - nu * nu) / (std::f64::consts::PI * gear.youngs_modulus);
-    let lengths = model.reference_lengths(&strips);
+    let lengths = model.reference_lengths(&segments);
     (0..radii.len())
         .map(|i| bulk[(i, i)] + local * ((2.0 * lengths[i] / 50e-6).ln() + 0.5))
         .collect()
@@ -120,18 +120,18 @@ fn loads_on_a_tooth_displace_the_other_way_round_alike() {
 }
 
 #[test]
-fn influence_matrix_of_strips_on_three_teeth_is_positive_definite() {
+fn influence_matrix_of_segments_on_three_teeth_is_positive_definite() {
     let mut gear = spur(20, 4e-3, 0.5);
     gear.helix_angle = 13f64.to_radians();
     let settings = Settings::new(Refinement::Coarse, 2);
     let model = FiniteElementCompliance::new(&gear, &settings, &|_, _| true).unwrap();
     let tip = gear.roll_length(gear.tip_radius);
-    let strips: Vec<Strip> = (0..3)
+    let segments: Vec<Segment> = (0..3)
         .flat_map(|tooth| {
             (0..30).map(move |i| {
                 let end = |k: i32| 24e-3 * f64::from(k) / 30.0;
                 let roll = |z: f64| tip - 1e-3 - 3e-3 * f64::from(tooth) - 0.2 * z;
-                Strip {
+                Segment {
                     tooth,
                     z: [end(i), end(i + 1)],
                     roll: [roll(end(i)), roll(end(i + 1))],
@@ -139,13 +139,13 @@ fn influence_matrix_of_strips_on_three_teeth_is_positive_definite() {
             })
         })
         .collect();
-    let matrix = model.bulk(&strips).unwrap();
+    let matrix = model.bulk(&segments).unwrap();
     assert_eq!(matrix, matrix.transpose());
     let least = matrix.symmetric_eigenvalues().min();
     assert!(least > 0.0, "least eigenvalue {least:e} m/N");
-    let mut far = strips[0];
+    let mut far = segments[0];
     far.tooth = 3;
-    let refused = model.bulk(&[strips[0], far]);
+    let refused = model.bulk(&[segments[0], far]);
     let expected = BeyondModel {
         distance: 3,
         reach: 2,
@@ -166,12 +166,12 @@ fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
     let roll = [gear.roll_length(41e-3); 2];
     let solid = FiniteElementCompliance::new(&gear, &solid, &|_, _| true).unwrap();
     let plane = FiniteElementCompliance::new(&gear, &plane, &|_, _| true).unwrap();
-    let whole = Strip {
+    let whole = Segment {
         tooth: 0,
         z: [0.0, gear.face_width],
         roll,
     };
-    let part = Strip {
+    let part = Segment {
         tooth: 0,
         z: [3e-3, 5e-3],
         roll,
@@ -186,14 +186,14 @@ fn uniform_load_without_lateral_contraction_is_the_plane_problem() {
 }
 
 #[test]
-fn mirrored_strips_on_a_spur_gear_have_the_same_influence() {
+fn mirrored_segments_on_a_spur_gear_have_the_same_influence() {
     let gear = spur(20, 4e-3, 0.5);
     let model =
         FiniteElementCompliance::new(&gear, &Settings::new(Refinement::Coarse, 1), &|_, _| true)
             .unwrap();
-    let strips = |mirror: bool| -> Vec<Strip> {
+    let segments = |mirror: bool| -> Vec<Segment> {
         [(0, 0.0, 1e-3), (0, 7e-3, 8.3e-3), (1, 2e-3, 2.7e-3)]
-            .map(|(tooth, low, high)| Strip {
+            .map(|(tooth, low, high)| Segment {
                 tooth,
                 z: if mirror {
                     [gear.face_width - high, gear.face_width - low]
@@ -204,8 +204,8 @@ fn mirrored_strips_on_a_spur_gear_have_the_same_influence() {
             })
             .to_vec()
     };
-    let difference = model.bulk(&strips(false)).unwrap() - model.bulk(&strips(true)).unwrap();
-    assert!(difference.amax() < 1e-9 * model.bulk(&strips(false)).unwrap().amax());
+    let difference = model.bulk(&segments(false)).unwrap() - model.bulk(&segments(true)).unwrap();
+    assert!(difference.amax() < 1e-9 * model.bulk(&segments(false)).unwrap().amax());
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use super::coupling::Coupling;
 use super::example::CYCLES;
 use super::starts::meshing_spin;
+use super::transmission_error;
 use gearmesh::fmi::resources::UnitFile;
 use gearmesh::fmi::variables::{
     Causality, Kind, STOP_TIME, VARIABLES, Variability, Variable, index, index_by_name,
@@ -159,6 +160,7 @@ impl Description<'_> {
             let rows = file.summary().into_iter();
             let rows = rows.map(|(name, value)| [escape(&name), escape(&value)]);
             put("TABLES", table(&[], rows));
+            put("STE", transmission_error::figure(file, self.start(torque)));
         }
         put("PARAMETERS", self.variables(Causality::Parameter));
         put("INPUTS", self.variables(Causality::Input));

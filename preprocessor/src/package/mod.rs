@@ -13,6 +13,7 @@ mod library;
 mod starts;
 mod step_error;
 mod stiffness;
+mod transmission_error;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -194,6 +195,13 @@ fn guid(
     let hex = gearmesh::words::hex(&hash.finalize()[..16]);
     let parts = [0..8, 8..12, 12..16, 16..20, 20..32].map(|part| &hex[part]);
     format!("{{{}}}", parts.join("-"))
+}
+
+/// A file of `resources/tables`.
+#[cfg(test)]
+fn shipped_tables(name: &str) -> TableFile {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../resources/tables");
+    TableFile::read(format!("{folder}/{name}.json")).unwrap()
 }
 
 #[cfg(test)]

@@ -100,11 +100,7 @@ mod tests {
 
     /// The shipped pair of the paper with this `coupling` and what packing gives it.
     fn error(coupling: f64, step: f64) -> f64 {
-        let path = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../resources/tables/palermo2013.json"
-        );
-        let tables = TableFile::read(path).unwrap();
+        let tables = super::super::shipped_tables("palermo2013");
         let geometry = tables.geometry.clone();
         let starts = super::super::Starts::of_tables(&tables).unwrap();
         let mut starts = starts.of_variables(&geometry);

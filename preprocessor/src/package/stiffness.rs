@@ -33,22 +33,19 @@ impl Stiffness {
         let tangential = phi.cos().powi(2);
         let [drive, coast] = [Flank::Drive, Flank::Coast].map(|flank| table.flank(flank).0);
         let positions = (0..POSITIONS).map(|i| i as f64 / POSITIONS as f64);
-        let nominal = |mesh_position| Query {
-            delta: 0.0,
-            center_distance_offset: 0.0,
-            misalignment: 0.0,
-            mesh_position,
+        let tangent = |position| {
+            let pose = nominal_pose(position);
+            let delta = approach_at(drive, force, &pose);
+            drive.evaluate(&Query { delta, ..pose }, false).hessian[0][0]
         };
-        let sum = positions
-            .clone()
-            .map(|position| at_force(drive, force, &nominal(position)));
+        let sum = positions.clone().map(tangent);
         let mean = sum.sum::<f64>() / POSITIONS as f64;
         let mut largest = mean;
         let coast_record = file.coast.as_ref().unwrap_or(&file.drive);
         for (flank, record) in [(drive, &file.drive), (coast, coast_record)] {
             let top = record.top_load_approach.iter().copied();
             let top = top.fold(0.0, f64::max);
-            for query in positions.clone().map(nominal) {
+            for query in positions.clone().map(nominal_pose) {
                 for center_distance_offset in ends(&file.axes.center_distance_offset) {
                     for misalignment in ends(&file.axes.misalignment) {
                         let tangents = (1..=DISPLACEMENTS).map(|i| {
@@ -94,15 +91,25 @@ fn ends(axis: &[f64]) -> [f64; 3] {
     }
 }
 
-/// Tangent stiffness on the line of action where `flank` carries `force` at a pose, N/m.
-fn at_force(flank: &FlankTable, force: f64, pose: &Query) -> f64 {
-    let response = |delta| flank.evaluate(&Query { delta, ..*pose }, false);
-    let below = |delta: f64| response(delta).gradient[0] < force;
+/// No approach, aligned, at the nominal centre distance.
+pub(super) fn nominal_pose(mesh_position: f64) -> Query {
+    Query {
+        delta: 0.0,
+        center_distance_offset: 0.0,
+        misalignment: 0.0,
+        mesh_position,
+    }
+}
+
+/// Approach at which `flank` carries `force` (N) at a pose, m.
+pub(super) fn approach_at(flank: &FlankTable, force: f64, pose: &Query) -> f64 {
+    let carried = |delta| flank.evaluate(&Query { delta, ..*pose }, false).gradient[0];
+    let below = |delta: f64| carried(delta) < force;
     let mut high = 1e-3;
     while below(high) && high < 1.0 {
         high *= 2.0;
     }
-    response(bisection([-1e-3, high], 60, below)).hessian[0][0]
+    bisection([-1e-3, high], 60, below)
 }
 
 /// Mean tangential mesh stiffness at `nominal_torque` (on gear 1, N m) by the approximation of ISO 6336-1:2006,
@@ -160,6 +167,7 @@ pub fn theoretical_pair_stiffness(geometry: &PairGeometry) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::package::shipped_tables;
     use crate::pair;
 
     #[test]
@@ -173,11 +181,7 @@ mod tests {
     #[test]
     fn the_estimate_is_within_a_quarter_of_the_shipped_tables() {
         for name in ["fzg-c", "helical-25-47", "palermo2013", "planet-ring-27-84"] {
-            let path = format!(
-                "{}/../resources/tables/{name}.json",
-                env!("CARGO_MANIFEST_DIR")
-            );
-            let table = Table::read(path).unwrap();
+            let table = Table::from_file(shipped_tables(name)).unwrap();
             let found = Stiffness::of_table(&table);
             let estimate = estimated_stiffness(table.geometry(), table.file().nominal_torque_nm);
             let ratio = estimate / found.mean;

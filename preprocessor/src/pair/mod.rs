@@ -99,7 +99,8 @@ impl PairDraft {
         let mut at = &mut self.fields;
         let names: Vec<&str> = field.split('.').collect();
         for (i, name) in names.iter().enumerate() {
-            if at.is_null() {
+            // One form of a relief's start takes the place of another.
+            if at.is_null() || i > 0 && names[i - 1] == "start" {
                 *at = Value::Object(serde_json::Map::new());
             }
             let Some(fields) = at.as_object_mut() else {

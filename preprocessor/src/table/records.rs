@@ -69,7 +69,7 @@ pub fn sweep_sliding(
     };
     let all = sweep.nodes(axes, |_, _, _| {
         Ok(|problem: &PositionProblem, result: &ContactResult| {
-            Ok(solver.sliding(problem, result, law))
+            Ok(solver.sliding(problem, result, &law))
         })
     })?;
     Ok(SlidingSamples::new(&all, law.is_local()))

@@ -103,6 +103,7 @@ impl TeethSweep<'_> {
             drive,
             coast,
             coast_coupling_m_per_n,
+            friction: Some(self.solver.friction()),
             drive_errors: errors(&teeth.drive),
             coast_errors: errors(&teeth.coast),
             error: InterpolationError::default(),

@@ -1,7 +1,7 @@
 //! Numbers that are none end a solve.
 
 use super::plain_pair;
-use crate::compliance::{BeyondModel, Strip, ToothCompliance};
+use crate::compliance::{BeyondModel, Segment, ToothCompliance};
 use crate::contact::{ContactError, ContactSettings, ContactSolver, Failure, PositionProblem};
 use crate::gear::Flank;
 use nalgebra::DMatrix;
@@ -11,11 +11,11 @@ use std::sync::Arc;
 struct Alone;
 
 impl ToothCompliance for Alone {
-    fn bulk(&self, segments: &[Strip]) -> Result<DMatrix<f64>, BeyondModel> {
+    fn bulk(&self, segments: &[Segment]) -> Result<DMatrix<f64>, BeyondModel> {
         Ok(DMatrix::identity(segments.len(), segments.len()) * 1e-8)
     }
 
-    fn reference_lengths(&self, segments: &[Strip]) -> Vec<f64> {
+    fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
         vec![1e-3; segments.len()]
     }
 }

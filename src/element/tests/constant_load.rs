@@ -26,7 +26,7 @@ fn element(parameters: Parameters) -> Element {
     Element::new(&pair, &parameters, Some(table)).unwrap()
 }
 
-/// At mesh position node `n` and centre distance offset `dc`, gear 2 turned until the elongation is `delta`.
+/// At mesh position node `n` and centre distance offset `dc`, gear 2 turned until the approach is `delta`.
 fn pressed(element: &Element, n: usize, dc: f64, delta: f64) -> Inputs {
     let mut inputs = element.nominal_inputs();
     inputs.gears[1].p.x += dc;

@@ -22,6 +22,7 @@
 
 mod pairs;
 mod record;
+mod sliding;
 
 pub use record::{GearTeethRecord, TeethRecord};
 
@@ -30,11 +31,13 @@ use super::runtime::flank_table;
 use super::{
     COORDINATES, Effects, FlankGrid, FlankTable, Interpolation, Load, Potential, Query, TableError,
 };
+use crate::friction::Sliding;
 use crate::gear::teeth::{Counts, Passing};
 use crate::gear::{Flank, PairGeometry};
 use crate::vector::Lanes;
 use nalgebra::SMatrix;
 use pairs::{MOST, Pair, Pairs, Taken};
+use sliding::ContactLines;
 use std::sync::Arc;
 
 /// Steps at most; nearly all points take three or four.
@@ -69,7 +72,7 @@ impl TeethFlank {
         effects: &Effects,
     ) -> Result<Self, TableError> {
         Ok(TeethFlank {
-            pairs: Arc::new(PairTable::new(record, flank, effects)?),
+            pairs: Arc::new(PairTable::new(record, geometry, flank, effects)?),
             passing: Passing::new(geometry, &record.teeth(), flank),
         })
     }
@@ -103,6 +106,16 @@ impl TeethFlank {
     /// Potential at `query` with the mesh cycles that passed on gear 1 and gear 2 since the pair of teeth 0; tooth pair k is at
     /// the place mesh position + k. As [`FlankTable::evaluate`]; NaN where no loads were found.
     pub fn evaluate(&self, query: &Query, counts: Counts, want_hessian: bool) -> Potential {
+        self.evaluate_sliding(query, counts, want_hessian).0
+    }
+
+    /// As [`TeethFlank::evaluate`], with how the load slides; zero unless friction is among the effects.
+    pub fn evaluate_sliding(
+        &self,
+        query: &Query,
+        counts: Counts,
+        want_hessian: bool,
+    ) -> (Potential, Sliding) {
         let turns = query.mesh_position.floor();
         let tau = query.mesh_position - turns;
         let counts = counts.map(|count| count + turns as i64);
@@ -123,12 +136,12 @@ impl TeethFlank {
         };
         pairs.drop_idle();
         if pairs.count == 0 {
-            return sum;
+            return (sum, Sliding::default());
         }
         if pairs.count > 1 && !self.pairs.settle(&mut pairs) {
             sum.value = f64::NAN;
             sum.gradient = [f64::NAN; COORDINATES];
-            return sum;
+            return (sum, Sliding::default());
         }
         // The same for all tooth pairs.
         let curvature = || {
@@ -136,7 +149,15 @@ impl TeethFlank {
             passing.map_or(0.0, |passing| passing.closing_curvature(counts, tau))
         };
         pairs.total(&mut sum, want_hessian.then(curvature));
-        sum
+        let sliding = self
+            .pairs
+            .lines
+            .as_ref()
+            .map_or(Sliding::default(), |lines| {
+                let loads = pairs.all().iter().map(|pair| (pair.free[3], pair.found));
+                lines.sliding(loads, query.center_distance_offset)
+            });
+        (sum, sliding)
     }
 }
 
@@ -150,10 +171,25 @@ struct PairTable {
     coupling: Coupling,
     /// Step that is the last, m.
     last_step: f64,
+    /// `None`: friction is off.
+    lines: Option<ContactLines>,
 }
 
 impl PairTable {
-    fn new(record: &TeethRecord, flank: Flank, effects: &Effects) -> Result<Self, TableError> {
+    fn new(
+        record: &TeethRecord,
+        geometry: &PairGeometry,
+        flank: Flank,
+        effects: &Effects,
+    ) -> Result<Self, TableError> {
+        let lines = match record.friction {
+            _ if !effects.friction => None,
+            None => return Err(TableError::NO_FRICTION_LAW),
+            Some(law) => {
+                let has_moment = effects.misalignment || effects.shuttling;
+                Some(ContactLines::new(geometry, &law, flank, has_moment))
+            }
+        };
         let effects = Effects {
             interpolation: Interpolation::Spline,
             load: Load::Variable,
@@ -176,6 +212,7 @@ impl PairTable {
             places,
             coupling,
             last_step: LAST_STEP * span,
+            lines,
         })
     }
 

@@ -1,6 +1,7 @@
 //! What the tables file holds of tooth pairs one by one.
 
 use super::pairs::MOST;
+use crate::friction::FrictionLaw;
 use crate::gear::{Flank, PairGeometry, PairTeeth, Runout, ToothErrors};
 use crate::table::{Axes, FlankGrid, InterpolationError, TableError};
 use serde::{Deserialize, Serialize};
@@ -35,6 +36,9 @@ pub struct TeethRecord {
     pub drive_errors: [GearTeethRecord; 2],
     /// How their coast flanks do.
     pub coast_errors: [GearTeethRecord; 2],
+    /// Law of friction; `None` in tables of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionLaw>,
     /// Error against contact at run time, interpolation included.
     pub error: InterpolationError,
 }

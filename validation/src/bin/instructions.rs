@@ -18,7 +18,10 @@ fn main() -> Result<(), String> {
             Ok(())
         }
         [name, times] => {
-            let case = cases.into_iter().find(|c| c.name == *name).ok_or_else(|| format!("no case {name}"))?;
+            let case = cases
+                .into_iter()
+                .find(|c| c.name == *name)
+                .ok_or_else(|| format!("no case {name}"))?;
             let times: usize = times.parse().map_err(|e| format!("{times}: {e}"))?;
             let mut run = (case.make)();
             for i in 0..times {

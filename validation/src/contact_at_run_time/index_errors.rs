@@ -1,14 +1,14 @@
 //! Orders of the transmission error of a pair whose teeth differ, by contact at run time.
 
 use super::{CLASS, PAIR, SEED, level, record, with_errors};
-use crate::data::{Data, fixed};
-use crate::setup::Setup;
-use crate::{Context, Result, row};
+use crate::data::Data;
+use crate::setup::{Setup, query};
+use crate::{Context, Result};
 use gearmesh::contact::Warm;
 use gearmesh::gear::tolerance::{random_index_errors, total_pitch};
 use gearmesh::gear::{Flank, Runout, ToothErrors, WeakTooth};
-use gearmesh::table::Query;
 use std::f64::consts::TAU;
+use std::fmt::Write as _;
 use std::sync::Arc;
 
 /// Mesh positions of a cycle.
@@ -32,7 +32,11 @@ fn transmission_error(
             if missing.abs() <= 1e-9 * force {
                 break;
             }
-            approach += if found > 0.0 { missing / stiffness } else { 5e-6 };
+            approach += if found > 0.0 {
+                missing / stiffness
+            } else {
+                5e-6
+            };
         }
         if missing.abs() > 1e-9 * force {
             return Err(format!("no approach for {force} N at {tau} of cycle {cycle}").into());
@@ -42,17 +46,29 @@ fn transmission_error(
     Ok(all)
 }
 
-/// Size of the sum of `y` turned by `order` times `x` turns, over the points (x, y).
-fn amplitude(points: &[(f64, f64)], order: usize) -> f64 {
-    let part = |f: fn(f64) -> f64| -> f64 { points.iter().map(|(x, y)| y * f(TAU * (x * order as f64))).sum() };
+/// A value at a part of a turn.
+struct Point {
+    turns: f64,
+    value: f64,
+}
+
+/// Size of the sum of the values turned by `order` times their turns.
+fn amplitude(points: &[Point], order: usize) -> f64 {
+    let part = |f: fn(f64) -> f64| -> f64 {
+        let turned = |p: &Point| p.value * f(TAU * p.turns * order as f64);
+        points.iter().map(turned).sum()
+    };
     part(f64::cos).hypot(part(f64::sin))
 }
 
-/// Amplitude of each shaft order up to `orders` of a signal over a turn.
-fn spectrum(signal: &[f64], orders: usize) -> Vec<f64> {
-    let n = signal.len() as f64;
-    let points: Vec<_> = signal.iter().enumerate().map(|(i, x)| (i as f64 / n, *x)).collect();
-    (0..=orders).map(|order| 2.0 / n * amplitude(&points, order)).collect()
+/// A signal at even steps over a turn.
+fn over_a_turn(signal: &[f64]) -> Vec<Point> {
+    let turns = |i: usize| i as f64 / signal.len() as f64;
+    let point = |(i, &value)| Point {
+        turns: turns(i),
+        value,
+    };
+    signal.iter().enumerate().map(point).collect()
 }
 
 pub fn report(context: &Context, data: &Data) -> Result<()> {
@@ -60,66 +76,71 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let gear = &setup.pair.geometry.gears[0];
     let (z, force) = (gear.teeth as usize, setup.nominal_force());
     let index = random_index_errors(gear, CLASS, SEED);
-    let alike = ToothErrors::default;
+    let mut cases: [ToothErrors; 4] = Default::default();
+    cases[1].index = index.clone();
     // F_r is about nine tenths of F_p in one class.
-    let runout = Some(Runout { amount: 0.9 * total_pitch(gear, CLASS), angle: 0.0 });
-    let weak = vec![WeakTooth { tooth: 0, factor: 2.0 }];
-    let cases = [
-        ("alike", alike()),
-        ("index errors", ToothErrors { index: index.clone(), ..alike() }),
-        ("run-out", ToothErrors { runout, ..alike() }),
-        ("weak tooth", ToothErrors { weak, ..alike() }),
-    ];
-    let orders = 3 * z + 4;
-    let mut spectra = vec![];
-    for (name, first) in cases {
-        let with = Arc::new(with_errors(&file, first));
+    let amount = 0.9 * total_pitch(gear, CLASS);
+    cases[2].runout = Some(Runout { amount, angle: 0.0 });
+    let (tooth, factor) = (0, 2.0);
+    cases[3].weak = vec![WeakTooth { tooth, factor }];
+    let mut signals = vec![];
+    for errors in cases {
+        let with = Arc::new(with_errors(&file, errors));
         let contact = with.flank(Flank::Drive).ok_or("no drive flank")?;
         let mut warm = Warm::default();
         let loads = |approach, tau, cycle| {
             let found = contact.potential([approach, 0.0, 0.0, tau], [cycle; 2], &mut warm)?;
             Ok([found.gradient[0], found.tangent.force_by_approach])
         };
-        spectra.push((name, spectrum(&transmission_error(loads, force, z)?, orders)));
+        signals.push(over_a_turn(&transmission_error(loads, force, z)?));
     }
 
     let points = if context.quick { 20 } else { 1000 };
-    let level = level(&record(&setup, &file, index.clone(), points)?.0, &setup.pair)?;
-    let loads = |delta, mesh_position, cycle| {
-        let query = Query { delta, center_distance_offset: 0.0, misalignment: 0.0, mesh_position };
-        let found = level.evaluate(&query, [cycle; 2], true);
+    let level = level(&record(&setup, &file, index.clone(), points)?, &setup.pair)?;
+    let loads = |approach, tau, cycle| {
+        let found = level.evaluate(&query(approach, tau), [cycle; 2], true);
         Ok([found.gradient[0], found.hessian[0][0]])
     };
-    let of_level = spectrum(&transmission_error(loads, force, z)?, orders);
+    signals.push(over_a_turn(&transmission_error(loads, force, z)?));
 
     // To first order a tooth that stands out by E takes its share of the load off the transmission error: the errors' own
     // orders, which repeat every z, times those of the share over the way of a tooth pair.
-    let turns = 1.0 / z as f64;
     let mut share = vec![];
     for i in 0..STEPS {
         let tau = i as f64 / STEPS as f64;
-        let at = setup.solver.position(Flank::Drive, tau, 0.0)?;
-        let result = at.solve_torque(setup.pair.operating.nominal_torque, 0.0, None)?;
-        share.extend(result.load_share.iter().map(|(k, part)| ((tau + f64::from(*k)) * turns, *part)));
+        for (k, value) in setup.nominal(tau)?.load_share {
+            let turns = (tau + f64::from(k)) / z as f64;
+            share.push(Point { turns, value });
+        }
     }
-    let errors: Vec<_> = index.iter().enumerate().map(|(j, e)| (j as f64 * turns, *e)).collect();
-    let by_share = |order| 2.0 / (z * STEPS) as f64 * amplitude(&errors, order) * amplitude(&share, order);
-
+    let errors = over_a_turn(&index);
+    let scale = 2e6 / (z * STEPS) as f64;
     let mut rows = vec![];
-    for order in [1, 2, 3, z - 2, z - 1, z, z + 1, z + 2, 2 * z - 1, 2 * z, 2 * z + 1, 3 * z] {
-        let by_share = if order % z == 0 { String::new() } else { fixed(1e6 * by_share(order), 3) };
-        let all = spectra.iter().map(|(_, of_case)| of_case).chain([&of_level]);
-        let found = all.map(|amplitudes| fixed(1e6 * amplitudes[order], 3)).collect();
-        rows.push([row![order], found, row![by_share]].concat());
+    for order in [
+        1,
+        2,
+        3,
+        z - 2,
+        z - 1,
+        z,
+        z + 1,
+        z + 2,
+        2 * z - 1,
+        2 * z,
+        2 * z + 1,
+        3 * z,
+    ] {
+        let mut row = order.to_string();
+        for signal in &signals {
+            let _ = write!(row, " | {:.3}", scale * amplitude(signal, order));
+        }
+        let by_share = scale * amplitude(&errors, order) * amplitude(&share, order);
+        rows.push(match order % z {
+            0 => row + "|",
+            _ => format!("{row} | {by_share:.3}"),
+        });
     }
-    let head = [
-        "order",
-        spectra[0].0,
-        spectra[1].0,
-        spectra[2].0,
-        spectra[3].0,
-        "index errors by `teeth`",
-        "index errors by load share",
-    ];
-    data.table("index-errors", &head, &rows)
+    let head = "order | alike | index errors | run-out | weak tooth | index errors by `teeth` \
+        | index errors by load share";
+    data.table("index-errors", head, &rows)
 }

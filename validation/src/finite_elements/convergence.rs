@@ -1,11 +1,11 @@
-//! Mesh, flank grid, kernel, face stations, layers and coupling: what each changes.
+//! Mesh, flank grid, kernel, segments along the face, layers and coupling: what each changes.
 
 use super::{paper, thick_spur};
-use crate::data::{Data, fixed, percent};
+use crate::data::{Data, percent};
 use crate::setup::{solver, ste};
 use crate::timing::timed;
-use crate::{Context, Result, row};
-use gearmesh::compliance::{BeyondModel, Strip, ToothCompliance};
+use crate::{Context, Result};
+use gearmesh::compliance::{BeyondModel, Segment, ToothCompliance};
 use gearmesh::contact::{ContactSettings, ContactSolver};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::finite_element::{Discretization, FiniteElementCompliance, Settings};
@@ -27,27 +27,39 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     Ok(())
 }
 
-/// Sizes and stations along the face, the finest ones first, level normal second.
+/// Sizes and segments along the face, the finest ones first, level normal second.
 fn variants(quick: bool) -> Vec<(&'static str, Discretization, usize)> {
-    let [coarse, n, fine] = [Refinement::Coarse, Refinement::Normal, Refinement::Fine].map(Discretization::of);
-    let section = Discretization {
-        flank_element: n.flank_element / 1.5,
-        tooth_element: n.tooth_element / 1.5,
-        root_element: n.root_element / 1.5,
-        growth: n.growth.powf(1.0 / 1.5),
-        ..n
+    let levels = [Refinement::Coarse, Refinement::Normal, Refinement::Fine];
+    let [coarse, n, fine] = levels.map(Discretization::of);
+    let changed = |change: fn(&mut Discretization)| {
+        let mut changed = n;
+        change(&mut changed);
+        changed
     };
-    let layers = Discretization { layer: n.layer / 1.5, end_layer: n.end_layer / 1.5, ..n };
+    let section = changed(|d| {
+        d.flank_element /= 1.5;
+        d.tooth_element /= 1.5;
+        d.root_element /= 1.5;
+        d.growth = d.growth.powf(1.0 / 1.5);
+    });
+    let layers = changed(|d| {
+        d.layer /= 1.5;
+        d.end_layer /= 1.5;
+    });
     let mut all = vec![
         ("finest", if quick { n } else { fine }, 80),
         ("level normal", n, 40),
         ("level fine", fine, 40),
         ("level coarse", coarse, 40),
         ("section x 2/3", section, 40),
-        ("flank grid alone x 2/3", Discretization { flank_element: n.flank_element / 1.5, ..n }, 40),
+        (
+            "flank grid alone x 2/3",
+            changed(|d| d.flank_element /= 1.5),
+            40,
+        ),
         ("layers x 2/3", layers, 40),
-        ("kernel 0.12", Discretization { kernel_half_width: 0.12, ..n }, 40),
-        ("kernel 0.25", Discretization { kernel_half_width: 0.25, ..n }, 40),
+        ("kernel 0.12", changed(|d| d.kernel_half_width = 0.12), 40),
+        ("kernel 0.25", changed(|d| d.kernel_half_width = 0.25), 40),
         ("20 segments along the face", n, 20),
         ("80 segments along the face", n, 80),
     ];
@@ -60,45 +72,52 @@ fn variants(quick: bool) -> Vec<(&'static str, Discretization, usize)> {
 /// The table of a pair.
 fn one_pair(context: &Context, data: &Data, part: &str, pair: &Pair) -> Result<()> {
     let default = Settings::for_pair(pair);
-    let stations = |stations| ContactSettings { stations, ..ContactSettings::default() };
+    let contact = |stations| ContactSettings {
+        stations,
+        ..ContactSettings::default()
+    };
     let mut found = vec![];
     for (name, discretization, n) in variants(context.quick) {
-        let (models, seconds) = timed(|| context.models.get(pair, &Settings { discretization, ..default }));
-        found.push((name, ste(&solver(pair, &models?, stations(n))?, TORQUE, 32)?, seconds));
+        let settings = Settings {
+            discretization,
+            ..default
+        };
+        let (models, seconds) = timed(|| context.models.get(pair, &settings));
+        let solver = solver(pair, &models?, contact(n))?;
+        found.push((name, ste(&solver, TORQUE, 32)?, seconds));
     }
     let alone = context.models.get(pair, &default)?.gears;
     let alone = alone.map(|gear| Arc::new(SingleTeeth(gear)) as Arc<dyn ToothCompliance>);
-    let alone = ContactSolver::new(pair, alone, stations(40))?;
+    let alone = ContactSolver::new(pair, alone, contact(40))?;
     found.push(("neighbours ignored", ste(&alone, TORQUE, 32)?, 0.0));
 
     let finest = found[0].1;
-    let mut rows = vec![];
-    for (name, [mean, swing], seconds) in &found {
-        let differences = row![percent(*mean, finest[0]), percent(*swing, finest[1])];
+    let row = |(name, [mean, swing], seconds): &(&str, [f64; 2], f64)| {
+        let (of_mean, of_swing) = (percent(*mean, finest[0]), percent(*swing, finest[1]));
+        let row = format!("{name} | {mean:.4} | {swing:.4} | {of_mean:+.2} | {of_swing:+.2} |");
         // Where it is new.
-        let seconds = if *seconds > 0.05 { fixed(*seconds, 1) } else { String::new() };
-        rows.push([row![name, fixed(*mean, 4), fixed(*swing, 4)], differences, row![seconds]].concat());
-    }
-    data.table(part, &["setting", "mean µm", "p-p µm", "mean %", "p-p %", "compliance s, where it is new"], &rows)
+        if *seconds > 0.05 {
+            format!("{row} {seconds:.1}")
+        } else {
+            row
+        }
+    };
+    let rows: Vec<_> = found.iter().map(row).collect();
+    let head = "setting | mean µm | p-p µm | mean % | p-p % | compliance s, where it is new";
+    data.table(part, head, &rows)
 }
 
 /// A model without the influence of one tooth on another.
 struct SingleTeeth(Arc<FiniteElementCompliance>);
 
 impl ToothCompliance for SingleTeeth {
-    fn bulk(&self, strips: &[Strip]) -> std::result::Result<DMatrix<f64>, BeyondModel> {
-        let mut matrix = self.0.bulk(strips)?;
-        for i in 0..strips.len() {
-            for j in 0..strips.len() {
-                if strips[i].tooth != strips[j].tooth {
-                    matrix[(i, j)] = 0.0;
-                }
-            }
-        }
-        Ok(matrix)
+    fn bulk(&self, segments: &[Segment]) -> std::result::Result<DMatrix<f64>, BeyondModel> {
+        let all = self.0.bulk(segments)?;
+        let same = |i: usize, j: usize| segments[i].tooth == segments[j].tooth;
+        Ok(all.map_with_location(|i, j, x| if same(i, j) { x } else { 0.0 }))
     }
 
-    fn reference_lengths(&self, strips: &[Strip]) -> Vec<f64> {
-        self.0.reference_lengths(strips)
+    fn reference_lengths(&self, segments: &[Segment]) -> Vec<f64> {
+        self.0.reference_lengths(segments)
     }
 }

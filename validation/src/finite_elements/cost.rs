@@ -1,42 +1,54 @@
 //! Time and memory: compliance, one contact solve, a full table, a changed modification.
 
-use crate::data::{Data, fixed, verdict};
+use crate::data::{Data, verdict};
 use crate::setup::{Setup, compute, quiet, shipped};
 use crate::timing::{median, timed};
-use crate::{Context, Result, in_repository, row};
-use gearmesh::contact::ContactResult;
+use crate::{Context, Result, in_repository};
+use gearmesh::contact::{ContactResult, MAXIMUM_ITERATIONS};
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
-use gearmesh::table::Axes;
 use gearmesh_preprocessor::finite_element::{SectorMesh, Settings};
 use gearmesh_preprocessor::pair;
-use gearmesh_preprocessor::table::{WatchedSolver, displacement_nodes, mesh_positions, sweep};
+use gearmesh_preprocessor::table::{WatchedSolver, sweep};
 use std::path::Path;
 use std::process::Command;
 
 const PAIR: &str = "palermo2013";
 const SHIPPED: &str = "resources/pairs";
 const DRIVELINES: &str = "examples/drivelines/pairs";
-const LEVELS: [(&str, Refinement); 3] =
-    [("coarse", Refinement::Coarse), ("normal", Refinement::Normal), ("fine", Refinement::Fine)];
+const CASES: [(&str, &str, &str); 9] = [
+    (SHIPPED, PAIR, "coarse"),
+    (SHIPPED, PAIR, "normal"),
+    (SHIPPED, PAIR, "fine"),
+    (SHIPPED, "fzg-c", "normal"),
+    (SHIPPED, "helical-25-47", "normal"),
+    (SHIPPED, "planet-ring-27-84", "normal"),
+    (DRIVELINES, "spur-50-50", "normal"),
+    (DRIVELINES, "grc-sun-planet", "normal"),
+    (DRIVELINES, "grc-planet-ring", "normal"),
+];
 
 /// Prints seconds, processor seconds, the largest memory (MB) and unknowns of the elastic models of the pair file `path`.
 pub fn measure(path: &str, level: &str) -> Result<()> {
-    let (_, refinement) = *LEVELS.iter().find(|l| l.0 == level).ok_or("coarse, normal or fine")?;
-    let pair = Pair { refinement, ..pair::read(path)? };
+    let refinement: Refinement = serde_json::from_value(level.into())?;
+    let pair = pair::read(path)?;
+    let pair = Pair { refinement, ..pair };
     let settings = Settings::for_pair(&pair);
     let (models, seconds) = timed(|| compute(&pair, &settings));
     models?;
-    let [first, second] = pair.geometry.gears.each_ref().map(|gear| SectorMesh::unknowns(gear, &settings));
+    let gears = pair.geometry.gears.each_ref();
+    let [first, second] = gears.map(|gear| SectorMesh::unknowns(gear, &settings));
     let unknowns = first?.max(second?);
     let status = std::fs::read_to_string("/proc/self/status")?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"));
-    let kilobytes = line.and_then(|l| l.split_whitespace().nth(1)).ok_or("no VmHWM in /proc/self/status")?;
+    let kilobytes = line.and_then(|l| l.split_whitespace().nth(1));
+    let kilobytes: f64 = kilobytes.ok_or("no VmHWM in /proc/self/status")?.parse()?;
     let stat = std::fs::read_to_string("/proc/self/stat")?;
     // Fields 14 and 15, in hundredths of a second on Linux; the name in parentheses may hold spaces.
-    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
-    let processor = (fields[11].parse::<f64>()? + fields[12].parse::<f64>()?) / 100.0;
-    println!("{seconds} {processor} {} {unknowns}", kilobytes.parse::<f64>()? / 1024.0);
+    let fields = stat.rsplit(')').next().unwrap_or_default();
+    let times: Vec<&str> = fields.split_whitespace().skip(11).take(2).collect();
+    let processor = (times[0].parse::<f64>()? + times[1].parse::<f64>()?) / 100.0;
+    println!("{seconds} {processor} {} {unknowns}", kilobytes / 1024.0);
     Ok(())
 }
 
@@ -44,46 +56,61 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     compliance(context, data)?;
     let mut rows = contact(context)?;
     rows.extend(changed_relief()?);
-    data.table("contact-cost", &["contact, tables, packing", "found", "bar"], &rows)
+    data.table(
+        "contact-cost",
+        "contact, tables, packing | found | bar",
+        &rows,
+    )
 }
 
 fn compliance(context: &Context, data: &Data) -> Result<()> {
-    let mut cases = vec![(SHIPPED, PAIR, "coarse"), (SHIPPED, PAIR, "normal"), (SHIPPED, PAIR, "fine")];
-    cases.extend(["fzg-c", "helical-25-47", "planet-ring-27-84"].map(|pair| (SHIPPED, pair, "normal")));
-    cases.extend(["spur-50-50", "grc-sun-planet", "grc-planet-ring"].map(|pair| (DRIVELINES, pair, "normal")));
     let mut rows = vec![];
-    for (folder, pair, level) in cases.into_iter().take(if context.quick { 2 } else { 9 }) {
+    for (folder, pair, level) in CASES.into_iter().take(if context.quick { 2 } else { 9 }) {
         eprintln!("    {pair}, {level}");
         // In a process of its own, whose memory is that of the models alone.
         let file = in_repository(&format!("{folder}/{pair}.json"));
         let mut command = Command::new(std::env::current_exe()?);
         let line = output(command.arg("--measure").arg(file).arg(level))?;
-        let numbers = line.split_whitespace().map(str::parse).collect::<std::result::Result<Vec<f64>, _>>()?;
+        let numbers = line.split_whitespace().map(str::parse);
+        let numbers = numbers.collect::<std::result::Result<Vec<f64>, _>>()?;
         let [seconds, processor, megabytes, unknowns] = numbers[..] else {
             return Err(format!("unexpected output: {line}").into());
         };
-        let name = format!("{pair}, {level}");
-        rows.push(row![name, fixed(unknowns, 0), fixed(seconds, 1), fixed(processor, 1), fixed(megabytes, 0)]);
+        let times = format!("{seconds:.1} | {processor:.1}");
+        rows.push(format!(
+            "{pair}, {level} | {unknowns:.0} | {times} | {megabytes:.0}"
+        ));
     }
-    let head = ["pair, level", "unknowns of the larger sector", "s", "processor s", "peak memory, MB"];
-    data.table("compliance-cost", &head, &rows)
+    let head = "pair, level | unknowns of the larger sector | s | processor s | peak memory, MB";
+    data.table("compliance-cost", head, &rows)
 }
 
-fn contact(context: &Context) -> Result<Vec<Vec<String>>> {
+/// A row with the bar that a number is to stay below.
+fn below(claim: &str, found: f64, digits: usize, bar: f64) -> String {
+    format!(
+        "{claim} | {found:.digits$} | {bar}: {}",
+        verdict(found < bar)
+    )
+}
+
+fn contact(context: &Context) -> Result<Vec<String>> {
     let pair = shipped(PAIR)?;
-    let setup = Setup { solver: context.models.solver(&pair)?, pair };
+    let solver = context.models.solver(&pair)?;
+    let setup = Setup { pair, solver };
     let (mut warm, mut cold, mut set_up) = (vec![], vec![], vec![]);
     let mut most = 0;
     for i in 0..24 {
-        let (problem, seconds) = timed(|| setup.solver.position(Flank::Drive, f64::from(i) / 24.0, 0.0));
+        let tau = f64::from(i) / 24.0;
+        let (problem, seconds) = timed(|| setup.solver.position(Flank::Drive, tau, 0.0));
         let problem = problem?;
         set_up.push(1e3 * seconds);
+        let misalignment = 1e-3 * f64::from(i % 7 - 3);
         let mut last: Option<ContactResult> = None;
         for k in 0..40 {
-            let (torque, misalignment) = (200.0 * (1.0 - f64::from(k) / 40.0), 1e-3 * f64::from(i % 7 - 3));
-            let (fresh, seconds) = timed(|| problem.solve_torque(torque, misalignment, None));
-            cold.push(1e3 * seconds);
-            let (result, seconds) = timed(|| problem.solve_torque(torque, misalignment, last.as_ref()));
+            let torque = 200.0 * (1.0 - f64::from(k) / 40.0);
+            let solve = |last| timed(|| problem.solve_torque(torque, misalignment, last));
+            let ((fresh, cold_seconds), (result, seconds)) = (solve(None), solve(last.as_ref()));
+            cold.push(1e3 * cold_seconds);
             warm.push(1e3 * seconds);
             let result = result?;
             most = most.max(fresh?.iterations).max(result.iterations);
@@ -93,41 +120,36 @@ fn contact(context: &Context) -> Result<Vec<Vec<String>>> {
     let [warm, cold, set_up] = [warm, cold, set_up].map(median);
 
     eprintln!("    table of 10 x 32 x 9 x 9");
-    let operating = &setup.pair.operating;
     let n = if context.quick { 3 } else { 9 };
-    let axes = Axes {
-        displacement_fraction: displacement_nodes(10, 1.6),
-        center_distance_offset: crate::data::even(operating.center_distance_offset, n),
-        misalignment: crate::data::even(operating.misalignment, n),
-        mesh_position: mesh_positions(32),
-    };
+    let axes = setup.axes([10, n, n, 32]);
     let source = WatchedSolver::new(&setup.solver);
-    let (grid, seconds) = timed(|| sweep(&source, Flank::Drive, &axes, operating.maximum_torque, &quiet()));
+    let torque = setup.pair.operating.maximum_torque;
+    let (grid, seconds) = timed(|| sweep(&source, Flank::Drive, &axes, torque, &quiet()));
     grid?;
     let quality = source.quality();
-    let bar = |bar: f64, found: f64| format!("{bar}: {}", verdict(found < bar));
+    let claim =
+        format!("{PAIR}, one thread: a solve from that at the next load, median of 960, ms");
+    let table = "table of 10 displacements × 32 positions × 9 × 9 after compliance, s";
     Ok(vec![
-        row![
-            format!("{PAIR}, one thread: a solve from that at the next load, median of 960, ms"),
-            fixed(warm, 2),
-            bar(1.0, warm)
-        ],
-        row!["the same from nothing, ms", fixed(cold, 2), ""],
-        row!["Newton steps at most", most, ""],
-        row!["influence matrix of a position, once for all its loads, ms", fixed(set_up, 1), ""],
-        row![
-            "table of 10 displacements × 32 positions × 9 × 9 after compliance, s",
-            fixed(seconds, 1),
-            bar(60.0, seconds)
-        ],
-        row!["its solves", quality.solves, ""],
-        row!["its Newton steps at most", quality.most_iterations, gearmesh::contact::MAXIMUM_ITERATIONS],
-        row!["largest residual of its contact conditions", format!("{:.1e}", quality.kkt_residual), ""],
+        below(&claim, warm, 2, 1.0),
+        format!("the same from nothing, ms | {cold:.2} |"),
+        format!("Newton steps at most | {most} |"),
+        format!("influence matrix of a position, once for all its loads, ms | {set_up:.1} |"),
+        below(table, seconds, 1, 60.0),
+        format!("its solves | {} |", quality.solves),
+        format!(
+            "its Newton steps at most | {} | {MAXIMUM_ITERATIONS}",
+            quality.most_iterations
+        ),
+        format!(
+            "largest residual of its contact conditions | {:.1e} |",
+            quality.kkt_residual
+        ),
     ])
 }
 
-/// `gearmesh build` of a pair from the drawing, and again with another tip relief, whose elastic model is kept.
-fn changed_relief() -> Result<Vec<Vec<String>>> {
+/// `gearmesh build` of a pair from the drawing, and again with another tip relief, whose elastic model is cached.
+fn changed_relief() -> Result<[String; 2]> {
     let program = std::env::current_exe()?.with_file_name("gearmesh");
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("pair.json");
@@ -140,11 +162,9 @@ fn changed_relief() -> Result<Vec<Vec<String>>> {
             .arg("build")
             .arg(&file)
             .arg("-o")
-            .arg(folder.path().join("pair.fmu"))
-            .arg("--cache-dir")
-            .arg(folder.path());
-        let (said, seconds) = timed(|| output(&mut command));
-        Ok((said?, seconds))
+            .arg(folder.path().join("pair.fmu"));
+        let (printed, seconds) = timed(|| output(command.arg("--cache-dir").arg(folder.path())));
+        Ok((printed?, seconds))
     };
     eprintln!("    gearmesh build, twice");
     let text = std::fs::read_to_string(in_repository(&format!("{SHIPPED}/{PAIR}.json")))?;
@@ -152,21 +172,26 @@ fn changed_relief() -> Result<Vec<Vec<String>>> {
     let (_, first) = build(&pair)?;
     pair["gear1"]["tip_relief"]["amount_um"] = 9.0.into();
     pair["gear2"]["lead_crowning_um"] = 6.0.into();
-    let (said, second) = build(&pair)?;
-    if !said.contains("read from") {
-        return Err(format!("the elastic model was not found again: {said}").into());
+    let (printed, second) = build(&pair)?;
+    if !printed.contains("read from") {
+        return Err(format!("the elastic model was not found again: {printed}").into());
     }
-    let changed = format!("60: {}", verdict(second < 60.0));
-    Ok(vec![
-        row!["`gearmesh build` with its default grid from the drawing, s", fixed(first, 1), ""],
-        row!["the same with only tip relief and crowning changed, s", fixed(second, 1), changed],
+    Ok([
+        format!("`gearmesh build` with its default grid from the drawing, s | {first:.1} |"),
+        below(
+            "the same with only tip relief and crowning changed, s",
+            second,
+            1,
+            60.0,
+        ),
     ])
 }
 
 /// What `command` prints.
 fn output(command: &mut Command) -> Result<String> {
     let name = Path::new(command.get_program()).display().to_string();
-    let output = command.output().map_err(|e| format!("{name}: {e}; `cargo build --release` makes it"))?;
+    let missing = |e| format!("{name}: {e}; `cargo build --release` makes it");
+    let output = command.output().map_err(missing)?;
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());
     }

@@ -7,11 +7,12 @@ mod plane;
 mod properties;
 mod reference;
 
-use crate::data::{Data, fixed, percent};
+use crate::data::{Data, percent};
 use crate::setup::{SHIPPED, shipped, ste};
-use crate::{Chapter, Context, Result, row, timing};
+use crate::{Chapter, Context, Result, timing};
 use gearmesh::pair::{Pair, Refinement};
 use gearmesh_preprocessor::pair;
+use serde_json::json;
 
 pub const CHAPTERS: [(&str, Chapter); 8] = [
     ("machine", |_, data| timing::machine(data)),
@@ -26,7 +27,7 @@ pub const CHAPTERS: [(&str, Chapter); 8] = [
 
 /// The paper's pair with bores of `bore_mm`, with or without its modifications.
 fn paper(modified: bool, bore_mm: f64) -> Result<Pair> {
-    let mut pair = shipped(if modified { SHIPPED[0] } else { SHIPPED[1] })?;
+    let mut pair = shipped(SHIPPED[usize::from(!modified)])?;
     for gear in &mut pair.geometry.gears {
         gear.held_radius = 0.5e-3 * bore_mm;
     }
@@ -48,24 +49,32 @@ struct Spur {
 impl Spur {
     /// With the nominal torque, N m, and the largest one.
     fn pair(&self, torques: [f64; 2]) -> Result<Pair> {
-        let Self { module_mm, pressure_angle_deg, tool, face_mm, .. } = self;
         let gear = |z: u32| {
-            let bore = self.bore * module_mm * (f64::from(z) - 2.5);
-            format!(
-                r#"{{"teeth": {z}, "profile_shift": 0.0, "face_width_mm": {face_mm}, "dedendum_coefficient": 1.25,
-                     "tool_tip_radius_coefficient": {tool}, "bore_diameter_mm": {bore}}}"#
-            )
+            json!({
+                "teeth": z,
+                "profile_shift": 0.0,
+                "face_width_mm": self.face_mm,
+                "dedendum_coefficient": 1.25,
+                "tool_tip_radius_coefficient": self.tool,
+                "bore_diameter_mm": self.bore * self.module_mm * (f64::from(z) - 2.5),
+            })
         };
-        Ok(pair::from_json(&format!(
-            r#"{{"name": "spur", "meshing": "external", "normal_module_mm": {module_mm},
-                 "normal_pressure_angle_deg": {pressure_angle_deg}, "helix_angle_deg": 0.0, "gear1": {}, "gear2": {},
-                 "operating": {{"nominal_torque_nm": {}, "maximum_torque_nm": {},
-                     "center_distance_offset_um": [-100, 100], "misalignment_mrad": [-3, 3]}}}}"#,
-            gear(self.teeth[0]),
-            gear(self.teeth[1]),
-            torques[0],
-            torques[1],
-        ))?)
+        let pair = json!({
+            "name": "spur",
+            "meshing": "external",
+            "normal_module_mm": self.module_mm,
+            "normal_pressure_angle_deg": self.pressure_angle_deg,
+            "helix_angle_deg": 0.0,
+            "gear1": gear(self.teeth[0]),
+            "gear2": gear(self.teeth[1]),
+            "operating": {
+                "nominal_torque_nm": torques[0],
+                "maximum_torque_nm": torques[1],
+                "center_distance_offset_um": [-100, 100],
+                "misalignment_mrad": [-3, 3],
+            },
+        });
+        Ok(pair::from_json(&pair.to_string())?)
     }
 }
 
@@ -87,16 +96,24 @@ fn levels(context: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
     for name in SHIPPED {
         eprintln!("    {name}");
-        let pair = shipped(name)?;
-        let normal = context.models.solver(&pair)?;
-        let coarse = context.models.solver(&Pair { refinement: Refinement::Coarse, ..pair.clone() })?;
-        let operating = &pair.operating;
-        for torque in [0.4 * operating.nominal_torque, operating.nominal_torque, operating.maximum_torque] {
-            let [n, c] = [ste(&normal, torque, 32)?, ste(&coarse, torque, 32)?];
-            let differences = [percent(c[0], n[0]), percent(c[1], n[1])];
-            let found = row![name, fixed(torque, 0), fixed(n[0], 3), fixed(n[1], 3)];
-            rows.push([found, differences.to_vec()].concat());
+        let normal = shipped(name)?;
+        let coarse = Pair {
+            refinement: Refinement::Coarse,
+            ..normal.clone()
+        };
+        let solvers = [
+            context.models.solver(&normal)?,
+            context.models.solver(&coarse)?,
+        ];
+        let operating = &normal.operating;
+        let nominal = operating.nominal_torque;
+        for torque in [0.4 * nominal, nominal, operating.maximum_torque] {
+            let [n, c] = [ste(&solvers[0], torque, 32)?, ste(&solvers[1], torque, 32)?];
+            let [mean, swing] = [0, 1].map(|i| percent(c[i], n[i]));
+            let found = format!("{:.3} | {:.3} | {mean:+.2} | {swing:+.2}", n[0], n[1]);
+            rows.push(format!("{name} | {torque:.0} | {found}"));
         }
     }
-    data.table("levels", &["pair", "N m", "normal mean, µm", "p-p, µm", "coarse mean", "p-p"], &rows)
+    let head = "pair | N m | normal mean, µm | p-p, µm | coarse mean | p-p";
+    data.table("levels", head, &rows)
 }

@@ -1,17 +1,15 @@
 //! Which level of detail a dynamic run needs: cost and error of each against contact at run time on the finest elements.
 
-use super::{PAIR, everything, ratio};
-use crate::data::{Data, fixed, range, rms};
-use crate::driver::{Bearing, Gear, Scene, Spin, gear_state, set_gear_state};
-use crate::setup::{Setup, quiet, shipped_at, ste};
+use super::{PAIR, everything};
+use crate::data::{Data, mean, range, rms};
+use crate::driver::{Bearing, Gear, Scene, Spin};
+use crate::setup::{Setup, ratio, shipped_at, ste};
 use crate::timing::{median, timed};
-use crate::{Context, Result, row};
+use crate::{Context, Result};
 use gearmesh::contact::{ContactFile, ContactSettings};
 use gearmesh::element::{Element, LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::pair::Refinement;
 use gearmesh::table::Table;
-use gearmesh_preprocessor::contact::contact_file;
-use gearmesh_preprocessor::table::{TeethSweep, default_teeth_axes};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -29,20 +27,20 @@ const SETTLING: f64 = 0.1;
 /// Tilt of gear 1 across the line of centres, rad.
 const TILT: f64 = 0.5e-3;
 /// Bearing of gear 2.
-const BEARING: Bearing = Bearing { stiffness: [5e7; 3], damping: 1e3, tilt_stiffness: 2e5, tilt_damping: 2.0 };
+const BEARING: Bearing = Bearing {
+    stiffness: [5e7; 3],
+    damping: 1e3,
+    tilt_stiffness: 2e5,
+    tilt_damping: 2.0,
+};
 
-/// What is met at a sample of a run.
-#[derive(Clone, Copy)]
-struct Sample {
-    dte: f64,
-    contact_z: f64,
-    misalignment: f64,
-    center_distance: f64,
-}
-
-/// A run, and the seconds of a step, median.
+/// A run: what is met at every sample, m and rad, and the seconds of a step, median.
+#[derive(Default)]
 struct Run {
-    samples: Vec<Sample>,
+    dte: Vec<f64>,
+    contact_z: Vec<f64>,
+    misalignment: Vec<f64>,
+    center_distance: Vec<f64>,
     step: f64,
 }
 
@@ -53,48 +51,47 @@ impl Run {
         let operating = &setup.pair.operating;
         let speed = SPEED_RPM * TAU / 60.0;
         let [low, high] = [0.1 * operating.nominal_torque, operating.maximum_torque];
-        let ramp = Spin::Torque(Arc::new(move |t: f64, _| low + (high - low) * (t / DURATION)));
-        let middle = |i: usize, spin| Gear {
-            center_of_mass: 0.5 * geometry.gears[i].face_width,
-            ..Gear::new(geometry, i, spin)
-        };
-        let second = Gear { bearing: Some(BEARING), ..middle(1, ramp) };
-        let scene = Scene::new(element.clone(), [middle(0, Spin::speed(speed)), second])?;
-        let mut state = scene.with_spin(&scene.rest(), 1, 0.0, ratio(setup) * speed);
-        let mut first = gear_state(&state, 0);
+        let ramp = Spin::Torque(Arc::new(move |t: f64, _| {
+            low + (high - low) * (t / DURATION)
+        }));
+        let mut gears = [
+            Gear::new(geometry, 0, Spin::speed(speed)),
+            Gear::new(geometry, 1, ramp),
+        ];
+        for (gear, of) in gears.iter_mut().zip(&geometry.gears) {
+            gear.center_of_mass = 0.5 * of.face_width;
+        }
+        gears[1].bearing = Some(BEARING);
+        let scene = Scene::new(element.clone(), gears)?;
+        let mut state = scene.with_spin(&scene.rest(), 1, 0.0, ratio(geometry) * speed);
         // Its centre stays where it is.
-        first.q = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), TILT) * first.q;
-        set_gear_state(&mut state, 0, &first);
-        let (mut samples, mut seconds) = (vec![], vec![]);
+        let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), TILT);
+        state[0].q = tilt.into_inner() * state[0].q;
+        let (mut run, mut seconds) = (Run::default(), vec![]);
         for sample in 0..(DURATION / STEP).round() as usize / STEPS_PER_SAMPLE {
-            let begin = (sample * STEPS_PER_SAMPLE) as f64 * STEP;
-            let (stepped, time) = timed(|| {
-                (0..STEPS_PER_SAMPLE).try_fold(state, |state, n| scene.step(begin + n as f64 * STEP, &state, STEP))
-            });
+            let time = |n: usize| (sample * STEPS_PER_SAMPLE + n) as f64 * STEP;
+            let mut steps = 0..STEPS_PER_SAMPLE;
+            let (stepped, elapsed) =
+                timed(|| steps.try_fold(state, |state, n| scene.step(time(n), &state, STEP)));
             state = stepped?;
-            seconds.push(time / STEPS_PER_SAMPLE as f64);
-            let t = begin + STEPS_PER_SAMPLE as f64 * STEP;
+            seconds.push(elapsed / STEPS_PER_SAMPLE as f64);
+            let t = time(STEPS_PER_SAMPLE);
             let out = scene.contact(t, &state)?;
             if t >= SETTLING * DURATION {
-                samples.push(Sample {
-                    dte: out.transmission_error,
-                    contact_z: out.contact_z,
-                    misalignment: out.misalignment,
-                    center_distance: out.center_distance,
-                });
+                run.dte.push(out.transmission_error);
+                run.contact_z.push(out.contact_z);
+                run.misalignment.push(out.misalignment);
+                run.center_distance.push(out.center_distance);
             }
         }
-        Ok(Run { samples, step: median(seconds) })
+        run.step = median(seconds);
+        Ok(run)
     }
+}
 
-    /// rms difference of a quantity from that of another run.
-    fn error(&self, reference: &Self, of: fn(&Sample) -> f64) -> f64 {
-        rms(self.samples.iter().zip(&reference.samples).map(|(a, b)| of(a) - of(b)))
-    }
-
-    fn range(&self, of: fn(&Sample) -> f64) -> [f64; 2] {
-        range(self.samples.iter().map(of))
-    }
+/// rms difference of two runs' samples.
+fn error(a: &[f64], b: &[f64]) -> f64 {
+    rms(a.iter().zip(b).map(|(a, b)| a - b))
 }
 
 /// A level of detail.
@@ -108,14 +105,22 @@ fn contact(refinement: Refinement) -> Result<(Setup, ContactFile)> {
     let pair = shipped_at(PAIR, refinement)?;
     let settings = ContactSettings::for_pair(&pair);
     let setup = Setup::new(pair, settings)?;
-    let file = contact_file(&setup.pair, &setup.solver.clone().at_run_time())?;
+    let file = setup.contact_file()?;
     Ok((setup, file))
 }
 
 fn by_contact(setup: &Setup, file: &ContactFile) -> Result<Element> {
-    let parameters =
-        Parameters { stiffness_model: StiffnessModel::Contact, loaded_flank: LoadedFlank::Drive, ..everything(setup) };
-    Ok(Element::with_contact(&setup.pair.geometry, &parameters, file)?)
+    let parameters = Parameters {
+        stiffness_model: StiffnessModel::Contact,
+        loaded_flank: LoadedFlank::Drive,
+        ..everything(setup)
+    };
+    Ok(Element::with_contact(
+        &setup.pair.geometry,
+        &parameters,
+        file,
+        None,
+    )?)
 }
 
 /// Constant stiffness, tables with one effect more each, and tooth pair by tooth pair, all teeth alike.
@@ -123,22 +128,24 @@ fn simpler(setup: &Setup, contact: &ContactFile, counts: [usize; 4]) -> Result<V
     let geometry = &setup.pair.geometry;
     let mut file = setup.file(&setup.samples(counts)?);
     let table = Arc::new(Table::from_file(file.clone())?);
-    let four = Parameters { loaded_flank: LoadedFlank::Drive, ..everything(setup) };
-    let three = Parameters { center_distance_effect: false, ..four };
-    let two = Parameters { misalignment_effect: false, shuttling_effect: false, ..three };
-    let one = Parameters { load_dependent: false, ..two };
+    let mut four = everything(setup);
+    four.loaded_flank = LoadedFlank::Drive;
+    let mut three = four;
+    three.center_distance_effect = false;
+    let mut two = three;
+    (two.misalignment_effect, two.shuttling_effect) = (false, false);
+    let mut one = two;
+    one.load_dependent = false;
     let [mean_um, _] = ste(&setup.solver, setup.pair.operating.nominal_torque, 32)?;
-    let cos = geometry.operating_pressure_angle(geometry.center_distance).cos();
-    let constant = Parameters {
-        stiffness_model: StiffnessModel::Constant,
-        constant_stiffness: setup.nominal_force() / (1e-6 * mean_um) * cos * cos,
-        ..two
-    };
-    let coverage = setup.coverage();
-    let sweep = TeethSweep { solver: &setup.solver, contact, coverage: &coverage, coast_mirrors_drive: true };
-    file.teeth = Some(sweep.record(&default_teeth_axes(&coverage), POINTS, &quiet())?);
-    let teeth = Parameters { stiffness_model: StiffnessModel::Teeth, ..four };
-    let with_teeth = Arc::new(Table::with_effects(Arc::new(file), teeth.table_effects(geometry))?);
+    let angle = geometry.operating_pressure_angle(geometry.center_distance);
+    let mut constant = two;
+    constant.stiffness_model = StiffnessModel::Constant;
+    constant.constant_stiffness = setup.nominal_force() / (1e-6 * mean_um) * angle.cos().powi(2);
+    let mut teeth = four;
+    teeth.stiffness_model = StiffnessModel::Teeth;
+    file.teeth = Some(setup.teeth_record(contact, POINTS)?);
+    let effects = teeth.table_effects(geometry);
+    let with_teeth = Arc::new(Table::with_effects(Arc::new(file), effects)?);
     let mut levels = vec![];
     for (name, parameters, table) in [
         ("constant stiffness", constant, &table),
@@ -149,17 +156,30 @@ fn simpler(setup: &Setup, contact: &ContactFile, counts: [usize; 4]) -> Result<V
         ("tooth pair by tooth pair", teeth, &with_teeth),
     ] {
         let element = Element::new(geometry, &parameters, Some(table.clone()))?;
-        levels.push(Level { name: name.into(), element });
+        let name = name.into();
+        levels.push(Level { name, element });
     }
     Ok(levels)
 }
 
 /// The chapter; contact on the finest elements is the reference.
 pub fn report(context: &Context, data: &Data) -> Result<()> {
-    let counts = if context.quick { [8, 5, 9, 16] } else { [12, 5, 17, 32] };
-    let mut contacts = vec![("coarse", contact(Refinement::Coarse)?), ("normal", contact(Refinement::Normal)?)];
-    if !context.quick {
-        contacts.push(("fine", contact(Refinement::Fine)?));
+    let counts = if context.quick {
+        [8, 5, 9, 16]
+    } else {
+        [12, 5, 17, 32]
+    };
+    let refinements = [
+        ("coarse", Refinement::Coarse),
+        ("normal", Refinement::Normal),
+        ("fine", Refinement::Fine),
+    ];
+    let mut contacts = vec![];
+    for (name, refinement) in refinements
+        .into_iter()
+        .take(if context.quick { 2 } else { 3 })
+    {
+        contacts.push((name, contact(refinement)?));
     }
     let (finest, (best, file)) = contacts.pop().ok_or("no refinement")?;
     let reference = Run::new(&best, &by_contact(&best, &file)?)?;
@@ -168,37 +188,56 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     let mut levels = simpler(usual, usual_contact, counts)?;
     for (name, (setup, file)) in &contacts {
         let name = format!("contact at run time, {name}");
-        levels.push(Level { name, element: by_contact(setup, file)? });
+        let element = by_contact(setup, file)?;
+        levels.push(Level { name, element });
     }
 
-    let mut rows = vec![];
-    let mut runs = vec![];
-    for level in &levels {
-        let run = Run::new(&best, &level.element)?;
-        let [dte, z] = [1e6 * run.error(&reference, |s| s.dte), 1e3 * run.error(&reference, |s| s.contact_z)];
-        rows.push(row![level.name, fixed(1e6 * run.step, 1), fixed(dte, 3), fixed(z, 3)]);
+    let (mut rows, mut runs) = (vec![], vec![]);
+    for Level { name, element } in &levels {
+        let run = Run::new(&best, element)?;
+        let dte = 1e6 * error(&run.dte, &reference.dte);
+        let z = 1e3 * error(&run.contact_z, &reference.contact_z);
+        rows.push(format!(
+            "{name} | {:.1} | {dte:.3} | {z:.3}",
+            1e6 * run.step
+        ));
         runs.push(run);
     }
-    let name = format!("contact at run time, {finest} (reference)");
-    rows.push(row![name, fixed(1e6 * reference.step, 1), "", ""]);
+    let step = 1e6 * reference.step;
+    rows.push(format!(
+        "contact at run time, {finest} (reference) | {step:.1} | |"
+    ));
     // The 4-D table and contact on its own elements.
-    let by_table = 1e6 * runs[4].error(&runs[runs.len() - 1], |s| s.dte);
-    rows.push(row!["4-D table from contact on the same elements", "", fixed(by_table, 3), ""]);
-    data.table("levels", &["level", "a step, µs", "rms error of the DTE, µm", "of z_c, mm"], &rows)?;
+    let by_table = 1e6 * error(&runs[4].dte, &runs[runs.len() - 1].dte);
+    rows.push(format!(
+        "4-D table from contact on the same elements | | {by_table:.3} |"
+    ));
+    let head = "level | a step, µs | rms error of the DTE, µm | of z_c, mm";
+    data.table("levels", head, &rows)?;
 
-    let nominal = best.pair.geometry.center_distance;
-    let mean = crate::data::mean(&reference.samples.iter().map(|s| s.dte).collect::<Vec<_>>());
-    let [dte, z] = [reference.range(|s| s.dte), reference.range(|s| s.contact_z)];
-    let [tilt, distance] = [reference.range(|s| s.misalignment), reference.range(|s| s.center_distance)];
-    let between = |[low, high]: [f64; 2], scale: f64, digits: usize| {
-        row![fixed(scale * low, digits), fixed(scale * high, digits)]
+    let ends = |values: &[f64], scale: f64, digits: usize| {
+        let [low, high] = range(values.iter().map(|x| scale * x));
+        format!("{low:.digits$} | {high:.digits$}")
     };
+    let nominal = best.pair.geometry.center_distance;
+    let off: Vec<_> = reference
+        .center_distance
+        .iter()
+        .map(|c| c - nominal)
+        .collect();
+    let mean = 1e6 * mean(reference.dte.iter().copied());
     let rows = [
-        [row!["misalignment, mrad"], between(tilt, 1e3, 2)].concat(),
-        [row!["centre distance off the nominal, µm"], between(distance.map(|a| a - nominal), 1e6, 0)].concat(),
-        [row!["DTE, µm"], between(dte, 1e6, 2)].concat(),
-        row!["DTE, mean, µm", fixed(1e6 * mean, 2), ""],
-        [row!["z_c, mm"], between(z, 1e3, 2)].concat(),
+        format!(
+            "misalignment, mrad | {}",
+            ends(&reference.misalignment, 1e3, 2)
+        ),
+        format!(
+            "centre distance off the nominal, µm | {}",
+            ends(&off, 1e6, 0)
+        ),
+        format!("DTE, µm | {}", ends(&reference.dte, 1e6, 2)),
+        format!("DTE, mean, µm | {mean:.2} |"),
+        format!("z_c, mm | {}", ends(&reference.contact_z, 1e3, 2)),
     ];
-    data.table("levels-reference", &["of the reference", "from", "to"], &rows)
+    data.table("levels-reference", "of the reference | from | to", &rows)
 }

@@ -1,7 +1,6 @@
 //! Speed against accuracy: what tables, interpolants, effects, hosts and steps cost in time and in error.
 
 mod effects;
-mod element;
 mod growth;
 mod hosts;
 mod interpolants;
@@ -11,21 +10,16 @@ mod run_up;
 use crate::setup::{Setup, shipped_at};
 use crate::{Chapter, Context, Result, timing};
 use gearmesh::contact::ContactSettings;
-use gearmesh::element::{Element, Inputs, InputsChange, Latch, LoadedFlank, MotionChange, Parameters, StiffnessModel};
+use gearmesh::element::{LoadedFlank, Parameters, StiffnessModel};
 use gearmesh::pair::Refinement;
-use gearmesh::random::Random;
-use gearmesh::table::{Axis, FlankGrid, Table};
-use nalgebra::{Rotation3, Vector3};
-use std::sync::Arc;
+use gearmesh::table::{Axis, FlankGrid};
 
-pub const CHAPTERS: [(&str, Chapter); 9] = [
+pub const CHAPTERS: [(&str, Chapter); 7] = [
     ("machine", |_, data| timing::machine(data)),
     ("interpolants", interpolants::report),
-    ("element", element::report),
     ("effects", effects::report),
     ("growth", growth::report),
     ("cost-per-second", hosts::cost),
-    ("hosts", hosts::report),
     ("run-up", run_up::report),
     ("levels", levels::report),
 ];
@@ -43,24 +37,22 @@ impl Sampled {
     fn of(context: &Context) -> Result<&Self> {
         if context.samples.get().is_none() {
             eprintln!("    samples of the contact solver");
-            let setup = at(PAIR, Refinement::Coarse)?;
+            let setup = coarse(PAIR)?;
             let grid = setup.samples([16, 9, 17, if context.quick { 32 } else { 64 }])?;
             let _ = context.samples.set(Self { setup, grid });
         }
         context.samples.get().ok_or_else(|| "no samples".into())
     }
-
-    /// The table of the whole element: every other mesh position.
-    fn half(&self) -> FlankGrid {
-        thinned(&self.grid, [1, 1, 1, 2])
-    }
 }
 
-/// The shipped pair `name` on as many stations for each refinement.
-fn at(name: &str, refinement: Refinement) -> Result<Setup> {
-    let pair = shipped_at(name, refinement)?;
-    let tip_corner_contact = pair.tip_corner_contact;
-    Setup::new(pair, ContactSettings { tip_corner_contact, ..ContactSettings::default() })
+/// The shipped pair `name` on coarse elements, with as many segments as other refinements have.
+fn coarse(name: &str) -> Result<Setup> {
+    let pair = shipped_at(name, Refinement::Coarse)?;
+    let contact = ContactSettings {
+        tip_corner_contact: pair.tip_corner_contact,
+        ..ContactSettings::default()
+    };
+    Setup::new(pair, contact)
 }
 
 /// Held-out points per scene.
@@ -71,13 +63,22 @@ fn points(context: &Context) -> usize {
 /// Every `step`-th node of `grid` along (displacement, centre distance, misalignment, mesh position),
 /// ends kept; a step of 0 takes the nominal node alone.
 fn thinned(grid: &FlankGrid, steps: [usize; 4]) -> FlankGrid {
-    let axes = [Axis::Displacement, Axis::CenterDistance, Axis::Misalignment, Axis::MeshPosition];
+    let axes = [
+        Axis::Displacement,
+        Axis::CenterDistance,
+        Axis::Misalignment,
+        Axis::MeshPosition,
+    ];
     let mut thin = grid.clone();
     for (axis, step) in axes.into_iter().zip(steps) {
         let nodes = thin.axes.along_mut(axis).clone();
         let nominal = (0..nodes.len()).min_by(|&i, &j| nodes[i].abs().total_cmp(&nodes[j].abs()));
         // The last displacement, the top load, is the one that must stay.
-        let first = if axis == Axis::Displacement { step - 1 } else { 0 };
+        let first = if axis == Axis::Displacement {
+            step - 1
+        } else {
+            0
+        };
         let chosen: Vec<usize> = match step {
             0 => nominal.into_iter().collect(),
             _ => (first..nodes.len()).step_by(step).collect(),
@@ -87,17 +88,6 @@ fn thinned(grid: &FlankGrid, steps: [usize; 4]) -> FlankGrid {
     thin
 }
 
-/// Turns, small translations and velocities of both gears: a direction that touches every input.
-fn direction() -> InputsChange {
-    let change = |s: f64| MotionChange {
-        p: Vector3::new(1.0, -0.5, 0.3) * s,
-        rotation: Vector3::new(0.2, 0.4, 10.0) * s,
-        v: Vector3::new(0.1, 0.2, 0.3),
-        w: Vector3::new(0.3, 0.2, 0.1),
-    };
-    InputsChange { gears: [change(1.0), change(-0.7)], carrier: MotionChange::default() }
-}
-
 /// Parameters with every effect on.
 fn everything(setup: &Setup) -> Parameters {
     Parameters {
@@ -105,64 +95,5 @@ fn everything(setup: &Setup) -> Parameters {
         nominal_torque: setup.pair.operating.nominal_torque,
         loaded_flank: LoadedFlank::Both,
         ..Parameters::default()
-    }
-}
-
-/// Rate of gear 2 over that of gear 1.
-fn ratio(setup: &Setup) -> f64 {
-    let geometry = &setup.pair.geometry;
-    -geometry.e() * geometry.gears[0].z() / geometry.gears[1].z()
-}
-
-/// An element with random poses of both gears in contact, as a solver would hand them in.
-struct Posed {
-    element: Element,
-    latch: Latch,
-    poses: Vec<Inputs>,
-}
-
-/// How far poses spread: centre distance offset, m, tilt of gear 2 about each axis across it, rad, and normal force, N.
-struct Spread {
-    center_distance: f64,
-    tilt: f64,
-    normal_force: [f64; 2],
-}
-
-impl Posed {
-    fn new(setup: &Setup, parameters: &Parameters, table: &Arc<Table>, spread: &Spread) -> Result<Self> {
-        let element = Element::new(&setup.pair.geometry, parameters, Some(table.clone()))?;
-        let latch = element.latch(&element.nominal_inputs())?;
-        let ratio = ratio(setup);
-        let mut random = Random::new(0x2545_F491_4F6C_DD1D);
-        let mut both = |x: f64| random.within([-x, x]);
-        let spin = |angle: f64| *Rotation3::from_axis_angle(&Vector3::z_axis(), angle).matrix();
-        let mut poses = vec![];
-        for _ in 0..256 {
-            let mut inputs = element.nominal_inputs();
-            inputs.gears[1].p += Vector3::new(both(spread.center_distance), both(1e-5), both(1e-5));
-            let tilt = Rotation3::from_euler_angles(both(spread.tilt), both(spread.tilt), 0.0);
-            let turn = both(3.0);
-            inputs.gears[1].r = tilt.matrix() * spin(turn * ratio);
-            let [low, high] = spread.normal_force;
-            let force = 0.5 * (low + high) + 0.5 * both(high - low);
-            // Force rises with the angle of gear 1; half a base pitch at most lies between contact and no contact.
-            let (mut free, mut deep) = (-5e-3, 5e-3);
-            for _ in 0..40 {
-                let middle = 0.5 * (free + deep);
-                inputs.gears[0].r = spin(turn + middle);
-                if element.evaluate(&latch, &inputs)?.normal_force < force {
-                    free = middle;
-                } else {
-                    deep = middle;
-                }
-            }
-            inputs.gears[0].r = spin(turn + 0.5 * (free + deep));
-            for (gear, speed) in inputs.gears.iter_mut().zip([100.0, 100.0 * ratio]) {
-                gear.w = Vector3::z() * speed;
-                gear.v = Vector3::new(both(1e-3), both(1e-3), both(1e-3));
-            }
-            poses.push(inputs);
-        }
-        Ok(Self { element, latch, poses })
     }
 }

@@ -1,11 +1,11 @@
 //! Scans of the force for jumps, inside the range of the tables and beyond it.
 
-use super::{Real, pose, ratio, spin, undamped};
+use super::{Real, pose, spin, undamped};
 use crate::data::Data;
-use crate::setup::external_and_internal;
+use crate::setup::{external_and_internal, ratio};
 use crate::spring::Spring;
-use crate::{Context, Result, row};
-use gearmesh::element::{Element, FlankLaws, Formulation, Inputs, Interpolation, LoadedFlank, Parameters};
+use crate::{Context, Result};
+use gearmesh::element::{Element, FlankLaws, Formulation, Inputs, Interpolation, LoadedFlank};
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::FlankTable;
 use nalgebra::{Rotation3, Vector3};
@@ -20,8 +20,12 @@ pub type Route = (&'static str, fn(&Subject, f64) -> Inputs);
 
 pub const PATHS: [Route; 5] = [
     ("turn through the gap", |s, x| s.turned(x)),
-    ("apart, 10 mm", |s, x| s.pressed(Vector3::x() * (s.pair.e() * (-0.2e-3 + 10e-3 * x)))),
-    ("along the axis, 60 mm", |s, x| s.pressed(Vector3::z() * (-30e-3 + 60e-3 * x))),
+    ("apart, 10 mm", |s, x| {
+        s.pressed(Vector3::x() * (s.pair.e() * (-0.2e-3 + 10e-3 * x)))
+    }),
+    ("along the axis, 60 mm", |s, x| {
+        s.pressed(Vector3::z() * (-30e-3 + 60e-3 * x))
+    }),
     ("tilt, -5 to 5 mrad", |s, x| {
         let mut inputs = s.pressed(Vector3::zeros());
         // About an axis across the line of action, so that the tilt is misalignment.
@@ -58,8 +62,16 @@ impl Subject {
         Self {
             pair: pair.clone(),
             element,
-            sign: if flank == LoadedFlank::Coast { -1.0 } else { 1.0 },
-            gap: if flank == LoadedFlank::Both { backlash } else { 0.0 },
+            sign: if flank == LoadedFlank::Coast {
+                -1.0
+            } else {
+                1.0
+            },
+            gap: if flank == LoadedFlank::Both {
+                backlash
+            } else {
+                0.0
+            },
         }
     }
 
@@ -86,7 +98,10 @@ impl Subject {
 
     /// How the force goes along each path.
     pub fn course(&self) -> Result<Vec<Course>> {
-        PATHS.iter().map(|(_, path)| Course::of(&|x| self.force(*path, x), POINTS)).collect()
+        PATHS
+            .iter()
+            .map(|(_, path)| Course::of(&|x| self.force(*path, x), POINTS))
+            .collect()
     }
 }
 
@@ -127,16 +142,14 @@ impl Course {
             return Ok(Course::Refused);
         };
         let largest = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        let steepest = forces.windows(2).map(|w| (w[1] - w[0]).norm() / step).fold(0.0, f64::max);
+        let steepest = forces
+            .windows(2)
+            .map(|w| (w[1] - w[0]).norm() / step)
+            .fold(0.0, f64::max);
         // Fourth differences: those of a smooth force are far below what a kink or a jump leaves in them.
-        let mut spots: Vec<(f64, usize)> = forces
-            .windows(5)
-            .enumerate()
-            .map(|(i, w)| {
-                let fourth = w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
-                (fourth.norm(), i + 2)
-            })
-            .collect();
+        let fourth = |w: &[Vector3<f64>]| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
+        let norms = forces.windows(5).map(|w| fourth(w).norm());
+        let mut spots: Vec<(f64, usize)> = norms.zip(2..).collect();
         spots.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (mut jump, mut kink) = (0.0_f64, 0.0_f64);
         for &(_, i) in spots.iter().take(SPOTS) {
@@ -149,12 +162,12 @@ impl Course {
                 let all = [a, force(x - h)?, m, force(x + h)?, b];
                 let bends = [1, 2, 3].map(|k| all[k - 1] - 2.0 * all[k] + all[k + 1]);
                 // Of a smooth force all three are nearly the same; a kink or a jump is in two at most.
-                let calm = bends.into_iter().min_by(|p, q| p.norm().total_cmp(&q.norm())).unwrap_or_default();
+                let calm = bends
+                    .into_iter()
+                    .min_by(|p, q| p.norm().total_cmp(&q.norm()));
+                let over = |k: usize| (bends[k] - calm.unwrap_or_default()).norm();
                 let worst = (0..3)
-                    .max_by(|&i, &j| {
-                        let over = |k: usize| (bends[k] - calm).norm();
-                        over(i).total_cmp(&over(j))
-                    })
+                    .max_by(|&i, &j| over(i).total_cmp(&over(j)))
                     .unwrap_or(1);
                 at = [all[worst], all[worst + 1], all[worst + 2]];
                 x += h * (worst as f64 - 1.0);
@@ -189,19 +202,26 @@ impl std::fmt::Display for Course {
 /// Pairs with constant stiffness and with the sampled potential.
 fn sampled() -> Result<Vec<(&'static str, &'static str, Subject)>> {
     let [external, internal] = external_and_internal();
-    let PairGeometry { gears: [pinion, ring], center_distance } = internal.clone();
-    let ring_first = PairGeometry { gears: [ring, pinion], center_distance };
-    let drive = Arc::new(FlankTable::new(&Spring::grid([10, 7, 9, 16]), Interpolation::Spline)?);
+    let mut ring_first = internal.clone();
+    ring_first.gears.reverse();
+    let grid = Spring::grid([10, 7, 9, 16]);
+    let drive = Arc::new(FlankTable::new(&grid, Interpolation::Spline)?);
     let laws = FlankLaws { drive, coast: None };
     let both = undamped(LoadedFlank::Both);
-    let paper = Parameters { formulation: Formulation::Paper, ..both };
-    let mut all = Vec::new();
-    for (name, pair) in [("external", external), ("internal", internal), ("ring first", ring_first)] {
-        let subject = |element| Subject::new(&pair, element, LoadedFlank::Both, pair.backlash(pair.center_distance));
-        let constant = subject(Element::new(&pair, &both, None)?);
-        all.push((name, "constant", constant));
-        all.push((name, "sampled", subject(Element::with_laws(&pair, &both, &laws)?)));
-        all.push((name, "sampled, paper", subject(Element::with_laws(&pair, &paper, &laws)?)));
+    let mut paper = both;
+    paper.formulation = Formulation::Paper;
+    let mut all = vec![];
+    for (name, pair) in [
+        ("external", external),
+        ("internal", internal),
+        ("ring first", ring_first),
+    ] {
+        let backlash = pair.backlash(pair.center_distance);
+        let subject = |element| Subject::new(&pair, element, LoadedFlank::Both, backlash);
+        let sampled = |parameters| Element::with_laws(&pair, parameters, &laws);
+        all.push((name, "constant", subject(Element::new(&pair, &both, None)?)));
+        all.push((name, "sampled", subject(sampled(&both)?)));
+        all.push((name, "sampled, paper", subject(sampled(&paper)?)));
     }
     Ok(all)
 }
@@ -218,26 +238,38 @@ pub fn subject(
 }
 
 pub fn report(_: &Context, data: &Data) -> Result<()> {
+    use Formulation::{Conjugate, Paper};
     use Interpolation::{Linear, Shepard, Spline};
     use LoadedFlank::{Both, Coast, Drive};
     let mut rows = vec![];
     let mut add = |pair: &str, law: &str, flanks: &str, subject: &Subject| -> Result<()> {
-        let courses = subject.course()?.into_iter().map(|course| course.to_string()).collect();
-        rows.push([row![pair, law, flanks], courses].concat());
+        let courses = subject
+            .course()?
+            .into_iter()
+            .map(|course| format!(" | {course}"));
+        rows.push(format!(
+            "{pair} | {law} | {flanks}{}",
+            courses.collect::<String>()
+        ));
         Ok(())
     };
     for (pair, law, subject) in sampled()? {
         add(pair, law, "both", &subject)?;
     }
     for real in Real::pairs()? {
-        for (name, interpolation) in [("spline", Spline), ("linear", Linear), ("shepard", Shepard)] {
+        for (name, interpolation) in [("spline", Spline), ("linear", Linear), ("shepard", Shepard)]
+        {
             for (flanks, flank) in [("drive", Drive), ("coast", Coast), ("both", Both)] {
-                let subject = subject(&real, Formulation::Conjugate, interpolation, flank)?;
+                let subject = subject(&real, Conjugate, interpolation, flank)?;
                 add(real.name, name, flanks, &subject)?;
             }
         }
-        add(real.name, "spline, paper", "both", &subject(&real, Formulation::Paper, Spline, Both)?)?;
+        let paper = subject(&real, Paper, Spline, Both)?;
+        add(real.name, "spline, paper", "both", &paper)?;
     }
-    let head: Vec<&str> = ["pair", "law", "flanks"].into_iter().chain(PATHS.map(|path| path.0)).collect();
+    let head = format!(
+        "pair | law | flanks | {}",
+        PATHS.map(|path| path.0).join(" | ")
+    );
     data.table("continuity", &head, &rows)
 }

@@ -2,10 +2,10 @@
 
 use super::Real;
 use crate::data::Data;
-use crate::driver::{Bearing, Gear, MASS, Scene, Spin, State, TRANSVERSE_INERTIA, gear_state, set_gear_state, twist};
+use crate::driver::{Bearing, Gear, MASS, Scene, Spin, State, TRANSVERSE_INERTIA};
 use crate::setup::external_and_internal;
 use crate::spring::Spring;
-use crate::{Context, Result, row};
+use crate::{Context, Result};
 use gearmesh::element::{
     Element, FlankLaws, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel,
 };
@@ -18,7 +18,7 @@ use std::sync::Arc;
 const TORQUE: f64 = 60.0;
 
 /// A pair with its law.
-pub enum Case {
+enum Case {
     /// The sampled four-dimensional potential of `Spring`.
     Sampled(PairGeometry),
     /// The paper's modified pair with its table.
@@ -26,12 +26,7 @@ pub enum Case {
 }
 
 impl Case {
-    pub fn sampled() -> Self {
-        let [external, _] = external_and_internal();
-        Case::Sampled(external)
-    }
-
-    pub fn geometry(&self) -> &PairGeometry {
+    fn geometry(&self) -> &PairGeometry {
         match self {
             Case::Sampled(geometry) => geometry,
             Case::Real(real) => &real.geometry,
@@ -46,34 +41,36 @@ impl Case {
     }
 
     /// The element with the choices of `parameters`: undamped, both flanks.
-    pub fn element(&self, parameters: Parameters) -> Result<Element> {
-        let parameters = Parameters {
-            stiffness_model: StiffnessModel::Table,
-            loaded_flank: LoadedFlank::Both,
-            backlash: Some(120e-6),
-            damping: 0.0,
-            ..parameters
-        };
+    fn element(&self, mut parameters: Parameters) -> Result<Element> {
+        parameters.stiffness_model = StiffnessModel::Table;
+        parameters.loaded_flank = LoadedFlank::Both;
+        parameters.backlash = Some(120e-6);
+        parameters.damping = 0.0;
         Ok(match self {
             Case::Sampled(geometry) => {
                 let grid = Spring::grid([10, 7, 9, 16]);
                 let drive = Arc::new(FlankTable::new(&grid, parameters.interpolation)?);
-                Element::with_laws(geometry, &parameters, &FlankLaws { drive, coast: None })?
+                let laws = FlankLaws { drive, coast: None };
+                Element::with_laws(geometry, &parameters, &laws)?
             }
-            Case::Real(real) => Element::new(&real.geometry, &parameters, Some(real.table.clone()))?,
+            Case::Real(real) => {
+                Element::new(&real.geometry, &parameters, Some(real.table.clone()))?
+            }
         })
     }
 }
 
 /// All effects on, the load variable.
-pub fn choice(formulation: Formulation, interpolation: Interpolation) -> Parameters {
-    Parameters { formulation, interpolation, ..Parameters::default() }
+fn choice(formulation: Formulation, interpolation: Interpolation) -> Parameters {
+    let mut parameters = Parameters::default();
+    (parameters.formulation, parameters.interpolation) = (formulation, interpolation);
+    parameters
 }
 
 /// Work on a closed loop and the mean energy on it, J.
-pub struct Loop {
-    pub work: f64,
-    pub energy: f64,
+struct Loop {
+    work: f64,
+    energy: f64,
 }
 
 /// An ellipse in the freedoms `i`, `j` (0-11) with these half axes.
@@ -90,7 +87,8 @@ fn ellipse(element: &Element, start: &Inputs, [i, j]: [usize; 2], size: [f64; 2]
         rate[j] += size[1] * cosine;
         let mut inputs = *start;
         for (body, m) in inputs.gears.iter_mut().enumerate() {
-            let part = |v: &[f64; 12], k: usize| Vector3::from_column_slice(&v[6 * body + k..][..3]);
+            let part =
+                |v: &[f64; 12], k: usize| Vector3::from_column_slice(&v[6 * body + k..][..3]);
             let (turn, turn_rate) = (part(&x, 3), part(&rate, 3));
             m.p += part(&x, 0);
             m.r = Rotation3::new(turn).matrix() * m.r;
@@ -105,11 +103,14 @@ fn ellipse(element: &Element, start: &Inputs, [i, j]: [usize; 2], size: [f64; 2]
         energy += out.energy;
     }
     let mean = 1.0 / f64::from(points);
-    Ok(Loop { work: work * TAU * mean, energy: energy * mean })
+    Ok(Loop {
+        work: work * TAU * mean,
+        energy: energy * mean,
+    })
 }
 
 /// Largest work over energy of all 66 pairs of freedoms, and the loop of 5 um rotation by 10 um radially.
-pub fn loops(element: &Element) -> Result<(f64, Loop)> {
+fn loops(element: &Element) -> Result<(f64, Loop)> {
     let mut start = element.nominal_inputs();
     // 5 um into the drive flank, a little misaligned.
     let [external, _] = external_and_internal();
@@ -124,20 +125,24 @@ pub fn loops(element: &Element) -> Result<(f64, Loop)> {
         }
     }
     start.gears[0].r = super::spin(12e-6 / 38.5e-3);
-    Ok((worst, ellipse(element, &start, [5, 6], [2.5e-6 / 38.5e-3, 5e-6])?))
+    Ok((
+        worst,
+        ellipse(element, &start, [5, 6], [2.5e-6 / 38.5e-3, 5e-6])?,
+    ))
 }
 
-/// Gear 2 in six freedoms on undamped springs, gear 1 held, and a start away from rest.
+/// Gear 2 in six freedoms on undamped springs, gear 1 at rest, and a start away from rest.
 fn six_freedoms(pair: &PairGeometry, element: Element) -> Result<(Scene, State)> {
-    let bearing = Bearing { stiffness: [2e8, 2e8, 1e8], tilt_stiffness: 1e5, ..Bearing::default() };
-    let held = Gear { center_of_mass: 12.5e-3, ..Gear::new(pair, 0, Spin::speed(0.0)) };
-    let free = Gear { center_of_mass: 12.5e-3, bearing: Some(bearing), ..Gear::new(pair, 1, Spin::torque(TORQUE)) };
-    let scene = Scene::new(element, [held, free])?;
+    let (still, loaded) = (Spin::speed(0.0), Spin::torque(TORQUE));
+    let mut gears = [Gear::new(pair, 0, still), Gear::new(pair, 1, loaded)];
+    for gear in &mut gears {
+        gear.center_of_mass = 12.5e-3;
+    }
+    gears[1].bearing = Some(Bearing::springs([2e8, 2e8, 1e8], 1e5));
+    let scene = Scene::new(element, gears)?;
     let mut start = scene.with_spin(&scene.rest(), 1, 7e-6 / 38.5e-3, 0.0);
-    let mut g = gear_state(&start, 1);
-    g.v = Vector3::new(0.02, -0.03, 0.05);
-    g.l += Vector3::new(2e-4, 1e-4, 0.0);
-    set_gear_state(&mut start, 1, &g);
+    start[1].v = Vector3::new(0.02, -0.03, 0.05);
+    start[1].l += Vector3::new(2e-4, 1e-4, 0.0);
     Ok((scene, start))
 }
 
@@ -145,20 +150,20 @@ fn six_freedoms(pair: &PairGeometry, element: Element) -> Result<(Scene, State)>
 const STEP: f64 = 2.5e-7;
 
 /// Largest energy error over the initial kinetic energy of the oscillation along `steps` steps.
-pub fn long_run(pair: &PairGeometry, element: Element, steps: usize) -> Result<f64> {
+fn long_run(pair: &PairGeometry, element: Element, steps: usize) -> Result<f64> {
     let (scene, mut y) = six_freedoms(pair, element)?;
-    let energy = |y: &State| -> Result<f64> { Ok(scene.energy(0.0, y)? - TORQUE * twist(&gear_state(y, 1).q)) };
-    let g = gear_state(&y, 1);
-    let oscillation = 0.5 * MASS * g.v.norm_squared() + 0.5 * g.l.norm_squared() / (TRANSVERSE_INERTIA);
+    let energy = |y: &State| -> Result<f64> { Ok(scene.energy(0.0, y)? - TORQUE * y[1].twist()) };
+    let g = y[1];
+    let turning = g.l.norm_squared() / TRANSVERSE_INERTIA;
+    let oscillation = 0.5 * (MASS * g.v.norm_squared() + turning);
     let start = energy(&y)?;
     let mut worst = 0.0_f64;
     for n in 1..=steps {
-        let t = n as f64 * STEP;
-        y = match scene.step(t, &y, STEP) {
-            Ok(y) => y,
-            // The paper's law can throw the gear out of mesh: the run ends there.
-            Err(_) => break,
+        // The paper's law can throw the gear out of mesh: the run ends there.
+        let Ok(next) = scene.step(n as f64 * STEP, &y, STEP) else {
+            break;
         };
+        y = next;
         if n % (steps / 200).max(1) == 0 {
             worst = worst.max(((energy(&y)? - start) / oscillation).abs());
         }
@@ -169,9 +174,18 @@ pub fn long_run(pair: &PairGeometry, element: Element, steps: usize) -> Result<f
 pub fn report(context: &Context, data: &Data) -> Result<()> {
     use Formulation::{Conjugate, Paper};
     use Interpolation::{Linear, Shepard, Spline};
-    let [sampled, real] = [Case::sampled(), Case::Real(Real::coarse("palermo2013")?)];
-    let constant_load = Parameters { load_dependent: false, ..choice(Conjugate, Spline) };
-    let without_tilt = Parameters { misalignment_effect: false, shuttling_effect: false, ..constant_load };
+    let [external, _] = external_and_internal();
+    let [sampled, real] = [
+        Case::Sampled(external),
+        Case::Real(Real::coarse("palermo2013")?),
+    ];
+    let mut constant_load = choice(Conjugate, Spline);
+    constant_load.load_dependent = false;
+    let mut without_tilt = constant_load;
+    (
+        without_tilt.misalignment_effect,
+        without_tilt.shuttling_effect,
+    ) = (false, false);
     let common = [
         ("spline", choice(Conjugate, Spline)),
         ("linear", choice(Conjugate, Linear)),
@@ -179,20 +193,29 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         ("spline", choice(Paper, Spline)),
     ];
     let constant = [
-        ("spline, constant load, misalignment and shuttling off", without_tilt),
+        (
+            "spline, constant load, misalignment and shuttling off",
+            without_tilt,
+        ),
         ("spline, constant load", constant_load),
     ];
     let mut rows = vec![];
-    for (case, choices) in [(&sampled, &common[..]), (&real, &common[..]), (&real, &constant[..])] {
+    for (case, choices) in [
+        (&sampled, &common[..]),
+        (&real, &common),
+        (&real, &constant),
+    ] {
         for (name, parameters) in choices {
             let (ratio, Loop { work, energy }) = loops(&case.element(*parameters)?)?;
-            let [ratio, work, energy] =
-                [format!("{ratio:.1e}"), format!("{:.2e}", work.abs()), format!("{energy:.2e}")];
-            rows.push(row![case.name(), format!("{:?}", parameters.formulation), name, ratio, work, energy]);
+            let law = format!("{} | {:?} | {name}", case.name(), parameters.formulation);
+            rows.push(format!(
+                "{law} | {ratio:.1e} | {:.2e} | {energy:.2e}",
+                work.abs()
+            ));
         }
     }
-    let head = ["law", "formulation", "interpolant", "worst work / energy", "work 5 um x 10 um, J", "energy there, J"];
-    data.table("loops", &head, &rows)?;
+    let head = "law | formulation | interpolant | worst work / energy | work 5 um x 10 um, J | energy there, J";
+    data.table("loops", head, &rows)?;
 
     let mut rows = vec![];
     for (case, formulation, interpolation, steps) in [
@@ -203,9 +226,11 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         (&real, Paper, Spline, 250_000),
     ] {
         let steps = if context.quick { steps / 100 } else { steps };
-        let worst = long_run(case.geometry(), case.element(choice(formulation, interpolation))?, steps)?;
-        let [formulation, interpolation] = [format!("{formulation:?}"), format!("{interpolation:?}")];
-        rows.push(row![case.name(), formulation, interpolation, steps, format!("{worst:.1e}")]);
+        let element = case.element(choice(formulation, interpolation))?;
+        let worst = long_run(case.geometry(), element, steps)?;
+        let law = format!("{} | {formulation:?} | {interpolation:?}", case.name());
+        rows.push(format!("{law} | {steps} | {worst:.1e}"));
     }
-    data.table("long-runs", &["law", "formulation", "interpolant", "steps", "energy error"], &rows)
+    let head = "law | formulation | interpolant | steps | energy error";
+    data.table("long-runs", head, &rows)
 }

@@ -1,12 +1,17 @@
 //! The experiment most others are made of: gear 1 imposed, gear 2 free to spin alone.
 
+use crate::Result;
 use crate::driver::{Gear, INERTIA, Scene, Spin, State};
-use gearmesh::element::{Elasticity, Element, ElementError, FlankLaws, LoadedFlank, Parameters};
+use crate::setup::ratio;
+use gearmesh::element::{Elasticity, Element, FlankLaws, LoadedFlank, Parameters};
 use gearmesh::gear::PairGeometry;
 use gearmesh::gear::teeth::Counts;
 use gearmesh::table::{Potential, Query};
 use std::f64::consts::TAU;
 use std::sync::Arc;
+
+/// Mean stiffness of the springs on the line of action, N/m.
+pub const STIFFNESS: f64 = 4.9e8;
 
 /// Linear spring whose stiffness varies over the mesh cycle: W = k (1 + eps cos 2 pi PMC) delta^2 / 2
 /// for delta > 0. The law of the textbook problems of gear dynamics.
@@ -18,8 +23,21 @@ pub struct ModulatedSpring {
     pub depth: f64,
 }
 
+impl ModulatedSpring {
+    /// Of the mean stiffness [`STIFFNESS`].
+    pub fn new(depth: f64) -> Self {
+        let stiffness = STIFFNESS;
+        Self { stiffness, depth }
+    }
+}
+
 impl Elasticity for ModulatedSpring {
-    fn evaluate(&self, query: &Query, _: Counts, _: bool) -> Result<Potential, String> {
+    fn evaluate(
+        &self,
+        query: &Query,
+        _: Counts,
+        _: bool,
+    ) -> std::result::Result<Potential, String> {
         let mut w = Potential::default();
         if query.delta > 0.0 {
             let (sine, cosine) = (TAU * query.mesh_position).sin_cos();
@@ -36,9 +54,6 @@ impl Elasticity for ModulatedSpring {
     }
 }
 
-/// Mean stiffness of the springs on the line of action, N/m.
-pub const STIFFNESS: f64 = 4.9e8;
-
 /// Gear 1 imposed, gear 2 spinning freely under a torque; in scaled form
 ///
 /// ```text
@@ -49,12 +64,20 @@ pub struct SingleFreedom {
     pub scene: Scene,
     /// omega = sqrt(k rb2^2 / J), rad/s.
     pub omega: f64,
-    /// Elongation under the load, F/k, m.
-    pub static_elongation: f64,
+    /// Deflection under the load, F/k, m.
+    pub static_deflection: f64,
     /// Base radius of gear 2, m.
     pub base_radius: f64,
-    /// Angle of gear 2 at elongation zero when gear 1 stands at zero, rad.
+    /// Rate of gear 2 over that of gear 1.
     pub ratio: f64,
+}
+
+/// y, the deflection over the static one (negative in the gap), and its rate per scaled time.
+pub struct Deflection {
+    /// y.
+    pub y: f64,
+    /// y'.
+    pub rate: f64,
 }
 
 impl SingleFreedom {
@@ -66,42 +89,54 @@ impl SingleFreedom {
         law: ModulatedSpring,
         torque: f64,
         speed: Spin,
-    ) -> Result<Self, ElementError> {
-        let laws = FlankLaws { drive: Arc::new(law), coast: None };
-        let parameters = Parameters { loaded_flank: LoadedFlank::Drive, ..*parameters };
+    ) -> Result<Self> {
+        let drive = Arc::new(law);
+        let laws = FlankLaws { drive, coast: None };
+        let mut parameters = *parameters;
+        parameters.loaded_flank = LoadedFlank::Drive;
         let element = Element::with_laws(pair, &parameters, &laws)?;
         let rb = pair.gears[1].base_radius();
-        let gears = [Gear::new(pair, 0, speed), Gear::new(pair, 1, Spin::torque(torque))];
+        let gears = [
+            Gear::new(pair, 0, speed),
+            Gear::new(pair, 1, Spin::torque(torque)),
+        ];
         Ok(Self {
             scene: Scene::new(element, gears)?,
             omega: (law.stiffness * rb * rb / INERTIA).sqrt(),
-            static_elongation: torque / rb / law.stiffness,
+            static_deflection: torque / rb / law.stiffness,
             base_radius: rb,
-            ratio: pair.e() * pair.gears[0].z() / pair.gears[1].z(),
+            ratio: ratio(pair),
         })
     }
 
     /// Gives gear 2 a damper of ratio `zeta` against gear 1's mean motion at `mean_speed`, rad/s, beside its `torque`.
     pub fn damped(mut self, zeta: f64, mean_speed: f64, torque: f64) -> Self {
-        let (damping, ratio) = (2.0 * zeta * self.omega * INERTIA, self.ratio);
-        let load = move |_, w: f64| torque - damping * (w + ratio * mean_speed);
+        let (damping, mean) = (2.0 * zeta * self.omega * INERTIA, self.ratio * mean_speed);
+        let load = move |_, w: f64| torque - damping * (w - mean);
         self.scene.gears[1].spin = Spin::Torque(Arc::new(load));
         self
     }
 
-    /// At elongation `y` (in static elongations), gear 1 at zero angle and `mean_speed`, with the rate `rate`
+    /// At deflection `y` (in static ones), gear 1 at zero angle and `mean_speed`, with the rate `rate`
     /// of y per scaled time.
     pub fn start(&self, y: f64, rate: f64, mean_speed: f64) -> State {
-        let angle = y * self.static_elongation / self.base_radius;
-        let w = rate * self.omega * self.static_elongation / self.base_radius;
-        let rest = self.scene.rest();
-        self.scene.with_spin(&rest, 1, angle, w - self.ratio * mean_speed)
+        let angle = self.static_deflection / self.base_radius;
+        let speed = rate * self.omega * angle + self.ratio * mean_speed;
+        self.scene
+            .with_spin(&self.scene.rest(), 1, y * angle, speed)
     }
 
-    /// y, the elongation over the static one, from the element's transmission error (negative in the gap).
-    pub fn elongation(&self, t: f64, state: &State) -> Result<f64, ElementError> {
+    /// The deflection at `state`, from the element's transmission error.
+    pub fn deflection(&self, t: f64, state: &State) -> Result<Deflection> {
         let out = self.scene.contact(t, state)?;
-        let k = self.scene.element.line_of_action(out.center_distance);
-        Ok(out.transmission_error * k / self.static_elongation)
+        let scale = self.scene.element.line_of_action(out.center_distance) / self.static_deflection;
+        let (y, rate) = (
+            out.transmission_error * scale,
+            out.transmission_error_rate * scale,
+        );
+        Ok(Deflection {
+            y,
+            rate: rate / self.omega,
+        })
     }
 }

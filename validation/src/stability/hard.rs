@@ -1,10 +1,10 @@
 //! Hard cases one by one: poses at the limits, and motion through the backlash.
 
-use super::{Real, pose, ratio, spin, undamped};
-use crate::data::{Data, fixed};
+use super::{Real, pose, spin, undamped};
+use crate::data::Data;
 use crate::driver::{Gear, Scene, Spin};
-use crate::setup::external_and_internal;
-use crate::{Context, Result, row};
+use crate::setup::{external_and_internal, ratio};
+use crate::{Context, Result};
 use gearmesh::element::{Element, Formulation, Inputs, Interpolation, LoadedFlank, Outputs};
 use gearmesh::gear::PairGeometry;
 use nalgebra::{Rotation3, Vector3};
@@ -33,10 +33,24 @@ impl Subject {
         let [pair, _] = external_and_internal();
         let element = Element::new(&pair, &undamped(LoadedFlank::Both), None)?;
         let backlash = pair.backlash(pair.center_distance);
-        let mut all = vec![Self { name: "constant stiffness", backlash, element, pair }];
+        let mut all = vec![Self {
+            name: "constant stiffness",
+            backlash,
+            element,
+            pair,
+        }];
         for real in Real::pairs()? {
-            let element = real.element(Formulation::Conjugate, Interpolation::Spline, LoadedFlank::Both)?;
-            all.push(Self { name: real.name, backlash: real.gap(), element, pair: real.geometry });
+            let element = real.element(
+                Formulation::Conjugate,
+                Interpolation::Spline,
+                LoadedFlank::Both,
+            )?;
+            all.push(Self {
+                name: real.name,
+                backlash: real.gap(),
+                element,
+                pair: real.geometry,
+            });
         }
         Ok(all)
     }
@@ -45,7 +59,11 @@ impl Subject {
     /// the mesh and by `along` its axis.
     fn pose(&self, delta: f64, apart: f64, along: f64) -> Inputs {
         let shift = Vector3::new(self.pair.e() * apart, 0.0, along);
-        pose(&self.element, delta / self.pair.gears[0].base_radius(), shift)
+        pose(
+            &self.element,
+            delta / self.pair.gears[0].base_radius(),
+            shift,
+        )
     }
 }
 
@@ -54,8 +72,12 @@ type MakePose = fn(&Subject) -> Inputs;
 
 const POSES: [(&str, MakePose); 11] = [
     ("drive flank pressed", |s| s.pose(PRESS, 0.0, 0.0)),
-    ("at rest in the middle of the gap", |s| s.pose(-0.5 * s.backlash, 0.0, 0.0)),
-    ("through the gap, coast flank pressed", |s| s.pose(-s.backlash - PRESS, 0.0, 0.0)),
+    ("at rest in the middle of the gap", |s| {
+        s.pose(-0.5 * s.backlash, 0.0, 0.0)
+    }),
+    ("through the gap, coast flank pressed", |s| {
+        s.pose(-s.backlash - PRESS, 0.0, 0.0)
+    }),
     ("1e7 revolutions (ulp of the angle: 0.3 nm)", |s| {
         let mut inputs = s.pose(0.0, 0.0, 0.0);
         let far = TAU * 1e7;
@@ -76,15 +98,23 @@ const POSES: [(&str, MakePose); 11] = [
         inputs.gears[1].w.z = ratio(&s.pair) * inputs.gears[0].w.z;
         inputs
     }),
-    ("both flanks pressed: 0.2 mm closer (ring: farther)", |s| s.pose(0.0, -0.2e-3, 0.0)),
-    ("out of mesh: three modules apart", |s| s.pose(PRESS, 3.0 * s.pair.gears[0].normal_module, 0.0)),
-    ("out of mesh: 50 mm along the axis", |s| s.pose(PRESS, 0.0, 50e-3)),
+    ("both flanks pressed: 0.2 mm closer (ring: farther)", |s| {
+        s.pose(0.0, -0.2e-3, 0.0)
+    }),
+    ("out of mesh: three modules apart", |s| {
+        s.pose(PRESS, 3.0 * s.pair.gears[0].normal_module, 0.0)
+    }),
+    ("out of mesh: 50 mm along the axis", |s| {
+        s.pose(PRESS, 0.0, 50e-3)
+    }),
     ("tilt of 90 deg", |s| {
         let mut inputs = s.pose(PRESS, 0.0, 0.0);
         inputs.gears[1].r = Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2).into_inner();
         inputs
     }),
-    ("coincident centres", |s| s.pose(PRESS, -s.pair.e() * s.pair.center_distance, 0.0)),
+    ("coincident centres", |s| {
+        s.pose(PRESS, -s.pair.e() * s.pair.center_distance, 0.0)
+    }),
 ];
 
 /// The load in words.
@@ -94,7 +124,11 @@ fn in_words(out: &Outputs) -> String {
         -1 => "coast",
         _ => "no flank",
     };
-    let range = if out.out_of_range { ", out of range" } else { "" };
+    let range = if out.out_of_range {
+        ", out of range"
+    } else {
+        ""
+    };
     format!("{:.2} N, {flank}{range}", out.tangential_force)
 }
 
@@ -105,19 +139,22 @@ fn motion(
     delta: f64,
     torque: impl Fn(f64) -> f64 + Send + Sync + 'static,
     times: &[f64],
-) -> Result<Vec<String>> {
+) -> Result<String> {
     let pair = &subject.pair;
     // The drive flank pushes gear 2 against its spin angle (internal: along it).
     let sense = pair.e();
     let load = Spin::Torque(Arc::new(move |t, _| sense * torque(t)));
-    let gears = [Gear::new(pair, 0, Spin::speed(0.0)), Gear::new(pair, 1, load)];
+    let gears = [
+        Gear::new(pair, 0, Spin::speed(0.0)),
+        Gear::new(pair, 1, load),
+    ];
     let mut element = subject.element.clone();
     element.set_damping(DAMPING);
     let scene = Scene::new(element, gears)?;
     let turn = sense * delta / pair.gears[1].base_radius();
     let mut y = scene.with_spin(&scene.rest(), 1, turn, 0.0);
     let mut n = 0;
-    let mut found = Vec::new();
+    let mut found = vec![];
     for &end in times {
         while (n as f64) * STEP < end {
             y = scene.step(n as f64 * STEP, &y, STEP)?;
@@ -125,41 +162,41 @@ fn motion(
         }
         found.push(in_words(&scene.contact(end, &y)?));
     }
-    Ok(found)
+    Ok(found.join(" | "))
 }
 
 pub fn report(_: &Context, data: &Data) -> Result<()> {
     let subjects = Subject::all()?;
     let mut rows = vec![];
     for (case, make) in POSES {
-        let mut row = row![case];
+        let mut row = case.to_owned();
         for subject in &subjects {
-            let latch = subject.element.latch(&subject.element.nominal_inputs())?;
-            row.push(match subject.element.evaluate(&latch, &make(subject)) {
+            let element = &subject.element;
+            let latch = element.latch(&element.nominal_inputs())?;
+            row += " | ";
+            row += &match element.evaluate(&latch, &make(subject)) {
                 Ok(out) => in_words(&out),
                 Err(error) => format!("refused: {error}"),
-            });
+            };
         }
         rows.push(row);
     }
-    let names = subjects.iter().map(|s| s.name);
-    data.table("poses", &["case"].into_iter().chain(names).collect::<Vec<_>>(), &rows)?;
+    let names: Vec<_> = subjects.iter().map(|s| s.name).collect();
+    data.table("poses", &format!("case | {}", names.join(" | ")), &rows)?;
 
     let mut rows = vec![];
     for subject in &subjects {
-        let radius = subject.pair.operating_pitch_radius(1, subject.pair.center_distance);
+        let pair = &subject.pair;
+        let expected = TORQUE / pair.operating_pitch_radius(1, pair.center_distance);
         let ramp = |t: f64| TORQUE * (1.0 - 2.0 * ((t - 20e-3) / 10e-3).clamp(0.0, 1.0));
         let reversal = motion(subject, PRESS, ramp, &[20e-3, 60e-3])?;
         let released = motion(subject, -0.5 * subject.backlash, |_| TORQUE, &[30e-3])?;
-        let expected = fixed(TORQUE / radius, 2) + " N";
-        rows.push([row![subject.name, expected], reversal, released].concat());
+        rows.push(format!(
+            "{} | {expected:.2} N | {reversal} | {released}",
+            subject.name
+        ));
     }
-    let head = [
-        "pair",
-        "torque / pitch radius",
-        "reversal from +100 to -100 N m within 10 ms: before",
-        "30 ms after",
-        "released in the middle of the gap: 30 ms after",
-    ];
-    data.table("motion", &head, &rows)
+    let head = "pair | torque / pitch radius | reversal from +100 to -100 N m within 10 ms: before \
+        | 30 ms after | released in the middle of the gap: 30 ms after";
+    data.table("motion", head, &rows)
 }

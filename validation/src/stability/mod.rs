@@ -11,7 +11,9 @@ pub mod rattle;
 use crate::setup::{Setup, shipped, shipped_at};
 use crate::{Chapter, Result};
 use gearmesh::contact::ContactSettings;
-use gearmesh::element::{Element, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel};
+use gearmesh::element::{
+    Element, Formulation, Inputs, Interpolation, LoadedFlank, Parameters, StiffnessModel,
+};
 use gearmesh::gear::PairGeometry;
 use gearmesh::pair::Refinement;
 use gearmesh::table::Table;
@@ -42,7 +44,11 @@ impl Real {
     pub fn pairs() -> Result<[Self; 2]> {
         let table = Table::from_json(include_str!("../../../resources/tables/palermo2013.json"))?;
         let name = "palermo2013";
-        let external = Self { name, geometry: shipped(name)?.geometry, table: Arc::new(table) };
+        let external = Self {
+            name,
+            geometry: shipped(name)?.geometry,
+            table: Arc::new(table),
+        };
         Ok([external, Self::coarse("planet-ring-27-84")?])
     }
 
@@ -51,8 +57,12 @@ impl Real {
         let pair = shipped_at(name, Refinement::Coarse)?;
         let contact = ContactSettings::for_pair(&pair);
         let setup = Setup::new(pair, contact)?;
-        let table = setup.table(&setup.even_samples([8, 5, 9, 12])?)?;
-        Ok(Self { name, geometry: setup.pair.geometry, table })
+        let table = setup.table(&setup.samples([8, 5, 9, 12])?)?;
+        Ok(Self {
+            name,
+            geometry: setup.pair.geometry,
+            table,
+        })
     }
 
     /// The element with all effects on, undamped.
@@ -69,18 +79,30 @@ impl Real {
             backlash: Some(BACKLASH),
             ..undamped(flank)
         };
-        Ok(Element::new(&self.geometry, &parameters, Some(self.table.clone()))?)
+        Ok(Element::new(
+            &self.geometry,
+            &parameters,
+            Some(self.table.clone()),
+        )?)
     }
 
     /// Its backlash on the line of action, m.
     fn gap(&self) -> f64 {
-        BACKLASH * self.geometry.operating_pressure_angle(self.geometry.center_distance).cos()
+        BACKLASH
+            * self
+                .geometry
+                .operating_pressure_angle(self.geometry.center_distance)
+                .cos()
     }
 }
 
 /// No damping, else the defaults.
 fn undamped(loaded_flank: LoadedFlank) -> Parameters {
-    Parameters { loaded_flank, damping: 0.0, ..Parameters::default() }
+    Parameters {
+        loaded_flank,
+        damping: 0.0,
+        ..Parameters::default()
+    }
 }
 
 /// Rotation by `angle` about z.
@@ -94,26 +116,4 @@ fn pose(element: &Element, angle: f64, shift: Vector3<f64>) -> Inputs {
     inputs.gears[0].r = spin(angle);
     inputs.gears[1].p += shift;
     inputs
-}
-
-/// Angle of gear 2 over that of gear 1 in mesh.
-fn ratio(pair: &PairGeometry) -> f64 {
-    -pair.e() * pair.gears[0].z() / pair.gears[1].z()
-}
-
-/// What so many bisections leave between the values inside, where `holds`, and outside.
-pub fn last_that_holds(
-    [mut inside, mut outside]: [f64; 2],
-    bisections: usize,
-    mut holds: impl FnMut(f64) -> Result<bool>,
-) -> Result<[f64; 2]> {
-    for _ in 0..bisections {
-        let middle = 0.5 * (inside + outside);
-        if holds(middle)? {
-            inside = middle;
-        } else {
-            outside = middle;
-        }
-    }
-    Ok([inside, outside])
 }

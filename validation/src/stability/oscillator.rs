@@ -1,10 +1,10 @@
 //! y'' + 2 zeta y' + k(tau) max(y, 0) = 1, k = 1 + eps cos(Omega tau), realised with the element.
 
 use super::experiment::{ModulatedSpring, STIFFNESS, SingleFreedom};
-use crate::data::{Data, fixed};
-use crate::driver::{CoSimulation, INERTIA, Master, Spin, State, Way};
+use crate::data::{Data, last_that_holds, percent};
+use crate::driver::{INERTIA, Spin};
 use crate::setup::external_and_internal;
-use crate::{Context, Result, row};
+use crate::{Context, Result};
 use gearmesh::element::{Element, FlankLaws, LoadedFlank, Parameters};
 use gearmesh::table::{FlankTable, Interpolation};
 use gearmesh_preprocessor::table::import;
@@ -15,9 +15,11 @@ use std::sync::Arc;
 /// Mesh positions of the imported table, and the torque on gear 2, N m.
 const POSITIONS: usize = 32;
 const TORQUE: f64 = 100.0;
+/// Steps in a mesh cycle.
+const STEPS: usize = 160;
 
 /// A spring with k(PMC) and the damping of gear 2.
-pub struct Case {
+struct Case {
     depth: f64,
     zeta: f64,
     /// The imported table; `None`: the law in closed form.
@@ -25,12 +27,8 @@ pub struct Case {
 }
 
 impl Case {
-    pub fn closed_form(depth: f64, zeta: f64) -> Self {
-        Self { depth, zeta, table: None }
-    }
-
-    /// By way of a CSV file of static solutions, imported like those of any other program.
-    pub fn imported(depth: f64, zeta: f64) -> Result<Self> {
+    /// By way of a CSV file of static solutions, imported like those of any other program, and the law in closed form.
+    fn both(depth: f64, zeta: f64) -> Result<[Self; 2]> {
         let [geometry, _] = external_and_internal();
         let z_mm = 1e3 * geometry.z_ref();
         let mut csv = import::COLUMNS.join(",");
@@ -43,116 +41,102 @@ impl Case {
             }
         }
         let grid = import::import_csv(&csv, &geometry)?.grid;
-        let table = FlankTable::new(&grid, Interpolation::Spline)?;
-        Ok(Self { depth, zeta, table: Some(Arc::new(table)) })
-    }
-
-    fn both(depth: f64, zeta: f64) -> Result<[Self; 2]> {
-        Ok([Self::imported(depth, zeta)?, Self::closed_form(depth, zeta)])
+        let imported = FlankTable::new(&grid, Interpolation::Spline)?;
+        Ok([Some(Arc::new(imported)), None].map(|table| Self { depth, zeta, table }))
     }
 }
 
-/// The system of `case` at frequency ratio `frequency`, and the speed of gear 1. Elongations stay far below the pitch and
+/// The system of `case` at frequency ratio `frequency`, and the speed of gear 1. Deflections stay far below the pitch and
 /// in one gap: drive flank alone, no damping in the mesh.
 fn oscillator(case: &Case, frequency: f64) -> Result<(SingleFreedom, f64)> {
     let [pair, _] = external_and_internal();
     let omega = (STIFFNESS / INERTIA).sqrt() * pair.gears[1].base_radius();
     // One mesh cycle per period of the stiffness.
     let speed = frequency * omega / pair.gears[0].z();
-    let parameters = Parameters { loaded_flank: LoadedFlank::Drive, damping: 0.0, ..Parameters::default() };
-    let law = ModulatedSpring { stiffness: STIFFNESS, depth: case.depth };
+    let mut parameters = Parameters::default();
+    (parameters.loaded_flank, parameters.damping) = (LoadedFlank::Drive, 0.0);
+    let law = ModulatedSpring::new(case.depth);
     let system = SingleFreedom::new(&pair, &parameters, law, TORQUE, Spin::speed(speed))?;
     let mut system = system.damped(case.zeta, speed, TORQUE);
-    if let Some(table) = &case.table {
-        let laws = FlankLaws { drive: table.clone(), coast: None };
+    if let Some(drive) = case.table.clone() {
+        let laws = FlankLaws { drive, coast: None };
         system.scene.element = Element::with_laws(&pair, &parameters, &laws)?;
     }
     Ok((system, speed))
 }
 
 /// State carried from one frequency to the next: y and its rate at the start of a mesh cycle.
-type Motion = (f64, f64);
-
-/// Who integrates.
-#[derive(Debug, Clone, Copy)]
-pub enum Host {
-    /// Runge-Kutta over everything, 160 steps a mesh cycle.
-    Monolithic,
-    /// A master with so many steps a mesh cycle and predicted loads.
-    Master { master: Master, steps: usize },
+#[derive(Clone, Copy)]
+struct Motion {
+    y: f64,
+    rate: f64,
 }
 
-/// Settles for `settle` periods, then the rms of y about its mean over `measure` periods, and the motion there.
-fn run(case: &Case, host: Host, frequency: f64, start: Motion, settle: usize, measure: usize) -> Result<(f64, Motion)> {
+/// Settles for `settle` periods, then the rms of y about its mean over 20 periods, and the motion there.
+fn run(case: &Case, frequency: f64, start: Motion, settle: usize) -> Result<(f64, Motion)> {
+    const MEASURED: usize = 20;
     let (o, speed) = oscillator(case, frequency)?;
-    let steps = match host {
-        Host::Monolithic => 160,
-        Host::Master { steps, .. } => steps,
-    };
-    let period = TAU / frequency / o.omega;
-    let h = period / steps as f64;
-    let mut y: State = o.start(start.0, start.1, speed);
-    let mut coupled = match host {
-        Host::Monolithic => None,
-        Host::Master { master, .. } => {
-            let mass = INERTIA / o.base_radius.powi(2);
-            Some(CoSimulation::new(&o.scene, Way::predicted(master, mass), y, h, 4)?)
-        }
-    };
+    let h = TAU / frequency / o.omega / STEPS as f64;
+    let mut state = o.start(start.y, start.rate, speed);
     let (mut sum, mut squares) = (0.0, 0.0);
-    for n in 0..(settle + measure) * steps {
+    let steps = (settle + MEASURED) * STEPS;
+    for n in 0..steps {
         let t = n as f64 * h;
-        if n >= settle * steps {
-            let y = o.elongation(t, &y)?;
+        if n >= settle * STEPS {
+            let y = o.deflection(t, &state)?.y;
             sum += y;
             squares += y * y;
         }
-        y = match &mut coupled {
-            None => o.scene.step(t, &y, h)?,
-            Some(coupled) => {
-                coupled.advance()?;
-                coupled.state
-            }
-        };
+        state = o.scene.step(t, &state, h)?;
     }
-    let end = (settle + measure) as f64 * period;
-    let outputs = o.scene.contact(end, &y)?;
-    let scale = o.scene.element.line_of_action(outputs.center_distance) / o.static_elongation;
-    let motion = (outputs.transmission_error * scale, outputs.transmission_error_rate * scale / o.omega);
-    let count = (measure * steps) as f64;
+    let count = (MEASURED * STEPS) as f64;
     let rms = (squares / count - (sum / count).powi(2)).max(0.0).sqrt();
-    Ok((rms, motion))
+    let end = o.deflection(steps as f64 * h, &state)?;
+    Ok((
+        rms,
+        Motion {
+            y: end.y,
+            rate: end.rate,
+        },
+    ))
+}
+
+/// A point of a sweep.
+struct Response {
+    frequency: f64,
+    rms: f64,
 }
 
 /// rms over frequency along a sweep.
-pub fn sweep(case: &Case, host: Host, from: f64, to: f64) -> Result<Vec<(f64, f64)>> {
+fn sweep(case: &Case, from: f64, to: f64) -> Result<Vec<Response>> {
     let settle = (4.0 / (TAU * case.zeta)).ceil() as usize * 3;
     let count = ((to - from).abs() / 0.005).round() as usize;
-    let mut motion = (1.0, 0.0);
-    let mut curve = Vec::new();
-    for i in 0..=count {
-        let frequency = from + (to - from) * i as f64 / count as f64;
-        let (rms, next) = run(case, host, frequency, motion, settle, 20)?;
-        motion = next;
-        curve.push((frequency, rms));
+    let mut motion = Motion { y: 1.0, rate: 0.0 };
+    let mut curve = vec![];
+    for frequency in crate::data::even([from, to], count + 1) {
+        let rms;
+        (rms, motion) = run(case, frequency, motion, settle)?;
+        curve.push(Response { frequency, rms });
     }
     Ok(curve)
 }
 
 /// Frequency of the last point of a sweep before its largest step.
-pub fn jump(curve: &[(f64, f64)]) -> f64 {
-    let step = |w: &[(f64, f64)]| (w[1].1 - w[0].1).abs();
-    curve.windows(2).max_by(|a, b| step(a).total_cmp(&step(b))).map_or(f64::NAN, |w| w[0].0)
+fn jump(curve: &[Response]) -> f64 {
+    let step = |w: &[Response]| (w[1].rms - w[0].rms).abs();
+    let largest = curve.windows(2).max_by(|a, b| step(a).total_cmp(&step(b)));
+    largest.map_or(f64::NAN, |w| w[0].frequency)
 }
 
 /// rms of the point next to `frequency`.
-pub fn at(curve: &[(f64, f64)], frequency: f64) -> f64 {
-    let off = |p: &(f64, f64)| (p.0 - frequency).abs();
-    curve.iter().min_by(|a, b| off(a).total_cmp(&off(b))).map_or(f64::NAN, |p| p.1)
+fn rms_near(curve: &[Response], frequency: f64) -> f64 {
+    let off = |p: &Response| (p.frequency - frequency).abs();
+    let nearest = curve.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.map_or(f64::NAN, |p| p.rms)
 }
 
 /// Growth of a small difference at `frequency` from an early to a late window, natural logarithm.
-pub fn growth(case: &Case, frequency: f64) -> Result<f64> {
+fn growth(case: &Case, frequency: f64) -> Result<f64> {
     let (o, speed) = oscillator(case, frequency)?;
     let steps = 120;
     let h = TAU / frequency / o.omega / steps as f64;
@@ -160,35 +144,34 @@ pub fn growth(case: &Case, frequency: f64) -> Result<f64> {
     // difference is watched.
     let forced = 1.0 + case.depth / (frequency * frequency - 1.0);
     let mut pair = [forced, forced + 1e-7].map(|y| o.start(y, 0.0, speed));
-    let mut peaks = [0.0_f64; 2];
+    let (mut early, mut late) = (0.0_f64, 0.0_f64);
     let (window, periods) = (16, 70);
     for n in 0..periods * steps {
         let t = n as f64 * h;
-        let difference = (o.elongation(t, &pair[1])? - o.elongation(t, &pair[0])?).abs();
+        let difference = (o.deflection(t, &pair[1])?.y - o.deflection(t, &pair[0])?.y).abs();
         let cycle = n / steps;
         if (window..2 * window).contains(&cycle) {
-            peaks[0] = peaks[0].max(difference);
+            early = early.max(difference);
         } else if cycle >= periods - window {
-            peaks[1] = peaks[1].max(difference);
+            late = late.max(difference);
         }
         for y in &mut pair {
             *y = o.scene.step(t, y, h)?;
         }
     }
-    Ok((peaks[1] / peaks[0]).ln())
+    Ok((late / early).ln())
 }
 
 /// Period of the undamped free motion with amplitude `a` about y = 1 (a > 1: with contact loss), scaled time.
-pub fn free_period(case: &Case, a: f64) -> Result<f64> {
+fn free_period(case: &Case, a: f64) -> Result<f64> {
     let (o, _) = oscillator(case, 1e-9)?;
     let h = 2e-3 / o.omega;
-    let mut y = o.start(1.0 + a, 0.0, 0.0);
-    let mut before = o.elongation(0.0, &y)? - 1.0;
-    let mut crossings = Vec::new();
-    let mut t = 0.0;
+    let mut state = o.start(1.0 + a, 0.0, 0.0);
+    let (mut t, mut before) = (0.0, a);
+    let mut crossings = vec![];
     while crossings.len() < 3 {
-        y = o.scene.step(t, &y, h)?;
-        let now = o.elongation(t, &y)? - 1.0;
+        state = o.scene.step(t, &state, h)?;
+        let now = o.deflection(t, &state)?.y - 1.0;
         if before > 0.0 && now <= 0.0 {
             crossings.push((t + h * before / (before - now)) * o.omega);
         }
@@ -199,7 +182,7 @@ pub fn free_period(case: &Case, a: f64) -> Result<f64> {
 }
 
 /// The same in closed form: a part of a circle in contact, a parabola out of it.
-pub fn exact_period(a: f64) -> f64 {
+fn exact_period(a: f64) -> f64 {
     2.0 * (PI - (1.0 / a).acos()) + 2.0 * (a * a - 1.0).sqrt()
 }
 
@@ -212,56 +195,52 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         let name = format!("eps {depth}, zeta {zeta}");
         let (mut rising, mut falling) = (vec![], vec![]);
         for case in Case::both(depth, zeta)? {
-            rising.push(sweep(&case, Host::Monolithic, up - 0.1, up + 0.05)?);
-            falling.push(sweep(&case, Host::Monolithic, up + 0.05, down - 0.03)?);
+            rising.push(sweep(&case, up - 0.1, up + 0.05)?);
+            falling.push(sweep(&case, up + 0.05, down - 0.03)?);
         }
         for (what, expected, curves) in [("jump up", up, &rising), ("jump down", down, &falling)] {
-            rows.push(row![name, what, expected, fixed(jump(&curves[0]), 3), fixed(jump(&curves[1]), 3)]);
+            let [imported, closed] = [0, 1].map(|i| jump(&curves[i]));
+            rows.push(format!(
+                "{name} | {what} | {expected} | {imported:.3} | {closed:.3}"
+            ));
         }
         if depth == 0.2 {
-            for (branch, expected, curves) in [("lower", 0.529, &rising), ("upper", 1.539, &falling)] {
-                let [imported, closed] = [0, 1].map(|i| fixed(at(&curves[i], 0.85), 6));
-                rows.push(row![name, format!("rms at 0.85, {branch} branch"), expected, imported, closed]);
+            for (branch, expected, curves) in
+                [("lower", 0.529, &rising), ("upper", 1.539, &falling)]
+            {
+                let [imported, closed] = [0, 1].map(|i| rms_near(&curves[i], 0.85));
+                let what = format!("{name} | rms at 0.85, {branch} branch");
+                rows.push(format!("{what} | {expected} | {imported:.6} | {closed:.6}"));
             }
         }
     }
 
     let (depth, zeta) = (0.2_f64, 0.03_f64);
-    let mut coupled = vec![];
-    let case = Case::imported(depth, zeta)?;
-    for steps in if context.quick { vec![20] } else { vec![40, 20, 12] } {
-        for (name, master) in [("sequential", Master::Sequential), ("parallel", Master::Parallel)] {
-            let host = Host::Master { master, steps };
-            let rising = sweep(&case, host, 0.8, 0.95)?;
-            let falling = sweep(&case, host, 0.95, 0.65)?;
-            let [up, down] = [&rising, &falling].map(|curve| fixed(jump(curve), 3));
-            let [lower, upper] = [&rising, &falling].map(|curve| fixed(at(curve, 0.85), 3));
-            coupled.push(row![steps, name, up, down, lower, upper]);
-        }
-    }
-    let head = ["steps a mesh cycle", "master", "jump up", "jump down", "rms at 0.85, lower branch", "upper branch"];
-    data.table("oscillator-coupled", &head, &coupled)?;
-    let cases = Case::both(depth, zeta)?;
+    let [imported, closed] = Case::both(depth, zeta)?;
     let half = (depth * depth / 4.0 - 4.0 * zeta * zeta).sqrt();
     for (name, sign) in [("lower", -1.0), ("upper", 1.0)] {
-        let edge = |case: &Case| -> Result<String> {
+        let edge = |case: &Case| -> Result<f64> {
             let around = [2.0 + sign * 0.4 * half, 2.0 + sign * 1.8 * half];
-            let [inside, outside] = super::last_that_holds(around, 8, |f| Ok(growth(case, f)? > 0.0))?;
-            Ok(fixed(0.5 * (inside + outside), 4))
+            let [inside, outside] = last_that_holds(around, 8, |f| Ok(growth(case, f)? > 0.0))?;
+            Ok(0.5 * (inside + outside))
         };
-        let what = format!("{name} edge of the parametric tongue");
-        let expected = fixed(2.0 + sign * half, 4);
-        rows.push(row![format!("eps {depth}, zeta {zeta}"), what, expected, edge(&cases[0])?, edge(&cases[1])?]);
+        let what = format!("eps {depth}, zeta {zeta} | {name} edge of the parametric tongue");
+        let (expected, found) = (2.0 + sign * half, [edge(&imported)?, edge(&closed)?]);
+        rows.push(format!(
+            "{what} | {expected:.4} | {:.4} | {:.4}",
+            found[0], found[1]
+        ));
     }
     let cases = Case::both(0.0, 0.0)?;
     for a in [1.5_f64, 2.0, 4.0, 8.0] {
         let exact = exact_period(a);
-        let found = |case: &Case| -> Result<String> {
+        let mut row = format!("free, undamped, amplitude {a} | period | {exact:.5}");
+        for case in &cases {
             let t = free_period(case, a)?;
-            Ok(format!("{t:.5} ({:+.4} %)", 100.0 * (t / exact - 1.0)))
-        };
-        let name = format!("free, undamped, amplitude {a}");
-        rows.push(row![name, "period", fixed(exact, 5), found(&cases[0])?, found(&cases[1])?]);
+            row += &format!(" | {t:.5} ({:+.4} %)", percent(t, exact));
+        }
+        rows.push(row);
     }
-    data.table("oscillator", &["case", "quantity", "expected", "imported", "closed form"], &rows)
+    let head = "case | quantity | expected | imported | closed form";
+    data.table("oscillator", head, &rows)
 }

@@ -1,10 +1,10 @@
 //! An idle gear that rattles: a ball bouncing on a vibrating table, drag torque in place of gravity.
 
 use super::experiment::{ModulatedSpring, STIFFNESS, SingleFreedom};
-use crate::data::{Data, fixed};
-use crate::driver::{INERTIA, Spin, State, gear_state};
+use crate::data::{Data, last_that_holds};
+use crate::driver::{INERTIA, Spin, State};
 use crate::setup::external_and_internal;
-use crate::{Context, Result, row};
+use crate::{Context, Result};
 use gearmesh::element::Parameters;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -35,10 +35,11 @@ fn frequency() -> f64 {
 fn system(damping: f64, drag: f64, amplitude: f64, w: f64) -> Result<SingleFreedom> {
     let [pair, _] = external_and_internal();
     // Damping in full from almost the first touch, so that restitution does not depend on speed.
-    let parameters = Parameters { damping, damping_onset: 1e-6, ..Parameters::default() };
-    let law = ModulatedSpring { stiffness: STIFFNESS, depth: 0.0 };
+    let mut parameters = Parameters::default();
+    (parameters.damping, parameters.damping_onset) = (damping, 1e-6);
+    let law = ModulatedSpring::new(0.0);
     let speed = Spin::Speed(Arc::new(move |t| amplitude * w * (w * t).cos()));
-    Ok(SingleFreedom::new(&pair, &parameters, law, drag, speed)?)
+    SingleFreedom::new(&pair, &parameters, law, drag, speed)
 }
 
 /// A step that resolves the contact, strides through the flight and lands on the flank.
@@ -64,11 +65,12 @@ fn step(o: &SingleFreedom, t: f64, y: &State) -> Result<(f64, f64)> {
 }
 
 /// Restitution against a gear 1 at rest, from an impact at `speed` rad/s of gear 2.
-pub fn restitution(damping: f64, speed: f64) -> Result<f64> {
+fn restitution(damping: f64, speed: f64) -> Result<f64> {
     let o = system(damping, 1e-9, 0.0, 1.0)?;
-    let rate = |y: &State| gear_state(y, 1).l.z / INERTIA;
+    let rate = |y: &State| y[1].l.z / INERTIA;
     // Gap of 1 um, closing: gear 2 turns in its + sense onto the drive flank.
-    let mut y = o.scene.with_spin(&o.start(0.0, 0.0, 0.0), 1, -1e-6 / o.base_radius, speed);
+    let (touching, gap) = (o.start(0.0, 0.0, 0.0), -1e-6 / o.base_radius);
+    let mut y = o.scene.with_spin(&touching, 1, gap, speed);
     let mut t = 0.0;
     loop {
         let (h, _) = step(&o, t, &y)?;
@@ -81,15 +83,16 @@ pub fn restitution(damping: f64, speed: f64) -> Result<f64> {
 }
 
 /// Damping at which the restitution is `target`.
-pub fn damping_for(target: f64, speed: f64) -> Result<f64> {
+fn damping_for(target: f64, speed: f64) -> Result<f64> {
     // The upper end is a damping ratio of about 0.7, which still rebounds.
-    let [low, high] = super::last_that_holds([1.0, 1.5e4], 24, |damping| Ok(restitution(damping, speed)? > target))?;
+    let above = |damping| Ok(restitution(damping, speed)? > target);
+    let [low, high] = last_that_holds([1.0, 1.5e4], 24, above)?;
     Ok(0.5 * (low + high))
 }
 
 /// Whether the motion at `gamma`, started on the period-1 orbit of the bouncing ball but for `OFFSET`, has one impact in
 /// every period and a disturbance of the interval between impacts that dies out within `PERIODS`.
-pub fn period_one(damping: f64, restitution: f64, gamma: f64) -> Result<bool> {
+fn period_one(damping: f64, restitution: f64, gamma: f64) -> Result<bool> {
     let w = frequency();
     let g = DRAG / INERTIA;
     let amplitude = gamma * g / w / w;
@@ -124,11 +127,11 @@ pub fn period_one(damping: f64, restitution: f64, gamma: f64) -> Result<bool> {
         y = o.scene.step(t, &y, h)?;
         t += h;
     }
-    let off: Vec<f64> = impacts.windows(2).map(|w| (w[1] - w[0] - 1.0).abs()).collect();
-    let spread = |range: &[f64]| range.iter().copied().fold(0.0, f64::max);
-    Ok((PERIODS as usize - 2..=PERIODS as usize + 2).contains(&off.len())
-        && spread(&off) < 0.5
-        && spread(&off[off.len() - WINDOW..]) < 0.5 * spread(&off[..WINDOW]))
+    let off = impacts.windows(2).map(|w| (w[1] - w[0] - 1.0).abs());
+    let off: Vec<f64> = off.collect();
+    let spread = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+    let each = off.len().abs_diff(PERIODS as usize) <= 2 && spread(&off) < 0.5;
+    Ok(each && spread(&off[off.len() - WINDOW..]) < 0.5 * spread(&off[..WINDOW]))
 }
 
 /// Last Gamma with period-1 motion on the way from `inside` to `outside`.
@@ -138,12 +141,12 @@ fn edge(damping: f64, restitution: f64, inside: f64, outside: f64) -> Result<f64
         return Err(format!("the edge is not between Gamma = {inside} and {outside}").into());
     }
     let bisections = ((inside - outside).abs() / 2e-4).log2().ceil() as usize;
-    Ok(super::last_that_holds([inside, outside], bisections, holds)?[0])
+    Ok(last_that_holds([inside, outside], bisections, holds)?[0])
 }
 
 /// Gamma between which impacts without duration leave period-1 motion stable, and the upper edge where the
 /// disturbance is halved within `HALVING` periods.
-pub fn expected_edges(restitution: f64) -> [f64; 3] {
+fn expected_edges(restitution: f64) -> [f64; 3] {
     let lower = PI * (1.0 - restitution) / (1.0 + restitution);
     // Multipliers of the bouncing ball: product r^2, sum 1 + r^2 - (1 + r)^2 sqrt(Gamma^2 - lower^2).
     let square = restitution * restitution;
@@ -151,38 +154,36 @@ pub fn expected_edges(restitution: f64) -> [f64; 3] {
         let sum = m + square / m;
         lower.hypot((1.0 + square - sum) / (1.0 + restitution).powi(2))
     };
-    [lower, with_multiplier(-1.0), with_multiplier(-0.5_f64.powf(1.0 / HALVING))]
+    let halving = with_multiplier(-0.5_f64.powf(1.0 / HALVING));
+    [lower, with_multiplier(-1.0), halving]
 }
 
 /// Relative speed of impacts in period-1 motion, rad/s: u + v = 2 u / (1 + r).
-pub fn impact_speed(restitution: f64) -> f64 {
+fn impact_speed(restitution: f64) -> f64 {
     2.0 / (1.0 + restitution) * PI * DRAG / INERTIA / frequency()
 }
 
 pub fn report(context: &Context, data: &Data) -> Result<()> {
     let mut rows = vec![];
-    for wanted in if context.quick { &[0.5_f64][..] } else { &[0.5, 0.8] } {
-        let speed = impact_speed(*wanted);
-        let damping = damping_for(*wanted, speed)?;
+    for chosen in [0.5_f64, 0.8]
+        .into_iter()
+        .take(if context.quick { 1 } else { 2 })
+    {
+        let speed = impact_speed(chosen);
+        let damping = damping_for(chosen, speed)?;
         let measured = restitution(damping, speed)?;
-        let [slow, fast] = [restitution(damping, speed / 3.0)?, restitution(damping, 3.0 * speed)?];
+        let slow = restitution(damping, speed / 3.0)?;
+        let fast = restitution(damping, 3.0 * speed)?;
         let [lower, upper, halving] = expected_edges(measured);
         let middle = 0.5 * (lower + upper);
         let from = edge(damping, measured, middle, 0.8 * lower)?;
         let to = edge(damping, measured, middle, 1.15 * upper)?;
-        let speeds = format!("{slow:.4}, {fast:.4}");
-        let edges = [fixed(lower, 3), fixed(from, 4), fixed(upper, 3), fixed(halving, 4), fixed(to, 4)];
-        rows.push([row![wanted, fixed(measured, 4), speeds], edges.to_vec()].concat());
+        let restitutions = format!("{chosen} | {measured:.4} | {slow:.4}, {fast:.4}");
+        let edges = format!("{lower:.3} | {from:.4} | {upper:.3} | {halving:.4} | {to:.4}");
+        rows.push(format!("{restitutions} | {edges}"));
     }
-    let head = [
-        "restitution",
-        "restitution measured",
-        "restitution at a third and at three times the speed",
-        "lower edge expected",
-        "lower edge found",
-        "upper edge expected",
-        "upper edge with this criterion",
-        "upper edge found",
-    ];
-    data.table("rattle", &head, &rows)
+    let head = "restitution | restitution measured | restitution at a third and at three times the speed \
+        | lower edge expected | lower edge found | upper edge expected \
+        | upper edge with this criterion | upper edge found";
+    data.table("rattle", head, &rows)
 }

@@ -5,6 +5,7 @@ use approx::{assert_abs_diff_eq, assert_relative_eq};
 use super::drawing::{Measure, generating_profile_shift, lead};
 use super::*;
 use gearmesh::gear::Gear;
+use serde_json::json;
 
 /// Twelve drawings. Their dimensions were computed in the signs of ISO 21771 (ring: negative tooth numbers) from profile
 /// shifts, with the involute equations of that standard solved by bisection in another program; no file has a profile shift.
@@ -84,6 +85,30 @@ fn spans_are_those_of_published_tables() {
         let w = 1e3 * Measure::Span(k).of(gear).unwrap();
         assert_abs_diff_eq!(w, mm, epsilon = digits);
         assert_eq!(Gauges::usual(gear).span_teeth, k);
+    }
+}
+
+#[test]
+fn dimensions_over_balls_of_published_examples_give_their_profile_shifts() {
+    // Spur gear, helical gear and ring of module 1 mm and 20 degrees in the gear technical reference of KHK.
+    for (meshing, helix, i, ball, over, shift) in [
+        ("external", 0.0, 0, 1.7, 22.2941, 0.0),
+        ("external", 15.0, 0, 2.0, 24.5696, 0.4),
+        ("internal", 0.0, 1, 1.7, 37.5951, 0.0),
+    ] {
+        let mut file = json!({
+            "name": "published", "meshing": meshing, "normal_module_mm": 1.0,
+            "normal_pressure_angle_deg": 20.0, "helix_angle_deg": helix,
+            "gear1": {"teeth": 20, "face_width_mm": 10.0}, "gear2": {"teeth": 40, "face_width_mm": 10.0},
+            "operating": {"nominal_torque_nm": 1.0, "maximum_torque_nm": 2.0,
+                "center_distance_offset_um": [-5.0, 5.0], "misalignment_mrad": [-1.0, 1.0]},
+        });
+        let drawing = &mut file[["gear1", "gear2"][i]];
+        drawing["ball_diameter_mm"] = json!(ball);
+        drawing["dimension_over_balls_mm"] = json!(over);
+        let gear = &read(&file).geometry.gears[i];
+        let x = generating_profile_shift(gear, thickness(gear));
+        assert_abs_diff_eq!(x, shift, epsilon = 1e-4);
     }
 }
 

@@ -1,0 +1,144 @@
+//! `gearmesh new`: from options, and from REXS files.
+
+use super::*;
+
+/// Options for a few pairs.
+const PAIRS: [&str; 5] = [
+    "--teeth 23 81 --module-mm 1.75 --face-width-mm 30 28 --torque-nm 120 --helix-angle-deg -29.5",
+    "--teeth 24 36 --module-mm 3 --face-width-mm 20 20 --torque-nm 100",
+    "--teeth 12 70 --module-mm 0.5 --face-width-mm 6 5 --torque-nm 0.4",
+    "--teeth 27 84 --module-mm 2 --face-width-mm 20 24 --torque-nm 80 --internal",
+    "--teeth 17 103 --module-mm 8 --face-width-mm 100 100 --torque-nm 9000 --pressure-angle-deg 25",
+];
+
+#[test]
+fn a_new_pair_file_is_commented_and_accepted_as_it_stands() {
+    let folder = Folder::new();
+    for (i, options) in PAIRS.iter().enumerate() {
+        let name = format!("pair-{i}.json");
+        let path = folder.path(&name);
+        succeed!("new -o {path} {options}");
+        assert!(folder.read(&name).contains("// > 0: gear 1"));
+        let seen = succeed!("inspect {path}");
+        assert!(seen.starts_with(&format!("pair-{i}\n")), "{seen}");
+        // The pinion's fillet asks for it, in whatever ring it turns.
+        let is_known = |note: &str| note.contains("tips of the ring are shortened");
+        let mut notes = seen.lines().filter(|l| l.starts_with("note:"));
+        assert!(notes.all(is_known), "{options}: {seen}");
+    }
+}
+
+#[test]
+fn a_new_pair_file_overwrites_nothing_and_without_a_name_goes_to_standard_output() {
+    let folder = Folder::new();
+    let path = folder.write("mine.json", "mine");
+    refused!("new -o {path} {}", PAIRS[0]; "is there already");
+    assert_eq!(folder.read("mine.json"), "mine");
+    assert!(succeed!("new {}", PAIRS[0]).contains("\"teeth\": 23"));
+}
+
+#[test]
+fn a_new_pair_that_cannot_work_or_lacks_a_number_is_refused_by_field() {
+    let new = "new --teeth 23 81 --face-width-mm 30 28 --torque-nm 120 --module-mm";
+    refused!("{new} 0.002"; "normal_module_mm", "0.002 m is 2 mm");
+    refused!("{new} nan"; "'nan' for '--module-mm <MODULE_MM>': give a finite number");
+    refused!("{new} 2 --pressure-angle-deg 0"; "`normal_pressure_angle_deg` = 0");
+}
+
+#[test]
+fn an_internal_pair_with_few_teeth_between_becomes_an_fmu() {
+    let folder = Folder::new();
+    for teeth in ["30 50", "40 52", "60 68"] {
+        let [pair, fmu] =
+            ["pair.json", "unit.fmu"].map(|name| folder.path(&teeth.replace(' ', name)));
+        let options = "--internal --module-mm 2 --face-width-mm 20 20 --torque-nm 50";
+        succeed!("new {options} --teeth {teeth} -o {pair}");
+        succeed!("pack --pair {pair} -o {fmu}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_one_line() {
+    let full = std::fs::File::options().write(true).open("/dev/full");
+    let mut new = command();
+    let new = new.arg("new").args(PAIRS[1].split(' '));
+    let output = new.stdout(full.unwrap()).output().unwrap();
+    refusal(&output, &["standard output", "make room"]);
+}
+
+#[test]
+fn a_disk_that_fills_is_refused_without_the_temporary_name() {
+    let folder = Folder::new();
+    // No file may grow, as on a full disk; the signal that says so is ignored.
+    let output = Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$@\"", "sh"])
+        .args([env!("CARGO_BIN_EXE_gearmesh"), "new", "-o"])
+        .arg(folder.path("pair.json"))
+        .args(PAIRS[1].split(' '))
+        .output()
+        .unwrap();
+    refusal(&output, &["pair.json"]);
+    assert!(!text(&output.stderr).contains(".gearmesh-"));
+    assert_eq!(folder.count(""), 0);
+}
+
+const REXS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rexs");
+
+#[test]
+fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and_left() {
+    let folder = Folder::new();
+    let pair = folder.path("pair.json");
+    let listed = succeed!("new --rexs {REXS}/stage.rexs --torque-nm 90 -o {pair}");
+    contains!(
+        listed,
+        "taken: gear1.teeth from number_of_teeth of cylindrical_gear 11",
+        "taken: gear1.lower_end_relief from end_relief_datum_face 34",
+        "taken: gear2.dedendum_coefficient from addendum_coefficient_reference_profile of rack_shaped_tool 41",
+        "assumed: gear2: the left flank is the drive flank",
+        "left: triangular_tip_relief 33 of the flank 24",
+        "left: gear2.root_diameter_mm = 70: does not fit",
+        "left: cylindrical_gear 11: u_coordinate_on_shaft"
+    );
+    let shown = json(succeed!("inspect {pair} --json"));
+    let drive = "/gear1/reliefs/drive_flank";
+    for (pointer, value, within) in [
+        ("/center_distance_mm", 82.104, 1e-9),
+        ("/gear1/span_measurement_mm", 30.68, 1e-6),
+        ("/gear2/dimension_over_balls_mm", 91.9, 1e-6),
+        (
+            &*format!("{drive}/tip_relief/start/diameter_mm"),
+            86.0,
+            1e-6,
+        ),
+        (&*format!("{drive}/lower_end_relief/length_mm"), 3.0, 1e-9),
+        (&*format!("{drive}/lead_slope_um"), 0.0, 1e-9),
+        ("/gear2/reliefs/drive_flank/lead_crowning_um", 4.0, 1e-9),
+        ("/gear1/lead_mm", 1117.2538, 1e-3),
+    ] {
+        let shown = number(shown.pointer(pointer).unwrap());
+        assert!((shown - value).abs() < within, "{pointer} = {shown}");
+    }
+    assert_eq!(shown["gear2"]["hand"], "left");
+}
+
+#[test]
+fn a_ring_in_rexs_json_keeps_the_sign_of_iso_21771() {
+    let text = succeed!("new --rexs {REXS}/stages.rexsj --stage 1");
+    contains!(
+        text,
+        "\"profile_shift_iso_21771\": -0.2",
+        "\"teeth\": 84",
+        "\"root_diameter_mm\": 173.8",
+        "\"meshing\": \"internal\""
+    );
+}
+
+#[test]
+fn a_rexs_file_that_lacks_or_leaves_open_what_is_needed_is_refused_by_name() {
+    let stages = format!("new --rexs {REXS}/stages.rexsj");
+    refused!("{stages}"; "2 cylindrical stages: 1 (Planet and ring), 4 (Second)");
+    refused!("{stages} --stage 7"; "--stage = 7");
+    refused!("{stages} --stage 4"; "gear2.face_width_mm");
+    refused!("new --rexs {REXS}/../../Cargo.toml"; "no REXS file");
+}

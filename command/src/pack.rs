@@ -46,13 +46,9 @@ struct UnitArgs {
 
 impl Pack {
     pub fn run(self) -> Result<(), crate::Error> {
-        let UnitArgs {
-            output: path,
-            library,
-            set,
-        } = &self.unit;
+        let (path, set) = (&self.unit.output, &self.unit.set);
         output::check_writable(path, self.tables.iter().chain(&self.pair))?;
-        let libraries = libraries(library)?;
+        let libraries = libraries(&self.unit.library)?;
         let packed = if let Some(tables) = &self.tables {
             let text = output::read_text(tables)?;
             let file = TableFile::from_json(&text).map_err(|error| {
@@ -109,10 +105,10 @@ impl Build {
         let UnitArgs { output, set, .. } = &self.unit;
         let (mut grid, mut model) = (self.grid, self.model);
         // What the unit starts with must be in its tables.
-        grid.friction |= set.iter().any(Setting::is_friction);
-        model.root_stress |= set.iter().any(Setting::is_root_stress);
-        grid.teeth |= set.iter().any(Setting::is_teeth);
-        let contact = self.contact || set.iter().any(Setting::is_contact);
+        grid.friction |= set.contains(&Setting::FRICTION);
+        model.root_stress |= set.contains(&Setting::ROOT_STRESS);
+        grid.teeth |= set.contains(&Setting::TEETH);
+        let contact = self.contact || set.contains(&Setting::CONTACT);
         let made = tables::compute(&self.pair, output, &grid, contact, &model)?;
         let contact = made.contact.as_ref();
         let packed = pack_tables(&made.file, contact, &libraries, set, output)?;

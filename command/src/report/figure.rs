@@ -183,20 +183,18 @@ impl Figure {
         match &self.plot {
             Plot::Lines(_, curves) => {
                 writer.write_record(["curve", &self.labels[0], &self.labels[1]])?;
-                for Curve {
-                    label,
-                    points,
-                    style,
-                } in curves
-                {
-                    let name = match style {
+                for curve in curves {
+                    let (label, points) = (&curve.label, &curve.points);
+                    let name = match &curve.style {
                         Style::Dashed(variant) => format!("{label} ({variant})"),
                         _ => label.clone(),
                     };
                     for (x, y) in points {
                         writer.serialize((&name, x, y))?;
                     }
-                    let Style::Band(low) = style else { continue };
+                    let Style::Band(low) = &curve.style else {
+                        continue;
+                    };
                     for ((x, _), y) in points.iter().zip(low) {
                         writer.serialize((format!("{label}, lower end"), x, y))?;
                     }

@@ -40,14 +40,8 @@ impl Shown<'_> {
     }
 
     pub fn text(&self) -> String {
-        let Summary {
-            pair,
-            seed,
-            samples,
-            refused,
-            ..
-        } = *self.summary;
-        let mut text = format!("{}: ", shown(pair));
+        let (samples, refused) = (self.summary.samples, self.summary.refused);
+        let mut text = format!("{}: ", shown(self.summary.pair));
         if self.plan.points() > 0 {
             text += &format!("{} of a grid, ", count(self.plan.points(), "point"));
         }
@@ -58,7 +52,10 @@ impl Shown<'_> {
             rows.row(&v.field, format!("{} to {}, {how}", v.low, v.high));
         }
         let number = count(samples, "sample");
-        text += &format!("{number}, {refused} refused, seed {seed}\n\n{rows}\n");
+        text += &format!(
+            "{number}, {refused} refused, seed {}\n\n{rows}\n",
+            self.summary.seed
+        );
         if let Some(best) = &self.summary.best {
             let as_drawn = best.as_drawn.map_or("refused".into(), |v| fixed(v, 4));
             text += &format!("best by {}; as drawn: {as_drawn}\n\n", best.measure);

@@ -141,7 +141,8 @@ class Driveline:
         """Adds a body; `inertia` about its centre of mass."""
         center = np.array(center, dtype=float)
         about = inertia + mass * (center @ center * np.eye(3) - np.outer(center, center))
-        node = self.mbs.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=[*reference, 0, 0, 0], initialVelocities=[0, 0, 0, 0, 0, spin]))
+        start = {"referenceCoordinates": [*reference, 0, 0, 0], "initialVelocities": [0, 0, 0, 0, 0, spin]}
+        node = self.mbs.AddNode(items.NodeRigidBodyRxyz(**start))
         six = [about[i][j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))]
         item = self.mbs.AddObject(items.ObjectRigidBody(mass=mass, inertia=six, centerOfMass=list(center), nodeNumber=node))
         self.bodies[name] = Body(node, item, np.array(reference, dtype=float), center, mass, about)
@@ -181,7 +182,8 @@ class Driveline:
 
     def _rotor(self, k: int, shaft: Shaft) -> int:
         """Motor or load: an inertia behind a torsional coupling at the shaft's end; its coordinate is the angle."""
-        node = self.mbs.AddNode(items.Node1D(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialVelocities=[self.spins[k]]))
+        start = {"referenceCoordinates": [0.0], "initialCoordinates": [0.0], "initialVelocities": [self.spins[k]]}
+        node = self.mbs.AddNode(items.Node1D(**start))
         self.mbs.AddObject(items.Mass1D(mass=INERTIAS[k], nodeNumber=node))
         rotor = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
         end = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self.bodies[k, shaft.coupling].node, coordinate=5))

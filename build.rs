@@ -20,7 +20,7 @@ fn main() {
     if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("linux") {
         // Line tables serve the command and the tests; in every FMU they would weigh twenty times the code.
         println!("cargo::rustc-cdylib-link-arg=-Wl,--strip-debug");
-        // What dependencies export for themselves is none of the unit's interface. zig, which links for old
+        // What dependencies export for themselves is none of the FMU's interface. zig, which links for old
         // systems, has no --exclude-libs; there the last version script counts.
         let linker = env::var("RUSTC_LINKER").unwrap_or_default();
         let rest = if linker.contains("zigcc") {

@@ -1,6 +1,6 @@
 //! gearmesh: the gear contact element that any simulator can load.
 //!
-//! An FMI 2.0 unit takes the poses and velocities of two meshing gears and returns contact force,
+//! An FMU (FMI 2.0) takes the poses and velocities of two meshing gears and returns contact force,
 //! moment and contact point. Behind it stand tables of static transmission error and shuttling
 //! that `gearmesh-preprocessor` computes by three-dimensional static tooth contact, after Palermo, Mundo, Hadjit,
 //! Desmet (2013), "Multibody element for spur and helical gear meshing based on detailed
@@ -54,6 +54,7 @@
 //! | z_ref | `z_ref()` | m | mid-face of the overlap, reference of delta, M and z_c |
 //! | W | `potential` | J | potential of one flank: F_bt = dW/d delta, F_bt (z_c - z_ref) = dW/dM |
 
+pub mod accuracy;
 pub mod compliance;
 pub mod contact;
 pub mod element;

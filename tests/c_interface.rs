@@ -1,4 +1,4 @@
-//! The C interface called from Rust, on a unit unpacked by hand: what a Python host cannot pass.
+//! The C interface called from Rust, on an FMU unpacked by hand: what a Python host cannot pass.
 
 #![allow(unsafe_code)] // it calls what C calls
 
@@ -16,7 +16,7 @@ use units::{GUID, resources, spur as unit, tabulated};
 
 static LOG: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// Takes the one string that the unit's format "%s" has: a logger with one argument stands in for the variadic one,
+/// Takes the one string that the FMU's format "%s" has: a logger with one argument stands in for the variadic one,
 /// which Rust cannot define.
 unsafe extern "C" fn logger(
     _environment: *mut c_void,
@@ -26,7 +26,7 @@ unsafe extern "C" fn logger(
     format: *const c_char,
     text: *const c_char,
 ) {
-    // Safety: the unit passes strings.
+    // Safety: the FMU passes strings.
     let (format, text) = unsafe { (CStr::from_ptr(format), CStr::from_ptr(text)) };
     assert_eq!(format, c"%s");
     LOG.lock().unwrap().push(text.to_str().unwrap().to_owned());
@@ -35,7 +35,7 @@ unsafe extern "C" fn logger(
 /// The instance, or what the log says last.
 fn instantiate(uri: &CStr, guid: &CStr, kind: fmi2Type) -> Result<fmi2Component, String> {
     // Safety: on the platforms the tests run on, one variadic pointer is passed like a plain one; all pointers are valid
-    // during the call. The callbacks end with it: the unit must have copied them.
+    // during the call. The callbacks end with it: the FMU must have copied them.
     let c = unsafe {
         let callbacks = fmi2CallbackFunctions {
             logger: std::mem::transmute::<*const (), fmi2CallbackLogger>(logger as *const ()),
@@ -75,7 +75,7 @@ fn an_instance_lives_from_instantiation_to_freeing() {
     let uri = resources(folder.path(), &unit());
     let guid = CString::new(GUID).unwrap();
     let c = instantiate(&uri, &guid, fmi2CoSimulation).unwrap();
-    // Safety: `c` is a component; arrays are as long as passed, or wrong in a way that the unit can see.
+    // Safety: `c` is a component; arrays are as long as passed, or wrong in a way that the FMU can see.
     unsafe {
         assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), fmi2OK);
         assert_eq!(fmi2EnterInitializationMode(c), fmi2OK);
@@ -106,7 +106,7 @@ fn an_instance_lives_from_instantiation_to_freeing() {
     }
 }
 
-/// Loads the library that lies beside this test, runs an instance, and unloads it again.
+/// Loads the library in the folder of this test, runs an instance, and unloads it again.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn load_and_unload(library: &CStr, uri: &CStr, guid: &CStr, kind: fmi2Type) {
     // Safety: the symbols have the types of the standard (checked where they are made), the library
@@ -171,7 +171,7 @@ fn loading_and_unloading_leaves_no_byte_behind() {
     let (unit, guid) = (tabulated(folder.path()), CString::new(GUID).unwrap());
     let uri = resources(folder.path(), &unit);
     let path = CString::new(library.path.to_str().unwrap()).unwrap();
-    // Safety: it asks for statistics.
+    // Safety: it reads statistics.
     let given_out = || unsafe { libc::mallinfo2() }.uordblks;
     let mut before = 0;
     for cycle in 0..12 {

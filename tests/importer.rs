@@ -1,4 +1,4 @@
-//! A packed unit driven by the importer of the crate `fmi`: a host of another family than fmpy.
+//! A packed FMU driven by the importer of the crate `fmi`: a host of another family than fmpy.
 
 use gearmesh_preprocessor::pair;
 use std::path::Path;
@@ -10,7 +10,7 @@ use gearmesh::fmi::variables::{VARIABLES, index};
 use gearmesh::pair::Pair;
 use gearmesh_preprocessor::package::{self, Contents, Starts};
 
-/// Packs the unit of a shipped pair, with constant stiffness, into `folder` and imports it.
+/// Packs the FMU of a shipped pair, with constant stiffness, into `folder` and imports it.
 fn import(pair: &str, folder: &Path) -> (Pair, Fmi2Import) {
     let file = format!("{}/resources/pairs/{pair}.json", env!("CARGO_MANIFEST_DIR"));
     let pair = pair::read(file).unwrap();
@@ -22,7 +22,7 @@ fn import(pair: &str, folder: &Path) -> (Pair, Fmi2Import) {
         contact: None,
         starts: &starts,
     };
-    // The library that cargo built for this test lies beside the test's program.
+    // The library that cargo built for this test is in the folder of the test's program.
     let libraries = package::libraries_beside(&std::env::current_exe().unwrap()).unwrap();
     let fmu = folder.join("pair.fmu");
     package::pack(&contents, &libraries, &fmu).unwrap();

@@ -1,7 +1,7 @@
 //! Random calls of the C interface, in any order and state, with values no host should pass: the process lives, no
 //! call is fatal, what is accepted comes back as numbers, and the same calls give the same answers.
 //!
-//! `GEARMESH_RANDOM_CALLS` sets the number of calls per unit and interface; 50 000 without it.
+//! `GEARMESH_RANDOM_CALLS` sets the number of calls per FMU and interface; 50 000 without it.
 
 #![allow(unsafe_code)] // it calls what C calls
 
@@ -53,7 +53,7 @@ struct Host {
     accepted: Accepted,
 }
 
-/// Calls that the unit accepted.
+/// Calls that the FMU accepted.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Accepted {
     calls: usize,
@@ -93,7 +93,7 @@ impl Host {
     fn real(&mut self) -> f64 {
         match self.below(60) {
             0 => REALS[self.below(REALS.len())],
-            // What positions, angles and speeds of the units are of.
+            // What positions, angles and speeds of the FMUs are of.
             1..=4 => 0.08 + self.random.within([-1e-4, 1e-4]),
             5..=9 => self.random.within([-100.0, 100.0]),
             _ => self.random.within([-1e-4, 1e-4]),
@@ -149,7 +149,7 @@ impl Host {
             .rotate_left(23);
     }
 
-    /// Notes numbers that the unit gave; only those of inputs may be what no computation gives.
+    /// Notes numbers that the FMU gave; only those of inputs may be what no computation gives.
     fn take(&mut self, status: fmi2Status, values: &[f64]) {
         for value in values.iter().filter(|_| status <= fmi2Warning) {
             assert!(value.is_finite(), "{value} with status {status}");
@@ -259,7 +259,7 @@ impl Host {
         }
     }
 
-    /// From wherever the instance is to a running simulation of valid poses, most often at the unit's defaults or at another
+    /// From wherever the instance is to a running simulation of valid poses, most often at the FMU's defaults or at another
     /// level of detail, at times with parameters of all kinds.
     fn begin(&mut self) -> fmi2Status {
         let c = self.component;
@@ -365,9 +365,8 @@ fn run(uri: &CStr, kind: fmi2Type, seed: u64, calls: usize) -> (u64, Accepted) {
     (host.answers, host.accepted)
 }
 
-/// The paper's pair with all that a unit may hold, made on coarse finite elements by the command, unpacked into `folder`.
+/// The paper's pair with all that an FMU may hold, made on coarse finite elements by the command, unpacked into `folder`.
 fn complete(folder: &std::path::Path) -> gearmesh::fmi::resources::UnitFile {
-    use std::io::Read;
     let fmu = folder.join("all.fmu");
     let root = env!("CARGO_MANIFEST_DIR");
     let program = std::env::current_exe().unwrap();
@@ -383,19 +382,11 @@ fn complete(folder: &std::path::Path) -> gearmesh::fmi::resources::UnitFile {
         .output()
         .unwrap();
     assert!(output.status.success(), "{output:?}");
-    let mut archive = zip::ZipArchive::new(std::fs::File::open(fmu).unwrap()).unwrap();
-    let mut file = |name: &str| {
-        let mut bytes = Vec::new();
-        let mut entry = archive.by_name(&format!("resources/{name}")).unwrap();
-        entry.read_to_end(&mut bytes).unwrap();
-        bytes
-    };
-    for name in ["tables.json", "contact.bin"] {
-        std::fs::write(folder.join(name), file(name)).unwrap();
-    }
+    gearmesh_preprocessor::package::unpack_resources(&fmu, folder).unwrap();
+    let unit = std::fs::read(folder.join("unit.json")).unwrap();
     gearmesh::fmi::resources::UnitFile {
         guid: units::GUID.into(),
-        ..serde_json::from_slice(&file("unit.json")).unwrap()
+        ..serde_json::from_slice(&unit).unwrap()
     }
 }
 

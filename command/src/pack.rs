@@ -105,10 +105,10 @@ impl Build {
         let UnitArgs { output, set, .. } = &self.unit;
         let (mut grid, mut model) = (self.grid, self.model);
         // What the unit starts with must be in its tables.
-        grid.friction |= set.iter().any(Setting::is_friction);
-        model.root_stress |= set.iter().any(Setting::is_root_stress);
-        grid.teeth |= set.iter().any(Setting::is_teeth);
-        let contact = self.contact || set.iter().any(Setting::is_contact);
+        grid.friction |= set.contains(&Setting::FRICTION);
+        model.root_stress |= set.contains(&Setting::ROOT_STRESS);
+        grid.teeth |= set.contains(&Setting::TEETH);
+        let contact = self.contact || set.contains(&Setting::CONTACT);
         let made = tables::compute(&self.pair, output, &grid, contact, &model)?;
         let contact = made.contact.as_ref();
         let packed = pack_tables(&made.file, contact, &libraries, set, output)?;

@@ -1,6 +1,6 @@
 //! What a pair is, in the figures an engineer checks first against the drawing: as text and as JSON.
 
-use gearmesh::gear::{Flank, Gear, GearKind, ToothProfile};
+use gearmesh::gear::{Flank, Gear, GearKind, ProfileSlope, ToothProfile};
 use gearmesh::pair::Pair;
 use gearmesh::words::{fixed, rounded};
 use gearmesh_preprocessor::pair::drawing::{Measure, generating_profile_shift, lead};
@@ -213,7 +213,7 @@ fn quantities(pair: &Pair, i: usize, gauges: Gauges) -> Vec<Column<'_, ()>> {
     }
 }
 
-/// Reliefs of gear `i`, each with its start and end in every form of a drawing.
+/// Modifications of gear `i`, tip and root relief with start and end in every form of a drawing.
 fn reliefs(pair: &Pair, i: usize) -> Value {
     let g = &pair.geometry.gears[i];
     let forms = |roll: f64| {
@@ -225,13 +225,25 @@ fn reliefs(pair: &Pair, i: usize) -> Value {
     };
     let flank = |flank: Flank| {
         let m = &pair.microgeometry.flank(flank)[i];
-        let relief = [("tip_relief", m.tip_relief), ("root_relief", m.root_relief)];
-        let given = relief.into_iter().filter_map(|(name, r)| Some((name, r?)));
-        let all = given.map(|(name, r)| {
-            let value = json!({ "amount_um": 1e6 * r.amount, "start": forms(r.start_roll), "end": forms(r.end_roll) });
-            (name.to_owned(), value)
+        let slope = |p: ProfileSlope| [p.amount, p.bias];
+        let [profile_slope, bias] = m.profile_slope.map_or([0.0; 2], slope);
+        let mut all = json!({
+            "profile_crowning_um": 1e6 * m.profile_crowning.map_or(0.0, |c| c.amount),
+            "profile_slope_um": 1e6 * profile_slope, "bias_um": 1e6 * bias,
+            "lead_crowning_um": 1e6 * m.lead_crowning, "lead_slope_um": 1e6 * m.lead_slope,
         });
-        Value::Object(all.collect())
+        for (name, relief) in [("tip_relief", m.tip_relief), ("root_relief", m.root_relief)] {
+            if let Some(r) = relief {
+                all[name] = json!({ "amount_um": 1e6 * r.amount, "start": forms(r.start_roll), "end": forms(r.end_roll) });
+            }
+        }
+        let [lower, upper] = m.end_relief;
+        for (name, relief) in [("lower_end_relief", lower), ("upper_end_relief", upper)] {
+            if let Some(r) = relief {
+                all[name] = json!({ "amount_um": 1e6 * r.amount, "length_mm": 1e3 * r.length, "shape": r.shape });
+            }
+        }
+        all
     };
     json!({ "drive_flank": flank(Flank::Drive), "coast_flank": flank(Flank::Coast) })
 }

@@ -5,31 +5,114 @@ use std::path::Path;
 
 use gearmesh::words::rounded;
 use gearmesh_preprocessor::pair::{self, PairError};
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 
 use crate::Error;
 
+/// Fields of a gear, the components that may have them, and the attributes that give them, the first one first. The
+/// addendum of a tool cuts the dedendum of the gear.
+const GEAR: &str = "
+    face_width_mm                 gear      face_width
+    profile_shift_iso_21771       gear      profile_shift_coefficient addendum_modification_coefficient
+    tip_diameter_mm               gear      tip_diameter
+    tip_form_diameter_mm          gear      tip_form_diameter
+    root_diameter_mm              gear      root_diameter
+    dedendum_coefficient          tool      addendum_coefficient_reference_profile
+    tool_tip_radius_coefficient   tool      tip_radius_factor
+    youngs_modulus_gpa            material  elastic_modulus
+    poisson_ratio                 material  poisson_ratio
+    bore_diameter_mm              bored     inner_diameter";
+
+/// Measures of the tooth thickness with their gauges, and the attributes that give them; one measure is enough.
+const MEASURES: &str = "
+    span_measurement_mm      span_measurement  span_teeth        number_of_teeth_for_span_measurement
+    dimension_over_balls_mm  size_over_balls   ball_diameter_mm  diameter_of_measuring_ball_or_pin";
+
+/// Defaults that stand for fields a gear does not have.
+const DEFAULTS: [(&str, &str); 3] = [
+    ("dedendum_coefficient", "1.25"),
+    ("tool_tip_radius_coefficient", "0.38"),
+    ("youngs_modulus_gpa", "206"),
+];
+
+/// Fields that are left out where the pair does not fit them.
+const OPTIONAL: [&str; 6] = [
+    "tip_form_diameter_mm",
+    "root_diameter_mm",
+    "span_measurement_mm",
+    "dimension_over_balls_mm",
+    "normal_tooth_thickness_mm",
+    "bore_diameter_mm",
+];
+
+/// Modifications of a flank that are taken or, as slopes, named for their sign.
+const MODIFICATIONS: [&str; 8] = [
+    "tip_relief",
+    "root_relief",
+    "profile_crowning",
+    "profile_slope",
+    "helix_crowning",
+    "helix_slope",
+    "end_relief_datum_face",
+    "end_relief_non_datum_face",
+];
+
 /// A number or word of a component, with its unit.
+#[derive(Default, Deserialize)]
+#[serde(default)]
 struct Attribute {
-    name: String,
+    id: String,
     unit: String,
+    #[serde(deserialize_with = "word", alias = "floating_point")]
+    #[serde(alias = "integer", alias = "enum", alias = "string", alias = "boolean")]
     value: String,
 }
 
+#[derive(Default, Deserialize)]
+#[serde(default)]
 struct Component {
-    id: u64,
+    #[serde(deserialize_with = "word")]
+    id: String,
+    #[serde(rename = "type")]
     kind: String,
+    #[serde(deserialize_with = "word")]
     name: String,
     attributes: Vec<Attribute>,
 }
 
-/// Components and the roles in which relations name them.
-#[derive(Default)]
+/// Role and identifier of a component in a relation.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Ref {
+    role: String,
+    #[serde(deserialize_with = "word")]
+    id: String,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Relation {
+    #[serde(rename = "type")]
+    kind: String,
+    refs: Vec<Ref>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
 struct Model {
     version: String,
     components: Vec<Component>,
-    /// Kind, and role and component of each reference.
-    relations: Vec<(String, Vec<(String, u64)>)>,
+    relations: Vec<Relation>,
+}
+
+/// A number or word as text.
+fn word<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
+    Ok(match Value::deserialize(from)? {
+        Value::String(word) => word,
+        Value::Null => String::new(),
+        other => other.to_string(),
+    })
 }
 
 /// The pair file of a stage, and what is to be known of it.
@@ -41,130 +124,92 @@ pub struct Taken {
 /// The cylindrical stage `stage` (the only one, where none is named) of the file `path`, at `torque` N m on gear 1.
 pub fn pair_file(path: &Path, stage: Option<u64>, torque: Option<f64>) -> Result<Taken, Error> {
     let text = crate::output::read_text(path)?;
-    let text = text.trim_start_matches('\u{feff}');
-    let wrong = |what: String| format!("{}: {what}", path.display());
-    let model = match text.trim_start().starts_with('{') {
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let name = path.file_stem().unwrap_or("rexs".as_ref());
+    let model = match text.starts_with('{') {
         true => Model::of_json(text),
         false => Model::of_xml(text),
-    }
-    .map_err(wrong)?;
-    let mut stem = path
-        .file_stem()
-        .map_or("rexs".into(), |stem| stem.to_string_lossy());
-    let name = stem.to_mut();
+    };
     model
-        .stage(stage, torque, name)
-        .map_err(|error| wrong(error.to_string()).into())
+        .and_then(|model| model.stage(stage, torque, &name.to_string_lossy()))
+        .map_err(|error| format!("{}: {error}", path.display()).into())
+}
+
+/// An element of XML in the JSON form: its attributes, its text as `value`, and its children in lists, down to `depth` levels.
+fn element(node: roxmltree::Node, depth: usize) -> Map<String, Value> {
+    let attributes = node.attributes();
+    let mut fields: Map<_, _> = attributes
+        .map(|a| (a.name().to_owned(), a.value().into()))
+        .collect();
+    fields.insert(
+        "value".into(),
+        node.text().unwrap_or_default().trim().into(),
+    );
+    for child in node.children().filter(|c| depth > 0 && c.is_element()) {
+        let list = fields.entry(format!("{}s", child.tag_name().name()));
+        if let Value::Array(list) = list.or_insert_with(|| json!([])) {
+            list.push(element(child, depth - 1).into());
+        }
+    }
+    fields
+}
+
+impl Component {
+    fn attribute(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|a| a.id == name)
+    }
+}
+
+impl Relation {
+    fn role(&self, role: &str) -> Option<&str> {
+        let found = self.refs.iter().find(|r| r.role == role)?;
+        Some(&found.id)
+    }
+
+    fn names(&self, id: &str) -> bool {
+        self.refs.iter().any(|r| r.id == id)
+    }
 }
 
 impl Model {
-    fn of_xml(text: &str) -> Result<Model, String> {
+    fn of_json(text: &str) -> Result<Model, Error> {
+        let wrong = |error| format!("no REXS file: {error}");
+        let mut file: Value = serde_json::from_str(text).map_err(wrong)?;
+        if !file["model"].is_object() {
+            return Err("it has no `model`, as REXS files in JSON have".into());
+        }
+        Ok(serde_json::from_value(file["model"].take()).map_err(wrong)?)
+    }
+
+    fn of_xml(text: &str) -> Result<Model, Error> {
         let document = roxmltree::Document::parse(text).map_err(|e| {
             format!("no REXS file: {e}; give the .rexs (XML) or .rexsj (JSON) file")
         })?;
         let root = document.root_element();
-        if root.tag_name().name() != "model" {
-            return Err(format!(
-                "its root is <{}>, that of a REXS file is <model>",
-                root.tag_name().name()
-            ));
+        let tag = root.tag_name().name();
+        if tag != "model" {
+            return Err(format!("its root is <{tag}>, that of a REXS file is <model>").into());
         }
-        let id = |node: &roxmltree::Node| {
-            node.attribute("id")
-                .and_then(|id| id.parse().ok())
-                .unwrap_or(u64::MAX)
-        };
-        let word = |node: &roxmltree::Node, name: &str| {
-            node.attribute(name).unwrap_or_default().to_owned()
-        };
-        let mut model = Model {
-            version: word(&root, "version"),
-            ..Model::default()
-        };
+        let mut model = element(root, 0);
         // Load spectra and accumulations list components again, with results.
-        let children = |parent: &'static str, tag: &'static str| {
-            let parents = root.children().filter(move |n| n.has_tag_name(parent));
-            parents.flat_map(move |n| n.children().filter(move |c| c.has_tag_name(tag)))
-        };
-        for node in children("relations", "relation") {
-            let refs = node.children().filter(|c| c.has_tag_name("ref"));
-            model.relations.push((
-                word(&node, "type"),
-                refs.map(|r| (word(&r, "role"), id(&r))).collect(),
-            ));
+        for part in ["relations", "components"] {
+            let parts = root.children().filter(|c| c.has_tag_name(part));
+            model.extend(parts.flat_map(|part| element(part, 2)));
         }
-        for node in children("components", "component") {
-            let attributes = node.children().filter(|c| c.has_tag_name("attribute"));
-            let attributes = attributes.map(|a| Attribute {
-                name: word(&a, "id"),
-                unit: word(&a, "unit"),
-                value: a.text().unwrap_or_default().trim().to_owned(),
-            });
-            model.components.push(Component {
-                id: id(&node),
-                kind: word(&node, "type"),
-                name: word(&node, "name"),
-                attributes: attributes.collect(),
-            });
-        }
-        Ok(model)
+        Ok(serde_json::from_value(model.into())
+            .map_err(|error| format!("no REXS file: {error}"))?)
     }
 
-    fn of_json(text: &str) -> Result<Model, String> {
-        let root: Value = serde_json::from_str(text).map_err(|e| format!("no REXS file: {e}"))?;
-        let root = &root["model"];
-        if !root.is_object() {
-            return Err("it has no `model`, as REXS files in JSON have".into());
-        }
-        let word = |v: &Value| v.as_str().unwrap_or_default().to_owned();
-        let id = |v: &Value| v["id"].as_u64().unwrap_or(u64::MAX);
-        let list = |v: &Value| v.as_array().cloned().unwrap_or_default();
-        let attribute = |a: &Value| Attribute {
-            name: word(&a["id"]),
-            unit: word(&a["unit"]),
-            value: ["floating_point", "integer", "enum", "string", "boolean"]
-                .iter()
-                .map(|kind| &a[*kind])
-                .find(|v| !v.is_null())
-                .map_or(String::new(), |v| {
-                    v.as_str().map_or_else(|| v.to_string(), str::to_owned)
-                }),
-        };
-        let component = |c: &Value| Component {
-            id: id(c),
-            kind: word(&c["type"]),
-            name: word(&c["name"]),
-            attributes: list(&c["attributes"]).iter().map(attribute).collect(),
-        };
-        let relation = |r: &Value| {
-            (
-                word(&r["type"]),
-                list(&r["refs"])
-                    .iter()
-                    .map(|r| (word(&r["role"]), id(r)))
-                    .collect(),
-            )
-        };
-        Ok(Model {
-            version: word(&root["version"]),
-            components: list(&root["components"]).iter().map(component).collect(),
-            relations: list(&root["relations"]).iter().map(relation).collect(),
-        })
-    }
-
-    fn component(&self, id: u64) -> Option<&Component> {
+    fn component(&self, id: &str) -> Option<&Component> {
         self.components.iter().find(|c| c.id == id)
     }
 
     /// Components that stand in a relation with `id`, of a kind of which `is_kind` holds.
-    fn related(&self, id: u64, is_kind: impl Fn(&str) -> bool) -> Vec<&Component> {
-        let relations = self
-            .relations
-            .iter()
-            .filter(|(_, refs)| refs.iter().any(|r| r.1 == id));
-        let others = relations.flat_map(|(_, refs)| refs).filter(|r| r.1 != id);
+    fn related(&self, id: &str, is_kind: impl Fn(&str) -> bool) -> Vec<&Component> {
+        let relations = self.relations.iter().filter(|r| r.names(id));
+        let others = relations.flat_map(|r| &r.refs).filter(|r| r.id != id);
         let mut found: Vec<&Component> = Vec::new();
-        for component in others.filter_map(|(_, id)| self.component(*id)) {
+        for component in others.filter_map(|r| self.component(&r.id)) {
             if is_kind(&component.kind) && found.iter().all(|c| c.id != component.id) {
                 found.push(component);
             }
@@ -172,56 +217,38 @@ impl Model {
         found
     }
 
-    fn stage(&self, wanted: Option<u64>, torque: Option<f64>, name: &str) -> Result<Taken, Error> {
-        let stages: Vec<&Component> = self
-            .components
-            .iter()
-            .filter(|c| c.kind == "cylindrical_stage")
-            .collect();
-        let listed = || {
-            let all: Vec<String> = stages
-                .iter()
-                .map(|s| format!("{} ({})", s.id, s.name))
-                .collect();
-            all.join(", ")
-        };
-        let stage = match (wanted, &stages[..]) {
+    fn stage(&self, id: Option<u64>, torque: Option<f64>, name: &str) -> Result<Taken, Error> {
+        let all = self.components.iter();
+        let stages: Vec<_> = all.filter(|c| c.kind == "cylindrical_stage").collect();
+        let listed = stages.iter().map(|s| format!("{} ({})", s.id, s.name));
+        let (listed, count) = (listed.collect::<Vec<_>>().join(", "), stages.len());
+        let stage = match (id.map(|id| id.to_string()), &stages[..]) {
             (_, []) => return Err("it has no cylindrical_stage".into()),
-            (None, [only]) => only,
-            (None, _) => {
-                return Err(format!(
-                    "it has {} cylindrical stages: {}; name one by --stage",
-                    stages.len(),
-                    listed()
-                )
-                .into());
-            }
+            (None, [only]) => Ok(only),
+            (None, _) => Err(format!(
+                "it has {count} cylindrical stages: {listed}; name one by --stage"
+            )),
             (Some(id), _) => stages.iter().find(|s| s.id == id).ok_or_else(|| {
-                format!(
-                    "--stage = {id}: there is no such cylindrical stage; there are {}",
-                    listed()
-                )
-            })?,
-        };
-        let is_stage = |(kind, refs): &&(String, Vec<(String, u64)>)| {
-            kind == "stage"
-                && refs
-                    .iter()
-                    .any(|(role, id)| role == "stage" && *id == stage.id)
-        };
-        let refs = self.relations.iter().find(is_stage).map(|(_, refs)| refs);
-        let gear = |role: &str| {
-            let id = refs?.iter().find(|(r, _)| r == role)?.1;
-            self.component(id)
-        };
+                format!("--stage = {id}: there is no such cylindrical stage; there are {listed}")
+            }),
+        }?;
+        let is_stage = |r: &&Relation| r.kind == "stage" && r.role("stage") == Some(&stage.id);
+        let relation = self.relations.iter().find(is_stage);
+        let gear = |role| self.component(relation?.role(role)?);
         let [Some(gear1), Some(gear2)] = ["gear_1", "gear_2"].map(gear) else {
-            return Err(format!(
-                "stage {} has no relation `stage` with gear_1 and gear_2",
-                stage.id
-            )
-            .into());
+            let id = &stage.id;
+            return Err(
+                format!("stage {id} has no relation `stage` with gear_1 and gear_2").into(),
+            );
         };
-        Draft::new(self, stage).fill([gear1, gear2], torque, name)
+        let draft = Draft {
+            model: self,
+            taken: Vec::new(),
+            assumed: Vec::new(),
+            left: Vec::new(),
+            used: Vec::new(),
+        };
+        draft.fill(stage, [gear1, gear2], torque, name)
     }
 }
 
@@ -236,192 +263,133 @@ fn scale(unit: &str) -> Option<f64> {
     }
 }
 
-/// A pair file that grows, and the account of where its fields come from.
+fn um(mm: f64) -> f64 {
+    rounded(1e3 * mm)
+}
+
+/// The account of where the fields of a pair file come from.
 struct Draft<'a> {
     model: &'a Model,
-    stage: &'a Component,
     taken: Vec<String>,
     assumed: Vec<String>,
     left: Vec<String>,
-    used: Vec<(u64, String)>,
+    /// Component and attribute.
+    used: Vec<(String, String)>,
 }
 
 impl<'a> Draft<'a> {
-    fn new(model: &'a Model, stage: &'a Component) -> Self {
-        let all = || Vec::new();
-        Draft {
-            model,
-            stage,
-            taken: all(),
-            assumed: all(),
-            left: all(),
-            used: Vec::new(),
-        }
-    }
-
-    /// The first of `names` that one of `components` has as a number, in mm, degrees, GPa or none.
+    /// The first of the attributes `names` that one of `components` has, a number in mm, degrees, GPa or none; it is noted
+    /// as taken unless `field` is empty.
     fn number(
         &mut self,
         field: &str,
         components: &[&Component],
-        names: &[&str],
+        names: &str,
     ) -> Result<Option<f64>, Error> {
-        for name in names {
-            for component in components {
-                let Some(a) = component
-                    .attributes
-                    .iter()
-                    .find(|a| a.name == *name && !a.value.is_empty())
-                else {
-                    continue;
-                };
-                let place = format!("attribute `{name}` of component {}", component.id);
-                let scale = scale(&a.unit).ok_or_else(|| {
-                    format!(
-                        "{place}: unit `{}` is none of mm, mum, m, °, rad, MPa, N / mm^2",
-                        a.unit
-                    )
-                })?;
-                let value: f64 = a
-                    .value
-                    .parse()
-                    .map_err(|_| format!("{place} = {}: no number", a.value))?;
-                if !field.is_empty() {
-                    self.taken.push(format!(
-                        "{field} from {name} of {} {}",
-                        component.kind, component.id
-                    ));
-                }
-                self.used.push((component.id, a.name.clone()));
-                return Ok(Some(rounded(value * scale)));
-            }
+        let found = names.split_whitespace().find_map(|name| {
+            let given = |c: &&'_ Component| c.attribute(name).is_some_and(|a| !a.value.is_empty());
+            let component = components.iter().copied().find(given)?;
+            Some((component, component.attribute(name)?))
+        });
+        let Some((Component { id, kind, .. }, a)) = found else {
+            return Ok(None);
+        };
+        let (name, unit, value) = (&a.id, &a.unit, &a.value);
+        let wrong = |what| format!("attribute `{name}` of component {id}{what}");
+        let scale = scale(unit).ok_or_else(|| {
+            wrong(format!(
+                ": unit `{unit}` is none of mm, mum, m, °, rad, MPa, N / mm^2"
+            ))
+        })?;
+        let value: f64 = (value.parse()).map_err(|_| wrong(format!(" = {value}: no number")))?;
+        if !field.is_empty() {
+            self.taken
+                .push(format!("{field} from {name} of {kind} {id}"));
         }
-        Ok(None)
+        self.used.push((id.clone(), name.clone()));
+        Ok(Some(rounded(value * scale)))
     }
 
     fn required(
         &mut self,
         field: &str,
         components: &[&Component],
-        names: &[&str],
+        name: &str,
     ) -> Result<f64, Error> {
-        let ids: Vec<String> = components.iter().map(|c| c.id.to_string()).collect();
-        self.number(field, components, names)?.ok_or_else(|| {
-            format!(
-                "none of the components {} has `{}`",
-                ids.join(", "),
-                names.join("` or `")
-            )
-            .into()
-        })
-    }
-
-    fn word(&mut self, component: &Component, name: &str) -> Option<String> {
-        let a = component.attributes.iter().find(|a| a.name == name)?;
-        self.used.push((component.id, a.name.clone()));
-        Some(a.value.clone())
+        let ids: Vec<&str> = components.iter().map(|c| &*c.id).collect();
+        let missing = format!("none of the components {} has `{name}`", ids.join(", "));
+        Ok(self.number(field, components, name)?.ok_or(missing)?)
     }
 
     fn fill(
         mut self,
+        stage: &'a Component,
         gears: [&'a Component; 2],
         torque: Option<f64>,
         name: &str,
     ) -> Result<Taken, Error> {
-        let ring = gears.iter().position(|g| g.kind == "ring_gear");
+        let model = self.model;
         let flanks = gears.map(|g| {
-            self.model.related(g.id, |kind| {
-                ["cylindrical_gear_flank", "flank_geometry"].contains(&kind)
-            })
+            let kinds = ["cylindrical_gear_flank", "flank_geometry"];
+            model.related(&g.id, |kind| kinds.contains(&kind))
         });
-        let everywhere: Vec<&Component> = [self.stage]
-            .into_iter()
-            .chain(gears)
-            .chain(flanks.iter().flatten().copied())
-            .collect();
-        let module = self.required("normal_module_mm", &everywhere, &["normal_module"])?;
-        let alpha = self.required(
-            "normal_pressure_angle_deg",
-            &everywhere,
-            &["normal_pressure_angle"],
-        )?;
-        let helix = self.number(
+        let mut parts = vec![stage, gears[0], gears[1]];
+        parts.extend(flanks.iter().flatten());
+        let module = self.required("normal_module_mm", &parts, "normal_module")?;
+        let angle = "normal_pressure_angle";
+        let alpha = self.required("normal_pressure_angle_deg", &parts, angle)?;
+        let (field, attribute) = (
             "helix_angle_deg (> 0: right-handed)",
-            &gears[..1],
-            &["helix_angle_reference_diameter"],
-        )?;
-        let distance = self.number("center_distance_mm", &[self.stage], &["center_distance"])?;
-        let mut file = Map::new();
-        let mut optional = Vec::new();
-        for (i, gear) in gears.into_iter().enumerate() {
-            let fields = self.gear(i, gear, &flanks[i], [module, alpha], &mut optional)?;
-            file.insert(format!("gear{}", i + 1), Value::Object(fields));
-        }
-        let [b1, b2] = [1, 2].map(|i| {
-            file[&format!("gear{i}")]["face_width_mm"]
-                .as_f64()
-                .unwrap_or(0.0)
-        });
-        let z1 = file["gear1"]["teeth"].as_f64().unwrap_or(0.0);
+            "helix_angle_reference_diameter",
+        );
+        let helix = self.number(field, &gears[..1], attribute)?;
+        let distance = self.number("center_distance_mm", &[stage], "center_distance")?;
+        let [gear1, gear2] = [
+            self.gear("gear1", gears[0], &flanks[0], [module, alpha])?,
+            self.gear("gear2", gears[1], &flanks[1], [module, alpha])?,
+        ];
+        let width = |gear: &Map<String, Value>| gear.get("face_width_mm")?.as_f64();
+        let [b1, b2] = [&gear1, &gear2].map(|gear| width(gear).unwrap_or(0.0));
+        let z1 = gear1["teeth"].as_f64().unwrap_or(0.0);
         // A hundred newtons for each mm of face and of module.
         let usual = rounded((0.05 * b1.min(b2) * module * module * z1).ceil());
-        let nominal = torque.unwrap_or_else(|| {
+        if torque.is_none() {
             self.assumed.push(format!("operating.nominal_torque_nm = {usual}: 100 N per mm of face and of module; give --torque-nm"));
-            usual
-        });
-        self.assumed.push("operating: torques up to 1.5 times the nominal one, ranges of centre distance and misalignment".into());
-        self.assumed
-            .push("face_offset_mm: both faces share their middle".into());
-        file.extend([
-            ("name".to_owned(), json!(name)),
-            (
-                "source".to_owned(),
-                json!(format!(
-                    "REXS {}, stage {} {}",
-                    self.model.version, self.stage.id, self.stage.name
-                )),
-            ),
-            (
-                "meshing".to_owned(),
-                json!(if ring.is_some() {
-                    "internal"
-                } else {
-                    "external"
-                }),
-            ),
-            ("normal_module_mm".to_owned(), json!(module)),
-            ("normal_pressure_angle_deg".to_owned(), json!(alpha)),
-            ("helix_angle_deg".to_owned(), json!(helix.unwrap_or(0.0))),
-            ("face_offset_mm".to_owned(), json!(rounded(0.5 * (b1 - b2)))),
-            (
-                "operating".to_owned(),
-                json!({
-                    "nominal_torque_nm": nominal, "maximum_torque_nm": rounded(1.5 * nominal),
-                    "center_distance_offset_um": [-20.0, 50.0], "misalignment_mrad": [-1.0, 1.0],
-                }),
-            ),
-        ]);
-        if let Some(mm) = distance {
-            file.insert("center_distance_mm".into(), json!(mm.abs()));
         }
-        let file = self.consistent(Value::Object(file), optional)?;
-        let parts: Vec<&Component> = everywhere
-            .into_iter()
-            .chain(
-                gears
-                    .iter()
-                    .flat_map(|g| self.model.related(g.id, |k| k == "material")),
-            )
-            .collect();
-        for part in parts {
-            let rest = part
-                .attributes
-                .iter()
-                .filter(|a| !self.used.contains(&(part.id, a.name.clone())));
-            let rest: Vec<&str> = rest.map(|a| a.name.as_str()).collect();
-            if !rest.is_empty() {
-                self.left
-                    .push(format!("{} {}: {}", part.kind, part.id, rest.join(", ")));
+        let nominal = torque.unwrap_or(usual);
+        self.assumed.extend([
+            "operating: torques up to 1.5 times the nominal one, ranges of centre distance and misalignment".into(),
+            "face_offset_mm: both faces share their middle".into(),
+        ]);
+        let is_internal = gears.iter().any(|g| g.kind == "ring_gear");
+        let mut file = json!({
+            "name": name,
+            "source": format!("REXS {}, stage {} {}", model.version, stage.id, stage.name),
+            "meshing": if is_internal { "internal" } else { "external" },
+            "normal_module_mm": module,
+            "normal_pressure_angle_deg": alpha,
+            "helix_angle_deg": helix.unwrap_or(0.0),
+            "face_offset_mm": rounded(0.5 * (b1 - b2)),
+            "gear1": gear1,
+            "gear2": gear2,
+            "operating": {
+                "nominal_torque_nm": nominal, "maximum_torque_nm": rounded(1.5 * nominal),
+                "center_distance_offset_um": [-20.0, 50.0], "misalignment_mrad": [-1.0, 1.0],
+            },
+        });
+        if let Some(mm) = distance {
+            file["center_distance_mm"] = json!(mm.abs());
+        }
+        let file = self.consistent(file)?;
+        for gear in gears {
+            parts.extend(model.related(&gear.id, |kind| kind == "material"));
+        }
+        for c in parts {
+            let is_left = |name: &&str| !self.used.iter().any(|(id, n)| *id == c.id && n == name);
+            let names = c.attributes.iter().map(|a| &*a.id);
+            let names = names.filter(is_left).collect::<Vec<_>>().join(", ");
+            if !names.is_empty() {
+                self.left.push(format!("{} {}: {names}", c.kind, c.id));
             }
         }
         let mut summary = String::new();
@@ -432,10 +400,9 @@ impl<'a> Draft<'a> {
         ] {
             for (k, line) in lines.iter().enumerate() {
                 // Both flanks name the same.
-                if lines[..k].contains(line) {
-                    continue;
+                if !lines[..k].contains(line) {
+                    let _ = writeln!(summary, "{head}: {line}");
                 }
-                let _ = writeln!(summary, "{head}: {line}");
             }
         }
         let comments: String = summary.lines().map(|line| format!("// {line}\n")).collect();
@@ -447,306 +414,239 @@ impl<'a> Draft<'a> {
 
     fn gear(
         &mut self,
-        i: usize,
+        name: &str,
         gear: &'a Component,
         flanks: &[&'a Component],
         [module, alpha]: [f64; 2],
-        optional: &mut Vec<String>,
     ) -> Result<Map<String, Value>, Error> {
-        let name = format!("gear{}", i + 1);
         let both: Vec<&Component> = [gear].into_iter().chain(flanks.iter().copied()).collect();
-        let near = |kind: &'static str| -> Vec<&'a Component> {
-            both.iter()
-                .flat_map(|c| self.model.related(c.id, |k| k == kind))
+        let model = self.model;
+        let near = |kind: &str| -> Vec<&Component> {
+            (both.iter())
+                .flat_map(|c| model.related(&c.id, |k| k == kind))
                 .collect()
         };
-        let (tools, settings, materials) = (
-            near("rack_shaped_tool"),
-            near("cylindrical_gear_manufacturing_settings"),
-            near("material"),
-        );
         let mut fields = Map::new();
-        let teeth = self.required(&format!("{name}.teeth"), &both, &["number_of_teeth"])?;
+        let teeth = self.required(&format!("{name}.teeth"), &both, "number_of_teeth")?;
         fields.insert("teeth".into(), json!(teeth.abs().round() as u64));
-        #[rustfmt::skip]
-        let rows: &[(&str, &[&Component], &[&str], f64)] = &[
-            ("face_width_mm", &both, &["face_width"], 1.0),
-            ("profile_shift_iso_21771", &both, &["profile_shift_coefficient", "addendum_modification_coefficient"], 1.0),
-            ("tip_diameter_mm", &both, &["tip_diameter"], 1.0),
-            ("tip_form_diameter_mm", &both, &["tip_form_diameter"], 1.0),
-            ("root_diameter_mm", &both, &["root_diameter"], 1.0),
-            // The addendum of the tool cuts the dedendum of the gear.
-            ("dedendum_coefficient", &tools, &["addendum_coefficient_reference_profile"], 1.0),
-            ("tool_tip_radius_coefficient", &tools, &["tip_radius_factor"], 1.0),
-            ("youngs_modulus_gpa", &materials, &["elastic_modulus"], 1.0),
-            ("poisson_ratio", &materials, &["poisson_ratio"], 1.0),
-        ];
-        for (field, components, names, sign) in rows {
-            if let Some(value) = self.number(&format!("{name}.{field}"), components, names)? {
+        for row in GEAR.lines().skip(1) {
+            let (field, row) = row.trim().split_once(' ').unwrap_or_default();
+            let (source, names) = row.trim().split_once(' ').unwrap_or_default();
+            let components = match source {
+                "tool" => near("rack_shaped_tool"),
+                "material" => near("material"),
+                "bored" if gear.kind != "cylindrical_gear" => continue,
+                _ => both.clone(),
+            };
+            if let Some(value) = self.number(&format!("{name}.{field}"), &components, names)? {
                 // Diameters of a ring may be negative.
-                let value = if field.ends_with("_mm") {
-                    value.abs()
-                } else {
-                    value * sign
+                let is_length = field.ends_with("_mm") && source != "bored";
+                let value = if is_length { value.abs() } else { value };
+                if source != "bored" || value > 0.0 {
+                    fields.insert(field.into(), json!(value));
+                }
+            }
+        }
+        let mut measured = None;
+        for row in MEASURES.lines().skip(1) {
+            let row: Vec<&str> = row.split_whitespace().collect();
+            let value = self.number("", &both, row[1])?;
+            let size = self.number("", &both, row[3])?;
+            if let (None, Some(value), Some(size)) = (&measured, value, size) {
+                let size = match row[2] {
+                    "span_teeth" => json!(size.abs() as u64),
+                    _ => json!(size),
                 };
-                fields.insert((*field).into(), json!(value));
+                fields.extend([(row[0].into(), json!(value.abs())), (row[2].into(), size)]);
+                measured = Some(format!("{name}.{}, {}", row[0], row[2]));
             }
         }
-        if gear.kind == "cylindrical_gear"
-            && let Some(mm) = self
-                .number(
-                    &format!("{name}.bore_diameter_mm"),
-                    &both,
-                    &["inner_diameter"],
-                )?
-                .filter(|mm| *mm > 0.0)
-        {
-            fields.insert("bore_diameter_mm".into(), json!(mm));
-        }
-        let span = self
-            .number("", &both, &["span_measurement"])?
-            .zip(self.number("", &both, &["number_of_teeth_for_span_measurement"])?);
-        let balls = self
-            .number("", &both, &["size_over_balls"])?
-            .zip(self.number("", &both, &["diameter_of_measuring_ball_or_pin"])?);
-        let generated = self.number(
-            "",
-            &settings,
-            &["generated_addendum_modification_coefficient"],
-        )?;
-        // Of several measures of the thickness one is enough.
-        if let Some((w, k)) = span {
-            fields.extend([
-                ("span_measurement_mm".into(), json!(w.abs())),
-                ("span_teeth".into(), json!(k.abs() as u64)),
-            ]);
-            self.taken
-                .push(format!("{name}.span_measurement_mm, span_teeth"));
-        } else if let Some((m, ball)) = balls {
-            fields.extend([
-                ("dimension_over_balls_mm".into(), json!(m.abs())),
-                ("ball_diameter_mm".into(), json!(ball)),
-            ]);
-            self.taken
-                .push(format!("{name}.dimension_over_balls_mm, ball_diameter_mm"));
-        } else if let Some(x) = generated {
-            let s = module * (std::f64::consts::FRAC_PI_2 + 2.0 * x * alpha.to_radians().tan());
-            fields.insert("normal_tooth_thickness_mm".into(), json!(rounded(s)));
-            self.taken.push(format!(
-                "{name}.normal_tooth_thickness_mm from generated_addendum_modification_coefficient"
-            ));
-        } else {
-            self.assumed.push(format!(
+        let settings = near("cylindrical_gear_manufacturing_settings");
+        let attribute = "generated_addendum_modification_coefficient";
+        let generated = self.number("", &settings, attribute)?;
+        match (measured, generated) {
+            (Some(measured), _) => self.taken.push(measured),
+            (None, Some(x)) => {
+                let s = module * (std::f64::consts::FRAC_PI_2 + 2.0 * x * alpha.to_radians().tan());
+                let field = "normal_tooth_thickness_mm";
+                fields.insert(field.into(), json!(rounded(s)));
+                self.taken.push(format!("{name}.{field} from {attribute}"));
+            }
+            (None, None) => self.assumed.push(format!(
                 "{name}: teeth of the thickness that profile shift and centre distance leave"
-            ));
+            )),
         }
-        for field in [
-            "tip_form_diameter_mm",
-            "root_diameter_mm",
-            "span_measurement_mm",
-            "dimension_over_balls_mm",
-            "normal_tooth_thickness_mm",
-            "bore_diameter_mm",
-        ] {
-            if fields.contains_key(field) {
-                optional.push(format!("{name}.{field}"));
+        for (field, default) in DEFAULTS {
+            let has = |field| fields.contains_key(field);
+            let follows = field == "dedendum_coefficient" && has("root_diameter_mm");
+            if !has(field) && !follows {
+                self.assumed.push(format!("{name}.{field} = {default}"));
             }
         }
-        for (default, what) in [
-            ("dedendum_coefficient", "1.25"),
-            ("tool_tip_radius_coefficient", "0.38"),
-            ("youngs_modulus_gpa", "206"),
-        ] {
-            let is_given = fields.contains_key(default)
-                || default == "dedendum_coefficient" && fields.contains_key("root_diameter_mm");
-            if !is_given {
-                self.assumed.push(format!("{name}.{default} = {what}"));
-            }
-        }
-        let sides = ["left", "right"].map(|side| self.flank(gear, side));
-        let sides: Vec<Map<String, Value>> = sides
-            .into_iter()
-            .map(|c| c.map_or(Ok(Map::new()), |c| self.modifications(&name, c)))
-            .collect::<Result<_, _>>()?;
-        if sides[0] == sides[1] {
-            fields.extend(sides[0].clone());
+        let [left, right] = [
+            self.flank(name, gear, "left")?,
+            self.flank(name, gear, "right")?,
+        ];
+        if left == right {
+            fields.extend(left);
         } else {
             self.assumed.push(format!("{name}: the left flank is the drive flank; turn the two if the stage is driven the other way"));
-            for (field, side) in ["drive_flank", "coast_flank"].iter().zip(sides) {
-                fields.insert((*field).into(), Value::Object(side));
+            fields.insert("drive_flank".into(), Value::Object(left));
+            fields.insert("coast_flank".into(), Value::Object(right));
+        }
+        Ok(fields)
+    }
+
+    /// Modifications of the flank of `gear` on this `side` in fields of the pair file.
+    fn flank(
+        &mut self,
+        name: &str,
+        gear: &Component,
+        side: &str,
+    ) -> Result<Map<String, Value>, Error> {
+        let model = self.model;
+        let flanks = model
+            .relations
+            .iter()
+            .filter(|r| r.kind == "flank" && r.names(&gear.id));
+        let mut fields = Map::new();
+        let Some(flank) =
+            (flanks.filter_map(|r| r.role(side)).next()).and_then(|id| model.component(id))
+        else {
+            return Ok(fields);
+        };
+        let is_other = |kind: &str| {
+            let words = ["relief", "modification", "deviation", "profile_twist"];
+            words.iter().any(|word| kind.contains(word)) && !MODIFICATIONS.contains(&kind)
+        };
+        for Component { id, kind, .. } in model.related(&flank.id, is_other) {
+            self.left
+                .push(format!("{kind} {id} of the flank {}", flank.id));
+        }
+        for c in model.related(&flank.id, |kind| MODIFICATIONS.contains(&kind)) {
+            let Component { id, kind, .. } = c;
+            // Their sign depends on which face and flank they count from.
+            if kind.ends_with("slope") {
+                let flank = &flank.id;
+                self.left.push(format!(
+                    "{kind} {id} of the flank {flank}: enter it with the sign of docs/pair-file.md"
+                ));
+            } else if let Some((field, value)) = self.modification(&format!("{name}.{kind}"), c)? {
+                fields.insert(field.into(), value);
+                self.taken.push(format!("{name}.{field} from {kind} {id}"));
             }
         }
         Ok(fields)
     }
 
-    fn flank(&self, gear: &Component, side: &str) -> Option<&'a Component> {
-        let mut relations = self
-            .model
-            .relations
-            .iter()
-            .filter(|(kind, refs)| kind == "flank" && refs.iter().any(|r| r.1 == gear.id));
-        let id =
-            relations.find_map(|(_, refs)| Some(refs.iter().find(|(role, _)| role == side)?.1))?;
-        self.model.component(id)
-    }
-
-    /// Modifications of a flank in fields of the pair file.
-    fn modifications(
+    /// Field and value of the modification `c`; none where its amount is not given.
+    fn modification(
         &mut self,
-        gear: &str,
-        flank: &Component,
-    ) -> Result<Map<String, Value>, Error> {
-        let mut fields = Map::new();
-        let kinds = [
-            "tip_relief",
-            "root_relief",
-            "profile_crowning",
-            "profile_slope",
-            "helix_crowning",
-            "helix_slope",
-            "end_relief_datum_face",
-            "end_relief_non_datum_face",
-        ];
-        let is_other = |k: &str| {
-            (k.contains("relief")
-                || k.contains("modification")
-                || k.contains("deviation")
-                || k == "profile_twist")
-                && !kinds.contains(&k)
+        path: &str,
+        c: &'a Component,
+    ) -> Result<Option<(&'a str, Value)>, Error> {
+        let mut mm = |name: String| self.number("", &[c], &name);
+        let (field, mut value) = match &*c.kind {
+            kind @ ("tip_relief" | "root_relief") => {
+                let depth = mm(format!("{kind}_depth"))?;
+                let diameter = mm(format!("{kind}_datum_diameter"))?;
+                let length = mm(format!("{kind}_datum_length"))?.filter(|_| kind == "tip_relief");
+                let start = match (diameter, length) {
+                    (Some(d), _) => json!({ "diameter_mm": d.abs() }),
+                    (None, Some(length)) => json!({ "from_tip_mm": length }),
+                    (None, None) => json!("pitch_point"),
+                };
+                if depth.is_some() && start.is_string() {
+                    let line = format!("{path}: starts at the pitch point");
+                    self.assumed.push(line);
+                }
+                (kind, json!({ "amount_um": depth.map(um), "start": start }))
+            }
+            kind @ ("profile_crowning" | "helix_crowning") => {
+                let (field, ends, places) = match kind {
+                    "profile_crowning" => {
+                        ("profile_crowning_um", ["at_root", "at_tip"], "root and tip")
+                    }
+                    _ => (
+                        "lead_crowning_um",
+                        ["amount_datum_face", "amount_non_datum_face"],
+                        "the two faces",
+                    ),
+                };
+                let a = mm(format!("{kind}_{}", ends[0]))?.unwrap_or(0.0);
+                let b = mm(format!("{kind}_{}", ends[1]))?.unwrap_or(0.0);
+                if a != b {
+                    let [a, b] = [a, b].map(um);
+                    let line = format!("{path}: the mean of {a} and {b} um at {places}");
+                    self.assumed.push(line);
+                }
+                return Ok(Some((field, json!(um(0.5 * (a + b))))));
+            }
+            // The datum face is taken as the one at z = 0.
+            kind => {
+                let (field, side) = match kind {
+                    "end_relief_datum_face" => ("lower_end_relief", "datum_face"),
+                    _ => ("upper_end_relief", "non_datum_face"),
+                };
+                let depth = mm(format!("end_relief_depth_{side}"))?;
+                let length = mm(format!("end_relief_length_{side}"))?;
+                let (depth, length) = depth.zip(length).unzip();
+                if depth.is_some() {
+                    let line = format!("{path}: the datum face is that at z = 0");
+                    self.assumed.push(line);
+                }
+                (
+                    field,
+                    json!({ "amount_um": depth.map(um), "length_mm": length }),
+                )
+            }
         };
-        for other in self.model.related(flank.id, is_other) {
-            self.left.push(format!(
-                "{} {} of the flank {}",
-                other.kind, other.id, flank.id
-            ));
+        if value["amount_um"].is_null() {
+            return Ok(None);
         }
-        let um = |mm: f64| rounded(1e3 * mm);
-        for c in self.model.related(flank.id, |k| kinds.contains(&k)) {
-            let here = [c];
-            let path = format!("{gear}.{}", c.kind);
-            let mm = |draft: &mut Self, name: &str| draft.number("", &here, &[name]);
-            let field = match c.kind.as_str() {
-                kind @ ("tip_relief" | "root_relief") => {
-                    let Some(depth) = mm(self, &format!("{kind}_depth"))? else {
-                        continue;
-                    };
-                    let diameter = mm(self, &format!("{kind}_datum_diameter"))?;
-                    let length =
-                        mm(self, &format!("{kind}_datum_length"))?.filter(|_| kind == "tip_relief");
-                    let start = match (diameter, length) {
-                        (Some(d), _) => json!({ "diameter_mm": d.abs() }),
-                        (None, Some(length)) => json!({ "from_tip_mm": length }),
-                        (None, None) => {
-                            self.assumed
-                                .push(format!("{path}: starts at the pitch point"));
-                            json!("pitch_point")
-                        }
-                    };
-                    fields.insert(kind.into(), json!({ "amount_um": um(depth), "start": start, "shape": self.shape(c, &path) }));
-                    kind
-                }
-                "profile_crowning" => {
-                    let [root, tip] = [
-                        mm(self, "profile_crowning_at_root")?.unwrap_or(0.0),
-                        mm(self, "profile_crowning_at_tip")?.unwrap_or(0.0),
-                    ];
-                    if root != tip {
-                        self.assumed.push(format!(
-                            "{path}: the mean of {} um at the root and {} um at the tip",
-                            um(root),
-                            um(tip)
-                        ));
-                    }
-                    fields.insert("profile_crowning_um".into(), json!(um(0.5 * (root + tip))));
-                    "profile_crowning_um"
-                }
-                "helix_crowning" => {
-                    let [a, b] = [
-                        mm(self, "helix_crowning_amount_datum_face")?.unwrap_or(0.0),
-                        mm(self, "helix_crowning_amount_non_datum_face")?.unwrap_or(0.0),
-                    ];
-                    if a != b {
-                        self.assumed.push(format!(
-                            "{path}: the mean of {} and {} um at the two faces",
-                            um(a),
-                            um(b)
-                        ));
-                    }
-                    fields.insert("lead_crowning_um".into(), json!(um(0.5 * (a + b))));
-                    "lead_crowning_um"
-                }
-                kind @ ("end_relief_datum_face" | "end_relief_non_datum_face") => {
-                    let side = kind.trim_start_matches("end_relief_");
-                    let (Some(depth), Some(length)) = (
-                        mm(self, &format!("end_relief_depth_{side}"))?,
-                        mm(self, &format!("end_relief_length_{side}"))?,
-                    ) else {
-                        continue;
-                    };
-                    // The datum face is taken as the one at z = 0.
-                    let field = if side == "datum_face" {
-                        "lower_end_relief"
-                    } else {
-                        "upper_end_relief"
-                    };
-                    self.assumed
-                        .push(format!("{path}: the datum face is that at z = 0"));
-                    fields.insert(field.into(), json!({ "amount_um": um(depth), "length_mm": length, "shape": self.shape(c, &path) }));
-                    field
-                }
-                // Slopes: their sign depends on which face and flank they count from.
-                kind => {
-                    self.left.push(format!(
-                        "{kind} {} of the flank {}: enter it with the sign of docs/pair-file.md",
-                        c.id, flank.id
-                    ));
-                    continue;
-                }
-            };
-            self.taken
-                .push(format!("{gear}.{field} from {} {}", c.kind, c.id));
-        }
-        Ok(fields)
+        value["shape"] = json!(self.shape(c, path));
+        Ok(Some((field, value)))
     }
 
     fn shape(&mut self, component: &Component, path: &str) -> &'static str {
-        match self.word(component, "shape_of_relief").as_deref() {
+        let given = component.attribute("shape_of_relief");
+        self.used
+            .extend(given.map(|a| (component.id.clone(), a.id.clone())));
+        match given.map(|a| &*a.value) {
             Some("linear") => "linear",
             Some("parabolic") => "parabolic",
             Some("circular") => "arc",
             other => {
-                self.assumed.push(format!(
-                    "{path}.shape = linear ({} in the file)",
-                    other.unwrap_or("none")
-                ));
+                let other = other.unwrap_or("none");
+                self.assumed
+                    .push(format!("{path}.shape = linear ({other} in the file)"));
                 "linear"
             }
         }
     }
 
-    /// The file without those of the `optional` fields that the pair does not fit, each with its reason.
-    fn consistent(&mut self, mut file: Value, mut optional: Vec<String>) -> Result<Value, Error> {
+    /// The file without those of the optional fields that the pair does not fit, each with its reason.
+    fn consistent(&mut self, mut file: Value) -> Result<Value, Error> {
         loop {
             let refusal = match pair::from_json(&file.to_string()) {
                 Ok(_) => return Ok(file),
                 Err(PairError::Refused(refusal)) => refusal,
                 Err(other) => return Err(other.into()),
             };
-            let Some(k) = optional.iter().position(|field| *field == refusal.field) else {
+            let field = &refusal.field;
+            let (gear, name) = field.split_once('.').unwrap_or(("", field));
+            let fields = file.get_mut(gear).and_then(Value::as_object_mut);
+            let Some(fields) = fields.filter(|f| OPTIONAL.contains(&name) && f.contains_key(name))
+            else {
                 return Err(refusal.into());
             };
-            let field = optional.remove(k);
-            let (gear, name) = field.split_once('.').unwrap_or(("", &field));
-            if let Some(fields) = file[gear].as_object_mut() {
-                let gauge = match name {
-                    "span_measurement_mm" => "span_teeth",
-                    "dimension_over_balls_mm" => "ball_diameter_mm",
-                    _ => name,
-                };
-                fields.remove(gauge);
-                fields.remove(name);
-            }
-            self.taken.retain(|line| !line.starts_with(&field));
+            fields.remove(name);
+            fields.remove(match name {
+                "span_measurement_mm" => "span_teeth",
+                "dimension_over_balls_mm" => "ball_diameter_mm",
+                _ => "",
+            });
+            self.taken.retain(|line| !line.starts_with(field));
             self.left
                 .push(format!("{field} = {}: {}", refusal.value, refusal.problem));
         }

@@ -217,15 +217,15 @@ impl<'a> Flanks<'a> {
             profile.slope += by_s * m.smooth_slope(&self.geometry.gears[i], rolls[i], self.z[i]);
             profile.curvature += by_s * by_s * m.smooth_curvature(rolls[i], self.z[i], by);
             for relief in m.reliefs() {
-                let [slope, curvature] = relief.jumps();
+                let kink = relief.piece(relief.start_roll);
                 let at = (relief.start_roll - rolls[i]) / by_s;
                 // A search that ends at a kink ends near it.
                 let is_here = at.abs() <= 10.0 * TOLERANCE / self.curvature;
                 let start = ReliefStart {
                     at: if is_here { 0.0 } else { at },
                     side: relief.side() * by_s.signum(),
-                    slope: slope * by_s.abs(),
-                    curvature: curvature * by_s * by_s,
+                    slope: kink.slope.abs() * by_s.abs(),
+                    curvature: kink.curvature * by_s * by_s,
                 };
                 profile.add(number, start);
                 number += 1;

@@ -20,9 +20,9 @@ use super::error::ContactError;
 use super::influence::Influence;
 use super::setup::ContactSetup;
 use super::solver::ContactSolver;
+use crate::accuracy::InterpolationError;
 use crate::gear::Flank;
 use crate::sealed;
-use crate::table::InterpolationError;
 use crate::vector::Lanes;
 
 /// Influence of the segments of one flank at nodes.

@@ -5,7 +5,7 @@
 //! tests/header.rs compares each signature with the standard's header.
 //!
 //! # Safety
-//! All functions ask of the host what the standard asks: a component is null or came from
+//! All functions require of the host what the standard requires: a component is null or came from
 //! fmi2Instantiate and was not freed, arrays hold as many items as passed (null only with none), strings
 //! end with a zero byte, and one instance is used by one thread at a time. Every
 //! `unsafe fn` below relies on that where it follows a pointer; it is stated this once.
@@ -271,7 +271,7 @@ unsafe fn no_strings(
     })
 }
 
-/// The answer to the one question of this type that the FMU has a status for, if `kind` asks it.
+/// The answer to the one question of this type that the FMU has a status for, if `kind` is that one.
 unsafe fn get_status<T>(
     c: fmi2Component,
     function: Function,
@@ -298,6 +298,105 @@ unsafe fn none_of(c: fmi2Component, function: Function, count: usize) -> fmi2Sta
             "{function}: {count} items; this unit has no continuous states and no event indicators"
         ))),
     })
+}
+
+/// What fmi2GetStatus says of the last step.
+fn status_of_step(instance: &Instance) -> fmi2Status {
+    match instance.state() {
+        State::Error => fmi2Error,
+        _ => fmi2OK,
+    }
+}
+
+/// Exports that pass their arguments on to one of the functions above: `name(arguments) = function(what it gets)`.
+macro_rules! exports {
+    ($($(#[$doc:meta])* $name:ident($($argument:ident: $type:ty),*) = $function:ident($which:ident $(, $passed:expr)*);)+) => {$(
+        $(#[$doc])*
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $name(c: fmi2Component $(, $argument: $type)*) -> fmi2Status {
+            $function(c, Function::$which $(, $passed)*)
+        }
+    )+};
+}
+
+type References = *const fmi2ValueReference;
+
+exports! {
+    /// Opens the initialization.
+    fmi2EnterInitializationMode() = enter(EnterInitializationMode, State::InitializationMode);
+    /// Closes the initialization: checks the parameters and latches the phases of the teeth.
+    fmi2ExitInitializationMode() = call(ExitInitializationMode, |c| c.instance.exit_initialization());
+    /// Ends the simulation.
+    fmi2Terminate() = enter(Terminate, State::Terminated);
+    /// Back to the state after fmi2Instantiate.
+    fmi2Reset() = call(Reset, |c| { c.instance.reset(); Ok(()) });
+    /// The host handles an event: inputs and tunable parameters may jump.
+    fmi2EnterEventMode() = enter(EnterEventMode, State::EventMode);
+    /// The host integrates.
+    fmi2EnterContinuousTimeMode() = enter(EnterContinuousTimeMode, State::ContinuousTimeMode);
+
+    /// Values of Real variables.
+    fmi2GetReal(vr: References, nvr: usize, value: *mut fmi2Real) = get(GetReal, vr, nvr, value, |x| x);
+    /// Values of Integer and Enumeration variables.
+    fmi2GetInteger(vr: References, nvr: usize, value: *mut fmi2Integer) =
+        get(GetInteger, vr, nvr, value, |x| x as i32);
+    /// Values of Boolean variables.
+    fmi2GetBoolean(vr: References, nvr: usize, value: *mut fmi2Boolean) =
+        get(GetBoolean, vr, nvr, value, |x| x as i32);
+    /// Refuses any variable: there are none of type String.
+    fmi2GetString(vr: References, nvr: usize, _value: *mut fmi2String) = no_strings(GetString, vr, nvr);
+    /// Sets Real inputs and parameters.
+    fmi2SetReal(vr: References, nvr: usize, value: *const fmi2Real) = set(SetReal, vr, nvr, value);
+    /// Sets Enumeration parameters.
+    fmi2SetInteger(vr: References, nvr: usize, value: *const fmi2Integer) = set(SetInteger, vr, nvr, value);
+    /// Sets Boolean parameters.
+    fmi2SetBoolean(vr: References, nvr: usize, value: *const fmi2Boolean) = set(SetBoolean, vr, nvr, value);
+    /// Refuses any variable: there are none of type String.
+    fmi2SetString(vr: References, nvr: usize, _value: *const fmi2String) = no_strings(SetString, vr, nvr);
+
+    /// Goes back to a stored state.
+    fmi2SetFMUstate(state: fmi2FMUstate) = call(SetFMUstate, |c| c.instance.restore(state.addr()));
+    /// Bytes that a stored state takes.
+    fmi2SerializedFMUstateSize(state: fmi2FMUstate, size: *mut usize) =
+        call(SerializedFMUstateSize, |c| put(size, c.instance.serialize(state.addr())?.len()));
+
+    /// One communication step.
+    fmi2DoStep(point: fmi2Real, step: fmi2Real, _no_set_state_prior: fmi2Boolean) =
+        call(DoStep, |c| c.instance.do_step(point, step));
+    /// Refused: a step is never in progress when a call returns.
+    fmi2CancelStep() = call(CancelStep, |_| Ok(()));
+    /// Status of the last step; pending steps there are none.
+    fmi2GetStatus(kind: fmi2StatusKind, value: *mut fmi2Status) =
+        get_status(GetStatus, kind, Some(fmi2DoStepStatus), value, status_of_step);
+    /// Time up to which the last step came.
+    fmi2GetRealStatus(kind: fmi2StatusKind, value: *mut fmi2Real) =
+        get_status(GetRealStatus, kind, Some(fmi2LastSuccessfulTime), value, Instance::time);
+    /// Discards: there is no status of type Integer.
+    fmi2GetIntegerStatus(kind: fmi2StatusKind, value: *mut fmi2Integer) =
+        get_status(GetIntegerStatus, kind, None, value, |_| 0);
+    /// Whether the FMU wants to end the simulation: never.
+    fmi2GetBooleanStatus(kind: fmi2StatusKind, value: *mut fmi2Boolean) =
+        get_status(GetBooleanStatus, kind, Some(fmi2Terminated), value, |_| 0);
+    /// Discards: there is no pending step to report on.
+    fmi2GetStringStatus(kind: fmi2StatusKind, value: *mut fmi2String) =
+        get_status(GetStringStatus, kind, None, value, |_| ptr::null());
+
+    /// There are no discrete states: one iteration is enough, and no event is to come.
+    fmi2NewDiscreteStates(info: *mut fmi2EventInfo) =
+        call(NewDiscreteStates, |_| put(info, fmi2EventInfo::default()));
+    /// The time, on which nothing depends.
+    fmi2SetTime(time: fmi2Real) = call(SetTime, |c| c.instance.set_time(time));
+    /// There are no continuous states.
+    fmi2SetContinuousStates(_x: *const fmi2Real, nx: usize) = none_of(SetContinuousStates, nx);
+    /// There are no continuous states.
+    fmi2GetDerivatives(_derivatives: *mut fmi2Real, nx: usize) = none_of(GetDerivatives, nx);
+    /// There are no event indicators.
+    fmi2GetEventIndicators(_indicators: *mut fmi2Real, ni: usize) = none_of(GetEventIndicators, ni);
+    /// There are no continuous states.
+    fmi2GetContinuousStates(_x: *mut fmi2Real, nx: usize) = none_of(GetContinuousStates, nx);
+    /// There are no continuous states.
+    fmi2GetNominalsOfContinuousStates(_nominals: *mut fmi2Real, nx: usize) =
+        none_of(GetNominalsOfContinuousStates, nx);
 }
 
 /// The platform of the types, "default".
@@ -348,7 +447,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     made.unwrap_or(ptr::null_mut())
 }
 
-/// A new instance for the interface that the host asks for.
+/// A new instance for the interface that the host names.
 fn instantiate(
     kind: fmi2Type,
     name: &str,
@@ -416,123 +515,6 @@ pub unsafe extern "C" fn fmi2SetupExperiment(
     })
 }
 
-/// Opens the initialization.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status {
-    let function = Function::EnterInitializationMode;
-    enter(c, function, State::InitializationMode)
-}
-
-/// Closes the initialization: checks the parameters and latches the phases of the teeth.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2ExitInitializationMode(c: fmi2Component) -> fmi2Status {
-    let function = Function::ExitInitializationMode;
-    call(c, function, |c| c.instance.exit_initialization())
-}
-
-/// Ends the simulation.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2Terminate(c: fmi2Component) -> fmi2Status {
-    enter(c, Function::Terminate, State::Terminated)
-}
-
-/// Back to the state after fmi2Instantiate.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2Reset(c: fmi2Component) -> fmi2Status {
-    call(c, Function::Reset, |c| {
-        c.instance.reset();
-        Ok(())
-    })
-}
-
-/// Values of Real variables.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetReal(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *mut fmi2Real,
-) -> fmi2Status {
-    get(c, Function::GetReal, vr, nvr, value, |x| x)
-}
-
-/// Values of Integer and Enumeration variables.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetInteger(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *mut fmi2Integer,
-) -> fmi2Status {
-    get(c, Function::GetInteger, vr, nvr, value, |x| x as i32)
-}
-
-/// Values of Boolean variables.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBoolean(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *mut fmi2Boolean,
-) -> fmi2Status {
-    get(c, Function::GetBoolean, vr, nvr, value, |x| x as i32)
-}
-
-/// Refuses any variable: there are none of type String.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetString(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    _value: *mut fmi2String,
-) -> fmi2Status {
-    no_strings(c, Function::GetString, vr, nvr)
-}
-
-/// Sets Real inputs and parameters.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetReal(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *const fmi2Real,
-) -> fmi2Status {
-    set(c, Function::SetReal, vr, nvr, value)
-}
-
-/// Sets Enumeration parameters.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetInteger(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *const fmi2Integer,
-) -> fmi2Status {
-    set(c, Function::SetInteger, vr, nvr, value)
-}
-
-/// Sets Boolean parameters.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetBoolean(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    value: *const fmi2Boolean,
-) -> fmi2Status {
-    set(c, Function::SetBoolean, vr, nvr, value)
-}
-
-/// Refuses any variable: there are none of type String.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetString(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    nvr: usize,
-    _value: *const fmi2String,
-) -> fmi2Status {
-    no_strings(c, Function::SetString, vr, nvr)
-}
-
 /// Stores the state, over the given one if that is not null. A fmi2FMUstate is a number here, not an address.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
@@ -540,14 +522,6 @@ pub unsafe extern "C" fn fmi2GetFMUstate(c: fmi2Component, state: *mut fmi2FMUst
         check_array(state, 1, "FMUstate")?;
         let given = Some((*state).addr()).filter(|handle| *handle != 0);
         put(state, ptr::without_provenance_mut(c.instance.store(given)?))
-    })
-}
-
-/// Goes back to a stored state.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetFMUstate(c: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
-    call(c, Function::SetFMUstate, |c| {
-        c.instance.restore(state.addr())
     })
 }
 
@@ -563,18 +537,6 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(
             *state = ptr::null_mut();
         }
         Ok(())
-    })
-}
-
-/// Bytes that a stored state takes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    c: fmi2Component,
-    state: fmi2FMUstate,
-    size: *mut usize,
-) -> fmi2Status {
-    call(c, Function::SerializedFMUstateSize, |c| {
-        put(size, c.instance.serialize(state.addr())?.len())
     })
 }
 
@@ -598,7 +560,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     })
 }
 
-/// Reads a state that this unit wrote, in this process or another one.
+/// Reads a state that this FMU wrote, in this process or another one.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     c: fmi2Component,
@@ -668,107 +630,7 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     })
 }
 
-/// One communication step.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2DoStep(
-    c: fmi2Component,
-    point: fmi2Real,
-    step: fmi2Real,
-    _no_set_state_prior: fmi2Boolean,
-) -> fmi2Status {
-    call(c, Function::DoStep, |c| c.instance.do_step(point, step))
-}
-
-/// Refused: a step is never in progress when a call returns.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2CancelStep(c: fmi2Component) -> fmi2Status {
-    call(c, Function::CancelStep, |_| Ok(()))
-}
-
-/// Status of the last step; pending steps there are none.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStatus(
-    c: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2Status,
-) -> fmi2Status {
-    let known = Some(fmi2DoStepStatus);
-    let status = |instance: &Instance| match instance.state() {
-        State::Error => fmi2Error,
-        _ => fmi2OK,
-    };
-    get_status(c, Function::GetStatus, kind, known, value, status)
-}
-
-/// Time up to which the last step came.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetRealStatus(
-    c: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2Real,
-) -> fmi2Status {
-    let known = Some(fmi2LastSuccessfulTime);
-    let function = Function::GetRealStatus;
-    get_status(c, function, kind, known, value, Instance::time)
-}
-
-/// Discards: there is no status of type Integer.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetIntegerStatus(
-    c: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2Integer,
-) -> fmi2Status {
-    get_status(c, Function::GetIntegerStatus, kind, None, value, |_| 0)
-}
-
-/// Whether the unit wants to end the simulation: never.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBooleanStatus(
-    c: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2Boolean,
-) -> fmi2Status {
-    let known = Some(fmi2Terminated);
-    get_status(c, Function::GetBooleanStatus, kind, known, value, |_| 0)
-}
-
-/// Discards: there is no pending step to report on.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStringStatus(
-    c: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2String,
-) -> fmi2Status {
-    let function = Function::GetStringStatus;
-    get_status(c, function, kind, None, value, |_| ptr::null())
-}
-
-/// The host handles an event: inputs and tunable parameters may jump.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2EnterEventMode(c: fmi2Component) -> fmi2Status {
-    enter(c, Function::EnterEventMode, State::EventMode)
-}
-
-/// There are no discrete states: one iteration is enough, and no event is to come.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2NewDiscreteStates(
-    c: fmi2Component,
-    info: *mut fmi2EventInfo,
-) -> fmi2Status {
-    call(c, Function::NewDiscreteStates, |_| {
-        put(info, fmi2EventInfo::default())
-    })
-}
-
-/// The host integrates.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2EnterContinuousTimeMode(c: fmi2Component) -> fmi2Status {
-    let function = Function::EnterContinuousTimeMode;
-    enter(c, function, State::ContinuousTimeMode)
-}
-
-/// Asks for nothing, and need not be called: outputs depend on nothing that came before.
+/// Requests nothing, and need not be called: outputs depend on nothing that came before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     c: fmi2Component,
@@ -780,62 +642,6 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
         put(event, 0)?;
         put(end, 0)
     })
-}
-
-/// The time, on which nothing depends.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetTime(c: fmi2Component, time: fmi2Real) -> fmi2Status {
-    call(c, Function::SetTime, |c| c.instance.set_time(time))
-}
-
-/// There are no continuous states.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetContinuousStates(
-    c: fmi2Component,
-    _x: *const fmi2Real,
-    nx: usize,
-) -> fmi2Status {
-    none_of(c, Function::SetContinuousStates, nx)
-}
-
-/// There are no continuous states.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetDerivatives(
-    c: fmi2Component,
-    _derivatives: *mut fmi2Real,
-    nx: usize,
-) -> fmi2Status {
-    none_of(c, Function::GetDerivatives, nx)
-}
-
-/// There are no event indicators.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetEventIndicators(
-    c: fmi2Component,
-    _indicators: *mut fmi2Real,
-    ni: usize,
-) -> fmi2Status {
-    none_of(c, Function::GetEventIndicators, ni)
-}
-
-/// There are no continuous states.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetContinuousStates(
-    c: fmi2Component,
-    _x: *mut fmi2Real,
-    nx: usize,
-) -> fmi2Status {
-    none_of(c, Function::GetContinuousStates, nx)
-}
-
-/// There are no continuous states.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(
-    c: fmi2Component,
-    _nominals: *mut fmi2Real,
-    nx: usize,
-) -> fmi2Status {
-    none_of(c, Function::GetNominalsOfContinuousStates, nx)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! One instance of the FMU: what the functions of the interface do, in safe Rust.
 //!
 //! Outputs and their derivatives are a pure function of inputs, parameters, phase zeros and, with `coupling`, of the last step.
-//! They are made when they are asked for and cached until one of these changes (`Instance::changed`), so that hosts may set
+//! They are made when they are read and cached until one of these changes (`Instance::changed`), so that hosts may set
 //! and get in any order, value by value, and go back in time.
 
 use std::sync::Arc;
@@ -100,7 +100,7 @@ const OUT_OF_PROPORTION: f64 = 1e12;
 const OUTPUT_ORDER: i32 = 1;
 
 impl Instance {
-    /// A new instance of the unit with these resources.
+    /// A new instance of the FMU with these resources.
     pub fn new(resources: Arc<Resources>, interface: Interface) -> Self {
         let pair = &resources.unit.geometry;
         let [z1, z2] = [pair.gears[0].z(), pair.gears[1].z()];
@@ -277,17 +277,17 @@ impl Instance {
     /// fmi2DeSerializeFMUstate: a new handle.
     ///
     /// # Errors
-    /// Bytes that are no state of this unit.
+    /// Bytes that are no state of this FMU.
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
         let state = InstanceState::from_bytes(bytes, &self.resources.unit.guid)?;
         state.check(self.state.interface)?;
         self.stored.store(None, state)
     }
 
-    /// Goes to a state of this unit.
+    /// Goes to a state of this FMU.
     ///
     /// # Errors
-    /// A state that no instance of this unit and interface has made; nothing is changed.
+    /// A state that no instance of this FMU and interface has made; nothing is changed.
     pub(super) fn go_to(&mut self, state: InstanceState) -> Result<(), Refusal> {
         self.configure(state.check(self.state.interface)?);
         self.state = state;

@@ -1,4 +1,4 @@
-//! The FMI 2.0 unit around the element.
+//! The FMU (FMI 2.0) around the element.
 //!
 //! ```text
 //! host ── c_interface ── instance ─┬─ inputs ── element

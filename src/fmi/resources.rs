@@ -1,7 +1,7 @@
-//! What a packed unit carries in its resources: the pair, the tables, and its GUID.
+//! What a packed FMU carries in its resources: the pair, the tables, and its GUID.
 //!
 //! One compiled library serves every pair, so nothing of a pair is compiled in. All instances of
-//! one unit in a process share one copy.
+//! one FMU in a process share one copy.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -25,10 +25,10 @@ use crate::words::json_problem;
 /// File with the pair and the GUID.
 pub const UNIT_FILE: &str = "unit.json";
 
-/// File with the tables; absent in a unit of constant stiffness.
+/// File with the tables; absent in an FMU of constant stiffness.
 pub const TABLES_FILE: &str = "tables.json";
 
-/// File with the contact at run time; absent in a unit that cannot solve it.
+/// File with the contact at run time; absent in an FMU that cannot solve it.
 pub const CONTACT_FILE: &str = "contact.bin";
 
 /// Version of [`UnitFile`] that this library reads and writes.
@@ -50,18 +50,18 @@ pub struct UnitFile {
     pub geometry: PairGeometry,
 }
 
-/// The resources of one packed unit, read and checked.
+/// The resources of one packed FMU, read and checked.
 #[derive(Debug)]
 pub struct Resources {
     /// The pair and the GUID.
     pub unit: UnitFile,
     /// Where they were read; empty if nowhere.
     folder: PathBuf,
-    /// The tables; `None` in a unit of constant stiffness.
+    /// The tables; `None` in an FMU of constant stiffness.
     tables: Option<Arc<TableFile>>,
     /// The contact at run time, if there is any.
     contact: Option<ContactFile>,
-    /// Start values, as modelDescription.xml of this unit gives them.
+    /// Start values, as modelDescription.xml of this FMU gives them.
     pub starts: Starts,
     /// Interpolants of the tables in use, one for each choice of effects.
     made: Mutex<Vec<Weak<Table>>>,
@@ -124,7 +124,7 @@ impl Resources {
         })
     }
 
-    /// The element of this unit with `parameters`.
+    /// The element of this FMU with `parameters`.
     ///
     /// # Errors
     /// Parameters without meaning; an effect whose axis the tables lack.
@@ -156,7 +156,7 @@ impl Resources {
     }
 }
 
-/// Units in use, so that the instances of one unit share its table.
+/// FMUs in use, so that the instances of one FMU share its table.
 static LOADED: Mutex<Vec<Weak<Resources>>> = Mutex::new(Vec::new());
 
 /// The item of `list` in use that `suits`, or what `make` makes. Nobody waits meanwhile: of two that make the same, the
@@ -172,7 +172,7 @@ fn shared<T, E>(
         let mut present = list.iter().filter_map(Weak::upgrade);
         present.find(|item| suits(item))
     };
-    // Items are dropped without the lock: the last of a unit takes its tables along.
+    // Items are dropped without the lock: the last of an FMU takes its tables along.
     let found = present(&lock());
     if let Some(item) = found {
         return Ok(item);
@@ -232,7 +232,7 @@ fn on_the_current_drive(url: &Url) -> Result<PathBuf, ()> {
     here.join(url.path()).map_err(drop)?.to_file_path()
 }
 
-/// Forgets units that no instance uses, so that a library that is unloaded leaves no memory behind.
+/// Forgets FMUs that no instance uses, so that a library that is unloaded leaves no memory behind.
 pub fn release() {
     let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
     loaded.retain(|resources| resources.strong_count() > 0);
@@ -283,7 +283,7 @@ pub fn parse_unit(bytes: &[u8]) -> Result<UnitFile, String> {
     Ok(unit)
 }
 
-/// Largest file of a unit, bytes: some hundred times those of the shipped pairs.
+/// Largest file of an FMU, bytes: some hundred times those of the shipped pairs.
 const LARGEST: u64 = 1 << 30;
 
 /// What `parse` makes of the file `name` in `folder`. What is no file is not opened: a pipe would never answer.
@@ -322,7 +322,6 @@ pub(super) mod tests {
     use crate::fmi::instance::Instance;
     use crate::fmi::lifecycle::{Interface, State};
     use crate::fmi::variables::{VARIABLES, index};
-    use crate::table::Query;
     use crate::table::samples::Spring;
 
     /// A pipe would never answer, and a file as large as this would take all memory.
@@ -395,7 +394,7 @@ pub(super) mod tests {
         }
     }
 
-    /// An instance of `interface` in initialization mode, in the nominal pose, with these start values beside that.
+    /// An instance of `interface` in initialization mode, in the nominal pose, with these start values besides.
     pub(in crate::fmi) fn instance(
         interface: Interface,
         geometry: PairGeometry,
@@ -478,35 +477,6 @@ pub(super) mod tests {
             assert!(error.message.contains(name), "{error}");
             on_table(counts, &[]).exit_initialization().unwrap();
         }
-    }
-
-    #[test]
-    fn the_force_is_that_of_the_table_at_the_pose() {
-        let mut instance = on_table([20, 1, 1, 24], &[]);
-        instance.exit_initialization().unwrap();
-        let turn = 1.2e-4;
-        let spin = VARIABLES[index::GEAR1_ANGLES_3].value_reference;
-        instance.set_real(&[spin], &[turn]).unwrap();
-        let pair = crate::gear::samples::paper_pair(1.0);
-        let distance = pair.center_distance;
-        let phi = pair.operating_pressure_angle(distance);
-        let exact = Spring::potential(&Query {
-            delta: turn * pair.operating_pitch_radius(0, distance) * phi.cos(),
-            center_distance_offset: 0.0,
-            misalignment: 0.0,
-            mesh_position: turn / std::f64::consts::TAU * pair.gears[0].z(),
-        });
-        let tangential = [VARIABLES[index::MESH_TANGENTIAL_FORCE].value_reference];
-        let mut force = 0.0;
-        let read = instance.get_real(&tangential, |x| force = x / phi.cos());
-        read.unwrap();
-        assert!(exact.gradient[0] > 50.0);
-        let error = force / exact.gradient[0] - 1.0;
-        assert!(
-            error.abs() < 2e-3,
-            "{force} N, exact {} N",
-            exact.gradient[0]
-        );
     }
 
     #[cfg(unix)]

@@ -73,17 +73,17 @@ impl InstanceState {
         Settings::new("fmi2SetFMUstate", &self.parameters)
     }
 
-    /// As bytes, for the unit with this GUID.
+    /// As bytes, for the FMU with this GUID.
     pub fn to_bytes(&self, guid: &str) -> Vec<u8> {
         // Numbers, strings and lists alone: this cannot fail.
         let json = serde_json::to_vec(&(guid, self)).expect("a state serialises");
         sealed::seal(MAGIC, &json)
     }
 
-    /// Reads [`InstanceState::to_bytes`] of the unit with this GUID.
+    /// Reads [`InstanceState::to_bytes`] of the FMU with this GUID.
     ///
     /// # Errors
-    /// Bytes of another origin, version or unit, and altered ones.
+    /// Bytes of another origin, version or FMU, and altered ones.
     pub fn from_bytes(bytes: &[u8], guid: &str) -> Result<Self, Refusal> {
         let read = || -> Result<Self, String> {
             let json = sealed::open(MAGIC, bytes)?;

@@ -22,7 +22,7 @@ pub enum Kind {
 pub enum Causality {
     /// Set by the host at any communication point.
     Input,
-    /// Computed by the unit.
+    /// Computed by the FMU.
     Output,
     /// Set by the host before or in initialization; later only where tunable.
     Parameter,
@@ -39,7 +39,7 @@ pub enum Variability {
     Tunable,
 }
 
-/// One scalar variable of the unit.
+/// One scalar variable of the FMU.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variable {
     /// Name as in modelDescription.xml.
@@ -52,7 +52,7 @@ pub struct Variable {
     pub causality: Causality,
     /// When it may change.
     pub variability: Variability,
-    /// Start value of the template (a packed unit may have another one); Boolean as 0 or 1.
+    /// Start value of the template (a packed FMU may have another one); Boolean as 0 or 1.
     pub start: Option<f64>,
     /// Smallest legal value.
     pub min: Option<f64>,

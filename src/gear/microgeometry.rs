@@ -68,11 +68,6 @@ impl Microgeometry {
         self.profile(gear, roll, z).slope
     }
 
-    /// d [`Microgeometry::slope`] / d roll at the length of roll `roll`, m per m², without that of a topography.
-    pub fn curvature(&self, roll: f64) -> f64 {
-        self.profile_piece(roll).curvature
-    }
-
     /// Tip relief and root relief, as far as there are.
     pub fn reliefs(&self) -> impl Iterator<Item = &ProfileRelief> {
         self.tip_relief.iter().chain(&self.root_relief)
@@ -80,52 +75,40 @@ impl Microgeometry {
 
     /// [`Microgeometry::slope`] without the reliefs.
     pub fn smooth_slope(&self, gear: &Gear, roll: f64, z: f64) -> f64 {
-        let at = along_face(gear, z);
-        self.profile_crowning.map_or(0.0, |c| c.evaluate(roll)[1])
-            + self.profile_slope.map_or(0.0, |p| p.evaluate(roll, at)[1])
-            + self
-                .topography
-                .as_ref()
-                .map_or(0.0, |f| f.piece(roll, z).slope)
+        self.add_smooth(ProfilePiece::default(), gear, roll, z)
+            .slope
     }
 
     /// Curvature over the length of roll without the reliefs, m per m²; that of a topography by its second difference over
     /// +-`by` (m of roll).
     pub fn smooth_curvature(&self, roll: f64, z: f64, by: f64) -> f64 {
         let bend = |f: &Arc<Topography>| {
-            let at = |roll| f.removal(roll, z);
-            (at(roll + by) - 2.0 * at(roll) + at(roll - by)) / (by * by)
+            let [low, here, high] = [roll - by, roll, roll + by].map(|roll| f.removal(roll, z));
+            (high - 2.0 * here + low) / (by * by)
         };
-        self.profile_crowning.map_or(0.0, |c| c.evaluate(roll)[2])
+        (self.profile_crowning.as_ref()).map_or(0.0, |c| c.piece(roll).curvature)
             + self.topography.as_ref().map_or(0.0, bend)
     }
 
     /// [`Microgeometry::removal`] less [`Microgeometry::lead`], and its derivatives by the length of roll.
     #[inline]
     pub fn profile(&self, gear: &Gear, roll: f64, z: f64) -> ProfilePiece {
-        let mut piece = self.profile_piece(roll);
-        if let Some(slope) = &self.profile_slope {
-            let [removal, slope] = slope.evaluate(roll, along_face(gear, z));
-            piece.removal += removal;
-            piece.slope += slope;
-        }
-        match &self.topography {
-            Some(topography) => piece.and(topography.piece(roll, z)),
-            None => piece,
-        }
+        let none = ProfilePiece::default();
+        let reliefs = self.reliefs().fold(none, |sum, r| sum.and(r.piece(roll)));
+        self.add_smooth(reliefs, gear, roll, z)
     }
 
+    /// What modifies the whole profile, on top of `piece`.
     #[inline(always)]
-    fn profile_piece(&self, roll: f64) -> ProfilePiece {
-        let of = |relief: &Option<ProfileRelief>| {
-            relief.map_or(ProfilePiece::default(), |relief| relief.piece(roll))
-        };
-        let mut piece = of(&self.tip_relief).and(of(&self.root_relief));
+    fn add_smooth(&self, mut piece: ProfilePiece, gear: &Gear, roll: f64, z: f64) -> ProfilePiece {
         if let Some(crowning) = &self.profile_crowning {
-            let [removal, slope, curvature] = crowning.evaluate(roll);
-            piece.removal += removal;
-            piece.slope += slope;
-            piece.curvature += curvature;
+            piece = piece.and(crowning.piece(roll));
+        }
+        if let Some(slope) = &self.profile_slope {
+            piece = piece.and(slope.piece(roll, along_face(gear, z)));
+        }
+        if let Some(topography) = &self.topography {
+            piece = piece.and(topography.piece(roll, z));
         }
         piece
     }
@@ -134,19 +117,16 @@ impl Microgeometry {
     pub fn lead(&self, gear: &Gear, z: f64) -> f64 {
         let t = along_face(gear, z);
         let ends = [z, gear.face_width - z];
-        let end_relief: f64 = (self.end_relief.iter().zip(ends))
-            .map(|(relief, from_end)| relief.map_or(0.0, |r| r.removal(from_end)))
-            .sum();
+        let reliefs = self.end_relief.iter().zip(ends);
+        let removal = reliefs.map(|(relief, z)| relief.map_or(0.0, |r| r.removal(z)));
+        let end_relief: f64 = removal.sum();
         self.lead_crowning * t * t + 0.5 * self.lead_slope * t + end_relief
     }
 
     /// Whether anything depends on the length of roll, so that [`Microgeometry::slope`] is not zero throughout.
     pub fn has_profile(&self) -> bool {
-        self.tip_relief.is_some()
-            || self.root_relief.is_some()
-            || self.profile_crowning.is_some()
-            || self.profile_slope.is_some()
-            || self.topography.is_some()
+        let is_smooth = self.profile_crowning.is_some() || self.profile_slope.is_some();
+        is_smooth || self.topography.is_some() || self.reliefs().next().is_some()
     }
 
     /// Whether the slope over the length of roll changes along the face.
@@ -157,19 +137,13 @@ impl Microgeometry {
     /// Bound of [`Microgeometry::removal`] over the lengths of roll `rolls` (the ends of the flank, either
     /// first) and the whole face, m.
     pub fn largest_removal(&self, gear: &Gear, rolls: [f64; 2]) -> f64 {
-        let smooth = Microgeometry {
-            topography: None,
-            ..self.clone()
-        };
+        let mut smooth = self.clone();
+        let topography = smooth.topography.take();
         // Without a topography removals are convex in both directions: largest in a corner.
-        let corners = rolls
-            .into_iter()
-            .flat_map(|roll| [0.0, gear.face_width].map(|z| smooth.removal(gear, roll, z)));
-        corners.fold(0.0, f64::max)
-            + self
-                .topography
-                .as_ref()
-                .map_or(0.0, |f| f.largest_removal())
+        let ends = [0.0, gear.face_width];
+        let removal = |roll: f64| ends.map(|z| smooth.removal(gear, roll, z));
+        let largest = rolls.into_iter().flat_map(removal).fold(0.0, f64::max);
+        largest + topography.map_or(0.0, |f| f.largest_removal())
     }
 
     /// Whether the flank looks the same from both ends of the face. Only then is the coast flank, seen
@@ -272,13 +246,10 @@ mod tests {
                 let at = |roll| m.removal(&gear, roll, z);
                 let numeric = (at(roll + d) - at(roll - d)) / (2.0 * d);
                 assert_abs_diff_eq!(m.slope(&gear, roll, z), numeric, epsilon = 1e-9);
-                let smooth = Microgeometry {
-                    topography: None,
-                    ..m.clone()
-                };
-                let at = |roll| smooth.slope(&gear, roll, z);
+                let at = |roll| m.slope(&gear, roll, z);
                 let numeric = (at(roll + d) - at(roll - d)) / (2.0 * d);
-                assert_abs_diff_eq!(m.curvature(roll), numeric, epsilon = 1e-7);
+                let curvature = m.profile(&gear, roll, z).curvature;
+                assert_abs_diff_eq!(curvature, numeric, epsilon = 1e-6);
             }
         }
     }
@@ -286,10 +257,8 @@ mod tests {
     #[test]
     fn a_piece_is_the_removal_between_its_ends() {
         let (m, gear) = (all(), gear());
-        let smooth = Microgeometry {
-            topography: None,
-            ..m
-        };
+        let mut smooth = m;
+        smooth.topography = None;
         for roll in [6.5e-3, 7.7e-3, 9.5e-3, 12.1e-3, 13.9e-3] {
             for z in [0.0, 1e-3, 12e-3, 23.3e-3] {
                 let piece = smooth.profile(&gear, roll, z);
@@ -307,78 +276,87 @@ mod tests {
     }
 
     #[test]
-    fn crowning_takes_its_amount_off_both_ends_and_nothing_at_the_middle() {
-        let m = Microgeometry {
-            lead_crowning: 5e-6,
-            profile_crowning: all().profile_crowning,
-            ..Default::default()
+    fn every_modification_takes_off_what_its_definition_says() {
+        let alone = |change: fn(&mut Microgeometry, Microgeometry)| {
+            let mut m = Microgeometry::default();
+            change(&mut m, all());
+            m
         };
-        assert_abs_diff_eq!(m.removal(&gear(), 10e-3, 12e-3), 0.0, epsilon = 1e-20);
-        for z in [0.0, 24e-3] {
-            assert_abs_diff_eq!(m.removal(&gear(), 10e-3, z), 5e-6, epsilon = 1e-18);
-            for roll in [6e-3, 14e-3] {
-                assert_abs_diff_eq!(m.removal(&gear(), roll, z), 8e-6, epsilon = 1e-18);
+        // Whether it looks the same from both ends of the face; length of roll and z in mm, removal in um.
+        let cases: [(_, _, &[[f64; 3]]); 5] = [
+            // A parabola has a quarter of its end value half way out.
+            (
+                alone(|m, all| m.lead_crowning = all.lead_crowning),
+                true,
+                &[
+                    [9.0, 12.0, 0.0],
+                    [9.0, 0.0, 5.0],
+                    [9.0, 24.0, 5.0],
+                    [9.0, 6.0, 1.25],
+                ],
+            ),
+            (
+                alone(|m, all| m.profile_crowning = all.profile_crowning),
+                true,
+                &[
+                    [10.0, 12.0, 0.0],
+                    [6.0, 0.0, 3.0],
+                    [14.0, 24.0, 3.0],
+                    [12.0, 9.0, 0.75],
+                ],
+            ),
+            // 0.5 mrad that opens the side of larger z.
+            (
+                alone(|m, all| m.lead_slope = all.lead_slope),
+                false,
+                &[
+                    [9.0, 0.0, -6.0],
+                    [9.0, 5.0, -3.5],
+                    [9.0, 12.0, 0.0],
+                    [9.0, 24.0, 6.0],
+                ],
+            ),
+            // From -2 to 2 um at mid-face, from -1.5 to 1.5 and -2.5 to 2.5 at its ends: the mean of the flank stays.
+            (
+                alone(|m, all| m.profile_slope = all.profile_slope),
+                false,
+                &[
+                    [6.0, 12.0, -2.0],
+                    [14.0, 12.0, 2.0],
+                    [14.0, 24.0, 1.5],
+                    [6.0, 0.0, -2.5],
+                    [10.0, 24.0, 0.0],
+                ],
+            ),
+            (
+                alone(|m, all| m.end_relief = all.end_relief),
+                false,
+                &[
+                    [9.0, 0.0, 10.0],
+                    [9.0, 24.0, 10.0],
+                    [9.0, 1.0, 5.0],
+                    [9.0, 22.5, 5.0],
+                    [9.0, 2.0, 0.0],
+                    [9.0, 20.9, 0.0],
+                ],
+            ),
+        ];
+        for (m, is_symmetric, points) in cases {
+            for &[roll, z, um] in points {
+                let removal = m.removal(&gear(), 1e-3 * roll, 1e-3 * z);
+                assert_abs_diff_eq!(1e6 * removal, um, epsilon = 1e-12);
             }
+            assert_eq!(m.is_symmetric(), is_symmetric, "{m:?}");
         }
-        // A parabola has a quarter of its end value half way out.
-        assert_abs_diff_eq!(m.removal(&gear(), 10e-3, 6e-3), 1.25e-6, epsilon = 1e-18);
-        assert!(m.is_symmetric());
-    }
-
-    #[test]
-    fn a_lead_slope_is_a_misalignment_about_mid_face() {
-        let m = Microgeometry {
-            lead_slope: 12e-6,
-            ..Default::default()
-        };
-        for z in [0.0, 5e-3, 12e-3, 24e-3] {
-            // 12 um over 24 mm: 0.5 mrad that opens the side of larger z.
-            assert_abs_diff_eq!(
-                m.removal(&gear(), 9e-3, z),
-                0.5e-3 * (z - 12e-3),
-                epsilon = 1e-18
-            );
-        }
-        assert!(!m.is_symmetric() && !m.has_profile());
-    }
-
-    #[test]
-    fn bias_is_the_profile_slope_at_one_end_of_the_face_less_that_at_the_other() {
-        let m = Microgeometry {
-            profile_slope: all().profile_slope,
-            ..Default::default()
-        };
-        let slope = |z| m.removal(&gear(), 14e-3, z) - m.removal(&gear(), 6e-3, z);
-        assert_abs_diff_eq!(slope(12e-3), 4e-6, epsilon = 1e-18);
-        assert_abs_diff_eq!(slope(24e-3) - slope(0.0), -2e-6, epsilon = 1e-18);
-        // Zero at mid-profile, so that the mean of the flank stays.
-        assert_abs_diff_eq!(m.removal(&gear(), 10e-3, 24e-3), 0.0, epsilon = 1e-18);
-        assert!(m.varies_along_face() && !m.is_symmetric());
-    }
-
-    #[test]
-    fn end_reliefs_touch_only_their_length_at_their_own_end() {
-        let m = Microgeometry {
-            end_relief: all().end_relief,
-            ..Default::default()
-        };
-        let at = |z| m.removal(&gear(), 9e-3, z);
-        assert_abs_diff_eq!(at(0.0), 10e-6, epsilon = 1e-18);
-        assert_abs_diff_eq!(at(24e-3), 10e-6, epsilon = 1e-18);
-        assert_abs_diff_eq!(at(1e-3), 5e-6, epsilon = 1e-18);
-        assert_abs_diff_eq!(at(22.5e-3), 5e-6, epsilon = 1e-18);
-        assert_eq!((at(2e-3), at(12e-3), at(20.9e-3)), (0.0, 0.0, 0.0));
-        assert!(!m.is_symmetric());
     }
 
     #[test]
     fn no_place_of_the_flank_exceeds_the_bound() {
         let (m, gear) = (all(), gear());
         let bound = m.largest_removal(&gear, [14e-3, 6e-3]);
-        let largest = (0..=40)
-            .flat_map(|i| (0..=40).map(move |j| [i, j].map(f64::from)))
-            .map(|[i, j]| m.removal(&gear, 6e-3 + 0.2e-3 * i, 0.6e-3 * j))
-            .fold(f64::NEG_INFINITY, f64::max);
+        let points = (0..=40).flat_map(|i| (0..=40).map(move |j| [i, j].map(f64::from)));
+        let removals = points.map(|[i, j]| m.removal(&gear, 6e-3 + 0.2e-3 * i, 0.6e-3 * j));
+        let largest = removals.fold(f64::NEG_INFINITY, f64::max);
         assert!(
             largest <= bound && bound < 2.0 * largest,
             "{largest} {bound}"

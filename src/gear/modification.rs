@@ -52,34 +52,17 @@ impl ProfileRelief {
     pub fn piece(&self, roll: f64) -> ProfilePiece {
         let (from_start, length) = (roll - self.start_roll, self.end_roll - self.start_roll);
         let begun = from_start * length >= 0.0;
-        // Whether the piece goes on towards longer lengths of roll.
-        let range = match begun == (length > 0.0) {
-            true => [self.start_roll, f64::INFINITY],
-            false => [f64::NEG_INFINITY, self.start_roll],
-        };
-        if !begun {
-            return ProfilePiece {
-                range,
-                ..ProfilePiece::default()
-            };
-        }
-        let [removal, slope, curvature] = self.shape.evaluate(from_start / length);
         let steepness = self.amount / length;
-        ProfilePiece {
-            removal: self.amount * removal,
-            slope: steepness * slope,
-            curvature: steepness / length * curvature,
-            curvature_slope: 0.0,
-            range,
+        let mut piece = ProfilePiece::default();
+        if begun {
+            let [removal, slope, curvature] = self.shape.evaluate(from_start / length);
+            let by_roll = [steepness * slope, steepness / length * curvature];
+            piece = ProfilePiece::parabola([self.amount * removal, by_roll[0], by_roll[1]]);
         }
-    }
-
-    /// Jumps of the slope, m/m, by size, and of the curvature, m/m², of the flank where the relief starts.
-    pub fn jumps(&self) -> [f64; 2] {
-        let length = self.end_roll - self.start_roll;
-        let slope = self.amount / length;
-        let [_, first, second] = self.shape.evaluate(0.0);
-        [slope.abs() * first, slope / length * second]
+        // Whether the piece goes on towards longer lengths of roll.
+        let is_before = begun == (length > 0.0);
+        piece.range[usize::from(!is_before)] = self.start_roll;
+        piece
     }
 
     /// 1 where the relief lies at longer lengths of roll than its start, -1 at shorter ones.
@@ -106,17 +89,23 @@ pub struct ProfilePiece {
 impl Default for ProfilePiece {
     /// The unmodified flank.
     fn default() -> Self {
-        ProfilePiece {
-            removal: 0.0,
-            slope: 0.0,
-            curvature: 0.0,
-            curvature_slope: 0.0,
-            range: [f64::NEG_INFINITY, f64::INFINITY],
-        }
+        ProfilePiece::parabola([0.0; 3])
     }
 }
 
 impl ProfilePiece {
+    /// One of this removal, slope and curvature for all lengths of roll.
+    #[inline(always)]
+    fn parabola([removal, slope, curvature]: [f64; 3]) -> ProfilePiece {
+        ProfilePiece {
+            removal,
+            slope,
+            curvature,
+            curvature_slope: 0.0,
+            range: [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+
     /// Both together.
     #[inline(always)]
     pub(super) fn and(self, other: ProfilePiece) -> ProfilePiece {
@@ -143,13 +132,13 @@ pub struct ProfileCrowning {
 }
 
 impl ProfileCrowning {
-    /// Removal at the length of roll `roll`, m, and its first two derivatives by it.
+    /// Removal and its derivatives at the length of roll `roll`, m.
     #[inline(always)]
-    pub fn evaluate(&self, roll: f64) -> [f64; 3] {
+    pub fn piece(&self, roll: f64) -> ProfilePiece {
         let way = along(self.rolls, roll);
         let per_length = 2.0 / (self.rolls[1] - self.rolls[0]);
         let slope = 2.0 * self.amount * per_length;
-        [self.amount * way.powi(2), slope * way, slope * per_length]
+        ProfilePiece::parabola([self.amount * way.powi(2), slope * way, slope * per_length])
     }
 }
 
@@ -166,11 +155,16 @@ pub struct ProfileSlope {
 }
 
 impl ProfileSlope {
-    /// Removal at the length of roll `roll`, m, and its derivative by it; `t` from -1 at the z = 0 end to +1 at the other.
-    pub fn evaluate(&self, roll: f64, t: f64) -> [f64; 2] {
+    /// Removal and its derivative at the length of roll `roll`, m; `t` from -1 at the z = 0 end to +1 at the other.
+    #[inline(always)]
+    pub fn piece(&self, roll: f64, t: f64) -> ProfilePiece {
         let amount = self.amount + 0.5 * self.bias * t;
         let [a, b] = self.rolls;
-        [0.5 * amount * along(self.rolls, roll), amount / (b - a)]
+        ProfilePiece::parabola([
+            0.5 * amount * along(self.rolls, roll),
+            amount / (b - a),
+            0.0,
+        ])
     }
 }
 
@@ -202,11 +196,10 @@ mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
 
-    const SHAPES: [ReliefShape; 3] = [
-        ReliefShape::Linear,
-        ReliefShape::Parabolic,
-        ReliefShape::Arc,
-    ];
+    const SHAPES: [ReliefShape; 3] = {
+        use ReliefShape::*;
+        [Linear, Parabolic, Arc]
+    };
 
     fn relief(start_roll: f64, end_roll: f64, shape: ReliefShape) -> ProfileRelief {
         ProfileRelief {
@@ -223,11 +216,9 @@ mod tests {
             // Tip relief of an external gear, then root relief (or the tip of a ring).
             for (start, end) in [(10e-3, 14e-3), (10e-3, 6e-3)] {
                 let r = relief(start, end, shape);
-                assert_eq!(
-                    (r.piece(start).removal, r.piece(2.0 * start - end).slope),
-                    (0.0, 0.0)
-                );
-                assert_eq!(r.piece(2.0 * start - end).removal, 0.0);
+                let before = r.piece(2.0 * start - end);
+                assert_eq!((before.removal, before.slope), (0.0, 0.0));
+                assert_eq!(r.piece(start).removal, 0.0);
                 assert_abs_diff_eq!(r.piece(end).removal, 8e-6, epsilon = 1e-20);
             }
         }

@@ -1,6 +1,5 @@
 //! The transverse section of one tooth: involute flank, fillet and root circle.
 
-use crate::root::bisection;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::ring_fillet::RingFillet;
@@ -201,26 +200,6 @@ impl ToothProfile {
                 }
             }
         }
-    }
-
-    /// Half angle of the tooth's material at `radius`, rad, on the outline between root circle and tip
-    /// (there: the angle to the fillet or to the involute). None outside.
-    pub fn half_thickness_angle(&self, radius: f64) -> Option<f64> {
-        let kappa = self.gear.kappa();
-        // Distance outside, in the sense from root to tip.
-        let above = |limit: f64| kappa * (radius - limit);
-        let rounding = 1e-12 * self.gear.root_radius();
-        if radius.is_nan()
-            || above(self.gear.root_radius()) < -rounding
-            || above(self.gear.tip_radius) > rounding
-        {
-            return None;
-        }
-        if above(self.form_radius()) >= 0.0 {
-            return Some(self.involute_half_angle(self.gear.roll_length(radius)));
-        }
-        let t = bisection([0.0, 1.0], 60, |t| above(self.fillet(t).radius()) > 0.0);
-        Some(self.fillet(t).angle())
     }
 
     /// Thickness of the tooth at its tip circle, m, along the arc.

@@ -75,31 +75,31 @@ impl PairTeeth {
 
     /// Bound of how far apart two tooth pairs can be in what errors of both gears close, on either flank, m.
     pub fn spread(&self) -> f64 {
-        let of = |errors: &ToothErrors| {
-            let least = errors.index.iter().copied().fold(f64::INFINITY, f64::min);
-            let largest = errors
-                .index
-                .iter()
-                .copied()
-                .fold(f64::NEG_INFINITY, f64::max);
+        self.larger_of_flanks(|errors| {
+            let [least, largest] = errors.extremes();
             (largest - least).max(0.0) + errors.runout.map_or(0.0, |r| r.amount)
-        };
-        self.larger_of_flanks(of)
-    }
-
-    /// Sum of `of` over both gears, on the flank where it is larger.
-    fn larger_of_flanks(&self, of: impl Fn(&ToothErrors) -> f64) -> f64 {
-        let both = |gears: &[ToothErrors; 2]| of(&gears[0]) + of(&gears[1]);
-        both(&self.drive).max(both(&self.coast))
+        })
     }
 
     /// Bound of what errors of both gears close together on either flank, m.
     pub fn largest_closing(&self) -> f64 {
-        let of = |errors: &ToothErrors| {
-            let index = errors.index.iter().copied().fold(0.0, f64::max);
-            index + errors.runout.map_or(0.0, |r| 0.5 * r.amount)
-        };
-        self.larger_of_flanks(of)
+        self.larger_of_flanks(|errors| {
+            errors.extremes()[1].max(0.0) + errors.runout.map_or(0.0, |r| 0.5 * r.amount)
+        })
+    }
+
+    /// Sum of `bound` over both gears, on the flank where it is larger.
+    fn larger_of_flanks(&self, bound: impl Fn(&ToothErrors) -> f64) -> f64 {
+        let both = |gears: &[ToothErrors; 2]| bound(&gears[0]) + bound(&gears[1]);
+        both(&self.drive).max(both(&self.coast))
+    }
+}
+
+impl ToothErrors {
+    /// Least and largest index error, m; without any [infinity, -infinity].
+    fn extremes(&self) -> [f64; 2] {
+        let [none, last] = [f64::INFINITY, f64::NEG_INFINITY];
+        (self.index.iter()).fold([none, last], |[a, b], x| [a.min(*x), b.max(*x)])
     }
 }
 
@@ -130,8 +130,7 @@ impl Passing {
         if errors.iter().all(|e| *e == ToothErrors::default()) {
             return None;
         }
-        let (s, e) = (flank.sign(), geometry.e());
-        let gears = &geometry.gears;
+        let (s, e, gears) = (flank.sign(), geometry.e(), &geometry.gears);
         Some(Passing {
             errors: errors.clone(),
             teeth: [gears[0].z(), gears[1].z()],
@@ -189,13 +188,12 @@ impl Passing {
 
     /// Second derivative by the mesh position of what the errors of both gears close, m; for all tooth pairs in mesh the same.
     pub fn closing_curvature(&self, counts: Counts, tau: f64) -> f64 {
-        let runouts = self.errors.iter().zip(self.teeth).enumerate();
-        let of = |(i, (errors, teeth)): (usize, (&ToothErrors, f64))| {
-            let per_tooth = std::f64::consts::TAU / teeth;
-            let runout = errors.runout?;
-            Some(-per_tooth * per_tooth * self.eccentric(i, runout, counts, tau)[0])
+        let curvature = |i: usize| {
+            let per_tooth = std::f64::consts::TAU / self.teeth[i];
+            let value = |runout| self.eccentric(i, runout, counts, tau)[0];
+            -per_tooth * per_tooth * self.errors[i].runout.map_or(0.0, value)
         };
-        runouts.filter_map(of).sum()
+        curvature(0) + curvature(1)
     }
 
     /// The modifications of the flank of gear `i` in the tooth pair `k`, where they are its own.
@@ -231,13 +229,12 @@ mod tests {
     use super::*;
 
     fn pair(internal: bool) -> PairGeometry {
-        let second = if internal {
-            samples::gear(Ring, 50, 1.0, 0.0, 0.0)
-        } else {
-            samples::gear(External, 30, 1.0, 0.0, 0.0)
+        let (kind, teeth, e) = match internal {
+            true => (Ring, 50, -1.0),
+            false => (External, 30, 1.0),
         };
-        let first = samples::gear(External, 20, 1.0, 0.0, 0.0);
-        let e = if internal { -1.0 } else { 1.0 };
+        let [first, second] = [(External, 20), (kind, teeth)]
+            .map(|(kind, teeth)| samples::gear(kind, teeth, 1.0, 0.0, 0.0));
         let center = (first.reference_radius() + e * second.reference_radius()).abs();
         PairGeometry {
             gears: [first, second],

@@ -14,12 +14,10 @@ fn class_factor(class: u8) -> f64 {
 
 /// Rounds a tolerance in um: to whole ones above 10, to halves above 5, else to tenths (5.2.3 of the standard).
 fn rounded_um(um: f64) -> f64 {
-    let step = if um > 10.0 {
-        1.0
-    } else if um > 5.0 {
-        0.5
-    } else {
-        0.1
+    let step = match um {
+        _ if um > 10.0 => 1.0,
+        _ if um > 5.0 => 0.5,
+        _ => 0.1,
     };
     (um / step).round() * step
 }

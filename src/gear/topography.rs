@@ -53,22 +53,16 @@ impl TryFrom<Stored> for Topography {
     type Error = TopographyError;
 
     fn try_from(stored: Stored) -> Result<Topography, TopographyError> {
-        let Stored {
-            rolls,
-            zs,
-            nodes,
-            largest,
-        } = stored;
-        check_axes(&rolls, &zs)?;
-        if nodes.len() != rolls.len() * zs.len() {
+        check_axes(&stored.rolls, &stored.zs)?;
+        if stored.nodes.len() != stored.rolls.len() * stored.zs.len() {
             return Err(TopographyError::NotAscending);
         }
         Ok(Topography {
-            steepest: steepest(&rolls, &zs, &nodes),
-            rolls,
-            zs,
-            nodes,
-            largest,
+            steepest: steepest(&stored.rolls, &stored.zs, &stored.nodes),
+            rolls: stored.rolls,
+            zs: stored.zs,
+            nodes: stored.nodes,
+            largest: stored.largest,
         })
     }
 }
@@ -96,15 +90,12 @@ impl Topography {
         removal: Vec<Vec<f64>>,
     ) -> Result<Topography, TopographyError> {
         check_axes(&rolls, &zs)?;
-        let is_full = removal.len() == rolls.len()
-            && removal
-                .iter()
-                .all(|row| row.len() == zs.len() && row.iter().all(|v| v.is_finite()));
-        if !is_full {
+        let is_whole = |row: &Vec<f64>| row.len() == zs.len() && row.iter().all(|v| v.is_finite());
+        if removal.len() != rolls.len() || !removal.iter().all(is_whole) {
             return Err(TopographyError::NotAscending);
         }
         let column =
-            |rows: &[Vec<f64>], j: usize| rows.iter().map(|row| row[j]).collect::<Vec<_>>();
+            |rows: &[Vec<f64>], j: usize| -> Vec<f64> { rows.iter().map(|row| row[j]).collect() };
         let by_z: Vec<Vec<f64>> = removal.iter().map(|row| slopes(&zs, row)).collect();
         let mut nodes = vec![[0.0; 4]; rolls.len() * zs.len()];
         for j in 0..zs.len() {
@@ -116,8 +107,7 @@ impl Topography {
         }
         let all = || removal.iter().flatten().copied();
         let (least, most) = (all().fold(0.0, f64::min), all().fold(0.0, f64::max));
-        Ok(Topography {
-            steepest: steepest(&rolls, &zs, &nodes),
+        Topography::try_from(Stored {
             rolls,
             zs,
             nodes,
@@ -265,10 +255,8 @@ fn places(lines: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
 
 /// The cell of `nodes` in which `x` lies, the first or the last one outside.
 fn cell(nodes: &[f64], x: f64) -> usize {
-    nodes
-        .partition_point(|&node| node <= x)
-        .clamp(1, nodes.len() - 1)
-        - 1
+    let above = nodes.partition_point(|&node| node <= x);
+    above.clamp(1, nodes.len() - 1) - 1
 }
 
 /// The cell of `x`, and of both its nodes the weights of value and slope in the cubic Hermite interpolation; outside on the
@@ -292,15 +280,14 @@ fn weights(nodes: &[f64], x: f64) -> (usize, [[f64; 2]; 2]) {
 /// Slopes at `x` of the parabolas through each value and its neighbours.
 fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     let n = x.len();
-    (0..n)
-        .map(|i| {
-            let c = i.clamp(1, n - 2);
-            let (h0, h1) = (x[c] - x[c - 1], x[c + 1] - x[c]);
-            let (s0, s1) = ((y[c] - y[c - 1]) / h0, (y[c + 1] - y[c]) / h1);
-            let bend = (s1 - s0) / (h0 + h1);
-            s0 + bend * (2.0 * x[i] - x[c - 1] - x[c])
-        })
-        .collect()
+    let slope = |i: usize| {
+        let c = i.clamp(1, n - 2);
+        let (h0, h1) = (x[c] - x[c - 1], x[c + 1] - x[c]);
+        let (s0, s1) = ((y[c] - y[c - 1]) / h0, (y[c + 1] - y[c]) / h1);
+        let bend = (s1 - s0) / (h0 + h1);
+        s0 + bend * (2.0 * x[i] - x[c - 1] - x[c])
+    };
+    (0..n).map(slope).collect()
 }
 
 #[cfg(test)]
@@ -365,13 +352,9 @@ mod tests {
     fn beyond_the_grid_the_flank_goes_on_straight() {
         let flank = sampled(|r, z| r * r + 0.1 * r * z);
         for z in [-1e-3, 12e-3, 30e-3] {
-            let end = flank.piece(14e-3, z);
-            let beyond = flank.piece(17e-3, z);
-            assert_abs_diff_eq!(
-                beyond.removal,
-                end.removal + 3e-3 * end.slope,
-                epsilon = 1e-18
-            );
+            let [end, beyond] = [14e-3, 17e-3].map(|roll| flank.piece(roll, z));
+            let straight = end.removal + 3e-3 * end.slope;
+            assert_abs_diff_eq!(beyond.removal, straight, epsilon = 1e-18);
             assert_abs_diff_eq!(beyond.slope, end.slope, epsilon = 1e-15);
         }
     }
@@ -393,10 +376,7 @@ mod tests {
                     assert_abs_diff_eq!(here.curvature_slope, slope, epsilon = 1e-3);
                 }
             }
-            assert!(
-                largest <= bound && bound < 3.0 * largest,
-                "{largest} {bound}"
-            );
+            assert!(largest <= bound && bound < 3.0 * largest, "{z}");
         }
     }
 
@@ -413,12 +393,10 @@ mod tests {
         assert_eq!(least[..2], [5e-3, -1e-3]);
         assert_abs_diff_eq!(least[2], -1.1e-6, epsilon = 1e-15);
         // A step between two lines a micrometre apart goes on with its slope.
-        let step = |rolls: [f64; 5]| {
-            let rows = [0.0, 20e-6, 0.0, 0.0, 0.0].map(|um| vec![um; 4]);
-            Topography::new(rolls.to_vec(), ZS.to_vec(), rows.to_vec()).unwrap()
-        };
-        let [_, [roll, _, removal]] =
-            step([3e-3, 3.001e-3, 6e-3, 9e-3, 13e-3]).extremes([3e-3, 13e-3], [0.0, 24e-3]);
+        let rows = [0.0, 20e-6, 0.0, 0.0, 0.0].map(|um| vec![um; 4]);
+        let rolls = vec![3e-3, 3.001e-3, 6e-3, 9e-3, 13e-3];
+        let step = Topography::new(rolls, ZS.to_vec(), rows.to_vec()).unwrap();
+        let [_, [roll, _, removal]] = step.extremes([3e-3, 13e-3], [0.0, 24e-3]);
         assert!(
             3.001e-3 < roll && roll < 6e-3 && removal > 1e-3,
             "{roll} {removal}"
@@ -427,20 +405,15 @@ mod tests {
 
     #[test]
     fn a_grid_that_is_none_is_refused() {
+        use TopographyError::{NotAscending, TooFew};
         let rows = || vec![vec![0.0; 4]; 5];
         let refused =
             |rolls: &[f64], rows| Topography::new(rolls.to_vec(), ZS.to_vec(), rows).unwrap_err();
-        assert_eq!(refused(&ROLLS[..2], rows()), TopographyError::TooFew);
-        assert_eq!(
-            refused(&[6.0, 5.0, 7.0, 8.0, 9.0], rows()),
-            TopographyError::NotAscending
-        );
-        assert_eq!(
-            refused(&ROLLS, vec![vec![0.0; 4]; 4]),
-            TopographyError::NotAscending
-        );
+        assert_eq!(refused(&ROLLS[..2], rows()), TooFew);
+        assert_eq!(refused(&[6.0, 5.0, 7.0, 8.0, 9.0], rows()), NotAscending);
+        assert_eq!(refused(&ROLLS, vec![vec![0.0; 4]; 4]), NotAscending);
         let mut bad = rows();
         bad[2][1] = f64::NAN;
-        assert_eq!(refused(&ROLLS, bad), TopographyError::NotAscending);
+        assert_eq!(refused(&ROLLS, bad), NotAscending);
     }
 }

@@ -1,4 +1,4 @@
-//! What can be wrong with a table, said with field, value and remedy.
+//! What can be wrong with a table, with field, value and remedy.
 
 use crate::gear::GeometryError;
 use crate::words::json_problem;
@@ -51,7 +51,7 @@ pub enum TableError {
         /// Checksum of the content.
         expected: String,
     },
-    /// A setting of the FMU asks for what the table lacks.
+    /// A setting of the FMU needs what the table lacks.
     #[error("{0}")]
     Missing(&'static str),
     /// Geometry that no checked pair file gives.

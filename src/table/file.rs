@@ -3,6 +3,7 @@
 
 use super::records::check_record;
 use super::{Axes, FlankGrid, FrictionRecord, RootStressRecord, TableError, TeethRecord};
+use crate::accuracy::InterpolationError;
 use crate::gear::{Gear, PairGeometry};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sha2::{Digest, Sha256};
@@ -53,67 +54,15 @@ pub struct TableFile {
     pub drive: FlankGrid,
     /// Samples of the coast flank, if its microgeometry differs; otherwise it is the mirrored drive flank.
     pub coast: Option<FlankGrid>,
-    /// How the load slides, for the effect `friction`; absent where it is not wanted.
+    /// How the load slides, for the effect `friction`; absent in tables without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionRecord>,
-    /// Stress in the tooth roots, for the outputs of `rootStress`; absent where it is not wanted.
+    /// Stress in the tooth roots, for the outputs of `rootStress`; absent in tables without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub root_stress: Option<RootStressRecord>,
-    /// Tooth pairs one by one, for `stiffnessModel = teeth`; absent where it is not wanted.
+    /// Tooth pairs one by one, for `stiffnessModel = teeth`; absent in tables without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub teeth: Option<TeethRecord>,
-}
-
-/// Error of the default interpolant at operating points that are no nodes, relative to the nominal force.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct InterpolationError {
-    /// Number of random operating points.
-    pub points: usize,
-    /// Force error, root of the mean square, over the nominal force.
-    pub force_rms: f64,
-    /// Largest force error over the nominal force.
-    pub force_maximum: f64,
-    /// Error of the shuttling moment, root of the mean square, over nominal force times half the face.
-    pub moment_rms: f64,
-    /// Largest error of the shuttling moment, likewise.
-    pub moment_maximum: f64,
-}
-
-impl InterpolationError {
-    /// Of errors of force and shuttling moment at random points, each relative to its nominal one.
-    pub fn of(errors: &[[f64; 2]]) -> Self {
-        let [force, moment] = [0, 1].map(|k| rms_and_largest(errors.iter().map(|e| e[k])));
-        InterpolationError {
-            points: errors.len(),
-            force_rms: force[0],
-            force_maximum: force[1],
-            moment_rms: moment[0],
-            moment_maximum: moment[1],
-        }
-    }
-
-    /// Both flanks together: the larger of each.
-    #[must_use]
-    pub fn with(self, other: Self) -> Self {
-        InterpolationError {
-            points: self.points + other.points,
-            force_rms: self.force_rms.max(other.force_rms),
-            force_maximum: self.force_maximum.max(other.force_maximum),
-            moment_rms: self.moment_rms.max(other.moment_rms),
-            moment_maximum: self.moment_maximum.max(other.moment_maximum),
-        }
-    }
-}
-
-/// Root of the mean square of `errors`, and the largest.
-pub fn rms_and_largest(errors: impl ExactSizeIterator<Item = f64> + Clone) -> [f64; 2] {
-    let squares: f64 = errors.clone().map(|e| e * e).sum();
-    let count = errors.len() as f64;
-    [
-        (squares / count).sqrt(),
-        errors.map(f64::abs).fold(0.0, f64::max),
-    ]
 }
 
 /// The geometry of a pair with its gears by name.

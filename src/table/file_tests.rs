@@ -3,7 +3,7 @@
 use super::*;
 use crate::gear::samples::paper_pair;
 use crate::table::samples::Spring;
-use crate::table::{Effects, Interpolation, Load, Table};
+use crate::table::{Effects, Load, Table};
 
 fn file() -> TableFile {
     let grid = Spring::grid([8, 1, 5, 6]);
@@ -16,17 +16,6 @@ fn file() -> TableFile {
         None,
     )
 }
-
-const EFFECTS: Effects = Effects {
-    interpolation: Interpolation::Spline,
-    load: Load::Variable,
-    center_distance: false,
-    misalignment: true,
-    shuttling: true,
-    friction: false,
-    root_stress: false,
-    teeth: false,
-};
 
 #[test]
 fn what_is_written_is_read_back() {
@@ -43,10 +32,9 @@ fn tables_of_helical_gears_under_the_old_law_of_misalignment_are_refused_by_name
     let first = |hand: f64, change: fn(&mut TableFile)| {
         let mut pair = paper_pair(hand);
         if hand == 0.0 {
-            pair.gears
-                .iter_mut()
-                .for_each(|gear| gear.helix_angle = 0.0);
-            pair.gears.iter_mut().for_each(|gear| gear.hand = 1.0);
+            for gear in &mut pair.gears {
+                (gear.helix_angle, gear.hand) = (0.0, 1.0);
+            }
             pair.center_distance = 0.082;
         }
         let mut f = file();
@@ -85,103 +73,87 @@ fn each_change_of_a_sealed_file_is_noticed() {
     }
 }
 
-#[test]
-fn defects_are_refused_by_field_even_with_a_good_checksum() {
-    let refused = |change: fn(&mut TableFile)| {
-        let mut f = file();
-        change(&mut f);
-        f.seal();
-        TableFile::from_json(&f.to_json()).unwrap_err().to_string()
-    };
-    assert!(refused(|f| f.version = 3).contains("version = 3"));
-    assert!(refused(|f| f.format = "other".into()).contains("format = other"));
-    assert!(refused(|f| f.drive.loa_force[0] = -1.0).contains("drive.loa_force_n[0] = -1"));
-    assert!(refused(|f| f.drive.loa_force.clear()).contains("drive.loa_force_n = 0 values"));
-    assert!(refused(|f| f.axes.mesh_position[2] = 0.0).contains("axes.mesh_position[2] = 0"));
-    assert!(refused(|f| f.nominal_torque_nm = -1.0).contains("nominal_torque_nm = -1"));
-    // The record of root stress, by its name.
-    fn record(change: fn(&mut RootStressRecord)) -> Option<RootStressRecord> {
-        let table = crate::element::tests::fixtures::rubbing_table(
-            &paper_pair(1.0),
-            Default::default(),
-            false,
-        );
-        let mut record = table.file().root_stress.clone()?;
-        change(&mut record);
-        Some(record)
-    }
-    let named = refused(|f| f.root_stress = record(|r| r.drive.gear_2_pa.truncate(9)));
-    assert!(
-        named.contains("root_stress.drive.gear_2_pa = 9 values"),
-        "{named}"
-    );
-    let named = refused(|f| f.root_stress = record(|r| r.axes.loa_force_n[0] = 1.0));
-    assert!(
-        named.contains("root_stress.axes.loa_force_n[0] = 1"),
-        "{named}"
-    );
-    let named = refused(|f| f.root_stress = record(|r| r.axes.mesh_position[2] = 0.0));
-    assert!(
-        named.contains("root_stress.axes.mesh_position[2] = 0"),
-        "{named}"
-    );
-    // Four such axes would have more samples than can be counted.
-    let long = refused(|f| f.axes.misalignment = (0..65_536).map(f64::from).collect());
-    assert!(long.contains("at most 10000"), "{long}");
-    // Cells at the ends of the spline, which lie outside the nodes: too narrow, they would take memory without bound.
-    assert!(refused(|f| f.axes.displacement_fraction[0] = 1e-12).contains("0 and 0.000000000001"));
-    assert!(refused(|f| f.axes.mesh_position[5] = 1.0 - 1e-12).contains("closer than 1e-5"));
-    // JSON has no NaN: it is written as null and refused as no number.
-    assert!(refused(|f| f.drive.moment.as_mut().unwrap()[1] = f64::NAN).contains("null"));
-    assert!(
-        TableFile::from_json("{}")
-            .unwrap_err()
-            .to_string()
-            .contains("format")
-    );
-    assert!(TableFile::from_json("").is_err());
+/// The record of root stress that a table of the element's tests has.
+fn root_stress() -> RootStressRecord {
+    use crate::element::tests::fixtures::rubbing_table;
+    let table = rubbing_table(&paper_pair(1.0), Default::default(), false);
+    table.file().root_stress.clone().unwrap()
 }
 
 #[test]
-fn damaged_geometry_is_refused_by_field() {
-    let text = file().to_json();
-    for (from, to, name) in [
-        ("\"hand\":1.0", "\"hand\":0.5", "gear1.hand = 0.5"),
-        ("\"teeth\":20", "\"teeth\":0", "gear1.teeth = 0"),
+fn defects_are_refused_by_field_even_with_a_good_checksum() {
+    type Change = fn(&mut TableFile);
+    fn of_stress(f: &mut TableFile, change: fn(&mut RootStressRecord)) {
+        change(f.root_stress.insert(root_stress()));
+    }
+    let changes: [(Change, &str); 16] = [
+        (|f| f.version = 3, "version = 3"),
+        (|f| f.format = "other".into(), "format = other"),
+        (|f| f.drive.loa_force[0] = -1.0, "drive.loa_force_n[0] = -1"),
         (
-            "\"center_distance_m\":0.082104",
-            "\"center_distance_m\":0.01",
+            |f| f.drive.loa_force.clear(),
+            "drive.loa_force_n = 0 values",
+        ),
+        (
+            |f| f.axes.mesh_position[2] = 0.0,
+            "axes.mesh_position[2] = 0",
+        ),
+        (|f| f.nominal_torque_nm = -1.0, "nominal_torque_nm = -1"),
+        (
+            |f| of_stress(f, |r| r.drive.gear_2_pa.truncate(9)),
+            "root_stress.drive.gear_2_pa = 9 values",
+        ),
+        (
+            |f| of_stress(f, |r| r.axes.loa_force_n[0] = 1.0),
+            "root_stress.axes.loa_force_n[0] = 1",
+        ),
+        (
+            |f| of_stress(f, |r| r.axes.mesh_position[2] = 0.0),
+            "root_stress.axes.mesh_position[2] = 0",
+        ),
+        // Four such axes would have more samples than can be counted.
+        (
+            |f| f.axes.misalignment = (0..65_536).map(f64::from).collect(),
+            "at most 10000",
+        ),
+        // Cells at the ends of the spline, which lie outside the nodes: too narrow, they would take memory without bound.
+        (
+            |f| f.axes.displacement_fraction[0] = 1e-12,
+            "0 and 0.000000000001",
+        ),
+        (
+            |f| f.axes.mesh_position[5] = 1.0 - 1e-12,
+            "closer than 1e-5",
+        ),
+        // JSON has no NaN: it is written as null and refused as no number.
+        (|f| f.drive.moment.as_mut().unwrap()[1] = f64::NAN, "null"),
+        // Geometry that no pair file gives.
+        (|f| f.geometry.gears[0].hand = 0.5, "gear1.hand = 0.5"),
+        (|f| f.geometry.gears[0].teeth = 0, "gear1.teeth = 0"),
+        (
+            |f| f.geometry.center_distance = 0.01,
             "center_distance_m = 0.01",
         ),
-    ] {
-        assert!(text.contains(from), "{from}");
-        let mut f: TableFile = serde_json::from_str(&text.replacen(from, to, 1)).unwrap();
+    ];
+    for (change, name) in changes {
+        let mut f = file();
+        change(&mut f);
         f.seal();
         let error = TableFile::from_json(&f.to_json()).unwrap_err().to_string();
         assert!(error.contains(name), "{error}");
     }
+    let error = TableFile::from_json("{}").unwrap_err().to_string();
+    assert!(error.contains("format"), "{error}");
+    assert!(TableFile::from_json("").is_err());
 }
 
 #[test]
-fn an_effect_without_its_axis_is_refused_by_name() {
+fn a_constant_load_beyond_the_table_is_refused_by_name() {
     let table = Table::from_file(file()).unwrap();
-    let error = table
-        .sliced(&Effects {
-            center_distance: true,
-            ..EFFECTS
-        })
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("centerDistanceEffect") && error.contains("center_distance_offset_m"),
-        "{error}"
-    );
-    let error = table
-        .sliced(&Effects {
-            load: Load::Constant { loa_force: 1e9 },
-            ..EFFECTS
-        })
-        .unwrap_err()
-        .to_string();
+    let effects = Effects {
+        load: Load::Constant { loa_force: 1e9 },
+        ..*table.effects()
+    };
+    let error = table.sliced(&effects).unwrap_err().to_string();
     assert!(error.contains("nominalTorque"), "{error}");
 }

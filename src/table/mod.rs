@@ -20,21 +20,22 @@ pub mod samples;
 mod summary;
 mod teeth;
 
+pub use crate::accuracy::{InterpolationError, RootStressError, rms_and_largest};
 pub use error::TableError;
-pub use file::{InterpolationError, TableFile, VERSION, rms_and_largest};
+pub use file::{TableFile, VERSION};
 pub use grid::{Axes, Axis, FlankGrid};
 pub use interpolation::{FlankTable, Interpolation};
 pub use records::{
-    FrictionRecord, LoadAxes, LoadJet, LoadSamples, LoadSpline, RootStressError, RootStressRecord,
+    FrictionRecord, LoadAxes, LoadJet, LoadSamples, LoadSpline, RootStressRecord,
     RootStressSamples, SlidingSamples,
 };
 pub use runtime::{Effects, Load, Table};
 pub use teeth::{GearTeethRecord, TeethFlank, TeethRecord};
 
-/// Where the table is asked, for one flank (coast flank: after mapping to its own table).
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A point of the table of one flank (coast flank: after mapping to its own table).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Query {
-    /// Approach on the line of action at mid-face, m; > 0 compresses.
+    /// Approach of the teeth on the line of action at mid-face, m; > 0 in contact.
     pub delta: f64,
     /// Actual minus nominal centre distance, m.
     pub center_distance_offset: f64,
@@ -57,7 +58,7 @@ pub struct Potential {
     /// crosses the pitch plane.
     pub gradient: [f64; COORDINATES],
     /// `hessian[i][j]` = d `gradient[i]` / d coordinate j. `hessian[0][0]`, the tangent stiffness on the
-    /// line of action, is always there, the rest zero unless asked for. Symmetric, but for row 2 where
+    /// line of action, is always there, the rest zero unless requested. Symmetric, but for row 2 where
     /// the moment is not dW/dM: tables without a misalignment axis, and constant load.
     pub hessian: [[f64; COORDINATES]; COORDINATES],
     /// True where a coordinate lies outside the table's range (continued linearly).

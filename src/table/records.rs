@@ -1,4 +1,4 @@
-//! What the tables file holds over the load beside the force: how the load slides, for friction, and stress in the tooth roots.
+//! What the tables file holds over the load besides the force: how the load slides, for friction, and stress in the tooth roots.
 //!
 //! Samples stand on nodes of their own ([`LoadAxes`]), over (centre distance, misalignment, force, mesh position), the last index
 //! fastest. Those of [`Sliding`] are ratios to the load. Root stress is the largest over face, fillet and teeth: where another
@@ -8,6 +8,7 @@
 use super::grid::{check_axis, check_mesh_position, check_values, rounded, too_few};
 use super::interpolation::{ANY, Basis, Block, Coefficients, Ends, Fit, Point, at_zero, axis};
 use super::{Axis, TableError};
+use crate::accuracy::RootStressError;
 use crate::friction::{FrictionLaw, Sliding};
 use crate::vector::Lanes;
 use serde::{Deserialize, Serialize};
@@ -160,31 +161,6 @@ impl LoadSamples for RootStressSamples {
             ("gear_1_pa", &self.gear_1_pa),
             ("gear_2_pa", &self.gear_2_pa),
         ]
-    }
-}
-
-/// Error at operating points that are no nodes, relative to the largest stress of the gear over the mesh cycle at
-/// nominal torque, nominal centre distance and parallel axes; of both gears and flanks the larger one.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RootStressError {
-    /// Number of random operating points.
-    pub points: usize,
-    /// Root of the mean square.
-    pub rms: f64,
-    /// Largest.
-    pub maximum: f64,
-}
-
-impl RootStressError {
-    /// Both flanks together.
-    #[must_use]
-    pub fn with(self, other: RootStressError) -> RootStressError {
-        RootStressError {
-            points: self.points + other.points,
-            rms: self.rms.max(other.rms),
-            maximum: self.maximum.max(other.maximum),
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
 use super::{
-    Axis, FlankGrid, FlankTable, Interpolation, LoadAxes, LoadSamples, LoadSpline, TableError,
+    Axes, Axis, FlankGrid, FlankTable, Interpolation, LoadSamples, LoadSpline, TableError,
     TableFile, TeethFlank,
 };
 use crate::gear::{Flank, PairGeometry};
@@ -20,7 +20,7 @@ pub enum Load {
     },
 }
 
-/// What a table is asked to answer to. An effect that is off costs neither time nor memory.
+/// What a table depends on. An effect that is off costs neither time nor memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effects {
     /// Between the nodes.
@@ -40,6 +40,23 @@ pub struct Effects {
     pub root_stress: bool,
     /// Tooth pair by tooth pair, for teeth that differ.
     pub teeth: bool,
+}
+
+impl Effects {
+    /// The spline and a variable load with all that `axes` have, and of the force alone.
+    pub fn of_axes(axes: &Axes) -> Self {
+        let [center_distance, misalignment, _] = axes.present();
+        Effects {
+            interpolation: Interpolation::Spline,
+            load: Load::Variable,
+            center_distance,
+            misalignment,
+            shuttling: misalignment,
+            friction: false,
+            root_stress: false,
+            teeth: false,
+        }
+    }
 }
 
 /// Everything of one pair at run time. Read-only; share it by `Arc`.
@@ -83,15 +100,12 @@ impl<T> Flanks<T> {
     }
 }
 
-impl Flanks<LoadSpline> {
-    fn of_load<S: LoadSamples>(
-        axes: &LoadAxes,
-        drive: &S,
-        coast: Option<&S>,
-        effects: &Effects,
-    ) -> Result<Self, TableError> {
-        let on = [effects.center_distance, effects.misalignment];
-        Flanks::new(drive, coast, |samples: &S| samples.spline(axes, on))
+/// The `record` of an effect that is on.
+fn if_on<T>(on: bool, record: &Option<T>, missing: TableError) -> Result<Option<&T>, TableError> {
+    match record {
+        _ if !on => Ok(None),
+        None => Err(missing),
+        Some(record) => Ok(Some(record)),
     }
 }
 
@@ -117,16 +131,8 @@ impl Table {
     /// # Errors
     /// As [`FlankTable::new`].
     pub fn from_file(file: TableFile) -> Result<Self, TableError> {
-        let effects = Effects {
-            interpolation: Interpolation::Spline,
-            load: Load::Variable,
-            center_distance: file.axes.center_distance_offset.len() > 1,
-            misalignment: file.axes.misalignment.len() > 1,
-            shuttling: file.axes.misalignment.len() > 1 || file.drive.moment.is_some(),
-            friction: false,
-            root_stress: false,
-            teeth: false,
-        };
+        let mut effects = Effects::of_axes(&file.axes);
+        effects.shuttling |= file.drive.moment.is_some();
         Self::with_effects(Arc::new(file), effects)
     }
 
@@ -143,38 +149,33 @@ impl Table {
     /// # Errors
     /// As [`Table::sliced`].
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
-        let sliding = match &file.friction {
-            // Tooth pairs one by one slide as their own loads do.
-            _ if !effects.friction || effects.teeth => None,
-            None => return Err(TableError::NO_FRICTION),
-            Some(r) => Some(Flanks::of_load(
-                &r.axes,
-                &r.drive,
-                r.coast.as_ref(),
-                &effects,
-            )?),
-        };
-        let root_stress = match &file.root_stress {
-            _ if !effects.root_stress => None,
-            None => return Err(TableError::NO_ROOT_STRESS),
-            Some(r) => Some(Flanks::of_load(
-                &r.axes,
-                &r.drive,
-                r.coast.as_ref(),
-                &effects,
-            )?),
-        };
-        let teeth = match &file.teeth {
-            _ if !effects.teeth => None,
-            None => return Err(TableError::NO_TEETH),
-            Some(record) => Some(TeethFlank::both(record, &file.geometry, &effects)?),
-        };
+        let on = [effects.center_distance, effects.misalignment];
+        // Tooth pairs one by one slide as their own loads do.
+        let slides = effects.friction && !effects.teeth;
+        let sliding = if_on(slides, &file.friction, TableError::NO_FRICTION)?;
+        let sliding = sliding.map(|r| {
+            Flanks::new(&r.drive, r.coast.as_ref(), |samples| {
+                samples.spline(&r.axes, on)
+            })
+        });
+        let stress = if_on(
+            effects.root_stress,
+            &file.root_stress,
+            TableError::NO_ROOT_STRESS,
+        )?;
+        let stress = stress.map(|r| {
+            Flanks::new(&r.drive, r.coast.as_ref(), |samples| {
+                samples.spline(&r.axes, on)
+            })
+        });
+        let teeth = if_on(effects.teeth, &file.teeth, TableError::NO_TEETH)?;
+        let teeth = teeth.map(|record| TeethFlank::both(record, &file.geometry, &effects));
         let flank = |grid: &FlankGrid| Ok(flank_table(grid.on(&file.axes), &effects)?.1);
         Ok(Table {
             force: Flanks::new(&file.drive, file.coast.as_ref(), flank)?,
-            sliding,
-            root_stress,
-            teeth,
+            sliding: sliding.transpose()?,
+            root_stress: stress.transpose()?,
+            teeth: teeth.transpose()?,
             effects,
             file,
         })
@@ -195,26 +196,26 @@ impl Table {
         &self.effects
     }
 
-    /// The table of `flank`, and whether it is the drive flank's mirrored: then ask it at -M and take
+    /// The table of `flank`, and whether it is the drive flank's mirrored: then evaluate it at -M and take
     /// the opposite moment.
     pub fn flank(&self, flank: Flank) -> (&FlankTable, bool) {
         self.force.get(flank)
     }
 
-    /// How the load of `flank` slides, and whether it is the drive flank mirrored: then ask it at -M and take the
-    /// opposite axial position. None unless it was asked for.
+    /// How the load of `flank` slides, and whether it is the drive flank mirrored: then evaluate it at -M and take the
+    /// opposite axial position. None where the effect is off.
     pub fn sliding(&self, flank: Flank) -> Option<(&LoadSpline, bool)> {
         Some(self.sliding.as_ref()?.get(flank))
     }
 
-    /// Stress in the roots under the load of `flank`, and whether it is the drive flank mirrored: then ask it at -M. None
-    /// unless it was asked for.
+    /// Stress in the roots under the load of `flank`, and whether it is the drive flank mirrored: then evaluate it at -M. None
+    /// where the effect is off.
     pub fn root_stress(&self, flank: Flank) -> Option<(&LoadSpline, bool)> {
         Some(self.root_stress.as_ref()?.get(flank))
     }
 
-    /// Tooth pairs of `flank` one by one, and whether their samples are those of the drive flank mirrored: then ask at -M and
-    /// take the opposite moment. None unless it was asked for.
+    /// Tooth pairs of `flank` one by one, and whether their samples are those of the drive flank mirrored: then evaluate at -M and
+    /// take the opposite moment. None where the effect is off.
     pub fn teeth(&self, flank: Flank) -> Option<(&TeethFlank, bool)> {
         let [drive, coast] = self.teeth.as_ref()?;
         let own = self.file.teeth.as_ref()?.coast.is_some();

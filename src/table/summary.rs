@@ -1,8 +1,7 @@
 //! What a tables file covers and how far it can be trusted, in words for `gearmesh inspect` and the FMU's page.
 
-use super::{InterpolationError, LoadAxes, RootStressError, TableFile, TeethRecord};
+use super::{LoadAxes, TableFile, TeethRecord};
 use crate::words::{count, fixed, rounded};
-use std::fmt;
 
 impl TableFile {
     /// Rows of name and value: origin, size and error, ranges, settings of the solver.
@@ -94,33 +93,6 @@ fn in_words(lengths: [usize; 4], names: &[&str; 4]) -> String {
     [2, 0, 1, 3]
         .map(|i| count(lengths[i], names[i]))
         .join(" x ")
-}
-
-impl fmt::Display for InterpolationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "error at {} random points: force {:.2} % rms, {:.2} % at most, of the nominal force; shuttling \
-             moment {:.2} % rms, {:.2} % at most, of that force at an end of the face",
-            self.points,
-            1e2 * self.force_rms,
-            1e2 * self.force_maximum,
-            1e2 * self.moment_rms,
-            1e2 * self.moment_maximum
-        )
-    }
-}
-
-impl fmt::Display for RootStressError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "error at {} random points: {:.2} % rms, {:.2} % at most, of the largest stress at nominal torque",
-            self.points,
-            1e2 * self.rms,
-            1e2 * self.maximum
-        )
-    }
 }
 
 impl TeethRecord {

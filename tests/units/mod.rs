@@ -1,4 +1,4 @@
-//! Resources of units, written by hand.
+//! Resources of FMUs, written by hand.
 
 #[path = "../common/gears.rs"]
 mod gears;
@@ -8,7 +8,7 @@ use std::path::Path;
 
 use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, UnitFile};
 
-/// Of the units below.
+/// Of the FMUs below.
 pub const GUID: &str = "{00000000-0000-0000-0000-000000000001}";
 
 /// A spur pair of constant stiffness.

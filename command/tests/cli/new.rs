@@ -93,6 +93,7 @@ fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and
     contains!(
         listed,
         "taken: gear1.teeth from number_of_teeth of cylindrical_gear 11",
+        "taken: gear1.lower_end_relief from end_relief_datum_face 34",
         "taken: gear2.dedendum_coefficient from addendum_coefficient_reference_profile of rack_shaped_tool 41",
         "assumed: gear2: the left flank is the drive flank",
         "left: triangular_tip_relief 33 of the flank 24",
@@ -100,15 +101,19 @@ fn a_stage_of_a_rexs_file_becomes_a_pair_file_that_says_what_it_took_assumed_and
         "left: cylindrical_gear 11: u_coordinate_on_shaft"
     );
     let shown = json(succeed!("inspect {pair} --json"));
+    let drive = "/gear1/reliefs/drive_flank";
     for (pointer, value, within) in [
         ("/center_distance_mm", 82.104, 1e-9),
         ("/gear1/span_measurement_mm", 30.68, 1e-6),
         ("/gear2/dimension_over_balls_mm", 91.9, 1e-6),
         (
-            "/gear1/reliefs/drive_flank/tip_relief/start/diameter_mm",
+            &*format!("{drive}/tip_relief/start/diameter_mm"),
             86.0,
             1e-6,
         ),
+        (&*format!("{drive}/lower_end_relief/length_mm"), 3.0, 1e-9),
+        (&*format!("{drive}/lead_slope_um"), 0.0, 1e-9),
+        ("/gear2/reliefs/drive_flank/lead_crowning_um", 4.0, 1e-9),
         ("/gear1/lead_mm", 1117.2538, 1e-3),
     ] {
         let shown = number(shown.pointer(pointer).unwrap());

@@ -1,7 +1,7 @@
 //! Condensation and ring closure against closed forms and against the whole gear in one piece.
 
-use super::condensation::{LoadColumn, condense};
-use super::mesh::Mesh;
+use super::condensation::condense;
+use super::mesh::{LoadColumn, Mesh};
 use super::outline::Outline;
 use super::section::Section;
 use super::*;

@@ -17,7 +17,7 @@
 
 use super::FiniteElementError;
 use super::dense::eliminate;
-use super::mesh::Mesh;
+use super::mesh::{LoadColumn, Mesh};
 use nalgebra::DMatrix;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -34,9 +34,6 @@ pub(super) struct CondensedSector {
     pub numbers: usize,
 }
 
-/// A sparse load, or functional of the displacement: (unknown, value), the unknowns numbered node by node.
-pub(super) type LoadColumn = Vec<(usize, f64)>;
-
 /// Parts of at most so many elements are not cut further.
 const LEAF: usize = 4;
 /// Parts of less than this share of all the work are eliminated next to others.
@@ -46,9 +43,6 @@ const TASK: f64 = 1e8;
 
 /// Eliminates the inside of the sector `mesh` of `material` (Young's modulus, Pa, and Poisson ratio) under the first `loads` of
 /// `columns`; the others are functionals that are observed under them. `progress` is given the share done and may stop the work.
-///
-/// # Errors
-/// No memory, a stiffness that is not positive definite, or cancelled.
 pub(super) fn condense(
     mesh: &Mesh,
     material: [f64; 2],

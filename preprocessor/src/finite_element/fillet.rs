@@ -6,10 +6,9 @@
 //! vol. 1, section 14.2), in the middle of every layer, and at both faces by the straight line through the
 //! Gauss points of the outermost layers.
 
-use super::condensation::LoadColumn;
 use super::element::shape;
 use super::flank::face_nodes;
-use super::mesh::Mesh;
+use super::mesh::{LoadColumn, Mesh};
 use super::model::{Model, twist};
 use nalgebra::Vector3;
 

@@ -1,6 +1,5 @@
 //! The mesh of one sector, which [`super::extrusion`] makes, and the stiffness of its elements.
 
-use super::condensation::LoadColumn;
 use super::element;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
@@ -12,6 +11,9 @@ pub(super) struct FlankNode {
     pub node: usize,
     pub normal: [f64; 3],
 }
+
+/// A sparse load, or functional of the displacement: (unknown, value), the unknowns numbered node by node.
+pub(super) type LoadColumn = Vec<(usize, f64)>;
 
 #[derive(Debug, Clone)]
 pub(super) struct Foundation {

@@ -45,7 +45,7 @@ pub use error::FiniteElementError;
 pub use model::Stage;
 pub use pair::{PairCompliance, pair_root_stress};
 pub use root_stress::{RootField, RootPoint, RootStress, SpreadSegments};
-pub use sector::{SectorMesh, centre_line_compliance};
+pub use sector::{centre_line_compliance, sector_unknowns};
 pub use settings::{Discretization, Settings};
 
 use cache::gear_in_words;

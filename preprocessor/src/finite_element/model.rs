@@ -1,9 +1,9 @@
 //! From a gear to the influence matrices of its flank nodes.
 
-use super::condensation::{LoadColumn, condense};
+use super::condensation::condense;
 use super::flank::FlankGrid;
 use super::layers::Layers;
-use super::mesh::Mesh;
+use super::mesh::{LoadColumn, Mesh};
 use super::outline::Outline;
 use super::section::Section;
 use super::{FiniteElementError, Progress, Settings, harmonics, ring};

@@ -36,9 +36,6 @@ const BLOCK: usize = 64;
 
 /// Response of the functionals of `sector` (of its loads where it has none) to unit loads on sector 0, m/N: for each k of `sectors` a
 /// matrix with functionals of sector k in rows, loads in columns. `solved` are the harmonics of the ring of `teeth` for these.
-///
-/// # Errors
-/// A stiffness that is not positive definite, or cancelled.
 pub(super) fn response(
     sector: &CondensedSector,
     teeth: u32,
@@ -214,8 +211,9 @@ fn longest(y: &DMatrix<f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::finite_element::Settings;
-    use crate::finite_element::condensation::{LoadColumn, condense};
+    use crate::finite_element::condensation::condense;
     use crate::finite_element::harmonics;
+    use crate::finite_element::mesh::LoadColumn;
     use crate::finite_element::model::Model;
     use crate::samples;
     use gearmesh::gear::{Body, Gear, GearKind};

@@ -6,10 +6,9 @@
 //! the map without a backward solution (reciprocity).
 
 use super::cache::{Stored, gear_in_words, get};
-use super::condensation::LoadColumn;
 use super::fillet::{COMPONENTS, FilletGrid};
 use super::flank::{FlankGrid, Weights};
-use super::mesh::Mesh;
+use super::mesh::{LoadColumn, Mesh};
 use super::model::Model;
 use super::settings::Settings;
 use super::{FiniteElementError, ModelCache, Origin, Progress};

@@ -1,4 +1,4 @@
-//! The mesh of one sector as it is, for pictures and studies.
+//! Figures of one sector, for studies.
 
 use super::element::{QUAD8, shape};
 use super::mesh::Mesh;
@@ -7,49 +7,14 @@ use super::{FiniteElementError, Settings};
 use gearmesh::compliance::Segment;
 use gearmesh::gear::Gear;
 
-/// The transverse section of the mesh of one tooth, its centre line on the x axis, and the layers along the face.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SectorMesh {
-    /// Nodes, m.
-    pub nodes: Vec<[f64; 2]>,
-    /// 8-node quadrilaterals: corners, then the middles of the sides from the first corner on.
-    pub elements: Vec<[usize; 8]>,
-    /// Nodes of the loaded flank.
-    pub flank: Vec<usize>,
-    /// Ends of the layers of hexahedra, m from the z = 0 face.
-    pub stations: Vec<f64>,
-}
-
-impl SectorMesh {
-    /// The mesh on which [`super::FiniteElementCompliance::new`] computes.
-    ///
-    /// # Errors
-    /// As there: no usable tooth, too thin a rim; [`FiniteElementError::PlaneBody`] for a gear with a web.
-    pub fn new(gear: &Gear, settings: &Settings) -> Result<Self, FiniteElementError> {
-        let plane = Settings {
-            plane_strain: true,
-            ..*settings
-        };
-        let section = Model::new(gear, &plane)?.section;
-        let sizes = &settings.discretization;
-        let points = (0..section.nodes.len()).map(|node| section.cartesian(node));
-        Ok(SectorMesh {
-            nodes: points.map(|p| [p[0], p[1]]).collect(),
-            flank: section.flank.iter().map(|(node, _)| *node).collect(),
-            elements: section.quads,
-            stations: sizes.stations(gear.face_width, gear.normal_module),
-        })
-    }
-
-    /// How many displacements of one sector are free.
-    ///
-    /// # Errors
-    /// As [`SectorMesh::new`].
-    pub fn unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
-        let mesh = Model::new(gear, settings)?.mesh();
-        let free = mesh.held.iter().filter(|held| !**held).count() - mesh.hanging.len();
-        Ok(mesh.dimension * free)
-    }
+/// How many displacements of one sector of `gear` are free.
+///
+/// # Errors
+/// As [`super::FiniteElementCompliance::new`]: no usable tooth, too thin a rim.
+pub fn sector_unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
+    let mesh = Model::new(gear, settings)?.mesh();
+    let free = mesh.held.iter().filter(|held| !**held).count() - mesh.hanging.len();
+    Ok(mesh.dimension * free)
 }
 
 /// Compliance of a tooth in plane strain, m²/N: displacement along the load line where it crosses the tooth's

@@ -1,6 +1,6 @@
 //! Damping, effective mass and communication step that belong together.
 //!
-//! With `coupling` = sequential or parallel the unit predicts what its loads do over a step, and accuracy decides on the
+//! With `coupling` = sequential or parallel the FMU predicts what its loads do over a step, and accuracy decides on the
 //! step: it is a part of the period of the mesh's own oscillation. With `coupling = held` stability decides:
 //! a master that couples explicitly holds the mesh force over a step H while the bodies move. One body of
 //! mass m on the mesh spring k and the mesh damper c, integrated exactly under the held force F, goes from

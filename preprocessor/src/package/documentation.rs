@@ -1,4 +1,4 @@
-//! What describes a unit in its archive: modelDescription.xml, a page with the frames drawn and all defaults, and the
+//! What describes an FMU in its archive: modelDescription.xml, a page with the frames drawn and all defaults, and the
 //! licences.
 
 use std::fmt::Write as _;
@@ -24,7 +24,7 @@ const LICENCE: &str = "This unit is licensed under MIT (LICENSE-MIT) or Apache-2
 const EXAMPLE: &str = "example-input.csv";
 const FRAMES: &str = include_str!("../../../docs/frames.svg");
 
-/// Files that are the same in each unit.
+/// Files that are the same in each FMU.
 const CONSTANT: [(&str, &[u8]); 5] = [
     (
         "model.png",
@@ -69,7 +69,7 @@ impl Description<'_> {
         files
     }
 
-    /// One sentence about the unit, for XML.
+    /// One sentence about the FMU, for XML.
     fn summary(&self) -> String {
         let [z1, z2] = self.unit.geometry.gears.each_ref().map(|gear| gear.teeth);
         let kind = match self.unit.geometry.ring() {
@@ -124,7 +124,7 @@ impl Description<'_> {
         out + &TEMPLATE[done..]
     }
 
-    /// The page: the template without the parts that do not apply, and with the numbers of this unit.
+    /// The page: the template without the parts that do not apply, and with the numbers of this FMU.
     fn page(&self) -> String {
         let (c, geometry) = (self.coupling, &self.unit.geometry);
         let mut page = PAGE.to_owned();

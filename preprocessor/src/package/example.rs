@@ -1,4 +1,4 @@
-//! Input signals that show the unit at work: both gears turn through some mesh cycles under nominal torque.
+//! Input signals that show the FMU at work: both gears turn through some mesh cycles under nominal torque.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -19,7 +19,7 @@ pub(super) const CYCLES: usize = 4;
 /// Rows per mesh cycle: linear interpolation between them leaves a thousandth of the transmission error's swing.
 const ROWS: usize = 64;
 
-/// An instance of a unit whose gears are turned on from their start pose.
+/// An instance of an FMU whose gears are turned on from their start pose.
 pub(super) struct Driven {
     pub unit: Instance,
     starts: [f64; INPUTS],

@@ -1,4 +1,4 @@
-//! What a packed unit holds.
+//! What a packed FMU holds.
 
 use std::fs::File;
 use std::io::Read;
@@ -12,15 +12,15 @@ use gearmesh::contact::ContactFile;
 use gearmesh::fmi::resources::{CONTACT_FILE, TABLES_FILE, UNIT_FILE, UnitFile, parse_unit};
 use gearmesh::table::InterpolationError;
 
-/// Longest file that is read from a unit, bytes: some hundred times the tables of a pair.
+/// Longest file that is read from an FMU, bytes: some hundred times the tables of a pair.
 const LONGEST_FILE: u64 = 256 << 20;
 
 const DESCRIPTION: &str = "modelDescription.xml";
 
-/// Most files of a unit that is looked into; one of gearmesh has some twenty.
+/// Most files of an FMU that is looked into; one of gearmesh has some twenty.
 const MOST_FILES: usize = 10_000;
 
-/// Unpacks the resources of the unit at `path` into `folder`, as a host would.
+/// Unpacks the resources of the FMU at `path` into `folder`, as a host would.
 ///
 /// # Errors
 /// A file that cannot be read, or resources longer than any that this program packs.
@@ -40,7 +40,7 @@ pub fn unpack_resources(path: &Path, folder: &Path) -> Result<(), PackageError> 
     Ok(())
 }
 
-/// The archive at `path`, if it is no larger than a unit is.
+/// The archive at `path`, if it is no larger than an FMU is.
 fn opened(path: &Path) -> Result<ZipArchive<File>, PackageError> {
     let file = File::open(path).map_err(|e| PackageError::file(path, e))?;
     let archive = ZipArchive::new(file).map_err(|e| PackageError::archive(path, e))?;
@@ -81,7 +81,7 @@ fn bytes(
     Ok(Some(bytes))
 }
 
-/// Contents of a packed unit.
+/// Contents of a packed FMU.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection {
     /// Name, GUID, pair and start values.
@@ -98,10 +98,10 @@ pub struct Inspection {
     pub files: Vec<(String, u64)>,
 }
 
-/// Reads the unit at `path`.
+/// Reads the FMU at `path`.
 ///
 /// # Errors
-/// A file that cannot be read or is no unit that this program packed.
+/// A file that cannot be read or is no FMU that this program packed.
 pub fn inspect(path: &Path) -> Result<Inspection, PackageError> {
     let mut archive = opened(path)?;
     let mut files = Vec::new();

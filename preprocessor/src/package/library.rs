@@ -8,7 +8,7 @@ use super::PackageError;
 /// File names of the library as cargo gives them on Linux, Windows and macOS.
 const NAMES: [&str; 3] = ["libgearmesh.so", "gearmesh.dll", "libgearmesh.dylib"];
 
-/// A compiled library of the unit for one platform.
+/// A compiled library of the FMU for one platform.
 #[derive(Debug, Clone)]
 pub struct Library {
     /// Name of the platform in the standard: `linux64`, `win64`, `darwin64`, ...
@@ -68,7 +68,7 @@ pub(super) fn runs_on(platform: &str, library: &[u8]) -> String {
     }
 }
 
-/// The newest version of glibc that `library` asks for; None for a library of another platform. A linker names the versions as
+/// The newest version of glibc that `library` needs; None for a library of another platform. A linker names the versions as
 /// strings of their own, `GLIBC_2.17`, and a symbol of an old one keeps its name in later ones.
 fn least_glibc(library: &[u8]) -> Option<[u32; 2]> {
     if !library.starts_with(b"\x7fELF") {
@@ -100,7 +100,7 @@ fn platform(bytes: &[u8]) -> Option<&'static str> {
         .then_some("darwin64")
 }
 
-/// The libraries beside the program `executable`: cargo leaves the one of its own platform there
+/// The libraries in the folder of the program `executable`: cargo leaves the one of its own platform there
 /// (`target/release/libgearmesh.so`), a release has those of all its platforms.
 ///
 /// # Errors
@@ -125,18 +125,24 @@ pub fn libraries_beside(executable: &Path) -> Result<Vec<Library>, PackageError>
 mod tests {
     use super::*;
 
-    #[test]
-    fn the_platform_is_told_from_the_header() {
+    /// Headers of libraries for Linux and Windows.
+    fn headers() -> [Vec<u8>; 2] {
         let mut elf = vec![0u8; 64];
         elf[..5].copy_from_slice(b"\x7fELF\x02");
         elf[18] = 62;
-        assert_eq!(platform(&elf), Some("linux64"));
-        elf[18] = 183; // AArch64: FMI 2.0 has no name for it
-        assert_eq!(platform(&elf), None);
         let mut pe = vec![0u8; 128];
         pe[..2].copy_from_slice(b"MZ");
         pe[60] = 64;
         pe[64..70].copy_from_slice(b"PE\0\0\x64\x86");
+        [elf, pe]
+    }
+
+    #[test]
+    fn the_header_gives_the_platform() {
+        let [mut elf, mut pe] = headers();
+        assert_eq!(platform(&elf), Some("linux64"));
+        elf[18] = 183; // AArch64: FMI 2.0 has no name for it
+        assert_eq!(platform(&elf), None);
         assert_eq!(platform(&pe), Some("win64"));
         pe[60..64].copy_from_slice(&u32::MAX.to_le_bytes());
         assert_eq!(platform(&pe), None);
@@ -149,7 +155,7 @@ mod tests {
         let elf = b"\x7fELF\x02\0GLIBC_2.9\0GLIBC_PRIVATE\0GLIBC_2.2.5\0libc.so.6\0GLIBC_2.35\0xGLIBC_2.99\0";
         assert_eq!(runs_on("linux64", elf), "linux64 (glibc 2.35 or later)");
         assert_eq!(runs_on("win64", b"MZ\0GLIBC_2.35\0"), "win64");
-        // The library that was just built asks for one that this machine has.
+        // The library that was just built needs one that this machine has.
         let own = std::env::current_exe().unwrap();
         let own = least_glibc(&fs::read(own).unwrap());
         assert!(
@@ -177,13 +183,7 @@ mod tests {
             error.contains("libgearmesh.so") && error.contains("--library"),
             "{error}"
         );
-        let mut elf = vec![0u8; 64];
-        elf[..5].copy_from_slice(b"\x7fELF\x02");
-        elf[18] = 62;
-        let mut pe = vec![0u8; 128];
-        pe[..2].copy_from_slice(b"MZ");
-        pe[60] = 64;
-        pe[64..70].copy_from_slice(b"PE\0\0\x64\x86");
+        let [elf, pe] = headers();
         for (name, mut bytes) in [("libgearmesh.so", elf), ("gearmesh.dll", pe)] {
             bytes.extend(b"fmi2DoStep\0");
             fs::write(folder.path().join(name), bytes).unwrap();

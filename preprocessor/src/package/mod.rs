@@ -1,7 +1,7 @@
 //! Packing a pair, its tables and the compiled library into one .fmu file.
 //!
 //! One library serves every pair: what belongs to the pair travels in the resources. The same
-//! contents give the same bytes, and the GUID is that of the contents, so that two units with
+//! contents give the same bytes, and the GUID is that of the contents, so that two FMUs with
 //! different tables never share one.
 
 mod archive;
@@ -37,14 +37,14 @@ use gearmesh::fmi::variables::MODEL_IDENTIFIER;
 use gearmesh::gear::PairGeometry;
 use gearmesh::table::TableFile;
 
-/// What goes into one unit.
+/// What goes into one FMU.
 #[derive(Debug, Clone, Copy)]
 pub struct Contents<'a> {
     /// Name of the pair.
     pub name: &'a str,
     /// The pair, SI.
     pub geometry: &'a PairGeometry,
-    /// The tables; `None` for a unit of constant stiffness.
+    /// The tables; `None` for an FMU of constant stiffness.
     pub tables: Option<&'a TableFile>,
     /// What contact at run time needs, for `stiffnessModel = contact`.
     pub contact: Option<&'a ContactFile>,
@@ -55,7 +55,7 @@ pub struct Contents<'a> {
 /// What was packed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Packed {
-    /// GUID of the unit.
+    /// GUID of the FMU.
     pub guid: String,
     /// Size of the file in bytes.
     pub bytes: u64,
@@ -63,7 +63,7 @@ pub struct Packed {
     pub platforms: Vec<String>,
 }
 
-/// Why a unit could not be packed or read.
+/// Why an FMU could not be packed or read.
 #[derive(Debug, thiserror::Error)]
 pub enum PackageError {
     /// A file that cannot be read or written, or is not what it should be.
@@ -77,7 +77,7 @@ pub enum PackageError {
     /// Start values that a host could not start with.
     #[error("the unit does not start with these values: {reason}")]
     Refused {
-        /// What the unit says.
+        /// What the FMU says.
         reason: String,
     },
 }
@@ -133,7 +133,7 @@ pub fn pack(
         .into_iter()
         .filter_map(|(name, bytes)| Some((format!("resources/{name}"), bytes?)));
     let mut files: Vec<(String, Vec<u8>)> = named.collect();
-    // The unit starts here as it will in a host.
+    // The FMU starts here as it will in a host.
     let refused = |reason: String| PackageError::Refused { reason };
     let resources = Resources::new(unit, contents.tables.cloned(), contents.contact.cloned());
     let resources = Arc::new(resources.map_err(refused)?);
@@ -170,7 +170,7 @@ fn unit_text(unit: &UnitFile) -> String {
     serde_json::to_string_pretty(unit).expect("a unit serialises") + "\n"
 }
 
-/// GUID of a unit: a hash over everything in it that decides how it behaves.
+/// GUID of an FMU: a hash over everything in it that decides how it behaves.
 fn guid(
     unit: &UnitFile,
     tables: Option<&str>,

@@ -1,4 +1,4 @@
-//! Start values of a packed unit: a valid mesh of its pair, what belongs to the pair, and what the user chooses for hosts
+//! Start values of a packed FMU: a valid mesh of its pair, what belongs to the pair, and what the user chooses for hosts
 //! that cannot set it.
 
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ pub(super) const HELD: f64 = 1.0;
 pub(super) const SEQUENTIAL: f64 = 2.0;
 const PARALLEL: f64 = 3.0;
 
-/// Start values of a unit that belong to its pair.
+/// Start values of an FMU that belong to its pair.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Starts {
     /// Its mean is `constantStiffness`.
@@ -35,7 +35,7 @@ pub struct Starts {
 }
 
 impl Starts {
-    /// A unit of constant stiffness, estimated by [`super::estimated_stiffness`]; `nominal_torque` on gear 1, N m, > 0.
+    /// An FMU of constant stiffness, estimated by [`super::estimated_stiffness`]; `nominal_torque` on gear 1, N m, > 0.
     pub fn constant_stiffness(geometry: &PairGeometry, nominal_torque: f64) -> Self {
         Self {
             stiffness: Stiffness::estimated(geometry, nominal_torque),
@@ -47,7 +47,7 @@ impl Starts {
         }
     }
 
-    /// A unit with these tables: every effect that they have an axis for is on.
+    /// An FMU with these tables: every effect that they have an axis for is on.
     ///
     /// # Errors
     /// Tables that cannot be interpolated.
@@ -85,7 +85,7 @@ impl Starts {
         all.find(|(j, _)| *j == i).map(|(_, value)| value)
     }
 
-    /// Dynamics of the mesh with the stiffness and the damping that the unit starts with.
+    /// Dynamics of the mesh with the stiffness and the damping that the FMU starts with.
     pub fn coupling(&self, geometry: &PairGeometry) -> Coupling {
         let stiffness = if self.value(index::STIFFNESS_MODEL) == Some(CONSTANT) {
             let constant = self.value(index::CONSTANT_STIFFNESS);
@@ -161,7 +161,7 @@ pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
     // Phase within the pitch, 0 at a tooth centre (ring: at a space centre), of what gear 1 offers.
     let phase1 = (at1 / pitch(g1.z())).rem_euclid(1.0);
     // An external tooth fills the ring's space: phases agree. Two external gears: half a pitch apart.
-    let wanted = if geometry.e() > 0.0 {
+    let needed = if geometry.e() > 0.0 {
         0.5 - phase1
     } else {
         phase1
@@ -169,7 +169,7 @@ pub fn meshing_spin(geometry: &PairGeometry) -> f64 {
     // Gear 2's tooth stands on its +x in its own z = 0 face; the helix has turned it in that of gear 1.
     let helix = g2.hand * g2.helix_angle.tan() / g2.reference_radius();
     let present = ((at2 + helix * g2.face_offset) / pitch(g2.z())).rem_euclid(1.0);
-    let turn = (present - wanted).rem_euclid(1.0);
+    let turn = (present - needed).rem_euclid(1.0);
     pitch(g2.z()) * if turn > 0.5 { turn - 1.0 } else { turn }
 }
 
@@ -210,24 +210,17 @@ pub enum SettingError {
 }
 
 impl Setting {
-    /// Whether it chooses contact at run time.
-    pub fn is_contact(&self) -> bool {
-        (self.index, self.value) == (index::STIFFNESS_MODEL, CONTACT)
-    }
+    /// Contact at run time.
+    pub const CONTACT: Self = Self::new(index::STIFFNESS_MODEL, CONTACT);
+    /// Tooth pairs one by one.
+    pub const TEETH: Self = Self::new(index::STIFFNESS_MODEL, TEETH);
+    /// Friction on.
+    pub const FRICTION: Self = Self::new(index::FRICTION, 1.0);
+    /// Root stress on.
+    pub const ROOT_STRESS: Self = Self::new(index::ROOT_STRESS, 1.0);
 
-    /// Whether it chooses tooth pairs one by one.
-    pub fn is_teeth(&self) -> bool {
-        (self.index, self.value) == (index::STIFFNESS_MODEL, TEETH)
-    }
-
-    /// Whether it switches friction on.
-    pub fn is_friction(&self) -> bool {
-        (self.index, self.value) == (index::FRICTION, 1.0)
-    }
-
-    /// Whether it switches root stress on.
-    pub fn is_root_stress(&self) -> bool {
-        (self.index, self.value) == (index::ROOT_STRESS, 1.0)
+    const fn new(index: usize, value: f64) -> Self {
+        Self { index, value }
     }
 }
 

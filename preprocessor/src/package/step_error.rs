@@ -1,4 +1,4 @@
-//! What the communication step of a unit costs in accuracy.
+//! What the communication step of an FMU costs in accuracy.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -18,13 +18,13 @@ const RISE: f64 = 2e-3;
 const DURATION: f64 = 12e-3;
 /// Tooth pitches a second.
 const MESH_FREQUENCY: f64 = 750.0;
-/// Steps of the solution that counts as exact, to one step of the unit.
+/// Steps of the solution that counts as exact, to one step of the FMU.
 const FINER: usize = 20;
 
 /// Root mean square error of `mesh.transmissionError` at the communication step `step` (s) over the standard deviation of its
 /// exact course. Both gears spin as steel discs at `MESH_FREQUENCY` and carry the nominal torque, which rises over `RISE`;
-/// exact is the same motion in steps a twentieth as long. A unit that starts with `stiffnessModel = contact` is measured on its
-/// tables. `None` where a step is refused, or a unit with contact has no tables.
+/// exact is the same motion in steps a twentieth as long. An FMU that starts with `stiffnessModel = contact` is measured on its
+/// tables. `None` where a step is refused, or an FMU with contact has no tables.
 pub fn step_error(unit: &UnitFile, tables: Option<&TableFile>, step: f64) -> Option<f64> {
     let name = |i: usize| VARIABLES[i].name.to_owned();
     let mut unit = unit.clone();
@@ -58,7 +58,7 @@ pub fn step_error(unit: &UnitFile, tables: Option<&TableFile>, step: f64) -> Opt
     Some((error / spread).sqrt()).filter(|error: &f64| error.is_finite())
 }
 
-/// `mesh.transmissionError`, m, at every communication point; the gears move exactly under loads that act as the unit's `coupling`
+/// `mesh.transmissionError`, m, at every communication point; the gears move exactly under loads that act as the FMU's `coupling`
 /// says, and one step late where they are held.
 fn transmission_error(resources: Arc<Resources>, step: f64) -> Result<Vec<f64>, Refusal> {
     let mut driven = Driven::new(&resources)?;

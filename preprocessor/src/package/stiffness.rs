@@ -94,10 +94,8 @@ fn ends(axis: &[f64]) -> [f64; 3] {
 /// No approach, aligned, at the nominal centre distance.
 pub(super) fn nominal_pose(mesh_position: f64) -> Query {
     Query {
-        delta: 0.0,
-        center_distance_offset: 0.0,
-        misalignment: 0.0,
         mesh_position,
+        ..Query::default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Centre distance and backlash: how far the gears stand apart, and by how much their teeth are thinned.
 
-use super::checks::{meant, meant_about, remedy};
+use super::checks::{about, remedy};
 use super::error::{Refusal, ensure};
 use super::file::{MM, PairFile, UM};
 use gearmesh::gear::{PairGeometry, inverse_involute, involute};
@@ -20,7 +20,7 @@ pub(super) fn place(file: &PairFile, geometry: &mut PairGeometry) -> Result<(), 
     let is_mesh = geometry.center_distance > least;
     if let Some(mm) = file.center_distance_mm {
         let name = "center_distance_mm";
-        let remedy = remedy(meant_about(name, mm, free / MM), check_distance(geometry));
+        let remedy = remedy(name, mm, about(free / MM), &check_distance(geometry));
         ensure!(is_mesh, name => mm; "the base circles allow no mesh below {:.4} mm", least / MM; "{remedy}");
     }
     ensure!(is_mesh, "gear1.profile_shift" => geometry.gears[0].profile_shift;
@@ -59,30 +59,20 @@ pub(super) fn set_backlash(
     // On the line of action, that of teeth that are full as far as nothing is known.
     let natural = geometry.backlash(c);
     // Each field, what it asks for on the line of action, and its own number for a backlash there.
+    let circumferential = file.backlash_um.map(|um| um * UM * cos_phi);
+    let normal = file.normal_backlash_um.map(|j| j.middle() * UM / cos_b);
     let fields = [
-        (
-            "backlash_um",
-            file.backlash_um.map(|um| um * UM * cos_phi),
-            1.0 / cos_phi,
-        ),
-        (
-            "normal_backlash_um",
-            file.normal_backlash_um.map(|j| j.middle() * UM / cos_b),
-            cos_b,
-        ),
+        ("backlash_um", circumferential, 1.0 / cos_phi),
+        ("normal_backlash_um", normal, cos_b),
     ];
-    if let [
-        (name, Some(first), scale),
-        (other, Some(second), other_scale),
-    ] = fields
-    {
+    if let (Some(first), Some(second)) = (circumferential, normal) {
+        let [(name, _, scale), (other, _, other_scale)] = fields;
         ensure!((first - second).abs() <= 2.0 * UM, other => second / UM * other_scale;
             "`{name}` = {} says otherwise", first / UM * scale;
             "give one of them, or {:.1}", first / UM * other_scale);
     }
-    let wanted = fields
-        .iter()
-        .find_map(|&(name, j, scale)| Some((name, j?, scale)));
+    let mut given_fields = fields.into_iter();
+    let wanted = given_fields.find_map(|(name, j, scale)| Some((name, j?, scale)));
     // Beyond half a module it is no backlash, but another centre distance.
     let out_of_place = 0.5 * geometry.gears[0].normal_module * cos_phi;
     ensure!(wanted.is_none_or(|(_, j, _)| (natural - j).abs() <= out_of_place), "center_distance_mm" => c / MM;
@@ -106,10 +96,8 @@ pub(super) fn set_backlash(
             "tooth thicknesses and centre distance leave {left:.1} um"; "give {left:.1}, or leave it out");
         return Ok(());
     }
-    let remedy = remedy(
-        meant(name, um, [left, f64::INFINITY]),
-        "give at least that, or change `center_distance_mm` or `profile_shift`",
-    );
+    let otherwise = "give at least that, or change `center_distance_mm` or `profile_shift`";
+    let remedy = remedy(name, um, [left, f64::INFINITY], otherwise);
     // A billionth of a metre: rounding of the file, no thicker teeth.
     ensure!(thinning >= -1e-9, name => um;
         "centre distance and profile shifts alone give {left:.1} um"; "{remedy}");
@@ -120,13 +108,10 @@ pub(super) fn set_backlash(
 /// Thins the teeth, together by `thinning` (m) on the line of action if that is positive: those of gears whose thickness
 /// is not `given`, else those of both.
 fn thin(geometry: &mut PairGeometry, given: [Option<f64>; 2], thinning: f64) {
-    let share = if given[0].is_some() == given[1].is_some() {
-        0.5
-    } else {
-        1.0
-    };
+    let both = given[0].is_some() == given[1].is_some();
+    let share = if both { 0.5 } else { 1.0 };
     for (gear, given) in geometry.gears.iter_mut().zip(given) {
-        if given.is_none() || share == 0.5 {
+        if given.is_none() || both {
             gear.tooth_thinning += share * thinning.max(0.0);
         }
     }

@@ -1,7 +1,7 @@
 //! What can be said of each number of the file on its own, before any geometry is built from it.
 
 use super::error::{Refusal, ensure, refusal};
-use super::file::{Dimension, EndReliefFile, FlankFile, GearFile, Meshing, PairFile};
+use super::file::{Dimension, EndReliefFile, FlankFile, GearFile, Meshing, PairFile, ReliefFile};
 use gearmesh::words::{number, rounded};
 
 /// Numbers that a field may have, as the file writes them.
@@ -23,27 +23,34 @@ pub(super) fn check(
     let Some(value) = value.into() else {
         return Ok(());
     };
-    let (least, high, problem) = match range {
+    let (limits, problem) = match range {
         // As they are shown: 0.1 * 1.5 is not quite 0.15.
-        Within(low, high) => (rounded(low), rounded(high), "lies outside"),
-        UpTo(high) => (f64::MIN_POSITIVE, high, "must be above 0 and at most"),
+        Within(low, high) => {
+            let [low, high] = [low, high].map(rounded);
+            ([low, high], format!("lies outside {low} to {high}"))
+        }
+        UpTo(high) => {
+            let problem = format!("must be above 0 and at most {high}");
+            ([f64::MIN_POSITIVE, high], problem)
+        }
     };
-    let remedy = remedy(
-        meant(path, value, [least, high]),
-        "give a value in that range, in the unit of the name",
-    );
-    let limits = match range {
-        Within(..) => format!("{least} to {high}"),
-        UpTo(_) => high.to_string(),
-    };
-    ensure!((least..=high).contains(&value), path => value; "{problem} {limits}"; "{remedy}");
+    let otherwise = "give a value in that range, in the unit of the name";
+    let remedy = remedy(path, value, limits, otherwise);
+    ensure!(within(value, limits), path => value; "{problem}"; "{remedy}");
     Ok(())
 }
 
-/// Checks fields of a part of the file, whose path is given with a point, or nothing: `field: range;` for each.
+fn within(value: f64, [low, high]: [f64; 2]) -> bool {
+    (low..=high).contains(&value)
+}
+
+/// Checks fields of a part of the file, whose path is given with a point, or nothing: `field: range;` for each, with what
+/// makes a number of another type after `via`.
 macro_rules! limits {
-    ($path:expr, $part:expr; $($field:ident: $range:expr;)*) => {
-        $($crate::pair::checks::check(&format!("{}{}", $path, stringify!($field)), $part.$field, $range)?;)*
+    ($path:expr, $part:expr; $($field:ident $(via $number:path)?: $range:expr;)*) => {
+        $($crate::pair::checks::check(
+            &format!("{}{}", $path, stringify!($field)), $part.$field$(.map($number))?, $range,
+        )?;)*
     };
 }
 pub(super) use limits;
@@ -64,33 +71,32 @@ const MISTAKEN: [(&str, &str, &str, f64); 10] = [
 ];
 
 /// What a suspicious `value` of `field` is in a mistaken unit, if that lies within `expected`.
-pub(super) fn meant(field: &str, value: f64, [low, high]: [f64; 2]) -> Option<String> {
-    let (_, unit, mistaken, factor) = MISTAKEN.iter().find(|(end, .., factor)| {
-        field.ends_with(end) && (low..=high).contains(&(value * factor))
-    })?;
+pub(super) fn meant(field: &str, value: f64, expected: [f64; 2]) -> Option<String> {
+    let (_, unit, mistaken, factor) = MISTAKEN
+        .iter()
+        .find(|(end, .., factor)| field.ends_with(end) && within(value * factor, expected))?;
     let right = rounded((value * factor * 1e3).round() * 1e-3);
     Some(format!("{value} {mistaken} is {right} {unit}"))
 }
 
-/// As [`meant`] where about `expected` is usual.
-pub(super) fn meant_about(field: &str, value: f64, expected: f64) -> Option<String> {
-    meant(field, value, [expected / 1.3, expected * 1.3])
+/// Values as they are where `usual` is.
+pub(super) fn about(usual: f64) -> [f64; 2] {
+    [usual / 1.3, usual * 1.3]
 }
 
-/// The remedy for a value: as what it is `meant`, else `otherwise`.
-pub(super) fn remedy(meant: Option<String>, otherwise: impl Into<String>) -> String {
-    meant.map_or_else(
-        || otherwise.into(),
+/// The remedy for a `value` of `field`: as what it is [`meant`], else `otherwise`.
+pub(super) fn remedy(field: &str, value: f64, expected: [f64; 2], otherwise: &str) -> String {
+    meant(field, value, expected).map_or_else(
+        || otherwise.to_owned(),
         |meant| format!("give it in the unit of the name: {meant}"),
     )
 }
 
 /// What a suspiciously small `value` of `field`, less than `least`, is in a mistaken unit in which it is more.
 pub(super) fn suspicious(field: &str, value: f64, least: f64) -> Option<String> {
-    let expected = if value > 0.0 {
-        [least, f64::INFINITY]
-    } else {
-        [f64::NEG_INFINITY, -least]
+    let expected = match value > 0.0 {
+        true => [least, f64::INFINITY],
+        false => [f64::NEG_INFINITY, -least],
     };
     meant(field, value, expected).filter(|_| value != 0.0 && value.abs() < least)
 }
@@ -110,37 +116,25 @@ pub(super) const LEAST_HELIX: f64 = 1.05;
 pub(super) fn notes(file: &PairFile) -> Vec<String> {
     // The end of a range that is farther from nominal.
     let farther = |[low, high]: [f64; 2]| if high >= -low { high } else { low };
-    let o = &file.operating;
-    let mut rows: Vec<(String, f64, f64)> = [
-        (
-            "helix_angle_deg",
-            file.helix_angle_deg.unwrap_or(0.0),
-            LEAST_HELIX,
-        ),
-        ("backlash_um", file.backlash_um.unwrap_or(0.0), 1.0),
-        (
-            "operating.center_distance_offset_um",
-            farther(o.center_distance_offset_um),
-            0.1,
-        ),
-        (
-            "operating.misalignment_mrad",
-            farther(o.misalignment_mrad),
-            0.02,
-        ),
-    ]
-    .map(|(field, value, least)| (field.to_owned(), value, least))
-    .into();
+    let (o, number) = (&file.operating, |field: Option<f64>| field.unwrap_or(0.0));
+    let [offset, tilt] = [o.center_distance_offset_um, o.misalignment_mrad].map(farther);
+    let rows = [
+        ("helix_angle_deg", number(file.helix_angle_deg), LEAST_HELIX),
+        ("backlash_um", number(file.backlash_um), 1.0),
+        ("operating.center_distance_offset_um", offset, 0.1),
+        ("operating.misalignment_mrad", tilt, 0.02),
+    ];
+    let mut notes: Vec<_> = rows
+        .map(|(field, value, least)| note(field, value, least))
+        .into();
     for i in 0..2 {
         for (prefix, flank) in file.gear(i).flanks() {
             for (field, um, _) in amounts(&flank, 0.0) {
-                rows.push((format!("{}{field}", in_gear(i, prefix)), um, 0.1));
+                notes.push(note(&in_gear(i, &format!("{prefix}{field}")), um, 0.1));
             }
         }
     }
-    rows.iter()
-        .filter_map(|(field, value, least)| note(field, *value, *least))
-        .collect()
+    notes.into_iter().flatten().collect()
 }
 
 /// "gear1.<name>" or "gear2.<name>".
@@ -168,25 +162,14 @@ pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
         center_distance_mm: UpTo(1e5);
         backlash_um: Within(0.0, 250.0 * module);
         face_offset_mm: Within(-1e4, 1e4);
+        normal_backlash_um via Dimension::middle: Within(0.0, 250.0 * module);
     }
-    check_dimension(
-        "normal_backlash_um",
-        file.normal_backlash_um,
-        Within(0.0, 250.0 * module),
-    )?;
     for i in 0..2 {
         check_gear(i, file.gear(i), module)?;
         check_amounts(i, file.gear(i), module)?;
     }
     check_held_surfaces(file)?;
     check_operating(file)
-}
-
-fn check_dimension(path: &str, given: Option<Dimension>, range: Range) -> Result<(), Refusal> {
-    if let Some(limits @ Dimension::Limits([low, high])) = given {
-        ensure!(low <= high, path => limits; "is reversed"; "give the lower limit first");
-    }
-    check(path, given.map(Dimension::middle), range)
 }
 
 fn check_gear(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
@@ -197,7 +180,6 @@ fn check_gear(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
         return Err(refusal!(format!("{gear}addendum_coefficient") => addendum;
             "`tip_diameter_mm` = {mm} says the same"; "give only one of them"));
     }
-    let most_teeth = f64::from(g.teeth);
     limits! { gear, g;
         profile_shift: Within(-3.0, 3.0);
         profile_shift_iso_21771: Within(-3.0, 3.0);
@@ -213,19 +195,11 @@ fn check_gear(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
         rim_diameter_mm: UpTo(1e5);
         youngs_modulus_gpa: UpTo(2000.0);
         poisson_ratio: Within(0.0, 0.49);
-    }
-    check(
-        &format!("{gear}span_teeth"),
-        g.span_teeth.map(f64::from),
-        Within(1.0, most_teeth),
-    )?;
-    for (field, dimension) in [
-        ("normal_tooth_thickness_mm", g.normal_tooth_thickness_mm),
-        ("span_measurement_mm", g.span_measurement_mm),
-        ("dimension_over_balls_mm", g.dimension_over_balls_mm),
-        ("root_diameter_mm", g.root_diameter_mm),
-    ] {
-        check_dimension(&format!("{gear}{field}"), dimension, UpTo(1e5))?;
+        span_teeth via f64::from: Within(1.0, f64::from(g.teeth));
+        normal_tooth_thickness_mm via Dimension::middle: UpTo(1e5);
+        span_measurement_mm via Dimension::middle: UpTo(1e5);
+        dimension_over_balls_mm via Dimension::middle: UpTo(1e5);
+        root_diameter_mm via Dimension::middle: UpTo(1e5);
     }
     Ok(())
 }
@@ -251,64 +225,45 @@ fn check_amounts(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
                 "{problem}";
                 "give the removal normal to the flank in micrometres, positive, as for a modification of the flank");
         }
-        for (
-            field,
-            &EndReliefFile {
-                amount_um,
-                length_mm,
-                ..
-            },
-        ) in end_reliefs(&flank)
-        {
+        let ends = [
+            ("end_relief", &flank.end_relief),
+            ("lower_end_relief", &flank.lower_end_relief),
+            ("upper_end_relief", &flank.upper_end_relief),
+        ];
+        for (field, relief) in ends {
+            let Some(relief) = relief else { continue };
+            let (um, mm) = (relief.amount_um, relief.length_mm);
             let field = format!("{path}{field}.length_mm");
-            let (least, longest) = (1e-3 * amount_um / STEEPEST, 0.5 * g.face_width_mm);
-            ensure!(length_mm > 0.0 && length_mm <= longest, &field => length_mm;
+            let (least, longest) = (1e-3 * um / STEEPEST, 0.5 * g.face_width_mm);
+            ensure!(mm > 0.0 && mm <= longest, &field => mm;
                 "must be above 0 and at most half of the face width, {} mm", rounded(longest);
                 "shorten the end relief, or use `lead_crowning_um` over the whole face");
-            ensure!(length_mm >= least, &field => number(length_mm);
-                "is steeper than one in ten under {amount_um} um: a chamfer, and no relief";
+            ensure!(mm >= least, &field => number(mm);
+                "is steeper than one in ten under {um} um: a chamfer, and no relief";
                 "give at least {} mm, or a smaller amount", rounded(least));
         }
     }
     Ok(())
 }
 
-fn end_reliefs(flank: &FlankFile) -> impl Iterator<Item = (&'static str, &EndReliefFile)> {
-    let all = [
-        ("end_relief", &flank.end_relief),
-        ("lower_end_relief", &flank.lower_end_relief),
-        ("upper_end_relief", &flank.upper_end_relief),
-    ];
-    all.into_iter()
-        .filter_map(|(field, relief)| Some((field, relief.as_ref()?)))
-}
-
 /// Field, amount in um and least amount of every modification that is given; those of either sign may go down to
 /// `least`.
-fn amounts(flank: &FlankFile, least: f64) -> Vec<(String, f64, f64)> {
-    let profile = [
-        ("tip_relief", &flank.tip_relief),
-        ("root_relief", &flank.root_relief),
+fn amounts(f: &FlankFile, least: f64) -> impl Iterator<Item = (&'static str, f64, f64)> {
+    let profile = |relief: &Option<ReliefFile>| Some(relief.as_ref()?.amount_um);
+    let end = |relief: &Option<EndReliefFile>| Some(relief.as_ref()?.amount_um);
+    let rows = [
+        ("tip_relief.amount_um", profile(&f.tip_relief), 0.0),
+        ("root_relief.amount_um", profile(&f.root_relief), 0.0),
+        ("end_relief.amount_um", end(&f.end_relief), 0.0),
+        ("lower_end_relief.amount_um", end(&f.lower_end_relief), 0.0),
+        ("upper_end_relief.amount_um", end(&f.upper_end_relief), 0.0),
+        ("profile_crowning_um", f.profile_crowning_um, 0.0),
+        ("profile_slope_um", f.profile_slope_um, least),
+        ("bias_um", f.bias_um, least),
+        ("lead_crowning_um", f.lead_crowning_um, 0.0),
+        ("lead_slope_um", f.lead_slope_um, least),
     ];
-    let profile = profile
-        .into_iter()
-        .filter_map(|(field, relief)| Some((field, relief.as_ref()?.amount_um)));
-    let ends = end_reliefs(flank).map(|(field, relief)| (field, relief.amount_um));
-    let reliefs = profile.chain(ends);
-    let numbers = [
-        ("profile_crowning_um", flank.profile_crowning_um, 0.0),
-        ("profile_slope_um", flank.profile_slope_um, least),
-        ("bias_um", flank.bias_um, least),
-        ("lead_crowning_um", flank.lead_crowning_um, 0.0),
-        ("lead_slope_um", flank.lead_slope_um, least),
-    ];
-    let numbers = numbers
-        .into_iter()
-        .filter_map(|(field, um, low)| Some((field.to_owned(), um?, low)));
-    reliefs
-        .map(|(field, um)| (format!("{field}.amount_um"), um, 0.0))
-        .chain(numbers)
-        .collect()
+    (rows.into_iter()).filter_map(|(field, um, least)| Some((field, um?, least)))
 }
 
 /// Bore or rim: which of them a gear may have says whether it is a ring.
@@ -342,15 +297,11 @@ fn check_operating(file: &PairFile) -> Result<(), Refusal> {
         "lies outside {least:e} to {most:e}"; "give the torque on gear 1 in N m, above 0");
     ensure!((nominal..=most).contains(&o.maximum_torque_nm), "operating.maximum_torque_nm" => o.maximum_torque_nm;
         "is no limit above the nominal torque, {nominal}"; "give at least the nominal torque, on gear 1");
-    let ranges = [
-        (
-            "center_distance_offset_um",
-            o.center_distance_offset_um,
-            1e4,
-        ),
+    let offset = o.center_distance_offset_um;
+    for (name, [low, high], most) in [
+        ("center_distance_offset_um", offset, 1e4),
         ("misalignment_mrad", o.misalignment_mrad, 20.0),
-    ];
-    for (name, [low, high], most) in ranges {
+    ] {
         let (field, value) = (format!("operating.{name}"), format!("[{low}, {high}]"));
         ensure!(low <= high, field => value; "is reversed"; "give the lower end first");
         ensure!(low <= 0.0 && high >= 0.0, field => value;

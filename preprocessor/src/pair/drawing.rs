@@ -149,12 +149,10 @@ impl Gauges {
 
     /// Those that the file names, else the usual ones.
     pub(super) fn of(given: &GearFile, gear: &Gear) -> Gauges {
-        let usual = Gauges::usual(gear);
+        let (usual, ball) = (Gauges::usual(gear), given.ball_diameter_mm);
         Gauges {
             span_teeth: given.span_teeth.unwrap_or(usual.span_teeth),
-            ball_diameter: given
-                .ball_diameter_mm
-                .map_or(usual.ball_diameter, |mm| mm * MM),
+            ball_diameter: ball.map_or(usual.ball_diameter, |mm| mm * MM),
         }
     }
 }
@@ -186,10 +184,8 @@ fn helix(file: &PairFile) -> Result<f64, Refusal> {
             continue;
         };
         let name = in_gear(i, "lead_mm");
-        let side = match i == 1 && file.ring().is_none() {
-            true => -1.0,
-            false => 1.0,
-        };
+        let is_other_hand = i == 1 && file.ring().is_none();
+        let side = if is_other_hand { -1.0 } else { 1.0 };
         let per_sine = f64::from(g.teeth) * PI * file.normal_module_mm;
         let angle = side * (per_sine / mm).asin().to_degrees();
         ensure!(known != Some(0.0), name => mm;
@@ -216,34 +212,19 @@ struct Given {
 
 /// The tooth thicknesses given for gear `i`.
 fn thicknesses(g: &GearFile, gear: &Gear, i: usize) -> Result<Vec<Given>, Refusal> {
-    let balls = |mm: f64| (Measure::Balls(mm * MM), mm);
-    let span = |k: u32| (Measure::Span(k), f64::from(k));
-    let rows = [
-        (
-            ["normal_tooth_thickness_mm", ""],
-            g.normal_tooth_thickness_mm,
-            g.normal_tooth_thickness_mm
-                .map(|_| (Measure::Thickness, 0.0)),
-        ),
-        (
-            ["span_measurement_mm", "span_teeth"],
-            g.span_measurement_mm,
-            g.span_teeth.map(span),
-        ),
-        (
-            ["dimension_over_balls_mm", "ball_diameter_mm"],
-            g.dimension_over_balls_mm,
-            g.ball_diameter_mm.map(balls),
-        ),
-    ];
+    let span = g.span_teeth.map(Measure::Span);
+    let balls = g.ball_diameter_mm.map(|mm| Measure::Balls(mm * MM));
+    let (w, over) = (g.span_measurement_mm, g.dimension_over_balls_mm);
+    let s_n = g.normal_tooth_thickness_mm;
+    let whole = s_n.map(|_| Measure::Thickness);
     let mut all = Vec::new();
-    for ([field, gauge], value, measure) in rows {
-        let alone = |name: &str, value: String, other: &str| {
-            refusal!(in_gear(i, name) => value;
-                "`{other}` is not given, and neither says anything alone"; "give both, or none")
-        };
-        match (value, measure) {
-            (Some(value), Some((measure, _))) => {
+    for (field, value, gauge, measure) in [
+        ("normal_tooth_thickness_mm", s_n, "", whole),
+        ("span_measurement_mm", w, "span_teeth", span),
+        ("dimension_over_balls_mm", over, "ball_diameter_mm", balls),
+    ] {
+        let (name, alone, other) = match (value, measure) {
+            (Some(value), Some(measure)) => {
                 let is_possible = !matches!(measure, Measure::Span(_)) || has_span(gear);
                 ensure!(is_possible, in_gear(i, field) => value;
                     "no span can be measured on the helical teeth of a ring"; "give `dimension_over_balls_mm`");
@@ -252,11 +233,15 @@ fn thicknesses(g: &GearFile, gear: &Gear, i: usize) -> Result<Vec<Given>, Refusa
                     field,
                     value,
                 });
+                continue;
             }
-            (Some(value), None) => return Err(alone(field, value.to_string(), gauge)),
-            (None, Some((_, size))) => return Err(alone(gauge, size.to_string(), field)),
-            (None, None) => {}
-        }
+            (Some(value), None) => (field, value.to_string(), gauge),
+            (None, Some(Measure::Span(k))) => (gauge, k.to_string(), field),
+            (None, Some(Measure::Balls(d))) => (gauge, rounded(d / MM).to_string(), field),
+            (None, _) => continue,
+        };
+        return Err(refusal!(in_gear(i, name) => alone;
+            "`{other}` is not given, and neither says anything alone"; "give both, or none"));
     }
     Ok(all)
 }
@@ -277,20 +262,19 @@ fn settle_gear(file: &mut PairFile, i: usize) -> Result<Option<f64>, Refusal> {
             "belongs to no tooth of this gear (profile shift {generating:.3}); without profile shift it would be {:.4}",
             right(&g);
             "check it and its gauge, `span_teeth` or `ball_diameter_mm`");
-        let slack = match (shift, given.root_diameter_mm) {
-            // Read from a root diameter the profile shift is no finer than that.
-            (None, Some(root)) => {
-                (ROUNDING_OF_ROOT + root.slack() * MM) * g.normal_pressure_angle.tan() + ROUNDING
-            }
-            _ => ROUNDING + value.slack() * MM,
-        };
+        // Read from a root diameter the profile shift is no finer than that.
+        let of_root = given.root_diameter_mm.filter(|_| shift.is_none());
+        let slack = of_root.map_or(value.slack() * MM, |root| {
+            (ROUNDING_OF_ROOT + root.slack() * MM) * g.normal_pressure_angle.tan()
+        }) + ROUNDING;
         // The root circle gives the nominal profile shift where nothing else does: a thinned tooth has another one.
-        let of_root = || {
-            let (root, dedendum) = (given.root_diameter_mm?, given.dedendum_coefficient?);
-            let at_root = 0.5 * root.middle() * MM - g.reference_radius();
-            Some(at_root / g.normal_module + g.kappa() * dedendum)
-        };
-        let nominal = shift.or_else(of_root).unwrap_or(generating);
+        let at_root = of_root
+            .zip(given.dedendum_coefficient)
+            .map(|(root, dedendum)| {
+                let above = 0.5 * root.middle() * MM - g.reference_radius();
+                above / g.normal_module + g.kappa() * dedendum
+            });
+        let nominal = shift.or(at_root).unwrap_or(generating);
         g.profile_shift = nominal;
         let thinner = thickness_on_base(&g, g.half_base_angle()) - s;
         ensure!(thinner >= -slack && thinner <= MOST_THINNING * g.normal_module, path => value;
@@ -313,22 +297,20 @@ fn settle_gear(file: &mut PairFile, i: usize) -> Result<Option<f64>, Refusal> {
     }
     g.profile_shift = shift.unwrap_or(0.0);
     let dedendum = dedendum(&given, &g, i)?;
-    let target = match i {
-        0 => &mut file.gear1,
-        _ => &mut file.gear2,
+    let target = if i == 0 {
+        &mut file.gear1
+    } else {
+        &mut file.gear2
     };
     (target.profile_shift, target.profile_shift_iso_21771) = (shift, None);
     target.dedendum_coefficient = dedendum;
     let built = gear(file, i);
     let (root, tip) = (built.root_radius(), built.tip_radius);
     let [low, high] = [root.min(tip), root.max(tip)].map(|radius| 2.0 * radius / MM);
-    for Given {
-        measure,
-        field,
-        value,
-    } in thicknesses
-    {
-        if let Some(radius) = measure.contact_radius(&g, value.middle() * MM) {
+    for other in thicknesses {
+        let (field, value) = (other.field, other.value);
+        let touching = other.measure.contact_radius(&g, value.middle() * MM);
+        if let Some(radius) = touching {
             let touches = 2.0 * radius / MM;
             ensure!((low..=high).contains(&touches), in_gear(i, field) => value;
                 "its gauge touches at diameter {touches:.3} mm, and the teeth reach from {low:.3} to {high:.3} mm";

@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use gearmesh::words::shown;
-
 /// A pair file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PairError {
@@ -45,27 +43,15 @@ pub struct Refusal {
     pub remedy: String,
 }
 
-impl Refusal {
-    /// A refusal of `value` in `field`.
-    pub(super) fn new(
-        field: impl Into<String>,
-        value: impl std::fmt::Display,
-        problem: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Self {
-        Refusal {
-            field: field.into(),
-            value: shown(&value.to_string()),
-            problem: problem.into(),
-            remedy: remedy.into(),
-        }
-    }
-}
-
 /// The refusal of a value: field `=>` value; problem; remedy, both as for `format!`.
 macro_rules! refusal {
     ($field:expr => $value:expr; $problem:literal $(, $p:expr)*; $remedy:literal $(, $r:expr)*) => {
-        $crate::pair::Refusal::new($field, $value, format!($problem $(, $p)*), format!($remedy $(, $r)*))
+        $crate::pair::Refusal {
+            field: String::from($field),
+            value: gearmesh::words::shown(&($value).to_string()),
+            problem: format!($problem $(, $p)*),
+            remedy: format!($remedy $(, $r)*),
+        }
     };
 }
 

@@ -16,9 +16,7 @@ pub(super) const UM: f64 = 1e-6;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, try_from = "serde_json::Value")]
 pub enum Dimension {
-    /// Without tolerance.
     Nominal(f64),
-    /// Lower and upper limit.
     Limits([f64; 2]),
 }
 
@@ -26,19 +24,22 @@ impl TryFrom<serde_json::Value> for Dimension {
     type Error = String;
 
     fn try_from(value: serde_json::Value) -> Result<Dimension, String> {
-        let limits = value.as_array().map(Vec::as_slice);
-        let number = value.as_f64().map(Dimension::Nominal);
-        let limits = match limits {
-            Some([low, high]) => low.as_f64().zip(high.as_f64()),
-            _ => None,
-        };
-        (number.or(limits.map(|(low, high)| Dimension::Limits([low, high]))))
-            .ok_or_else(|| format!("`{value}`; a bare number or [lower, upper] is expected"))
+        let limit = |i: usize| value.get(i)?.as_f64();
+        let count = value.as_array().map_or(0, Vec::len);
+        match (value.as_f64(), count, limit(0), limit(1)) {
+            (Some(number), ..) => Ok(Dimension::Nominal(number)),
+            (_, 2, Some(a), Some(b)) if a <= b => Ok(Dimension::Limits([a, b])),
+            (_, 2, Some(_), Some(_)) => {
+                Err(format!("`{value}`; the lower limit first is expected"))
+            }
+            _ => Err(format!(
+                "`{value}`; a bare number or [lower, upper] is expected"
+            )),
+        }
     }
 }
 
 impl Dimension {
-    /// The number that counts.
     pub fn middle(self) -> f64 {
         match self {
             Dimension::Nominal(value) => value,
@@ -46,7 +47,6 @@ impl Dimension {
         }
     }
 
-    /// Half of the tolerance.
     pub(super) fn slack(self) -> f64 {
         match self {
             Dimension::Nominal(_) => 0.0,
@@ -64,7 +64,6 @@ impl std::fmt::Display for Dimension {
     }
 }
 
-/// The whole file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairFile {
@@ -72,9 +71,7 @@ pub struct PairFile {
     pub name: String,
     /// Where the numbers come from; free text.
     pub source: Option<String>,
-    /// External or internal.
     pub meshing: Meshing,
-    /// Normal module.
     pub normal_module_mm: f64,
     /// Normal pressure angle of the basic rack, degrees.
     pub normal_pressure_angle_deg: f64,
@@ -89,9 +86,7 @@ pub struct PairFile {
     pub normal_backlash_um: Option<Dimension>,
     /// z of gear 2's z = 0 face minus gear 1's. Default 0.
     pub face_offset_mm: Option<f64>,
-    /// Gear 1.
     pub gear1: GearFile,
-    /// Gear 2.
     pub gear2: GearFile,
     /// Loads and deviations to be covered.
     pub operating: OperatingFile,
@@ -119,13 +114,10 @@ impl PairFile {
     }
 }
 
-/// `meshing` of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Meshing {
-    /// Two external gears.
     External,
-    /// An external gear and a ring.
     Internal,
 }
 
@@ -138,9 +130,7 @@ macro_rules! with_modifications {
         #[serde(deny_unknown_fields)]
         pub struct $name {
             $($own)*
-            /// Tip relief. Default none.
             pub tip_relief: Option<ReliefFile>,
-            /// Root relief. Default none.
             pub root_relief: Option<ReliefFile>,
             /// Profile crowning: removal at both ends of the active profile. Default 0.
             pub profile_crowning_um: Option<f64>,
@@ -161,20 +151,6 @@ macro_rules! with_modifications {
             /// CSV file of a measured or designed flank, in addition to all others. Default none.
             pub topography_file: Option<String>,
         }
-
-        impl $name {
-            /// Its modifications alone.
-            pub fn modifications(&self) -> FlankFile {
-                let own = self.clone();
-                FlankFile {
-                    tip_relief: own.tip_relief, root_relief: own.root_relief, profile_crowning_um: own.profile_crowning_um,
-                    profile_slope_um: own.profile_slope_um, bias_um: own.bias_um, lead_crowning_um: own.lead_crowning_um,
-                    lead_slope_um: own.lead_slope_um, end_relief: own.end_relief,
-                    lower_end_relief: own.lower_end_relief, upper_end_relief: own.upper_end_relief,
-                    topography_file: own.topography_file,
-                }
-            }
-        }
     };
 }
 
@@ -192,17 +168,14 @@ with_modifications! {
         pub normal_tooth_thickness_mm: Option<Dimension>,
         /// Span W_k over `span_teeth` teeth (ring: spaces).
         pub span_measurement_mm: Option<Dimension>,
-        /// Number k of teeth in the span.
         pub span_teeth: Option<u32>,
         /// Dimension over balls (ring: between balls) M_dK.
         pub dimension_over_balls_mm: Option<Dimension>,
-        /// Diameter of the balls D_M.
         pub ball_diameter_mm: Option<f64>,
         /// Root diameter d_f, in place of the dedendum.
         pub root_diameter_mm: Option<Dimension>,
         /// Lead p_z, > 0 right-handed, in place of the helix angle.
         pub lead_mm: Option<f64>,
-        /// Face width.
         pub face_width_mm: f64,
         /// Tip diameter (ring: inner). Default: from `addendum_coefficient`.
         pub tip_diameter_mm: Option<f64>,
@@ -224,7 +197,6 @@ with_modifications! {
         /// Radial thickness of the rim below the root circle; external gears, with `web_thickness_mm`. Default: a full
         /// disc.
         pub rim_thickness_mm: Option<f64>,
-        /// Axial thickness of the web.
         pub web_thickness_mm: Option<f64>,
         /// z of the middle of the web less mid-face. Default 0.
         pub web_offset_mm: Option<f64>,
@@ -239,10 +211,8 @@ with_modifications! {
         pub shaft: Option<ShaftFile>,
         /// Elastic foundation on which the outside of a ring rests, N/mm per mm² in every direction. Default: rigid.
         pub rim_foundation_n_per_mm3: Option<f64>,
-        /// Young's modulus. Default 206 (steel).
         #[serde(default = "default_youngs_modulus")]
         pub youngs_modulus_gpa: f64,
-        /// Poisson ratio. Default 0.3 (steel).
         #[serde(default = "default_poisson_ratio")]
         pub poisson_ratio: f64,
         /// Modifications of the drive flank instead of those of the gear.
@@ -261,6 +231,17 @@ with_modifications! {
 }
 
 impl GearFile {
+    /// Its modifications, those of both flanks.
+    pub fn modifications(&self) -> FlankFile {
+        macro_rules! copied {
+            ($($field:ident)*) => { FlankFile { $($field: self.$field.clone(),)* } };
+        }
+        copied! {
+            tip_relief root_relief profile_crowning_um profile_slope_um bias_um lead_crowning_um lead_slope_um
+            end_relief lower_end_relief upper_end_relief topography_file
+        }
+    }
+
     /// Every place at which modifications stand, with the start of the path of its fields.
     pub fn flanks(&self) -> Vec<(&'static str, FlankFile)> {
         let mut all = vec![("", self.modifications())];
@@ -278,15 +259,12 @@ impl GearFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShaftFile {
-    /// Below z = 0. Default: none.
     pub lower: Option<ShaftPieceFile>,
-    /// Above z = face width. Default: none.
     pub upper: Option<ShaftPieceFile>,
     /// Which ends are held. Default: that of the only piece; of two it must be said.
     pub held: Option<HeldEnds>,
 }
 
-/// One piece of [`ShaftFile`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShaftPieceFile {
@@ -296,19 +274,14 @@ pub struct ShaftPieceFile {
     pub length_mm: f64,
 }
 
-/// `held` of a shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HeldEnds {
-    /// The end below z = 0.
     Lower,
-    /// The end above z = face width.
     Upper,
-    /// Both ends.
     Both,
 }
 
-/// Tip or root relief of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReliefFile {
@@ -317,21 +290,17 @@ pub struct ReliefFile {
     /// Where it starts. Default `pitch_point`.
     #[serde(default)]
     pub start: ReliefStart,
-    /// Growth. Default `linear`.
     #[serde(default)]
     pub shape: ReliefShape,
 }
 
-/// `start` of a relief.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ReliefStart {
     /// At the operating pitch circle of the nominal centre distance.
     #[default]
     PitchPoint,
-    /// At this diameter.
     DiameterMm(f64),
-    /// At this length of roll.
     RollLengthMm(f64),
     /// At this roll angle: the length of roll over the base radius.
     RollAngleDeg(f64),
@@ -339,7 +308,6 @@ pub enum ReliefStart {
     FromTipMm(f64),
 }
 
-/// End relief of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EndReliefFile {
@@ -347,7 +315,6 @@ pub struct EndReliefFile {
     pub amount_um: f64,
     /// Reach into the face from that end.
     pub length_mm: f64,
-    /// Growth. Default `linear`.
     #[serde(default)]
     pub shape: ReliefShape,
 }
@@ -356,7 +323,6 @@ pub struct EndReliefFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OperatingFile {
-    /// Nominal torque on gear 1.
     pub nominal_torque_nm: f64,
     /// Highest torque on gear 1 that tables cover.
     pub maximum_torque_nm: f64,
@@ -366,11 +332,9 @@ pub struct OperatingFile {
     pub misalignment_mrad: [f64; 2],
 }
 
-/// `compliance` of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ComplianceFile {
-    /// Mesh of the finite-element model. Default `normal`.
     #[serde(default)]
     pub refinement: Refinement,
 }
@@ -392,11 +356,9 @@ pub struct FrictionFile {
     pub roughness_ra_um: Option<[f64; 2]>,
 }
 
-/// `law` of the friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FrictionLawFile {
-    /// The same everywhere.
     #[default]
     Constant,
     /// Mean over the mesh, ISO/TR 14179-2.
@@ -419,7 +381,6 @@ pub struct ToothErrorsFile {
     /// Where the teeth stand out most, from tooth 0 in +theta. Default 0.
     #[serde(default)]
     pub runout_angle_deg: f64,
-    /// Single teeth. Default none.
     #[serde(default)]
     pub teeth: Vec<ToothFile>,
 }
@@ -437,7 +398,6 @@ pub struct IndexFile {
     pub seed: u32,
 }
 
-/// One tooth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToothFile {
@@ -453,16 +413,12 @@ pub struct ToothFile {
     pub flank: ToothFlank,
 }
 
-/// `flank` of a tooth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ToothFlank {
-    /// Both.
     #[default]
     Both,
-    /// The drive flank.
     Drive,
-    /// The coast flank.
     Coast,
 }
 

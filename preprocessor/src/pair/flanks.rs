@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-use super::checks::{STEEPEST, in_gear, meant_about, remedy};
+use super::checks::{STEEPEST, about, in_gear, remedy};
 use super::error::{Refusal, ensure, refusal};
 use super::file::{EndReliefFile, FlankFile, MM, PairFile, ReliefFile, ReliefStart, UM};
 use super::mesh::short_tooth;
@@ -45,57 +45,53 @@ impl Flanks<'_> {
             Flank::Drive => ("drive_flank.", &given.drive_flank),
             Flank::Coast => ("coast_flank.", &given.coast_flank),
         };
-        let sources = [
-            (name, own.clone().unwrap_or_default()),
-            ("", given.modifications()),
-        ];
-        let path = |prefix: &str, name: &str| in_gear(self.i, &format!("{prefix}{name}"));
+        let (own, both) = (own.clone().unwrap_or_default(), given.modifications());
+        let path = |is_own: bool, field: &str| {
+            in_gear(
+                self.i,
+                &format!("{}{field}", if is_own { name } else { "" }),
+            )
+        };
         let rolls = self.active();
         let relief = |field: fn(&FlankFile) -> &Option<ReliefFile>, name: &str, end: f64| {
-            let mut all = sources.iter();
-            match all.find_map(|(prefix, f)| Some((prefix, field(f).as_ref()?))) {
-                Some((prefix, relief)) => self.relief(relief, &path(prefix, name), end),
-                None => Ok(None),
-            }
+            let [own, both] = [&own, &both].map(|f| field(f).as_ref());
+            let relief = own.or(both);
+            let relief = relief.map(|r| self.relief(r, &path(own.is_some(), name), end));
+            relief.transpose().map(Option::flatten)
         };
-        let um = |field: fn(&FlankFile) -> Option<f64>| {
-            sources.iter().find_map(|(_, f)| field(f)).unwrap_or(0.0) * UM
-        };
+        let um =
+            |field: fn(&FlankFile) -> Option<f64>| field(&own).or(field(&both)).unwrap_or(0.0) * UM;
         let end = |field: fn(&FlankFile) -> &Option<EndReliefFile>| {
-            let mut all = sources.iter();
-            let relief = all.find_map(|(_, f)| field(f).as_ref().or(f.end_relief.as_ref()));
-            let relief = relief.map(|r| EndRelief {
-                amount: r.amount_um * UM,
-                length: r.length_mm * MM,
-                shape: r.shape,
-            });
-            relief.filter(|r| r.amount > 0.0)
+            let [own, both] = [&own, &both].map(|f| field(f).as_ref().or(f.end_relief.as_ref()));
+            let relief = own.or(both).filter(|r| r.amount_um > 0.0)?;
+            Some(EndRelief {
+                amount: relief.amount_um * UM,
+                length: relief.length_mm * MM,
+                shape: relief.shape,
+            })
         };
-        let (crowning, slope, bias) = (
-            um(|f| f.profile_crowning_um),
-            um(|f| f.profile_slope_um),
-            um(|f| f.bias_um),
-        );
-        let mut files = sources.iter();
-        let file = files.find_map(|(prefix, f)| Some((prefix, f.topography_file.as_ref()?)));
+        let (amount, bias) = (um(|f| f.profile_slope_um), um(|f| f.bias_um));
+        let slope = ProfileSlope {
+            amount,
+            bias,
+            rolls,
+        };
+        let crowning = ProfileCrowning {
+            amount: um(|f| f.profile_crowning_um),
+            rolls,
+        };
+        let [own_file, file] = [&own, &both].map(|f| f.topography_file.as_ref());
+        let field = path(own_file.is_some(), "topography_file");
+        let topography = own_file.or(file).map(|name| self.topography(name, &field));
         Ok(Microgeometry {
             tip_relief: relief(|f| &f.tip_relief, "tip_relief", rolls[1])?,
             root_relief: relief(|f| &f.root_relief, "root_relief", rolls[0])?,
-            profile_crowning: (crowning != 0.0).then_some(ProfileCrowning {
-                amount: crowning,
-                rolls,
-            }),
-            profile_slope: (slope != 0.0 || bias != 0.0).then_some(ProfileSlope {
-                amount: slope,
-                bias,
-                rolls,
-            }),
+            profile_crowning: (crowning.amount != 0.0).then_some(crowning),
+            profile_slope: (amount != 0.0 || bias != 0.0).then_some(slope),
             lead_crowning: um(|f| f.lead_crowning_um),
             lead_slope: um(|f| f.lead_slope_um),
             end_relief: [end(|f| &f.lower_end_relief), end(|f| &f.upper_end_relief)],
-            topography: file
-                .map(|(prefix, name)| self.topography(name, &path(prefix, "topography_file")))
-                .transpose()?,
+            topography: topography.transpose()?,
         })
     }
 
@@ -107,17 +103,14 @@ impl Flanks<'_> {
         end_roll: f64,
     ) -> Result<Option<ProfileRelief>, Refusal> {
         let (g, gear) = (self.geometry, self.gear());
+        let base = gear.base_radius();
+        let tip = gear.tip_form_roll();
         let (form, value, start_roll) = match r.start {
             ReliefStart::PitchPoint => ("", 0.0, g.roll_at(self.i, g.center_distance, 0.0)),
             ReliefStart::DiameterMm(mm) => ("diameter_mm", mm, gear.roll_length(0.5 * mm * MM)),
             ReliefStart::RollLengthMm(mm) => ("roll_length_mm", mm, mm * MM),
-            ReliefStart::RollAngleDeg(deg) => {
-                ("roll_angle_deg", deg, gear.base_radius() * deg.to_radians())
-            }
-            ReliefStart::FromTipMm(mm) => {
-                let roll = gear.tip_form_roll() - gear.kappa() * mm * MM;
-                ("from_tip_mm", mm, roll)
-            }
+            ReliefStart::RollAngleDeg(deg) => ("roll_angle_deg", deg, base * deg.to_radians()),
+            ReliefStart::FromTipMm(mm) => ("from_tip_mm", mm, tip - gear.kappa() * mm * MM),
         };
         let shown = match form {
             "" => "pitch_point".to_owned(),
@@ -127,15 +120,17 @@ impl Flanks<'_> {
         let (low, high) = (active[0].min(active[1]), active[0].max(active[1]));
         let diameter = |roll: f64| 2.0 * gear.radius_at_roll(roll) / MM;
         let is_within = start_roll > low && start_roll < high;
-        if let Some((tip, value, problem)) = short_tooth(self.file, g) {
-            ensure!(is_within, tip => value;
-                "{problem}, and the start of `{path}` is not on the active profile";
-                "give the diameter of the tips, or another start of the relief");
+        if !is_within {
+            let failure = format!("the start of `{path}` is not on the active profile");
+            short_tooth(self.file, g, &failure, ", or another start of the relief")?;
         }
         let path = format!("{path}.start");
-        let meant = meant_about(form, value, diameter(0.5 * (low + high)));
-        let meant = meant.filter(|_| form == "diameter_mm");
-        let remedy = remedy(meant, "give {\"diameter_mm\": ...} within it");
+        // Only of a diameter it is known what is usual.
+        let usual = match form {
+            "diameter_mm" => about(diameter(0.5 * (low + high))),
+            _ => [f64::NAN; 2],
+        };
+        let remedy = remedy(form, value, usual, "give {\"diameter_mm\": ...} within it");
         ensure!(is_within, path => shown;
             "lies outside the active profile, diameters {:.3} to {:.3} mm, lengths of roll {:.3} to {:.3} mm",
             diameter(low), diameter(high), low / MM, high / MM;
@@ -167,29 +162,25 @@ impl Flanks<'_> {
             .map_err(|(problem, remedy)| refusal!(field => &shown; "{problem}"; "{remedy}"))?;
         let [rolls, zs] = grid.range();
         let (low, high) = (active[0].min(active[1]), active[0].max(active[1]));
-        for (name, range, [low, high]) in [
+        for (name, range, flank) in [
             ("roll_mm", rolls, [low, high]),
             ("z_mm", zs, [0.0, gear.face_width]),
         ] {
-            let covered = range[1].min(high) - range[0].max(low);
-            let [first, last, from, to] =
-                [range[0], range[1], low, high].map(|m| rounded((m * 1e6).round() * 1e-3));
-            ensure!(covered >= (1.0 - BEYOND) * (high - low) * MM, field => &shown;
+            let covered = range[1].min(flank[1]) - range[0].max(flank[0]);
+            let mm = |m: f64| rounded((m * 1e6).round() * 1e-3);
+            let ([first, last], [from, to]) = (range.map(mm), flank.map(mm));
+            ensure!(covered >= (1.0 - BEYOND) * (flank[1] - flank[0]), field => &shown;
                 "{name} runs from {first} to {last}, and the flank from {from} to {to} mm";
                 "give a grid that covers three quarters of the active profile and of the face at least; check its units");
         }
         let most = 0.05 * gear.normal_module;
-        let limit = format!(
-            "more than a twentieth of the normal module, {} um",
-            rounded(most / UM)
-        );
+        let um = rounded(most / UM);
+        let limit = format!("more than a twentieth of the normal module, {um} um");
         ensure!(grid.largest_removal() <= 1.5 * most, field => &shown;
             "takes off {limit}"; "give removal_um normal to the flank in micrometres");
         let [least, largest] = grid.extremes([low, high], [0.0, gear.face_width]);
-        let [roll, z, removal] = match least[2].abs() > largest[2].abs() {
-            true => least,
-            false => largest,
-        };
+        let is_least = least[2].abs() > largest[2].abs();
+        let [roll, z, removal] = if is_least { least } else { largest };
         let is_within = rolls[0] <= roll && roll <= rolls[1] && zs[0] <= z && z <= zs[1];
         let verb = if removal < 0.0 { "adds" } else { "takes off" };
         let (cause, remedy) = match is_within {
@@ -225,16 +216,15 @@ fn grid(text: &str, gear: &Gear) -> Result<Topography, (String, String)> {
     let broken = |error: csv::Error| (error.to_string(), format!("give CSV; {COLUMNS}"));
     let header = reader.headers().map_err(broken)?.clone();
     let column = |name: &str| header.iter().position(|h| h == name);
-    let (roll, along) = (
-        column("roll_mm"),
-        column("roll_mm").or(column("diameter_mm")),
-    );
+    let roll = column("roll_mm");
+    let along = roll.or(column("diameter_mm"));
     let (Some(along), Some(z), Some(removal)) = (along, column("z_mm"), column("removal_um"))
     else {
         let found = header.iter().collect::<Vec<_>>().join(",");
+        let semicolons = "has semicolons between its columns".into();
         return Err(match found.contains(';') {
             true => (
-                "has semicolons between its columns".into(),
+                semicolons,
                 format!("write commas there, and points in the numbers; {COLUMNS}"),
             ),
             false => (
@@ -248,10 +238,8 @@ fn grid(text: &str, gear: &Gear) -> Result<Topography, (String, String)> {
     for record in reader.records() {
         let record = record.map_err(broken)?;
         let line = record.position().map_or(0, csv::Position::line);
-        let refused = |problem: &str, remedy: &str| {
-            let problem = format!("line {line}: {problem}");
-            (problem, remedy.to_owned())
-        };
+        let refused =
+            |problem: &str, remedy: &str| (format!("line {line}: {problem}"), remedy.to_owned());
         let number = |column: usize| {
             let cell = record.get(column).unwrap_or("");
             let value = cell.parse::<f64>().ok().filter(|v| v.is_finite());
@@ -285,8 +273,9 @@ fn grid(text: &str, gear: &Gear) -> Result<Topography, (String, String)> {
     });
     let (points, lines) = (rows.len(), [rolls.len(), zs.len()]);
     if points != lines[0] * lines[1] {
+        let problem = format!("has {points} points, and {} x {} lines", lines[0], lines[1]);
         return Err((
-            format!("has {points} points, and {} x {} lines", lines[0], lines[1]),
+            problem,
             "give one row for every point of a full grid".into(),
         ));
     }

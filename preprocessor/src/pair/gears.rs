@@ -13,12 +13,13 @@ pub(super) fn gear(file: &PairFile, i: usize) -> Gear {
     let hand1 = if helix_angle < 0.0 { -1.0 } else { 1.0 };
     // Gear 2 of an external pair has the other hand.
     let is_other = i == 1 && file.meshing == Meshing::External;
-    let offset = if i == 0 { None } else { file.face_offset_mm };
+    let offset = file.face_offset_mm.filter(|_| i == 1);
+    let kind = match file.ring() == Some(i) {
+        true => GearKind::Ring,
+        false => GearKind::External,
+    };
     let mut gear = Gear {
-        kind: match file.ring() == Some(i) {
-            true => GearKind::Ring,
-            false => GearKind::External,
-        },
+        kind,
         teeth: g.teeth,
         hand: if is_other { -hand1 } else { hand1 },
         normal_module: file.normal_module_mm * MM,
@@ -45,12 +46,10 @@ pub(super) fn gear(file: &PairFile, i: usize) -> Gear {
     if let Some(mm) = g.tip_form_diameter_mm {
         gear.tip_chamfer = gear.kappa() * (gear.tip_radius - radius(mm));
     }
-    let (held, usual) = match gear.kind {
-        GearKind::External => (g.bore_diameter_mm, 0.5 * gear.root_radius()),
-        GearKind::Ring => {
-            let rim = 3.5 * gear.normal_module;
-            (g.rim_diameter_mm, gear.root_radius() + rim)
-        }
+    let root = gear.root_radius();
+    let (held, usual) = match kind {
+        GearKind::External => (g.bore_diameter_mm, 0.5 * root),
+        GearKind::Ring => (g.rim_diameter_mm, root + 3.5 * gear.normal_module),
     };
     gear.held_radius = held.map_or(usual, radius);
     gear
@@ -58,7 +57,6 @@ pub(super) fn gear(file: &PairFile, i: usize) -> Gear {
 
 /// Gives `gear` its body and foundation.
 pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Refusal> {
-    let foundation = g.rim_foundation_n_per_mm3;
     let parts = [
         ("rim_thickness_mm", g.rim_thickness_mm),
         ("web_thickness_mm", g.web_thickness_mm),
@@ -67,46 +65,45 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
         ("hub_width_mm", g.hub_width_mm),
         ("hub_offset_mm", g.hub_offset_mm),
     ];
-    let first = parts
-        .into_iter()
-        .find_map(|(name, value)| Some((name, value?)));
-    ensure!(gear.kind == GearKind::External || g.shaft.is_none(), in_gear(i, "shaft") => "a shaft";
-        "the gear is a ring"; "leave it out");
-    match (gear.kind, first) {
-        (GearKind::Ring, Some((name, value))) => Err(refusal!(in_gear(i, name) => value;
-            "the gear is a ring, which has neither web nor hub";
-            "give its outside by `rim_diameter_mm`, and what that rests on by `rim_foundation_n_per_mm3`")),
-        (GearKind::Ring, None) => {
-            // From rubber to steel a hundredth of a millimetre thick.
-            let name = in_gear(i, "rim_foundation_n_per_mm3");
-            check(&name, foundation, Within(1e-3, 1e8))?;
-            // N/mm³ = 1e9 N/m³.
-            gear.foundation = foundation.map(|stiffness| 1e9 * stiffness);
-            Ok(())
+    let mut parts = parts.into_iter();
+    let first = parts.find_map(|(name, value)| Some((in_gear(i, name), value?)));
+    let name = "rim_foundation_n_per_mm3";
+    if gear.kind == GearKind::Ring {
+        ensure!(g.shaft.is_none(), in_gear(i, "shaft") => "a shaft"; "the gear is a ring"; "leave it out");
+        if let Some((path, value)) = first {
+            return Err(refusal!(path => value;
+                "the gear is a ring, which has neither web nor hub";
+                "give its outside by `rim_diameter_mm`, and what that rests on by `rim_foundation_n_per_mm3`"));
         }
-        (GearKind::External, first) => {
-            ensure!(foundation.is_none(), in_gear(i, "rim_foundation_n_per_mm3") => foundation.unwrap_or(0.0);
-                "the gear is no ring and is held at its bore"; "leave it out");
-            if let Some(given) = &g.shaft {
-                if let Some((name, value)) = first {
-                    return Err(refusal!(in_gear(i, name) => value;
-                        "`shaft` is given, too, and its teeth are cut from it"; "give one of them"));
-                }
-                gear.body = Some(shaft(g, given, gear, i)?);
-                return Ok(());
-            }
-            gear.body = match (first, g.rim_thickness_mm, g.web_thickness_mm) {
-                (None, ..) => None,
-                (_, Some(rim), Some(web)) => Some(body(g, gear, i, [rim, web])?),
-                (Some((name, value)), ..) => {
-                    return Err(refusal!(in_gear(i, name) => value;
-                        "`rim_thickness_mm` and `web_thickness_mm` are not both given";
-                        "give both, or none of these fields for a full disc"));
-                }
-            };
-            Ok(())
-        }
+        // From rubber to steel a hundredth of a millimetre thick.
+        check(
+            &in_gear(i, name),
+            g.rim_foundation_n_per_mm3,
+            Within(1e-3, 1e8),
+        )?;
+        // N/mm³ = 1e9 N/m³.
+        gear.foundation = g.rim_foundation_n_per_mm3.map(|stiffness| 1e9 * stiffness);
+        return Ok(());
     }
+    if let Some(value) = g.rim_foundation_n_per_mm3 {
+        return Err(refusal!(in_gear(i, name) => value;
+            "the gear is no ring and is held at its bore"; "leave it out"));
+    }
+    gear.body = match (first, &g.shaft, g.rim_thickness_mm, g.web_thickness_mm) {
+        (None, None, ..) => None,
+        (None, Some(given), ..) => Some(shaft(g, given, gear, i)?),
+        (Some((path, value)), Some(_), ..) => {
+            return Err(refusal!(path => value;
+                "`shaft` is given, too, and its teeth are cut from it"; "give one of them"));
+        }
+        (_, None, Some(rim), Some(web)) => Some(body(g, gear, i, [rim, web])?),
+        (Some((path, value)), ..) => {
+            return Err(refusal!(path => value;
+                "`rim_thickness_mm` and `web_thickness_mm` are not both given";
+                "give both, or none of these fields for a full disc"));
+        }
+    };
+    Ok(())
 }
 
 /// Least rim below the root circle, normal modules: less is no ring that teeth stand on.
@@ -129,16 +126,17 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
         "lies outside {least} mm (a tenth of the normal module) to the face width, {width} mm";
         "give the axial thickness of the web");
     let offset = g.web_offset_mm.unwrap_or(0.0);
-    let face = Extent([0.0, width]);
-    let web = Extent::about(0.5 * width + offset, web);
+    let (face, middle) = (Extent([0.0, width]), 0.5 * width);
+    let web = Extent::about(middle + offset, web);
     ensure!(face.encloses(web), in_gear(i, "web_offset_mm") => offset;
         "puts the web at {web}, beyond the face, {face}"; "give the middle of the web less mid-face");
     let web = Extent([web.0[0].max(0.0), web.0[1].min(width)]);
     let mut hub = web;
+    let hub_width = g.hub_width_mm.map(|mm| ("hub_width_mm", mm));
+    let hub_offset = g.hub_offset_mm.map(|mm| ("hub_offset_mm", mm));
     match g.hub_diameter_mm {
         None => {
-            let width = g.hub_width_mm.map(|mm| ("hub_width_mm", mm));
-            if let Some((name, value)) = width.or(g.hub_offset_mm.map(|mm| ("hub_offset_mm", mm))) {
+            if let Some((name, value)) = hub_width.or(hub_offset) {
                 return Err(refusal!(in_gear(i, name) => value;
                     "`hub_diameter_mm` is not given";
                     "give it, or leave this out for a web that reaches down to the bore"));
@@ -152,9 +150,8 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
             ensure!(length > 0.0 && length <= longest, in_gear(i, "hub_width_mm") => length;
                 "must be above 0 and at most a hundred normal modules, {longest} mm";
                 "give the axial length over which the hub sits on the shaft");
-            hub = Extent::about(0.5 * width + g.hub_offset_mm.unwrap_or(0.0), length);
-            let offset = g.hub_offset_mm.map(|mm| ("hub_offset_mm", mm));
-            let (name, value) = offset.unwrap_or(("hub_width_mm", length));
+            hub = Extent::about(middle + g.hub_offset_mm.unwrap_or(0.0), length);
+            let (name, value) = hub_offset.unwrap_or(("hub_width_mm", length));
             ensure!(hub.encloses(web), in_gear(i, name) => value;
                 "the web, {web}, ends beyond the hub, {hub}"; "choose a hub that encloses the web");
             hub = Extent([hub.0[0].min(web.0[0]), hub.0[1].max(web.0[1])]);
@@ -168,12 +165,11 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
     ensure!(inside >= innermost + 2.0 * least, in_gear(i, name) => value;
         "the inside of the rim has the diameter {inside:.3} mm and leaves no web outside of {part} of {innermost:.3} mm";
         "choose a thinner rim or a smaller hub or bore; for a full disc leave rim, web and hub out");
+    let hub_radius = g.hub_diameter_mm.map(|mm| 0.5 * mm * MM);
     Ok(Body {
         rim_radius: 0.5 * inside * MM,
         web: web.0.map(|z| z * MM),
-        hub_radius: g
-            .hub_diameter_mm
-            .map_or(gear.held_radius, |mm| 0.5 * mm * MM),
+        hub_radius: hub_radius.unwrap_or(gear.held_radius),
         hub: hub.0.map(|z| z * MM),
         held_ends: [false; 2],
     })
@@ -214,10 +210,8 @@ fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<B
             "there is no `{name}` piece to hold"; "give its diameter_mm and length_mm, or hold the other end");
     }
     let stubs = [0, 1].map(|end| Stub {
-        radius: pieces[end]
-            .1
-            .map_or(0.0, |piece| 0.5 * piece.diameter_mm * MM),
-        length: pieces[end].1.map_or(0.0, |piece| piece.length_mm * MM),
+        radius: 0.5 * pieces[end].1.map_or(0.0, |piece| piece.diameter_mm) * MM,
+        length: pieces[end].1.map_or(0.0, |piece| piece.length_mm) * MM,
         held: held[end],
     });
     let body = Body::shaft(stubs, gear.face_width);

@@ -1,6 +1,6 @@
 //! What can only be said of the gears as built and of the pair in mesh.
 
-use super::checks::{in_gear, meant_about, remedy};
+use super::checks::{about, in_gear, meant, remedy};
 use super::error::{Refusal, ensure, refusal};
 use super::file::{MM, PairFile, UM};
 use gearmesh::gear::{
@@ -40,20 +40,16 @@ pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<Tooth
     match gear.kind {
         GearKind::External => {
             let name = in_gear(i, "bore_diameter_mm");
-            let remedy = remedy(
-                meant_about(&name, held, 0.5 * root),
-                "give the diameter of the hub or shaft at which the gear is held",
-            );
+            let otherwise = "give the diameter of the hub or shaft at which the gear is held";
+            let remedy = remedy(&name, held, about(0.5 * root), otherwise);
             ensure!((LEAST_BORE * root..=root - wall).contains(&held), name => number(rounded(held));
                 "lies outside a thousandth of the root diameter, {root:.3} mm, to half a normal module below it";
                 "{remedy}");
         }
         GearKind::Ring => {
             let name = in_gear(i, "rim_diameter_mm");
-            let remedy = remedy(
-                meant_about(&name, held, 1.1 * root),
-                "give the outer diameter at which the ring is held",
-            );
+            let otherwise = "give the outer diameter at which the ring is held";
+            let remedy = remedy(&name, held, about(1.1 * root), otherwise);
             ensure!(held >= root + wall, name => held;
                 "is less than {:.3} mm, half a normal module above the root diameter of the ring", root + wall;
                 "{remedy}");
@@ -64,17 +60,14 @@ pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<Tooth
 
 fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) -> Refusal {
     let base = 2.0 * gear.base_radius() / MM;
-    let usual = 2.0 * usual_tip_radius(gear) / MM;
-    let meant =
-        (file.gear(i).tip_diameter_mm).and_then(|mm| meant_about("tip_diameter_mm", mm, usual));
-    let remedy = match error {
-        _ if meant.is_some() => remedy(meant, ""),
+    let usual = about(2.0 * usual_tip_radius(gear) / MM);
+    let given = file.gear(i).tip_diameter_mm;
+    let meant = given.and_then(|mm| meant("tip_diameter_mm", mm, usual));
+    let otherwise = match error {
         ProfileError::PointedTooth => {
+            let alpha = inverse_involute(gear.half_base_angle());
             let limit = match gear.kind {
-                GearKind::External => {
-                    let alpha = inverse_involute(gear.half_base_angle());
-                    format!("below {:.3}", base / alpha.cos())
-                }
+                GearKind::External => format!("below {:.3}", base / alpha.cos()),
                 GearKind::Ring => "larger".into(),
             };
             format!("choose a tip diameter {limit} mm, or another `profile_shift`")
@@ -85,6 +78,7 @@ fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) 
         ProfileError::TipInsideBase => {
             format!("choose a tip diameter above {base:.3} mm, or more teeth")
         }
+        _ if meant.is_some() => String::new(),
         ProfileError::RoundTooLarge => {
             return refusal!(in_gear(i, "tool_tip_radius_coefficient") => gear.tool_tip_radius_coefficient;
                 "{error}"; "choose a smaller radius or a smaller `dedendum_coefficient`");
@@ -94,6 +88,9 @@ fn profile_refusal(file: &PairFile, gear: &Gear, i: usize, error: ProfileError) 
                 "{error}"; "choose another dedendum, more teeth or another `profile_shift`");
         }
     };
+    let remedy = given.map_or(otherwise.clone(), |mm| {
+        remedy("tip_diameter_mm", mm, usual, &otherwise)
+    });
     let (tip, value) = tip_field(file, gear, i);
     refusal!(tip => value; "{error}"; "{remedy}")
 }
@@ -167,30 +164,27 @@ const DIP_INTO_FILLET: f64 = 0.01;
 /// An addendum below this, in normal modules, is a slip where something fails for it.
 const SHORT_ADDENDUM: f64 = 0.5;
 
-/// Field, value and problem of the shorter tooth, if it is so short that it is probably a slip.
+/// Refuses the shorter tooth where something fails, if it is so short that it is probably a slip.
 pub(super) fn short_tooth(
     file: &PairFile,
     geometry: &PairGeometry,
-) -> Option<(String, String, String)> {
-    let addendum = |i: usize| {
+    failure: &str,
+    otherwise: &str,
+) -> Result<(), Refusal> {
+    let addendum = [0, 1].map(|i| {
         let gear = &geometry.gears[i];
         let above = (gear.tip_radius - gear.reference_radius()) / gear.normal_module;
         gear.kappa() * (above - gear.profile_shift)
-    };
-    let i = usize::from(addendum(1) < addendum(0));
-    let given = file.gear(i);
+    });
+    let i = usize::from(addendum[1] < addendum[0]);
+    let (given, gear) = (file.gear(i), &geometry.gears[i]);
     let is_default = given.tip_diameter_mm.is_none() && given.addendum_coefficient.is_none();
-    if is_default || addendum(i) >= SHORT_ADDENDUM {
-        return None;
-    }
-    let gear = &geometry.gears[i];
     let (tip, value) = tip_field(file, gear, i);
-    let problem = format!(
-        "the addendum is {:.3} modules, while one module asks for a tip diameter of {:.3} mm",
-        addendum(i),
-        2.0 * usual_tip_radius(gear) / MM
-    );
-    Some((tip, value, problem))
+    ensure!(is_default || addendum[i] >= SHORT_ADDENDUM, tip => value;
+        "the addendum is {:.3} modules, while one module asks for a tip diameter of {:.3} mm, and {failure}",
+        addendum[i], 2.0 * usual_tip_radius(gear) / MM;
+        "give the diameter of the tips{otherwise}");
+    Ok(())
 }
 
 impl InMesh<'_> {
@@ -201,13 +195,13 @@ impl InMesh<'_> {
         let transverse = self.geometry.transverse_contact_ratio(self.center_distance);
         let total = transverse + self.geometry.overlap_ratio();
         let is_enough = transverse > 0.0 && total >= 1.0;
-        if let Some((tip, value, problem)) = short_tooth(self.file, self.geometry) {
-            ensure!(is_enough, tip => value;
-                "{problem}, and the total contact ratio is {total:.3}";
-                "give the diameter of the tips; check module and tooth number, too");
+        let problem = format!("the total contact ratio is {total:.3}");
+        if !is_enough {
+            let otherwise = "; check module and tooth number, too";
+            short_tooth(self.file, self.geometry, &problem, otherwise)?;
         }
         ensure!(is_enough, self.field => &self.value;
-            "the total contact ratio is {total:.3}, and below 1 teeth lose contact";
+            "{problem}, and below 1 teeth lose contact";
             "choose larger tip diameters, a smaller centre distance or, with helical teeth, a wider face");
         Ok(())
     }
@@ -226,33 +220,27 @@ impl InMesh<'_> {
 
     /// The mate's tip must meet the involute of gear `i`, not its fillet.
     fn check_active_profile(&self, i: usize) -> Result<(), Refusal> {
-        let (geometry, profile, center_distance) =
-            (self.geometry, &self.profiles[i], self.center_distance);
+        let (geometry, profile, c) = (self.geometry, &self.profiles[i], self.center_distance);
         let (gear, mate) = (&geometry.gears[i], &geometry.gears[1 - i]);
         let form_roll = profile.form_roll();
-        let start = geometry.active_start_roll(i, center_distance);
-        let dip = if profile.is_undercut() {
-            0.0
-        } else {
-            DIP_INTO_FILLET * gear.normal_module
+        let start = geometry.active_start_roll(i, c);
+        let dip = match profile.is_undercut() {
+            true => 0.0,
+            false => DIP_INTO_FILLET * gear.normal_module,
         };
         if gear.kappa() * (start - form_roll) >= -dip {
             return Ok(());
         }
         // The mate's tip diameter that would just reach the start of the involute.
         let side = if i == 0 { gear.kappa() } else { -gear.kappa() };
-        let xi = (form_roll - geometry.roll_at(i, center_distance, 0.0)) / side;
-        let limit = mate.radius_at_roll(geometry.roll_at(1 - i, center_distance, xi).max(0.0));
-        let bound = if mate.kind == GearKind::Ring {
-            "at least"
-        } else {
-            "at most"
+        let xi = (form_roll - geometry.roll_at(i, c, 0.0)) / side;
+        let limit = mate.radius_at_roll(geometry.roll_at(1 - i, c, xi).max(0.0));
+        let bound = match mate.kind {
+            GearKind::Ring => "at least",
+            GearKind::External => "at most",
         };
-        let limit = format!(
-            "a `tip_diameter_mm` of {bound} {:.3} mm for gear {}",
-            2.0 * limit / MM,
-            2 - i
-        );
+        let (limit, number) = (2.0 * limit / MM, 2 - i);
+        let limit = format!("a `tip_diameter_mm` of {bound} {limit:.3} mm for gear {number}");
         let form = 2.0 * profile.form_radius() / MM;
         let begins = 2.0 * gear.base_radius().hypot(start) / MM;
         if profile.is_undercut() {
@@ -288,23 +276,21 @@ pub(super) fn warnings(geometry: &PairGeometry, profiles: &[ToothProfile; 2]) ->
     let mut out = Vec::new();
     for (i, gear) in geometry.gears.iter().enumerate() {
         let (m, profile) = (gear.normal_module, &profiles[i]);
-        let mut note = |is_so: bool, text: String| {
-            if is_so {
-                out.push(format!("gear {}: {text}", i + 1));
-            }
-        };
-        let land = profile.tip_land();
-        let text = format!("the tip land is {:.3} mm, below 0.2 modules", land / MM);
-        note(land < 0.2 * m, text);
+        let (land, form) = (profile.tip_land(), profile.form_radius());
         let wall = gear.kappa() * (gear.root_radius() - gear.held_radius);
-        let text = format!(
-            "only {:.3} mm, less than a module, between the root and the held surface",
-            wall / MM
-        );
-        note(wall < m && gear.foundation.is_none(), text);
-        let form = 2.0 * profile.form_radius() / MM;
-        let text = format!("undercut, the involute starts at diameter {form:.3} mm");
-        note(profile.is_undercut(), text);
+        let is_thin = wall < m && gear.foundation.is_none();
+        let (land_mm, wall_mm, form_mm) = (land / MM, wall / MM, 2.0 * form / MM);
+        let notes = [
+            (land < 0.2 * m)
+                .then(|| format!("the tip land is {land_mm:.3} mm, below 0.2 modules")),
+            is_thin.then(|| {
+                format!("only {wall_mm:.3} mm, less than a module, between the root and the held surface")
+            }),
+            (profile.is_undercut())
+                .then(|| format!("undercut, the involute starts at diameter {form_mm:.3} mm")),
+        ];
+        let notes = notes.into_iter().flatten();
+        out.extend(notes.map(|note| format!("gear {}: {note}", i + 1)));
     }
     if !assembles_radially(geometry) {
         out.push("the pinion can be assembled with the ring axially only".into());
@@ -346,12 +332,9 @@ fn assembles_radially(geometry: &PairGeometry) -> bool {
     };
     let ratio = p.z() / r.z();
     let cosines = alpha_p.cos() / alpha_r.cos();
-    let at_pinion = ((1.0 - cosines.powi(2)) / (1.0 - ratio.powi(2)))
-        .sqrt()
-        .asin();
-    let at_ring = ((cosines.powi(-2) - 1.0) / (ratio.powi(-2) - 1.0))
-        .sqrt()
-        .asin();
+    let of_pinion = (1.0 - cosines.powi(2)) / (1.0 - ratio.powi(2));
+    let of_ring = (cosines.powi(-2) - 1.0) / (ratio.powi(-2) - 1.0);
+    let [at_pinion, at_ring] = [of_pinion, of_ring].map(|square| square.sqrt().asin());
     let inv_w = involute(geometry.operating_pressure_angle(geometry.center_distance));
     let pinion = at_pinion + involute(alpha_p) - inv_w;
     let ring = (at_ring + involute(alpha_r) - inv_w) / ratio;
@@ -362,7 +345,7 @@ fn assembles_radially(geometry: &PairGeometry) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples;
+    use crate::samples::{self, half_thickness_angle};
     use gearmesh::gear::{GearKind, ToothProfile};
 
     /// Pinion of `teeth` in a ring of 60, module 1, without backlash.
@@ -384,11 +367,8 @@ mod tests {
     /// Half angles at the tips of pinion tooth and ring space.
     fn half_angles(p: &PairGeometry) -> [f64; 2] {
         let half = |i: usize| {
-            let gear = &p.gears[i];
-            ToothProfile::new(gear)
-                .unwrap()
-                .half_thickness_angle(gear.tip_radius)
-                .unwrap()
+            let profile = ToothProfile::new(&p.gears[i]).unwrap();
+            half_thickness_angle(&profile, p.gears[i].tip_radius).unwrap()
         };
         [half(0), std::f64::consts::PI / 60.0 - half(1)]
     }
@@ -406,7 +386,7 @@ mod tests {
                 let (y, x) = (turned + ahead + tooth).sin_cos();
                 let (x, y) = (p.center_distance + r * x, r * y);
                 // None: inside the ring's tip circle, where the corner is free.
-                let tooth_of_ring = ring.half_thickness_angle(x.hypot(y))?;
+                let tooth_of_ring = half_thickness_angle(&ring, x.hypot(y))?;
                 let space = ring.half_pitch() - tooth_of_ring;
                 Some(space - (y.atan2(x) - turned * ratio))
             })
@@ -437,13 +417,10 @@ mod tests {
         // Half of the 80 um on the line of action to either side of the middle.
         let to_touch = 40e-6 / p.gears[0].base_radius();
         let touching = clearance_by_turning(&p, to_touch);
-        let across = clearance_by_turning(&p, -to_touch);
+        let across = clearance_by_turning(&p, -to_touch) - formula;
         assert!((touching - formula).abs() < 1e-7, "{touching} {formula}");
         let backlash = 80e-6 / p.gears[1].base_radius();
-        assert!(
-            (across - formula - backlash).abs() < 0.05 * backlash,
-            "{across}"
-        );
+        assert!((across - backlash).abs() < 0.05 * backlash, "{across}");
     }
 
     #[test]
@@ -452,10 +429,8 @@ mod tests {
         for teeth in (24..=54).step_by(2) {
             let p = internal(teeth);
             let [tooth, space] = half_angles(&p);
-            let (ratio, r) = (
-                p.gears[0].z() / 60.0,
-                p.gears.each_ref().map(|g| g.tip_radius),
-            );
+            let ratio = p.gears[0].z() / 60.0;
+            let r = p.gears.each_ref().map(|g| g.tip_radius);
             // Corners move parallel to the line of centres: none may stand wider than the corner of its
             // space, wherever on the pinion the tooth stands.
             let free = (0..=10_000)

@@ -1,14 +1,13 @@
 //! The pair file: from a drawing in JSON to a checked gear pair in SI.
 //!
-//! [`from_json`] knows every field ([`mod@file`]), fills in the defaults stated there and refuses what
-//! cannot work, naming field, value and remedy ([`Refusal`]). What is legal but worth knowing comes as
-//! [`Pair::warnings`].
+//! [`from_json`] knows every field (docs/pair-file.md), fills in the defaults and refuses what cannot work, naming field,
+//! value and remedy ([`Refusal`]). What is legal but worth knowing comes as [`Pair::warnings`].
 
 mod backlash;
 mod checks;
 pub mod drawing;
 mod error;
-pub mod file;
+mod file;
 mod flanks;
 mod gears;
 mod mesh;
@@ -38,9 +37,7 @@ pub fn from_json(text: &str) -> Result<Pair, PairError> {
     Ok(resolve::resolve(&file, Path::new(""))?)
 }
 
-/// Reads and checks the pair file at `path`.
-///
-/// Files it names are sought in its folder.
+/// Reads and checks the pair file at `path`. Files it names are sought in its folder.
 ///
 /// # Errors
 /// [`PairError::Read`] when the file cannot be read, else as [`from_json`].
@@ -91,10 +88,7 @@ impl PairDraft {
         let path = format!("/{}", field.replace('.', "/"));
         let value = self.fields.pointer(&path)?;
         let limit = |i: usize| value.get(i)?.as_f64();
-        // Of limits the middle counts.
-        value
-            .as_f64()
-            .or_else(|| Some(0.5 * (limit(0)? + limit(1)?)))
+        (value.as_f64()).or_else(|| Some(0.5 * (limit(0)? + limit(1)?)))
     }
 
     /// Sets `field` to `value`, in the unit of its name; groups of fields on the way to it are made.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::backlash::{odd_thickness, place, set_backlash};
 use super::checks::{
-    self, LEAST_HELIX, Range::Within, check_fields, in_gear, limits, meant, meant_about, remedy,
+    self, LEAST_HELIX, Range::Within, about, check_fields, in_gear, limits, meant, remedy,
     suspicious,
 };
 use super::drawing::settle;
@@ -15,9 +15,7 @@ use super::gears::{add_body, gear};
 use super::mesh::{check_center_distances, check_gear, check_tooth_difference, warnings};
 use super::teeth::tooth_errors;
 use gearmesh::friction::FrictionLaw;
-use gearmesh::gear::{
-    Flank, Microgeometry, PairGeometry, PairMicrogeometry, PairTeeth, ToothErrors,
-};
+use gearmesh::gear::{Flank, PairGeometry, PairMicrogeometry, PairTeeth};
 use gearmesh::pair::{Operating, Pair};
 use gearmesh::words::{number, rounded};
 
@@ -56,10 +54,8 @@ fn resolve_checked(
     place(file, &mut geometry)?;
     set_backlash(file, &mut geometry, thinning)?;
     notes.extend(shorten_default_ring(file, &mut geometry)?);
-    let profiles = [
-        check_gear(file, &geometry.gears[0], 0)?,
-        check_gear(file, &geometry.gears[1], 1)?,
-    ];
+    let [a, b] = &geometry.gears;
+    let profiles = [check_gear(file, a, 0)?, check_gear(file, b, 1)?];
     for (i, gear) in geometry.gears.iter_mut().enumerate() {
         add_body(file.gear(i), gear, i)?;
     }
@@ -77,25 +73,19 @@ fn resolve_checked(
         folder,
         i,
     });
-    let modified = |flank| -> Result<[Microgeometry; 2], Refusal> {
-        Ok([
-            flanks[0].microgeometry(flank)?,
-            flanks[1].microgeometry(flank)?,
-        ])
-    };
+    let [a, b] = &flanks;
+    let modified = |flank| Ok([a.microgeometry(flank)?, b.microgeometry(flank)?]);
     let microgeometry = PairMicrogeometry {
         drive: modified(Flank::Drive)?,
         coast: modified(Flank::Coast)?,
     };
-    let errors = |flank| -> Result<[ToothErrors; 2], Refusal> {
-        let mut both = <[ToothErrors; 2]>::default();
-        for (i, errors) in both.iter_mut().enumerate() {
-            if let Some(given) = &file.gear(i).tooth_errors {
-                let nominal = &microgeometry.flank(flank)[i];
-                *errors = tooth_errors(given, &flanks[i], flank, nominal)?;
-            }
-        }
-        Ok(both)
+    let errors = |flank| {
+        let nominal = microgeometry.flank(flank);
+        let [a, b] = [(a, &nominal[0]), (b, &nominal[1])];
+        Ok([
+            tooth_errors(a.0, flank, a.1)?,
+            tooth_errors(b.0, flank, b.1)?,
+        ])
     };
     let teeth = PairTeeth {
         drive: errors(Flank::Drive)?,
@@ -145,9 +135,10 @@ fn check_torques(file: &PairFile, geometry: &PairGeometry) -> Result<Option<Stri
     // Torque on gear 1 under which the line load per module is one pascal over `width` of the face.
     let per_load = |width: f64| gear.base_radius() * width * gear.normal_module;
     let o = &file.operating;
+    let (nominal, maximum) = (o.nominal_torque_nm, o.maximum_torque_nm);
     for (name, torque) in [
-        ("nominal_torque_nm", o.nominal_torque_nm),
-        ("maximum_torque_nm", o.maximum_torque_nm),
+        ("nominal_torque_nm", nominal),
+        ("maximum_torque_nm", maximum),
     ] {
         let load = torque / per_load(shared);
         // Whole faces would carry it, or so little is no face.
@@ -157,12 +148,9 @@ fn check_torques(file: &PairFile, geometry: &PairGeometry) -> Result<Option<Stri
             "leaves {} mm of the faces, {} and {} mm wide, in common, too little for `operating.{name}` = {torque}",
             number(rounded(shared / MM)), file.gear1.face_width_mm, file.gear2.face_width_mm;
             "check it, gear 2's z = 0 face minus gear 1's, and both `face_width_mm`, in millimetres");
-        let meant = meant(
-            name,
-            torque,
-            USUAL_LOADS.map(|load| load * per_load(shared)),
-        );
-        let remedy = remedy(meant, "give the torque on gear 1 in N m, or wider faces");
+        let usual = USUAL_LOADS.map(|load| load * per_load(shared));
+        let otherwise = "give the torque on gear 1 in N m, or wider faces";
+        let remedy = remedy(name, torque, usual, otherwise);
         ensure!(load <= most, format!("operating.{name}") => torque;
             "means {:.0} N per mm of face and mm of module, and no tooth of this material carries above {:.0}",
             load * UM, most * UM;
@@ -178,16 +166,10 @@ fn small_bore(geometry: &PairGeometry, i: usize) -> Option<String> {
     let gear = &geometry.gears[i];
     let [mm, root] = [gear.held_radius, gear.root_radius()].map(|radius| 2e3 * radius);
     let (name, mm) = (in_gear(i, "bore_diameter_mm"), rounded(mm));
-    let meant = meant_about(&name, mm, 0.5 * root);
-    let other = || {
-        "give the diameter of the hub at which the gear is held, or `shaft` if its teeth are cut from one".into()
-    };
-    (gear.body.is_none() && mm < 0.02 * root).then(|| {
-        format!(
-            "`{name}` = {mm} is a suspicious value: {}",
-            meant.unwrap_or_else(other)
-        )
-    })
+    let other = "give the diameter of the hub at which the gear is held, or `shaft` if its teeth are cut from one";
+    let meant = meant(&name, mm, about(0.5 * root)).unwrap_or_else(|| other.into());
+    (gear.body.is_none() && mm < 0.02 * root)
+        .then(|| format!("`{name}` = {mm} is a suspicious value: {meant}"))
 }
 
 /// The ring's default tip: where an addendum of one module would run into the pinion's fillet at some
@@ -272,24 +254,20 @@ pub(super) fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refus
         checks::check("friction.roughness_ra_um", ra, Within(0.01, 20.0))?;
     }
     if file.law == FrictionLawFile::Constant {
-        let law = file
-            .coefficient
-            .map(|coefficient| FrictionLaw::Constant { coefficient });
-        return Ok(law.unwrap_or_default());
+        let constant = |coefficient| FrictionLaw::Constant { coefficient };
+        return Ok(file.coefficient.map(constant).unwrap_or_default());
     }
     let missing = |name: &str, remedy: &str| {
         refusal!(format!("friction.{name}") => "none";
             "this law asks for it"; "{remedy}, or leave `law` at `constant`")
     };
-    let viscosity = 1e-3
-        * file.dynamic_viscosity_mpa_s.ok_or_else(|| {
-            let remedy = "give the dynamic viscosity at the temperature of the oil";
-            missing("dynamic_viscosity_mpa_s", remedy)
-        })?;
-    let ra = file
-        .roughness_ra_um
-        .ok_or_else(|| missing("roughness_ra_um", "give Ra of both gears as a list of two"))?
-        .map(|ra| ra * UM);
+    let viscosity = file.dynamic_viscosity_mpa_s.ok_or_else(|| {
+        let remedy = "give the dynamic viscosity at the temperature of the oil";
+        missing("dynamic_viscosity_mpa_s", remedy)
+    })?;
+    let ra = (file.roughness_ra_um)
+        .ok_or_else(|| missing("roughness_ra_um", "give Ra of both gears as a list of two"))?;
+    let (viscosity, ra) = (1e-3 * viscosity, ra.map(|ra| ra * UM));
     Ok(match file.law {
         FrictionLawFile::XuKahraman => FrictionLaw::xu_kahraman(viscosity, ra),
         _ => FrictionLaw::schlenk(viscosity, ra, file.lubricant_factor.unwrap_or(MINERAL_OIL)),

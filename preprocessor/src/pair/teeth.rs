@@ -13,11 +13,13 @@ const LARGEST_FACTOR: f64 = 100.0;
 
 /// Tooth errors of `flank` of the gear of `flanks`, whose other teeth have the flank `nominal`.
 pub(super) fn tooth_errors(
-    given: &ToothErrorsFile,
     flanks: &Flanks,
     flank: Flank,
     nominal: &Microgeometry,
 ) -> Result<ToothErrors, Refusal> {
+    let Some(given) = &flanks.file.gear(flanks.i).tooth_errors else {
+        return Ok(ToothErrors::default());
+    };
     let gear = &flanks.geometry.gears[flanks.i];
     let path = in_gear(flanks.i, "tooth_errors.");
     limits! { path, given;
@@ -51,10 +53,8 @@ pub(super) fn tooth_errors(
         let file = own.topography_file.as_ref();
         if let Some(file) = file.filter(|_| own.flank != other) {
             let topography = flanks.topography(file, &format!("{path}topography_file"))?;
-            let microgeometry = Microgeometry {
-                topography: Some(topography),
-                ..nominal.clone()
-            };
+            let mut microgeometry = nominal.clone();
+            microgeometry.topography = Some(topography);
             errors.flanks.push(OwnFlank {
                 tooth,
                 microgeometry,
@@ -84,7 +84,8 @@ fn index(
         return Ok(Vec::new());
     };
     let (path, most) = (format!("{path}{part}"), largest(gear));
-    match (&given.cumulative_pitch_um, given.pitch_class) {
+    let (list, class) = (&given.cumulative_pitch_um, given.pitch_class);
+    let problem = match (list, class) {
         (Some(list), None) => {
             let path = format!("{path}.cumulative_pitch_um");
             ensure!(list.len() == gear.teeth as usize, path => format!("{} numbers", list.len());
@@ -94,7 +95,7 @@ fn index(
             }
             let all_zero = list.iter().all(|um| *um == 0.0);
             let errors = list.iter().filter(|_| !all_zero).map(|um| um * UM);
-            Ok(errors.collect())
+            return Ok(errors.collect());
         }
         (None, Some(class)) => {
             let path = format!("{path}.pitch_class");
@@ -106,18 +107,14 @@ fn index(
             ensure!(largest <= most, path => class;
                 "gives index errors above a twentieth of the normal module, {} um", rounded(most);
                 "give a finer class");
-            Ok(errors)
+            return Ok(errors);
         }
-        (sources, _) => {
-            let (value, problem) = match sources {
-                Some(_) => (
-                    "two sources",
-                    "`cumulative_pitch_um` and `pitch_class` both say what the errors are",
-                ),
-                None => ("{}", "says nothing of the errors"),
-            };
-            Err(refusal!(path => value; "{problem}";
-                "give `cumulative_pitch_um`, one number for every tooth, or `pitch_class` with a `seed`"))
+        (Some(_), Some(_)) => {
+            "`cumulative_pitch_um` and `pitch_class` both say what the errors are"
         }
-    }
+        (None, None) => "says nothing of the errors",
+    };
+    let value = if list.is_some() { "two sources" } else { "{}" };
+    Err(refusal!(path => value; "{problem}";
+        "give `cumulative_pitch_um`, one number for every tooth, or `pitch_class` with a `seed`"))
 }

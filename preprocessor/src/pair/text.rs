@@ -15,21 +15,19 @@ const LONGEST: u64 = 4 << 20;
 
 /// The text of the file at `path`, of at most 4 MiB.
 pub(super) fn read(path: &Path) -> std::io::Result<String> {
-    let file = std::fs::File::open(path)?;
     let mut bytes = Vec::new();
     // One byte more than allowed shows a longer file, even where no length is known.
-    let length = file.take(LONGEST + 1).read_to_end(&mut bytes)?;
-    let other = |what: String| Err(std::io::Error::other(what));
-    if bytes.starts_with(b"PK") {
-        return other("it is an archive, such as an FMU, and no text".into());
-    }
-    if length as u64 > LONGEST {
-        return other(format!(
-            "it is longer than {} MiB, and a pair file has a few thousand bytes",
-            LONGEST >> 20
-        ));
-    }
-    String::from_utf8(bytes).or_else(|_| other("it is no text in UTF-8".into()))
+    let mut file = std::fs::File::open(path)?.take(LONGEST + 1);
+    let is_long = file.read_to_end(&mut bytes)? as u64 > LONGEST;
+    let problem = match String::from_utf8(bytes) {
+        Err(error) if error.as_bytes().starts_with(b"PK") => {
+            "an archive, such as an FMU, and no text"
+        }
+        _ if is_long => "longer than 4 MiB, and a pair file has a few thousand bytes",
+        Err(_) => "no text in UTF-8",
+        Ok(text) => return Ok(text),
+    };
+    Err(std::io::Error::other(format!("it is {problem}")))
 }
 
 /// The fields of the file at `path`.
@@ -69,29 +67,25 @@ pub(super) fn parse(text: &str) -> Result<PairFile, PairError> {
 /// The error in plain words, with the path of its field and the text about its place.
 fn form(text: &str, path: &str, error: &serde_json::Error) -> PairError {
     let (line, column) = (error.line(), error.column());
-    let said = error.to_string();
-    let said = said.split(" at line ").next().unwrap_or(&said);
+    let error = error.to_string();
+    let said = error.split(" at line ").next().unwrap_or(&error);
     let quoted: Vec<&str> = said.split('`').skip(1).step_by(2).collect();
     // The path ends in `?` where a name could not be read.
-    let mut field = match path.trim_end_matches(['?', '.']) {
-        "" => ".".to_owned(),
-        path => path.to_owned(),
-    };
+    let path = path.trim_end_matches(['?', '.']);
+    let mut field = if path.is_empty() { "." } else { path }.to_owned();
     let message = match &quoted[..] {
         [given, known @ ..] if said.starts_with("unknown field") => unknown_field(given, known),
         [given, known @ ..] if said.starts_with("unknown variant") => {
             unknown_name(given, known, "name")
         }
         [name, ..] if said.starts_with("missing field") => {
-            field = match &field[..] {
-                "." => (*name).to_owned(),
-                path => format!("{path}.{name}"),
-            };
+            let group = if path.is_empty() { "" } else { "." };
+            field = format!("{path}{group}{name}");
             "this field is required and missing".into()
         }
         _ => match said.split_once(", expected ") {
             Some((given, expected)) => mistyped(given, expected),
-            None => in_plain_words(said, &field),
+            None => in_plain_words(said, &field).to_owned(),
         },
     };
     let about: String = (text.lines().nth(line.saturating_sub(1)).unwrap_or_default())
@@ -99,21 +93,17 @@ fn form(text: &str, path: &str, error: &serde_json::Error) -> PairError {
         .skip(column.saturating_sub(50))
         .take(70)
         .collect();
+    let about = shown(about.trim());
+    let place = format!(" (line {line}, column {column}: {about})");
     PairError::Form {
         field: shown(&field),
-        message: match line {
-            0 => message,
-            _ => format!(
-                "{message} (line {line}, column {column}: {})",
-                shown(about.trim())
-            ),
-        },
+        message: if line == 0 { message } else { message + &place },
     }
 }
 
 /// What to say of text that is no JSON.
-fn in_plain_words(said: &str, field: &str) -> String {
-    let words = match said {
+fn in_plain_words<'a>(said: &'a str, field: &str) -> &'a str {
+    match said {
         "expected value" => {
             "no value of this field stands here; give a number such as 4.0, text or a name in double quotes, true or \
              false, or fields in braces such as { \"diameter_mm\": 88.0 }"
@@ -142,8 +132,7 @@ fn in_plain_words(said: &str, field: &str) -> String {
             "this field stands twice; leave one of them out"
         }
         other => other,
-    };
-    words.to_owned()
+    }
 }
 
 /// What to say of a field that a part of the file does not have.
@@ -156,13 +145,12 @@ fn unknown_field(given: &str, known: &[&str]) -> String {
         ("`operating`", names::<OperatingFile>()),
         ("`friction`", names::<FrictionFile>()),
     ];
-    if nearest(given, known).is_none() {
-        for (part, fields) in parts {
-            let fields: Vec<&str> = fields.iter().map(String::as_str).collect();
-            if let Some(name) = nearest(given, &fields) {
-                let given = shown(given);
-                return format!("there is no field `{given}` here; `{name}` is a field of {part}");
-            }
+    let is_near = nearest(given, known).is_some();
+    for (part, fields) in parts.into_iter().filter(|_| !is_near) {
+        let fields: Vec<&str> = fields.iter().map(String::as_str).collect();
+        if let Some(name) = nearest(given, &fields) {
+            let given = shown(given);
+            return format!("there is no field `{given}` here; `{name}` is a field of {part}");
         }
     }
     unknown_name(given, known, "field")
@@ -172,20 +160,12 @@ fn unknown_field(given: &str, known: &[&str]) -> String {
 fn unknown_name(given: &str, known: &[&str], what: &str) -> String {
     // The path has it in full.
     let name = shown(&given.chars().take(60).collect::<String>());
-    let meant = nearest(given, known);
+    let meant = nearest(given, known).map(|meant| format!("did you mean `{meant}`?"));
     // Names of older files begin with a capital.
-    let known: Vec<&str> = known
-        .iter()
-        .copied()
-        .filter(|n| n.starts_with(char::is_lowercase))
-        .collect();
-    match meant {
-        Some(meant) => format!("there is no {what} `{name}` here; did you mean `{meant}`?"),
-        None => format!(
-            "there is no {what} `{name}` here; there are `{}`",
-            known.join("`, `")
-        ),
-    }
+    let is_current = |name: &&&str| name.starts_with(char::is_lowercase);
+    let known: Vec<&str> = known.iter().filter(is_current).copied().collect();
+    let hint = meant.unwrap_or_else(|| format!("there are `{}`", known.join("`, `")));
+    format!("there is no {what} `{name}` here; {hint}")
 }
 
 /// Names of the fields of a part of the file, as its deserialiser lists them when it refuses one.

@@ -91,7 +91,7 @@ impl Imported {
         let width = geometry.face_overlap().1;
         let usual = STIFFNESS_OVER_MODULUS * modulus.fold(f64::INFINITY, f64::min) * width;
         let ratio = force / travel / usual;
-        let told = format!(
+        let rise = format!(
             "ste_loa_um rises by {} um on average up to {} N m, {} times the stiffness usual for these teeth",
             two_digits(1e6 * travel),
             self.maximum_torque,
@@ -99,11 +99,11 @@ impl Imported {
         );
         if !(IMPOSSIBLE.recip()..=IMPOSSIBLE).contains(&ratio) {
             return Err(refused(format!(
-                "{told}; give the transmission error on the line of action in um, and the torque on gear 1 in N m"
+                "{rise}; give the transmission error on the line of action in um, and the torque on gear 1 in N m"
             )));
         }
         Ok((!(ODD.recip()..=ODD).contains(&ratio))
-            .then(|| format!("{told}; check units and pair file"))
+            .then(|| format!("{rise}; check units and pair file"))
             .into_iter()
             .collect())
     }
@@ -251,7 +251,7 @@ fn brief(value: f64) -> String {
 const OFF_FACE_MM: f64 = 1e-3;
 
 /// Every load lies within the common face, so that the resultant crosses the pitch plane no farther beyond it than it may lie
-/// beside that plane times the slope of the contact lines.
+/// off that plane times the slope of the contact lines.
 fn check_on_face(rows: &[Row], geometry: &PairGeometry) -> Result<(), TableError> {
     let (low, width) = geometry.face_overlap();
     let path = geometry.base_pitch() * geometry.transverse_contact_ratio(geometry.center_distance);

@@ -4,7 +4,7 @@
 //! along each axis by itself, the cheapest combination is swept and measured at random points of all
 //! coordinates, and the next combination follows from what was found.
 //!
-//! Along an axis, the solver is asked on fine lines through random points of the other coordinates.
+//! Along an axis, the solver gives fine lines through random points of the other coordinates.
 //! From few nodes on, a node is put into the middle of the interval where the splines through the nodes so far
 //! miss the fine solution most, again and again, without another solve. That gives, for each axis, error over
 //! number of nodes. The error at a point is that of the force, or that of the shuttling moment over
@@ -21,7 +21,7 @@ use gearmesh::table::{
 };
 use rayon::prelude::*;
 
-/// Largest error that a table may have, as a multiple of its rms error: 1.5 % where 0.2 % is asked for.
+/// Largest error that a table may have, as a multiple of its rms error: 1.5 % where 0.2 % is the aim.
 const LARGEST_TO_RMS: f64 = 7.5;
 
 /// Error of the shuttling moment over that of the force that a table may have: the moment is a derivative of what

@@ -72,6 +72,14 @@ pub struct SolveQuality {
     pub kkt_residual: f64,
 }
 
+impl SolveQuality {
+    fn add(&mut self, other: Self) {
+        self.solves += other.solves;
+        self.most_iterations = self.most_iterations.max(other.most_iterations);
+        self.kkt_residual = self.kkt_residual.max(other.kkt_residual);
+    }
+}
+
 /// A contact solver that keeps account of its solves.
 pub struct WatchedSolver<'a> {
     solver: &'a ContactSolver,
@@ -98,13 +106,10 @@ impl StaticSource for WatchedSolver<'_> {
     fn position(
         &self,
         flank: Flank,
-        mesh_position: f64,
-        center_distance_offset: f64,
+        p: f64,
+        c: f64,
     ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        let (p, c) = (mesh_position, center_distance_offset);
-        let mut position = SolverPosition::new(self.solver, flank, p, c)?;
-        position.account = Some(&self.quality);
-        Ok(Box::new(position))
+        SolverPosition::boxed(self.solver, flank, [p, c], Some(&self.quality))
     }
 }
 
@@ -112,11 +117,10 @@ impl StaticSource for ContactSolver {
     fn position(
         &self,
         flank: Flank,
-        mesh_position: f64,
-        center_distance_offset: f64,
+        p: f64,
+        c: f64,
     ) -> Result<Box<dyn StaticPosition + '_>, String> {
-        let (p, c) = (mesh_position, center_distance_offset);
-        Ok(Box::new(SolverPosition::new(self, flank, p, c)?))
+        SolverPosition::boxed(self, flank, [p, c], None)
     }
 }
 
@@ -129,14 +133,19 @@ struct SolverPosition<'a> {
     account: Option<&'a Mutex<SolveQuality>>,
 }
 
-impl SolverPosition<'_> {
-    fn new(solver: &ContactSolver, flank: Flank, p: f64, c: f64) -> Result<Self, String> {
-        Ok(SolverPosition {
+impl<'a> SolverPosition<'a> {
+    fn boxed(
+        solver: &'a ContactSolver,
+        flank: Flank,
+        [p, c]: [f64; 2],
+        account: Option<&'a Mutex<SolveQuality>>,
+    ) -> Result<Box<dyn StaticPosition + 'a>, String> {
+        Ok(Box::new(SolverPosition {
             problem: solver.position(flank, p, c).map_err(|e| e.to_string())?,
             warm: None,
             quality: SolveQuality::default(),
-            account: None,
-        })
+            account,
+        }))
     }
 }
 
@@ -152,10 +161,11 @@ impl StaticPosition for SolverPosition<'_> {
             Prescribed::Approach(approach) => problem.solve_approach(approach, misalignment, warm),
         };
         let result = result.map_err(|e| e.to_string())?;
-        let quality = &mut self.quality;
-        quality.solves += 1;
-        quality.most_iterations = quality.most_iterations.max(result.iterations);
-        quality.kkt_residual = quality.kkt_residual.max(result.kkt_residual);
+        self.quality.add(SolveQuality {
+            solves: 1,
+            most_iterations: result.iterations,
+            kkt_residual: result.kkt_residual,
+        });
         Ok(Sample::from(&*self.warm.insert(result)))
     }
 }
@@ -164,10 +174,7 @@ impl Drop for SolverPosition<'_> {
     fn drop(&mut self) {
         if let Some(account) = self.account {
             let mut sum = account.lock().unwrap_or_else(PoisonError::into_inner);
-            let own = self.quality;
-            sum.solves += own.solves;
-            sum.most_iterations = sum.most_iterations.max(own.most_iterations);
-            sum.kkt_residual = sum.kkt_residual.max(own.kkt_residual);
+            sum.add(self.quality);
         }
     }
 }

@@ -12,8 +12,7 @@ use gearmesh::gear::Flank;
 use gearmesh::random::Random;
 use gearmesh::root::bisection;
 use gearmesh::table::{
-    Axes, Effects, GearTeethRecord, Interpolation, InterpolationError, Load, Query, TableError,
-    TeethFlank, TeethRecord,
+    Axes, Effects, GearTeethRecord, InterpolationError, Query, TableError, TeethFlank, TeethRecord,
 };
 use gearmesh::words::rounded;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
@@ -127,14 +126,8 @@ impl TeethSweep<'_> {
     ) -> Result<InterpolationError, TableError> {
         let geometry = self.solver.geometry();
         let effects = Effects {
-            interpolation: Interpolation::Spline,
-            load: Load::Variable,
-            center_distance: record.axes.center_distance_offset.len() > 1,
-            misalignment: record.axes.misalignment.len() > 1,
             shuttling: true,
-            friction: false,
-            root_stress: false,
-            teeth: true,
+            ..Effects::of_axes(&record.axes)
         };
         let level = TeethFlank::new(record, geometry, flank, &effects)?;
         let exact = self.contact.flank(flank).ok_or_else(no_coast_flank)?;
@@ -181,7 +174,7 @@ const LEAST_SHARE: f64 = 0.05;
 const LEAST_SQUARES: f64 = 1e-4;
 
 /// The coupling on `flank` of `solver`, distance by distance from neighbours on, at each of the `misalignments` (rad), m/N: the
-/// least squares of what tooth pairs lack of their approach beside others, over loads up to the largest of `coverage`.
+/// least squares of what tooth pairs lack of their approach among others, over loads up to the largest of `coverage`.
 ///
 /// Neighbours share tooth roots and rim, which follows the misalignment; beyond them it is the body, and the same at all.
 fn coupling(
@@ -193,12 +186,12 @@ fn coupling(
     let rows = (0..POSITIONS).into_par_iter().map(|i| {
         let tau = i as f64 / POSITIONS as f64;
         let failed = |m| move |error: ContactError| solve_error(flank, [0.0, m, tau], error);
-        let beside = Beside::new(solver, flank, tau).map_err(failed(0.0))?;
+        let pairs = Together::new(solver, flank, tau).map_err(failed(0.0))?;
         let look = |&m: &f64| {
             let mut sums = Sums::default();
             for load in 1..=LOADS {
                 let torque = coverage.maximum_torque * load as f64 / LOADS as f64;
-                beside.look(torque, m, &mut sums).map_err(failed(m))?;
+                pairs.add(torque, m, &mut sums).map_err(failed(m))?;
             }
             Ok(sums)
         };
@@ -282,13 +275,13 @@ impl Sums {
 }
 
 /// All tooth pairs at a mesh position, together and each alone.
-struct Beside {
+struct Together {
     base_radius: f64,
     whole: PositionProblem,
     alone: Vec<(i32, PositionProblem)>,
 }
 
-impl Beside {
+impl Together {
     fn new(solver: &ContactSolver, flank: Flank, tau: f64) -> Result<Self, ContactError> {
         let whole = solver.position(flank, tau, 0.0)?;
         let mut pairs: Vec<i32> = whole.candidates().iter().map(|c| c.tooth_pair).collect();
@@ -297,7 +290,7 @@ impl Beside {
             let problem = solver.tooth_pair(flank, tau + f64::from(k), 0.0)?;
             Ok((k, problem))
         };
-        Ok(Beside {
+        Ok(Together {
             base_radius: solver.geometry().gears[0].base_radius(),
             alone: pairs.into_iter().map(alone).collect::<Result<_, _>>()?,
             whole,
@@ -305,15 +298,15 @@ impl Beside {
     }
 
     /// Adds to `sums` what each tooth pair lacks of its approach where all carry `torque`.
-    fn look(&self, torque: f64, misalignment: f64, sums: &mut Sums) -> Result<(), ContactError> {
+    fn add(&self, torque: f64, misalignment: f64, sums: &mut Sums) -> Result<(), ContactError> {
         let whole = self.whole.solve_torque(torque, misalignment, None)?;
         let force = |(k, share): &(i32, f64)| (*k, share * whole.loa_force);
         let forces: Vec<(i32, f64)> = whole.load_share.iter().map(force).collect();
         for (k, force) in &forces {
-            let mut beside = SVector::<f64, 3>::zeros();
+            let mut others = SVector::<f64, 3>::zeros();
             for (other, force) in &forces {
                 let apart = k.abs_diff(*other) as usize;
-                beside += match apart {
+                others += match apart {
                     0 => continue,
                     1 => Vector3::new(*force, 0.0, 0.0),
                     2 => Vector3::new(0.0, *force, *force),
@@ -330,8 +323,8 @@ impl Beside {
             let own = Prescribed::Torque(force * self.base_radius);
             let own = alone.solve_beyond(own, misalignment, None)?;
             let lacks = whole.approach - own.approach;
-            sums.squares += beside * beside.transpose();
-            sums.products += beside * lacks;
+            sums.squares += others * others.transpose();
+            sums.products += others * lacks;
         }
         Ok(())
     }

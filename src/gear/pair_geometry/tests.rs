@@ -3,7 +3,8 @@ use std::f64::consts::PI;
 use approx::assert_abs_diff_eq;
 
 use super::*;
-use crate::gear::{ToothProfile, samples};
+use crate::gear::samples::{self, half_thickness_angle};
+use crate::gear::{ToothProfile, inverse_involute};
 
 fn gear(kind: GearKind, teeth: u32, hand: f64, helix_angle_deg: f64, x: f64) -> Gear {
     let mut gear = samples::gear(kind, teeth, hand, helix_angle_deg, x);
@@ -97,7 +98,7 @@ fn teeth_and_backlash_fill_the_pitch_on_the_operating_pitch_circles() {
             .map(|i| {
                 let r = p.operating_pitch_radius(i, c);
                 let profile = ToothProfile::new(&p.gears[i]).unwrap();
-                2.0 * r * profile.half_thickness_angle(r).unwrap()
+                2.0 * r * half_thickness_angle(&profile, r).unwrap()
             })
             .sum();
         let pitch = 2.0 * PI * p.operating_pitch_radius(0, c) / p.gears[0].z();
@@ -112,7 +113,7 @@ fn backlash_vanishes_where_the_shifts_say() {
         for g in &mut p.gears {
             g.tooth_thinning = 0.0;
         }
-        let phi = crate::gear::inverse_involute(p.backlash_free_involute());
+        let phi = inverse_involute(p.backlash_free_involute());
         let c = p.base_radius_sum() / phi.cos();
         assert_abs_diff_eq!(p.backlash(c), 0.0, epsilon = 1e-14);
         // External pairs open with the centre distance, internal ones close.

@@ -3,18 +3,12 @@ use std::f64::consts::PI;
 use approx::assert_abs_diff_eq;
 
 use super::*;
-use crate::gear::{GearKind, samples};
+use crate::gear::samples::{self, half_thickness_angle};
 
-fn external(teeth: u32, profile_shift: f64, helix_angle_deg: f64) -> Gear {
-    let mut gear = samples::gear(
-        GearKind::External,
-        teeth,
-        1.0,
-        helix_angle_deg,
-        profile_shift,
-    );
+fn external(teeth: u32, shift: f64, helix_angle_deg: f64) -> Gear {
+    let mut gear = samples::gear(GearKind::External, teeth, 1.0, helix_angle_deg, shift);
     gear.held_radius = 5e-3;
-    gear.tip_radius = gear.reference_radius() + 4e-3 * (1.0 + profile_shift);
+    gear.tip_radius = gear.reference_radius() + 4e-3 * (1.0 + shift);
     gear
 }
 
@@ -50,6 +44,11 @@ fn rings() -> Vec<Gear> {
     vec![ring(60, 0.0, 0.0), ring(72, 0.3, 15.0), widened]
 }
 
+fn all() -> impl Iterator<Item = ToothProfile> {
+    let gears = gears().into_iter().chain(rings());
+    gears.map(|gear| ToothProfile::new(&gear).unwrap())
+}
+
 /// Signed distance, m, from the rack in its normal section: rack tooth on the larger-s side of a
 /// straight flank, tip round and tip line written down as a solid, not as a parametric curve.
 fn distance_to_rack(gear: &Gear, s_transverse: f64, d: f64) -> f64 {
@@ -65,10 +64,9 @@ fn distance_to_rack(gear: &Gear, s_transverse: f64, d: f64) -> f64 {
     let center_s = s0 + center_d * a.tan() + rho / a.cos();
     let (ds, dd) = (s - center_s, d - center_d);
     // The corner region lies between the normals of flank and tip line.
-    if (a..=PI / 2.0).contains(&dd.atan2(-ds)) {
-        ds.hypot(dd) - rho
-    } else {
-        to_flank.max(d - height)
+    match (a..=PI / 2.0).contains(&dd.atan2(-ds)) {
+        true => ds.hypot(dd) - rho,
+        false => to_flank.max(d - height),
     }
 }
 
@@ -89,17 +87,11 @@ fn least_distance(gear: &Gear, radius: f64, angle: f64) -> f64 {
         .map(|k| -5.0 * m + step * f64::from(k))
         .min_by(|a, b| at(*a).total_cmp(&at(*b)))
         .unwrap();
-    // Golden-section search around the best station.
-    let (mut low, mut high) = (best - step, best + step);
-    for _ in 0..80 {
-        let g = 0.381_966_011_250_105 * (high - low);
-        if at(low + g) < at(high - g) {
-            high -= g;
-        } else {
-            low += g;
-        }
-    }
-    at(0.5 * (low + high))
+    // The distance is convex about the best station.
+    let (low, slope) = (best - step, |u: f64| at(u + 1e-9) - at(u - 1e-9));
+    at(crate::root::bisection([low, best + step], 50, |u| {
+        slope(u) < 0.0
+    }))
 }
 
 #[test]
@@ -114,45 +106,27 @@ fn the_rolling_rack_touches_every_point_of_the_profile_and_cuts_none() {
         });
         for (k, point) in fillet.chain(flank).enumerate() {
             let distance = least_distance(&gear, point.radius(), point.angle());
+            let (teeth, x) = (gear.teeth, gear.profile_shift);
             assert!(
                 distance.abs() < 1e-9,
-                "{} teeth, x {}, point {k}: {distance:e} m",
-                gear.teeth,
-                gear.profile_shift
+                "{teeth} teeth, x {x}, point {k}: {distance:e} m"
             );
         }
     }
 }
 
 #[test]
-fn the_fillet_ends_on_the_root_circle_and_on_the_involute() {
-    for gear in gears().into_iter().chain(rings()) {
-        let profile = ToothProfile::new(&gear).unwrap();
-        let root = profile.fillet(0.0);
+fn the_fillet_ends_on_root_circle_and_involute_and_runs_smoothly_into_them_without_undercut() {
+    for profile in all() {
+        let (gear, root) = (profile.gear(), profile.fillet(0.0));
         assert_abs_diff_eq!(root.radius(), gear.root_radius(), epsilon = 1e-14);
         assert_abs_diff_eq!(root.angle(), profile.root_angle(), epsilon = 1e-13);
         assert!(profile.root_angle() <= profile.half_pitch());
-        let (top, form) = (
-            profile.fillet(1.0),
-            profile.point_on_flank(profile.form_roll()),
-        );
-        for c in 0..2 {
-            assert_abs_diff_eq!(top.position[c], form.position[c], epsilon = 1e-12);
-        }
-    }
-}
-
-#[test]
-fn without_undercut_the_fillet_runs_smoothly_into_root_circle_and_involute() {
-    for gear in gears().into_iter().chain(rings()) {
-        let profile = ToothProfile::new(&gear).unwrap();
-        let root = profile.fillet(0.0);
         let radial = root.position.map(|c| gear.kappa() * c / root.radius());
-        let (top, form) = (
-            profile.fillet(1.0),
-            profile.point_on_flank(profile.form_roll()),
-        );
         assert_abs_diff_eq!(root.normal[..], radial[..], epsilon = 1e-12);
+        let top = profile.fillet(1.0);
+        let form = profile.point_on_flank(profile.form_roll());
+        assert_abs_diff_eq!(top.position[..], form.position[..], epsilon = 1e-12);
         if !profile.is_undercut() {
             assert_abs_diff_eq!(top.normal[..], form.normal[..], epsilon = 1e-10);
         }
@@ -161,22 +135,12 @@ fn without_undercut_the_fillet_runs_smoothly_into_root_circle_and_involute() {
 
 #[test]
 fn normals_are_square_to_the_outline_and_point_into_the_space() {
-    for gear in gears().into_iter().chain(rings()) {
-        let profile = ToothProfile::new(&gear).unwrap();
-        let tip_roll = gear.roll_length(gear.tip_radius);
-        let middle_roll = 0.5 * (profile.form_roll() + tip_roll);
-        let h = 1e-5;
-        let pieces: [(ProfilePoint, [ProfilePoint; 2]); 2] = [
-            (
-                profile.fillet(0.6),
-                [profile.fillet(0.6 - h), profile.fillet(0.6 + h)],
-            ),
-            (
-                profile.point_on_flank(middle_roll),
-                [-h, h].map(|t| profile.point_on_flank(middle_roll * (1.0 + t))),
-            ),
-        ];
-        for (at, [before, after]) in pieces {
+    for profile in all() {
+        let gear = profile.gear();
+        let middle = 0.5 * (profile.form_roll() + gear.roll_length(gear.tip_radius));
+        let fillet = [0.6, 0.6 - 1e-5, 0.6 + 1e-5].map(|t| profile.fillet(t));
+        let flank = [1.0, 1.0 - 1e-5, 1.0 + 1e-5].map(|t| profile.point_on_flank(middle * t));
+        for [at, before, after] in [fillet, flank] {
             let along = [0, 1].map(|c| after.position[c] - before.position[c]);
             let n = at.normal;
             assert_abs_diff_eq!(n[0].hypot(n[1]), 1.0, epsilon = 1e-14);
@@ -212,7 +176,7 @@ fn undercut_sets_in_at_the_classical_tooth_number_and_shift() {
 #[test]
 fn a_strongly_undercut_tooth_is_thinner_at_its_root_than_above() {
     let profile = ToothProfile::new(&external(9, -0.2, 0.0)).unwrap();
-    let width = |r: f64| r * profile.half_thickness_angle(r).unwrap().sin();
+    let width = |r: f64| r * half_thickness_angle(&profile, r).unwrap().sin();
     let rb = profile.gear().base_radius();
     assert!(profile.form_radius() > rb);
     assert!(width(rb * 0.99) < width(profile.form_radius()));
@@ -226,16 +190,15 @@ fn tooth_thickness_on_the_reference_circle_follows_from_the_shift() {
     for x in [-0.1, 0.0, 0.3] {
         // m (pi/2 + 2 x tan alpha) for the tooth of an external gear and for the space of a ring.
         let half = 0.5 * 4e-3 * (PI / 2.0 + 2.0 * x * 20f64.to_radians().tan());
-        let gear = external(30, x, 0.0);
-        let profile = ToothProfile::new(&gear).unwrap();
-        let r = gear.reference_radius();
-        let angle = profile.half_thickness_angle(r).unwrap();
-        assert_abs_diff_eq!(r * angle, half, epsilon = 1e-15);
-        let gear = ring(60, x, 0.0);
-        let profile = ToothProfile::new(&gear).unwrap();
-        let r = gear.reference_radius();
-        let angle = profile.half_pitch() - profile.half_thickness_angle(r).unwrap();
-        assert_abs_diff_eq!(r * angle, half, epsilon = 1e-15);
+        for gear in [external(30, x, 0.0), ring(60, x, 0.0)] {
+            let (profile, r) = (ToothProfile::new(&gear).unwrap(), gear.reference_radius());
+            let tooth = half_thickness_angle(&profile, r).unwrap();
+            let angle = match gear.kind {
+                GearKind::External => tooth,
+                GearKind::Ring => profile.half_pitch() - tooth,
+            };
+            assert_abs_diff_eq!(r * angle, half, epsilon = 1e-15);
+        }
     }
 }
 
@@ -253,40 +216,28 @@ fn the_fillet_of_a_ring_is_an_arc_of_its_radius() {
 }
 
 #[test]
-fn the_outline_is_single_valued_from_root_to_tip() {
-    for gear in gears().into_iter().chain(rings()) {
-        let profile = ToothProfile::new(&gear).unwrap();
-        let radii: Vec<f64> = (0..=100)
-            .map(|k| gear.kappa() * profile.fillet(f64::from(k) / 100.0).radius())
-            .collect();
-        assert!(radii.windows(2).all(|w| w[0] < w[1]));
-        let angle = profile.half_thickness_angle(gear.root_radius()).unwrap();
-        // The fillet is level at the root: an error of 1e-16 in radius is 1e-8 in place.
-        assert_abs_diff_eq!(angle, profile.root_angle(), epsilon = 1e-5);
-        let t = profile.fillet(0.37);
-        let angle = profile.half_thickness_angle(t.radius()).unwrap();
-        assert_abs_diff_eq!(angle, t.angle(), epsilon = 1e-12);
-        assert!(
-            profile
-                .half_thickness_angle(2.0 * gear.tip_radius)
-                .is_none()
-        );
-        assert!(profile.half_thickness_angle(f64::NAN).is_none());
+fn the_radius_grows_along_the_fillet_from_root_to_flank() {
+    for profile in all() {
+        let radius = |k| profile.gear().kappa() * profile.fillet(f64::from(k) / 100.0).radius();
+        assert!((0..100).all(|k| radius(k) < radius(k + 1)));
     }
 }
 
 #[test]
 fn teeth_that_cannot_be_are_refused() {
-    let mut pointed = external(12, 0.6, 0.0);
-    pointed.tip_radius += 4e-3;
-    assert_eq!(ToothProfile::new(&pointed), Err(ProfileError::PointedTooth));
-    let mut round = external(20, 0.0, 0.0);
-    round.tool_tip_radius_coefficient = 0.6;
-    assert_eq!(ToothProfile::new(&round), Err(ProfileError::RoundTooLarge));
-    let mut low = external(20, 0.0, 0.0);
-    low.tip_radius = low.base_radius() * 0.99;
-    assert_eq!(ToothProfile::new(&low), Err(ProfileError::NoInvolute));
-    let mut inside = ring(40, 0.0, 0.0);
-    inside.tip_radius = inside.base_radius() * 0.99;
-    assert_eq!(ToothProfile::new(&inside), Err(ProfileError::TipInsideBase));
+    let changed = |mut gear: Gear, change: fn(&mut Gear)| {
+        change(&mut gear);
+        ToothProfile::new(&gear).unwrap_err()
+    };
+    let gear = || external(20, 0.0, 0.0);
+    let pointed = changed(external(12, 0.6, 0.0), |g| g.tip_radius += 4e-3);
+    assert_eq!(pointed, ProfileError::PointedTooth);
+    let round = changed(gear(), |g| g.tool_tip_radius_coefficient = 0.6);
+    assert_eq!(round, ProfileError::RoundTooLarge);
+    let low = changed(gear(), |g| g.tip_radius = g.base_radius() * 0.99);
+    assert_eq!(low, ProfileError::NoInvolute);
+    let inside = changed(ring(40, 0.0, 0.0), |g| {
+        g.tip_radius = g.base_radius() * 0.99
+    });
+    assert_eq!(inside, ProfileError::TipInsideBase);
 }

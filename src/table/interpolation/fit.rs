@@ -182,7 +182,7 @@ pub fn at_zero(nodes: &[f64], name: &str) -> Result<Functional, TableError> {
     }))
 }
 
-/// A square matrix with entries near the diagonal, and near the corners beside it, after Gaussian elimination with
+/// A square matrix with entries near the diagonal, and near the corners next to it, after Gaussian elimination with
 /// partial pivoting. Rows and columns stand in the order 0, n - 1, 1, n - 2, ..: so the corners come near the diagonal.
 struct Banded {
     n: usize,

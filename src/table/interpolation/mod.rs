@@ -33,7 +33,7 @@ pub enum Interpolation {
     Shepard,
 }
 
-/// The potential of one flank as the element asks it, with just the dimensions that are switched on.
+/// The potential of one flank as the element needs it, with just the dimensions that are switched on.
 #[derive(Debug)]
 pub struct FlankTable {
     interpolant: Interpolant,

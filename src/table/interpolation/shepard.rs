@@ -300,7 +300,7 @@ struct Near {
 struct Line {
     /// Nodes, ascending; a periodic axis with a period more on both sides.
     nodes: Vec<f64>,
-    /// 1 / spacing at each of them: the larger of the two beside it.
+    /// 1 / spacing at each of them: the larger of the two next to it.
     scale: Vec<f64>,
     /// Nodes of the grid (a period of `nodes`).
     count: usize,

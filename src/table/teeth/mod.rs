@@ -303,7 +303,7 @@ const BEYOND: f64 = 0.5;
 
 /// What a force on one tooth pair takes of the approach of the others, over the misalignment.
 ///
-/// The next one shares tooth roots and the rim beside it, all of them the body. Under misalignment they carry at the same end of
+/// The next one shares tooth roots and the rim next to it, all of them the body. Under misalignment they carry at the same end of
 /// the face, where a force takes more from the others than a force at mid-face does. Each distance has a cubic spline over the
 /// misalignment, continuous up to its second derivative; beyond the ends it goes on linearly and levels out, as tables do.
 #[derive(Debug)]

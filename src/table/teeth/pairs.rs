@@ -1,4 +1,4 @@
-//! Tooth pairs under load beside each other: what is left to each of its approach, and their sum.
+//! Tooth pairs that share a load: what is left to each of its approach, and their sum.
 
 use crate::table::{COORDINATES, Potential};
 use nalgebra::SMatrix;

@@ -6,7 +6,7 @@ use crate::gear::{Flank, PairGeometry, PairTeeth, Runout, ToothErrors};
 use crate::table::{Axes, FlankGrid, InterpolationError, TableError};
 use serde::{Deserialize, Serialize};
 
-/// Largest gain that is taken: at 1 loads are no longer told apart.
+/// Largest gain that is taken: at 1 loads are no longer distinct.
 const LARGEST_GAIN: f64 = 0.95;
 
 /// Beyond all errors of teeth, m.
@@ -214,7 +214,7 @@ impl TeethRecord {
             format!("teeth.{name}"),
             format!("{largest:.3e}"),
             format!(
-                "other tooth pairs would take {gain:.2} times what one gives way, and only below {LARGEST_GAIN} loads are told apart"
+                "other tooth pairs would take {gain:.2} times what one gives way, and only below {LARGEST_GAIN} are loads distinct"
             ),
             "for this pair build without --teeth, with --contact, and set stiffnessModel = contact",
         ))

@@ -7,7 +7,7 @@ use crate::{Context, Result, in_repository};
 use gearmesh::contact::{ContactResult, MAXIMUM_ITERATIONS};
 use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
-use gearmesh_preprocessor::finite_element::{SectorMesh, Settings};
+use gearmesh_preprocessor::finite_element::{Settings, sector_unknowns};
 use gearmesh_preprocessor::pair;
 use gearmesh_preprocessor::table::{WatchedSolver, sweep};
 use std::path::Path;
@@ -37,7 +37,7 @@ pub fn measure(path: &str, level: &str) -> Result<()> {
     let (models, seconds) = timed(|| compute(&pair, &settings));
     models?;
     let gears = pair.geometry.gears.each_ref();
-    let [first, second] = gears.map(|gear| SectorMesh::unknowns(gear, &settings));
+    let [first, second] = gears.map(|gear| sector_unknowns(gear, &settings));
     let unknowns = first?.max(second?);
     let status = std::fs::read_to_string("/proc/self/status")?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"));

@@ -4,6 +4,7 @@ use approx::assert_abs_diff_eq;
 
 use super::file::PairFile;
 use super::*;
+use crate::samples::half_thickness_angle;
 use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::{Body, GearKind, ToothProfile};
 
@@ -57,12 +58,9 @@ fn backlash_and_centre_distance_defaults_are_consistent() {
         let g = pair(text, r#"{"center_distance_mm": null}"#).geometry;
         let c = g.center_distance;
         let filled = |i: usize| {
-            let (r, profile) = (g.operating_pitch_radius(i, c), &g.gears[i]);
-            2.0 * r
-                * ToothProfile::new(profile)
-                    .unwrap()
-                    .half_thickness_angle(r)
-                    .unwrap()
+            let r = g.operating_pitch_radius(i, c);
+            let profile = ToothProfile::new(&g.gears[i]).unwrap();
+            2.0 * r * half_thickness_angle(&profile, r).unwrap()
         };
         let pitch = 2.0 * std::f64::consts::PI * g.operating_pitch_radius(0, c) / g.gears[0].z();
         let file: PairFile = serde_json::from_str(text).unwrap();
@@ -246,86 +244,20 @@ fn laws_of_friction_take_what_they_need_and_ignore_the_rest() {
     assert_eq!(law(schlenk), same);
 }
 
-/// File, patch, and words of the note on it.
-const NOTES: &[(&str, &str, &str)] = &[
-    // 0.384 is what the centre distance of 98 mm asks for; the file has 0.35.
-    (
-        HELICAL,
-        r#"{"gear2": {"profile_shift": 0.15}}"#,
-        "x1 + x2 = 0.450, and 0.384 leaves no backlash there",
-    ),
-    (
-        HELICAL,
-        r#"{"gear2": {"profile_shift": -0.2}, "backlash_um": null}"#,
-        "is out of proportion",
-    ),
-    (
-        HELICAL,
-        r#"{"gear1": {"face_width_mm": 30}, "face_offset_mm": null}"#,
-        "are flush at z = 0; `face_offset_mm` = ",
-    ),
-    (
-        PAPER,
-        r#"{"face_offset_mm": -24}"#,
-        "`face_offset_mm` = -24 leaves only 1 mm of the faces",
-    ),
-    (
-        PAPER,
-        r#"{"helix_angle_deg": 0.2269, "center_distance_mm": null, "gear1": {"tip_diameter_mm": null}, "gear2": {"tip_diameter_mm": null}}"#,
-        "`helix_angle_deg` = 0.2269 is a suspicious value: 0.2269 rad is 13 deg",
-    ),
-    (
-        PAPER,
-        r#"{"gear1": {"tip_relief": {"amount_um": 0.012}}}"#,
-        "`gear1.tip_relief.amount_um` = 0.012 is a suspicious value: 0.012 mm is 12 um",
-    ),
-    (
-        PAPER,
-        r#"{"gear2": {"coast_flank": {"lead_crowning_um": 0.0045}}}"#,
-        "`gear2.coast_flank.lead_crowning_um` = 0.0045 is a suspicious value: 0.0045 mm is 4.5 um",
-    ),
-    (
-        PAPER,
-        r#"{"backlash_um": 0.13}"#,
-        "`backlash_um` = 0.13 is a suspicious value: 0.13 mm is 130 um",
-    ),
-    (
-        PAPER,
-        r#"{"operating": {"nominal_torque_nm": 0.12}}"#,
-        "`operating.nominal_torque_nm` = 0.12 is a suspicious value: 0.12 kN m is 120 N m",
-    ),
-    (
-        PAPER,
-        r#"{"operating": {"misalignment_mrad": [-0.001, 0.001]}}"#,
-        "`operating.misalignment_mrad` = 0.001 is a suspicious value: 0.001 rad is 1 mrad",
-    ),
-    (
-        PAPER,
-        r#"{"operating": {"center_distance_offset_um": [0, 0.05]}}"#,
-        "`operating.center_distance_offset_um` = 0.05 is a suspicious value: 0.05 mm is 50 um",
-    ),
-    (
-        PAPER,
-        r#"{"gear1": {"bore_diameter_mm": 1.2}}"#,
-        "`gear1.bore_diameter_mm` = 1.2 is a suspicious value: 1.2 inch is 30.48 mm",
-    ),
-];
-
 #[test]
 fn what_is_legal_but_odd_is_accepted_with_a_note() {
-    for (text, patch, words) in NOTES {
-        let pair = pair(text, patch);
-        assert!(is_noted(&pair, words), "{words}: {:?}", pair.warnings);
-    }
-    for (patch, words) in [
-        (r#"{"gear2": {"profile_shift": 0.1}}"#, "no backlash there"),
-        (r#"{"backlash_um": null}"#, "is out of proportion"),
-        (
-            r#"{"gear1": {"face_width_mm": 30}, "face_offset_mm": 0}"#,
-            "flush",
-        ),
-    ] {
-        assert!(!is_noted(&pair(HELICAL, patch), words), "{patch}");
+    for [base, patch, words] in rows(include_str!("notes.txt")) {
+        let pair = pair(&named(base), patch);
+        let (expected, words) = match words.strip_prefix("not ") {
+            None => (true, words),
+            Some(words) => (false, words),
+        };
+        assert_eq!(
+            is_noted(&pair, words.trim()),
+            expected,
+            "{words}: {:?}",
+            pair.warnings
+        );
     }
 }
 

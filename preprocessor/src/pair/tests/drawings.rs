@@ -11,7 +11,7 @@ use serde_json::json;
 /// shifts, with the involute equations of that standard solved by bisection in another program; no file has a profile shift.
 const DRAWINGS: &str = include_str!("drawings.json");
 
-fn drawings() -> Vec<Value> {
+pub fn drawings() -> Vec<Value> {
     serde_json::from_str(DRAWINGS).unwrap()
 }
 
@@ -45,20 +45,14 @@ fn drawings_without_profile_shifts_give_the_teeth_that_they_were_computed_from()
                 .unwrap();
             assert_abs_diff_eq!(x, right, epsilon = 2e-3);
             let given = &file[format!("gear{}", i + 1)];
-            assert_abs_diff_eq!(
-                2e3 * gear.root_radius(),
-                middle(&given["root_diameter_mm"]).unwrap(),
-                epsilon = 0.011
-            );
+            let root = middle(&given["root_diameter_mm"]).unwrap();
+            assert_abs_diff_eq!(2e3 * gear.root_radius(), root, epsilon = 0.011);
             shown_as_given(gear, given);
         }
         if let Some(helix) = expected["helix_angle_deg"].as_f64() {
             let gear = &pair.geometry.gears[0];
-            assert_abs_diff_eq!(
-                gear.hand * gear.helix_angle.to_degrees(),
-                helix,
-                epsilon = 1e-4
-            );
+            let shown = gear.hand * gear.helix_angle.to_degrees();
+            assert_abs_diff_eq!(shown, helix, epsilon = 1e-4);
         }
     }
 }
@@ -137,30 +131,6 @@ fn usual_gauges_touch_between_root_and_tip() {
                 assert!(within.contains(&radius), "{}", drawing["file"]["name"]);
             }
         }
-    }
-}
-
-#[test]
-fn quantities_that_do_not_fit_are_refused_with_those_that_would() {
-    #[rustfmt::skip]
-    let cases = [
-        (r#"{"gear1": {"span_measurement_mm": 32.9, "normal_tooth_thickness_mm": 5.5859}}"#, "span_measurement_mm", "give 32.8266"),
-        (r#"{"gear1": {"profile_shift": 0.3}}"#, "span_measurement_mm", "32.6214"),
-        (r#"{"gear1": {"span_teeth": 5}}"#, "span_measurement_mm", "span_teeth"),
-        (r#"{"gear1": {"span_teeth": null}}"#, "span_measurement_mm", "span_teeth"),
-        (r#"{"gear1": {"ball_diameter_mm": 5.25, "dimension_over_balls_mm": 81.4}}"#, "dimension_over_balls_mm", "give 81.317"),
-        (r#"{"gear1": {"dedendum_coefficient": 1.4, "profile_shift": 0.4}}"#, "root_diameter_mm", "give 66.000"),
-        (r#"{"gear1": {"profile_shift": 0.4, "profile_shift_iso_21771": 0.3}}"#, "profile_shift_iso_21771", "0.4"),
-        (r#"{"gear1": {"lead_mm": 100}}"#, "lead_mm", "spur"),
-        (r#"{"helix_angle_deg": 10, "gear1": {"lead_mm": 1300}}"#, "lead_mm", "give 1302.6"),
-        (r#"{"gear1": {"span_measurement_mm": [32.9, 32.8]}}"#, "span_measurement_mm", "lower limit first"),
-        (r#"{"backlash_um": 40}"#, "backlash_um", "leave"),
-        (r#"{"normal_backlash_um": 40}"#, "normal_backlash_um", "leave"),
-    ];
-    for (patch, field, right) in cases {
-        let refusal = refusal(&drawings()[0]["file"].to_string(), patch);
-        assert!(refusal.field.ends_with(field), "{patch}: {refusal}");
-        assert!(refusal.to_string().contains(right), "{patch}: {refusal}");
     }
 }
 

@@ -111,6 +111,7 @@ fn a_topography_that_is_none_is_refused_by_line_or_size() {
         (good.lines().take(20).collect::<Vec<_>>().join("\n"), "has 18 points, and 4 x 5 lines"),
         (good.replacen("5.5,0,", "-5.5,0,", 1), "line 3: lies outside of involute and face"),
         (samples(HEAD, |r, z, um| format!("{},{z},{um}\n", 1e-3 * r)), "roll_mm runs from 0.006 to 0.023, and the flank from"),
+        (samples(HEAD, |r, z, um| if r < 13.0 { format!("{r},{z},{um}\n") } else { String::new() }), "roll_mm runs from 5.5 to 12.5, and the flank from"),
         (samples(HEAD, |r, z, um| format!("{r},{z},{}\n", 1e3 * um)), "a twentieth of the normal module, 200 um"),
     ];
     for (csv, words) in cases {

@@ -49,3 +49,27 @@ fn refusal(text: &str, patch: &str) -> Refusal {
 fn is_noted(pair: &Pair, words: &str) -> bool {
     pair.warnings.iter().any(|note| note.contains(words))
 }
+
+/// The file of this name in a table of cases.
+fn named(name: &str) -> String {
+    match name {
+        "paper" => PAPER.into(),
+        "spur" => SPUR.into(),
+        "helical" => HELICAL.into(),
+        "internal" => INTERNAL.into(),
+        "webbed" => patched(PAPER, accepted::WEBBED),
+        "shaft" => patched(PAPER, accepted::SHAFT),
+        "large mate" => patched(SPUR, refused::LARGE_MATE),
+        "drawing" => drawings::drawings()[0]["file"].to_string(),
+        other => panic!("{other}"),
+    }
+}
+
+/// Rows of a table with bars between its columns; lines that begin with # say what they are.
+fn rows<const N: usize>(table: &str) -> impl Iterator<Item = [&str; N]> {
+    let lines = table.lines().filter(|line| !line.starts_with('#'));
+    lines.map(|line| {
+        let cells: Vec<&str> = line.split(" | ").collect();
+        cells.try_into().unwrap_or_else(|_| panic!("{line}"))
+    })
+}

@@ -1,8 +1,9 @@
-//! Values against springs with a known potential.
+//! Values against springs with a known potential; jagged samples and refusals.
 
 use super::{point, sequence};
 use crate::table::samples::Spring;
-use crate::table::{Axis, FlankTable, Interpolation, Query};
+use crate::table::{Axis, FlankGrid, FlankTable, Interpolation, Query};
+use proptest::prelude::*;
 
 #[test]
 fn spline_finds_a_smooth_springs_force_shuttling_and_other_gradients() {
@@ -18,10 +19,8 @@ fn spline_finds_a_smooth_springs_force_shuttling_and_other_gradients() {
             if found.out_of_range {
                 continue;
             }
-            for (e, (f, x)) in error
-                .iter_mut()
-                .zip(found.gradient.iter().zip(exact.gradient))
-            {
+            let pairs = found.gradient.iter().zip(exact.gradient);
+            for (e, (f, x)) in error.iter_mut().zip(pairs) {
                 *e = e.max((f - x).abs());
             }
         }
@@ -30,22 +29,14 @@ fn spline_finds_a_smooth_springs_force_shuttling_and_other_gradients() {
         }
     }
     for i in 0..4 {
-        assert!(
-            errors[0][i] < 1e-3 * size[i],
-            "coordinate {i}: {} of {}",
-            errors[0][i],
-            size[i]
-        );
-        assert!(
-            errors[0][i] < 0.1 * errors[1][i],
-            "coordinate {i}: linear {}",
-            errors[1][i]
-        );
+        let [spline, linear, size] = [errors[0][i], errors[1][i], size[i]];
+        assert!(spline < 1e-3 * size, "{i}: {spline} of {size}");
+        assert!(spline < 0.1 * linear, "{i}: linear {linear}");
     }
 }
 
 #[test]
-fn shepard_passes_through_the_samples_and_errs_no_more_than_linear() {
+fn shepard_errs_no_more_than_linear() {
     let grid = Spring::grid([10, 5, 7, 16]);
     let shepard = FlankTable::new(&grid, Interpolation::Shepard).unwrap();
     let linear = FlankTable::new(&grid, Interpolation::Linear).unwrap();
@@ -121,5 +112,66 @@ fn tables_cut_at_nominal_agree_with_the_whole() {
         assert!((a.value - b.value).abs() < 1e-12);
         assert!((a.gradient[0] - b.gradient[0]).abs() < 1e-8);
         assert!((a.gradient[3] - b.gradient[3]).abs() < 1e-12);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+    #[test]
+    fn force_never_falls_over_displacement_whatever_the_samples(steps in prop::collection::vec(0.0..1.0_f64, 8 * 4 * 4 * 6)) {
+        // Steep, flat and jagged: cubes of random steps, independent from node to node.
+        let mut grid = Spring::grid([8, 4, 4, 6]);
+        for (block, forces) in grid.loa_force.chunks_mut(8 * 6).enumerate() {
+            for p in 0..6 {
+                let mut sum = 0.0;
+                for u in 0..8 {
+                    sum += steps[(block * 8 + u) * 6 + p].powi(6);
+                    forces[u * 6 + p] = 100.0 * sum + 1e-9;
+                }
+            }
+        }
+        for interpolation in [Interpolation::Linear, Interpolation::Spline] {
+            let table = FlankTable::new(&grid, interpolation).unwrap();
+            for n in 0..30 {
+                let mut q = point(n, 1.8);
+                let mut below = 0.0;
+                for k in 0..200 {
+                    q.delta = -5e-6 + 0.15e-6 * f64::from(k);
+                    let w = table.evaluate(&q, false);
+                    prop_assert!(w.gradient[0] >= below - 1e-9, "{interpolation:?} {q:?}");
+                    prop_assert!(w.hessian[0][0] >= -1e-3);
+                    below = w.gradient[0];
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn samples_that_fall_or_have_the_wrong_shape_are_refused_by_name() {
+    type Change = fn(&mut FlankGrid);
+    let changes: [(Change, &str); 7] = [
+        (|g| g.loa_force[6] = -1.0, "loa_force_n[6] = -1"),
+        (|g| g.loa_force[6] = f64::NAN, "loa_force_n[6] = NaN"),
+        (
+            |g| g.axes.misalignment[1] = -1.0,
+            "misalignment_rad[1] = -1",
+        ),
+        (|g| g.axes.mesh_position.push(1.0), "mesh_position"),
+        (
+            |g| g.axes.center_distance_offset = vec![0.0, 1e-6],
+            "center_distance_offset_m",
+        ),
+        (|g| g.moment.as_mut().unwrap().truncate(9), "moment_nm"),
+        (
+            |g| g.top_load_approach[3] = -1.0,
+            "top_load_approach_m[3] = -1",
+        ),
+    ];
+    for (change, name) in changes {
+        let mut grid = Spring::grid([8, 4, 4, 6]);
+        change(&mut grid);
+        let refused = FlankTable::new(&grid, Interpolation::Spline).unwrap_err();
+        assert!(refused.to_string().contains(name), "{refused}");
     }
 }

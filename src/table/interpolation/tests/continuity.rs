@@ -1,32 +1,24 @@
-//! The onset, the cells' ends and the turn of the mesh cycle.
+//! The onset, the cells' ends, the turn of the mesh cycle, and what lies beyond the ends of the axes.
 
-use super::{SCALE, moved, point, sequence};
+use super::{ALL, SCALE, moved, point, sequence, with};
+use crate::root::bisection;
 use crate::table::samples::Spring;
-use crate::table::{FlankTable, Interpolation};
+use crate::table::{FlankGrid, FlankTable, Interpolation, Query};
 
 #[test]
 fn force_is_exactly_zero_up_to_the_onset_and_starts_without_a_kink() {
-    for interpolation in [
-        Interpolation::Linear,
-        Interpolation::Spline,
-        Interpolation::Shepard,
-    ] {
+    for interpolation in ALL {
         let table = FlankTable::new(&Spring::grid([10, 5, 5, 16]), interpolation).unwrap();
         for n in 0..500 {
             let mut q = point(n, 1.5);
             q.delta = -1.0;
             assert_eq!(table.evaluate(&q, true).gradient, [0.0; 4]);
-            let (mut low, mut high) = (-1e-4, 1e-4);
-            for _ in 0..200 {
-                q.delta = 0.5 * (low + high);
-                if table.evaluate(&q, false).gradient[0] > 0.0 {
-                    high = q.delta;
-                } else {
-                    low = q.delta;
-                }
-            }
+            let onset = bisection([-1e-4, 1e-4], 200, |delta| {
+                let force = table.evaluate(&Query { delta, ..q }, false).gradient[0];
+                force <= 0.0
+            });
             if interpolation != Interpolation::Linear {
-                q.delta = high + 1e-10;
+                q.delta = onset + 1e-10;
                 let w = table.evaluate(&q, true);
                 assert!(w.gradient[0] < 1e-6 && w.hessian[0][0] < 1e5, "{w:?}");
             }
@@ -40,23 +32,20 @@ fn spline_force_is_twice_continuously_differentiable_across_every_cell() {
     let table = FlankTable::new(&grid, Interpolation::Spline).unwrap();
     let step = 1e-9;
     let mut largest: f64 = 0.0;
-    let ways: [(usize, Vec<f64>); 3] = [
-        (1, grid.axes.center_distance_offset.clone()),
-        (2, grid.axes.misalignment.clone()),
-        (3, grid.axes.mesh_position.clone()),
-    ];
-    for (i, nodes) in ways {
-        for &node in &nodes {
+    let axes = &grid.axes;
+    for (i, nodes) in [
+        (1, &axes.center_distance_offset),
+        (2, &axes.misalignment),
+        (3, &axes.mesh_position),
+    ] {
+        let inner = if i == 3 {
+            &nodes[..]
+        } else {
+            &nodes[1..nodes.len() - 1]
+        };
+        for &node in inner {
             for n in 0..20 {
-                let mut q = point(n, 1.0);
-                match i {
-                    1 => q.center_distance_offset = node,
-                    2 => q.misalignment = node,
-                    _ => q.mesh_position = node,
-                }
-                if i != 3 && (node == nodes[0] || node == nodes[nodes.len() - 1]) {
-                    continue;
-                }
+                let q = with(&point(n, 1.0), i, node);
                 let a = table.evaluate(&moved(&q, i, -step * SCALE[i]), true);
                 let b = table.evaluate(&moved(&q, i, step * SCALE[i]), true);
                 for r in 0..4 {
@@ -74,11 +63,7 @@ fn spline_force_is_twice_continuously_differentiable_across_every_cell() {
 
 #[test]
 fn everything_is_periodic_in_mesh_position() {
-    for interpolation in [
-        Interpolation::Linear,
-        Interpolation::Spline,
-        Interpolation::Shepard,
-    ] {
+    for interpolation in ALL {
         let table = FlankTable::new(&Spring::grid([8, 1, 5, 16]), interpolation).unwrap();
         for n in 0..200 {
             let mut q = point(n, 1.0);
@@ -87,5 +72,126 @@ fn everything_is_periodic_in_mesh_position() {
             let turned = moved(&q, 3, 4_000_000.0 * (sequence(n, 1) - 0.5).round() + 7.0);
             assert_eq!(table.evaluate(&q, true), table.evaluate(&turned, true));
         }
+    }
+}
+
+/// In the middle of the range of [`Spring::grid`]; the top load is reached at 8 um (5 um at M = -3 mrad).
+const INSIDE: Query = Query {
+    delta: 3e-6,
+    center_distance_offset: 0.0,
+    misalignment: 0.0,
+    mesh_position: 0.3,
+};
+
+/// Lower and upper end of the range in C and M.
+const ENDS: [(usize, f64); 4] = [(1, -100e-6), (1, 100e-6), (2, -3e-3), (2, 3e-3)];
+
+#[test]
+fn leaving_the_range_of_any_axis_is_said_and_staying_within_it_is_not() {
+    let grid = Spring::grid([10, 5, 7, 16]);
+    let secant = |i| FlankTable::constant_load(&grid, i, 60.0).unwrap();
+    let tables = ALL.map(|i| FlankTable::new(&grid, i).unwrap());
+    for table in &tables {
+        assert!(!table.evaluate(&INSIDE, false).out_of_range);
+        assert!(table.evaluate(&moved(&INSIDE, 0, 6e-6), false).out_of_range);
+    }
+    for table in tables.iter().chain(&ALL.map(secant)) {
+        for (i, end) in ENDS {
+            let at = |share: f64| {
+                table
+                    .evaluate(&moved(&INSIDE, i, share * end), true)
+                    .out_of_range
+            };
+            assert!(!at(0.999) && at(1.001) && at(100.0), "axis {i}, {end}");
+        }
+        assert!(!table.evaluate(&moved(&INSIDE, 3, 1e4), false).out_of_range);
+    }
+}
+
+#[test]
+fn beyond_top_load_the_force_goes_on_linearly_but_for_shepards_method() {
+    for interpolation in [Interpolation::Linear, Interpolation::Spline] {
+        let table = FlankTable::new(&Spring::grid([10, 9, 9, 16]), interpolation).unwrap();
+        let force = |d: f64| table.evaluate(&moved(&INSIDE, 0, d), false).gradient[0];
+        let second = force(14e-6) - 2.0 * force(24e-6) + force(34e-6);
+        assert!(second.abs() < 1e-9 * force(34e-6));
+    }
+}
+
+/// Samples with plateaus: force over the displacement that rises by leaps, another one at each end of C and M, and
+/// next to no slope between.
+fn plateaus(counts: [usize; 4]) -> FlankGrid {
+    let mut grid = Spring::grid(counts);
+    let [nc, nm, nu, np] = grid.axes.lengths();
+    for (k, force) in grid.loa_force.iter_mut().enumerate() {
+        let (p, u) = (k % np, k / np % nu);
+        let (m, c) = (k / np / nu % nm, k / np / nu / nm);
+        let edge = c == 0 || m == 0 || c + 1 == nc || m + 1 == nm;
+        let leap = 2 + (p + 3 * m + 5 * c) % (nu - 3);
+        let flat = edge && u >= leap && u < leap + 3;
+        let step = |u: usize| (u + 1) as f64 / nu as f64;
+        *force = 300.0 * if flat { step(leap) } else { step(u) };
+    }
+    grid
+}
+
+#[test]
+fn force_and_side_terms_have_continuous_slopes_across_the_ends_whatever_the_samples() {
+    for grid in [Spring::grid([10, 9, 9, 16]), plateaus([10, 5, 7, 8])] {
+        for interpolation in ALL {
+            let table = FlankTable::new(&grid, interpolation).unwrap();
+            let mut size = [0.0_f64; 4];
+            let mut jump = [0.0_f64; 4];
+            for n in 0..200 {
+                let q = point(n, 0.9);
+                for (i, end) in ENDS {
+                    let edge = with(&q, i, end);
+                    let side = |by: f64| {
+                        let w = table.evaluate(&moved(&edge, i, by * end), true);
+                        // dF/dC or dF/dM, and the derivatives of W that are loads.
+                        [
+                            w.hessian[0][i] * SCALE[i],
+                            w.gradient[0],
+                            w.gradient[1] * SCALE[1],
+                            w.gradient[2] * SCALE[2],
+                        ]
+                    };
+                    let (inside, outside) = (side(-1e-8), side(1e-8));
+                    for k in 0..4 {
+                        size[k] = size[k].max(inside[k].abs());
+                        jump[k] = jump[k].max((inside[k] - outside[k]).abs());
+                    }
+                }
+            }
+            for k in 0..4 {
+                assert!(
+                    jump[k] < 1e-4 * size[k],
+                    "{interpolation:?} {k}: {} of {}",
+                    jump[k],
+                    size[k]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_secant_stays_positive_however_far_the_axes_are_left() {
+    let mut grid = Spring::grid([10, 5, 7, 8]);
+    // Softer towards one corner: a linear continuation of STE would pass through zero.
+    let np = grid.axes.mesh_position.len();
+    for (k, top) in grid.top_load_approach.iter_mut().enumerate() {
+        let (m, c) = (k / np % 7, k / np / 7);
+        grid.no_load_approach[k] += 2e-6;
+        *top = grid.no_load_approach[k] + 1e-6 * (1.0 + 2.0 * (m + c) as f64);
+    }
+    let table = FlankTable::constant_load(&grid, Interpolation::Spline, 60.0).unwrap();
+    for n in 0..2000 {
+        let q = Query {
+            delta: 1e-3,
+            ..point(n, 20.0)
+        };
+        let w = table.evaluate(&q, false);
+        assert!(w.hessian[0][0] > 0.0 && w.gradient[0] > 0.0, "{q:?} {w:?}");
     }
 }

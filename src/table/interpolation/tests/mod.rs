@@ -1,13 +1,16 @@
 //! Claims of the interpolants, against a spring with a known potential and finite differences.
 
 mod accuracy;
-mod continuation;
 mod continuity;
 mod derivatives;
-mod registers;
-mod robustness;
 
 use super::*;
+
+const ALL: [Interpolation; 3] = [
+    Interpolation::Linear,
+    Interpolation::Spline,
+    Interpolation::Shepard,
+];
 
 /// A fixed sequence of numbers in [0, 1) (additive recurrence; no seed to forget).
 fn sequence(n: usize, k: usize) -> f64 {
@@ -34,15 +37,26 @@ fn point(n: usize, spread: f64) -> Query {
     q
 }
 
-fn moved(q: &Query, i: usize, by: f64) -> Query {
+/// `q` with the coordinate `i` at `value`.
+fn with(q: &Query, i: usize, value: f64) -> Query {
     let mut q = *q;
-    match i {
-        0 => q.delta += by,
-        1 => q.center_distance_offset += by,
-        2 => q.misalignment += by,
-        _ => q.mesh_position += by,
-    }
+    *[
+        &mut q.delta,
+        &mut q.center_distance_offset,
+        &mut q.misalignment,
+        &mut q.mesh_position,
+    ][i] = value;
     q
+}
+
+fn moved(q: &Query, i: usize, by: f64) -> Query {
+    let at = [
+        q.delta,
+        q.center_distance_offset,
+        q.misalignment,
+        q.mesh_position,
+    ];
+    with(q, i, at[i] + by)
 }
 
 /// Size of each coordinate.

@@ -1,0 +1,108 @@
+//! How far what is interpolated is from static contact, measured at random operating points.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// Error of the default interpolant at operating points that are no nodes, relative to the nominal force.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InterpolationError {
+    /// Number of random operating points.
+    pub points: usize,
+    /// Force error, root of the mean square, over the nominal force.
+    pub force_rms: f64,
+    /// Largest force error over the nominal force.
+    pub force_maximum: f64,
+    /// Error of the shuttling moment, root of the mean square, over nominal force times half the face.
+    pub moment_rms: f64,
+    /// Largest error of the shuttling moment, likewise.
+    pub moment_maximum: f64,
+}
+
+impl InterpolationError {
+    /// Of errors of force and shuttling moment at random points, each relative to its nominal one.
+    pub fn of(errors: &[[f64; 2]]) -> Self {
+        let [force, moment] = [0, 1].map(|k| rms_and_largest(errors.iter().map(|e| e[k])));
+        InterpolationError {
+            points: errors.len(),
+            force_rms: force[0],
+            force_maximum: force[1],
+            moment_rms: moment[0],
+            moment_maximum: moment[1],
+        }
+    }
+
+    /// Both flanks together: the larger of each.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        InterpolationError {
+            points: self.points + other.points,
+            force_rms: self.force_rms.max(other.force_rms),
+            force_maximum: self.force_maximum.max(other.force_maximum),
+            moment_rms: self.moment_rms.max(other.moment_rms),
+            moment_maximum: self.moment_maximum.max(other.moment_maximum),
+        }
+    }
+}
+
+/// Root of the mean square of `errors`, and the largest.
+pub fn rms_and_largest(errors: impl ExactSizeIterator<Item = f64> + Clone) -> [f64; 2] {
+    let squares: f64 = errors.clone().map(|e| e * e).sum();
+    let count = errors.len() as f64;
+    [
+        (squares / count).sqrt(),
+        errors.map(f64::abs).fold(0.0, f64::max),
+    ]
+}
+
+/// Error at operating points that are no nodes, relative to the largest stress of the gear over the mesh cycle at
+/// nominal torque, nominal centre distance and parallel axes; of both gears and flanks the larger one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RootStressError {
+    /// Number of random operating points.
+    pub points: usize,
+    /// Root of the mean square.
+    pub rms: f64,
+    /// Largest.
+    pub maximum: f64,
+}
+
+impl RootStressError {
+    /// Both flanks together.
+    #[must_use]
+    pub fn with(self, other: RootStressError) -> RootStressError {
+        RootStressError {
+            points: self.points + other.points,
+            rms: self.rms.max(other.rms),
+            maximum: self.maximum.max(other.maximum),
+        }
+    }
+}
+
+impl fmt::Display for InterpolationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "error at {} random points: force {:.2} % rms, {:.2} % at most, of the nominal force; shuttling \
+             moment {:.2} % rms, {:.2} % at most, of that force at an end of the face",
+            self.points,
+            1e2 * self.force_rms,
+            1e2 * self.force_maximum,
+            1e2 * self.moment_rms,
+            1e2 * self.moment_maximum
+        )
+    }
+}
+
+impl fmt::Display for RootStressError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "error at {} random points: {:.2} % rms, {:.2} % at most, of the largest stress at nominal torque",
+            self.points,
+            1e2 * self.rms,
+            1e2 * self.maximum
+        )
+    }
+}

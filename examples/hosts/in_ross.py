@@ -1,4 +1,4 @@
-"""ROSS (pip install ross-rotordynamics==2.3.0): `python -m examples.hosts.in_ross`, two rotors with the mesh stiffness over the angle."""
+"""ROSS (pip install ross-rotordynamics==2.3.0 "plotly<6"): `python -m examples.hosts.in_ross`, two rotors with the mesh stiffness over the angle."""
 
 from __future__ import annotations
 

@@ -135,11 +135,7 @@ impl Study {
         }
         let plan = Plan::new(&self.vary, self.iso_1328_class, &draft, &pair, torques[0])?;
         check(&plan, &draft, &pair)?;
-        if plan
-            .grid
-            .iter()
-            .any(|axis| axis.field.split(',').any(|field| field == "torque_nm"))
-        {
+        if (plan.grid.iter()).any(|axis| axis.fields().any(|field| field == "torque_nm")) {
             refuse!(
                 "--vary = torque_nm on a grid: torques have no best; give them as --torques-nm"
             );

@@ -69,13 +69,22 @@ impl Shown<'_> {
                 });
             }
             text += &table(&columns, self.ranking().into_iter().take(BEST));
+            let axes = self.plan.grid.iter().zip(self.plan.indices(best.point));
+            let ends = axes.filter(|(axis, i)| *i == 0 || axis.points == Some(i + 1));
+            let ends: Vec<&str> = ends.map(|(axis, _)| &*axis.field).collect();
+            if !ends.is_empty() {
+                let ends = ends.join(" and ");
+                text += &format!(
+                    "\nnote: the best point is at an end of the grid in {ends}; a wider grid may hold a better one\n"
+                );
+            }
             text.push('\n');
         }
         let spread = columns! { |s: &&Statistics|
             "", ["result", "", None] => s.result.clone();
             "", ["torque", "N m", None] => s.torque_nm;
             "", ["point", "", None] => match s.point { 0 => "as drawn", _ => "best" };
-            "", ["itself", "", 3] => s.nominal;
+            "", ["without tolerances", "", 3] => s.nominal;
             "", ["mean", "", 3] => s.mean;
             "", ["5 %", "", 3] => s.percentile_5;
             "", ["median", "", 3] => s.median;

@@ -133,6 +133,7 @@ fn a_grid_finds_the_relief_whose_point_is_best_and_writes_it_as_a_pair_file_with
         .unwrap();
     let summary = json(folder.read("study/study.json"));
     assert_eq!(number(&summary["best"]["point"]), best);
+    assert_eq!(shown.contains("at an end of the grid"), best != 2.0);
     assert!((number(&summary["best"]["value"]) - worst(best)).abs() < 1e-12);
     let written = json(folder.read("study/best.json"));
     assert_eq!(

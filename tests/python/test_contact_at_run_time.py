@@ -55,18 +55,21 @@ def test_contact_at_run_time_is_that_of_the_tables(solved, formulation, flank):
 
 @FORMULATIONS
 def test_friction_and_root_stress_are_those_of_the_tables(solved, formulation):
-    names = ["mesh.frictionPower", "mesh.lossFactor", "mesh.rootStress1", "mesh.rootStress2"]
-    for phase in np.linspace(0.0, 0.3, 7):
+    names = ["mesh.lossFactor", "mesh.rootStress1", "mesh.rootStress2"]
+    levels = {}
+    for model in (TABLE, CONTACT, TEETH):
         found = []
-        for model in (TABLE, CONTACT, TEETH):
-            instance = started(
-                solved, model, formulation=formulation, meshPhase=phase, friction=1, rootStress=1
-            )
+        for phase in np.arange(10) / 10:
+            instance = started(solved, model, formulation=formulation, meshPhase=phase, friction=1, rootStress=1)
             press(instance, 1.5e-5)
             instance.set({"gear1.angularVelocity[3]": 100.0})
-            found.append(np.array([instance.get(name) / instance.get("mesh.normalForce") for name in names]))
-        for level in found[1:]:
-            assert level == pytest.approx(found[0], rel=0.05)
+            assert instance.get("mesh.frictionPower") < 0.0
+            found.append([instance.get(name) for name in names])
+        levels[model] = np.array(found)
+    # One by one, tooth pairs do not know how their load spreads along inclined contact lines (docs/choosing.md).
+    for model, loss in ((CONTACT, 0.01), (TEETH, 0.1)):
+        assert levels[model][:, 1:] == pytest.approx(levels[TABLE][:, 1:], rel=0.01)
+        assert levels[model][:, 0].mean() == pytest.approx(levels[TABLE][:, 0].mean(), rel=loss)
 
 
 def test_contact_at_run_time_has_no_axes_and_no_range(solved):

@@ -1,8 +1,8 @@
 //! A tables file made ready for the element: both flanks, reduced to the effects that are on.
 
 use super::{
-    Axes, Axis, FlankGrid, FlankTable, Interpolation, LoadSamples, LoadSpline, TableError,
-    TableFile, TeethFlank,
+    Axes, Axis, FlankGrid, FlankTable, Interpolation, LoadAxes, LoadSamples, LoadSpline,
+    TableError, TableFile, TeethFlank,
 };
 use crate::gear::{Flank, PairGeometry};
 use std::path::Path;
@@ -100,6 +100,18 @@ impl<T> Flanks<T> {
     }
 }
 
+impl Flanks<LoadSpline> {
+    /// Of samples over the load; centre distance and misalignment count where they are `on`.
+    fn splines<S: LoadSamples>(
+        axes: &LoadAxes,
+        drive: &S,
+        coast: Option<&S>,
+        on: [bool; 2],
+    ) -> Result<Self, TableError> {
+        Flanks::new(drive, coast, |samples| samples.spline(axes, on))
+    }
+}
+
 /// The `record` of an effect that is on.
 fn if_on<T>(on: bool, record: &Option<T>, missing: TableError) -> Result<Option<&T>, TableError> {
     match record {
@@ -153,21 +165,13 @@ impl Table {
         // Tooth pairs one by one slide as their own loads do.
         let slides = effects.friction && !effects.teeth;
         let sliding = if_on(slides, &file.friction, TableError::NO_FRICTION)?;
-        let sliding = sliding.map(|r| {
-            Flanks::new(&r.drive, r.coast.as_ref(), |samples| {
-                samples.spline(&r.axes, on)
-            })
-        });
+        let sliding = sliding.map(|r| Flanks::splines(&r.axes, &r.drive, r.coast.as_ref(), on));
         let stress = if_on(
             effects.root_stress,
             &file.root_stress,
             TableError::NO_ROOT_STRESS,
         )?;
-        let stress = stress.map(|r| {
-            Flanks::new(&r.drive, r.coast.as_ref(), |samples| {
-                samples.spline(&r.axes, on)
-            })
-        });
+        let stress = stress.map(|r| Flanks::splines(&r.axes, &r.drive, r.coast.as_ref(), on));
         let teeth = if_on(effects.teeth, &file.teeth, TableError::NO_TEETH)?;
         let teeth = teeth.map(|record| TeethFlank::both(record, &file.geometry, &effects));
         let flank = |grid: &FlankGrid| Ok(flank_table(grid.on(&file.axes), &effects)?.1);

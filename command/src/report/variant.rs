@@ -2,7 +2,6 @@
 
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, Tangent};
 use gearmesh::gear::{Flank, PairGeometry};
-use gearmesh::root::bisection;
 use gearmesh::table::{Query, Table};
 use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
 
@@ -71,19 +70,19 @@ fn of_table(table: &Table, input: CycleInput) -> Case {
     let force = input.torque / geometry.gears[0].base_radius();
     let (flank, _) = table.flank(Flank::Drive);
     let result = |&mesh_position: &f64| {
-        let evaluated = |delta| {
-            let query = Query {
-                delta,
-                center_distance_offset: 0.0,
-                misalignment: input.misalignment,
-                mesh_position,
-            };
-            flank.evaluate(&query, false)
+        let pose = Query {
+            misalignment: input.misalignment,
+            mesh_position,
+            ..Query::default()
         };
-        // Force rises with the approach, which is a millimetre at most.
-        let is_short = |delta| evaluated(delta).gradient[0] < force;
-        let approach = bisection([-1e-3, 1e-3], 60, is_short);
-        let found = evaluated(approach);
+        let approach = flank.approach_at(force, &pose);
+        let found = flank.evaluate(
+            &Query {
+                delta: approach,
+                ..pose
+            },
+            false,
+        );
         ContactResult {
             approach,
             contact_z: geometry.z_ref() + found.gradient[2] / found.gradient[0],

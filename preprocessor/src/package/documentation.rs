@@ -11,7 +11,7 @@ use gearmesh::fmi::resources::UnitFile;
 use gearmesh::fmi::variables::{
     Causality, Kind, STOP_TIME, VARIABLES, Variability, Variable, index, index_by_name,
 };
-use gearmesh::table::TableFile;
+use gearmesh::table::Table;
 use gearmesh::words::{fixed, rounded, significant};
 use roxmltree::{Document, Node};
 
@@ -49,7 +49,7 @@ const CONSTANT: [(&str, &[u8]); 5] = [
 /// What there is to describe.
 pub(super) struct Description<'a> {
     pub unit: &'a UnitFile,
-    pub tables: Option<&'a TableFile>,
+    pub table: Option<&'a Table>,
     pub coupling: &'a Coupling,
     /// By [`super::step_error`].
     pub step_error: Option<f64>,
@@ -76,7 +76,7 @@ impl Description<'_> {
             Some(_) => "internal",
             None => "external",
         };
-        let stiffness = match self.tables {
+        let stiffness = match self.table {
             Some(_) => "tables of static tooth contact",
             None => "constant stiffness",
         };
@@ -129,8 +129,8 @@ impl Description<'_> {
         let (c, geometry) = (self.coupling, &self.unit.geometry);
         let mut page = PAGE.to_owned();
         for (part, applies) in [
-            ("tables", self.tables.is_some()),
-            ("no tables", self.tables.is_none()),
+            ("tables", self.table.is_some()),
+            ("no tables", self.table.is_none()),
             ("example", self.example.is_some()),
             ("no example", self.example.is_none()),
             ("step error", self.step_error.is_some()),
@@ -156,11 +156,14 @@ impl Description<'_> {
         put("TORQUE", self.start(torque).to_string());
         put("CYCLES", CYCLES.to_string());
         put("STOP", STOP_TIME.to_string());
-        if let Some(file) = self.tables {
-            let rows = file.summary().into_iter();
+        if let Some(tables) = self.table {
+            let rows = tables.file().summary().into_iter();
             let rows = rows.map(|(name, value)| [escape(&name), escape(&value)]);
             put("TABLES", table(&[], rows));
-            put("STE", transmission_error::figure(file, self.start(torque)));
+            put(
+                "STE",
+                transmission_error::figure(tables, self.start(torque)),
+            );
         }
         put("PARAMETERS", self.variables(Causality::Parameter));
         put("INPUTS", self.variables(Causality::Input));
@@ -332,7 +335,7 @@ mod tests {
         };
         let description = Description {
             unit: &unit,
-            tables: None,
+            table: None,
             coupling: &coupling,
             step_error: None,
             example: None,

@@ -141,7 +141,7 @@ pub fn pack(
     let coupling = contents.starts.coupling(contents.geometry);
     let description = Description {
         unit: &resources.unit,
-        tables: contents.tables,
+        table: contents.starts.table.as_deref(),
         coupling: &coupling,
         step_error: step_error(&resources.unit, contents.tables, coupling.step()),
         example,

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::str::FromStr;
+use std::sync::Arc;
 
 use super::coupling::Coupling;
 use super::stiffness::Stiffness;
@@ -24,8 +25,10 @@ pub(super) const SEQUENTIAL: f64 = 2.0;
 const PARALLEL: f64 = 3.0;
 
 /// Start values of an FMU that belong to its pair.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Starts {
+    /// The tables made ready; `None` for an FMU of constant stiffness.
+    pub(super) table: Option<Arc<Table>>,
     /// Its mean is `constantStiffness`.
     stiffness: Stiffness,
     /// What the tables, or their absence, give, by index in [`VARIABLES`].
@@ -38,6 +41,7 @@ impl Starts {
     /// An FMU of constant stiffness, estimated by [`super::estimated_stiffness`]; `nominal_torque` on gear 1, N m, > 0.
     pub fn constant_stiffness(geometry: &PairGeometry, nominal_torque: f64) -> Self {
         Self {
+            table: None,
             stiffness: Stiffness::estimated(geometry, nominal_torque),
             values: vec![
                 (index::STIFFNESS_MODEL, CONSTANT),
@@ -68,6 +72,7 @@ impl Starts {
                 (index::SHUTTLING_EFFECT, on(shuttling)),
             ],
             settings: Vec::new(),
+            table: Some(Arc::new(table)),
         })
     }
 

@@ -1,8 +1,7 @@
 //! Mesh stiffness of a pair in the numbers that start values are made of.
 
 use gearmesh::gear::{Flank, Gear, GearKind, PairGeometry};
-use gearmesh::root::bisection;
-use gearmesh::table::{FlankTable, Query, Table};
+use gearmesh::table::{Query, Table};
 
 /// Young's modulus of ISO 6336-1's approximation, Pa.
 const STEEL: f64 = 206e9;
@@ -35,7 +34,7 @@ impl Stiffness {
         let positions = (0..POSITIONS).map(|i| i as f64 / POSITIONS as f64);
         let tangent = |position| {
             let pose = nominal_pose(position);
-            let delta = approach_at(drive, force, &pose);
+            let delta = drive.approach_at(force, &pose);
             drive.evaluate(&Query { delta, ..pose }, false).hessian[0][0]
         };
         let sum = positions.clone().map(tangent);
@@ -97,17 +96,6 @@ pub(super) fn nominal_pose(mesh_position: f64) -> Query {
         mesh_position,
         ..Query::default()
     }
-}
-
-/// Approach at which `flank` carries `force` (N) at a pose, m.
-pub(super) fn approach_at(flank: &FlankTable, force: f64, pose: &Query) -> f64 {
-    let carried = |delta| flank.evaluate(&Query { delta, ..*pose }, false).gradient[0];
-    let below = |delta: f64| carried(delta) < force;
-    let mut high = 1e-3;
-    while below(high) && high < 1.0 {
-        high *= 2.0;
-    }
-    bisection([-1e-3, high], 60, below)
 }
 
 /// Mean tangential mesh stiffness at `nominal_torque` (on gear 1, N m) by the approximation of ISO 6336-1:2006,

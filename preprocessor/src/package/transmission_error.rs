@@ -1,8 +1,8 @@
 //! The static transmission error over one base pitch, drawn for the page in the FMU.
 
-use super::stiffness::{approach_at, nominal_pose};
+use super::stiffness::nominal_pose;
 use gearmesh::gear::Flank;
-use gearmesh::table::{Table, TableFile};
+use gearmesh::table::Table;
 use gearmesh::words::{fixed, rounded};
 use std::fmt::Write as _;
 
@@ -18,18 +18,14 @@ fn curve(table: &Table, torque: f64) -> Vec<f64> {
     let force = torque / table.geometry().gears[0].base_radius();
     let (drive, _) = table.flank(Flank::Drive);
     let positions = (0..=POINTS).map(|i| i as f64 / POINTS as f64);
-    let approaches = positions.map(|position| approach_at(drive, force, &nominal_pose(position)));
+    let approaches = positions.map(|position| drive.approach_at(force, &nominal_pose(position)));
     approaches.collect()
 }
 
-/// A figure of HTML with the curve at `torque` (on gear 1, N m), or at the largest of the tables; empty where no spline
-/// passes through them.
-pub(super) fn figure(file: &TableFile, torque: f64) -> String {
-    let Ok(table) = Table::from_file(file.clone()) else {
-        return String::new();
-    };
-    let torque = torque.min(file.maximum_torque_nm);
-    let values: Vec<f64> = (curve(&table, torque).iter()).map(|m| 1e6 * m).collect();
+/// A figure of HTML with the curve at `torque` (on gear 1, N m), or at the largest of the tables.
+pub(super) fn figure(table: &Table, torque: f64) -> String {
+    let torque = torque.min(table.file().maximum_torque_nm);
+    let values: Vec<f64> = (curve(table, torque).iter()).map(|m| 1e6 * m).collect();
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let [left, top, width, height] = FRAME;
@@ -68,6 +64,7 @@ peak to peak {} um.</figcaption>
 mod tests {
     use super::*;
     use crate::package::shipped_tables;
+    use gearmesh::table::TableFile;
 
     /// Peak to peak of the approach (um) from the samples alone, linear between the displacements.
     fn of_samples(file: &TableFile, torque: f64) -> f64 {
@@ -93,7 +90,8 @@ mod tests {
         for name in ["fzg-c", "palermo2013"] {
             let file = shipped_tables(name);
             let torque = 0.8 * file.nominal_torque_nm;
-            let figure = figure(&file, torque);
+            let table = Table::from_file(file.clone()).unwrap();
+            let figure = figure(&table, torque);
             let number = |after: &str| -> f64 {
                 let (_, text) = figure.split_once(after).unwrap();
                 text.split_whitespace().next().unwrap().parse().unwrap()
@@ -114,8 +112,8 @@ mod tests {
             assert_eq!(points.iter().copied().fold(f64::MAX, f64::min), top);
             assert_eq!(points.iter().copied().fold(0.0, f64::max), top + height);
             // Beyond the tables: at their largest torque.
-            let end = super::figure(&file, 1e9);
-            assert_eq!(end, super::figure(&file, file.maximum_torque_nm));
+            let end = super::figure(&table, 1e9);
+            assert_eq!(end, super::figure(&table, file.maximum_torque_nm));
         }
     }
 }

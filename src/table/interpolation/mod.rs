@@ -16,6 +16,7 @@ pub(crate) use fit::{Block, Fit, at_zero, axis};
 pub(crate) use kernel::{ANY, Coefficients, Point};
 
 use super::{FlankGrid, Potential, Query, TableError};
+use crate::root::bisection;
 use crate::vector::Lanes;
 use shepard::Shepard;
 use tensor::Tensor;
@@ -116,6 +117,17 @@ impl FlankTable {
             Interpolant::Secant(tensor) => tensor.evaluate(self.lanes, query, want_hessian),
             Interpolant::Shepard(shepard) => shepard.evaluate(self.lanes, query),
         }
+    }
+
+    /// Approach (m) at which the transverse force on the line of action is `force` (N), > 0, with the rest as in `pose`.
+    pub fn approach_at(&self, force: f64, pose: &Query) -> f64 {
+        let carried = |delta| self.evaluate(&Query { delta, ..*pose }, false).gradient[0];
+        let below = |delta: f64| carried(delta) < force;
+        let mut high = 1e-3;
+        while below(high) && high < 1.0 {
+            high *= 2.0;
+        }
+        bisection([-1e-3, high], 60, below)
     }
 
     /// The same table evaluated with the vector registers that every processor of the family has. Results are

@@ -14,6 +14,8 @@ use crate::model::Fillets;
 pub struct Case {
     pub input: CycleInput,
     pub cycle: MeshCycle,
+    /// Load along the face, in the stations of the solver; empty of tables, which do not know it.
+    pub face_load: FaceLoad,
     /// Stress in the roots of gear 1 and gear 2, where it is requested.
     pub roots: Option<[GearRoots; 2]>,
 }
@@ -29,6 +31,11 @@ impl Case {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Vec<Case>, ContactError> {
         let cycles = MeshCycle::solve_all(solver, input, loads, progress)?;
+        let geometry = solver.geometry();
+        let (low, width) = geometry.face_overlap();
+        let ends = [low, low + width];
+        let cos_beta_b = geometry.base_helix_angle().cos();
+        let stations = solver.settings().stations;
         let case = |(cycle, load): (MeshCycle, &LoadCase)| {
             let input = CycleInput {
                 torque: load.torque,
@@ -38,21 +45,12 @@ impl Case {
             let roots = fillets.map(|fillets| cycle.root_stress(solver, &input, &fillets.maps));
             Ok(Case {
                 roots: roots.transpose()?,
+                face_load: cycle.face_load(ends, stations, cos_beta_b),
                 input,
                 cycle,
             })
         };
         cycles.into_iter().zip(loads).map(case).collect()
-    }
-
-    /// Load along the face, in the stations of `solver`.
-    pub fn face_load(&self, solver: &ContactSolver) -> FaceLoad {
-        let geometry = solver.geometry();
-        let (low, width) = geometry.face_overlap();
-        let cos_beta_b = geometry.base_helix_angle().cos();
-        let stations = solver.settings().stations;
-        let ends = [low, low + width];
-        self.cycle.face_load(ends, stations, cos_beta_b)
     }
 
     /// The largest root stress of gear `i`, MPa; 0 without load, None where it is not requested.
@@ -128,7 +126,7 @@ pub fn summary<'s, 'r>(solver: &'s ContactSolver) -> Vec<Column<'s, Row<'r>>> {
         "", ["1st harm.", "um", 4] => c.cycle.harmonics()[0].map(|h| 1e6 * h.amplitude);
         "maximum_pressure_mpa", ["p_max", "MPa", 1] => 1e-6 * c.cycle.max_pressure();
         "edge_line_load_n_per_mm", ["tip edge", "N/mm", 1] => c.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);
-        "face_load_factor", ["K_Hbeta", "", 3] => c.face_load(solver).face_load_factor();
+        "face_load_factor", ["K_Hbeta", "", 3] => c.face_load.face_load_factor();
         "mean_mesh_stiffness_loa_n_per_m", ["stiffness", "N/m", 4] => stiffness(&c.cycle);
         "", ["per width", "N/(mm um)", 3] => 1e-9 * stiffness(&c.cycle) / width;
     }

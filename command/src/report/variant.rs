@@ -3,7 +3,7 @@
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, Tangent};
 use gearmesh::gear::{Flank, PairGeometry};
 use gearmesh::table::{Query, Table};
-use gearmesh_preprocessor::contact::{CycleInput, LoadCase, MeshCycle};
+use gearmesh_preprocessor::contact::{CycleInput, FaceLoad, LoadCase, MeshCycle};
 
 use crate::case::{Case, load_matrix};
 use crate::model::Fillets;
@@ -106,6 +106,7 @@ fn of_table(table: &Table, input: CycleInput) -> Case {
     Case {
         input,
         cycle,
+        face_load: FaceLoad::default(),
         roots: None,
     }
 }

@@ -190,17 +190,13 @@ fn difference(solved: &Solved, other: &Solved) -> String {
     let model = &other.model;
     let mut rows = Listing::default();
     rows! { rows; "compared with" => "{}", model.description; }
-    // Each with the columns of its own solver, whose segments the face load factor needs.
-    let [own, others] = [solved, other].map(|solved| {
-        let mut columns = summary(&solved.model.solver);
-        if model.fillets.is_some() {
-            columns.extend(text::largest_root_stress());
-        }
-        columns
-    });
-    for (column, of_other) in own.iter().zip(&others) {
+    let mut columns = summary(&model.solver);
+    if model.fillets.is_some() {
+        columns.extend(text::largest_root_stress());
+    }
+    for column in &columns {
         let both = solved.cases.iter().zip(&other.cases);
-        let shares = both.filter_map(|(a, b)| share([column, of_other], a, b));
+        let shares = both.filter_map(|(a, b)| share(column, a, b));
         let worst = shares.max_by(|a, b| a.abs().total_cmp(&b.abs()));
         let words = worst.map_or("none to give: it is zero".into(), |worst| {
             format!("{:+.2} %", 100.0 * worst)
@@ -215,8 +211,8 @@ fn difference(solved: &Solved, other: &Solved) -> String {
 }
 
 /// How far the result of `a` is from that of `b`, over the latter.
-fn share<'c>(columns: [&Column<&'c Case>; 2], a: &'c Case, b: &'c Case) -> Option<f64> {
-    let [a, b] = [(columns[0], a), (columns[1], b)].map(|(c, case)| (c.value)(&case).as_f64());
+fn share<'c>(column: &Column<&'c Case>, a: &'c Case, b: &'c Case) -> Option<f64> {
+    let [a, b] = [a, b].map(|case| (column.value)(&case).as_f64());
     Some(a? / b? - 1.0).filter(|share| share.is_finite())
 }
 

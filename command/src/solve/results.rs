@@ -8,7 +8,9 @@ use std::path::Path;
 use gearmesh::contact::{ContactSolver, SegmentLoad};
 use gearmesh::gear::PairGeometry;
 use gearmesh::pair::Pair;
-use gearmesh_preprocessor::contact::{GearRoots, HARMONICS, Harmonic, ToothRoot, harmonics};
+use gearmesh_preprocessor::contact::{
+    FaceLoad, GearRoots, HARMONICS, Harmonic, ToothRoot, harmonics,
+};
 use gearmesh_preprocessor::finite_element::RootPoint;
 use gearmesh_preprocessor::{NominalRootStress, pair};
 use serde_json::{Map, Value, json};
@@ -50,7 +52,7 @@ pub fn write(folder: &Path, solver: &ContactSolver, cases: &[Case]) -> Result<()
         csv(&load(), &distribution(geometry), cases, segments)?,
         csv(&load(), &positions(&pairs), cases, at_positions)?,
         csv(&load(), &stiffness(geometry), cases, at_positions)?,
-        csv(&load(), &face_load(), cases, |case| stations(solver, case))?,
+        csv(&load(), &face_load(), cases, stations)?,
         csv(&load(), &row, cases, |case| [case])?,
     ];
     if cases.iter().any(|case| case.roots.is_some()) {
@@ -90,7 +92,7 @@ pub fn json(
         more(&format!("{of}harmonics_{unit}"), list(|h| h.amplitude));
         more(&format!("{of}harmonics_phase_rad"), list(|h| h.phase));
     }
-    let face = case.face_load(solver);
+    let face = &case.face_load;
     more("face_z_mm", face.z.iter().map(|z| 1e3 * z).collect());
     more(
         "face_load_n_per_mm",
@@ -202,9 +204,9 @@ fn distribution<'s, 'r>(geometry: &'s PairGeometry) -> Vec<Column<'s, AtSegment<
 }
 
 /// z and load per face width of the stations along the face, m and N/m.
-fn stations(solver: &ContactSolver, case: &Case) -> Vec<(f64, f64)> {
-    let face = case.face_load(solver);
-    face.z.into_iter().zip(face.load).collect()
+fn stations(case: &Case) -> Vec<(f64, f64)> {
+    let FaceLoad { z, load } = &case.face_load;
+    z.iter().copied().zip(load.iter().copied()).collect()
 }
 
 fn face_load() -> Vec<Column<'static, (f64, f64)>> {

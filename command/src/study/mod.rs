@@ -413,11 +413,10 @@ impl Bench<'_> {
         let mut results = Vec::new();
         let fillets = self.model.fillets.as_ref();
         for case in Case::solve_all(&solver, fillets, &input, &loads, &|_| ())? {
-            let row = (&solver, &case);
             let outcomes = outcomes(fillets.is_some());
             let values = outcomes
                 .iter()
-                .map(|outcome| (outcome.value)(&row).as_f64());
+                .map(|outcome| (outcome.value)(&&case).as_f64());
             results.push(values.map(|v| v.map_or(f64::NAN, rounded)).collect());
         }
         Ok(results)

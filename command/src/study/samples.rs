@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use gearmesh::contact::ContactSolver;
-
 use super::variation::Plan;
 use crate::Error;
 use crate::case::Case;
@@ -11,17 +9,17 @@ use crate::columns::{Column, columns, csv};
 use crate::output;
 
 /// A result of a mesh cycle: in samples.csv; with a head also in correlations and charts.
-pub type Outcome<'r> = Column<'static, (&'r ContactSolver, &'r Case)>;
+pub type Outcome<'r> = Column<'static, &'r Case>;
 
 /// The results of a sample at a torque, the last two only with `root_stress`.
 pub fn outcomes<'r>(root_stress: bool) -> Vec<Outcome<'r>> {
-    let mut all = columns! { |(solver, c): &(&ContactSolver, &Case)|
+    let mut all = columns! { |c: &&Case|
         "peak_to_peak_ste_loa_um", ["p-p STE", "um", None] => 1e6 * c.cycle.peak_to_peak_ste();
         "mean_ste_loa_um" => 1e6 * c.cycle.mean_ste();
         "harmonic_1_loa_um", ["1st harm.", "um", None] => c.cycle.harmonics()[0].map(|h| 1e6 * h.amplitude);
         "maximum_pressure_mpa", ["pressure", "MPa", None] => 1e-6 * c.cycle.max_pressure();
         "edge_line_load_n_per_mm" => c.cycle.edge_load().map_or(0.0, |edge| 1e-3 * edge.line_load);
-        "face_load_factor", ["K_Hbeta", "", None] => c.face_load(solver).face_load_factor();
+        "face_load_factor", ["K_Hbeta", "", None] => c.face_load.face_load_factor();
         "root_stress_1_mpa", ["root 1", "MPa", None] => c.root_stress(0);
         "root_stress_2_mpa", ["root 2", "MPa", None] => c.root_stress(1);
     };

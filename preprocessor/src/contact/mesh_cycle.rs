@@ -280,7 +280,7 @@ pub fn harmonics(values: &[f64]) -> [Option<Harmonic>; HARMONICS] {
 
 /// Load per face width along the face: the mean over the mesh cycle of the transverse force on the line of
 /// action of all tooth pairs.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct FaceLoad {
     /// Middles of the stations, m in gear 1's frame.
     pub z: Vec<f64>,

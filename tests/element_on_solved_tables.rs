@@ -43,8 +43,8 @@ fn undamped(formulation: Formulation, loaded_flank: LoadedFlank) -> Parameters {
 
 /// Loads at `inputs` with the phases of the nominal pose.
 fn at(element: &Element, inputs: &Inputs) -> Outputs {
-    let latch = element.latch(&element.nominal_inputs()).unwrap();
-    element.evaluate(&latch, inputs).unwrap()
+    let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
+    element.evaluate(&phase, inputs).unwrap()
 }
 
 /// Gear `i` turned by `angle` about its own axis.
@@ -379,17 +379,17 @@ fn derivatives_know_how_friction_of_tooth_pairs_and_segments_changes() {
     );
     for level in [StiffnessModel::Teeth, StiffnessModel::Contact] {
         let element = real.element(level, true);
-        let latch = element.latch(&element.nominal_inputs()).unwrap();
+        let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
         for cycles in [0.13, 0.62] {
             let inputs = real.turning(&element, cycles, 30.0);
             let mut change = InputsChange::default();
             change.gears[1].rotation = Vector3::z();
             let slopes = element
-                .directional_derivative(&latch, &inputs, &change)
+                .directional_derivative(&phase, &inputs, &change)
                 .unwrap();
             let step = 1e-8;
             let [up, down] = [step, -step].map(|step| {
-                let out = element.evaluate(&latch, &spun(&inputs, 1, step)).unwrap();
+                let out = element.evaluate(&phase, &spun(&inputs, 1, step)).unwrap();
                 out.to_array()
             });
             // Forces, moments and power of friction.

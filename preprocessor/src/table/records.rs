@@ -26,9 +26,8 @@ pub fn default_sliding_axes(coverage: &Coverage, base_radius: f64) -> LoadAxes {
     load_axes(coverage, base_radius, misalignments, &forces)
 }
 
-/// Likewise: 9 forces from 0 on, 5 centre
-/// distances, 17 misalignments and 48 mesh positions. Small loads move along the face as the misalignment changes, and with
-/// it the place of the largest stress.
+/// Likewise: 9 forces from 0 on, 5 centre distances, 17 misalignments and 48 mesh positions. Small loads move along the face as
+/// the misalignment changes, and with it the place of the largest stress.
 pub fn default_root_stress_axes(coverage: &Coverage, base_radius: f64) -> LoadAxes {
     let forces = [0.0, 0.03, 0.065, 0.15, 0.26, 0.45, 0.68, 0.85, 1.0];
     let misalignments = coverage.graded_misalignments(17, 1.0);
@@ -121,10 +120,7 @@ impl<'a> RootStressSweep<'a> {
     }
 
     /// Error of `table` at `points` random operating points: torques even in (0, maximum), the other coordinates even
-    /// in their ranges.
-    ///
-    /// # Errors
-    /// As [`RootStressSweep::samples`].
+    /// in their ranges. Errors as [`RootStressSweep::samples`].
     pub fn measure(
         &self,
         coverage: &Coverage,

@@ -49,8 +49,7 @@ pub(super) struct ToothPairOver<'a> {
 }
 
 impl ToothPair {
-    /// Of `flank` over the centre distances and misalignments of `axes`, where errors of the teeth are up to `spread` (m)
-    /// apart.
+    /// Of `flank` over the centre distances and misalignments of `axes`, where errors of the teeth are up to `spread` (m) apart.
     pub fn new(
         solver: &ContactSolver,
         flank: Flank,

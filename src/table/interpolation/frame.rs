@@ -15,23 +15,16 @@ pub struct Frame<const N: usize> {
     pub c: Basis<N>,
     pub m: Basis<N>,
     pub p: Basis<N>,
-    /// The approach at which contact begins.
     pub no_load: Coefficients<N>,
-    /// From there to the top load.
     pub span: Coefficients<N>,
 }
 
-/// A [`Frame`] at one point.
 pub struct Framed<const N: usize> {
-    /// Weights of centre distance, misalignment and mesh position.
     pub weights: Point<N>,
     /// Which of them are axes; the others cost nothing, and derivatives by them are zero.
     present: [bool; 3],
-    /// The approach at which contact begins, m.
     no_load: Jet,
-    /// From there to the top load, m.
     span: Jet,
-    /// Scaled displacement.
     pub u: f64,
     /// Whether the point is outside the range of centre distance or misalignment.
     pub outside: bool,
@@ -46,14 +39,12 @@ impl<const N: usize> Frame<N> {
 
     #[inline(always)]
     fn present<const AXES: usize>(&self) -> [bool; 3] {
-        if AXES == ANY {
-            [self.c.present(), self.m.present(), self.p.present()]
-        } else {
-            [AXES & 1 != 0, AXES & 2 != 0, AXES & 4 != 0]
+        match AXES {
+            ANY => [self.c.present(), self.m.present(), self.p.present()],
+            _ => [AXES & 1 != 0, AXES & 2 != 0, AXES & 4 != 0],
         }
     }
 
-    /// Memory of the coefficients.
     pub fn bytes(&self) -> usize {
         self.no_load.bytes() + self.span.bytes()
     }
@@ -98,7 +89,6 @@ impl<const N: usize> Frame<N> {
 }
 
 impl<const N: usize> Framed<N> {
-    /// The potential out of contact.
     #[inline(always)]
     pub fn none(&self) -> Potential {
         Potential {

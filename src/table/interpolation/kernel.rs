@@ -32,14 +32,11 @@ impl<const N: usize> Point<N> {
     }
 }
 
-/// Value and derivatives over (centre distance, misalignment, mesh position).
+/// Value and derivatives over (centre distance, misalignment, mesh position), the second ones CC, CM, CP, MM, MP, PP.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Jet {
-    /// Value.
     pub value: f64,
-    /// First derivatives.
     pub gradient: [f64; 3],
-    /// Second derivatives: CC, CM, CP, MM, MP, PP.
     pub second: [f64; 6],
 }
 
@@ -60,10 +57,8 @@ fn put<const N: usize>(lanes: Lanes, time: usize, to: &mut [f64; N], factor: f64
 #[derive(Clone, Copy)]
 struct Plane<const N: usize> {
     value: [f64; N],
-    /// Derivatives by centre distance and misalignment.
     c: [f64; N],
     m: [f64; N],
-    /// Second derivatives, only with `H`.
     cc: [f64; N],
     cm: [f64; N],
     mm: [f64; N],
@@ -161,17 +156,10 @@ impl<const N: usize> Coefficients<N> {
             values.extend_from_slice(row);
             values.resize(values.len().next_multiple_of(N), 0.0);
         }
-        Coefficients {
-            values,
-            strides: [
-                stride(groups * rows * nm),
-                stride(groups * rows),
-                stride(groups),
-            ],
-        }
+        let strides = [groups * rows * nm, groups * rows, groups].map(stride);
+        Coefficients { values, strides }
     }
 
-    /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         8 * self.values.len()
     }

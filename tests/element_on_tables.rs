@@ -105,17 +105,17 @@ fn the_loads_on_both_gears_balance_and_the_damper_gives_no_energy_at_any_state()
             let free = undamped(&table, formulation, interpolation);
             let mut damped = free.clone();
             damped.set_damping(damping);
-            let latch = free.latch(&free.nominal_inputs()).unwrap();
+            let phase = free.phase_offset(&free.nominal_inputs()).unwrap();
             let law = format!("{name}, {formulation:?}, {interpolation:?}");
             let (mut loaded, mut given, mut taken, mut worst) = (0, 0, 0, 0.0_f64);
             while loaded < STATES {
                 let inputs = state(&free, &table, &mut states);
-                let elastic = free.evaluate(&latch, &inputs).unwrap();
+                let elastic = free.evaluate(&phase, &inputs).unwrap();
                 if elastic.flank == 0 {
                     continue;
                 }
                 loaded += 1;
-                let out = damped.evaluate(&latch, &inputs).unwrap();
+                let out = damped.evaluate(&phase, &inputs).unwrap();
                 assert!(out.tangential_force >= 0.0, "{law}: teeth pull");
                 let ([f1, f2], [m1, m2]) = (out.force, out.moment);
                 let arm = inputs.gears[1].p - inputs.gears[0].p;
@@ -159,7 +159,7 @@ fn a_whole_mesh_cycle_ends_as_it_began_and_does_no_work() {
         // The linear interpolant's side terms jump: the sum over points is then not of spectral accuracy.
         for (interpolation, bar) in [(Spline, 1e-9), (Shepard, 1e-7), (Linear, 1e-4)] {
             let element = undamped(&table, Conjugate, interpolation);
-            let latch = element.latch(&element.nominal_inputs()).unwrap();
+            let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
             let points = 4000;
             let at = |n: usize| {
                 let mut inputs = element.nominal_inputs();
@@ -175,7 +175,7 @@ fn a_whole_mesh_cycle_ends_as_it_began_and_does_no_work() {
                     gear.r = *(tilts[i] * spin).matrix();
                     gear.w = tilts[i] * Vector3::z() * [1.0, ratio][i];
                 }
-                (element.evaluate(&latch, &inputs).unwrap(), inputs)
+                (element.evaluate(&phase, &inputs).unwrap(), inputs)
             };
             let (begin, _) = at(0);
             let (end, _) = at(points);

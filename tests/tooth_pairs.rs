@@ -75,6 +75,7 @@ impl Ready {
             contact: &self.contact,
             coverage: &self.coverage,
             coast_mirrors_drive: true,
+            friction: true,
         };
         sweep.record(axes, points, &QUIET).unwrap()
     }
@@ -194,6 +195,45 @@ fn the_force_with_class_6_errors_is_that_of_contact_at_run_time() {
         "{moment} {error:?}"
     );
     assert!(force < 1.5 * error.force_rms, "{force} {error:?}");
+}
+
+#[test]
+fn the_loss_with_class_6_errors_is_that_of_contact_at_run_time() {
+    let effects = Effects {
+        friction: true,
+        ..EFFECTS
+    };
+    let geometry = &READY.pair.geometry;
+    let level = TeethFlank::new(&RECORD, geometry, Flank::Drive, &effects).unwrap();
+    let contact = READY.contact.flank(Flank::Drive).unwrap().with_friction();
+    let mut random = Random::new(11);
+    for misalignment in [[-3e-3, -5e-4], [-5e-4, 5e-4], [5e-4, 3e-3]] {
+        for load in [0.05, 0.3, 0.7, 1.1] {
+            // Sum of the distances that the load slides by, on average 1 to 2 mm.
+            let (mut found, mut exact, mut n) = (0.0, 0.0, 0);
+            while n < 100 {
+                let mut q = query(&mut random);
+                q.misalignment = random.within(misalignment);
+                let (w, sliding) = level.evaluate_sliding(&q, [3, -2], false);
+                if !(load..2.0 * load).contains(&(w.gradient[0] / nominal()[0])) {
+                    continue;
+                }
+                let there = contact.potential(coordinates(&q), [3, -2], &mut Warm::default());
+                found += sliding.distance;
+                exact += there.unwrap().sliding.distance;
+                n += 1;
+            }
+            let error = found / exact - 1.0;
+            assert!(error.abs() < 0.02, "{misalignment:?} {load}: {error}");
+        }
+    }
+    let mut bare = RECORD.clone();
+    bare.drive.sliding = None;
+    let error = TeethFlank::new(&bare, geometry, Flank::Drive, &effects).unwrap_err();
+    assert!(
+        error.to_string().contains("gearmesh tables --friction"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -410,7 +450,7 @@ fn a_record_that_makes_no_sense_is_refused_by_field() {
     let coupling = "teeth.coupling_m_per_n";
     let on_coast = "teeth.coast_coupling_m_per_n";
     type Change = fn(&mut TeethRecord);
-    let changes: [(Change, &str); 13] = [
+    let changes: [(Change, &str); 14] = [
         (|r| r.last_place = r.first_place, "teeth.first_place"),
         (|r| r.last_place = f64::NAN, "teeth.first_place"),
         (|r| r.coupling_m_per_n = vec![vec![f64::NAN]], coupling),
@@ -445,6 +485,10 @@ fn a_record_that_makes_no_sense_is_refused_by_field() {
             "teeth.drive_errors[1].runout_angle_rad",
         ),
         (|r| r.drive.loa_force.truncate(3), "teeth.drive.loa_force_n"),
+        (
+            |r| r.drive.sliding.as_mut().unwrap().share.truncate(3),
+            "teeth.drive.sliding.share",
+        ),
     ];
     for (change, field) in changes {
         let mut record = good.clone();

@@ -2,6 +2,7 @@
 
 use super::error::refused;
 use super::interpolation::{Block, at_zero};
+use super::records::{LoadSamples, SlidingSamples};
 use super::{Query, TableError};
 use serde::{Deserialize, Serialize};
 
@@ -116,6 +117,9 @@ pub struct FlankGrid {
     /// off.
     #[serde(rename = "moment_nm")]
     pub moment: Option<Vec<f64>>,
+    /// How the load slides, for friction of tooth pairs one by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding: Option<SlidingSamples>,
 }
 
 impl FlankGrid {
@@ -138,6 +142,7 @@ impl FlankGrid {
             top_load_approach: rounded(&self.top_load_approach, 1e-7),
             loa_force: rounded(&self.loa_force, 1e-6),
             moment: self.moment.as_deref().map(|m| rounded(m, 1e-6)),
+            sliding: self.sliding.clone(),
         }
     }
 
@@ -214,7 +219,7 @@ impl FlankGrid {
         self.mapped(axis, nodes, pick)
     }
 
-    /// The grid with other `nodes` along `axis`; `map` takes a line of samples to those there.
+    /// The grid with other `nodes` along `axis`, without sliding; `map` takes a line of samples to those there.
     fn mapped(&self, axis: Axis, nodes: Vec<f64>, map: impl Fn(Vec<f64>) -> Vec<f64>) -> FlankGrid {
         let mapped = |values: &Vec<f64>| {
             let block = self.block(values);
@@ -229,6 +234,7 @@ impl FlankGrid {
             top_load_approach: mapped(&self.top_load_approach),
             loa_force: mapped(&self.loa_force),
             moment: self.moment.as_ref().map(mapped),
+            sliding: None,
         };
         *grid.axes.along_mut(axis) = nodes;
         grid
@@ -253,6 +259,9 @@ impl FlankGrid {
             if let Some(values) = values {
                 check_values(&format!("{flank}.{name}"), values, length)?;
             }
+        }
+        for (name, values) in self.sliding.iter().flat_map(SlidingSamples::columns) {
+            check_values(&format!("{flank}.sliding.{name}"), values, samples)?;
         }
         let ends = self.no_load_approach.iter().zip(&self.top_load_approach);
         if let Some((i, (low, high))) = ends.enumerate().find(|(_, (low, high))| high <= low) {

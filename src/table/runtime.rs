@@ -58,7 +58,7 @@ impl Effects {
     }
 
     /// Whether centre distance and misalignment are on.
-    fn axes(&self) -> [bool; 2] {
+    pub(super) fn axes(&self) -> [bool; 2] {
         [self.center_distance, self.misalignment]
     }
 }

@@ -203,6 +203,7 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
         top_load_approach: lines.iter().map(|l| l.delta[loads]).collect(),
         loa_force,
         moment: Some(moment),
+        sliding: None,
     };
     grid.check("samples")?;
     let maximum_torque = torques[nt - 1];

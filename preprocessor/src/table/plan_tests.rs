@@ -51,6 +51,7 @@ impl StaticPosition for Query {
             approach,
             loa_force,
             moment,
+            ..Sample::default()
         })
     }
 }
@@ -183,6 +184,7 @@ impl StaticPosition for Wedge {
             approach,
             loa_force,
             moment,
+            ..Sample::default()
         })
     }
 }

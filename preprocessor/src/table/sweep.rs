@@ -1,15 +1,16 @@
 //! Static solutions: where they come from, and the sweep that fills a grid with them.
 
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem, Prescribed};
+use gearmesh::friction::{FrictionLaw, Sliding};
 use gearmesh::gear::Flank;
-use gearmesh::table::{Axes, FlankGrid, TableError};
+use gearmesh::table::{Axes, FlankGrid, SlidingSamples, TableError};
 use gearmesh::words::rounded;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// One static equilibrium.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample {
     /// STE on the line of action at mid-face, m.
     pub approach: f64,
@@ -17,6 +18,8 @@ pub struct Sample {
     pub loa_force: f64,
     /// F_bt (z_c - z_ref), N m.
     pub moment: f64,
+    /// How the load slides; zero unless the source has a law of friction.
+    pub sliding: Sliding,
 }
 
 impl From<&ContactResult> for Sample {
@@ -25,6 +28,7 @@ impl From<&ContactResult> for Sample {
             approach: result.approach,
             loa_force: result.loa_force,
             moment: result.moment,
+            sliding: Sliding::default(),
         }
     }
 }
@@ -51,6 +55,10 @@ pub trait StaticSource: Sync {
         mesh_position: f64,
         center_distance_offset: f64,
     ) -> Result<Box<dyn StaticPosition + '_>, String>;
+    /// Law of friction that weights the sliding of its samples; `None`: they have none.
+    fn friction(&self) -> Option<FrictionLaw> {
+        None
+    }
 }
 
 /// How well the solves of a source went.
@@ -226,17 +234,22 @@ pub fn sweep(
         Ok(column)
     })?;
     // Of all `samples` in the order of the table, those with the indices `rows` of a column.
-    let rows = |rows: std::ops::Range<usize>, value: fn(&Sample) -> f64| -> Vec<f64> {
+    let rows = |rows: std::ops::Range<usize>| {
         let blocks = samples.chunks((nu + 1) * np);
-        let chosen = blocks.flat_map(|block| &block[rows.start * np..rows.end * np]);
-        chosen.map(value).collect()
+        blocks.flat_map(move |block| &block[rows.start * np..rows.end * np])
     };
+    let loaded = rows(1..nu + 1);
+    let sliding = source.friction().map(|law| {
+        let sliding: Vec<Sliding> = loaded.clone().map(|s| s.sliding).collect();
+        SlidingSamples::new(&sliding, law.is_local())
+    });
     Ok(FlankGrid {
         axes: axes.clone(),
-        no_load_approach: rows(0..1, |s| s.approach),
-        top_load_approach: rows(nu..nu + 1, |s| s.approach),
-        loa_force: rows(1..nu + 1, |s| s.loa_force),
-        moment: Some(rows(1..nu + 1, |s| s.moment)),
+        no_load_approach: rows(0..1).map(|s| s.approach).collect(),
+        top_load_approach: rows(nu..nu + 1).map(|s| s.approach).collect(),
+        loa_force: loaded.clone().map(|s| s.loa_force).collect(),
+        moment: Some(loaded.map(|s| s.moment).collect()),
+        sliding,
     })
 }
 

@@ -34,7 +34,7 @@ const MOST: usize = 24;
 
 #[derive(Debug)]
 pub struct Shepard {
-    frame: Frame<4>,
+    pub frame: Frame<4>,
     u: Basis<5>,
     /// Coefficients of h.
     mean: Vec<f64>,

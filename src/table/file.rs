@@ -12,13 +12,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// What `format` says.
 pub const FORMAT: &str = "gearmesh-tables";
 /// The version this program writes. It reads version 1, too, which took what a misalignment closes of helical flanks as M z
 /// instead of M (z + sigma y): where a file of it depends on that, it is refused.
 pub const VERSION: u32 = 2;
 
-/// The first version.
 const FIRST_VERSION: u32 = 1;
 
 /// Everything in a tables file. Arrays run over (centre distance, misalignment, displacement, mesh
@@ -235,10 +233,8 @@ impl TableFile {
     }
 }
 
-/// What stands before the checksum in the text.
 const CHECKSUM: &str = "\"checksum_sha256\":\"";
 
-/// The checksum of a file whose text is `unsealed`, its checksum empty.
 fn checksum(unsealed: &str) -> String {
     crate::words::hex(&Sha256::digest(unsealed.trim_end().as_bytes()))
 }

@@ -20,7 +20,6 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// Its name in files and messages.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Axis::CenterDistance => "center_distance_offset_m",
@@ -339,7 +338,6 @@ pub(super) fn check_axes(
     check_spacing(&name, &[positions, &[first + 1.0]].concat(), 1e-5)
 }
 
-/// Checks one axis; `may_be_one`: it may have a single value.
 pub(super) fn check_axis(name: &str, nodes: &[f64], may_be_one: bool) -> Result<(), TableError> {
     let count = nodes.len();
     if count < FEWEST && !(count == 1 && may_be_one) {

@@ -57,7 +57,6 @@ impl Effects {
         }
     }
 
-    /// Whether centre distance and misalignment are on.
     pub(super) fn axes(&self) -> [bool; 2] {
         [self.center_distance, self.misalignment]
     }
@@ -74,7 +73,6 @@ pub struct Table {
     teeth: Option<[TeethFlank; 2]>,
 }
 
-/// What there is of both flanks.
 #[derive(Debug)]
 struct Flanks<T> {
     drive: T,
@@ -104,7 +102,6 @@ impl<T> Flanks<T> {
     }
 }
 
-/// The `record` of an effect that is on.
 fn if_on<T>(on: bool, record: &Option<T>, missing: TableError) -> Result<Option<&T>, TableError> {
     match on {
         true => record.as_ref().ok_or(missing).map(Some),

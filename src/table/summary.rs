@@ -76,7 +76,6 @@ impl TableFile {
     }
 }
 
-/// Coordinates of a grid in the order of its samples.
 const GRID: [&str; 4] = [
     "centre distance",
     "misalignment",
@@ -120,7 +119,6 @@ impl TeethRecord {
 }
 
 impl LoadAxes {
-    /// Nodes in one line.
     fn in_words(&self) -> String {
         let [c, m, _, p] = GRID;
         in_words(self.lengths(), &[c, m, "force", p])

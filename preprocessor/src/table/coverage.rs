@@ -51,7 +51,6 @@ pub(super) fn graded_to(range: [f64; 2], n: usize, apart: f64) -> Vec<f64> {
     found.unwrap_or_else(|| graded(range, n, 12.0))
 }
 
-/// Least distance of neighbours.
 pub(super) fn closest(nodes: &[f64]) -> f64 {
     let apart = nodes.windows(2).map(|w| w[1] - w[0]);
     apart.fold(f64::INFINITY, f64::min)
@@ -133,7 +132,6 @@ pub fn tilt(
     Ok(least / (0.5 * geometry.face_overlap().1))
 }
 
-/// Seed of the points on which stated errors are measured.
 pub(super) const SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// A torque on gear 1, N m, at a query whose approach is not known yet.
@@ -187,7 +185,6 @@ impl Nominal {
     }
 }
 
-/// What `error` finds at each of `points`, in parallel.
 pub(super) fn errors<const K: usize>(
     points: Vec<OperatingPoint>,
     watch: &Watch,

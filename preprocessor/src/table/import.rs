@@ -24,7 +24,6 @@ pub const COLUMNS: [&str; 6] = [
 /// c x² = 11/12, -40/21, 1, -1/84 (no cubic, no quadratic, no constant part beyond); at x it is 19/28 k x.
 const ROUNDED_ONSET: f64 = 19.0 / 28.0;
 
-/// One row, as in the file.
 #[derive(Debug, Clone, Copy)]
 struct Row {
     line: u64,
@@ -213,7 +212,6 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
     })
 }
 
-/// `value` with two digits.
 fn two_digits(value: f64) -> f64 {
     format!("{value:.1e}").parse().unwrap_or(value)
 }
@@ -222,21 +220,18 @@ fn refused<T>(message: String) -> Result<T, TableError> {
     Err(TableError::Samples(message))
 }
 
-/// The first two neighbours for which `is_so`.
 fn neighbours(rows: &[Row], is_so: impl Fn(&Row, &Row) -> bool) -> Option<[&Row; 2]> {
     let mut pairs = rows.iter().zip(rows.iter().skip(1));
     let (a, b) = pairs.find(|(a, b)| is_so(a, b))?;
     Some([a, b])
 }
 
-/// The coordinates of a row.
 fn describe(values: [f64; 6]) -> String {
     let named = COLUMNS.iter().zip(values).take(4);
     let named: Vec<_> = named.map(|(k, v)| format!("{k} = {}", brief(v))).collect();
     named.join(", ")
 }
 
-/// `value` in no more digits than a line has room for.
 fn brief(value: f64) -> String {
     shown(&value.to_string())
 }
@@ -316,7 +311,6 @@ struct Line {
     force: Vec<f64>,
     /// dF/d delta, limited so that the cubic is monotone.
     slope: Vec<f64>,
-    /// z_c - z_ref.
     lever: Vec<f64>,
 }
 

@@ -27,7 +27,6 @@ const LARGEST_TO_RMS: f64 = 7.5;
 /// is interpolated, and it acts on bearings, not on the mesh.
 const MOMENT_TO_FORCE: f64 = 2.0;
 
-/// Grids that are swept at most.
 const ROUNDS: u64 = 4;
 
 /// Random points on which a grid is tried, and on which the chosen one's error is reported.
@@ -105,7 +104,6 @@ pub fn table_within(
     Ok((grid, found))
 }
 
-/// One choice of nodes along an axis.
 struct Choice {
     nodes: Vec<f64>,
     /// Mean square and largest error over nominal force.
@@ -201,7 +199,6 @@ fn first_choice(axis: Axis, nodes: &[f64]) -> (Vec<usize>, usize) {
     (first, most)
 }
 
-/// The splines through `grid`; `None` where its nodes lie too far apart for a table.
 fn through(grid: &FlankGrid) -> Result<Option<FlankTable>, TableError> {
     match FlankTable::new(grid, Interpolation::Spline) {
         Ok(table) => Ok(Some(table)),
@@ -213,7 +210,6 @@ fn through(grid: &FlankGrid) -> Result<Option<FlankTable>, TableError> {
 /// Error of nodes through which no table can be put: larger than any other.
 const NO_TABLE: f64 = 1e3;
 
-/// Fine lines along one axis.
 struct Lines {
     axis: Axis,
     nodes: Vec<f64>,
@@ -304,7 +300,6 @@ impl Lines {
         Ok((square, largest))
     }
 
-    /// Choices with more and more nodes.
     fn choices(&self) -> Result<Vec<Choice>, TableError> {
         let (nodes, n) = (&self.nodes, self.nodes.len());
         let (mut chosen, most) = first_choice(self.axis, nodes);

@@ -34,7 +34,6 @@ pub fn default_root_stress_axes(coverage: &Coverage, base_radius: f64) -> LoadAx
     load_axes(coverage, base_radius, misalignments, &forces)
 }
 
-/// `forces` are parts of that of the largest torque.
 fn load_axes(
     coverage: &Coverage,
     base_radius: f64,
@@ -151,7 +150,6 @@ impl<'a> RootStressSweep<'a> {
     }
 }
 
-/// Static contact under load on one flank of gear 1.
 struct LoadSweep<'a> {
     solver: &'a ContactSolver,
     flank: Flank,

@@ -17,7 +17,6 @@ pub struct Weights<const N: usize> {
 }
 
 impl<const N: usize> Weights<N> {
-    /// Weights of an axis that is not there: one function that is 1 everywhere.
     pub const fn constant() -> Self {
         let mut value = [0.0; N];
         value[0] = 1.0;
@@ -52,7 +51,6 @@ pub enum Ends {
 struct Cell<const N: usize> {
     start: f64,
     end: f64,
-    /// 1 / length.
     scale: f64,
     /// The functions as polynomials of the local coordinate in [0, 1], `[power][function]`.
     polynomials: [[f64; N]; N],
@@ -168,7 +166,6 @@ impl<const N: usize> Basis<N> {
         !self.present() || (x >= self.low && x < self.high)
     }
 
-    /// Whether `x` lies beyond the ends of the range.
     #[inline(always)]
     pub fn is_outside(&self, x: f64) -> bool {
         !self.holds(x) && x != self.high
@@ -217,7 +214,6 @@ impl<const N: usize> Basis<N> {
         w
     }
 
-    /// All weights inside the range, the end cell's polynomials beyond it.
     pub fn inside(&self, x: f64) -> Weights<N> {
         self.inside_of(Lanes::COMMON, x, 2)
     }

@@ -12,19 +12,16 @@ pub struct Block {
 }
 
 impl Block {
-    /// Distance in memory from one index of `axis` to the next.
     pub fn stride(&self, axis: usize) -> usize {
         self.lengths[axis + 1..].iter().product()
     }
 
-    /// Start of every line along `axis`.
     pub fn lines(&self, axis: usize) -> impl Iterator<Item = usize> + use<> {
         let (n, stride) = (self.lengths[axis], self.stride(axis));
         (0..self.values.len() / (n * stride))
             .flat_map(move |outer| (0..stride).map(move |inner| outer * n * stride + inner))
     }
 
-    /// The block with every line along `axis` summed, weighted by `row`.
     pub fn combined(&self, axis: usize, row: &[f64]) -> Block {
         self.mapped(axis, 1, |line| {
             vec![row.iter().zip(line).map(|(w, x)| w * x).sum()]
@@ -115,7 +112,6 @@ impl Fit {
         zeros.chain(repeated).take(self.stored).collect()
     }
 
-    /// `block` with every line along `axis` taken from values at nodes to coefficients.
     pub fn along(&self, axis: usize, block: &Block) -> Block {
         block.mapped(axis, self.stored, |line| self.coefficients(&line))
     }
@@ -143,7 +139,6 @@ pub struct Others<const N: usize> {
 }
 
 impl<const N: usize> Others<N> {
-    /// Of the nodes of centre distance, misalignment and mesh position.
     pub fn new([c, m, p]: [&[f64]; 3]) -> Result<Self, TableError> {
         let (c, along_c) = axis(c, Ends::Bounded, Axis::CenterDistance.name())?;
         let (m, along_m) = axis(m, Ends::Bounded, Axis::Misalignment.name())?;
@@ -198,7 +193,6 @@ struct Banded {
     above: usize,
     /// Row by row from `below` before the diagonal on: factors of the elimination, then what it left.
     rows: Vec<f64>,
-    /// The row that changed places with each.
     pivots: Vec<usize>,
 }
 
@@ -258,7 +252,6 @@ impl Banded {
         &mut self.rows[i * (self.below + self.above) + self.below + j]
     }
 
-    /// The solution with the right-hand side `b`.
     fn solved(&self, b: &[f64]) -> Vec<f64> {
         let (n, width) = (self.n, self.below + self.above);
         let row = |i: usize, columns: std::ops::Range<usize>| {

@@ -31,7 +31,6 @@ pub struct Framed<const N: usize> {
 }
 
 impl<const N: usize> Frame<N> {
-    /// The axes that there are as bits, for code that is compiled for them.
     pub fn axes(&self) -> usize {
         let [c, m, p] = self.present::<ANY>().map(usize::from);
         c | m << 1 | p << 2
@@ -49,7 +48,6 @@ impl<const N: usize> Frame<N> {
         self.no_load.bytes() + self.span.bytes()
     }
 
-    /// At `q`, with second derivatives if `H`.
     #[inline(always)]
     pub fn at<const H: bool, const AXES: usize>(&self, lanes: Lanes, q: &Query) -> Framed<N> {
         let present @ [by_c, by_m, by_p] = self.present::<AXES>();
@@ -77,7 +75,6 @@ impl<const N: usize> Frame<N> {
         }
     }
 
-    /// The scaled displacement at `q`.
     pub fn fraction(&self, q: &Query) -> f64 {
         self.at::<false, ANY>(Lanes::COMMON, q).u
     }
@@ -102,7 +99,6 @@ impl<const N: usize> Framed<N> {
         }
     }
 
-    /// Derivatives of u by y.
     #[inline(always)]
     fn scaled_gradient(&self, inverse: f64) -> [f64; 3] {
         let mut slopes = [0.0; 3];

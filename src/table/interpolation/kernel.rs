@@ -21,7 +21,6 @@ pub struct Point<const N: usize> {
 }
 
 impl<const N: usize> Point<N> {
-    /// How many functions of centre distance and of misalignment there are here.
     #[inline(always)]
     fn counts<const AXES: usize>(&self) -> [usize; 2] {
         if AXES == ANY {
@@ -43,7 +42,6 @@ pub struct Jet {
 /// Where the second derivative by coordinates i and j stands in [`Jet::second`].
 pub const SECOND: [[usize; 3]; 3] = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
 
-/// `to` += `factor` `from`; the first time `to` = `factor` `from`.
 #[inline(always)]
 fn put<const N: usize>(lanes: Lanes, time: usize, to: &mut [f64; N], factor: f64, from: &[f64; N]) {
     if time == 0 {
@@ -110,7 +108,6 @@ impl<const N: usize> Plane<N> {
         sum
     }
 
-    /// Closed along the mesh position.
     #[inline(always)]
     fn jet<const H: bool>(&self, wp: &Weights<N>) -> Jet {
         let mut jet = Jet {
@@ -146,7 +143,6 @@ pub struct Coefficients<const N: usize> {
 }
 
 impl<const N: usize> Coefficients<N> {
-    /// From the array of a fit with lengths (c, m, row, mesh position).
     pub fn new(block: &Block) -> Self {
         let [_, nm, rows, np] = block.lengths;
         let groups = np.div_ceil(N);
@@ -181,7 +177,6 @@ impl<const N: usize> Coefficients<N> {
         (rows, strides)
     }
 
-    /// A quantity that does not depend on the displacement, with second derivatives if `H`.
     #[inline(always)]
     pub fn field<const H: bool, const AXES: usize>(&self, lanes: Lanes, at: &Point<N>) -> Jet {
         let (rows, [c, m, _]) = self.cell::<AXES>(at, 0, 1);
@@ -221,13 +216,11 @@ impl<const N: usize> Coefficients<N> {
     }
 }
 
-/// A quantity over the displacement, as the chain rule needs it.
+/// A quantity over the displacement, its slope and second derivative by that, as the chain rule needs them; second derivatives of
+/// the quantity and first ones of the slope only with `H`.
 #[derive(Debug, Clone, Copy)]
 pub struct Shape {
-    /// The quantity; second derivatives only with `H`.
     pub value: Jet,
-    /// Its slope over the displacement, first derivatives only with `H`.
     pub slope: Jet,
-    /// Its second derivative by the displacement.
     pub curvature: f64,
 }

@@ -46,7 +46,6 @@ pub struct Shepard {
 }
 
 impl Shepard {
-    /// From the samples of one flank; `tensor` is the spline through the same.
     pub fn new(grid: &FlankGrid, tensor: Tensor<5, 4>) -> Result<Self, TableError> {
         let axes = &grid.axes;
         let u_nodes = &axes.displacement_fraction;
@@ -121,7 +120,6 @@ impl Shepard {
         factor.times(&g.through_stops(&stops))
     }
 
-    /// The potential at `q`, all derivatives with it.
     pub fn evaluate(&self, lanes: Lanes, q: &Query) -> Potential {
         let at = lanes.run(
             #[inline(always)]
@@ -260,7 +258,6 @@ impl AddAssign for Dual {
     }
 }
 
-/// A node that reaches the point along one axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Near {
     index: usize,
@@ -278,7 +275,6 @@ struct Line {
     scale: Vec<f64>,
     /// Nodes of the grid (a period of `nodes`).
     count: usize,
-    /// As far as any node reaches.
     reach: f64,
 }
 
@@ -305,7 +301,6 @@ impl Line {
         }
     }
 
-    /// Writes the nodes that reach `x`; returns them.
     #[inline]
     fn near<'a>(&self, x: f64, out: &'a mut [Near; MOST]) -> &'a [Near] {
         if self.count == 1 {
@@ -336,7 +331,6 @@ impl Line {
             return None;
         }
         let n = self.nodes.len();
-        // The middle period of a periodic axis.
         let i = if n == self.count { i } else { i + self.count };
         let first = i.clamp(1, n - 2) - 1;
         let t: [f64; 3] = from_fn(|k| (self.nodes[first + k] - self.nodes[i]) * self.scale[i]);
@@ -453,7 +447,6 @@ impl Scatter {
 fn weight(square: &Dual) -> Dual {
     let per = 1.0 / square.value.sqrt();
     let x = per - 1.0 / REACH;
-    // Derivatives of x by the square.
     let (d, dd) = (-0.5 * per.powi(3), 0.75 * per.powi(5));
     let bend = 6.0 * x * d * d + 3.0 * x * x * dd;
     square.chain(x * x * x, 3.0 * x * x * d, bend)

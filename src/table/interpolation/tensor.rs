@@ -24,7 +24,6 @@ use crate::vector::Lanes;
 pub struct Tensor<const NU: usize, const N: usize> {
     u: Basis<NU>,
     pub frame: Frame<N>,
-    /// w over (c, m, u, mesh position).
     shape: Coefficients<N>,
     /// Integral over u of the moment, likewise, where it is not dW/dM.
     moment: Option<Coefficients<N>>,
@@ -203,7 +202,6 @@ impl<const N: usize> Tensor<3, N> {
                           loadDependent = true";
             return refused(field, value, reason);
         }
-        // A line from the onset on.
         let line = |lever: Vec<f64>| vec![0.0, loa_force * lever[0]];
         let parts = Parts {
             u_breaks: &[0.0, 1.0],

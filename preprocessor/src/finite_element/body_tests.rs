@@ -1,5 +1,6 @@
 //! Rims, webs, hubs and foundations against an independent model of the whole gear and against closed forms.
 
+use super::mesh::Mesh;
 use super::*;
 use crate::samples;
 use approx::assert_relative_eq;
@@ -168,7 +169,7 @@ fn volume_of_rim_web_and_hub_is_that_of_their_rings() {
         let settings = Settings::new(refinement, 1);
         let [(with, quality), (without, _)] = [&gear, &disc].map(|gear| {
             let model = Model::new(gear, &settings).unwrap();
-            model.mesh().volume_and_quality()
+            Mesh::new(&model).volume_and_quality()
         });
         let rings: f64 = [(15e-3, 20e-3, 1e-3), (20e-3, 28e-3, 20e-3)]
             .iter()
@@ -178,6 +179,30 @@ fn volume_of_rim_web_and_hub_is_that_of_their_rings() {
             .sum();
         assert_relative_eq!(without - with, rings / gear.z(), max_relative = 1e-3);
         assert!(quality > 0.05, "{quality}");
+    }
+}
+
+#[test]
+fn flank_and_fillet_lie_where_the_outline_has_them() {
+    let webbed = webbed(20.0);
+    let disc = Gear {
+        body: None,
+        ..webbed.clone()
+    };
+    for gear in [disc, webbed] {
+        let mesh = Mesh::new(&Model::new(&gear, &Settings::new(Refinement::Normal, 0)).unwrap());
+        let (root, reference, tip) = (
+            gear.root_radius() - 1e-9,
+            gear.reference_radius() + 1e-9,
+            gear.tip_radius + 1e-9,
+        );
+        assert!(mesh.fillet.len() > 50 && mesh.flank.len() > 50);
+        let fillet = mesh.fillet.iter().map(|node| (*node, root..reference));
+        let flank = mesh.flank.iter().map(|flank| (flank.node, root..tip));
+        for (node, radii) in fillet.chain(flank) {
+            let [x, y, z] = mesh.points[node];
+            assert!(radii.contains(&x.hypot(y)) && (-1e-12..25e-3 + 1e-12).contains(&z));
+        }
     }
 }
 

@@ -3,7 +3,6 @@
 use super::condensation::condense;
 use super::mesh::{LoadColumn, Mesh};
 use super::outline::Outline;
-use super::section::Section;
 use super::*;
 use crate::samples;
 use approx::assert_relative_eq;
@@ -134,10 +133,12 @@ fn gear(kind: GearKind, teeth: u32, shift: f64, helix_deg: f64) -> Gear {
 #[test]
 fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
     let gear = gear(GearKind::External, 12, 0.3, 0.0);
-    let outline = Outline::new(&ToothProfile::new(&gear).unwrap());
-    let sizes = Discretization::of(Refinement::Coarse);
-    let section = Section::new(&outline, &sizes, gear.normal_module);
-    let sector = Mesh::new(&section, &outline, None, 0.0);
+    let settings = Settings {
+        plane_strain: true,
+        ..Settings::new(Refinement::Coarse, 1)
+    };
+    let model = Model::new(&gear, &settings).unwrap();
+    let sector = Mesh::new(&model);
 
     // All sectors with common sides, nothing kept: side 1 of sector s is side 0 of sector s + 1.
     let n = sector.points.len();
@@ -192,12 +193,7 @@ fn ring_of_condensed_sectors_is_the_whole_gear_in_one_piece() {
         .unwrap()
         .held_influence;
 
-    let settings = Settings {
-        plane_strain: true,
-        ..Settings::new(Refinement::Coarse, 1)
-    };
-    let model = Model::new(&gear, &settings).unwrap();
-    let influence = model.influence(settings.reach, &|_, _| true).unwrap();
+    let influence = model.influence(&|_, _| true).unwrap();
     let m = sector.flank.len();
     let scale = influence[0].amax();
     for i in 0..m {
@@ -247,7 +243,7 @@ fn meshes_of_usual_and_extreme_gears_are_sound() {
     for gear in &gears {
         for refinement in [Refinement::Coarse, Refinement::Normal, Refinement::Fine] {
             let solid = model::Model::new(gear, &Settings::new(refinement, 1)).unwrap();
-            let (volume, quality) = solid.mesh().volume_and_quality();
+            let (volume, quality) = Mesh::new(&solid).volume_and_quality();
             assert!(
                 quality > 0.05,
                 "z {} x {} quality {quality:.3}",

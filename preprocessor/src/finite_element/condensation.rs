@@ -138,14 +138,12 @@ impl Part {
     }
 }
 
-/// Place of a node that is held or hangs.
+/// Place of a held node.
 const NONE: usize = usize::MAX;
 
 struct Dissection<'a> {
     mesh: &'a Mesh,
-    /// Nodes whose unknowns each element knows.
-    carrying: Vec<Vec<usize>>,
-    /// Lowest and highest cell of the elements that know each node, by axis.
+    /// Lowest and highest cell of the elements of each node, by axis.
     cells: Vec<[[i32; 2]; 3]>,
     /// Place of each node in the order of elimination.
     places: Vec<usize>,
@@ -153,9 +151,8 @@ struct Dissection<'a> {
 
 impl<'a> Dissection<'a> {
     fn new(mesh: &'a Mesh) -> Dissection<'a> {
-        let carrying: Vec<Vec<usize>> = mesh.connectivity().map(|n| mesh.carrying(n)).collect();
         let mut cells = vec![[[i32::MAX, i32::MIN]; 3]; mesh.points.len()];
-        for (nodes, cell) in carrying.iter().zip(&mesh.cells) {
+        for (nodes, cell) in mesh.connectivity().zip(&mesh.cells) {
             for node in nodes {
                 for ([low, high], cell) in cells[*node].iter_mut().zip(cell) {
                     (*low, *high) = (*cell.min(low), *cell.max(high));
@@ -164,7 +161,6 @@ impl<'a> Dissection<'a> {
         }
         Dissection {
             mesh,
-            carrying,
             cells,
             places: vec![NONE; mesh.points.len()],
         }
@@ -172,12 +168,9 @@ impl<'a> Dissection<'a> {
 
     /// The free nodes without those of the sides.
     fn inside(&self) -> Vec<usize> {
-        let mut inside: Vec<bool> = self.mesh.held.iter().map(|held| !held).collect();
-        let apart = self.mesh.hanging.keys();
-        for node in apart.chain(self.mesh.sides.iter().flatten()) {
-            inside[*node] = false;
-        }
-        (0..inside.len()).filter(|node| inside[*node]).collect()
+        let mut apart = self.mesh.held.clone();
+        (self.mesh.sides.iter().flatten()).for_each(|node| apart[*node] = true);
+        (0..apart.len()).filter(|node| !apart[*node]).collect()
     }
 
     /// Gives the `nodes` that `elements` alone know their places from `first` on.
@@ -279,7 +272,11 @@ impl Condensation<'_> {
     /// Finds what `part` keeps and what its elimination takes.
     fn count(&self, part: &mut Part) {
         part.inner.iter_mut().for_each(|inner| self.count(inner));
-        let nodes = (part.elements.iter()).flat_map(|element| &self.dissection.carrying[*element]);
+        let mesh = self.dissection.mesh;
+        let nodes = part
+            .elements
+            .iter()
+            .flat_map(|element| mesh.nodes(*element));
         let nodes: Vec<usize> = nodes.copied().collect();
         let columns = self.entries(part).iter().map(|(_, column, _)| *column);
         let mut kept: Vec<usize> = (self.unknowns(&nodes).flatten().chain(columns))
@@ -340,12 +337,10 @@ impl Condensation<'_> {
             let rows = inner.kept.iter().map(|number| part.row(*number));
             front.add(&rows.zip(0..).collect::<Vec<_>>(), &left);
         }
-        let mesh = self.dissection.mesh;
-        let size = mesh.nodes_per_element();
         for element in &part.elements {
-            let nodes = &mesh.elements[size * element..size * (element + 1)];
-            let (nodes, stiffness) = mesh.stiffness(nodes, self.material);
-            let numbers = self.unknowns(&nodes).zip(0..);
+            let nodes = self.dissection.mesh.nodes(*element);
+            let stiffness = self.dissection.mesh.stiffness(nodes, self.material);
+            let numbers = self.unknowns(nodes).zip(0..);
             let mut rows: Vec<(usize, usize)> = numbers
                 .filter_map(|(number, at)| Some((part.row(number?), at)))
                 .collect();
@@ -416,7 +411,7 @@ mod tests {
             plane_strain: true,
             ..Settings::new(Refinement::Coarse, 0)
         };
-        let mesh = Model::new(&gear, &settings).unwrap().mesh();
+        let mesh = Mesh::new(&Model::new(&gear, &settings).unwrap());
         let material = [1.0, 0.3];
         // The free unknowns, those of the sides last.
         let mut order = Dissection::new(&mesh).inside();
@@ -426,7 +421,7 @@ mod tests {
         let at = |node: usize| order.iter().position(|other| *other == node);
         let mut whole = DMatrix::<f64>::zeros(n, n);
         for nodes in mesh.connectivity() {
-            let (nodes, k) = mesh.stiffness(nodes, material);
+            let k = mesh.stiffness(nodes, material);
             let rows: Vec<Option<usize>> = nodes.iter().map(|node| at(*node)).collect();
             for (i, j) in (0..k.nrows()).flat_map(|i| (0..k.nrows()).map(move |j| (i, j))) {
                 if let (Some(row), Some(column)) = (rows[i / 2], rows[j / 2]) {

@@ -9,7 +9,7 @@
 use super::element::shape;
 use super::flank::face_nodes;
 use super::mesh::{LoadColumn, Mesh};
-use super::model::{Model, twist};
+use super::model::Model;
 use nalgebra::Vector3;
 
 /// 1/sqrt(3), abscissa of the two-point Gauss rule.
@@ -86,7 +86,7 @@ impl FilletGrid {
                         let point =
                             FacePoint::new(model, mesh, [element, place.layer], [xi, *zeta]);
                         if number == 0 && at == 0 {
-                            grid.add(&point, twist(&model.gear));
+                            grid.add(&point, model.twist());
                             let [low, mid, high] = [0, 1, 2].map(|i| fillet[2 * element + i].1);
                             let curved = 0.5 * (low - 2.0 * mid + high) * xi * xi;
                             grid.arcs.push(mid + 0.5 * (high - low) * xi + curved);

@@ -213,7 +213,7 @@ mod tests {
     use crate::finite_element::Settings;
     use crate::finite_element::condensation::condense;
     use crate::finite_element::harmonics;
-    use crate::finite_element::mesh::LoadColumn;
+    use crate::finite_element::mesh::{LoadColumn, Mesh};
     use crate::finite_element::model::Model;
     use crate::samples;
     use gearmesh::gear::{Body, Gear, GearKind};
@@ -247,7 +247,7 @@ mod tests {
         for gear in [disc, webbed, ring] {
             let model = Model::new(&gear, &Settings::new(Refinement::Coarse, 0)).unwrap();
             // A few of the nodes tell of all.
-            let mesh = model.mesh();
+            let mesh = Mesh::new(&model);
             let columns: Vec<LoadColumn> = mesh.loads().into_iter().step_by(7).collect();
             let material = model.material();
             let sector = condense(&mesh, material, &columns, columns.len(), &|_| true).unwrap();

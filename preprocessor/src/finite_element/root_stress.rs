@@ -5,7 +5,7 @@
 //! fillet ([`super::fillet`]) are functionals of the displacement; carried along as columns beside the loads they give
 //! the map without a backward solution (reciprocity).
 
-use super::cache::{Stored, gear_in_words, get};
+use super::cache::{Stored, get};
 use super::fillet::{COMPONENTS, FilletGrid};
 use super::flank::{FlankGrid, Weights};
 use super::mesh::{LoadColumn, Mesh};
@@ -129,21 +129,17 @@ impl RootStress {
     }
 
     /// As [`RootStress::new`], by way of `cache` if there is one.
-    ///
-    /// # Errors
-    /// Those of [`RootStress::new`].
-    pub fn cached(
+    pub(super) fn cached(
         gear: &Gear,
         settings: &Settings,
         cache: Option<&ModelCache>,
         progress: &Progress<'_>,
     ) -> Result<(Self, Origin), FiniteElementError> {
         let model = Model::new(gear, settings)?;
-        let mesh = model.mesh();
+        let mesh = Mesh::new(&model);
         let (fillet, stress) = FilletGrid::new(&model, &mesh);
-        let what = format!("root stress, {}", gear_in_words(gear));
-        let (map, origin) = get(cache, &model, settings.reach, &what, || {
-            Map::new(&model, &mesh, &stress, settings.reach, progress)
+        let (map, origin) = get(cache, &model, "root stress, ", || {
+            Map::new(&model, &mesh, &stress, progress)
         })?;
         let found = RootStress {
             loads: model.grid,
@@ -266,14 +262,13 @@ impl Map {
         model: &Model,
         mesh: &Mesh,
         stress: &[LoadColumn],
-        reach: usize,
         progress: &Progress<'_>,
     ) -> Result<Map, FiniteElementError> {
         let mut columns = mesh.loads();
         let loads = columns.len();
         columns.extend_from_slice(stress);
-        let sectors = -(reach as i32)..=reach as i32;
-        let response = model.response(mesh, &columns, loads, sectors, progress)?;
+        let reach = model.reach as i32;
+        let response = model.response(mesh, &columns, loads, -reach..=reach, progress)?;
         let mut map = Map {
             entries: Vec::new(),
             units: Vec::new(),

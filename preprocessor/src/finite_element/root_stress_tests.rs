@@ -63,10 +63,10 @@ fn functionals_that_are_loads_answer_with_the_influence() {
         ..Settings::new(Refinement::Coarse, 2)
     };
     let model = Model::new(&gear, &plane).unwrap();
-    let mesh = model.mesh();
+    let mesh = Mesh::new(&model);
     let mut columns = mesh.loads();
     let loads = columns.len();
-    let influence = model.influence(2, &|_, _| true).unwrap();
+    let influence = model.influence(&|_, _| true).unwrap();
     columns.extend_from_within(..);
     let response = model
         .response(&mesh, &columns, loads, -2..=2, &|_, _| true)
@@ -90,7 +90,7 @@ fn functionals_that_are_loads_answer_with_the_influence() {
 fn stress_under(gear: &Gear, u: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<[f64; 3]> {
     let settings = Settings::new(Refinement::Coarse, 1).for_root_stress();
     let model = Model::new(gear, &settings).unwrap();
-    let mesh = model.mesh();
+    let mesh = Mesh::new(&model);
     let (_, functionals) = FilletGrid::new(&model, &mesh);
     let values: Vec<f64> = functionals
         .iter()

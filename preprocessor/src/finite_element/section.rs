@@ -14,6 +14,7 @@
 //! sector repeats around the gear. In a ring the same figure stands on its head. Where the body has a web, rows
 //! end at the inside of the rim and at the hub.
 
+use super::element::QUAD8;
 use super::grading::{divide, graded, graded_from_both, halved};
 use super::outline::{Outline, Polar};
 use super::settings::Discretization;
@@ -28,8 +29,7 @@ pub(super) struct Section {
     pub nodes: Vec<Polar>,
     /// Corners, then mid-edges, as [`super::element::QUAD8`].
     pub quads: Vec<[usize; 8]>,
-    /// (column, row) of each quadrilateral in the figure above: whole columns and rows of it are what
-    /// the matrix ordering cuts along.
+    /// (column, row) of each quadrilateral in the figure above, along which the matrix ordering cuts.
     pub cells: Vec<[i32; 2]>,
     /// Nodes along the loaded flank from the middle of the fillet to the tip (corner, mid-edge,
     /// corner, ...) with their arc length.
@@ -37,21 +37,13 @@ pub(super) struct Section {
     /// Nodes along root circle and fillet from the middle of the space to the form point (corner, mid-edge,
     /// corner, ...) with their arc length.
     pub fillet: Vec<(usize, f64)>,
-    /// Rows of quadrilaterals below the root, from there on.
-    pub rows: Vec<Row>,
+    /// Ends along z, m, of the web or the hub to which a row of quadrilaterals belongs, for each row below the root; None: as wide as
+    /// the face.
+    pub widths: Vec<Option<[f64; 2]>>,
     /// Nodes on the sector's sides at -half pitch and +half pitch in the same order, rigidly held ones
     /// left out.
     pub sides: [Vec<usize>; 2],
     pub held: Vec<usize>,
-}
-
-/// A row of quadrilaterals below the root.
-#[derive(Debug, Clone)]
-pub(super) struct Row {
-    /// Depth of its upper edge, m below where the blocks meet.
-    pub depth: f64,
-    /// Ends of the web or the hub along z, m, where the row belongs to one; None: as wide as the face.
-    pub width: Option<[f64; 2]>,
 }
 
 /// A place below the root: the share `t` of the way from there to the radius `target`, and the share of the whole
@@ -61,7 +53,7 @@ struct Depth {
     t: f64,
     target: f64,
     share: f64,
-    /// As [`Row::width`], above this place.
+    /// As in [`Section::widths`], above this place.
     width: Option<[f64; 2]>,
 }
 
@@ -203,12 +195,8 @@ impl Section {
         section.fillet = below
             .chain(above.take_while(|(_, arc)| *arc <= 0.0))
             .collect();
-        let depth = (stations.corner[0] - outline.held_radius).abs();
-        let row = |upper: &[Depth]| Row {
-            depth: upper[0].share * depth,
-            width: upper[1].width,
-        };
-        section.rows = stations.rows.windows(2).step_by(2).map(row).collect();
+        let below = stations.rows.iter().skip(1).step_by(2);
+        section.widths = below.map(|depth| depth.width).collect();
         let lowest = stations.rows.len() - 1;
         let free = if outline.is_free { lowest + 1 } else { lowest };
         section.sides =
@@ -289,21 +277,12 @@ impl Section {
         }
         for i in (0..columns - 1).step_by(2) {
             for j in (0..rows - 1).step_by(2) {
-                let at = |a: usize, b: usize| grid[i + a][j + b];
-                let mut quad = [
-                    at(0, 0),
-                    at(2, 0),
-                    at(2, 2),
-                    at(0, 2),
-                    at(1, 0),
-                    at(2, 1),
-                    at(1, 2),
-                    at(0, 1),
-                ];
+                let half = |c: f64| (1.0 + c) as usize;
+                let mut quad = QUAD8.map(|c| grid[i + half(c[0])][j + half(c[1])]);
                 if self.signed_area(&quad) < 0.0 {
-                    quad = [
-                        quad[0], quad[3], quad[2], quad[1], quad[7], quad[6], quad[5], quad[4],
-                    ];
+                    // The same corner first, the other way round.
+                    quad[1..4].reverse();
+                    quad[4..].reverse();
                 }
                 self.quads.push(quad);
                 let away = |from: i32, steps: usize| {
@@ -316,9 +295,10 @@ impl Section {
         grid
     }
 
-    /// The row below the root, from there on, of an element with the (column, row) `cell`; none for the tooth.
-    pub fn row_below_root(cell: [i32; 2]) -> Option<usize> {
-        usize::try_from(-1 - cell[1]).ok()
+    /// Ends along z of the part of the body to which an element with the (column, row) `cell` belongs, see [`Section::widths`].
+    pub fn width(&self, cell: [i32; 2]) -> Option<[f64; 2]> {
+        let row = usize::try_from(-1 - cell[1]).ok()?;
+        self.widths[row]
     }
 
     pub fn cartesian(&self, node: usize) -> [f64; 3] {

@@ -12,8 +12,8 @@ use gearmesh::gear::Gear;
 /// # Errors
 /// As [`super::FiniteElementCompliance::new`]: no usable tooth, too thin a rim.
 pub fn sector_unknowns(gear: &Gear, settings: &Settings) -> Result<usize, FiniteElementError> {
-    let mesh = Model::new(gear, settings)?.mesh();
-    let free = mesh.held.iter().filter(|held| !**held).count() - mesh.hanging.len();
+    let mesh = Mesh::new(&Model::new(gear, settings)?);
+    let free = mesh.held.iter().filter(|held| !**held).count();
     Ok(mesh.dimension * free)
 }
 
@@ -40,7 +40,7 @@ pub fn centre_line_compliance(
         z: [0.0, 1.0],
         roll: [roll; 2],
     };
-    let mesh = model.mesh();
+    let mesh = Mesh::new(&model);
     let of_nodes = mesh.loads();
     let weights = model.grid.weights(&segment);
     let load = (weights.iter())
@@ -52,9 +52,7 @@ pub fn centre_line_compliance(
     let direction = angle + std::f64::consts::FRAC_PI_2 - pressure_angle;
     let crossing = gear.base_radius() / direction.sin();
     let observed = shape_functions_at(&mesh, crossing)
-        .ok_or(FiniteElementError::NoCrossing {
-            radius_mm: 1e3 * crossing,
-        })?
+        .ok_or(FiniteElementError::NoCrossing(1e3 * crossing))?
         .into_iter()
         .flat_map(|(node, n)| {
             // Components in the node's own axes.

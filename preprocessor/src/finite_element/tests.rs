@@ -111,7 +111,7 @@ fn loads_on_a_tooth_displace_the_other_way_round_alike() {
         ..plane(Refinement::Coarse)
     };
     let model = Model::new(&gear, &settings).unwrap();
-    let influence = model.influence(settings.reach, &|_, _| true).unwrap();
+    let influence = model.influence(&|_, _| true).unwrap();
     let scale = influence[1].amax();
     for k in 1..17 {
         let difference = &influence[k] - influence[17 - k].transpose();

@@ -54,7 +54,6 @@ fn factor<const W: usize>(mut a: DMatrixViewMut<'_, f64>) -> Result<(), FiniteEl
     factor::<W>(right)
 }
 
-/// [`factor`] column by column.
 fn factor_block<const W: usize>(mut a: DMatrixViewMut<'_, f64>) -> Result<(), FiniteElementError> {
     let n = a.ncols() / W;
     for j in 0..n {

@@ -31,7 +31,6 @@ pub(super) struct FilletGrid {
 /// Components of stress at each point: along the profile, along the helix, shear; Pa.
 pub(super) const COMPONENTS: usize = 3;
 
-/// A place along the face where stress is observed.
 struct Place {
     layer: usize,
     /// m.
@@ -64,7 +63,6 @@ impl Place {
 /// A point of the face of an element.
 struct FacePoint {
     place: Vector3<f64>,
-    /// Unit normal, either way.
     normal: Vector3<f64>,
     /// Stress by the displacements.
     stress: [LoadColumn; COMPONENTS],
@@ -117,7 +115,6 @@ impl FilletGrid {
 }
 
 impl FacePoint {
-    /// The point `xi` along the profile and `zeta` along the face of one element and layer.
     fn new(
         model: &Model,
         mesh: &Mesh,

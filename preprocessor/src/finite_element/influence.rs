@@ -15,14 +15,11 @@ pub(super) const LARGEST: f64 = (1_u32 << 30) as f64;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Influence {
     unit: f64,
-    /// Rows and columns of each matrix.
     nodes: usize,
-    /// Column by column, matrix by matrix.
     entries: Vec<i32>,
 }
 
 impl Influence {
-    /// Rounds square `matrices` of equal size.
     pub fn new(matrices: &[DMatrix<f64>]) -> Influence {
         let entries = || matrices.iter().flat_map(|m| m.as_slice());
         let largest = entries().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -42,7 +39,6 @@ impl Influence {
         self.entries.len() / (self.nodes * self.nodes).max(1)
     }
 
-    /// Value of one unit, m/N.
     pub fn unit(&self) -> f64 {
         self.unit
     }

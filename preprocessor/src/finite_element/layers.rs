@@ -19,7 +19,6 @@ const WIDE_FACE: f64 = 15.0;
 pub(super) struct Layers {
     /// Ends of the layers, m from the z = 0 face, ascending. Those of the hub may lie beyond the face.
     pub stations: Vec<f64>,
-    /// The layers within the face.
     pub face: Range<usize>,
     body: Option<Body>,
 }
@@ -66,7 +65,6 @@ impl Layers {
         }
     }
 
-    /// Ends of the layers within the face, m.
     pub fn of_face(&self) -> &[f64] {
         &self.stations[self.face.start..=self.face.end]
     }

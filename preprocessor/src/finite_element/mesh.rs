@@ -103,7 +103,6 @@ impl Sweep<'_> {
         }
     }
 
-    /// Nodes of both sides of the sector.
     fn find_sides(&mut self) {
         let [left, right] = &self.model.section.sides;
         let twins: HashMap<_, _> = left.iter().zip(right).collect();
@@ -117,7 +116,6 @@ impl Sweep<'_> {
         }
     }
 
-    /// Nodes of the loaded flank and of the fillet next to it.
     fn find_surface(&mut self) {
         let Model {
             outline,
@@ -176,7 +174,6 @@ impl Mesh {
         self.flank.iter().map(load).collect()
     }
 
-    /// 8 (plane) or 20 (solid).
     pub fn nodes_per_element(&self) -> usize {
         if self.dimension == 2 { 8 } else { 20 }
     }

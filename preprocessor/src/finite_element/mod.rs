@@ -12,7 +12,7 @@
 //! are the matrices C_k of normal displacements of the flank nodes of tooth k per unit normal load on
 //! the flank nodes of tooth 0.
 //!
-//! A [`Segment`] is a line load spread across its contact line by a smooth kernel (`kernel`); weights f
+//! A [`Segment`] is a line load spread across its contact line by a smooth kernel; weights f
 //! on the flank nodes give the influence f_i^T C f_j. It contains the kernel's own local displacement, and
 //! [`FiniteElementCompliance::reference_lengths`] says how much, so that the sum with the Hertz contact
 //! does not depend on the kernel's width.
@@ -27,7 +27,6 @@ mod flank;
 mod grading;
 mod harmonics;
 mod influence;
-mod kernel;
 mod layers;
 mod mesh;
 mod model;
@@ -36,15 +35,13 @@ mod pair;
 mod ring;
 mod root_stress;
 mod section;
-mod sector;
 mod settings;
 
 pub use cache::{CachedModel, ModelCache, Origin};
 pub use error::FiniteElementError;
-pub use model::Stage;
+pub use model::{Stage, centre_line_compliance, sector_unknowns};
 pub use pair::{PairCompliance, pair_root_stress};
 pub use root_stress::{RootField, RootPoint, RootStress, SpreadSegments};
-pub use sector::{centre_line_compliance, sector_unknowns};
 pub use settings::{Discretization, Settings};
 
 use flank::{FlankGrid, Weights};

@@ -18,6 +18,7 @@ use super::element::QUAD8;
 use super::grading::{divide, graded, graded_from_both, halved};
 use super::outline::{Outline, Polar};
 use super::settings::Discretization;
+use gearmesh::gear::Gear;
 
 /// Elements along the flank over the one at the tip edge, where the load kernel is narrower.
 const FLANK_OVER_TIP: f64 = 4.0;
@@ -66,19 +67,16 @@ struct Stations<'a> {
     /// Middle of the fillet, where the blocks meet: arc length and place.
     corner_arc: f64,
     corner: Polar,
-    /// Arc lengths along the flank, from the corner to the tip.
     arcs: Vec<f64>,
     /// From the unloaded flank (0) to the loaded one (1).
     across: Vec<f64>,
-    /// From the root to the held surface.
     rows: Vec<Depth>,
-    /// Arc lengths from the corner on to the middle of the space.
     columns: Vec<f64>,
 }
 
 impl<'a> Stations<'a> {
-    /// `sizes` are in normal modules of `module` m.
-    fn new(outline: &'a Outline, sizes: &Discretization, module: f64) -> Self {
+    fn new(gear: &Gear, outline: &'a Outline, sizes: &Discretization) -> Self {
+        let module = gear.normal_module;
         let flank = sizes.flank_element * module;
         let fillet = sizes.fillet_element.map(|size| size * module);
         let along_involute = sizes.involute_element.map_or(flank, |size| size * module);
@@ -107,29 +105,27 @@ impl<'a> Stations<'a> {
             corner,
             arcs,
             across: halved(&across),
-            rows: below_root(outline, corner[0], root, sizes.growth),
+            rows: below_root(gear, corner[0], root, sizes.growth),
             columns: halved(&divide(0.0, land, root.min(0.5 * land))),
         }
     }
 
-    /// The line under the tooth, sagging between both corners, at `u` of [`Stations::across`].
     fn bottom(&self, u: f64) -> Polar {
         let [radius, angle] = self.corner;
         let sag = 0.067 * 2.0 * radius * angle * self.outline.kappa;
         [radius - 4.0 * sag * u * (1.0 - u), angle * (2.0 * u - 1.0)]
     }
 
-    /// Radius at `depth` below the surface at `radius`.
     fn down(&self, radius: f64, depth: Depth) -> f64 {
         radius + depth.t * (depth.target - radius)
     }
 }
 
 /// Places of the rows below the root, at half-element steps; the blocks meet at the radius `corner`.
-fn below_root(outline: &Outline, corner: f64, first: f64, growth: f64) -> Vec<Depth> {
-    let held = outline.held_radius;
+fn below_root(gear: &Gear, corner: f64, first: f64, growth: f64) -> Vec<Depth> {
+    let held = gear.held_radius;
     let depth = (corner - held).abs();
-    let inside_rim = outline.body.map_or(held, |body| body.rim_radius);
+    let inside_rim = gear.body.map_or(held, |body| body.rim_radius);
     let height = (corner - inside_rim).abs();
     let rim = graded(height, first, growth, height);
     let row = |t| Depth {
@@ -139,7 +135,7 @@ fn below_root(outline: &Outline, corner: f64, first: f64, growth: f64) -> Vec<De
         width: None,
     };
     let mut rows: Vec<Depth> = halved(&rim).into_iter().map(row).collect();
-    let Some(body) = outline.body else {
+    let Some(body) = gear.body else {
         return rows;
     };
     let mut annulus = |[outer, inner]: [f64; 2], width: [f64; 2], first: [f64; 2]| {
@@ -177,9 +173,8 @@ fn below_root(outline: &Outline, corner: f64, first: f64, growth: f64) -> Vec<De
 }
 
 impl Section {
-    /// Meshes the sector of `outline`; `sizes` are in normal modules of `module` m.
-    pub fn new(outline: &Outline, sizes: &Discretization, module: f64) -> Section {
-        let stations = Stations::new(outline, sizes, module);
+    pub fn new(gear: &Gear, outline: &Outline, sizes: &Discretization) -> Section {
+        let stations = Stations::new(gear, outline, sizes);
         let mut section = Section::default();
         let tooth = section.tooth(&stations);
         let under = section.under_tooth(&stations, &tooth);
@@ -198,11 +193,13 @@ impl Section {
         let below = stations.rows.iter().skip(1).step_by(2);
         section.widths = below.map(|depth| depth.width).collect();
         let lowest = stations.rows.len() - 1;
-        let free = if outline.is_free { lowest + 1 } else { lowest };
+        // A bore or the outside of a ring that rests on a foundation is free to move, and so is the bore of a shaft.
+        let is_shaft = gear.body.is_some_and(|body| body.is_shaft());
+        let free = lowest + usize::from(is_shaft || gear.foundation.is_some());
         section.sides =
             [&left, &right].map(|grid| grid[stations.columns.len() - 1][..free].to_vec());
         let columns = left.iter().chain(&under).chain(&right);
-        if !outline.body.is_some_and(|body| body.is_shaft()) {
+        if !is_shaft {
             section.held = columns.map(|column| column[lowest]).collect();
         }
         section.held.sort_unstable();
@@ -210,7 +207,6 @@ impl Section {
         section
     }
 
-    /// Block A.
     fn tooth(&mut self, at: &Stations) -> Grid {
         let tip = at.outline.point(at.outline.tip_arc);
         let top = |u: f64| [tip[0], tip[1] * (2.0 * u - 1.0)];

@@ -1,6 +1,6 @@
 //! What the caller chooses: level of refinement, plane strain or solid, kernel width.
 
-use super::kernel::{KERNEL_OVER_HERTZ, WIDEST_KERNEL};
+use super::flank::{KERNEL_OVER_HERTZ, WIDEST_KERNEL};
 use gearmesh::contact::widest_contact;
 use gearmesh::pair::{Pair, Refinement};
 

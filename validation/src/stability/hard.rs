@@ -172,9 +172,9 @@ pub fn report(_: &Context, data: &Data) -> Result<()> {
         let mut row = case.to_owned();
         for subject in &subjects {
             let element = &subject.element;
-            let latch = element.latch(&element.nominal_inputs())?;
+            let phase = element.phase_offset(&element.nominal_inputs())?;
             row += " | ";
-            row += &match element.evaluate(&latch, &make(subject)) {
+            row += &match element.evaluate(&phase, &make(subject)) {
                 Ok(out) => in_words(&out),
                 Err(error) => format!("refused: {error}"),
             };

@@ -21,8 +21,7 @@ use std::time::SystemTime;
 /// Changes with the layout of the file.
 const MAGIC: &[u8; 32] = b"gearmesh finite elements v0006\r\n";
 
-/// Changes with what is computed of section and layers: a method, or a constant that they do not show, such as how many modes of the sides and
-/// Fourier indices are left out, or how the result is rounded. What was kept is then not found.
+/// Changes with what is computed of section and layers: a method, or a constant that they do not show. What was kept is then not found.
 const VERSION: u32 = 7;
 
 /// How many bytes of the magic line all versions share: these tell a file of this cache from others.
@@ -197,8 +196,7 @@ pub(super) trait Stored: Sized {
     fn decode(bytes: &[u8]) -> Option<Self>;
 }
 
-/// What `compute` gives of `model`, by way of `cache` if there is one. `what` that is, in words, is part of its key. An
-/// unusable cache costs the time of a computation.
+/// What `compute` gives of `model`, by way of `cache` if there is one; `what` that is, in words, is part of its key.
 ///
 /// # Errors
 /// Those of `compute`.

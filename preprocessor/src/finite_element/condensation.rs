@@ -358,8 +358,7 @@ impl Front {
     }
 }
 
-/// Refuses work that takes `bytes` where the system says that it has less left; one that does not say takes all. A system that
-/// grants more than it has ends the program once the memory is used: no allocation fails.
+/// Refuses work that takes `bytes` where the system says that it has less left: one that grants more ends the program later.
 fn check_memory(bytes: usize) -> Result<(), FiniteElementError> {
     let state = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     match available(&state) {

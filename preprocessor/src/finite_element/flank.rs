@@ -64,8 +64,7 @@ impl FlankGrid {
     fn kernel(&self, roll: f64) -> Kernel {
         let edges = [self.arcs[0], self.arcs[self.arcs.len() - 1]];
         let arc = self.arc(roll);
-        // Not wider than the distance to the tip edge, so that the load stays where it acts, down to what the
-        // elements at the edge resolve.
+        // Not wider than the distance to the tip edge, so that the load stays where it acts, as far as the elements there resolve it.
         let least = self.edge_half_width().min(self.kernel_half_width);
         let half_width = (edges[1] - arc).clamp(least, self.kernel_half_width);
         Kernel::new(half_width, arc, edges)
@@ -153,8 +152,7 @@ fn local(x: f64, ends: &[f64], i: usize) -> f64 {
     2.0 * (x - ends[i]) / (ends[i + 1] - ends[i]) - 1.0
 }
 
-/// Cells of `ends` that `range` touches, as (cell, low, high) with the limits cut to the cell; what lies
-/// outside by rounding belongs to the outermost cells. With a single end there is one cell, the range.
+/// Cells of `ends` that `range` touches, as (cell, low, high), the limits cut to the cell. With a single end there is one cell.
 fn cells(ends: &[f64], range: [f64; 2]) -> Vec<(usize, f64, f64)> {
     let count = ends.len() - 1;
     if count == 0 {
@@ -180,8 +178,7 @@ pub(super) const KERNEL_OVER_HERTZ: f64 = 4.0;
 /// by more than 0.2 % (docs/theory/compliance.md).
 pub(super) const WIDEST_KERNEL: f64 = 0.35;
 
-/// Half-width of the kernel at the tip edge over the element there: what the elements resolve,
-/// measured with five Gauss points on half a kernel.
+/// Half-width of the kernel at the tip edge over the element there, which five Gauss points on half a kernel resolve.
 const EDGE_KERNEL_OVER_ELEMENT: f64 = 1.5;
 
 /// Distance from the edge at which a load gives way at a tip corner as one that half a kernel spreads from the edge on, over
@@ -224,8 +221,7 @@ impl Kernel {
         let low = ((flank[0] - line) / half_width).clamp(-1.0, 0.0);
         let mut high = room.clamp(0.0, 1.0);
         if high < 1.0 {
-            // With the edge at `high` from the middle, the centre of mass lies `high - mean(high)` from
-            // the edge: rising in `high` from the half kernel's value.
+            // The distance of the centre of mass from the edge rises with `high` from the half kernel's value.
             let distance = |high: f64| high - mean(low, high);
             high = bisection([0.0, high], 60, |high| distance(high) < room);
         }

@@ -8,10 +8,9 @@ use std::ops::Range;
 /// Growth of the layers away from the ends of the face and from the faces of a web.
 const GROWTH: f64 = 1.6;
 
-/// Face width, in normal modules, beyond which the layers in its middle grow with it, so that their number does not: loads
-/// change along the face on the scale of its width. Measured on helical pairs with faces of 17 and 23 modules: the mean
-/// transmission error changes by 5e-5, aligned, and 1.5e-4 under half a milliradian, its peak-to-peak by 1 nm, z_c by 1e-4 of
-/// the face width.
+/// Face width, in normal modules, beyond which the layers in its middle grow with it, so that their number does not: loads change
+/// along the face on the scale of its width. Measured with faces of 17 and 23 modules: the mean transmission error changes by 5e-5
+/// aligned and 1.5e-4 under half a milliradian, its peak-to-peak by 1 nm, z_c by 1e-4 of the face width.
 const WIDE_FACE: f64 = 15.0;
 
 /// Layers along z.

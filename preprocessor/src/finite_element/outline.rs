@@ -70,8 +70,7 @@ impl Outline {
         outline
     }
 
-    /// Arc length at the length of roll `roll`, m. Above the base circle this is also how a contact
-    /// just below the form point is placed.
+    /// Arc length at the length of roll `roll`, m; it also places a contact just below the form point.
     pub fn arc_at_roll(&self, roll: f64) -> f64 {
         self.kappa * (roll * roll - self.form_roll * self.form_roll) / (2.0 * self.base_radius)
     }

@@ -107,8 +107,7 @@ const FILLET_OVER_FLANK: f64 = 0.8;
 const FLANK_OVER_FLANK: f64 = 1.5;
 /// Units in the largest entry of a column: 2e-5 of it are the rounding.
 pub(super) const LARGEST: f64 = 32_000.0;
-/// Over the normal module: width over which the kernel of level normal spreads a line load. So near to a load the stress is that of its
-/// spreading: under the concentrated load at a tip corner it has no limit as the kernel becomes narrower.
+/// Over the normal module: distance from a load within which the stress is that of its spreading, without limit at a tip corner.
 const LOCAL_OVER_MODULE: f64 = 0.45;
 /// Half-width of the load kernel over the element: what the kernel needs to be resolved.
 const KERNEL_OVER_ELEMENT: f64 = 1.25;

@@ -47,8 +47,7 @@ pub(super) struct Section {
     pub held: Vec<usize>,
 }
 
-/// A place below the root: the share `t` of the way from there to the radius `target`, and the share of the whole
-/// way to the held surface, both about.
+/// A place below the root: the shares of the way to the radius `target` and of the whole way to the held surface, about.
 #[derive(Debug, Clone, Copy)]
 struct Depth {
     t: f64,

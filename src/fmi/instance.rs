@@ -4,6 +4,7 @@
 //! They are made when they are read and cached until one of these changes (`Instance::changed`), so that hosts may set
 //! and get in any order, value by value, and go back in time.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use nalgebra::SVector;
@@ -13,9 +14,9 @@ use super::inputs::{BODIES, InputValues, MAXIMUM_ORDER, Resolution};
 use super::lifecycle::{Function, Interface, State};
 use super::parameters::Settings;
 use super::resources::Resources;
-use super::state::{InstanceState, StoredStates};
+use super::state::{InstanceState, new_handle, unknown};
 use super::variables::{
-    Causality, FIRST_PARAMETER, INPUTS, VARIABLES, Variability, Variable, check_finite,
+    Causality, FIRST_PARAMETER, INPUTS, Kind, VARIABLES, Variability, Variable, check_finite,
     check_value, find, index, index_of, output_row,
 };
 use super::{Refusal, Severity};
@@ -29,7 +30,8 @@ use crate::words::number;
 pub struct Instance {
     pub(super) resources: Arc<Resources>,
     pub(super) state: InstanceState,
-    stored: StoredStates,
+    /// By handle, see [`Instance::store`].
+    stored: HashMap<usize, InstanceState>,
     /// Those of the parameters in `state`.
     settings: Settings,
     /// Made with the settings when first needed.
@@ -42,7 +44,8 @@ pub struct Instance {
     /// At the present state, if they were evaluated.
     outputs: Option<Evaluated>,
     slopes: Box<Jacobian>,
-    slopes_made: SlopesMade,
+    /// `None`: the slopes are not those of the present state; whether they have the row of the stiffness.
+    slopes_with_stiffness: Option<bool>,
     /// How often the gears left the range, for the log.
     departures: usize,
     /// Whether the log has a warning that the master does not step as `coupling` says.
@@ -56,15 +59,6 @@ struct Evaluated {
     all: Outputs,
     /// The FMU's, in the order of their variables.
     rows: [f64; CONTINUOUS_OUTPUTS],
-}
-
-/// What of the derivatives is that of the present state.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-enum SlopesMade {
-    None,
-    /// All but the row of the stiffness.
-    WithoutStiffness,
-    All,
 }
 
 /// The element and what it evaluates: the motions of the present inputs.
@@ -122,14 +116,14 @@ impl Instance {
                 loads: None,
                 out_of_range: false,
             },
-            stored: StoredStates::default(),
+            stored: HashMap::new(),
             settings: resources.starts.settings.clone(),
             element: None,
             workspace: Workspace::default(),
             motions: Inputs::default(),
             outputs: None,
             slopes: Box::new(Jacobian::zeros()),
-            slopes_made: SlopesMade::None,
+            slopes_with_stiffness: None,
             departures: 0,
             warned: false,
             discarded: None,
@@ -172,8 +166,7 @@ impl Instance {
     /// Names the state and where the function is allowed, or the interface it belongs to.
     #[inline]
     pub fn admit(&self, function: Function) -> Result<(), Refusal> {
-        let refusal = function.refusal(self.state(), self.state.interface);
-        refusal.map_or(Ok(()), |message| Err(Refusal::error(message)))
+        function.admit(self.state(), self.state.interface)
     }
 
     /// fmi2SetupExperiment.
@@ -246,7 +239,12 @@ impl Instance {
     /// # Errors
     /// A handle that is none of this instance.
     pub fn store(&mut self, handle: Option<usize>) -> Result<usize, Refusal> {
-        self.stored.store(handle, self.state.clone())
+        if let Some(handle) = handle {
+            self.stored(handle)?;
+        }
+        let handle = handle.unwrap_or_else(new_handle);
+        self.stored.insert(handle, self.state.clone());
+        Ok(handle)
     }
 
     /// fmi2SetFMUstate.
@@ -254,7 +252,7 @@ impl Instance {
     /// # Errors
     /// A handle that is none of this instance.
     pub fn restore(&mut self, handle: usize) -> Result<(), Refusal> {
-        self.go_to(self.stored.get(handle)?.clone())
+        self.go_to(self.stored(handle)?.clone())
     }
 
     /// fmi2FreeFMUstate.
@@ -262,7 +260,7 @@ impl Instance {
     /// # Errors
     /// A handle that is none of this instance.
     pub fn discard(&mut self, handle: usize) -> Result<(), Refusal> {
-        self.stored.discard(handle)
+        self.stored.remove(&handle).map(drop).ok_or_else(unknown)
     }
 
     /// fmi2SerializeFMUstate, and with its length fmi2SerializedFMUstateSize.
@@ -270,8 +268,7 @@ impl Instance {
     /// # Errors
     /// A handle that is none of this instance.
     pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, Refusal> {
-        let state = self.stored.get(handle)?;
-        Ok(state.to_bytes(&self.resources.unit.guid))
+        Ok(self.stored(handle)?.to_bytes(&self.resources.unit.guid))
     }
 
     /// fmi2DeSerializeFMUstate: a new handle.
@@ -281,7 +278,13 @@ impl Instance {
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
         let state = InstanceState::from_bytes(bytes, &self.resources.unit.guid)?;
         state.check(self.state.interface)?;
-        self.stored.store(None, state)
+        let handle = new_handle();
+        self.stored.insert(handle, state);
+        Ok(handle)
+    }
+
+    fn stored(&self, handle: usize) -> Result<&InstanceState, Refusal> {
+        self.stored.get(&handle).ok_or_else(unknown)
     }
 
     /// Goes to a state of this FMU.
@@ -300,7 +303,7 @@ impl Instance {
     #[inline]
     fn changed(&mut self) {
         self.outputs = None;
-        self.slopes_made = SlopesMade::None;
+        self.slopes_with_stiffness = None;
     }
 
     /// Takes other settings. An element in which only the damping differs stays: it is tunable, and tables are large.
@@ -317,14 +320,6 @@ impl Instance {
         self.settings = settings;
     }
 
-    /// fmi2SetReal; all or none.
-    ///
-    /// # Errors
-    /// As [`Instance::set`].
-    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Result<(), Refusal> {
-        self.set(Function::SetReal, references, values)
-    }
-
     /// fmi2SetReal, fmi2SetInteger, which serves enumerations, and fmi2SetBoolean, with 0 and 1; all or none.
     ///
     /// # Errors
@@ -332,7 +327,7 @@ impl Instance {
     /// that may not be set now.
     pub fn set<T: Copy + Into<f64>>(
         &mut self,
-        function: Function,
+        kind: Kind,
         references: &[u32],
         values: &[T],
     ) -> Result<(), Refusal> {
@@ -341,18 +336,18 @@ impl Instance {
             let value = value.into();
             // Most hosts set all inputs in every step: they are Real, always settable and unbounded (tested in `variables`).
             if index_of(reference).is_some_and(|i| i < INPUTS)
-                && function == Function::SetReal
+                && kind == Kind::Real
                 && value.is_finite()
             {
                 continue;
             }
-            let i = find(function, reference)?;
-            self.check_settable(function, &VARIABLES[i])?;
-            check_value(function, &VARIABLES[i], value)?;
+            let i = find(kind, reference)?;
+            self.check_settable(&VARIABLES[i])?;
+            check_value(&VARIABLES[i], value)?;
             parameters.get_or_insert(self.state.parameters)[i - FIRST_PARAMETER] = value;
         }
         if let Some(parameters) = parameters {
-            self.configure(Settings::new(function, &parameters)?);
+            self.configure(Settings::new(&parameters)?);
             self.state.parameters = parameters;
         }
         let mut moved = false;
@@ -370,7 +365,7 @@ impl Instance {
         Ok(())
     }
 
-    fn check_settable(&self, function: Function, variable: &Variable) -> Result<(), Refusal> {
+    fn check_settable(&self, variable: &Variable) -> Result<(), Refusal> {
         let initial = matches!(
             self.state(),
             State::Instantiated | State::InitializationMode
@@ -388,16 +383,7 @@ impl Instance {
             }
             (Causality::Output, _) => "is an output and cannot be set",
         };
-        let name = variable.name;
-        Err(Refusal::error(format!("{function}: {name} {reason}")))
-    }
-
-    /// fmi2GetReal: calls `put` with each value.
-    ///
-    /// # Errors
-    /// As [`Instance::get`].
-    pub fn get_real(&mut self, references: &[u32], put: impl FnMut(f64)) -> Result<(), Refusal> {
-        self.get(Function::GetReal, references, put)
+        Err(Refusal::error(format!("{} {reason}", variable.name)))
     }
 
     /// fmi2GetReal, fmi2GetInteger, which serves enumerations, and fmi2GetBoolean (0 and 1): calls `put` with each value.
@@ -406,12 +392,12 @@ impl Instance {
     /// Unknown references, wrong types; inputs or parameters at which there are no outputs.
     pub fn get(
         &mut self,
-        function: Function,
+        kind: Kind,
         references: &[u32],
         mut put: impl FnMut(f64),
     ) -> Result<(), Refusal> {
         for &reference in references {
-            let i = find(function, reference)?;
+            let i = find(kind, reference)?;
             put(match output_row(i) {
                 Some(row) => self.outputs()?.rows[row],
                 None if i < INPUTS => self.state.inputs.get(i),
@@ -525,23 +511,22 @@ impl Instance {
         known: &[u32],
         seeds: &[f64],
     ) -> Result<Vec<f64>, Refusal> {
-        const FUNCTION: Function = Function::GetDirectionalDerivative;
-        let rows = rows(FUNCTION, unknown)?;
+        let rows = rows(unknown)?;
         let mut direction = Direction::zeros();
         let mut by_parameters = [0.0; CONTINUOUS_OUTPUTS];
         for (&reference, &seed) in known.iter().zip(seeds) {
-            let i = find(FUNCTION, reference)?;
+            let i = find(Kind::Real, reference)?;
             let name = VARIABLES[i].name;
-            check_finite(FUNCTION, &format!("the seed of {name}"), seed)?;
+            check_finite(&format!("the seed of {name}"), seed)?;
             if i < INPUTS {
                 let (column, change) = self.state.inputs.direction(i, self.settings.orientation);
                 let mut columns = direction.fixed_rows_mut::<3>(column);
                 columns += change * seed;
             } else if output_row(i).is_some() {
-                return Err(Refusal::error(format!("{FUNCTION}: {name} is no input")));
+                return Err(Refusal::error(format!("{name} is no input")));
             } else if self.state.phase_offset.is_some() {
                 return Err(Refusal::error(format!(
-                    "{FUNCTION}: {name} is no input; by parameters there are derivatives in Initialization Mode alone"
+                    "{name} is no input; by parameters there are derivatives in Initialization Mode alone"
                 )));
             } else {
                 let slopes = self.by_parameter(i)?;
@@ -581,17 +566,19 @@ impl Instance {
     /// Derivatives of the outputs `rows` along `direction`. Before phases are taken those follow the pose.
     fn along(&mut self, rows: &[usize], direction: &Direction) -> Result<Vec<f64>, Refusal> {
         const STIFFNESS: usize = index::MESH_STIFFNESS - INPUTS;
-        let needed = match rows.contains(&STIFFNESS) {
-            true => SlopesMade::All,
-            false => SlopesMade::WithoutStiffness,
-        };
-        if self.slopes_made < needed {
-            self.slopes_made = SlopesMade::None;
-            let all = needed == SlopesMade::All;
+        let with_stiffness = rows.contains(&STIFFNESS);
+        if self.slopes_with_stiffness < Some(with_stiffness) {
+            self.slopes_with_stiffness = None;
             let ready = self.ready()?;
             let (phase, element) = (ready.phase_offset.as_ref(), ready.element);
-            element.slopes(phase, ready.motions, all, ready.slopes, ready.workspace)?;
-            self.slopes_made = needed;
+            element.slopes(
+                phase,
+                ready.motions,
+                with_stiffness,
+                ready.slopes,
+                ready.workspace,
+            )?;
+            self.slopes_with_stiffness = Some(with_stiffness);
         }
         let slopes: &Jacobian = &self.slopes;
         let slopes = slopes * direction;
@@ -613,22 +600,21 @@ impl Instance {
         orders: &[i32],
         values: &[f64],
     ) -> Result<(), Refusal> {
-        const FUNCTION: Function = Function::SetRealInputDerivatives;
         let mut inputs = self.state.inputs.clone();
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            let i = find(FUNCTION, reference)?;
+            let i = find(Kind::Real, reference)?;
             let name = VARIABLES[i].name;
             if i >= INPUTS {
-                return Err(Refusal::error(format!("{FUNCTION}: {name} is no input")));
+                return Err(Refusal::error(format!("{name} is no input")));
             }
             let known = usize::try_from(order).ok();
             let known = known.filter(|order| (1..=MAXIMUM_ORDER).contains(order));
             let order = known.ok_or_else(|| {
                 Refusal::error(format!(
-                    "{FUNCTION}: order {order} of {name}; orders 1 to {MAXIMUM_ORDER} are taken"
+                    "order {order} of {name}; orders 1 to {MAXIMUM_ORDER} are taken"
                 ))
             })?;
-            check_finite(FUNCTION, &format!("derivative {order} of {name}"), value)?;
+            check_finite(&format!("derivative {order} of {name}"), value)?;
             inputs.set_derivative(i, order, value);
         }
         self.state.inputs = inputs;
@@ -646,10 +632,9 @@ impl Instance {
         references: &[u32],
         orders: &[i32],
     ) -> Result<Vec<f64>, Refusal> {
-        const FUNCTION: Function = Function::GetRealOutputDerivatives;
         if let Some(order) = orders.iter().find(|order| **order != OUTPUT_ORDER) {
             return Err(Refusal::error(format!(
-                "{FUNCTION}: order {order}; order {OUTPUT_ORDER} is offered"
+                "order {order}; order {OUTPUT_ORDER} is offered"
             )));
         }
         let mut direction = Direction::zeros();
@@ -659,7 +644,7 @@ impl Instance {
                 direction.fixed_rows_mut::<3>(column).copy_from(rate);
             }
         }
-        self.along(&rows(FUNCTION, references)?, &direction)
+        self.along(&rows(references)?, &direction)
     }
 
     /// fmi2DoStep from the communication `point` over `step`, s: moves inputs with derivatives to the end of the step and
@@ -707,7 +692,7 @@ impl Instance {
             return Ok(());
         };
         if let Some(i) = end.fault() {
-            let what = "fmi2DoStep: an input overflows within the step";
+            let what = "an input overflows within the step";
             return Err(overflow(&self.state.inputs, i, what));
         }
         let before = self.state.clone();
@@ -772,12 +757,11 @@ fn overflow(inputs: &InputValues, i: usize, what: &str) -> Refusal {
 }
 
 /// Rows of the outputs with these references.
-fn rows(function: Function, references: &[u32]) -> Result<Vec<usize>, Refusal> {
+fn rows(references: &[u32]) -> Result<Vec<usize>, Refusal> {
     let row = |&reference: &u32| {
-        let i = find(function, reference)?;
-        output_row(i).ok_or_else(|| {
-            Refusal::error(format!("{function}: {} is no output", VARIABLES[i].name))
-        })
+        let i = find(Kind::Real, reference)?;
+        let name = VARIABLES[i].name;
+        output_row(i).ok_or_else(|| Refusal::error(format!("{name} is no output")))
     };
     references.iter().map(row).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fmi::resources::tests::{constant_stiffness, instance as started};
-use crate::fmi::variables::Kind;
+
 use crate::table::TableFile;
 
 /// An instance on the tables of the paper's pair, in initialization mode, with its nominal centre distance.
@@ -28,12 +28,12 @@ fn reference(i: usize) -> u32 {
 }
 
 fn set(instance: &mut Instance, i: usize, value: f64) {
-    instance.set_real(&[reference(i)], &[value]).unwrap();
+    instance.set(Kind::Real, &[reference(i)], &[value]).unwrap();
 }
 
 fn get(instance: &mut Instance, i: usize) -> f64 {
     let mut value = f64::NAN;
-    let read = instance.get_real(&[reference(i)], |x| value = x);
+    let read = instance.get(Kind::Real, &[reference(i)], |x| value = x);
     read.unwrap();
     value
 }
@@ -104,7 +104,7 @@ fn inputs_that_a_host_fills_with_zeros_are_refused_with_where_gear_2_belongs() {
         let start = format!("gear2.position[1] starts as {} m", geometry.center_distance);
         let mut instance = started(Interface::CoSimulation, geometry, None, &[]);
         let inputs: Vec<u32> = (0..48).collect();
-        instance.set_real(&inputs, &[0.0; 48]).unwrap();
+        instance.set(Kind::Real, &inputs, &[0.0; 48]).unwrap();
         let mut refused = instance.exit_initialization().unwrap_err();
         assert!(refused.message.contains(&start), "{refused}");
         instance.fail(&mut refused);
@@ -228,7 +228,7 @@ fn a_pose_that_cannot_be_discards_the_step_and_the_same_again_is_an_error() {
 fn in_initialization_mode_there_are_derivatives_by_real_parameters() {
     let mut instance = constant_stiffness(Interface::CoSimulation);
     let absolute = [reference(index::PHASE_REFERENCE)];
-    instance.set(Function::SetInteger, &absolute, &[2]).unwrap();
+    instance.set(Kind::Enumeration, &absolute, &[2]).unwrap();
     // At zero angles a tooth faces a tooth.
     let turn = -std::f64::consts::PI / 20.0;
     set(&mut instance, index::GEAR1_ANGLES_3, turn + 1e-4);
@@ -289,9 +289,9 @@ fn numbers_out_of_all_proportion_are_refused_in_few_digits() {
         }
     }
     let mut instance = constant_stiffness(Interface::CoSimulation);
-    let refused = instance.set_real(&[reference(index::DAMPING)], &[-1e308]);
+    let refused = instance.set(Kind::Real, &[reference(index::DAMPING)], &[-1e308]);
     assert_eq!(
         refused.unwrap_err().message,
-        "fmi2SetReal: damping = -1e308; set 0 or more"
+        "damping = -1e308; set 0 or more"
     );
 }

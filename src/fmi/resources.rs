@@ -91,11 +91,11 @@ impl Starts {
             starts[i] = *value;
         }
         let parameters = std::array::from_fn(|k| starts[FIRST_PARAMETER + k]);
-        let settings = Settings::new("start values", &parameters);
+        let settings = Settings::new(&parameters);
         Ok(Self {
             inputs: std::array::from_fn(|i| starts[i]),
             parameters,
-            settings: settings.map_err(|refusal| refusal.message)?,
+            settings: settings.map_err(|refusal| format!("start values: {refusal}"))?,
         })
     }
 }

@@ -22,6 +22,7 @@ pub(crate) mod part {
 pub trait Scalar:
     nalgebra::Scalar
     + Copy
+    + Default
     + PartialOrd
     + From<f64>
     + ClosedAddAssign
@@ -84,7 +85,7 @@ impl Scalar for f64 {
 }
 
 /// `re` + sum of `eps[i]` e_i with e_i e_j = 0: a value and its derivatives along the directions of [`part`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Dual {
     /// Value.
     pub re: f64,

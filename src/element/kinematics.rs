@@ -141,9 +141,7 @@ pub(crate) struct Map<T> {
 impl<T: Scalar> Map<T> {
     /// Map of a pose. The station is mid-face. In the paper's formulation it is gear 1's z = 0 face, and the penetration knows
     /// rotations about the axes alone: x without helix, H fixed.
-    ///
-    /// # Errors
-    /// Axes that do not run alike, base circles without a common tangent.
+    /// Errors: axes that do not run alike, base circles without a common tangent.
     #[inline(always)]
     pub(crate) fn new(
         k: &Constants,
@@ -393,8 +391,7 @@ impl<T: Scalar> Map<T> {
     }
 }
 
-/// # Errors
-/// The axes of `body` and `reference`, whose unit vectors have the product `cosine`, do not run alike.
+/// Errors: the axes of `body` and `reference`, whose unit vectors have the product `cosine`, do not run alike.
 #[inline(always)]
 pub(crate) fn check_tilt(body: &str, reference: &str, cosine: f64) -> Result<(), ElementError> {
     if cosine < TILT_LIMIT.cos() {

@@ -132,9 +132,7 @@ impl Law {
     }
 
     /// `flank` of the pair's table, with the effects that it was made for.
-    ///
-    /// # Errors
-    /// Tooth pairs are among the effects and the table does not have them.
+    /// Errors: tooth pairs are among the effects and the table does not have them.
     pub(crate) fn table(table: &Arc<Table>, flank: Flank) -> Result<Self, TableError> {
         let effects = *table.effects();
         let (source, mirrored) = if effects.teeth {
@@ -172,9 +170,7 @@ impl Law {
     /// Potential at the coordinates (delta, C - C_nominal, M, PMC) with the mesh cycles that
     /// passed on either gear. The derivatives of the stiffness are NaN unless `stiffness_slopes` asks for them: they cost
     /// two evaluations.
-    ///
-    /// # Errors
-    /// The law has no potential there.
+    /// Errors: the law has no potential there.
     #[inline(always)]
     pub(crate) fn respond<T: Scalar>(
         &self,
@@ -348,9 +344,7 @@ fn central_difference<E>(
 }
 
 /// The answer of a static contact solve at the coordinates `at`.
-///
-/// # Errors
-/// No solve succeeds.
+/// Errors: no solve succeeds.
 fn contact_answer(
     contact: &RuntimeContact,
     at: [f64; COORDINATES],

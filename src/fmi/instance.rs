@@ -7,8 +7,6 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use nalgebra::SVector;
-
 use super::clock::Clock;
 use super::inputs::{BODIES, InputValues, MAXIMUM_ORDER, Resolution};
 use super::lifecycle::{Function, Interface, State};
@@ -21,8 +19,8 @@ use super::variables::{
 };
 use super::{Refusal, Severity};
 use crate::element::{
-    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Element, ElementError, Formulation, Inputs,
-    Jacobian, Loads, Outputs, PhaseOffset, Prediction, Step, StepRequest, Workspace,
+    BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Direction, Element, ElementError, Formulation,
+    Inputs, Jacobian, Loads, Outputs, PhaseOffset, Prediction, Step, StepRequest, Workspace,
 };
 use crate::words::number;
 
@@ -81,14 +79,8 @@ impl Ready<'_> {
     }
 }
 
-/// A direction in the space of the motions of gear 1, gear 2 and carrier, as the columns of [`Jacobian`].
-type Direction = SVector<f64, { BODIES.len() * BODY_COLUMNS }>;
-
 /// Warnings that the gears have left the range, of one instance.
 const MOST_WARNINGS: usize = 100;
-
-/// In SI units; beyond it lies no position, angle or speed of a gear.
-const OUT_OF_PROPORTION: f64 = 1e12;
 
 /// Order of the output derivatives that are offered.
 const OUTPUT_ORDER: i32 = 1;
@@ -195,32 +187,35 @@ impl Instance {
     /// # Errors
     /// Parameters or poses that make no mesh; phases are as before.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
-        let outcome = self.take_phases();
-        if outcome.is_err() {
-            self.state.phase_offset = None;
-            self.changed();
-        }
-        let (center_distance, mesh_position) = outcome?;
+        let ready = self.ready()?;
+        let phase = ready.element.start(ready.motions)?;
+        self.state.phase_offset = Some(phase);
+        self.changed();
+        let outputs = self.outputs().map(|outputs| outputs.all);
+        let outputs = match outputs {
+            Ok(outputs) => outputs,
+            Err(refusal) => {
+                self.state.phase_offset = None;
+                return Err(refusal);
+            }
+        };
         self.watch_range();
         self.state.state = match self.state.interface {
             Interface::CoSimulation => State::StepComplete,
             Interface::ModelExchange => State::EventMode,
         };
-        let (time, name) = (self.time(), &self.resources.unit.name);
         let text = format!(
-            "initialized at t = {time} s: pair {name}, centre distance {center_distance} m, mesh position {mesh_position}"
+            "initialized: pair {}, centre distance {} m, mesh position {}",
+            self.resources.unit.name, outputs.center_distance, outputs.mesh_position
         );
-        self.events.push((Severity::Event, text));
+        self.report(Severity::Event, &text);
         Ok(())
     }
 
-    /// Takes the phases of the present pose. Centre distance and mesh position there.
-    fn take_phases(&mut self) -> Result<(f64, f64), Refusal> {
-        let ready = self.ready()?;
-        self.state.phase_offset = Some(ready.element.start(ready.motions)?);
-        self.changed();
-        let outputs = &self.outputs()?.all;
-        Ok((outputs.center_distance, outputs.mesh_position))
+    /// Leaves a message for the log.
+    fn report(&mut self, severity: Severity, text: &str) {
+        let text = format!("t = {} s: {text}", number(self.time()));
+        self.events.push((severity, text));
     }
 
     /// fmi2Reset: as after fmi2Instantiate; stored states stay valid.
@@ -288,9 +283,7 @@ impl Instance {
     }
 
     /// Goes to a state of this FMU.
-    ///
-    /// # Errors
-    /// A state that no instance of this FMU and interface has made; nothing is changed.
+    /// Errors: a state that no instance of this FMU and interface has made; nothing is changed.
     pub(super) fn go_to(&mut self, state: InstanceState) -> Result<(), Refusal> {
         self.configure(state.check(self.state.interface)?);
         self.state = state;
@@ -487,13 +480,7 @@ impl Instance {
     /// Of the output in `row`, or of `what` of it.
     fn not_finite(&self, what: &str, row: usize) -> Refusal {
         let what = format!("{what}{} is not finite", VARIABLES[INPUTS + row].name);
-        let i = self.state.inputs.largest();
-        if self.state.inputs.get(i).abs() > OUT_OF_PROPORTION {
-            return overflow(&self.state.inputs, i, &what);
-        }
-        Refusal::error(format!(
-            "{what}, though no input is out of proportion: check the parameters and the tables of the FMU"
-        ))
+        overflow(&self.state.inputs, self.state.inputs.largest(), &what)
     }
 
     /// fmi2GetDirectionalDerivative: derivatives of the `unknown` outputs, in their order, along the
@@ -680,11 +667,10 @@ impl Instance {
             let prediction = self.predict(step)?;
             let outputs = self.evaluated(prediction.outputs, Some(&prediction.loads))?;
             if prediction.seems_sequential && !std::mem::replace(&mut self.warned, true) {
-                let time = number(self.time());
-                let text = format!(
-                    "t = {time} s: the bodies follow the loads in the step just asked for, not in the one after it: set coupling = sequential"
+                self.report(
+                    Severity::Warning,
+                    "the bodies follow the loads in the step just asked for, not in the one after it: set coupling = sequential",
                 );
-                self.events.push((Severity::Warning, text));
             }
             self.changed();
             self.outputs = Some(outputs);
@@ -707,43 +693,32 @@ impl Instance {
 
     /// Reports when the gears leave the range where outputs are to be trusted, and when they come back.
     fn watch_range(&mut self) {
-        let Some(present) = &self.outputs else {
+        let Some(present) = self.outputs.as_ref().map(|outputs| outputs.all) else {
             return;
         };
-        let out_of_range = present.all.out_of_range.then_some(present.all);
-        if out_of_range.is_some() == self.state.out_of_range {
+        let out_of_range = present.out_of_range;
+        if std::mem::replace(&mut self.state.out_of_range, out_of_range) == out_of_range {
             return;
         }
-        self.state.out_of_range = out_of_range.is_some();
-        let time = number(self.time());
-        let (severity, text) = match out_of_range {
-            None => (Severity::Event, "in range again".to_owned()),
-            Some(outputs) => {
-                let reasons = match self.ready() {
-                    Ok(ready) => ready.element.out_of_range(ready.motions, &outputs),
-                    Err(_) => Ok(String::new()),
-                };
-                let reasons = reasons.unwrap_or_default();
-                self.departures += usize::from(!reasons.is_empty());
-                match self.departures {
-                    // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
-                    _ if reasons.is_empty() => {
-                        let text = "the load left the range of the table";
-                        (Severity::Event, text.to_owned())
-                    }
-                    ..=MOST_WARNINGS => (Severity::Warning, format!("out of range: {reasons}")),
-                    n if n == MOST_WARNINGS + 1 => {
-                        let text = format!(
-                            "out of range for the {n}th time: no more warnings of this follow"
-                        );
-                        (Severity::Warning, text)
-                    }
-                    _ => return,
-                }
-            }
+        if !out_of_range {
+            return self.report(Severity::Event, "in range again");
+        }
+        let reasons = match self.ready() {
+            Ok(ready) => ready.element.out_of_range(ready.motions, &present),
+            Err(_) => Ok(String::new()),
         };
-        self.events
-            .push((severity, format!("t = {time} s: {text}")));
+        let reasons = reasons.unwrap_or_default();
+        // Loads come and go with every oscillation; a pose out of range is somebody's mistake or decision.
+        if reasons.is_empty() {
+            return self.report(Severity::Event, "the load left the range of the table");
+        }
+        self.departures += 1;
+        if self.departures <= MOST_WARNINGS {
+            self.report(Severity::Warning, &format!("out of range: {reasons}"));
+        } else if self.departures == MOST_WARNINGS + 1 {
+            let text = "out of range once more: no more warnings of this follow";
+            self.report(Severity::Warning, text);
+        }
     }
 }
 

@@ -161,7 +161,8 @@ pub fn compute(
     let at_run_time = at_run_time.transpose()?;
     let begin = Instant::now();
     let teeth = at_run_time.as_ref().filter(|_| grid.teeth);
-    let teeth = teeth.map(|contact| sweeps.teeth(contact)).transpose()?;
+    let teeth = teeth.map(|contact| sweeps.teeth(contact, grid.friction));
+    let teeth = teeth.transpose()?;
     if let Some(record) = &teeth {
         let (time, words) = (seconds_since(begin), record.in_words());
         lines.push(format!("tooth pairs one by one: {time}, {words}"));

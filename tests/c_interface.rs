@@ -69,43 +69,6 @@ fn what_no_instance_can_be_made_of_is_refused_with_what_would_be_right() {
     }
 }
 
-#[test]
-fn an_instance_lives_from_instantiation_to_freeing() {
-    let folder = tempfile::tempdir().unwrap();
-    let uri = resources(folder.path(), &unit());
-    let guid = CString::new(GUID).unwrap();
-    let c = instantiate(&uri, &guid, fmi2CoSimulation).unwrap();
-    // Safety: `c` is a component; arrays are as long as passed, or wrong in a way that the FMU can see.
-    unsafe {
-        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), fmi2OK);
-        assert_eq!(fmi2EnterInitializationMode(c), fmi2OK);
-        assert_eq!(fmi2ExitInitializationMode(c), fmi2OK);
-        // All inputs and all outputs in one call each.
-        let vr = (0..48).collect::<Vec<u32>>();
-        let mut values = [0.0; 48];
-        let out = values.as_mut_ptr();
-        assert_eq!(fmi2GetReal(c, vr.as_ptr(), 48, out), fmi2OK);
-        assert_eq!(values[16], 80e-3);
-        values[5] = 1e-3; // gear1.angles[3]
-        assert_eq!(fmi2SetReal(c, vr.as_ptr(), 48, values.as_ptr()), fmi2OK);
-        assert_eq!(fmi2DoStep(c, 0.0, 1e-5, 1), fmi2OK);
-        let vr = (100..131).collect::<Vec<u32>>();
-        let mut results = [0.0; 31];
-        let out = results.as_mut_ptr();
-        assert_eq!(fmi2GetReal(c, vr.as_ptr(), 31, out), fmi2OK);
-        assert_eq!(results[24..26], [1.0, 0.0], "flank and outOfRange");
-        // 1 mrad on a pitch radius of 40 mm.
-        assert!((results[15] - 40e-6).abs() < 1e-15, "{}", results[15]);
-        assert!(results[7] > 0.0, "gear 2 is pushed along +y");
-        // A length that no array can have is seen before anything is read.
-        assert_eq!(fmi2GetReal(c, vr.as_ptr(), usize::MAX, out), fmi2Error);
-        assert_eq!(fmi2Reset(c), fmi2OK);
-        assert_eq!(fmi2FreeFMUstate(c, ptr::null_mut()), fmi2OK);
-        fmi2FreeInstance(c);
-        fmi2FreeInstance(ptr::null_mut());
-    }
-}
-
 /// Loads the library in the folder of this test, runs an instance, and unloads it again.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn load_and_unload(library: &CStr, uri: &CStr, guid: &CStr, kind: fmi2Type) {

@@ -270,12 +270,12 @@ impl<T: Scalar> Solution<T> {
         let zero = T::from(0.0);
         let mut flanks = [pose.unloaded(k, 0, x, phase), pose.unloaded(k, 1, x, phase)];
         // By the coordinates, of both flanks.
-        let mut slopes = Coordinates::zero();
+        let mut slopes = Coordinates::default();
         let mut sliding = [None; 2];
         for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {
             let Some(law) = law else { continue };
             let scale = el.law_scale(cos_phi);
-            let counts = if law.tells_teeth_apart() {
+            let counts = if law.tells_teeth_apart {
                 pose.counts(k, i, phase)
             } else {
                 [0; 2]

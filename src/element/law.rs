@@ -75,7 +75,8 @@ pub struct Workspace(pub(crate) [Warm; 2]);
 #[derive(Clone)]
 pub(crate) struct Law {
     source: Source,
-    tells_teeth_apart: bool,
+    /// Whether it needs to know which teeth are in mesh.
+    pub tells_teeth_apart: bool,
     /// Factors on the coordinates: 0 where the effect is off, -1 on the misalignment of a mirrored flank.
     coordinate_factors: [f64; COORDINATES],
     /// Likewise on the gradient.
@@ -215,12 +216,6 @@ impl Law {
     /// Whether it follows the centre distance and the misalignment.
     pub(crate) fn follows(&self) -> [bool; 2] {
         [1, 2].map(|i| self.coordinate_factors[i] != 0.0)
-    }
-
-    /// Whether it needs to know which teeth are in mesh.
-    #[inline]
-    pub(crate) fn tells_teeth_apart(&self) -> bool {
-        self.tells_teeth_apart
     }
 
     /// `sliding` at the coordinates `at`, which are those of `q`, with its slopes by differences where `q` carries derivatives.

@@ -56,11 +56,7 @@ impl Motion {
         let lengths = [x.norm_squared() - 1.0, y.norm_squared() - 1.0];
         let departures =
             [lengths[0], lengths[1], x.dot(&y), third.x, third.y, third.z].map(f64::abs);
-        // The largest one is not above their sum, as a rule far below the limit.
-        if departures.iter().sum::<f64>() <= ROTATION_TOLERANCE {
-            return Ok(());
-        }
-        let departure = departures.into_iter().fold(0.0, f64::max);
+        let departure = departures.iter().sum::<f64>();
         if departure > ROTATION_TOLERANCE {
             return Err(ElementError::Pose(format!(
                 "{body}: the orientation is no rotation (it departs from an orthonormal, right-handed matrix by {departure:.1e}); \

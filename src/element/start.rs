@@ -18,10 +18,8 @@ use crate::words::fixed;
 pub(crate) struct Covered {
     /// Actual minus nominal centre distance, m; `None`: the element does not look at it.
     center_distance_offset: Option<[f64; 2]>,
-    /// Misalignment, rad, of the drive flank; `None`: the element does not look at it.
-    misalignment: Option<[f64; 2]>,
-    /// Whether the coast flank has the range mirrored.
-    mirrored: bool,
+    /// Misalignment, rad, of drive and coast flank; `None`: the element does not look at it.
+    misalignment: [Option<[f64; 2]>; 2],
 }
 
 impl Covered {
@@ -32,21 +30,20 @@ impl Covered {
             _ => None,
         };
         let axes = &file.axes;
+        let drive = range(effects.misalignment, &axes.misalignment);
+        let coast = match file.coast {
+            Some(_) => drive,
+            None => drive.map(|[low, high]| [-high, -low]), // mirrored
+        };
         Self {
             center_distance_offset: range(effects.center_distance, &axes.center_distance_offset),
-            misalignment: range(effects.misalignment, &axes.misalignment),
-            mirrored: file.coast.is_none(),
+            misalignment: [drive, coast],
         }
     }
 
-    /// Misalignments of the flank with `sign`, rad.
-    fn misalignment(&self, sign: i32) -> Option<[f64; 2]> {
-        let [low, high] = self.misalignment?;
-        Some(if sign < 0 && self.mirrored {
-            [-high, -low]
-        } else {
-            [low, high]
-        })
+    /// That of the flank in `outputs`.
+    fn misalignment(&self, outputs: &Outputs) -> Option<[f64; 2]> {
+        self.misalignment[usize::from(outputs.flank < 0)]
     }
 }
 
@@ -146,7 +143,7 @@ impl Element {
             if let Some(covered) = &self.covered {
                 let offset = outputs.center_distance - k.center_distance;
                 if is_outside(covered.center_distance_offset, offset)
-                    || is_outside(covered.misalignment(outputs.flank), outputs.misalignment)
+                    || is_outside(covered.misalignment(outputs), outputs.misalignment)
                 {
                     reasons.push(self.pose_in_words(outputs));
                 }
@@ -192,7 +189,7 @@ impl Element {
         let Some(covered) = self.covered else {
             return 0.0;
         };
-        let tilts = covered.misalignment(outputs.flank);
+        let tilts = covered.misalignment(outputs);
         if tilts.is_some() && !is_outside(tilts, outputs.misalignment) {
             return 0.0;
         }
@@ -210,7 +207,7 @@ impl Element {
             let [low, high] = ends.map(|end| fixed(unit * end, digits));
             format!("tables {low} to {high}")
         };
-        let tilts = covered.misalignment(outputs.flank);
+        let tilts = covered.misalignment(outputs);
         let mut text = format!(
             "centre distance {}, misalignment {} mrad ({})",
             k.center_distance_in_words(outputs.center_distance),

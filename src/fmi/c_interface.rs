@@ -35,15 +35,12 @@ struct Component {
     log: Log,
 }
 
-/// Log category of events.
-const EVENTS: &str = "logEvents";
-
 /// The host's logger. The callbacks are copied: their struct is valid during fmi2Instantiate alone.
 struct Log {
     logger: fmi2CallbackLogger,
     environment: fmi2ComponentEnvironment,
     name: CString,
-    /// Which of [`LOG_CATEGORIES`] are on.
+    /// Which of [`LOG_CATEGORIES`], which are in the order of [`Severity`], are on.
     is_on: [bool; LOG_CATEGORIES.len()],
 }
 
@@ -51,7 +48,7 @@ impl Log {
     /// What `loggingOn` and fmi2SetDebugLogging without categories mean by debug logging is events alone: why a call was
     /// refused reaches the logger until the host switches that category off by its name.
     fn categories(debug: bool) -> [bool; LOG_CATEGORIES.len()] {
-        LOG_CATEGORIES.map(|category| debug || category != EVENTS)
+        std::array::from_fn(|i| debug || i != Severity::Event as usize)
     }
 
     /// fmi2SetDebugLogging: switches `names`; without any, all of them on, or debug logging off. Nothing is changed if
@@ -59,7 +56,7 @@ impl Log {
     fn switch(&mut self, on: bool, names: &[&str]) -> Result<(), Refusal> {
         let names = match (names, on) {
             ([], true) => &LOG_CATEGORIES[..],
-            ([], false) => &[EVENTS],
+            ([], false) => &LOG_CATEGORIES[..1],
             _ => names,
         };
         if let Some(unknown) = names.iter().find(|name| !LOG_CATEGORIES.contains(name)) {
@@ -77,15 +74,13 @@ impl Log {
     }
 
     fn write(&self, severity: Severity, text: &str) {
-        let category = category(severity);
-        let mut categories = LOG_CATEGORIES.iter().zip(self.is_on);
-        let is_on = categories.any(|(name, is_on)| is_on && *name == category);
-        let (Some(logger), true) = (self.logger, is_on) else {
+        let i = severity as usize;
+        let (Some(logger), true) = (self.logger, self.is_on[i]) else {
             return;
         };
         // '#' starts a reference to a variable in a message, '##' is the character.
         let text = c_string(&text.replace('#', "##"));
-        let category = c_string(category);
+        let category = c_string(LOG_CATEGORIES[i]);
         // Safety: the logger is the host's; the format takes one string, and all strings outlive it.
         unsafe {
             logger(
@@ -97,17 +92,6 @@ impl Log {
                 text.as_ptr(),
             );
         }
-    }
-}
-
-/// Log category of a message.
-const fn category(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Event => EVENTS,
-        Severity::Warning => "logStatusWarning",
-        Severity::Discard => "logStatusDiscard",
-        Severity::Error => "logStatusError",
-        Severity::Fatal => "logStatusFatal",
     }
 }
 
@@ -617,34 +601,14 @@ mod tests {
     }
 
     #[test]
-    fn refusals_are_logged_until_they_are_switched_off_by_name() {
+    fn log_categories_are_in_the_order_of_the_severities() {
         use Severity::*;
         let severities = [Event, Warning, Discard, Error, Fatal];
         let statuses = [fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal];
-        for (severity, status) in severities.into_iter().zip(statuses) {
-            assert_eq!(severity as fmi2Status, status);
-            assert!(LOG_CATEGORIES.contains(&category(severity)));
-        }
-        let mut log = log(None);
-        let unknown = log.switch(true, &[EVENTS, "logNonsense"]).unwrap_err();
-        assert!(unknown.message.contains("logNonsense"));
-        let on = |log: &Log, name: &str| {
-            let i = LOG_CATEGORIES.iter().position(|c| *c == name);
-            log.is_on[i.unwrap()]
-        };
-        assert!(on(&log, "logStatusError") && !on(&log, EVENTS));
-        for (switched, names, error, events) in [
-            (true, &[][..], true, true),
-            (false, &[], true, false),
-            (true, &[EVENTS], true, true),
-            (false, &["logStatusError"], false, true),
-            (false, &[], false, false),
-        ] {
-            log.switch(switched, names).unwrap();
-            let found = [on(&log, "logStatusError"), on(&log, EVENTS)];
-            assert_eq!(found, [error, events]);
-            assert!(on(&log, "logStatusFatal"));
-        }
+        assert_eq!(severities.map(|s| s as fmi2Status), statuses);
+        let names = ["Warning", "Discard", "Error", "Fatal"].map(|s| format!("logStatus{s}"));
+        assert_eq!(LOG_CATEGORIES[0], "logEvents");
+        assert_eq!(LOG_CATEGORIES[1..], names);
     }
 
     #[test]

@@ -99,9 +99,7 @@ functions! {
 
 impl Function {
     /// Whether the function may be called in `state` of an instance of `interface`.
-    ///
-    /// # Errors
-    /// It may not: names the states in which it may be, or the interface it belongs to.
+    /// Errors: it may not: names the states in which it may be, or the interface it belongs to.
     #[inline]
     pub fn admit(self, state: State, interface: Interface) -> Result<(), Refusal> {
         let (states, own) = self.rule();

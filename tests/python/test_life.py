@@ -132,7 +132,7 @@ def test_every_function_in_every_state(mesh, function, kind):
         enter(instance, state)
         status = instance.call(function, *calls(instance)[function])
         if function in foreign:
-            assert status == ERROR and f"{function} belongs to" in instance.log(), state
+            assert status == ERROR and f"{function}: belongs to" in instance.log(), state
         elif state in EVERY[function]:
             discards = function in ("fmi2GetIntegerStatus", "fmi2GetStringStatus")
             assert status == (DISCARD if discards else OK), (state, instance.log())

@@ -127,17 +127,17 @@ fn the_damper_gives_no_energy_at_any_state() {
             let free = undamped(&table, formulation, interpolation);
             let mut damped = free.clone();
             damped.set_damping(damping);
-            let latch = free.latch(&free.nominal_inputs()).unwrap();
+            let phase = free.phase_offset(&free.nominal_inputs()).unwrap();
             let law = format!("{name}, {formulation:?}, {interpolation:?}");
             let (mut loaded, mut given, mut taken, mut worst) = (0, 0, 0, 0.0_f64);
             while loaded < STATES {
                 let inputs = state(&free, &table, &mut states.next());
-                let elastic = free.evaluate(&latch, &inputs).unwrap();
+                let elastic = free.evaluate(&phase, &inputs).unwrap();
                 if elastic.flank == 0 {
                     continue;
                 }
                 loaded += 1;
-                let out = damped.evaluate(&latch, &inputs).unwrap();
+                let out = damped.evaluate(&phase, &inputs).unwrap();
                 assert!(out.tangential_force >= 0.0, "{law}: teeth pull");
                 let share = (power(&out, &inputs) - power(&elastic, &inputs))
                     / (flow(&elastic, &inputs) + flow(&out, &inputs));
@@ -172,10 +172,10 @@ fn forces_and_moments_on_both_gears_balance_at_every_state() {
             let element = undamped(&table, formulation, interpolation);
             let mut element = element.clone();
             element.set_damping(damping);
-            let latch = element.latch(&element.nominal_inputs()).unwrap();
+            let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
             for _ in 0..200 {
                 let inputs = state(&element, &table, &mut states.next());
-                let out = element.evaluate(&latch, &inputs).unwrap();
+                let out = element.evaluate(&phase, &inputs).unwrap();
                 let [f1, f2] = out.force;
                 assert!(
                     (f1 + f2).norm() <= 1e-13 * f1.norm(),
@@ -205,7 +205,7 @@ fn a_whole_mesh_cycle_ends_as_it_began_and_does_no_work() {
         // The linear interpolant's side terms jump: the sum over points is then not of spectral accuracy.
         for (interpolation, bar) in [(Spline, 1e-9), (Shepard, 1e-7), (Linear, 1e-4)] {
             let element = undamped(&table, Conjugate, interpolation);
-            let latch = element.latch(&element.nominal_inputs()).unwrap();
+            let phase = element.phase_offset(&element.nominal_inputs()).unwrap();
             let points = 4000;
             let at = |n: usize| {
                 let mut inputs = element.nominal_inputs();
@@ -221,7 +221,7 @@ fn a_whole_mesh_cycle_ends_as_it_began_and_does_no_work() {
                     gear.r = *(tilts[i] * spin).matrix();
                     gear.w = tilts[i] * Vector3::z() * [1.0, ratio][i];
                 }
-                (element.evaluate(&latch, &inputs).unwrap(), inputs)
+                (element.evaluate(&phase, &inputs).unwrap(), inputs)
             };
             let (begin, _) = at(0);
             let (end, _) = at(points);

@@ -63,6 +63,7 @@ static READY: LazyLock<Ready> = LazyLock::new(|| {
         contact: &contact,
         coverage: &coverage,
         coast_mirrors_drive: true,
+        friction: true,
     }
     .record(&axes(&coverage), 400, &QUIET)
     .unwrap();
@@ -196,12 +197,53 @@ fn the_force_with_class_6_errors_is_that_of_contact_at_run_time() {
 }
 
 #[test]
+fn the_loss_with_class_6_errors_is_that_of_contact_at_run_time() {
+    let effects = Effects {
+        friction: true,
+        ..EFFECTS
+    };
+    let geometry = &READY.pair.geometry;
+    let level = TeethFlank::new(&READY.record, geometry, Flank::Drive, &effects).unwrap();
+    let contact = READY.contact.flank(Flank::Drive).unwrap().with_friction();
+    let mut random = Random::new(11);
+    for misalignment in [[-3e-3, -5e-4], [-5e-4, 5e-4], [5e-4, 3e-3]] {
+        for load in [0.05, 0.3, 0.7, 1.1] {
+            // Sum of the distances that the load slides by, on average 1 to 2 mm.
+            let (mut found, mut exact, mut n) = (0.0, 0.0, 0);
+            while n < 100 {
+                let mut q = query(&mut random);
+                q.misalignment = random.within(misalignment);
+                let (w, sliding) = level.evaluate_sliding(&q, [3, -2], false);
+                if !(load..2.0 * load).contains(&(w.gradient[0] / nominal()[0])) {
+                    continue;
+                }
+                let there = contact.potential(coordinates(&q), [3, -2], &mut Warm::default());
+                found += sliding.distance;
+                exact += there.unwrap().sliding.distance;
+                n += 1;
+            }
+            let error = found / exact - 1.0;
+            println!("{misalignment:?} rad, {load}: {error:.4}");
+            assert!(error.abs() < 0.02, "{misalignment:?} {load}: {error}");
+        }
+    }
+    let mut bare = READY.record.clone();
+    bare.drive.sliding = None;
+    let error = TeethFlank::new(&bare, geometry, Flank::Drive, &effects).unwrap_err();
+    assert!(
+        error.to_string().contains("gearmesh tables --friction"),
+        "{error}"
+    );
+}
+
+#[test]
 fn under_small_loads_the_transmission_error_is_that_of_contact_at_run_time() {
     let sweep = TeethSweep {
         solver: &READY.solver,
         contact: &READY.contact,
         coverage: &READY.coverage,
         coast_mirrors_drive: true,
+        friction: false,
     };
     let record = sweep.record(&default_teeth_axes(&READY.coverage), 1, &QUIET);
     let level = level(&record.unwrap());
@@ -264,6 +306,7 @@ fn stated_error(text: &str) -> (TeethRecord, f64) {
         contact: &contact_file(&pair, &solver).unwrap(),
         coverage: &coverage,
         coast_mirrors_drive: true,
+        friction: false,
     }
     .record(&axes, 200, &QUIET)
     .unwrap();
@@ -519,6 +562,10 @@ fn a_record_that_makes_no_sense_is_refused_by_field() {
     refused(
         &|r| r.drive.loa_force.truncate(3),
         "teeth.drive.loa_force_n",
+    );
+    refused(
+        &|r| r.drive.sliding.as_mut().unwrap().share.truncate(3),
+        "teeth.drive.sliding.share",
     );
     // A coupling beyond what tooth pairs give way has no single solution.
     let mut record = good.clone();

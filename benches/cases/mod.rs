@@ -153,11 +153,13 @@ fn element(parameters: &Parameters, ask: Ask) -> Run {
     );
     let table = Arc::new(Table::from_file(file).expect("a legal table"));
     let element = Element::new(&pair.geometry, parameters, Some(table)).expect("legal parameters");
-    let latch = element.latch(&element.nominal_inputs()).expect("a mesh");
+    let phase = element
+        .phase_offset(&element.nominal_inputs())
+        .expect("a mesh");
     let poses = poses(&element);
     let loaded = poses
         .iter()
-        .filter(|x| element.evaluate(&latch, x).is_ok_and(|y| y.flank != 0))
+        .filter(|x| element.evaluate(&phase, x).is_ok_and(|y| y.flank != 0))
         .count();
     assert!(10 * loaded > 9 * POINTS, "only {loaded} poses in contact");
     let mut direction = InputsChange::default();
@@ -168,13 +170,13 @@ fn element(parameters: &Parameters, ask: Ask) -> Run {
         let x = black_box(&poses[i % POINTS]);
         match ask {
             Ask::Wrench => {
-                let _ = black_box(element.evaluate(&latch, x));
+                let _ = black_box(element.evaluate(&phase, x));
             }
             Ask::DirectionalDerivative => {
-                let _ = black_box(element.directional_derivative(&latch, x, &direction));
+                let _ = black_box(element.directional_derivative(&phase, x, &direction));
             }
             Ask::Jacobian => {
-                let _ = black_box(element.jacobian(&latch, x, &mut jacobian));
+                let _ = black_box(element.jacobian(&phase, x, &mut jacobian));
             }
         }
     })

@@ -12,7 +12,7 @@ use super::dual::{Scalar, fraction, lift, whole_turns, wrap};
 use super::error::ElementError;
 use super::kinematics::{Coordinates, Map};
 use super::law::Workspace;
-use super::motion::{Inputs, Latch, Motion, Outputs};
+use super::motion::{Inputs, Motion, Outputs, PhaseOffset};
 use super::paper::Carried;
 use super::{Element, Formulation, Parameters};
 use crate::gear::teeth::Counts;
@@ -21,7 +21,7 @@ use nalgebra::Vector3;
 
 /// A pose as the formulation sees it.
 pub(crate) struct Pose<T> {
-    /// Coordinates; x before the latch, not wrapped.
+    /// Coordinates; x before the phase offset, not wrapped.
     pub coordinates: Coordinates<T>,
     /// Lever of M in the penetration that the law takes, m; zero but for the paper's (19).
     pub lever: T,
@@ -60,7 +60,7 @@ impl<T: Scalar> Pose<T> {
         })
     }
 
-    /// Mesh position of flank `i` before the latch, (13).
+    /// Mesh position of flank `i` before the phase offset, (13).
     #[inline(always)]
     pub(crate) fn mesh_position(&self, k: &Constants, i: usize) -> T {
         self.coordinates.mesh_angle * (-FLANKS[i].sign() / k.pitch_angle) + k.mesh_zero[i]
@@ -69,23 +69,23 @@ impl<T: Scalar> Pose<T> {
     /// Mesh cycles that passed on gear 1 and gear 2 under flank `i`, from the pose alone: the whole part of the mesh position,
     /// which starts anew with every turn of gear 1, and on gear 2 that less the whole turns of the tooth angle, in
     /// which both gears differ.
-    pub(crate) fn counts(&self, k: &Constants, i: usize, latch: &Latch<T>) -> Counts {
+    pub(crate) fn counts(&self, k: &Constants, i: usize, phase: &PhaseOffset<T>) -> Counts {
         let s = FLANKS[i].sign();
-        let first = (self.mesh_position(k, i).re() + s * latch.mesh_position.re()).floor();
-        let angle = self.coordinates.turn.re() / k.per_tooth_angle + latch.tooth_angle.re();
+        let first = (self.mesh_position(k, i).re() + s * phase.mesh_position.re()).floor();
+        let angle = self.coordinates.turn.re() / k.per_tooth_angle + phase.tooth_angle.re();
         [first as i64, (first - s * whole_turns(angle)) as i64]
     }
 
     /// Flank `i` without load, with the part `x` (m) of its penetration that is odd in its sign.
     #[inline(always)]
-    fn unloaded(&self, k: &Constants, i: usize, x: T, latch: &Latch<T>) -> FlankLoad<T> {
+    fn unloaded(&self, k: &Constants, i: usize, x: T, phase: &PhaseOffset<T>) -> FlankLoad<T> {
         let sign = FLANKS[i].sign();
         let zero = T::from(0.0);
         FlankLoad {
             sign,
             penetration: x * sign - self.coordinates.half_gap,
             misalignment: self.misalignment(i),
-            mesh_position: fraction(self.mesh_position(k, i) + latch.mesh_position * sign),
+            mesh_position: fraction(self.mesh_position(k, i) + phase.mesh_position * sign),
             elastic: zero,
             arm: zero,
             damping: zero,
@@ -243,7 +243,7 @@ impl<T: Scalar> Solution<T> {
     #[inline(always)]
     pub(crate) fn new(
         el: &Element,
-        latch: &Latch<T>,
+        phase: &PhaseOffset<T>,
         inputs: &Inputs,
         stiffness_slopes: bool,
         workspace: &mut Workspace,
@@ -262,11 +262,11 @@ impl<T: Scalar> Solution<T> {
         let twist = pose.map.twist(&inputs.gears);
         let rates = pose.map.rates(&twist);
         let mesh = Engagement::new(k, c, q.axial);
-        let x = wrap(q.turn * (1.0 / k.per_tooth_angle) + latch.tooth_angle) * k.per_tooth_angle;
+        let x = wrap(q.turn * (1.0 / k.per_tooth_angle) + phase.tooth_angle) * k.per_tooth_angle;
 
         let mut out_of_range = mesh.leaving;
         let zero = T::from(0.0);
-        let mut flanks = [pose.unloaded(k, 0, x, latch), pose.unloaded(k, 1, x, latch)];
+        let mut flanks = [pose.unloaded(k, 0, x, phase), pose.unloaded(k, 1, x, phase)];
         // By the coordinates, of both flanks.
         let mut slopes = Coordinates::zero();
         let mut sliding = [None; 2];
@@ -274,7 +274,7 @@ impl<T: Scalar> Solution<T> {
             let Some(law) = law else { continue };
             let scale = el.law_scale(cos_phi);
             let counts = if law.tells_teeth_apart() {
-                pose.counts(k, i, latch)
+                pose.counts(k, i, phase)
             } else {
                 [0; 2]
             };
@@ -414,7 +414,7 @@ fn carrying_flank<T: Scalar>(flanks: &[FlankLoad<T>; 2], reference: usize) -> (u
 
 /// Stress in the roots of gear 1 and gear 2 under the loads of both `flanks`, Pa: the larger one.
 ///
-/// Apart from the loads, which most units compute alone.
+/// Apart from the loads, which most FMUs compute alone.
 #[inline(never)]
 fn root_stress<T: Scalar>(
     table: &Table,

@@ -22,7 +22,7 @@ pub enum ElementError {
     NoTable,
     /// The parameters ask for contact at run time and none was given.
     #[error(
-        "stiffnessModel = contact, but the unit does not hold the contact of its pair: build it with `gearmesh build \
+        "stiffnessModel = contact, but the FMU does not hold the contact of its pair: build it with `gearmesh build \
          --contact`, or set stiffnessModel = table"
     )]
     NoContact,

@@ -7,7 +7,7 @@ use super::contact::Solution;
 use super::dual::{Dual, part};
 use super::error::ElementError;
 use super::law::Workspace;
-use super::motion::{CONTINUOUS_OUTPUTS, Inputs, Latch};
+use super::motion::{CONTINUOUS_OUTPUTS, Inputs, PhaseOffset};
 use crate::vector::{Lanes, Work};
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -69,12 +69,12 @@ impl Element {
     /// As [`Element::evaluate`].
     pub fn directional_derivative(
         &self,
-        latch: &Latch,
+        phase: &PhaseOffset,
         inputs: &Inputs,
         direction: &InputsChange,
     ) -> Result<[f64; CONTINUOUS_OUTPUTS], ElementError> {
         let mut jacobian = Jacobian::zeros();
-        self.jacobian(latch, inputs, &mut jacobian)?;
+        self.jacobian(phase, inputs, &mut jacobian)?;
         let slopes: &Jacobian = &jacobian; // a product with the matrix itself would copy it
         Ok((slopes * direction.to_vector()).into())
     }
@@ -89,38 +89,38 @@ impl Element {
     /// As [`Element::evaluate`].
     pub fn jacobian(
         &self,
-        latch: &Latch,
+        phase: &PhaseOffset,
         inputs: &Inputs,
         jacobian: &mut Jacobian,
     ) -> Result<(), ElementError> {
         let workspace = &mut Workspace::default();
-        self.slopes(Some(latch), inputs, true, jacobian, workspace)
+        self.slopes(Some(phase), inputs, true, jacobian, workspace)
     }
 
-    /// As [`Element::jacobian`]; without `latch` with phases that follow the pose ([`Element::latch`]), and with the row of
+    /// As [`Element::jacobian`]; without `phase` with phases that follow the pose ([`Element::phase_offset`]), and with the row of
     /// the stiffness only if `stiffness_slopes`: else it may hold NaN.
     ///
     /// # Errors
     /// As there.
     pub(crate) fn slopes(
         &self,
-        latch: Option<&Latch>,
+        phase: Option<&PhaseOffset>,
         inputs: &Inputs,
         stiffness_slopes: bool,
         jacobian: &mut Jacobian,
         workspace: &mut Workspace,
     ) -> Result<(), ElementError> {
         inputs.check(self.with_carrier())?;
-        let latch = match latch {
-            Some(latch) => Latch {
-                tooth_angle: latch.tooth_angle.into(),
-                mesh_position: latch.mesh_position.into(),
+        let phase = match phase {
+            Some(phase) => PhaseOffset {
+                tooth_angle: phase.tooth_angle.into(),
+                mesh_position: phase.mesh_position.into(),
             },
             None => self.phases(inputs)?,
         };
         Lanes::widest().run_long(Filling {
             element: self,
-            latch: &latch,
+            phase: &phase,
             inputs,
             stiffness_slopes,
             jacobian,
@@ -132,7 +132,7 @@ impl Element {
 /// One Jacobian to be filled.
 struct Filling<'a> {
     element: &'a Element,
-    latch: &'a Latch<Dual>,
+    phase: &'a PhaseOffset<Dual>,
     inputs: &'a Inputs,
     stiffness_slopes: bool,
     jacobian: &'a mut Jacobian,
@@ -145,7 +145,7 @@ impl Work for Filling<'_> {
     #[inline(always)]
     fn run(self) -> Self::Output {
         let (inputs, stiffness) = (self.inputs, self.stiffness_slopes);
-        let solution = Solution::new(self.element, self.latch, inputs, stiffness, self.workspace)?;
+        let solution = Solution::new(self.element, self.phase, inputs, stiffness, self.workspace)?;
         let rows = solution.outputs.to_array();
         let columns = &mut self.jacobian.data.0;
         for lane in 0..12 {

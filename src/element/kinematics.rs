@@ -221,7 +221,7 @@ impl<T: Scalar> Map<T> {
         })
     }
 
-    /// Coordinates at the pose `gears` of the map in the conjugate formulation, with x before the latch and not wrapped.
+    /// Coordinates at the pose `gears` of the map in the conjugate formulation, with x before the phase offset and not wrapped.
     #[inline(always)]
     pub(crate) fn coordinates(&self, k: &Constants, [g1, g2]: &[Motion; 2]) -> Coordinates<T> {
         let [bx, by, _] = self.b;

@@ -29,7 +29,7 @@
 //!
 //! Known limits: gears are rigid apart from the mesh; misalignment to first order, tilts up to 0.1 rad
 //! and meaningful within the table's range; errors of teeth with [`StiffnessModel::Teeth`] and [`StiffnessModel::Contact`] alone.
-//! An evaluation remembers nothing: phase zeros ([`Latch`]) and where a contact solve starts ([`Workspace`]) are the
+//! An evaluation remembers nothing: phase offsets ([`PhaseOffset`]) and where a contact solve starts ([`Workspace`]) are the
 //! caller's. It allocates under contact at run time alone.
 
 mod constants;
@@ -51,7 +51,7 @@ pub use dual::Scalar;
 pub use error::ElementError;
 pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
 pub use law::{Elasticity, FlankLaws, Workspace};
-pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Latch, Motion, Outputs};
+pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Motion, Outputs, PhaseOffset};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
 pub use prediction::{Coupling, Loads, Prediction, Step, StepRequest};
 
@@ -265,8 +265,8 @@ impl Element {
     /// # Errors
     /// A pose without meaning (see [`ElementError`]), or at which a law has no potential. Gears out of reach of one another
     /// are no error: they feel no force.
-    pub fn evaluate(&self, latch: &Latch, inputs: &Inputs) -> Result<Outputs, ElementError> {
-        self.evaluate_from(latch, inputs, &mut Workspace::default())
+    pub fn evaluate(&self, phase: &PhaseOffset, inputs: &Inputs) -> Result<Outputs, ElementError> {
+        self.evaluate_from(phase, inputs, &mut Workspace::default())
     }
 
     /// As [`Element::evaluate`], faster under contact at run time, from `workspace` of the last evaluation.
@@ -275,12 +275,12 @@ impl Element {
     /// As [`Element::evaluate`].
     pub fn evaluate_from(
         &self,
-        latch: &Latch,
+        phase: &PhaseOffset,
         inputs: &Inputs,
         workspace: &mut Workspace,
     ) -> Result<Outputs, ElementError> {
         inputs.check(self.with_carrier())?;
-        Ok(Solution::new(self, latch, inputs, false, workspace)?.outputs)
+        Ok(Solution::new(self, phase, inputs, false, workspace)?.outputs)
     }
 
     fn with_carrier(&self) -> bool {

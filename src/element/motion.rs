@@ -222,16 +222,16 @@ impl<T: Scalar> Outputs<T> {
     }
 }
 
-/// Phase zeros, taken once from the initial pose. They belong to the state of a simulation.
+/// Phase offsets, taken once from the initial pose. They belong to the state of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
-pub struct Latch<T = f64> {
+pub struct PhaseOffset<T = f64> {
     /// Added to the tooth angle z1 (theta1 - gamma) + e z2 (theta2 - gamma), rad; 2 pi is one pitch.
     pub tooth_angle: T,
     /// Added to the mesh position of the drive flank (taken off the coast flank's), base pitches.
     pub mesh_position: T,
 }
 
-impl<T: Scalar> Latch<T> {
+impl<T: Scalar> PhaseOffset<T> {
     /// The phases of the body frames.
     pub(crate) fn zero() -> Self {
         Self {

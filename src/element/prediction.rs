@@ -21,7 +21,7 @@ use super::constants::FLANKS;
 use super::contact::{Mesh, Solution};
 use super::error::ElementError;
 use super::law::Workspace;
-use super::motion::{Inputs, Latch, Motion, Outputs};
+use super::motion::{Inputs, Motion, Outputs, PhaseOffset};
 
 /// In which step a master lets the loads act that it reads after a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -142,14 +142,14 @@ impl Element {
     /// As [`Element::evaluate`], at the communication point.
     pub fn predict(
         &self,
-        latch: &Latch,
+        phase: &PhaseOffset,
         inputs: &Inputs,
         last: Option<&Step>,
         request: &StepRequest,
         workspace: &mut Workspace,
     ) -> Result<Prediction, ElementError> {
         inputs.check(self.with_carrier())?;
-        let solution = Solution::new(self, latch, inputs, false, workspace)?;
+        let solution = Solution::new(self, phase, inputs, false, workspace)?;
         let outputs = solution.outputs;
         let mut prediction = Prediction {
             outputs,
@@ -185,7 +185,7 @@ impl Element {
         }
         if let Some(motion) = self.approach(&step, request)
             && let Some((loads, mean)) =
-                self.step_loads(latch, inputs, (prediction.loads, force), &motion, workspace)
+                self.step_loads(phase, inputs, (prediction.loads, force), &motion, workspace)
         {
             prediction.loads = loads;
             step.next = mean;
@@ -235,7 +235,7 @@ impl Element {
     /// `None`: it leads where the element has no loads.
     fn step_loads(
         &self,
-        latch: &Latch,
+        phase: &PhaseOffset,
         inputs: &Inputs,
         now: (Loads, f64),
         motion: &Approach,
@@ -253,7 +253,7 @@ impl Element {
             let time = motion.start + ahead;
             if time > 0.0 {
                 let there = self.moved(inputs, time, y, u);
-                let solution = Solution::new(self, latch, &there, false, workspace).ok()?;
+                let solution = Solution::new(self, phase, &there, false, workspace).ok()?;
                 let force = solution.mesh.map_or(0.0, |mesh| mesh.force_along_turn());
                 *stage = (Loads::at(&solution.outputs), force);
             }

@@ -5,7 +5,7 @@ use super::contact::{Pose, Solution, face_overlap, is_shifted, radial_share};
 use super::dual::{Scalar, fraction, lift, wrap};
 use super::error::ElementError;
 use super::law::{Law, Workspace};
-use super::motion::{Inputs, Latch, Outputs};
+use super::motion::{Inputs, Outputs, PhaseOffset};
 use super::parameters::PhaseReference;
 use super::{Element, START_FORCE};
 use crate::contact::Warm;
@@ -62,29 +62,29 @@ fn is_outside(range: Option<[f64; 2]>, value: f64) -> bool {
 }
 
 impl Element {
-    /// Phase zeros for a simulation that starts at `inputs`.
+    /// Phase offsets for a simulation that starts at `inputs`.
     ///
     /// # Errors
     /// A pose without meaning; with [`PhaseReference::Absolute`], teeth that overlap.
-    pub fn latch(&self, inputs: &Inputs) -> Result<Latch, ElementError> {
+    pub fn phase_offset(&self, inputs: &Inputs) -> Result<PhaseOffset, ElementError> {
         inputs.check(self.with_carrier())?;
         self.phases(inputs)
     }
 
-    /// As [`Element::latch`], where `inputs` can be a mesh.
+    /// As [`Element::phase_offset`], where `inputs` can be a mesh.
     ///
     /// # Errors
     /// As there; gears out of reach of one another, and teeth that jam with more than any load of the tables: the pose with its
     /// values and what would be right.
-    pub fn start(&self, inputs: &Inputs) -> Result<Latch, ElementError> {
-        let latch = self.latch(inputs)?;
+    pub fn start(&self, inputs: &Inputs) -> Result<PhaseOffset, ElementError> {
+        let phase = self.phase_offset(inputs)?;
         let reasons = self.apart(inputs)?.join("; ");
         if !reasons.is_empty() {
             return Err(ElementError::Pose(format!(
                 "the initial pose is no mesh: {reasons}; correct the positions of the gears, in m, or start from a pose in mesh"
             )));
         }
-        let solution = Solution::new(self, &latch, inputs, false, &mut Workspace::default())?;
+        let solution = Solution::new(self, &phase, inputs, false, &mut Workspace::default())?;
         let pressed = solution.mesh.map_or(0.0, |mesh| {
             let [drive, coast] = mesh.flanks.map(|flank| flank.elastic);
             drive.max(coast)
@@ -101,7 +101,7 @@ impl Element {
                 )));
             }
         }
-        Ok(latch)
+        Ok(phase)
     }
 
     /// What puts the pose `inputs`, which gave `outputs`, out of range ([`Outputs::out_of_range`]), each with its value and
@@ -213,8 +213,11 @@ impl Element {
     /// The phases that the pose `inputs` gives, following it with their derivatives.
     ///
     /// # Errors
-    /// As [`Element::latch`], but for numbers that are not checked.
-    pub(crate) fn phases<T: Scalar>(&self, inputs: &Inputs) -> Result<Latch<T>, ElementError> {
+    /// As [`Element::phase_offset`], but for numbers that are not checked.
+    pub(crate) fn phases<T: Scalar>(
+        &self,
+        inputs: &Inputs,
+    ) -> Result<PhaseOffset<T>, ElementError> {
         let pose = Pose::<T>::new(self, inputs)?;
         if !pose.map.in_reach {
             return Err(ElementError::Pose(
@@ -225,13 +228,13 @@ impl Element {
             PhaseReference::FromInitialPose => self.touching_phases(&pose),
             PhaseReference::Absolute => {
                 self.refuse_overlap(&pose)?;
-                Ok(Latch::zero())
+                Ok(PhaseOffset::zero())
             }
         }
     }
 
     /// The phases with which the pose is the one where the reference flank is about to carry.
-    fn touching_phases<T: Scalar>(&self, pose: &Pose<T>) -> Result<Latch<T>, ElementError> {
+    fn touching_phases<T: Scalar>(&self, pose: &Pose<T>) -> Result<PhaseOffset<T>, ElementError> {
         /// Of the central differences, m and rad: small against a tooth, large against the 1e-16 m to which the onset is
         /// known.
         const STEP: f64 = 1e-6;
@@ -243,7 +246,7 @@ impl Element {
         let s = FLANKS[i].sign();
         let mesh_position = self.parameters.mesh_phase / k.pitch_angle;
         let Some(law) = &self.laws[i] else {
-            return Ok(Latch::zero());
+            return Ok(PhaseOffset::zero());
         };
         let mut touch = Touch {
             law,
@@ -270,7 +273,7 @@ impl Element {
             *slope = (side(STEP)? - side(-STEP)?) / (2.0 * STEP);
         }
         let penetration = lift(found - ROUNDING * k.base_pitch, &slopes, &q) - pose.lever * q[1];
-        Ok(Latch {
+        Ok(PhaseOffset {
             tooth_angle: ((penetration + pose.coordinates.half_gap) * s - pose.coordinates.turn)
                 * (1.0 / k.per_tooth_angle),
             mesh_position: (-pose.mesh_position(k, i) + mesh_position) * s,
@@ -294,7 +297,7 @@ impl Element {
                 law,
                 quarter_pitch: 0.25 * k.base_pitch,
                 mesh_position: fraction(pose.mesh_position(k, i).re()),
-                counts: pose.counts(k, i, &Latch::zero()),
+                counts: pose.counts(k, i, &PhaseOffset::zero()),
                 warm: Warm::default(),
             };
             let force = touch.force_energy_stiffness([offset, misalignment], delta * scale)?[0];

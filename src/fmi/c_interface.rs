@@ -285,7 +285,7 @@ unsafe fn get_status<T>(
             return put(value, answer(&c.instance));
         }
         Err(Refusal::discard(format!(
-            "{function}: the unit has no status of kind {kind}"
+            "{function}: the FMU has no status of kind {kind}"
         )))
     })
 }
@@ -295,7 +295,7 @@ unsafe fn none_of(c: fmi2Component, function: Function, count: usize) -> fmi2Sta
     call(c, function, |_| match count {
         0 => Ok(()),
         _ => Err(Refusal::error(format!(
-            "{function}: {count} items; this unit has no continuous states and no event indicators"
+            "{function}: {count} items; this FMU has no continuous states and no event indicators"
         ))),
     })
 }
@@ -324,7 +324,7 @@ type References = *const fmi2ValueReference;
 exports! {
     /// Opens the initialization.
     fmi2EnterInitializationMode() = enter(EnterInitializationMode, State::InitializationMode);
-    /// Closes the initialization: checks the parameters and latches the phases of the teeth.
+    /// Closes the initialization: checks the parameters and takes the phases of the teeth.
     fmi2ExitInitializationMode() = call(ExitInitializationMode, |c| c.instance.exit_initialization());
     /// Ends the simulation.
     fmi2Terminate() = enter(Terminate, State::Terminated);
@@ -459,7 +459,7 @@ fn instantiate(
         fmi2CoSimulation => Interface::CoSimulation,
         _ => {
             return Err(Refusal::error(format!(
-                "fmuType = {kind}; this unit is for model exchange ({fmi2ModelExchange}) \
+                "fmuType = {kind}; this FMU is for model exchange ({fmi2ModelExchange}) \
                  and co-simulation ({fmi2CoSimulation})"
             )));
         }

@@ -1,6 +1,6 @@
 //! One instance of the FMU: what the functions of the interface do, in safe Rust.
 //!
-//! Outputs and their derivatives are a pure function of inputs, parameters, phase zeros and, with `coupling`, of the last step.
+//! Outputs and their derivatives are a pure function of inputs, parameters, phase offsets and, with `coupling`, of the last step.
 //! They are made when they are read and cached until one of these changes (`Instance::changed`), so that hosts may set
 //! and get in any order, value by value, and go back in time.
 
@@ -21,7 +21,7 @@ use super::variables::{
 use super::{Refusal, Severity};
 use crate::element::{
     BODY_COLUMNS, CONTINUOUS_OUTPUTS, Coupling, Element, ElementError, Formulation, Inputs,
-    Jacobian, Latch, Loads, Outputs, Prediction, Step, StepRequest, Workspace,
+    Jacobian, Loads, Outputs, PhaseOffset, Prediction, Step, StepRequest, Workspace,
 };
 use crate::words::number;
 
@@ -71,18 +71,18 @@ enum SlopesMade {
 struct Ready<'a> {
     element: &'a Element,
     motions: &'a Inputs,
-    /// Phase zeros; `None`: those of the present pose.
-    latch: Option<Latch>,
+    /// Phase offsets; `None`: those of the present pose.
+    phase_offset: Option<PhaseOffset>,
     last_step: Option<&'a Step>,
     workspace: &'a mut Workspace,
     slopes: &'a mut Jacobian,
 }
 
 impl Ready<'_> {
-    fn latch(&self) -> Result<Latch, ElementError> {
-        match self.latch {
-            Some(latch) => Ok(latch),
-            None => self.element.latch(self.motions),
+    fn phase_offset(&self) -> Result<PhaseOffset, ElementError> {
+        match self.phase_offset {
+            Some(phase) => Ok(phase),
+            None => self.element.phase_offset(self.motions),
         }
     }
 }
@@ -117,7 +117,7 @@ impl Instance {
                 clock: Clock::default(),
                 inputs: InputValues::new(resources.starts.inputs),
                 parameters: resources.starts.parameters,
-                latch: None,
+                phase_offset: None,
                 step: None,
                 loads: None,
                 out_of_range: false,
@@ -204,7 +204,7 @@ impl Instance {
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
         let outcome = self.take_phases();
         if outcome.is_err() {
-            self.state.latch = None;
+            self.state.phase_offset = None;
             self.changed();
         }
         let (center_distance, mesh_position) = outcome?;
@@ -224,7 +224,7 @@ impl Instance {
     /// Takes the phases of the present pose. Centre distance and mesh position there.
     fn take_phases(&mut self) -> Result<(f64, f64), Refusal> {
         let ready = self.ready()?;
-        self.state.latch = Some(ready.element.start(ready.motions)?);
+        self.state.phase_offset = Some(ready.element.start(ready.motions)?);
         self.changed();
         let outputs = &self.outputs()?.all;
         Ok((outputs.center_distance, outputs.mesh_position))
@@ -296,7 +296,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Inputs, parameters or phase zeros have changed: what was made of them is stale.
+    /// Inputs, parameters or phase offsets have changed: what was made of them is stale.
     #[inline]
     fn changed(&mut self) {
         self.outputs = None;
@@ -444,7 +444,7 @@ impl Instance {
         Ok(Ready {
             element: self.element.as_ref().expect("made above"),
             motions,
-            latch: self.state.latch,
+            phase_offset: self.state.phase_offset,
             last_step: self.state.step.as_ref(),
             workspace: &mut self.workspace,
             slopes: &mut self.slopes,
@@ -463,8 +463,8 @@ impl Instance {
                 }
                 (_, loads, _) => {
                     let ready = self.ready()?;
-                    let (latch, element) = (ready.latch()?, ready.element);
-                    let all = element.evaluate_from(&latch, ready.motions, ready.workspace)?;
+                    let (phase, element) = (ready.phase_offset()?, ready.element);
+                    let all = element.evaluate_from(&phase, ready.motions, ready.workspace)?;
                     (all, loads)
                 }
             };
@@ -493,9 +493,9 @@ impl Instance {
             effective_mass: self.settings.effective_mass,
         };
         let ready = self.ready()?;
-        let (latch, last) = (ready.latch()?, ready.last_step);
+        let (phase, last) = (ready.phase_offset()?, ready.last_step);
         let element = ready.element;
-        Ok(element.predict(&latch, ready.motions, last, &request, ready.workspace)?)
+        Ok(element.predict(&phase, ready.motions, last, &request, ready.workspace)?)
     }
 
     /// Of the output in `row`, or of `what` of it.
@@ -506,7 +506,7 @@ impl Instance {
             return overflow(&self.state.inputs, i, &what);
         }
         Refusal::error(format!(
-            "{what}, though no input is out of proportion: check the parameters and the unit's tables"
+            "{what}, though no input is out of proportion: check the parameters and the tables of the FMU"
         ))
     }
 
@@ -539,7 +539,7 @@ impl Instance {
                 columns += change * seed;
             } else if output_row(i).is_some() {
                 return Err(Refusal::error(format!("{FUNCTION}: {name} is no input")));
-            } else if self.state.latch.is_some() {
+            } else if self.state.phase_offset.is_some() {
                 return Err(Refusal::error(format!(
                     "{FUNCTION}: {name} is no input; by parameters there are derivatives in Initialization Mode alone"
                 )));
@@ -589,8 +589,8 @@ impl Instance {
             self.slopes_made = SlopesMade::None;
             let all = needed == SlopesMade::All;
             let ready = self.ready()?;
-            let (latch, element) = (ready.latch.as_ref(), ready.element);
-            element.slopes(latch, ready.motions, all, ready.slopes, ready.workspace)?;
+            let (phase, element) = (ready.phase_offset.as_ref(), ready.element);
+            element.slopes(phase, ready.motions, all, ready.slopes, ready.workspace)?;
             self.slopes_made = needed;
         }
         let slopes: &Jacobian = &self.slopes;

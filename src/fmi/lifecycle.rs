@@ -119,7 +119,7 @@ impl Function {
             return None;
         }
         let allowed = match states {
-            [] => "no state of this unit".to_owned(),
+            [] => "no state of this FMU".to_owned(),
             _ => {
                 let states = states.iter().map(|state| format!("{state:?}"));
                 states.collect::<Vec<_>>().join(", ")
@@ -144,7 +144,7 @@ mod tests {
                 Function::SetInteger,
                 "Instantiated, InitializationMode, StepComplete, EventMode",
             ),
-            (Function::CancelStep, "no state of this unit"),
+            (Function::CancelStep, "no state of this FMU"),
             (Function::Reset, "Instantiated"),
             (Function::GetReal, "InitializationMode"),
             (Function::GetFMUstate, "Instantiated"),

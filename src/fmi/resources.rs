@@ -245,7 +245,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
     let unit = read_file(folder, UNIT_FILE, parse_unit)?;
     if unit.guid != guid {
         return Err(Refusal::error(format!(
-            "the host passed GUID {guid}, but {} belongs to {}; unpack the unit again",
+            "the host passed GUID {guid}, but {} belongs to {}; unpack the FMU again",
             folder.join(UNIT_FILE).display(),
             unit.guid
         )));
@@ -313,7 +313,7 @@ fn read_file<T>(
 
 /// A file that has not the contents that packing wrote.
 fn unusable(path: &Path, reason: impl Display) -> Refusal {
-    Refusal::error(format!("{}: {reason}; pack the unit again", path.display()))
+    Refusal::error(format!("{}: {reason}; pack the FMU again", path.display()))
 }
 
 #[cfg(test)]

@@ -12,11 +12,11 @@ use super::inputs::InputValues;
 use super::lifecycle::{Interface, State};
 use super::parameters::Settings;
 use super::variables::PARAMETERS;
-use crate::element::{Latch, Loads, Step};
+use crate::element::{Loads, PhaseOffset, Step};
 use crate::sealed;
 
 /// Changes with the layout of serialised states.
-const MAGIC: &[u8; 32] = b"gearmesh state of instance v006\n";
+const MAGIC: &[u8; 32] = b"gearmesh state of instance v007\n";
 
 /// State of one instance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,8 +29,8 @@ pub(super) struct InstanceState {
     pub inputs: InputValues,
     /// Numbers of the parameters in the order of their variables; see [`Settings::new`].
     pub parameters: [f64; PARAMETERS],
-    /// Phase zeros; `None` until fmi2ExitInitializationMode takes them.
-    pub latch: Option<Latch>,
+    /// Phase offsets; `None` until fmi2ExitInitializationMode takes them.
+    pub phase_offset: Option<PhaseOffset>,
     /// The last step, where a coupling predicts loads from it.
     pub step: Option<Step>,
     /// Loads that the last step gave, where a coupling does.
@@ -51,7 +51,7 @@ impl InstanceState {
                 self.interface
             )));
         }
-        let has_phases = self.latch.is_some();
+        let has_phases = self.phase_offset.is_some();
         let fits = match self.state {
             State::Instantiated | State::InitializationMode => !has_phases,
             State::Error => true,
@@ -66,7 +66,7 @@ impl InstanceState {
             && (has_phases || (self.step.is_none() && self.loads.is_none()));
         if !fits || !steps || self.inputs.fault().is_some() {
             return Err(Refusal::error(format!(
-                "the stored state is {:?} with phases, steps or inputs that no {interface:?} of this unit has",
+                "the stored state is {:?} with phases, steps or inputs that no {interface:?} of this FMU has",
                 self.state
             )));
         }
@@ -90,13 +90,13 @@ impl InstanceState {
             let (own, state): (String, Self) =
                 serde_json::from_slice(json).map_err(|error| error.to_string())?;
             if own != guid {
-                return Err("it belongs to another unit".into());
+                return Err("it belongs to another FMU".into());
             }
             Ok(state)
         };
         read().map_err(|reason| {
             Refusal::error(format!(
-                "serialised state of {} bytes: {reason}; pass what fmi2SerializeFMUstate wrote for this unit",
+                "serialised state of {} bytes: {reason}; pass what fmi2SerializeFMUstate wrote for this FMU",
                 bytes.len()
             ))
         })
@@ -212,7 +212,7 @@ mod tests {
             (&altered[..], "{guid}", "cut or altered"),
             (&good[..60], "{guid}", "cut or altered"),
             (&good[..20], "{guid}", "format and version"),
-            (&good[..], "{diug}", "another unit"),
+            (&good[..], "{diug}", "another FMU"),
         ] {
             let error = InstanceState::from_bytes(bytes, guid).unwrap_err();
             assert!(error.message.contains(reason), "{error}");
@@ -242,7 +242,7 @@ mod tests {
             ),
             ("\"state\":\"StepComplete\"", "\"state\":\"Fatal\""),
             ("\"derivatives\":{\"5\":", "\"derivatives\":{\"48\":"),
-            ("\"latch\":{", "\"latch\":null,\"was\":{"),
+            ("\"phase_offset\":{", "\"phase_offset\":null,\"was\":{"),
             (&damping(0.0), &damping(-1.0)),
             ("\"parameters\":[2.0,", "\"parameters\":[9.0,"),
         ] {

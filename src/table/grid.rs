@@ -1,6 +1,7 @@
 //! The grid of one flank: axes and samples, before any interpolant, and what they must fulfil.
 
 use super::interpolation::{Block, at_zero};
+use super::records::{LoadSamples, SlidingSamples};
 use super::{Query, TableError};
 use serde::{Deserialize, Serialize};
 
@@ -122,6 +123,9 @@ pub struct FlankGrid {
     /// off.
     #[serde(rename = "moment_nm")]
     pub moment: Option<Vec<f64>>,
+    /// How the load slides, for friction of tooth pairs one by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding: Option<SlidingSamples>,
 }
 
 impl FlankGrid {
@@ -144,6 +148,7 @@ impl FlankGrid {
             top_load_approach: rounded(&self.top_load_approach, 1e-7),
             loa_force: rounded(&self.loa_force, 1e-6),
             moment: self.moment.as_deref().map(|m| rounded(m, 1e-6)),
+            sliding: self.sliding.clone(),
         }
     }
 
@@ -223,7 +228,7 @@ impl FlankGrid {
         self.mapped(axis, nodes, pick)
     }
 
-    /// The grid with other `nodes` along `axis`; `map` takes a line of samples to those there.
+    /// The grid with other `nodes` along `axis`, without sliding; `map` takes a line of samples to those there.
     fn mapped(&self, axis: Axis, nodes: Vec<f64>, map: impl Fn(Vec<f64>) -> Vec<f64>) -> FlankGrid {
         let lengths @ [nc, nm, _, np] = self.axes.lengths();
         let count = nodes.len();
@@ -241,6 +246,7 @@ impl FlankGrid {
             top_load_approach: approach(&self.top_load_approach),
             loa_force: mapped(&self.loa_force, lengths),
             moment: self.moment.as_deref().map(|m| mapped(m, lengths)),
+            sliding: None,
         };
         *grid.axes.along_mut(axis) = nodes;
         grid
@@ -266,6 +272,9 @@ impl FlankGrid {
         .chain(moment)
         {
             check_values(&named(name), values, length)?;
+        }
+        for (name, values) in self.sliding.iter().flat_map(SlidingSamples::columns) {
+            check_values(&named(&format!("sliding.{name}")), values, samples)?;
         }
         let ends = self.no_load_approach.iter().zip(&self.top_load_approach);
         if let Some((i, (low, high))) = ends.enumerate().find(|(_, (low, high))| high <= low) {

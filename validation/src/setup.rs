@@ -171,6 +171,7 @@ impl Setup {
             contact,
             coverage: &coverage,
             coast_mirrors_drive: true,
+            friction: false,
         };
         Ok(sweep.record(&default_teeth_axes(&coverage), points, &quiet())?)
     }

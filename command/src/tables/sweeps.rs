@@ -143,12 +143,13 @@ impl Sweeps<'_> {
     }
 
     /// Tooth pairs one by one, their error measured against `contact`.
-    pub fn teeth(&self, contact: &ContactFile) -> Result<TeethRecord, Error> {
+    pub fn teeth(&self, contact: &ContactFile, friction: bool) -> Result<TeethRecord, Error> {
         let sweep = TeethSweep {
             solver: &self.model.solver,
             contact,
             coverage: self.coverage,
             coast_mirrors_drive: self.pair.coast_mirrors_drive(),
+            friction,
         };
         let axes = self.with_misalignments(default_teeth_axes(self.coverage));
         self.watched("tooth pairs", |watch| {

@@ -206,6 +206,7 @@ pub fn import_csv(text: &str, geometry: &PairGeometry) -> Result<Imported, Table
         top_load_approach: lines.iter().map(|l| l.delta[loads]).collect(),
         loa_force: vec![],
         moment: None,
+        sliding: None,
     };
     let mut moment = vec![];
     for block in lines.chunks(np) {

@@ -61,6 +61,7 @@ impl StaticPosition for At {
             approach,
             loa_force: w.gradient[0],
             moment: w.gradient[2],
+            ..Sample::default()
         })
     }
 }
@@ -206,6 +207,7 @@ impl StaticPosition for Wedge {
             approach,
             loa_force,
             moment,
+            ..Sample::default()
         })
     }
 }

@@ -1,15 +1,16 @@
 //! Static solutions: where they come from, and the sweep that fills a grid with them.
 
 use gearmesh::contact::{ContactResult, ContactSolver, PositionProblem, Prescribed};
+use gearmesh::friction::{FrictionLaw, Sliding};
 use gearmesh::gear::Flank;
-use gearmesh::table::{Axes, FlankGrid, TableError};
+use gearmesh::table::{Axes, FlankGrid, SlidingSamples, TableError};
 use gearmesh::words::rounded;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// One static equilibrium.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample {
     /// STE on the line of action at mid-face, m.
     pub approach: f64,
@@ -17,6 +18,8 @@ pub struct Sample {
     pub loa_force: f64,
     /// F_bt (z_c - z_ref), N m.
     pub moment: f64,
+    /// How the load slides; zero unless the source has a law of friction.
+    pub sliding: Sliding,
 }
 
 impl From<&ContactResult> for Sample {
@@ -25,6 +28,7 @@ impl From<&ContactResult> for Sample {
             approach: result.approach,
             loa_force: result.loa_force,
             moment: result.moment,
+            sliding: Sliding::default(),
         }
     }
 }
@@ -59,6 +63,10 @@ pub trait StaticSource: Sync {
         mesh_position: f64,
         center_distance_offset: f64,
     ) -> Result<Box<dyn StaticPosition + '_>, String>;
+    /// Law of friction that weights the sliding of its samples; `None`: they have none.
+    fn friction(&self) -> Option<FrictionLaw> {
+        None
+    }
 }
 
 /// How well the solves of a source went.
@@ -261,8 +269,9 @@ pub fn sweep(
         top_load_approach: vec![],
         loa_force: vec![],
         moment: None,
+        sliding: None,
     };
-    let mut moment = vec![];
+    let (mut moment, mut sliding) = (vec![], vec![]);
     for block in samples.chunks((nu + 1) * np) {
         let (low, samples) = block.split_at(np);
         let top = &samples[(nu - 1) * np..];
@@ -271,8 +280,11 @@ pub fn sweep(
             .extend(top.iter().map(|s| s.approach));
         grid.loa_force.extend(samples.iter().map(|s| s.loa_force));
         moment.extend(samples.iter().map(|s| s.moment));
+        sliding.extend(samples.iter().map(|s| s.sliding));
     }
     grid.moment = Some(moment);
+    let law = source.friction();
+    grid.sliding = law.map(|law| SlidingSamples::new(&sliding, law.is_local()));
     Ok(grid)
 }
 

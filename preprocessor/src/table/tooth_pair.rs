@@ -7,6 +7,7 @@
 use super::coverage::Coverage;
 use super::sweep::{Sample, StaticPosition, StaticSource, solve_error};
 use gearmesh::contact::{ContactError, ContactResult, ContactSolver, PositionProblem, Prescribed};
+use gearmesh::friction::FrictionLaw;
 use gearmesh::gear::Flank;
 use gearmesh::table::{Axes, TableError};
 use rayon::prelude::*;
@@ -139,6 +140,10 @@ impl StaticSource for ToothPairOver<'_> {
             warm: None,
         }))
     }
+
+    fn friction(&self) -> Option<FrictionLaw> {
+        Some(self.pair.solver.friction())
+    }
 }
 
 /// One tooth pair at one place.
@@ -173,7 +178,12 @@ impl StaticPosition for ToothPairPosition<'_> {
         let result = self
             .problem
             .solve_beyond(shifted, misalignment, self.warm.as_ref());
-        let sample = Sample::from(&*self.warm.insert(result.map_err(|e| e.to_string())?));
+        let result = self.warm.insert(result.map_err(|e| e.to_string())?);
+        let solver = &self.pair.solver;
+        let sample = Sample {
+            sliding: solver.sliding(&self.problem, result, &solver.friction()),
+            ..Sample::from(&*result)
+        };
         Ok(match prescribed {
             Prescribed::Approach(approach) => Sample { approach, ..sample },
             Prescribed::Torque(_) => sample,

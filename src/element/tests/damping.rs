@@ -52,13 +52,13 @@ fn a_damper_of_any_size_gives_no_energy_and_leaves_flank_and_energy_alone() {
             let free = smooth(&pair, formulation, LoadedFlank::Both);
             let mut damped = free.clone();
             damped.set_damping(damping);
-            let latch = nominal_latch(&free);
+            let phase = nominal_phase(&free);
             let (mut loaded, mut cut_off) = (0, 0);
             while loaded < 300 {
                 let mut inputs = random_pose(&free, &mut noise);
                 set_velocities(&mut inputs, &mut noise, 0.3, 6.0);
-                let elastic = free.evaluate(&latch, &inputs).unwrap();
-                let out = damped.evaluate(&latch, &inputs).unwrap();
+                let elastic = free.evaluate(&phase, &inputs).unwrap();
+                let out = damped.evaluate(&phase, &inputs).unwrap();
                 assert_eq!((out.flank, out.energy), (elastic.flank, elastic.energy));
                 if out.flank == 0 {
                     continue;

@@ -83,12 +83,12 @@ fn in_a_mirror_the_drive_flank_is_the_coast_flank_of_a_pair_of_the_other_hand() 
                 let here = Element::with_laws(&pair, &here, &laws(DRIVE, COAST)).unwrap();
                 let there = parameters(formulation, SINGLE_FLANKS[1 - i].0);
                 let there = Element::with_laws(&image, &there, &laws(COAST, DRIVE)).unwrap();
-                let [latch, image_latch] = [&here, &there].map(nominal_latch);
+                let [phase, image_phase] = [&here, &there].map(nominal_phase);
                 let mut touching = 0;
                 while touching < 8 {
                     let inputs = moving_pose(&here, &mut noise);
-                    let a = here.evaluate(&latch, &inputs).unwrap();
-                    let b = there.evaluate(&image_latch, &mirrored(&inputs)).unwrap();
+                    let a = here.evaluate(&phase, &inputs).unwrap();
+                    let b = there.evaluate(&image_phase, &mirrored(&inputs)).unwrap();
                     let errors = [b.transmission_error, -a.transmission_error];
                     assert_relative_eq!(errors[0], errors[1], epsilon = 1e-15);
                     assert_eq!(b.flank, -a.flank);
@@ -116,9 +116,9 @@ fn with_both_flanks_and_absolute_phases_the_mirror_exchanges_them_too() {
         let mut seen = [0; 2];
         while seen[0] < 5 || seen[1] < 5 {
             let inputs = moving_pose(&here, &mut noise);
-            let latch = Latch::default();
-            let a = here.evaluate(&latch, &inputs).unwrap();
-            let b = there.evaluate(&latch, &mirrored(&inputs)).unwrap();
+            let phase = PhaseOffset::default();
+            let a = here.evaluate(&phase, &inputs).unwrap();
+            let b = there.evaluate(&phase, &mirrored(&inputs)).unwrap();
             if a.flank != 0 {
                 seen[usize::from(a.flank < 0)] += 1;
                 assert_mirrored(&a, &b);
@@ -156,14 +156,14 @@ fn one_law_for_both_flanks_is_the_pair_turned_end_for_end() {
                 let parameters = parameters(Formulation::Conjugate, flank);
                 Element::with_laws(&pair, &parameters, &smooth_laws()).unwrap()
             });
-            let latch = nominal_latch(&here);
-            let latch_over = there.latch(&over(&here.nominal_inputs())).unwrap();
+            let phase = nominal_phase(&here);
+            let phase_over = there.phase_offset(&over(&here.nominal_inputs())).unwrap();
             let mut touching = 0;
             while touching < 8 {
                 let inputs = moving_pose(&here, &mut noise);
                 let turned = over(&inputs);
-                let a = here.evaluate(&latch, &inputs).unwrap();
-                let c = there.evaluate(&latch_over, &turned).unwrap();
+                let a = here.evaluate(&phase, &inputs).unwrap();
+                let c = there.evaluate(&phase_over, &turned).unwrap();
                 assert_eq!(c.flank, -a.flank);
                 if a.flank == 0 {
                     continue;

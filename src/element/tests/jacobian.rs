@@ -24,7 +24,7 @@ fn moved_along(x: &Inputs, d: &InputsChange, h: f64) -> Inputs {
 /// differences, all rows but `mesh.stiffness` to `bar` of their scale, that one to `stiffness_bar`.
 fn compare(element: &Element, inputs: &Inputs, noise: &mut Noise, bar: f64, stiffness_bar: f64) {
     const STIFFNESS_ROW: usize = 22;
-    let latch = nominal_latch(element);
+    let phase = nominal_phase(element);
     let mut change = || MotionChange {
         p: noise.vector(1.0),
         rotation: noise.vector(10.0),
@@ -35,18 +35,18 @@ fn compare(element: &Element, inputs: &Inputs, noise: &mut Noise, bar: f64, stif
         gears: [change(), change()],
         carrier: change(),
     };
-    let exact = element.directional_derivative(&latch, inputs, &direction);
+    let exact = element.directional_derivative(&phase, inputs, &direction);
     let exact = exact.unwrap();
     // Truncation, of fourth order, stays below the bound at every pose of the sequence, and rounding far below.
     let h = 1e-8;
     let side = |h: f64| {
-        let out = element.evaluate(&latch, &moved_along(inputs, &direction, h));
+        let out = element.evaluate(&phase, &moved_along(inputs, &direction, h));
         SVector::from(out.unwrap().to_array())
     };
     let rough = (8.0 * (side(h) - side(-h)) - (side(2.0 * h) - side(-2.0 * h))) / (12.0 * h);
     let value = side(0.0);
     let mut jacobian = Jacobian::zeros();
-    element.jacobian(&latch, inputs, &mut jacobian).unwrap();
+    element.jacobian(&phase, inputs, &mut jacobian).unwrap();
     let along = direction.to_vector();
     // Outputs of one kind share a scale: forces, moments, then each scalar its own. It is that of the terms
     // which add up to the derivative, or of the value where that is larger.
@@ -81,12 +81,12 @@ fn derivatives_agree_with_finite_differences_and_with_each_other() {
     for (formulation, pair) in formulations_and_pairs(1.0) {
         let mut element = constant(&pair, formulation, LoadedFlank::Both);
         element.set_damping(1e5);
-        let latch = nominal_latch(&element);
+        let phase = nominal_phase(&element);
         let mut tried = 0;
         while tried < 8 {
             let mut inputs = random_pose(&element, &mut noise);
             set_velocities(&mut inputs, &mut noise, 1e-3, 1e-2);
-            if element.evaluate(&latch, &inputs).unwrap().flank != 0 {
+            if element.evaluate(&phase, &inputs).unwrap().flank != 0 {
                 tried += 1;
                 compare(&element, &inputs, &mut noise, 1e-6, 1e-6);
             }

@@ -57,8 +57,8 @@ fn rotating_and_moving_the_world_rotates_the_wrench() {
             let r = Rotation3::new(noise.vector(3.0));
             let p = noise.vector(1.0);
             let here = at(&element, &inputs);
-            let latch = element.latch(&moved(&start, &r, &p)).unwrap();
-            let there = element.evaluate(&latch, &moved(&inputs, &r, &p)).unwrap();
+            let phase = element.phase_offset(&moved(&start, &r, &p)).unwrap();
+            let there = element.evaluate(&phase, &moved(&inputs, &r, &p)).unwrap();
             // An ulp of a coordinate (1 m) times the stiffness, some of them.
             let rounding = 40.0 * f64::EPSILON * 6e8;
             for i in 0..2 {
@@ -87,11 +87,11 @@ fn conservative_elements() -> Vec<Element> {
 fn the_conjugate_wrench_is_the_negative_gradient_of_its_energy() {
     let mut noise = Noise::new(3);
     for element in conservative_elements() {
-        let latch = nominal_latch(&element);
+        let phase = nominal_phase(&element);
         let mut tried = 0;
         while tried < 6 {
             let inputs = random_pose(&element, &mut noise);
-            let out = element.evaluate(&latch, &inputs).unwrap();
+            let out = element.evaluate(&phase, &inputs).unwrap();
             if out.flank == 0 {
                 continue;
             }
@@ -108,7 +108,7 @@ fn the_conjugate_wrench_is_the_negative_gradient_of_its_energy() {
                     } else {
                         x.gears[i].r = Rotation3::new(direction).matrix() * x.gears[i].r;
                     }
-                    element.evaluate(&latch, &x).unwrap().energy
+                    element.evaluate(&phase, &x).unwrap().energy
                 };
                 // Fourth-order central difference.
                 let [near, far] = [1.0, 2.0].map(|n| side(n * step) - side(-n * step));

@@ -86,6 +86,11 @@ impl<const N: usize> Frame<N> {
         }
     }
 
+    /// The scaled displacement at `q`.
+    pub fn fraction(&self, q: &Query) -> f64 {
+        self.at::<false, ANY>(Lanes::COMMON, q).u
+    }
+
     /// The approach at which contact begins outside the range: it follows the coordinate however far that goes; only
     /// stiffness levels out.
     #[cold]

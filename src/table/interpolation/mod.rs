@@ -119,6 +119,16 @@ impl FlankTable {
         }
     }
 
+    /// Displacement at `query` in units of the grid: 0 where contact begins, 1 at the top load.
+    pub fn fraction(&self, query: &Query) -> f64 {
+        match &self.interpolant {
+            Interpolant::Linear(tensor) => tensor.frame.fraction(query),
+            Interpolant::Spline(tensor) => tensor.frame.fraction(query),
+            Interpolant::Secant(tensor) => tensor.frame.fraction(query),
+            Interpolant::Shepard(shepard) => shepard.frame.fraction(query),
+        }
+    }
+
     /// Approach (m) at which the transverse force on the line of action is `force` (N), > 0, with the rest as in `pose`.
     pub fn approach_at(&self, force: f64, pose: &Query) -> f64 {
         let carried = |delta| self.evaluate(&Query { delta, ..*pose }, false).gradient[0];

@@ -36,7 +36,7 @@ const MOST: usize = 24;
 #[derive(Debug)]
 pub struct Shepard {
     /// The coordinate, by the spline.
-    frame: Frame<4>,
+    pub frame: Frame<4>,
     u: Basis<5>,
     /// Coefficients of h.
     mean: Vec<f64>,

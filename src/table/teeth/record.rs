@@ -36,7 +36,7 @@ pub struct TeethRecord {
     pub drive_errors: [GearTeethRecord; 2],
     /// How their coast flanks do.
     pub coast_errors: [GearTeethRecord; 2],
-    /// Law of friction; `None` in tables of earlier versions.
+    /// Law of friction, which weights the sliding in the samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionLaw>,
     /// Error against contact at run time, interpolation included.

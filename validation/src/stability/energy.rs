@@ -77,7 +77,7 @@ struct Loop {
 
 /// An ellipse in the freedoms `i`, `j` (0-11) with these half axes.
 fn ellipse(element: &Element, start: &Inputs, [i, j]: [usize; 2], size: [f64; 2]) -> Result<Loop> {
-    let latch = element.latch(&element.nominal_inputs())?;
+    let phase = element.phase_offset(&element.nominal_inputs())?;
     let points = 4000;
     let (mut work, mut energy) = (0.0, 0.0);
     for n in 0..points {
@@ -98,7 +98,7 @@ fn ellipse(element: &Element, start: &Inputs, [i, j]: [usize; 2], size: [f64; 2]
             let bracket = turn.cross(&turn_rate);
             m.w = turn_rate + bracket / 2.0 + turn.cross(&bracket) / 6.0;
         }
-        let out = element.evaluate(&latch, &inputs)?;
+        let out = element.evaluate(&phase, &inputs)?;
         for (body, m) in inputs.gears.iter().enumerate() {
             work += out.force[body].dot(&m.v) + out.moment[body].dot(&m.w);
         }

@@ -68,8 +68,6 @@ fn tangents_are_the_derivatives_of_load_and_moment() {
                 let error = (exact - numeric).abs() / scale;
                 assert!(error < 2e-3, "{} {point:?}: {exact} {numeric}", pair.name);
             }
-            // Under a constant load the resultant moves towards the closing side.
-            assert!(scale * t.moment_by_misalignment > t.force_by_misalignment.powi(2));
         }
     }
 }

@@ -173,13 +173,6 @@ fn long_run(case: &Case, parameters: Parameters, steps: usize) -> Result<f64> {
     Ok(worst)
 }
 
-/// The same on the sampled potential by splines.
-pub fn drift_on_samples(formulation: Formulation, steps: usize) -> Result<f64> {
-    let [external, _] = external_and_internal();
-    let parameters = choice(formulation, Interpolation::Spline);
-    long_run(&Case::Sampled(external), parameters, steps)
-}
-
 pub fn report(context: &Context, data: &Data) -> Result<()> {
     use Formulation::{Conjugate, Paper};
     use Interpolation::{Linear, Shepard, Spline};

@@ -1,73 +1,15 @@
-//! The C interface called from Rust, on an FMU unpacked by hand: what a Python host cannot pass.
+//! The library loaded and unloaded as a host does, and resources that were altered.
 
 #![allow(unsafe_code)] // it calls what C calls
 
-use std::ffi::{CStr, CString, c_char, c_void};
-use std::ptr;
-use std::sync::Mutex;
-
-use gearmesh::fmi::c_interface::*;
 use gearmesh::fmi::header::*;
 use gearmesh::fmi::resources::{UNIT_FILE, UNIT_VERSION, UnitFile};
+use std::ffi::{CStr, CString, c_void};
+use std::ptr;
 
 #[path = "units/mod.rs"]
 mod units;
 use units::{GUID, resources, spur as unit, tabulated};
-
-static LOG: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-/// Takes the one string that the FMU's format "%s" has: a logger with one argument stands in for the variadic one,
-/// which Rust cannot define.
-unsafe extern "C" fn logger(
-    _environment: *mut c_void,
-    _name: *const c_char,
-    _status: fmi2Status,
-    _category: *const c_char,
-    format: *const c_char,
-    text: *const c_char,
-) {
-    // Safety: the FMU passes strings.
-    let (format, text) = unsafe { (CStr::from_ptr(format), CStr::from_ptr(text)) };
-    assert_eq!(format, c"%s");
-    LOG.lock().unwrap().push(text.to_str().unwrap().to_owned());
-}
-
-/// The instance, or what the log says last.
-fn instantiate(uri: &CStr, guid: &CStr, kind: fmi2Type) -> Result<fmi2Component, String> {
-    // Safety: on the platforms the tests run on, one variadic pointer is passed like a plain one; all pointers are valid
-    // during the call. The callbacks end with it: the FMU must have copied them.
-    let c = unsafe {
-        let callbacks = fmi2CallbackFunctions {
-            logger: std::mem::transmute::<*const (), fmi2CallbackLogger>(logger as *const ()),
-            allocateMemory: None,
-            freeMemory: None,
-            stepFinished: None,
-            componentEnvironment: ptr::null_mut(),
-        };
-        let (guid, uri) = (guid.as_ptr(), uri.as_ptr());
-        fmi2Instantiate(c"one".as_ptr(), kind, guid, uri, &callbacks, 0, 1)
-    };
-    if c.is_null() {
-        return Err(LOG.lock().unwrap().join("\n"));
-    }
-    Ok(c)
-}
-
-#[test]
-fn what_no_instance_can_be_made_of_is_refused_with_what_would_be_right() {
-    let folder = tempfile::tempdir().unwrap();
-    let uri = resources(folder.path(), &unit());
-    let guid = CString::new(GUID).unwrap();
-    let endless = CString::new(vec![b'a'; 1 << 16]).unwrap();
-    for (guid, kind, text) in [
-        (c"{other}", fmi2CoSimulation, "the host passed GUID {other}"),
-        (&guid, 2, "model exchange (0) and co-simulation (1)"),
-        (&endless, fmi2CoSimulation, "fmuGUID does not end within"),
-    ] {
-        let said = instantiate(&uri, guid, kind).unwrap_err();
-        assert!(said.contains(text), "{said}");
-    }
-}
 
 /// Loads the library in the folder of this test, runs an instance, and unloads it again.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]

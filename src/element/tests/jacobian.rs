@@ -1,6 +1,7 @@
 //! Exact derivatives against finite differences.
 
 use super::*;
+use crate::table::{FlankTable, samples::Spring};
 use nalgebra::SVector;
 
 fn moved_along(x: &Inputs, d: &Direction, h: f64) -> Inputs {
@@ -105,4 +106,40 @@ fn derivatives_with_friction_and_root_stress_agree_with_finite_differences() {
             }
         }
     }
+}
+
+#[test]
+fn derivatives_on_a_table_agree_with_finite_differences() {
+    let grid = Spring::grid([10, 7, 9, 16]);
+    let drive = Arc::new(FlankTable::new(&grid, Interpolation::Spline).unwrap());
+    let laws = FlankLaws { drive, coast: None };
+    let mut noise = Noise::new(6);
+    let mut tried = 0;
+    for (formulation, pair) in formulations_and_pairs(-1.0) {
+        for (flank, s, _) in SINGLE_FLANKS {
+            let parameters = Parameters {
+                damping: 1e5,
+                ..undamped(formulation, flank)
+            };
+            let element = Element::with_laws(&pair, &parameters, &laws).unwrap();
+            for _ in 0..6 {
+                // Inside the table: +-3 mrad, +-100 um, some 8 um above the first touch.
+                let mut inputs = compressed(&element, s, 6e-6 + 1e-6 * noise.next());
+                let tilt = noise.vector(1e-4);
+                inputs.gears[1].r = Rotation3::new(tilt).matrix() * inputs.gears[1].r;
+                inputs.gears[1].p += noise.vector(1e-6);
+                set_velocities(&mut inputs, &mut noise, 1e-3, 1e-2);
+                let out = at(&element, &inputs);
+                if out.flank != 0 && !out.out_of_range {
+                    tried += 1;
+                    // mesh.stiffness: a second derivative of a C2 force, differentiated itself.
+                    compare(&element, &inputs, &mut noise, 1e-6, 1e-3);
+                }
+            }
+        }
+    }
+    assert!(
+        tried >= 36,
+        "only {tried} poses in contact inside the table"
+    );
 }

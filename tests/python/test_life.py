@@ -330,10 +330,12 @@ def test_a_host_with_its_defaults_shows_why_a_call_was_refused(fmus):
 def test_what_cannot_be_instantiated_says_why(units):
     unit = units["external"]
     for options, said in (
-        ({"guid": "{not-this-one}"}, "GUID"),
+        ({"guid": "{not-this-one}"}, "the host passed GUID {not-this-one}"),
         ({"resources": "file:///nowhere/resources"}, "nowhere"),
         ({"resources": "http://host/resources"}, "file URI"),
         ({"name": ""}, "instanceName is empty"),
+        ({"kind": 2}, "model exchange (0) and co-simulation (1)"),
+        ({"guid": "a" * 65536}, "fmuGUID does not end within"),
     ):
         instance = unit.instance(**options)
         assert not instance.component

@@ -80,9 +80,7 @@ pub struct Starts {
 
 impl Starts {
     /// Those of the template with what `unit` has of its own.
-    ///
-    /// # Errors
-    /// Variables that are none, numbers that are none of their values, as text.
+    /// Errors: variables that are none, numbers that are none of their values, as text.
     fn new(unit: &UnitFile) -> Result<Self, String> {
         let mut starts = template_starts();
         for (name, value) in &unit.starts {
@@ -91,20 +89,18 @@ impl Starts {
             starts[i] = *value;
         }
         let parameters = std::array::from_fn(|k| starts[FIRST_PARAMETER + k]);
-        let settings = Settings::new("start values", &parameters);
+        let settings = Settings::new(&parameters);
         Ok(Self {
             inputs: std::array::from_fn(|i| starts[i]),
             parameters,
-            settings: settings.map_err(|refusal| refusal.message)?,
+            settings: settings.map_err(|refusal| format!("start values: {refusal}"))?,
         })
     }
 }
 
 impl Resources {
     /// The resources of `unit` with its `tables` and its `contact`.
-    ///
-    /// # Errors
-    /// Start values that are none, a contact of another pair, as text.
+    /// Errors: start values that are none, a contact of another pair, as text.
     pub fn new(
         unit: UnitFile,
         tables: Option<TableFile>,
@@ -125,9 +121,7 @@ impl Resources {
     }
 
     /// The element of this FMU with `parameters`.
-    ///
-    /// # Errors
-    /// Parameters without meaning; an effect whose axis the tables lack.
+    /// Errors: parameters without meaning; an effect whose axis the tables lack.
     pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
         let geometry = &self.unit.geometry;
         let needs_table = match parameters.stiffness_model {
@@ -187,9 +181,7 @@ fn shared<T, E>(
 }
 
 /// Reads the resources at `location` (a file URI) and compares their GUID with `guid`.
-///
-/// # Errors
-/// A location that is no local folder, a file that is missing or altered, a GUID that is not the host's.
+/// Errors: a location that is no local folder, a file that is missing or altered, a GUID that is not the host's.
 pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, Refusal> {
     let folder = folder(location).map_err(|reason| {
         Refusal::error(format!(
@@ -206,9 +198,7 @@ pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, Refusal> {
 
 /// The folder a host means by `location` on this machine: that of a file URI (RFC 8089), or an absolute path
 /// as it is, since some hosts pass one.
-///
-/// # Errors
-/// What is wrong with the location.
+/// Errors: what is wrong with the location.
 fn folder(location: &str) -> Result<PathBuf, &'static str> {
     // First: to a URL, the drive of a path on Windows is a scheme.
     if Path::new(location).is_absolute() {
@@ -266,10 +256,7 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
         .map_err(|reason| unusable(&folder.join(UNIT_FILE), reason))
 }
 
-/// Reads the bytes of a [`UNIT_FILE`].
-///
-/// # Errors
-/// What is wrong with them, as text.
+/// Reads the bytes of a [`UNIT_FILE`]. Errors: what is wrong with them, as text.
 pub fn parse_unit(bytes: &[u8]) -> Result<UnitFile, String> {
     let unit: UnitFile = serde_json::from_slice(bytes).map_err(|e| json_problem(&e))?;
     if unit.version != UNIT_VERSION {

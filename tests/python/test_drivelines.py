@@ -23,19 +23,9 @@ from examples.drivelines.planetary import cases as planetary, phase  # noqa: E40
 from examples.drivelines.planetary.stage import IN_PHASE, PITCH, SEQUENTIAL  # noqa: E402
 from examples.drivelines.rattle import idle, mujoco_joint  # noqa: E402
 from examples.drivelines.response import jump, linear  # noqa: E402
+from examples.drivelines.sweep import __main__ as study  # noqa: E402
 from examples.drivelines.tutorial import __main__ as tutorial  # noqa: E402
 from scripts.docs.check import cell  # noqa: E402
-
-
-def test_bricks_bend_as_a_free_plate_does():
-    """Square, Poisson's ratio 0.3: omega a^2 sqrt(rho h / D) by Leissa, Vibration of Plates, NASA SP-160, 1969."""
-    side, thickness, young, density = 0.4, 4e-3, 206e9, 7850.0
-    edge = np.linspace(0.0, side, 11)
-    mesh = walls.fem.MeshHex.init_tensor(edge, edge, np.array([0.0, thickness]))
-    _, stiffness, mass = walls.elasticity(mesh, young, 0.3, density)
-    found = 2.0 * np.pi * walls.frequencies(stiffness, mass, 11)[6:]
-    rigidity = young * thickness**3 / 12.0 / (1.0 - 0.3**2)
-    assert found * side**2 * np.sqrt(density * thickness / rigidity) == pytest.approx([13.489, 19.789, 24.432, 35.024, 35.024], rel=0.02)
 
 
 @pytest.fixture(scope="module")
@@ -211,8 +201,10 @@ def test_planets_share_the_load_as_springs_do_and_equally_with_a_floating_sun():
         lambda damped: idle.balance(damped, duration=0.02, step=5e-6),
         lambda damped: cosimulation.balance(damped, duration=1e-3),
         lambda damped: planetary.balance(damped, duration=5e-3),
+        lambda damped: study.balance(damped, duration=5e-3),
+        lambda damped: loss.balance(damped, duration=5e-3),
     ],
-    ids=["one freedom", "six freedoms", "teeth that part", "rattling gearbox", "shafts and housing", "planetary stage"],
+    ids=["one freedom", "six freedoms", "teeth that part", "rattling gearbox", "shafts and housing", "planetary stage", "tilted gears", "friction"],
 )
 @pytest.mark.parametrize("damped", [False, True], ids=["undamped", "damped"])
 def test_what_goes_in_is_stored_or_lost_and_loads_cancel(balance, damped):

@@ -142,7 +142,7 @@ impl Shepard {
             curvature: w.hessian[(U, U)],
         };
         for (i, row) in SECOND.iter().enumerate() {
-            for (j, n) in row.iter().enumerate() {
+            for (j, n) in row.iter().enumerate().skip(i) {
                 shape.value.second[*n] = w.hessian[(Y[i], Y[j])];
             }
         }

@@ -27,7 +27,10 @@ impl Clock {
         self.time
     }
 
-    /// fmi2SetupExperiment. Errors: times that are not finite or in the wrong order.
+    /// fmi2SetupExperiment.
+    ///
+    /// # Errors
+    /// Times that are not finite or in the wrong order.
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         check_finite("startTime", start)?;
         if let Some(stop) = stop.filter(|stop| stop.is_nan() || *stop < start) {
@@ -44,7 +47,10 @@ impl Clock {
         Ok(())
     }
 
-    /// fmi2SetTime of model exchange. Errors: a time that is not finite.
+    /// fmi2SetTime of model exchange.
+    ///
+    /// # Errors
+    /// A time that is not finite.
     pub fn set(&mut self, time: f64) -> Result<(), Refusal> {
         check_finite("time", time)?;
         self.time = time;
@@ -52,7 +58,9 @@ impl Clock {
     }
 
     /// The clock after the step from `point` over `step` s.
-    /// Errors: a step that is not positive, does not start where the last one ended, or passes the stop time.
+    ///
+    /// # Errors
+    /// A step that is not positive, does not start where the last one ended, or passes the stop time.
     pub fn after(&self, point: f64, step: f64) -> Result<Self, Refusal> {
         let refuse = |reason: String| Err(Refusal::error(reason));
         if !step.is_finite() || step <= 0.0 {

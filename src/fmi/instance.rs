@@ -153,18 +153,26 @@ impl Instance {
     }
 
     /// Refuses `function` where the state machine does not allow it.
-    /// Errors: names the state and where the function is allowed, or the interface it belongs to.
+    ///
+    /// # Errors
+    /// Names the state and where the function is allowed, or the interface it belongs to.
     #[inline]
     pub fn admit(&self, function: Function) -> Result<(), Refusal> {
         function.admit(self.state(), self.state.interface)
     }
 
-    /// fmi2SetupExperiment. Errors: times that are not finite or in the wrong order.
+    /// fmi2SetupExperiment.
+    ///
+    /// # Errors
+    /// Times that are not finite or in the wrong order.
     pub fn setup(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         self.state.clock.setup(start, stop)
     }
 
-    /// fmi2SetTime. Errors: a time that is not finite.
+    /// fmi2SetTime.
+    ///
+    /// # Errors
+    /// A time that is not finite.
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
         self.state.clock.set(time)
     }
@@ -175,7 +183,9 @@ impl Instance {
     }
 
     /// fmi2ExitInitializationMode: makes the element and takes the phases of the teeth.
-    /// Errors: parameters or poses that make no mesh; phases are as before.
+    ///
+    /// # Errors
+    /// Parameters or poses that make no mesh; phases are as before.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
         let ready = self.ready()?;
         let phase = ready.element.start(ready.motions)?;
@@ -220,7 +230,9 @@ impl Instance {
     }
 
     /// fmi2GetFMUstate: stores the state over the one with this `handle`, or under a new one, which it returns.
-    /// Errors: a handle that is none of this instance.
+    ///
+    /// # Errors
+    /// A handle that is none of this instance.
     pub fn store(&mut self, handle: Option<usize>) -> Result<usize, Refusal> {
         if let Some(handle) = handle {
             self.stored(handle)?;
@@ -230,23 +242,34 @@ impl Instance {
         Ok(handle)
     }
 
-    /// fmi2SetFMUstate. Errors: a handle that is none of this instance.
+    /// fmi2SetFMUstate.
+    ///
+    /// # Errors
+    /// A handle that is none of this instance.
     pub fn restore(&mut self, handle: usize) -> Result<(), Refusal> {
         self.go_to(self.stored(handle)?.clone())
     }
 
-    /// fmi2FreeFMUstate. Errors: a handle that is none of this instance.
+    /// fmi2FreeFMUstate.
+    ///
+    /// # Errors
+    /// A handle that is none of this instance.
     pub fn discard(&mut self, handle: usize) -> Result<(), Refusal> {
         self.stored.remove(&handle).map(drop).ok_or_else(unknown)
     }
 
     /// fmi2SerializeFMUstate, and with its length fmi2SerializedFMUstateSize.
-    /// Errors: a handle that is none of this instance.
+    ///
+    /// # Errors
+    /// A handle that is none of this instance.
     pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, Refusal> {
         Ok(self.stored(handle)?.to_bytes(&self.resources.unit.guid))
     }
 
-    /// fmi2DeSerializeFMUstate: a new handle. Errors: bytes that are no state of this FMU.
+    /// fmi2DeSerializeFMUstate: a new handle.
+    ///
+    /// # Errors
+    /// Bytes that are no state of this FMU.
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<usize, Refusal> {
         let state = InstanceState::from_bytes(bytes, &self.resources.unit.guid)?;
         state.check(self.state.interface)?;
@@ -291,7 +314,9 @@ impl Instance {
     }
 
     /// fmi2SetReal, fmi2SetInteger, which serves enumerations, and fmi2SetBoolean, with 0 and 1; all or none.
-    /// Errors: unknown references, wrong types, values that are not finite or outside their range, variables
+    ///
+    /// # Errors
+    /// Unknown references, wrong types, values that are not finite or outside their range, variables
     /// that may not be set now.
     pub fn set<T: Copy + Into<f64>>(
         &mut self,
@@ -355,7 +380,9 @@ impl Instance {
     }
 
     /// fmi2GetReal, fmi2GetInteger, which serves enumerations, and fmi2GetBoolean (0 and 1): calls `put` with each value.
-    /// Errors: unknown references, wrong types; inputs or parameters at which there are no outputs.
+    ///
+    /// # Errors
+    /// Unknown references, wrong types; inputs or parameters at which there are no outputs.
     pub fn get(
         &mut self,
         kind: Kind,
@@ -461,7 +488,9 @@ impl Instance {
     /// use; in Initialization Mode the phases of the teeth follow the pose, and the derivatives with
     /// them. Inputs that the formulation does not look at change nothing. In Initialization Mode Real parameters
     /// are among what is known, too: by differences of the outputs, good to some eight digits.
-    /// Errors: references that are no outputs, inputs or such parameters, seeds that are not finite, inputs at
+    ///
+    /// # Errors
+    /// References that are no outputs, inputs or such parameters, seeds that are not finite, inputs at
     /// which there are no outputs.
     pub fn directional_derivative(
         &mut self,
@@ -548,7 +577,9 @@ impl Instance {
     }
 
     /// fmi2SetRealInputDerivatives; all or none.
-    /// Errors: unknown references, variables that are no inputs, orders beyond 1 to 3, values
+    ///
+    /// # Errors
+    /// Unknown references, variables that are no inputs, orders beyond 1 to 3, values
     /// that are not finite.
     pub fn set_input_derivatives(
         &mut self,
@@ -580,7 +611,9 @@ impl Instance {
     /// fmi2GetRealOutputDerivatives: time derivatives of the outputs at the current communication
     /// point, of the first order. Poses change with the velocity inputs, which are
     /// their derivatives, and velocities with the input derivatives that the host gave.
-    /// Errors: references that are no outputs, another order than 1, inputs at which there are no outputs.
+    ///
+    /// # Errors
+    /// References that are no outputs, another order than 1, inputs at which there are no outputs.
     pub fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -603,7 +636,9 @@ impl Instance {
 
     /// fmi2DoStep from the communication `point` over `step`, s: moves inputs with derivatives to the end of the step and
     /// evaluates there, or predicts the loads by the coupling. A step that is refused changes nothing.
-    /// Errors: a step that is not positive, does not start where the last one ended, or passes the stop time;
+    ///
+    /// # Errors
+    /// A step that is not positive, does not start where the last one ended, or passes the stop time;
     /// inputs at which there are no outputs. A step that is discarded for its inputs, and tried again as it was, is an
     /// error: it would be tried for ever.
     pub fn do_step(&mut self, point: f64, step: f64) -> Result<(), Refusal> {

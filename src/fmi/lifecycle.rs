@@ -99,7 +99,9 @@ functions! {
 
 impl Function {
     /// Whether the function may be called in `state` of an instance of `interface`.
-    /// Errors: it may not: names the states in which it may be, or the interface it belongs to.
+    ///
+    /// # Errors
+    /// It may not: names the states in which it may be, or the interface it belongs to.
     #[inline]
     pub fn admit(self, state: State, interface: Interface) -> Result<(), Refusal> {
         let (states, own) = self.rule();

@@ -100,7 +100,9 @@ impl Starts {
 
 impl Resources {
     /// The resources of `unit` with its `tables` and its `contact`.
-    /// Errors: start values that are none, a contact of another pair, as text.
+    ///
+    /// # Errors
+    /// Start values that are none, a contact of another pair, as text.
     pub fn new(
         unit: UnitFile,
         tables: Option<TableFile>,
@@ -121,7 +123,9 @@ impl Resources {
     }
 
     /// The element of this FMU with `parameters`.
-    /// Errors: parameters without meaning; an effect whose axis the tables lack.
+    ///
+    /// # Errors
+    /// Parameters without meaning; an effect whose axis the tables lack.
     pub fn element(&self, parameters: &Parameters) -> Result<Element, Refusal> {
         let geometry = &self.unit.geometry;
         let needs_table = match parameters.stiffness_model {
@@ -181,7 +185,9 @@ fn shared<T, E>(
 }
 
 /// Reads the resources at `location` (a file URI) and compares their GUID with `guid`.
-/// Errors: a location that is no local folder, a file that is missing or altered, a GUID that is not the host's.
+///
+/// # Errors
+/// A location that is no local folder, a file that is missing or altered, a GUID that is not the host's.
 pub fn load(location: &str, guid: &str) -> Result<Arc<Resources>, Refusal> {
     let folder = folder(location).map_err(|reason| {
         Refusal::error(format!(
@@ -256,7 +262,10 @@ fn read(folder: &Path, guid: &str) -> Result<Resources, Refusal> {
         .map_err(|reason| unusable(&folder.join(UNIT_FILE), reason))
 }
 
-/// Reads the bytes of a [`UNIT_FILE`]. Errors: what is wrong with them, as text.
+/// Reads the bytes of a [`UNIT_FILE`].
+///
+/// # Errors
+/// What is wrong with them, as text.
 pub fn parse_unit(bytes: &[u8]) -> Result<UnitFile, String> {
     let unit: UnitFile = serde_json::from_slice(bytes).map_err(|e| json_problem(&e))?;
     if unit.version != UNIT_VERSION {

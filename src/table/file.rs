@@ -182,7 +182,10 @@ impl TableFile {
         Ok(file)
     }
 
-    /// Reads and checks a tables file. Errors as [`TableFile::from_json`], and what the system says.
+    /// Reads and checks a tables file.
+    ///
+    /// # Errors
+    /// As [`TableFile::from_json`], and what the system says.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, TableError> {
         let path = path.as_ref();
         let text = fs::read_to_string(path).map_err(|source| TableError::Io {
@@ -192,7 +195,10 @@ impl TableFile {
         Self::from_json(&text)
     }
 
-    /// Checks the content, not the checksum. The error is the first defect, by field.
+    /// Checks the content, not the checksum.
+    ///
+    /// # Errors
+    /// The first defect, by field.
     pub fn check(&self) -> Result<(), TableError> {
         self.geometry.check()?;
         let (nominal, top) = (self.nominal_torque_nm, self.maximum_torque_nm);

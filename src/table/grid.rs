@@ -240,7 +240,10 @@ impl FlankGrid {
     }
 
     /// Checks lengths, order and finiteness of all that is there, and that the force does not fall
-    /// over the displacement. `flank` names it in messages. The error is the first defect, by field and index.
+    /// over the displacement. `flank` names it in messages.
+    ///
+    /// # Errors
+    /// The first defect, by field and index.
     pub fn check(&self, flank: &str) -> Result<(), TableError> {
         self.axes.check()?;
         let [nc, nm, nu, np] = self.axes.lengths();

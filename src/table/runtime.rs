@@ -110,17 +110,26 @@ fn if_on<T>(on: bool, record: &Option<T>, missing: TableError) -> Result<Option<
 }
 
 impl Table {
-    /// With all axes of the file, the spline, variable load and shuttling. Errors as [`TableFile::from_json`].
+    /// With all axes of the file, the spline, variable load and shuttling.
+    ///
+    /// # Errors
+    /// As [`TableFile::from_json`].
     pub fn from_json(text: &str) -> Result<Self, TableError> {
         Self::from_file(TableFile::from_json(text)?)
     }
 
-    /// As [`Table::from_json`], from a path. Errors as [`TableFile::read`].
+    /// As [`Table::from_json`], from a path.
+    ///
+    /// # Errors
+    /// As [`TableFile::read`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self, TableError> {
         Self::from_file(TableFile::read(path)?)
     }
 
-    /// As [`Table::from_json`], from checked content. Errors as [`FlankTable::new`].
+    /// As [`Table::from_json`], from checked content.
+    ///
+    /// # Errors
+    /// As [`FlankTable::new`].
     pub fn from_file(file: TableFile) -> Result<Self, TableError> {
         let mut effects = Effects::of_axes(&file.axes);
         effects.shuttling |= file.drive.moment.is_some();
@@ -135,7 +144,10 @@ impl Table {
         Self::with_effects(self.file.clone(), *effects)
     }
 
-    /// The tables of `file`, which stays shared, with only the dimensions that `effects` switch on. Errors as [`Table::sliced`].
+    /// The tables of `file`, which stays shared, with only the dimensions that `effects` switch on.
+    ///
+    /// # Errors
+    /// As [`Table::sliced`].
     pub fn with_effects(file: Arc<TableFile>, effects: Effects) -> Result<Self, TableError> {
         let on = effects.axes();
         // Tooth pairs one by one slide as their own loads do.

@@ -218,7 +218,10 @@ pub(super) fn measure_at(
 }
 
 /// Error of `table` against `source` at `points` random operating points: torques even in (0, maximum), the
-/// other coordinates even in their ranges. Errors: a solve that fails; cancellation.
+/// other coordinates even in their ranges.
+///
+/// # Errors
+/// A solve that fails; cancellation.
 pub fn measure(
     source: &dyn StaticSource,
     geometry: &PairGeometry,

@@ -39,7 +39,9 @@ const REPORTED_POINTS: usize = 1000;
 /// small. The error returned is measured on points that had no part in the choice.
 ///
 /// If the finest grid on offer does not reach it, the result is the best there is and says its error.
-/// Errors: a solve that fails; cancellation.
+///
+/// # Errors
+/// A solve that fails; cancellation.
 pub fn table_within(
     source: &dyn StaticSource,
     geometry: &PairGeometry,

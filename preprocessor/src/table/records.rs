@@ -119,7 +119,10 @@ impl<'a> RootStressSweep<'a> {
     }
 
     /// Error of `table` at `points` random operating points: torques even in (0, maximum), the other coordinates even
-    /// in their ranges. Errors as [`RootStressSweep::samples`].
+    /// in their ranges.
+    ///
+    /// # Errors
+    /// As [`RootStressSweep::samples`].
     pub fn measure(
         &self,
         coverage: &Coverage,

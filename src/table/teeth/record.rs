@@ -144,7 +144,10 @@ impl TeethRecord {
         Ok(())
     }
 
-    /// Checks all fields against each other and against the pair `geometry`. The error is the first defect, by field.
+    /// Checks all fields against each other and against the pair `geometry`.
+    ///
+    /// # Errors
+    /// The first defect, by field.
     pub fn check(&self, geometry: &PairGeometry) -> Result<(), TableError> {
         let length = self.last_place - self.first_place;
         if !(length > 0.0 && length <= (MOST - 1) as f64 && self.first_place.abs() < 100.0) {

@@ -28,6 +28,17 @@ from examples.drivelines.tutorial import __main__ as tutorial  # noqa: E402
 from scripts.docs.check import cell  # noqa: E402
 
 
+def test_bricks_bend_as_a_free_plate_does():
+    """Square, Poisson's ratio 0.3: omega a^2 sqrt(rho h / D) by Leissa, Vibration of Plates, NASA SP-160, 1969."""
+    side, thickness, young, density = 0.4, 4e-3, 206e9, 7850.0
+    edge = np.linspace(0.0, side, 11)
+    mesh = walls.fem.MeshHex.init_tensor(edge, edge, np.array([0.0, thickness]))
+    _, stiffness, mass = walls.elasticity(mesh, young, 0.3, density)
+    found = 2.0 * np.pi * walls.frequencies(stiffness, mass, 11)[6:]
+    rigidity = young * thickness**3 / 12.0 / (1.0 - 0.3**2)
+    assert found * side**2 * np.sqrt(density * thickness / rigidity) == pytest.approx([13.489, 19.789, 24.432, 35.024, 35.024], rel=0.02)
+
+
 @pytest.fixture(scope="module")
 def box():
     return walls.Box(SPUR.center_distance)

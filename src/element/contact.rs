@@ -32,8 +32,7 @@ pub(crate) struct Pose<T> {
 }
 
 impl<T: Scalar> Pose<T> {
-    /// # Errors
-    /// Axes that do not run alike, base circles without a common tangent.
+    /// Errors: axes that do not run alike, base circles without a common tangent.
     #[inline(always)]
     pub(crate) fn new(el: &Element, inputs: &Inputs) -> Result<Self, ElementError> {
         let k = &el.constants;
@@ -222,7 +221,7 @@ impl Damper {
 }
 
 /// Loads and diagnostics at `inputs`, and what they were made of.
-pub(crate) struct Solution<T> {
+pub(crate) struct Solution<T: Scalar> {
     pub outputs: Outputs<T>,
     /// `None`: the gears are out of reach of one another.
     pub mesh: Option<Mesh<T>>,
@@ -237,9 +236,6 @@ pub(crate) struct Mesh<T> {
 
 impl<T: Scalar> Solution<T> {
     /// At `inputs`; `stiffness_slopes` as for [`Law::respond`](super::law::Law::respond).
-    ///
-    /// # Errors
-    /// As [`Element::evaluate`].
     #[inline(always)]
     pub(crate) fn new(
         el: &Element,
@@ -254,7 +250,13 @@ impl<T: Scalar> Solution<T> {
         if !pose.map.in_reach {
             let point = in_world(&inputs.gears[0], pose.map.near_pitch_point(T::from(0.0)));
             return Ok(Solution {
-                outputs: Outputs::out_of_reach(point, c, T::from(k.z_ref)),
+                outputs: Outputs {
+                    contact_point: point,
+                    center_distance: c,
+                    contact_z: T::from(k.z_ref),
+                    out_of_range: true,
+                    ..Outputs::default()
+                },
                 mesh: None,
             });
         }
@@ -268,12 +270,12 @@ impl<T: Scalar> Solution<T> {
         let zero = T::from(0.0);
         let mut flanks = [pose.unloaded(k, 0, x, phase), pose.unloaded(k, 1, x, phase)];
         // By the coordinates, of both flanks.
-        let mut slopes = Coordinates::zero();
+        let mut slopes = Coordinates::default();
         let mut sliding = [None; 2];
         for (i, (flank, law)) in flanks.iter_mut().zip(&el.laws).enumerate() {
             let Some(law) = law else { continue };
             let scale = el.law_scale(cos_phi);
-            let counts = if law.tells_teeth_apart() {
+            let counts = if law.tells_teeth_apart {
                 pose.counts(k, i, phase)
             } else {
                 [0; 2]
@@ -461,7 +463,7 @@ impl<T: Scalar> Engagement<T> {
     fn new(k: &Constants, c: T, lambda: T) -> Self {
         let one = T::from(1.0);
         let (radial, radial_slope) = radial_share(k, c);
-        let [(low, low_slope), (high, high_slope)] = face_overlap(k, lambda);
+        let [(low, low_slope), (high, high_slope)] = face_overlap(k, -lambda + k.z_ref);
         let per_half = 2.0 / (k.common_face[1] - k.common_face[0]);
         let (axial, axial_slope) = step((high - low) * per_half);
         Engagement {
@@ -490,12 +492,10 @@ pub(crate) fn radial_share<T: Scalar>(k: &Constants, c: T) -> (T, T) {
     step((c - k.reach.none) * k.reach.per_span)
 }
 
-/// Ends of the common face in gear 1's frame, m, each with its slope by `lambda`, with c2 at the axial position
-/// `lambda` in gear 2's frame; the first beyond the second: the faces are apart.
+/// Ends of the common face in gear 1's frame, m, each with its slope by the axial position of c2 in gear 2's frame, with gear 2's
+/// z = 0 face at `offset`; the first beyond the second: the faces are apart.
 #[inline(always)]
-pub(crate) fn face_overlap<T: Scalar>(k: &Constants, lambda: T) -> [(T, f64); 2] {
-    // Gear 2's face lies from `offset` to `offset + b2` in gear 1's frame.
-    let offset = -lambda + k.z_ref;
+pub(crate) fn face_overlap<T: Scalar>(k: &Constants, offset: T) -> [(T, f64); 2] {
     let [b1, b2] = k.face_width;
     let low = if offset.re() > 0.0 {
         (offset, -1.0)

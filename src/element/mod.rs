@@ -49,7 +49,7 @@ mod start;
 pub use crate::table::Interpolation;
 pub use dual::Scalar;
 pub use error::ElementError;
-pub use jacobian::{BODY_COLUMNS, InputsChange, Jacobian, MotionChange};
+pub use jacobian::{BODY_COLUMNS, Direction, Jacobian};
 pub use law::{Elasticity, FlankLaws, Workspace};
 pub use motion::{CONTINUOUS_OUTPUTS, Inputs, Motion, Outputs, PhaseOffset};
 pub use parameters::{Formulation, LoadedFlank, Parameters, PhaseReference, StiffnessModel};
@@ -302,21 +302,20 @@ impl Element {
 
     /// Whether a flank is pressed by more than half of what fits between the gap and the tooth behind: no load does that,
     /// and twice as far the tooth behind pushes the other way.
-    ///
-    /// # Errors
-    /// It is, and one flank alone can carry: the gears have turned back through the flank that is missing.
+    /// Errors: it is, and one flank alone can carry: the gears have turned back through the flank that is missing.
     fn have_passed(&self, penetration: f64, half_gap: f64) -> Result<bool, ElementError> {
         let limit = 0.5 * (0.5 * self.constants.base_pitch - half_gap);
         let passed = penetration > limit;
         if passed && self.parameters.loaded_flank != LoadedFlank::Both {
-            let flank = match self.parameters.loaded_flank {
-                LoadedFlank::Coast => "coast",
-                _ => "drive",
+            let (flank, sign) = match self.parameters.loaded_flank {
+                LoadedFlank::Coast => ("coast", -1.0),
+                _ => ("drive", 1.0),
             };
             return Err(ElementError::Pose(format!(
                 "loadedFlank = {flank}: the teeth overlap by {:.3} mm on the line of action; nothing holds the gears when they turn \
-                 back from this flank, and they have come to the tooth behind: set loadedFlank = both",
-                1e3 * penetration
+                 back from this flank, and they have come to the tooth behind: set loadedFlank = both{}",
+                1e3 * penetration,
+                self.phase_remedy(sign * penetration)
             )));
         }
         Ok(passed)
@@ -324,9 +323,7 @@ impl Element {
 }
 
 /// `table` for the stress in the tooth roots; `differ`: of teeth that differ.
-///
-/// # Errors
-/// There is none, or teeth differ: its stress is that of loads that teeth alike share.
+/// Errors: there is none, or teeth differ: its stress is that of loads that teeth alike share.
 fn root_stress_table(table: Option<Arc<Table>>, differ: bool) -> Result<Arc<Table>, ElementError> {
     if differ {
         return Err(ElementError::Parameter {

@@ -8,7 +8,7 @@ use gearmesh::gear::Flank;
 use gearmesh::pair::{Pair, Refinement};
 
 use gearmesh::table::{
-    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSamples,
+    Axes, FlankGrid, FlankTable, FrictionRecord, Interpolation, InterpolationError, LoadSpline,
     RootStressRecord, TeethRecord,
 };
 use gearmesh_preprocessor::contact::{CycleInput, MeshCycle};
@@ -116,7 +116,7 @@ impl Sweeps<'_> {
             };
             self.watched("root stress", |watch| -> Result<_, Error> {
                 let samples = sweep.samples(&axes, watch)?;
-                let table = samples.spline(&axes, [true; 2])?;
+                let table = LoadSpline::new(&axes, &samples, [true; 2])?;
                 let error = sweep.measure(self.coverage, &table, HELD_OUT_POINTS, watch)?;
                 Ok((samples, error))
             })

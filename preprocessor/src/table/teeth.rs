@@ -164,7 +164,6 @@ fn approach(level: &TeethFlank, query: &Query, force: f64) -> f64 {
     })
 }
 
-/// Mesh positions at which all tooth pairs are looked at.
 const POSITIONS: usize = 32;
 
 /// Loads at each of them, evenly up to the largest: a greater load spreads over the face, where others take less.
@@ -277,7 +276,6 @@ impl Sums {
     }
 }
 
-/// All tooth pairs at a mesh position, together and each alone.
 struct Together {
     base_radius: f64,
     whole: PositionProblem,

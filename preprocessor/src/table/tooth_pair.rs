@@ -21,13 +21,10 @@ const REACH: f64 = 8.0;
 /// Steps in which the ends of the places are sought, base pitches; likewise how far within the reach of contact a pair stays.
 const STEP: f64 = 1.0 / 64.0;
 
-/// One tooth pair of a solver on one flank.
 pub(super) struct ToothPair {
     solver: ContactSolver,
     flank: Flank,
-    /// Nodes of centre distance and misalignment.
     nodes: [Vec<f64>; 2],
-    /// Over them.
     levels: Vec<Level>,
     /// Places beyond which the pair does not touch anywhere in the table.
     pub ends: [f64; 2],
@@ -42,7 +39,6 @@ struct Level {
     span: f64,
 }
 
-/// [`ToothPair`] over a range of places.
 pub(super) struct ToothPairOver<'a> {
     pub pair: &'a ToothPair,
     /// First and length.
@@ -50,8 +46,7 @@ pub(super) struct ToothPairOver<'a> {
 }
 
 impl ToothPair {
-    /// Of `flank` over the centre distances and misalignments of `axes`, where errors of the teeth are up to `spread` (m)
-    /// apart.
+    /// Of `flank` over the centre distances and misalignments of `axes`, where errors of the teeth are up to `spread` (m) apart.
     pub fn new(
         solver: &ContactSolver,
         flank: Flank,
@@ -146,7 +141,6 @@ impl StaticSource for ToothPairOver<'_> {
     }
 }
 
-/// One tooth pair at one place.
 struct ToothPairPosition<'a> {
     pair: &'a ToothPair,
     problem: PositionProblem,

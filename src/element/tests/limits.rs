@@ -211,38 +211,24 @@ fn parameters_without_a_meaning_are_refused_by_name() {
         nominal_torque,
         ..with_table
     };
+    let (mut friction, mut root_stress) = (good, good);
+    (friction.friction, root_stress.root_stress) = (true, true);
+    let beyond = Parameters {
+        load_dependent: false,
+        damping_onset: 1e-9,
+        ..torque(1e6)
+    };
     made(&pair, &backlash(0.4 * pitch));
     Element::new(&pair, &torque(200.0), Some(table.clone())).unwrap();
+    let by_table = "stiffnessModel = table";
     for (parameters, start, remedy) in [
         (backlash(0.6 * pitch), "backlash = ", "half a pitch"),
         (backlash(110.0), "backlash = 110 m: ", "half a pitch"),
         (backlash(-1.0), "backlash = -1 m: ", "zero or above"),
-        (
-            Parameters {
-                friction: true,
-                ..good
-            },
-            "friction = true: ",
-            "stiffnessModel = table",
-        ),
-        (
-            Parameters {
-                root_stress: true,
-                ..good
-            },
-            "rootStress = true: ",
-            "stiffnessModel = table",
-        ),
+        (friction, "friction = true: ", by_table),
+        (root_stress, "rootStress = true: ", by_table),
         (torque(1e300), "nominalTorque = 1e300 N m: ", "dampingOnset"),
-        (
-            Parameters {
-                load_dependent: false,
-                damping_onset: 1e-9,
-                ..torque(1e6)
-            },
-            "nominalTorque",
-            "choose",
-        ),
+        (beyond, "nominalTorque", "choose"),
     ] {
         let text = refused(parameters);
         assert!(text.contains(start) && text.contains(remedy), "{text}");

@@ -1,7 +1,6 @@
 //! Claims about which teeth the element says are in mesh.
 
 use super::*;
-use crate::fmi::variables::index;
 use crate::gear::teeth::Counts;
 use crate::table::{Potential, Query};
 use std::sync::Mutex;
@@ -86,19 +85,9 @@ fn phases_are_found_and_derivatives_made_with_few_questions_to_the_law() {
     let mut jacobian = Jacobian::zeros();
     // The derivative of the stiffness alone takes two more.
     let mut slopes = |phase: Option<&PhaseOffset>, stiffness| {
-        let made = element.slopes(
-            phase,
-            &inputs,
-            stiffness,
-            &mut jacobian,
-            &mut Workspace::default(),
-        );
+        let workspace = &mut Workspace::default();
+        let made = element.slopes(phase, &inputs, stiffness, &mut jacobian, workspace);
         made.unwrap();
-        let stiffness = index::MESH_STIFFNESS - index::GEAR1_FORCE_1;
-        let numbers =
-            (0..CONTINUOUS_OUTPUTS).filter(|row| jacobian.row(*row).iter().all(|x| x.is_finite()));
-        let missing = CONTINUOUS_OUTPUTS - numbers.filter(|row| *row != stiffness).count();
-        assert_eq!(missing, 1);
         asked()
     };
     assert_eq!(slopes(Some(&phase), false), 1);

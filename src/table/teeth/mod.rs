@@ -29,7 +29,7 @@ use super::interpolation::{Basis, Ends, axis};
 use super::runtime::flank_table;
 use super::{
     COORDINATES, Effects, FlankGrid, FlankTable, Interpolation, Load, LoadAxes, LoadJet,
-    LoadSamples, LoadSpline, Potential, Query, TableError,
+    LoadSpline, Potential, Query, TableError,
 };
 use crate::friction::Sliding;
 use crate::gear::teeth::{Counts, Passing};
@@ -186,7 +186,7 @@ impl PairTable {
                     loa_force_n: grid.axes.displacement_fraction.clone(),
                     mesh_position: grid.axes.mesh_position.clone(),
                 };
-                Some(samples.spline(&axes, [effects.center_distance, effects.misalignment])?)
+                Some(LoadSpline::new(&axes, samples, effects.axes())?)
             }
         };
         let spans = grid.top_load_approach.iter().zip(&grid.no_load_approach);

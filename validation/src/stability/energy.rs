@@ -62,9 +62,11 @@ impl Case {
 
 /// All effects on, the load variable.
 fn choice(formulation: Formulation, interpolation: Interpolation) -> Parameters {
-    let mut parameters = Parameters::default();
-    (parameters.formulation, parameters.interpolation) = (formulation, interpolation);
-    parameters
+    Parameters {
+        formulation,
+        interpolation,
+        ..Parameters::default()
+    }
 }
 
 /// Work on a closed loop and the mean energy on it, J.
@@ -150,8 +152,8 @@ fn six_freedoms(pair: &PairGeometry, element: Element) -> Result<(Scene, State)>
 const STEP: f64 = 2.5e-7;
 
 /// Largest energy error over the initial kinetic energy of the oscillation along `steps` steps.
-fn long_run(pair: &PairGeometry, element: Element, steps: usize) -> Result<f64> {
-    let (scene, mut y) = six_freedoms(pair, element)?;
+fn long_run(case: &Case, parameters: Parameters, steps: usize) -> Result<f64> {
+    let (scene, mut y) = six_freedoms(case.geometry(), case.element(parameters)?)?;
     let energy = |y: &State| -> Result<f64> { Ok(scene.energy(0.0, y)? - TORQUE * y[1].twist()) };
     let g = y[1];
     let turning = g.l.norm_squared() / TRANSVERSE_INERTIA;
@@ -181,11 +183,11 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
     ];
     let mut constant_load = choice(Conjugate, Spline);
     constant_load.load_dependent = false;
-    let mut without_tilt = constant_load;
-    (
-        without_tilt.misalignment_effect,
-        without_tilt.shuttling_effect,
-    ) = (false, false);
+    let without_tilt = Parameters {
+        misalignment_effect: false,
+        shuttling_effect: false,
+        ..constant_load
+    };
     let common = [
         ("spline", choice(Conjugate, Spline)),
         ("linear", choice(Conjugate, Linear)),
@@ -226,8 +228,7 @@ pub fn report(context: &Context, data: &Data) -> Result<()> {
         (&real, Paper, Spline, 250_000),
     ] {
         let steps = if context.quick { steps / 100 } else { steps };
-        let element = case.element(choice(formulation, interpolation))?;
-        let worst = long_run(case.geometry(), element, steps)?;
+        let worst = long_run(case, choice(formulation, interpolation), steps)?;
         let law = format!("{} | {formulation:?} | {interpolation:?}", case.name());
         rows.push(format!("{law} | {steps} | {worst:.1e}"));
     }

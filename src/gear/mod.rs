@@ -11,7 +11,6 @@ mod microgeometry;
 mod modification;
 mod pair_geometry;
 mod profile;
-mod ring_fillet;
 #[cfg(test)]
 #[path = "../../tests/common/gears.rs"]
 pub mod samples;

@@ -1,6 +1,6 @@
 //! A gear of the file on its own: teeth as its fields have them, rim, web and hub, and what a ring rests on.
 
-use super::checks::{Range::Within, check, in_gear};
+use super::checks::{check, in_gear};
 use super::error::{Refusal, ensure, refusal};
 use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
 use gearmesh::gear::{Body, Gear, GearKind, Stub};
@@ -65,8 +65,7 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
         ("hub_width_mm", g.hub_width_mm),
         ("hub_offset_mm", g.hub_offset_mm),
     ];
-    let mut parts = parts.into_iter();
-    let first = parts.find_map(|(name, value)| Some((in_gear(i, name), value?)));
+    let first = (parts.into_iter()).find_map(|(name, value)| Some((in_gear(i, name), value?)));
     let name = "rim_foundation_n_per_mm3";
     if gear.kind == GearKind::Ring {
         ensure!(g.shaft.is_none(), in_gear(i, "shaft") => "a shaft"; "the gear is a ring"; "leave it out");
@@ -76,11 +75,7 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
                 "give its outside by `rim_diameter_mm`, and what that rests on by `rim_foundation_n_per_mm3`"));
         }
         // From rubber to steel a hundredth of a millimetre thick.
-        check(
-            &in_gear(i, name),
-            g.rim_foundation_n_per_mm3,
-            Within(1e-3, 1e8),
-        )?;
+        check(&in_gear(i, name), g.rim_foundation_n_per_mm3, [1e-3, 1e8])?;
         // N/mm³ = 1e9 N/m³.
         gear.foundation = g.rim_foundation_n_per_mm3.map(|stiffness| 1e9 * stiffness);
         return Ok(());
@@ -132,44 +127,38 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
         "puts the web at {web}, beyond the face, {face}"; "give the middle of the web less mid-face");
     let web = Extent([web.0[0].max(0.0), web.0[1].min(width)]);
     let mut hub = web;
+    let inside = root - 2.0 * rim;
+    let (mut innermost, mut name, mut value, mut part) =
+        (bore, "rim_thickness_mm", rim, "the bore");
     let hub_width = g.hub_width_mm.map(|mm| ("hub_width_mm", mm));
     let hub_offset = g.hub_offset_mm.map(|mm| ("hub_offset_mm", mm));
-    match g.hub_diameter_mm {
-        None => {
-            if let Some((name, value)) = hub_width.or(hub_offset) {
-                return Err(refusal!(in_gear(i, name) => value;
-                    "`hub_diameter_mm` is not given";
-                    "give it, or leave this out for a web that reaches down to the bore"));
-            }
-        }
-        Some(diameter) => {
-            ensure!(diameter >= bore + 2.0 * least, in_gear(i, "hub_diameter_mm") => diameter;
-                "leaves less than {least} mm (a tenth of the normal module) of wall around the bore of {bore:.3} mm";
-                "give the outer diameter of the hub, or leave it out for a web that reaches down to the bore");
-            let length = g.hub_width_mm.unwrap_or(width);
-            ensure!(length > 0.0 && length <= longest, in_gear(i, "hub_width_mm") => length;
-                "must be above 0 and at most a hundred normal modules, {longest} mm";
-                "give the axial length over which the hub sits on the shaft");
-            hub = Extent::about(middle + g.hub_offset_mm.unwrap_or(0.0), length);
-            let (name, value) = hub_offset.unwrap_or(("hub_width_mm", length));
-            ensure!(hub.encloses(web), in_gear(i, name) => value;
-                "the web, {web}, ends beyond the hub, {hub}"; "choose a hub that encloses the web");
-            hub = Extent([hub.0[0].min(web.0[0]), hub.0[1].max(web.0[1])]);
-        }
+    if let Some(diameter) = g.hub_diameter_mm {
+        ensure!(diameter >= bore + 2.0 * least, in_gear(i, "hub_diameter_mm") => diameter;
+            "leaves less than {least} mm (a tenth of the normal module) of wall around the bore of {bore:.3} mm";
+            "give the outer diameter of the hub, or leave it out for a web that reaches down to the bore");
+        let length = g.hub_width_mm.unwrap_or(width);
+        ensure!(length > 0.0 && length <= longest, in_gear(i, "hub_width_mm") => length;
+            "must be above 0 and at most a hundred normal modules, {longest} mm";
+            "give the axial length over which the hub sits on the shaft");
+        hub = Extent::about(middle + g.hub_offset_mm.unwrap_or(0.0), length);
+        let (field, offset) = hub_offset.unwrap_or(("hub_width_mm", length));
+        ensure!(hub.encloses(web), in_gear(i, field) => offset;
+            "the web, {web}, ends beyond the hub, {hub}"; "choose a hub that encloses the web");
+        hub = Extent([hub.0[0].min(web.0[0]), hub.0[1].max(web.0[1])]);
+        (innermost, name, value, part) = (diameter, "hub_diameter_mm", diameter, "the hub");
+    } else if let Some((name, value)) = hub_width.or(hub_offset) {
+        return Err(refusal!(in_gear(i, name) => value;
+            "`hub_diameter_mm` is not given"; "give it, or leave this out for a web that reaches down to the bore"));
     }
-    let inside = root - 2.0 * rim;
-    let (innermost, name, value, part) = match g.hub_diameter_mm {
-        Some(diameter) => (diameter, "hub_diameter_mm", diameter, "the hub"),
-        None => (bore, "rim_thickness_mm", rim, "the bore"),
-    };
     ensure!(inside >= innermost + 2.0 * least, in_gear(i, name) => value;
         "the inside of the rim has the diameter {inside:.3} mm and leaves no web outside of {part} of {innermost:.3} mm";
         "choose a thinner rim or a smaller hub or bore; for a full disc leave rim, web and hub out");
-    let hub_radius = g.hub_diameter_mm.map(|mm| 0.5 * mm * MM);
     Ok(Body {
         rim_radius: 0.5 * inside * MM,
         web: web.0.map(|z| z * MM),
-        hub_radius: hub_radius.unwrap_or(gear.held_radius),
+        hub_radius: g
+            .hub_diameter_mm
+            .map_or(gear.held_radius, |mm| 0.5 * mm * MM),
         hub: hub.0.map(|z| z * MM),
         held_ends: [false; 2],
     })

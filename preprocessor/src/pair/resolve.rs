@@ -4,8 +4,7 @@ use std::path::Path;
 
 use super::backlash::{odd_thickness, place, set_backlash};
 use super::checks::{
-    self, LEAST_HELIX, Range::Within, about, check_fields, in_gear, limits, meant, remedy,
-    suspicious,
+    self, LEAST_HELIX, about, check_fields, in_gear, limits, meant, remedy, suspicious,
 };
 use super::drawing::settle;
 use super::error::{Refusal, ensure, refusal};
@@ -246,12 +245,12 @@ pub(super) fn friction(file: Option<&FrictionFile>) -> Result<FrictionLaw, Refus
         return Ok(FrictionLaw::default());
     };
     limits! { "friction.", file;
-        coefficient: Within(0.0, 1.0);
-        dynamic_viscosity_mpa_s: Within(1.01, 1e5);
-        lubricant_factor: Within(0.1, 2.0);
+        coefficient: [0.0, 1.0];
+        dynamic_viscosity_mpa_s: [1.01, 1e5];
+        lubricant_factor: [0.1, 2.0];
     }
     for ra in file.roughness_ra_um.into_iter().flatten() {
-        checks::check("friction.roughness_ra_um", ra, Within(0.01, 20.0))?;
+        checks::check("friction.roughness_ra_um", ra, [0.01, 20.0])?;
     }
     if file.law == FrictionLawFile::Constant {
         let constant = |coefficient| FrictionLaw::Constant { coefficient };

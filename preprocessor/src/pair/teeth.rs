@@ -1,6 +1,6 @@
 //! `tooth_errors` of the pair file: teeth that differ from each other.
 
-use super::checks::{Range::Within, check, in_gear, limits};
+use super::checks::{check, in_gear, limits};
 use super::error::{Refusal, ensure, refusal};
 use super::file::{ToothErrorsFile, ToothFlank, UM};
 use super::flanks::Flanks;
@@ -23,8 +23,8 @@ pub(super) fn tooth_errors(
     let gear = &flanks.geometry.gears[flanks.i];
     let path = in_gear(flanks.i, "tooth_errors.");
     limits! { path, given;
-        runout_um: Within(0.0, largest(gear));
-        runout_angle_deg: Within(-360.0, 360.0);
+        runout_um: [0.0, largest(gear)];
+        runout_angle_deg: [-360.0, 360.0];
     }
     let mut errors = ToothErrors {
         index: index(given, gear, flank, &path)?,
@@ -45,7 +45,7 @@ pub(super) fn tooth_errors(
         let is_again = given.teeth[..place].iter().any(|t| t.tooth == tooth);
         ensure!(!is_again, format!("{path}tooth") => tooth;
             "stands in the list twice"; "give a tooth once, with all that is its own");
-        limits! { path, own; compliance_factor: Within(1.0, LARGEST_FACTOR); }
+        limits! { path, own; compliance_factor: [1.0, LARGEST_FACTOR]; }
         let factor = own.compliance_factor;
         if factor > 1.0 {
             errors.weak.push(WeakTooth { tooth, factor });
@@ -91,7 +91,7 @@ fn index(
             ensure!(list.len() == gear.teeth as usize, path => format!("{} numbers", list.len());
                 "the gear has {} teeth", gear.teeth; "give one number for every tooth");
             for (tooth, um) in list.iter().enumerate() {
-                check(&format!("{path}[{tooth}]"), *um, Within(-most, most))?;
+                check(&format!("{path}[{tooth}]"), *um, [-most, most])?;
             }
             let all_zero = list.iter().all(|um| *um == 0.0);
             let errors = list.iter().filter(|_| !all_zero).map(|um| um * UM);

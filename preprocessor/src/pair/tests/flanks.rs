@@ -103,7 +103,7 @@ fn a_topography_that_is_none_is_refused_by_line_or_size() {
     #[rustfmt::skip]
     let cases = [
         (good.replace("removal_um", "deviation"), "has the columns roll_mm,z_mm,deviation"),
-        ("roll_mm,z_mm,removal_um\n".into(), "has a header and no points"),
+        ("roll_mm,z_mm,removal_um\n".into(), "has 0 points"),
         (good.replacen("5.5,0,", "5.5,zero,", 1), "line 3: z_mm = zero: not a finite number"),
         (good.replacen("5.5,0,", "5.5,zero,", 1) .replace('\n', "\r\n"), "line 3: z_mm = zero: not a finite number"),
         (good.replace(',', ";"), "has semicolons between its columns"),

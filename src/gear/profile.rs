@@ -184,8 +184,7 @@ impl ToothProfile {
         self.gear.radius_at_roll(self.form_roll)
     }
 
-    /// Whether the rack has cut away the start of the involute, so that fillet and flank meet in a
-    /// corner.
+    /// Whether the rack has cut away the start of the involute, so that fillet and flank meet in a corner.
     pub fn is_undercut(&self) -> bool {
         match self.fillet {
             Fillet::Trochoid { curve, .. } => curve.roll_at_flank_end(&self.gear) < 0.0,
@@ -204,9 +203,8 @@ impl ToothProfile {
         ProfilePoint::polar(self.gear.radius_at_roll(roll), angle, normal)
     }
 
-    /// Point of the fillet, `t` from 0 at the root circle to 1 at the start of the involute. The
-    /// parameter runs evenly with the angle of the normal on the tool's round (ring: on the arc), so that
-    /// the radius is monotone in it.
+    /// Point of the fillet, `t` from 0 at the root circle to 1 at the start of the involute. The parameter runs evenly
+    /// with the angle of the normal on the tool's round (ring: on the arc), so that the radius is monotone in it.
     pub fn fillet(&self, t: f64) -> ProfilePoint {
         match self.fillet {
             Fillet::Trochoid { curve, upper_end } => {

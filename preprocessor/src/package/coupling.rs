@@ -82,7 +82,8 @@ pub struct Coupling {
     pub stiffness: Stiffness,
     /// `damping`, N s/m, tangential.
     pub damping: f64,
-    default_damping: f64,
+    /// That of [`DAMPING_RATIO`], N s/m.
+    pub(super) default_damping: f64,
     /// `effectiveMass`: the reduced mass along the line of action, kg.
     pub effective_mass: f64,
     /// Whether loads are held (`coupling = held`).

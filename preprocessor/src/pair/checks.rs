@@ -5,7 +5,7 @@ use super::file::{Dimension, EndReliefFile, FlankFile, GearFile, Meshing, PairFi
 use gearmesh::words::{number, rounded};
 
 /// The least number above 0.
-const ABOVE_0: f64 = f64::MIN_POSITIVE;
+pub(super) const ABOVE_0: f64 = f64::MIN_POSITIVE;
 
 /// Checks that the number at `path`, if there is one, lies in `range`, both ends included.
 pub(super) fn check(
@@ -13,22 +13,26 @@ pub(super) fn check(
     value: impl Into<Option<f64>>,
     range: [f64; 2],
 ) -> Result<(), Refusal> {
-    let Some(value) = value.into() else {
-        return Ok(());
-    };
+    let check = |value| check_with_usual(path, value, range, range);
+    value.into().map_or(Ok(()), check)
+}
+
+/// The same of a number that lies within `usual` in its unit.
+pub(super) fn check_with_usual(
+    path: &str,
+    value: f64,
+    range: [f64; 2],
+    usual: [f64; 2],
+) -> Result<(), Refusal> {
     // As they are shown: 0.1 * 1.5 is not quite 0.15.
     let [low, high] = range.map(rounded);
     let problem = match range[0] == ABOVE_0 {
         true => format!("must be above 0 and at most {high}"),
         false => format!("lies outside {low} to {high}"),
     };
-    let remedy = remedy(
-        path,
-        value,
-        [low, high],
-        "give a value in that range, in the unit of the name",
-    );
-    ensure!(within(value, [low, high]), path => value; "{problem}"; "{remedy}");
+    let meant = meant(path, value, usual).map_or_else(String::new, |meant| format!(": {meant}"));
+    ensure!(within(value, [low, high]), path => number(value);
+        "{problem}"; "give a value in that range, in the unit of the name{meant}");
     Ok(())
 }
 
@@ -164,8 +168,7 @@ pub(super) fn check_fields(file: &PairFile) -> Result<(), Refusal> {
 
 fn check_gear(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
     let gear = in_gear(i, "");
-    ensure!((4..=5000).contains(&g.teeth), format!("{gear}teeth") => g.teeth;
-        "lies outside 4 to 5000"; "give the number of teeth, positive for a ring, too");
+    check(&format!("{gear}teeth"), f64::from(g.teeth), [4.0, 5000.0])?;
     if let (Some(addendum), Some(mm)) = (g.addendum_coefficient, g.tip_diameter_mm) {
         return Err(refusal!(format!("{gear}addendum_coefficient") => addendum;
             "`tip_diameter_mm` = {mm} says the same"; "give only one of them"));
@@ -194,38 +197,23 @@ fn check_gear(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Removal over the length of roll or of the face within which it grows, at most.
+/// Removal over the length of roll or of the face within which it grows, at most: what is steeper is a chamfer.
 pub(super) const STEEPEST: f64 = 0.1;
 
-/// Amounts of microgeometry: no more than a twentieth of the module, beyond which the flank is another flank and
-/// no modification; those that only take material off not negative.
+/// Amounts of microgeometry: at most a twentieth of the module, beyond which the flank is another one; those that only take
+/// material off not negative.
 fn check_amounts(i: usize, g: &GearFile, module: f64) -> Result<(), Refusal> {
     let most = 50.0 * module;
     for (prefix, flank) in g.flanks() {
         let path = in_gear(i, prefix);
         for (field, um, has_sign) in amounts(&flank) {
-            let problem = match um < 0.0 && !has_sign {
-                true => "adds material".into(),
-                false => format!(
-                    "exceeds a twentieth of the normal module, {} um",
-                    rounded(most)
-                ),
-            };
             let low = if has_sign { -most } else { 0.0 };
-            ensure!(um >= low && um <= most, format!("{path}{field}") => um;
-                "{problem}";
-                "give the removal normal to the flank in micrometres, positive, as for a modification of the flank");
+            check(&format!("{path}{field}"), um, [low, most])?;
         }
         for (field, relief) in flank.end_reliefs() {
-            let (um, mm) = (relief.amount_um, relief.length_mm);
+            let least = (1e-3 * relief.amount_um / STEEPEST).max(ABOVE_0);
             let field = format!("{path}{field}.length_mm");
-            let (least, longest) = (1e-3 * um / STEEPEST, 0.5 * g.face_width_mm);
-            ensure!(mm > 0.0 && mm <= longest, &field => mm;
-                "must be above 0 and at most half of the face width, {} mm", rounded(longest);
-                "shorten the end relief, or use `lead_crowning_um` over the whole face");
-            ensure!(mm >= least, &field => number(mm);
-                "is steeper than one in ten under {um} um: a chamfer, and no relief";
-                "give at least {} mm, or a smaller amount", rounded(least));
+            check(&field, relief.length_mm, [least, 0.5 * g.face_width_mm])?;
         }
     }
     Ok(())
@@ -280,20 +268,21 @@ fn check_operating(file: &PairFile) -> Result<(), Refusal> {
     let nominal = o.nominal_torque_nm;
     ensure!((least..=most).contains(&nominal), "operating.nominal_torque_nm" => number(nominal);
         "lies outside {least:e} to {most:e}"; "give the torque on gear 1 in N m, above 0");
-    ensure!((nominal..=most).contains(&o.maximum_torque_nm), "operating.maximum_torque_nm" => o.maximum_torque_nm;
-        "is no limit above the nominal torque, {nominal}"; "give at least the nominal torque, on gear 1");
-    let (offset, tilt) = (o.center_distance_offset_um, o.misalignment_mrad);
+    check(
+        "operating.maximum_torque_nm",
+        o.maximum_torque_nm,
+        [nominal, most],
+    )?;
     for (field, [low, high], most) in [
-        ("operating.center_distance_offset_um", offset, 1e4),
-        ("operating.misalignment_mrad", tilt, 20.0),
+        (
+            "operating.center_distance_offset_um",
+            o.center_distance_offset_um,
+            1e4,
+        ),
+        ("operating.misalignment_mrad", o.misalignment_mrad, 20.0),
     ] {
-        let value = format!("[{low}, {high}]");
-        ensure!(low <= high, field => value; "is reversed"; "give the lower end first");
-        ensure!(low <= 0.0 && high >= 0.0, field => value;
-            "does not contain zero, the nominal state";
-            "give deviations from nominal, such as [-1.0, 1.0] or [0.0, 0.0]");
-        ensure!(low >= -most && high <= most, field => value;
-            "goes beyond {most} on one side"; "narrow the range; check the unit in the name");
+        check(field, low, [-most, 0.0])?;
+        check(field, high, [0.0, most])?;
     }
     Ok(())
 }

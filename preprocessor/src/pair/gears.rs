@@ -1,6 +1,6 @@
 //! A gear of the file on its own: teeth as its fields have them, rim, web and hub, and what a ring rests on.
 
-use super::checks::{check, in_gear};
+use super::checks::{ABOVE_0, check, in_gear};
 use super::error::{Refusal, ensure, refusal};
 use super::file::{GearFile, HeldEnds, MM, Meshing, PairFile, ShaftFile};
 use gearmesh::gear::{Body, Gear, GearKind, Stub};
@@ -101,7 +101,7 @@ pub(super) fn add_body(g: &GearFile, gear: &mut Gear, i: usize) -> Result<(), Re
     Ok(())
 }
 
-/// Least rim below the root circle, normal modules: less is no ring that teeth stand on.
+/// Least rim below the root circle, and between it and a shaft, normal modules: less is no ring that teeth stand on.
 const LEAST_RIM: f64 = 0.5;
 /// Least radial length of a web and wall of a hub, and least thickness of a web, normal modules.
 const LEAST_PART: f64 = 0.1;
@@ -113,13 +113,10 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
     let (module, width) = (gear.normal_module / MM, gear.face_width / MM);
     let (root, bore) = (2.0 * gear.root_radius() / MM, 2.0 * gear.held_radius / MM);
     let [least_rim, least, longest] =
-        [LEAST_RIM, LEAST_PART, LONGEST_HUB].map(|modules| rounded(modules * module));
-    ensure!(rim >= least_rim, in_gear(i, "rim_thickness_mm") => rim;
-        "is less than half a normal module, {least_rim} mm";
-        "give the radial thickness from the root circle to the inside of the rim");
-    ensure!(web >= least && web <= width, in_gear(i, "web_thickness_mm") => web;
-        "lies outside {least} mm (a tenth of the normal module) to the face width, {width} mm";
-        "give the axial thickness of the web");
+        [LEAST_RIM, LEAST_PART, LONGEST_HUB].map(|part| part * module);
+    let check = |name: &str, mm: f64, range| check(&in_gear(i, name), mm, range);
+    check("rim_thickness_mm", rim, [least_rim, 0.5 * root])?;
+    check("web_thickness_mm", web, [least, width])?;
     let offset = g.web_offset_mm.unwrap_or(0.0);
     let (face, middle) = (Extent([0.0, width]), 0.5 * width);
     let web = Extent::about(middle + offset, web);
@@ -133,13 +130,9 @@ fn body(g: &GearFile, gear: &Gear, i: usize, [rim, web]: [f64; 2]) -> Result<Bod
     let hub_width = g.hub_width_mm.map(|mm| ("hub_width_mm", mm));
     let hub_offset = g.hub_offset_mm.map(|mm| ("hub_offset_mm", mm));
     if let Some(diameter) = g.hub_diameter_mm {
-        ensure!(diameter >= bore + 2.0 * least, in_gear(i, "hub_diameter_mm") => diameter;
-            "leaves less than {least} mm (a tenth of the normal module) of wall around the bore of {bore:.3} mm";
-            "give the outer diameter of the hub, or leave it out for a web that reaches down to the bore");
+        check("hub_diameter_mm", diameter, [bore + 2.0 * least, root])?;
         let length = g.hub_width_mm.unwrap_or(width);
-        ensure!(length > 0.0 && length <= longest, in_gear(i, "hub_width_mm") => length;
-            "must be above 0 and at most a hundred normal modules, {longest} mm";
-            "give the axial length over which the hub sits on the shaft");
+        check("hub_width_mm", length, [ABOVE_0, longest])?;
         hub = Extent::about(middle + g.hub_offset_mm.unwrap_or(0.0), length);
         let (field, offset) = hub_offset.unwrap_or(("hub_width_mm", length));
         ensure!(hub.encloses(web), in_gear(i, field) => offset;
@@ -170,19 +163,23 @@ const BORE_OF_SOLID: f64 = 0.1;
 /// The shaft that the teeth of `gear` are cut from; sets its bore.
 fn shaft(g: &GearFile, shaft: &ShaftFile, gear: &mut Gear, i: usize) -> Result<Body, Refusal> {
     let module = gear.normal_module / MM;
-    let [wall, longest] = [LEAST_PART, LONGEST_HUB].map(|modules| rounded(modules * module));
-    let thickest = 2.0 * gear.root_radius() / MM - 2.0 * rounded(LEAST_RIM * module);
+    let [wall, longest] = [LEAST_PART, LONGEST_HUB].map(|part| part * module);
+    let thickest = 2.0 * gear.root_radius() / MM - 2.0 * LEAST_RIM * module;
     let thinnest = g.bore_diameter_mm.unwrap_or(0.0) + 2.0 * wall;
     let pieces = [("lower", shaft.lower), ("upper", shaft.upper)];
     for (name, piece) in pieces {
         let Some(piece) = piece else { continue };
         let path = in_gear(i, &format!("shaft.{name}"));
-        ensure!((thinnest..=thickest).contains(&piece.diameter_mm), format!("{path}.diameter_mm") => piece.diameter_mm;
-            "lies outside {thinnest:.3} mm (the bore and a wall) to {thickest:.3} mm (half a normal module below the root circle)";
-            "give the diameter of the shaft beside the teeth; of a thicker one give the largest that is taken");
-        ensure!((wall..=longest).contains(&piece.length_mm), format!("{path}.length_mm") => piece.length_mm;
-            "lies outside {wall} to {longest} mm (a tenth to a hundred normal modules)";
-            "give the length from the face to where the shaft of the multibody model takes over");
+        check(
+            &format!("{path}.diameter_mm"),
+            piece.diameter_mm,
+            [thinnest, thickest],
+        )?;
+        check(
+            &format!("{path}.length_mm"),
+            piece.length_mm,
+            [wall, longest],
+        )?;
     }
     let held = match (shaft.held, shaft.lower, shaft.upper) {
         (Some(held), ..) => [held != HeldEnds::Upper, held != HeldEnds::Lower],

@@ -1,13 +1,13 @@
 //! What can only be said of the gears as built and of the pair in mesh.
 
-use super::checks::{about, in_gear, meant, remedy};
+use super::checks::{about, check_with_usual, in_gear, meant};
 use super::error::{Refusal, ensure, refusal};
 use super::file::{MM, PairFile, UM};
 use gearmesh::gear::{
     Gear, GearKind, LEAST_WALL, PairGeometry, ProfileError, ToothProfile, inverse_involute,
     involute,
 };
-use gearmesh::words::{number, rounded};
+use gearmesh::words::rounded;
 
 /// The field that sets the tip circle of gear `i`, and its value.
 fn tip_field(file: &PairFile, gear: &Gear, i: usize) -> (String, String) {
@@ -43,25 +43,9 @@ pub(super) fn check_gear(file: &PairFile, gear: &Gear, i: usize) -> Result<Tooth
             0.5 * root,
             [LEAST_BORE * root, root - wall],
         ),
-        GearKind::Ring => ("rim_diameter_mm", 1.1 * root, [root + wall, f64::INFINITY]),
+        GearKind::Ring => ("rim_diameter_mm", 1.1 * root, [root + wall, 1e5]),
     };
-    let problem = match gear.kind {
-        GearKind::External => format!(
-            "lies outside a thousandth of the root diameter, {root:.3} mm, to half a normal module below it"
-        ),
-        GearKind::Ring => format!(
-            "is less than {:.3} mm, half a normal module above the root diameter of the ring",
-            range[0]
-        ),
-    };
-    let name = in_gear(i, name);
-    let remedy = remedy(
-        &name,
-        held,
-        about(usual),
-        "give the diameter at which the gear is held",
-    );
-    ensure!(range[0] <= held && held <= range[1], name => number(rounded(held)); "{problem}"; "{remedy}");
+    check_with_usual(&in_gear(i, name), rounded(held), range, about(usual))?;
     Ok(profile)
 }
 

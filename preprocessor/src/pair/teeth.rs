@@ -40,8 +40,11 @@ pub(super) fn tooth_errors(
     };
     for (place, own) in given.teeth.iter().enumerate() {
         let (path, tooth) = (format!("{path}teeth[{place}]."), own.tooth);
-        ensure!(tooth < gear.teeth, format!("{path}tooth") => tooth;
-            "is no tooth of a gear of {}", gear.teeth; "give a number from 0 to {}", gear.teeth - 1);
+        check(
+            &format!("{path}tooth"),
+            f64::from(tooth),
+            [0.0, gear.z() - 1.0],
+        )?;
         let is_again = given.teeth[..place].iter().any(|t| t.tooth == tooth);
         ensure!(!is_again, format!("{path}tooth") => tooth;
             "stands in the list twice"; "give a tooth once, with all that is its own");
@@ -99,9 +102,8 @@ fn index(
         }
         (None, Some(class)) => {
             let path = format!("{path}.pitch_class");
-            ensure!(CLASSES.contains(&class), path => class;
-                "is no flank tolerance class of ISO 1328-1";
-                "give one from {} to {}", CLASSES.start(), CLASSES.end());
+            let classes = [*CLASSES.start(), *CLASSES.end()].map(f64::from);
+            check(&path, f64::from(class), classes)?;
             let errors = random_index_errors(gear, class, given.seed);
             let largest = errors.iter().fold(0.0f64, |m, e| m.max(e.abs())) / UM;
             ensure!(largest <= most, path => class;

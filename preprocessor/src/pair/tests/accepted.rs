@@ -5,7 +5,7 @@ use approx::assert_abs_diff_eq;
 use super::file::PairFile;
 use super::*;
 use gearmesh::friction::FrictionLaw;
-use gearmesh::gear::{Body, GearKind, ToothProfile};
+use gearmesh::gear::{GearKind, ToothProfile};
 
 #[test]
 fn the_papers_pair_has_its_contact_ratios_force_and_relief() {
